@@ -17,6 +17,7 @@ from mimics_app.lab.physio.load_sessions import draw_load_people
 from mimics_app.lab.physio.loop_study import SEEDS
 from mimics_app.lab.physio.state_study import StateScore, state_study
 from mimics_app.lab.physio_drawing import physio_figure, row_of
+from mimics_app.lab.physio_latency_figure import beat_latency
 from mimics_app.lab.physio_loop_figure import loop_regret
 from mimics_app.lab.physio_maps import failure_map, loop_stability
 from mimics_app.learning.registry import POLICIES
@@ -185,6 +186,7 @@ def _neurokit_detectors() -> dict[str, Callable[[F8, float], F8]]:
 
 FIGURES: Mapping[str, Callable[[Path | None], Figure]] = {
     "detectors": detectors,
+    "beat_latency": beat_latency,
     "failure_map": lambda _: failure_map(),
     "loop_stability": lambda _: loop_stability(),
     "learning_curves": lambda _: learning_curves(),

@@ -13,7 +13,7 @@ import pytest
 
 from mimics_app.app.cli import main
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
-from mimics_app.contracts.messages import Experience
+from mimics_app.contracts.messages import Experience, SignalBlock
 from mimics_app.contracts.plugins import PluginGroup
 from mimics_app.dsp.stage import PhysioDsp
 from mimics_app.inputs.physio import sources
@@ -27,6 +27,7 @@ from mimics_app.inputs.stage import Movement
 from mimics_app.maths.poses import rotation_from_vector
 from tests.support.amplifier import AmplifierEmulator, opened
 from tests.support.body_signals import body
+from tests.support.command import mimics
 
 SECOND = 1_000_000_000
 
@@ -255,7 +256,7 @@ def test_a_stream_of_lsl() -> None:
     end = time.monotonic() + 20.0
     blocks: list[Any] = []
     sent = 0
-    while sum(len(block.values) for block in blocks) < 500 and time.monotonic() < end:
+    while sum(np.isfinite(block.values).sum() for block in blocks) < 400 and time.monotonic() < end:
         outlet.push_chunk([[float(i), 5.0] for i in range(sent, sent + 20)])
         sent += 20
         time.sleep(0.02)
@@ -372,3 +373,21 @@ def test_a_source_of_an_installed_package_is_watched_as_a_live_one(
     assert main(["physio", "mybox:left", "--seconds", "0.2", "--seed", "3", "--json"]) == 0
     assert opened == [("left", 3)]
     assert set(json.loads(capsys.readouterr().out)["signals"]) == {"ecg", "gsr", "emg", "resp"}
+
+
+def test_a_check_says_why_a_source_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An amplifier that is unplugged is no matter of electrodes alone."""
+
+    class Unplugged:
+        lost = "the amplifier is gone: Input/output error"
+
+        def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
+            return (SignalBlock("ecg", 250.0, now_ns, np.zeros(5)),)
+
+        def close(self) -> None:
+            """Nothing is open."""
+
+    monkeypatch.setattr("mimics_app.inputs.physio.sources.open_source", lambda address, seed: Unplugged())
+    done = mimics("physio", "serial:nowhere", "--seconds", "0.1", "--check", "--json")
+    assert done.returncode == 6
+    assert json.loads(done.stdout)["advice"][0].startswith(Unplugged.lost)

@@ -51,9 +51,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read the source to its end, and print its signals, their quality and the events found."""
-    from mimics_app.app.physio.watch import Watch
+    from mimics_app.app.physio.watch import Watch, compile_channels
     from mimics_app.contracts.errors import PartialDataError
 
+    compile_channels()
     source, start_s, seconds, live = _open(args)
     watch = Watch()
     try:
@@ -68,7 +69,7 @@ def run(args: argparse.Namespace) -> int:
         _write_page(watch, args, live=False)
     found = watch.summary(source)
     if args.check:
-        found["advice"] = _advice(found)
+        found["advice"] = _advice(found, getattr(source, "lost", ""))
     answer(args, found, _lines(found))
     return PartialDataError.exit_code if args.check and found["advice"] else 0
 
@@ -106,11 +107,11 @@ def _write_page(watch: Watch, args: argparse.Namespace, *, live: bool) -> None:
     write_page(watch, args.page, f"Body signals: {args.source}", live=live)
 
 
-def _advice(found: dict[str, Any]) -> list[str]:
-    """Return the corrections to make, one sentence each."""
+def _advice(found: dict[str, Any], lost: str) -> list[str]:
+    """Return the corrections to make, one sentence each; `lost` is why the source ended, "" if it did not."""
     if not found["signals"]:
         return ["no signal was received: check that the amplifier sends"]
-    advice = []
+    advice = [f"{lost}: check its cable and power"] if lost else []
     for name, signal in found["signals"].items():
         if signal["bad_share"] > _BAD_SHARE:
             advice.append(f"{name}: {100 * signal['bad_share']:.0f} % of the seconds are bad: check its electrodes")

@@ -17,14 +17,16 @@ from mimics_app.contracts.clock import SECOND_NS, Clock
 from mimics_app.contracts.input_port import SignalSource
 from mimics_app.contracts.messages import SignalBlock
 from mimics_app.dsp.channel import Event
-from mimics_app.dsp.stage import PhysioDsp
+from mimics_app.dsp.stage import CHANNELS, PhysioDsp
 
-__all__ = ["Watch", "blocks_of_file", "follow"]
+__all__ = ["Watch", "blocks_of_file", "compile_channels", "follow"]
 
 _SHOWN_S = 12.0
 """Length of the plots of signals [s]."""
 _POLL_NS = 20_000_000
 """Period in which a live source is polled [ns]."""
+_ANY_RATE = 1000.0
+"""Sampling rate that all signals allow [Hz]."""
 _BAD = 0.5
 """Quality below which a second counts as bad."""
 
@@ -125,6 +127,12 @@ class Watch:
             table = csv.DictWriter(file, ["t_s", *names], lineterminator="\n", restval="")
             table.writeheader()
             table.writerows({name: f"{value:.6g}" for name, value in row.items()} for row in self.features)
+
+
+def compile_channels() -> None:
+    """Compile the processing of every signal: a live source would lose what it sends meanwhile."""
+    for channel in CHANNELS.values():
+        channel(_ANY_RATE).push(np.zeros(1))
 
 
 def blocks_of_file(source: SignalSource, seconds: float) -> Iterator[tuple[tuple[SignalBlock, ...], int]]:

@@ -9,13 +9,26 @@ turns: the best path for the form, then the average of the signal along the path
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from mimics_app.contracts.kernel import kernel
 from mimics_app.dsp.kernels.sections import Floats
 from mimics_app.dsp.kernels.templates import log_ratio, whiten_form
 
-__all__ = ["BEATS", "DEVIATION", "EVIDENCE", "LATEST", "PATH", "PERIOD", "find_form", "find_path", "unroll"]
+__all__ = [
+    "BEATS",
+    "DEVIATION",
+    "EVIDENCE",
+    "LATEST",
+    "PATH",
+    "PERIOD",
+    "PathModel",
+    "find_form",
+    "find_path",
+    "unroll",
+]
 
 EVIDENCE, PERIOD, LATEST, BEATS, DEVIATION = range(5)
 PATH = 5
@@ -43,6 +56,26 @@ _ROUNDS = 4
 """Paths that are found for a form, with an average between two."""
 
 
+class PathModel(NamedTuple):
+    """What is assumed of noise and rhythm when a path is searched.
+
+    Attributes:
+        variance: Of the whitened noise [mV^2].
+        freedom: Degrees of freedom of its distribution.
+        rate: Sampling rate [Hz].
+        hold: Samples without a larger score after which a peak is complete.
+        spread: Standard deviation of the intervals, as a share of the period.
+        missed: Cost of a missed beat, in the logarithm of the probability.
+    """
+
+    variance: float
+    freedom: float
+    rate: float
+    hold: int
+    spread: float
+    missed: float
+
+
 @kernel
 def unroll(n: int, ring: Floats, line: Floats) -> None:
     """Copy a ring buffer, shape [m], whose newest sample is `n`, to an array in the order of time."""
@@ -52,19 +85,7 @@ def unroll(n: int, ring: Floats, line: Floats) -> None:
 
 
 @kernel
-def find_form(
-    form: Floats,
-    signal: Floats,
-    white: Floats,
-    error: Floats,
-    variance: float,
-    freedom: float,
-    rate: float,
-    hold: int,
-    spread: float,
-    missed: float,
-    path: Floats,
-) -> None:
+def find_form(form: Floats, signal: Floats, white: Floats, error: Floats, model: PathModel, path: Floats) -> None:
     """Improve a form by the beats that resemble it, and describe the path of these beats.
 
     Args:
@@ -72,12 +93,7 @@ def find_form(
         signal: Shape [m].
         white: The signal through the error filter, shape [m].
         error: Error filter, shape [p + 1].
-        variance: Of the whitened noise [mV^2].
-        freedom: Degrees of freedom of the noise's distribution.
-        rate: Sampling rate [Hz].
-        hold: Samples without a larger score after which a peak is complete.
-        spread: Standard deviation of the intervals, as a share of the period.
-        missed: Cost of a missed beat, in the logarithm of the probability.
+        model: Noise and rhythm.
         path: Receives the description of the path, see PATH.
     """
     whitened, share = np.empty((1, form.shape[0] - error.shape[0] + 1)), np.zeros(1)
@@ -85,73 +101,45 @@ def find_form(
     for turn in range(_ROUNDS):
         whiten_form(form, error, whitened[0])
         largest = _MOST_SIZE if turn < _ROUNDS - 1 else 0.0
-        end = _follow(whitened, share, white, variance, freedom, rate, hold, spread, missed, largest, peaks, path)
+        end = _follow(whitened, share, white, model, largest, peaks, path)
         if end < 0:
             return
         if turn < _ROUNDS - 1:
-            _average(end, peaks, signal, freedom * variance, form)
+            _average(end, peaks, signal, model.freedom * model.variance, form)
 
 
 @kernel
-def find_path(
-    whitened: Floats,
-    shares: Floats,
-    white: Floats,
-    variance: float,
-    freedom: float,
-    rate: float,
-    hold: int,
-    spread: float,
-    missed: float,
-    path: Floats,
-) -> None:
+def find_path(whitened: Floats, shares: Floats, white: Floats, model: PathModel, path: Floats) -> None:
     """Describe the most probable path for given forms.
 
     Args:
         whitened: Whitened forms, shape [k, l].
         shares: Logarithm of the share of the beats that each form has, minus infinity to leave it out, shape [k].
-        white: See `find_form`, as are the others.
-        variance: See there.
-        freedom: See there.
-        rate: See there.
-        hold: See there.
-        spread: See there.
-        missed: See there.
+        white: The signal through the error filter, shape [m].
+        model: Noise and rhythm.
         path: Receives the description of the path, see PATH.
     """
-    peaks = np.empty((_ROWS, _PEAKS))
-    _follow(whitened, shares, white, variance, freedom, rate, hold, spread, missed, 0.0, peaks, path)
+    _follow(whitened, shares, white, model, 0.0, np.empty((_ROWS, _PEAKS)), path)
 
 
 @kernel
 def _follow(
-    whitened: Floats,
-    shares: Floats,
-    white: Floats,
-    variance: float,
-    freedom: float,
-    rate: float,
-    hold: int,
-    spread: float,
-    missed: float,
-    largest: float,
-    peaks: Floats,
-    path: Floats,
+    whitened: Floats, shares: Floats, white: Floats, model: PathModel, largest: float, peaks: Floats, path: Floats
 ) -> int:
     """List the peaks, find the best path of all periods, describe it; return the peak at its end, -1 without one."""
     path[:] = 0.0
-    count = _list_peaks(whitened, shares, white, variance, freedom, hold, largest, peaks)
+    count = _list_peaks(whitened, shares, white, model, largest, peaks)
     if count == 0:
         return -1
-    period, best = _SHORTEST * rate, 0.0
-    while period < _LONGEST * rate:
-        end = _link(count, peaks, period, spread, missed)
+    period, best = _SHORTEST * model.rate, 0.0
+    while period < _LONGEST * model.rate:
+        end = _link(count, peaks, period, model)
         if peaks[_SUM, end] > path[EVIDENCE]:
             path[EVIDENCE], best = peaks[_SUM, end], period
-        period *= 1.0 + spread
+        period *= 1.0 + model.spread
     if best == 0.0:
         return -1
-    end = _link(count, peaks, best, spread, missed)
+    end = _link(count, peaks, best, model)
     _describe(end, peaks, best, path)
     path[LATEST] = peaks[_AT, end] - (white.shape[0] - 1)
     return end
@@ -159,14 +147,7 @@ def _follow(
 
 @kernel
 def _list_peaks(
-    whitened: Floats,
-    shares: Floats,
-    white: Floats,
-    variance: float,
-    freedom: float,
-    hold: int,
-    largest: float,
-    peaks: Floats,
+    whitened: Floats, shares: Floats, white: Floats, model: PathModel, largest: float, peaks: Floats
 ) -> int:
     """Write the peaks of the largest score of the forms, and return their number."""
     length, count, best, at, left = whitened.shape[1], 0, _LEAST_SCORE, 0, 0.0
@@ -178,10 +159,12 @@ def _list_peaks(
             if shares[k] == -np.inf:
                 continue
             rest = _rest(whitened[k], energies[k], white, t, without, largest)
-            value = log_ratio(without, rest, variance, freedom, length) + shares[k] if rest < without else -np.inf
+            if rest >= without:
+                continue
+            value = log_ratio(without, rest, model.variance, model.freedom, length) + shares[k]
             if value > best:
                 best, at, left = value, t, rest
-        if best > _LEAST_SCORE and t - at > hold:
+        if best > _LEAST_SCORE and t - at > model.hold:
             if count < peaks.shape[1]:
                 peaks[_AT, count], peaks[_SCORE, count], peaks[_REST, count] = at, best, left
                 count += 1
@@ -204,9 +187,9 @@ def _rest(whitened: Floats, energy: float, white: Floats, t: int, without: float
 
 
 @kernel
-def _link(count: int, peaks: Floats, period: float, spread: float, missed: float) -> int:
+def _link(count: int, peaks: Floats, period: float, model: PathModel) -> int:
     """Find the best path to each peak for a period, and return the peak at the end of the best one."""
-    end, density = 0, -np.log(np.sqrt(2.0 * np.pi) * spread * period)
+    end, density = 0, -np.log(np.sqrt(2.0 * np.pi) * model.spread * period)
     for j in range(count):
         best, before = density, -1
         for i in range(j - 1, -1, -1):
@@ -214,8 +197,8 @@ def _link(count: int, peaks: Floats, period: float, spread: float, missed: float
             if steps > _FARTHEST:
                 break
             beats = max(np.floor(steps + 0.5), 1.0)
-            away = (steps / beats - 1.0) / spread
-            value = peaks[_SUM, i] + density - 0.5 * away * away - (beats - 1.0) * missed
+            away = (steps / beats - 1.0) / model.spread
+            value = peaks[_SUM, i] + density - 0.5 * away * away - (beats - 1.0) * model.missed
             if abs(away) <= _WIDEST and value > best:
                 best, before = value, i
         peaks[_SUM, j], peaks[_FROM, j] = peaks[_SCORE, j] + best, before

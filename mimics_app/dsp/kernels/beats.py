@@ -12,6 +12,8 @@ About once a second a form is searched in the last seconds (`beat_path`), which 
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from mimics_app.contracts.kernel import kernel
@@ -22,11 +24,22 @@ from mimics_app.dsp.kernels.beat_path import (
     LATEST,
     PATH,
     PERIOD,
+    PathModel,
     find_form,
     find_path,
     unroll,
 )
-from mimics_app.dsp.kernels.rhythm import LAST, PHASE, RHYTHM, RR, UNSTEADY, add_beat, off_beat, steadiness
+from mimics_app.dsp.kernels.form_tuning import TUNING
+from mimics_app.dsp.kernels.rhythm import (
+    LAST,
+    PHASE,
+    RHYTHM,
+    RR,
+    UNSTEADY,
+    add_beat,
+    off_beat,
+    steadiness,
+)
 from mimics_app.dsp.kernels.sections import Floats
 from mimics_app.dsp.kernels.templates import (
     COUNT,
@@ -35,6 +48,7 @@ from mimics_app.dsp.kernels.templates import (
     SHIFT,
     SIGNAL,
     WHITE,
+    Bank,
     learn_beat,
     learn_noise,
     mark_beat,
@@ -42,10 +56,7 @@ from mimics_app.dsp.kernels.templates import (
     whiten,
 )
 
-__all__ = ["BEATS_STATE", "FITTED", "MATCHED", "PROVISIONAL", "Bank", "choose_beats"]
-
-Bank = tuple[Floats, Floats, Floats, Floats, Floats]
-"""Ring buffer [3, m], templates [k, l + p], whitened templates [k, l], their sizes [k, 2], noise [p + 2, p + 1]."""
+__all__ = ["BEATS_STATE", "FITTED", "MATCHED", "PROVISIONAL", "FormDetector", "choose_beats"]
 
 (
     MATCHED,
@@ -63,13 +74,18 @@ Bank = tuple[Floats, Floats, Floats, Floats, Floats]
     PROVISIONAL,
     SEARCHED,
     PROVEN,
-) = range(RHYTHM, RHYTHM + 15)
-BEATS_STATE = RHYTHM + 15
+    WRITTEN,
+    RELIABLE,
+    EARLY,
+) = range(RHYTHM, RHYTHM + 18)
+BEATS_STATE = RHYTHM + 18
 """Length of the state vector: the rhythm, whether templates decide, candidate and its score, best rejected candidate
 and by how much its score exceeds the threshold, samples seen, share of beats found by templates, strongest beat found
 by energy since the last beat and its strength, variance of the whitened noise, samples of noise, last beat found by
-templates, whether the templates are provisional, last search of a form, evidence for the provisional templates. Times
-are in samples of the ring buffer; the samples seen and the last beat found by templates are samples of the signal."""
+templates, whether the templates are provisional, last search of a form, evidence for the provisional templates, beats
+written from the newest samples, share of the beats found by energy that were beats, whether the last beat was one found
+by energy and taken early. Times are in samples of the ring buffer; the samples seen and the last beat found by
+templates are samples of the signal."""
 
 _LATER = 0.3
 """Time after which a sample is learnt as noise if no beat was found near it [s]."""
@@ -82,40 +98,45 @@ _REFRACTORY = 0.36
 _USUAL_RR = 0.8
 """Expected interval while none is known [s]."""
 _FOLLOW = 0.1
-"""Weight of a beat in the share of beats found by templates."""
+"""Weight of a beat in the share of beats found by templates, and in that of true ones among those found by energy."""
+_SOON = 0.75
+"""Share of the mean interval within which no beat follows an extrasystole."""
 
 
-@kernel
-def choose_beats(
-    wide: Floats,
-    found: Floats,
-    state: Floats,
-    bank: Bank,
-    rate: float,
-    step: int,
-    delay: float,
-    rhythm: Floats,
-    tuning: Floats,
-    out: Floats,
-) -> int:
-    """Process samples and the beats found in them by energy; write the beats to report.
+class FormDetector(NamedTuple):
+    """The detector by forms.
 
-    Args:
-        wide: The signal through the wide band-pass, shape [n].
-        found: Beats found by energy in these samples, shape [b, 3], see `ecg.find_beats`.
+    Attributes:
         state: See BEATS_STATE.
-        bank: See Bank.
+        bank: Templates and noise.
+        out: Beats to report, shape [b, 2]: sample of the R peak and sample at which it is known.
         rate: Sampling rate of the ring buffer [Hz].
         step: Samples of the signal per sample of the ring buffer.
         delay: Group delay of the wide band-pass [samples of the signal].
-        rhythm: See `ecg.TUNING`.
-        tuning: See `ecg.TEMPLATE_TUNING`.
-        out: Beats, shape [b, 2]: sample of the R peak and sample at which it is known.
+    """
+
+    state: Floats
+    bank: Bank
+    out: Floats
+    rate: float
+    step: int
+    delay: float
+
+
+@kernel
+def choose_beats(wide: Floats, found: Floats, detector: FormDetector) -> int:
+    """Process samples and the beats found in them by energy; write the beats to report into `detector.out`.
+
+    Args:
+        wide: The signal through the wide band-pass, shape [n].
+        found: Beats found by energy in these samples, shape [b, 3], see `ecg.EnergyDetector`.
+        detector: The detector.
 
     Returns:
         Number of beats written.
     """
-    used, count, rings = 0, 0, bank[0]
+    state, step, rings, used = detector.state, detector.step, detector.bank.rings, 0
+    state[WRITTEN] = 0.0
     for i in range(wide.shape[0]):
         now = int(state[N])
         state[N] += 1.0
@@ -123,78 +144,69 @@ def choose_beats(
         if new:
             rings[SIGNAL, n % rings.shape[1]], rings[NEAR, n % rings.shape[1]] = wide[i], 0.0
         while used < found.shape[0] and found[used, 1] <= now:
-            count = _hear(found[used], n, state, bank, rate, step, delay, rhythm, tuning, out, count)
+            _hear(found[used], n, detector)
             used += 1
-        if new and _prepare(n, state, bank, rate, tuning):
-            count = _decide(n, state, bank, rate, step, delay, rhythm, tuning, out, count)
-    return count
+        if new and _prepare(n, detector):
+            _decide(n, detector)
+    return int(state[WRITTEN])
 
 
 @kernel
-def _hear(
-    beat: Floats,
-    n: int,
-    state: Floats,
-    bank: Bank,
-    rate: float,
-    step: int,
-    delay: float,
-    rhythm: Floats,
-    tuning: Floats,
-    out: Floats,
-    count: int,
-) -> int:
-    """Take a beat found by energy: report and learn it, or keep it for a gap; return the beats written so far."""
-    rings, templates, _, sizes, _ = bank
-    at = int(np.round((beat[0] + delay) / step))
-    due = n > max(tuning[29] * rate, state[SEARCHED] + tuning[27] * rate)
+def _hear(beat: Floats, n: int, detector: FormDetector) -> None:
+    """Take a beat found by energy: report and learn it, or keep it for a gap."""
+    state, bank, rate = detector.state, detector.bank, detector.rate
+    rings = bank.rings
+    at = int(np.round((beat[0] + detector.delay) / detector.step))
+    due = n > max(TUNING.search_from_s * rate, state[SEARCHED] + TUNING.search_every_s * rate)
     if due and state[PROVISIONAL] > 0.0 and state[VARIANCE] > 0.0:
-        _search(at, n, state, bank, rate, tuning)
+        _search(at, n, detector)
     if state[MATCHED] > 0.0:
-        if beat[2] > max(state[ENERGY_V], tuning[22]) and at - state[LAST] > _APART * rate:
+        if abs(at - state[LAST]) < TUNING.near_s * rate:
+            _rate(1.0, state)
+        if beat[2] > max(state[ENERGY_V], TUNING.gap_strong) and at - state[LAST] > _APART * rate:
             state[ENERGY_T], state[ENERGY_V] = at, beat[2]
-        return count
-    if beat[0] - state[FITTED] > tuning[18] * rate * step and count < out.shape[0]:
-        out[count, 0], out[count, 1] = beat[0], beat[1]
-        count += 1
-    after = int(np.round(tuning[1] * rate))
-    before = templates.shape[1] - after
+        return
+    if beat[0] - state[FITTED] > TUNING.refractory_s * rate * detector.step:
+        _write(beat[0], beat[1], detector)
+    after = int(np.round(TUNING.after_s * rate))
+    before = bank.templates.shape[1] - after
     inside = at - before - SHIFT > max(n - rings.shape[1], 0) and at + after + SHIFT <= n
-    known = sizes[:, COUNT].max() >= tuning[8]
+    known = bank.sizes[:, COUNT].max() >= TUNING.usable
     fits = False
-    if beat[2] > tuning[5] and inside:
-        fits = learn_beat(at, rings, templates, sizes, before, tuning[6], tuning[7])
+    if beat[2] > TUNING.strong and inside:
+        fits = learn_beat(at, bank, before, TUNING.same, TUNING.weight)
     if fits or not known:
-        add_beat(at, state, 0.0, rate, rhythm)
-        mark_beat(at, n, rings, int(tuning[4] * rate))
-    return count
+        add_beat(at, state, 0.0, rate)
+        mark_beat(at, n, rings, int(TUNING.near_s * rate))
 
 
 @kernel
-def _search(at: int, n: int, state: Floats, bank: Bank, rate: float, tuning: Floats) -> None:
+def _search(at: int, n: int, detector: FormDetector) -> None:
     """Search a form that explains the last seconds better than the provisional templates, beginning with one beat."""
-    rings, templates, whitened, sizes, noise = bank
-    variance, error, hold = state[VARIANCE], noise[noise.shape[1]], int(tuning[17] * rate)
+    state, bank, rate = detector.state, detector.bank, detector.rate
+    rings, templates, sizes = bank.rings, bank.templates, bank.sizes
+    hold = int(TUNING.hold_s * rate)
+    model = PathModel(state[VARIANCE], TUNING.freedom, rate, hold, TUNING.spread, TUNING.missed)
     signal, white, path = np.empty(rings.shape[1]), np.empty(rings.shape[1]), np.zeros(PATH)
     unroll(n, rings[SIGNAL], signal)
     unroll(n, rings[WHITE], white)
-    state[PROVEN] *= max(1.0 - (n - state[SEARCHED]) / (tuning[28] * rate), 0.0)
+    state[PROVEN] *= max(1.0 - (n - state[SEARCHED]) / (TUNING.fade_s * rate), 0.0)
     state[SEARCHED] = n
-    if sizes[:, COUNT].max() >= tuning[8]:
+    if sizes[:, COUNT].max() >= TUNING.usable:
         shares = np.full(sizes.shape[0], -np.inf)
         for k in range(sizes.shape[0]):
-            if sizes[k, COUNT] >= tuning[8]:
+            if sizes[k, COUNT] >= TUNING.usable:
                 shares[k] = np.log(sizes[k, COUNT] / sizes[:, COUNT].sum())
-        find_path(whitened, shares, white, variance, tuning[2], rate, hold, tuning[24], tuning[25], path)
+        find_path(bank.whitened, shares, white, model, path)
         state[PROVEN] = max(state[PROVEN], path[EVIDENCE])
-    after = int(np.round(tuning[1] * rate))
+    after = int(np.round(TUNING.after_s * rate))
     begin = signal.shape[0] - 1 - n + at + after - templates.shape[1]
     if begin < 0 or begin + templates.shape[1] > signal.shape[0]:
         return
     form = signal[begin : begin + templates.shape[1]].copy()
-    find_form(form, signal, white, error, variance, tuning[2], rate, hold, tuning[24], tuning[25], path)
-    covered = path[BEATS] * path[PERIOD] > tuning[30] * min(n, signal.shape[0])
-    if covered and path[EVIDENCE] > max(state[PROVEN], tuning[26]):
+    find_form(form, signal, white, bank.error, model, path)
+    covered = path[BEATS] * path[PERIOD] > TUNING.covered * min(n, signal.shape[0])
+    if covered and path[EVIDENCE] > max(state[PROVEN], TUNING.evidence):
         templates[0], sizes[:, COUNT] = form, 0.0
         sizes[0, COUNT], state[PROVEN] = path[BEATS], path[EVIDENCE]
         state[RR], state[UNSTEADY] = path[PERIOD], path[DEVIATION]
@@ -202,133 +214,156 @@ def _search(at: int, n: int, state: Floats, bank: Bank, rate: float, tuning: Flo
 
 
 @kernel
-def _prepare(n: int, state: Floats, bank: Bank, rate: float, tuning: Floats) -> bool:
+def _prepare(n: int, detector: FormDetector) -> bool:
     """Learn the noise, whiten the newest sample and choose the detector; return whether templates decide."""
-    rings, templates, whitened, sizes, noise = bank
-    m, p = rings.shape[1], noise.shape[1] - 1
+    state, bank, rate = detector.state, detector.bank, detector.rate
+    rings, error = bank.rings, bank.error
+    m, p = rings.shape[1], error.shape[0] - 1
     at = n - int(_LATER * rate)
     if at > p and state[LAST] >= 0.0 and rings[NEAR, at % m] == 0.0:
         state[HEARD] += 1.0
-        learn_noise(at, rings, noise, max(1.0 / state[HEARD], 1.0 / (tuning[3] * rate)))
+        learn_noise(at, bank, max(1.0 / state[HEARD], 1.0 / (TUNING.noise_s * rate)))
     due = n % max(int(_EVERY * rate), 1) == 0
     if due:
-        state[VARIANCE] = whiten(templates, whitened, sizes, noise)
+        state[VARIANCE] = whiten(bank)
     value = 0.0
     for i in range(p + 1):
-        value += noise[p + 1, i] * rings[SIGNAL, (n - i) % m]
+        value += error[i] * rings[SIGNAL, (n - i) % m]
     rings[WHITE, n % m] = value
     if due:
-        _switch(state, sizes, tuning)
+        _switch(state, bank.sizes)
     return state[MATCHED] > 0.0
 
 
 @kernel
-def _switch(state: Floats, sizes: Floats, tuning: Floats) -> None:
+def _switch(state: Floats, sizes: Floats) -> None:
     """Let templates decide in noise, and energy on a clear signal or where the templates do not fit any more."""
     largest = 0.0
     for k in range(sizes.shape[0]):
-        if sizes[k, COUNT] >= tuning[8]:
+        if sizes[k, COUNT] >= TUNING.usable:
             largest = max(largest, sizes[k, ENERGY])
     clear = np.sqrt(largest / state[VARIANCE])
     if state[MATCHED] == 0.0:
-        if clear >= tuning[9]:
+        if clear >= TUNING.noisy:
             state[PROVISIONAL] = 0.0
         elif clear > 0.0:
             state[MATCHED], state[SHARE] = 1.0, 1.0
             state[CAND_V] = state[BACK_V] = -np.inf
             state[ENERGY_V] = 0.0
-    elif clear > tuning[10]:
+    elif clear > TUNING.clear:
         state[MATCHED] = state[PROVISIONAL] = 0.0
-    elif state[SHARE] < tuning[23]:
+    elif state[SHARE] < TUNING.fitting:
         state[MATCHED], state[PROVISIONAL], state[PROVEN] = 0.0, 1.0, 0.0
         sizes[:, COUNT] = 0.0
 
 
 @kernel
-def _decide(
-    n: int,
-    state: Floats,
-    bank: Bank,
-    rate: float,
-    step: int,
-    delay: float,
-    rhythm: Floats,
-    tuning: Floats,
-    out: Floats,
-    count: int,
-) -> int:
-    """Track the score to its next peak and classify it; fill gaps; return the number of beats written so far."""
-    rings, _, whitened, sizes, _ = bank
-    value = score(n, rings, whitened, sizes, state[VARIANCE], tuning[2], tuning[8])
+def _decide(n: int, detector: FormDetector) -> None:
+    """Track the score to its next peak and classify it; fill gaps."""
+    state, rate = detector.state, detector.rate
+    value = score(n, detector.bank, state[VARIANCE], TUNING.freedom, TUNING.usable)
     t, fits = -1, 1.0
     if value > state[CAND_V]:
         state[CAND_V], state[CAND_T] = value, n
-    elif n - state[CAND_T] > tuning[17] * rate:
-        t = _judge(int(state[CAND_T]) - int(np.round(tuning[1] * rate)) + 1, state, rate, tuning)
+    elif n - state[CAND_T] > TUNING.hold_s * rate:
+        t = _judge(_peak(state, rate), state, rate)
     if t < 0:
-        t = _search_back(n, state, tuning)
-    gap = tuning[21] * state[RR]
-    filled = gap > 0.0 and state[ENERGY_V] > 0.0
-    if t < 0 and filled and n - state[LAST] > gap + _EVERY * rate:
-        t, fits = int(state[ENERGY_T]), 0.0
-    elif t - state[LAST] > gap and filled and state[ENERGY_T] < t - _APART * rate:
-        count = _accept(int(state[ENERGY_T]), n, 0.0, state, rings, rate, step, delay, rhythm, tuning, out, count)
+        t = _search_back(n, state, rate)
+    if t < 0:
+        t, fits = _fill(n, state, rate), 0.0
+    elif state[ENERGY_V] > 0.0 and t - state[LAST] > TUNING.gap * state[RR] > 0.0:
+        if state[ENERGY_T] < t - _APART * rate:
+            _accept(int(state[ENERGY_T]), n, 0.0, detector)
     if t >= 0:
-        count = _accept(t, n, fits, state, rings, rate, step, delay, rhythm, tuning, out, count)
-    return count
+        _accept(t, n, fits, detector)
 
 
 @kernel
-def _judge(t: int, state: Floats, rate: float, tuning: Floats) -> int:
-    """Return the sample of the candidate if it is a beat, else -1."""
-    value = state[CAND_V]
-    state[CAND_V] = -np.inf
-    since = t - state[LAST]
-    if since <= tuning[18] * rate:
+def _fill(n: int, state: Floats, rate: float) -> int:
+    """Return the beat found by energy that fills a gap, or is taken early where energy is reliable; -1 without one."""
+    t = int(state[ENERGY_T])
+    if state[RR] == 0.0 or state[ENERGY_V] == 0.0:
         return -1
-    share = min(since / (state[RR] if state[RR] > 0.0 else _USUAL_RR * rate), 2.0)
-    threshold = tuning[11] + tuning[12] * max(1.0 - share / tuning[13], 0.0)
-    in_time = np.exp(-((off_beat(t, share, state) / tuning[15]) ** 2))
-    threshold += tuning[14] * steadiness(state, tuning[16]) * (0.5 - in_time)
-    if value > threshold:
+    if n - state[LAST] > TUNING.gap * state[RR] + _EVERY * rate:
         return t
-    if value - threshold > state[BACK_V] and since > _REFRACTORY * rate:
-        state[BACK_V], state[BACK_T] = value - threshold, t
+    early = state[RELIABLE] > TUNING.reliable and n - t > TUNING.wait_s * rate
+    return t if early and state[CAND_V] < _threshold(_peak(state, rate), state, rate) else -1
+
+
+@kernel
+def _judge(t: int, state: Floats, rate: float) -> int:
+    """Return the sample of the candidate if it is a beat, else -1."""
+    over, since = state[CAND_V] - _threshold(t, state, rate), t - state[LAST]
+    state[CAND_V] = -np.inf
+    if since <= TUNING.refractory_s * rate:
+        return -1
+    if over > 0.0:
+        return t
+    if over > state[BACK_V] and since > _REFRACTORY * rate:
+        state[BACK_V], state[BACK_T] = over, t
     return -1
 
 
 @kernel
-def _search_back(n: int, state: Floats, tuning: Floats) -> int:
-    """Return the best rejected candidate if no beat was found for too long and it is good enough, else -1."""
-    if state[RR] == 0.0 or n - state[LAST] <= tuning[19] * state[RR] or state[BACK_V] == -np.inf:
-        return -1
-    over = state[BACK_V]
-    state[BACK_V] = -np.inf
-    return int(state[BACK_T]) if over > tuning[20] else -1
+def _threshold(t: int, state: Floats, rate: float) -> float:
+    """Return the threshold of the score at sample `t`: lower when a beat is due, and near an expected one."""
+    share = min((t - state[LAST]) / (state[RR] if state[RR] > 0.0 else _USUAL_RR * rate), 2.0)
+    in_time = np.exp(-((off_beat(t, share, state) / TUNING.width) ** 2))
+    threshold = TUNING.due + TUNING.higher * max(1.0 - share / TUNING.decay, 0.0)
+    return threshold + TUNING.range * steadiness(state, TUNING.unsteady) * (0.5 - in_time)
 
 
 @kernel
-def _accept(
-    t: int,
-    n: int,
-    fits: float,
-    state: Floats,
-    rings: Floats,
-    rate: float,
-    step: int,
-    delay: float,
-    rhythm: Floats,
-    tuning: Floats,
-    out: Floats,
-    count: int,
-) -> int:
-    """Write a beat in noise and update the rhythm; return the number of beats written so far."""
+def _search_back(n: int, state: Floats, rate: float) -> int:
+    """Return the best rejected candidate if it is good enough and has waited: for a better one, or too long, else -1.
+
+    Near an expected beat the wait is short, so that the beat is known 0.25 s after its R peak.
+    """
+    if state[RR] == 0.0 or state[BACK_V] == -np.inf:
+        return -1
+    t, over = int(state[BACK_T]), state[BACK_V]
+    in_time = abs(off_beat(t, 1.0, state)) < TUNING.width and n - t > TUNING.wait_s * rate
+    if in_time and state[CAND_V] - _threshold(_peak(state, rate), state, rate) > over:
+        return -1
+    if not in_time and n - state[LAST] <= TUNING.late * state[RR]:
+        return -1
+    state[BACK_V] = -np.inf
+    return t if over > TUNING.below else -1
+
+
+@kernel
+def _peak(state: Floats, rate: float) -> int:
+    """Return the sample of the R peak of the candidate, whose form ends later."""
+    return int(state[CAND_T]) - int(np.round(TUNING.after_s * rate)) + 1
+
+
+@kernel
+def _accept(t: int, n: int, fits: float, detector: FormDetector) -> None:
+    """Write a beat in noise and update the rhythm."""
+    state, rate = detector.state, detector.rate
+    early = fits == 0.0 and n - state[LAST] <= TUNING.gap * state[RR]
+    if state[EARLY] > 0.0:  # it was a beat unless another one followed soon
+        _rate(1.0 if early or t - state[LAST] > _SOON * state[RR] else 0.0, state)
+    elif state[ENERGY_V] > 0.0 and not early:
+        _rate(1.0 if abs(t - state[ENERGY_T]) < TUNING.near_s * rate else 0.0, state)
+    state[EARLY] = early
     state[SHARE] += _FOLLOW * (fits - state[SHARE])
-    add_beat(t, state, steadiness(state, tuning[16]), rate, rhythm)
-    mark_beat(t, n, rings, int(tuning[4] * rate))
+    add_beat(t, state, steadiness(state, TUNING.unsteady), rate)
+    mark_beat(t, n, detector.bank.rings, int(TUNING.near_s * rate))
     state[BACK_V], state[ENERGY_V] = -np.inf, 0.0
+    state[FITTED] = t * detector.step - detector.delay
+    _write(state[FITTED], n * detector.step, detector)
+
+
+@kernel
+def _rate(right: float, state: Floats) -> None:
+    """Note whether a beat found by energy was a beat (1) or not (0)."""
+    state[RELIABLE] += _FOLLOW * (right - state[RELIABLE])
+
+
+@kernel
+def _write(at: float, known: float, detector: FormDetector) -> None:
+    out, count = detector.out, int(detector.state[WRITTEN])
     if count < out.shape[0]:
-        state[FITTED] = t * step - delay
-        out[count, 0], out[count, 1] = state[FITTED], n * step
-        count += 1
-    return count
+        out[count, 0], out[count, 1] = at, known
+        detector.state[WRITTEN] += 1.0

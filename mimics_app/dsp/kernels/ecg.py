@@ -11,13 +11,15 @@ Computers in Cardiology, 1979.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from mimics_app.contracts.kernel import kernel
 from mimics_app.dsp.kernels.rhythm import LAST, RHYTHM, RR, add_beat, off_beat, steadiness
 from mimics_app.dsp.kernels.sections import Floats, run_sections, settle_sections
 
-__all__ = ["ECG_STATE", "find_beats"]
+__all__ = ["ECG_STATE", "MISSING", "NPK", "SPK", "EnergyDetector", "Filters", "find_beats"]
 
 (
     SPK,
@@ -38,12 +40,13 @@ __all__ = ["ECG_STATE", "find_beats"]
     HIGH4,
     UPPER,
     BEGIN,
-) = range(RHYTHM, RHYTHM + 18)
-ECG_STATE = RHYTHM + 18
+    FOUND,
+) = range(RHYTHM, RHYTHM + 19)
+ECG_STATE = RHYTHM + 19
 """Length of the state vector: the rhythm, signal level and noise level, candidate and its energy, running sum of
 squares, best rejected candidate, samples seen, last valid input, consecutive NaN, whether the levels are learnt,
 candidates kept until then, means of the second and fourth power of the lower and of the upper band, share of the upper
-band in the filtered signal, sample at which the learning phase began."""
+band in the filtered signal, sample at which the learning phase began, beats found in the newest samples."""
 
 _NEVER = 10.0
 """Time since the last beat that is assumed before the first one [s]."""
@@ -67,40 +70,95 @@ _LEAST_FACTOR = 0.1
 """Smallest threshold between the noise level (0) and the signal level (1), however well a peak is in time."""
 
 
+class _Tuning(NamedTuple):
+    """Parameters of the detector by energy.
+
+    From a random search over the six MIT-BIH records with and without synthetic noise and the four of the noise stress
+    test; those of the rhythm over the six with real electrode noise added, without the stress test; those of the bands
+    by hand over simulated electrode noise alone (decision 169). docs/guide/physiology.md has the results for other
+    records and other noise.
+    """
+
+    window_s: float = 0.101  # of the energy
+    hold_s: float = 0.091  # a peak of the energy is complete when nothing larger followed for this time
+    falls: float = 0.601  # ... or when the energy fell below this share of the peak
+    refractory_s: float = 0.218
+    learn_s: float = 3.0  # learning phase at the beginning: two beats of a slow heart
+    late: float = 1.813  # mean intervals without a beat after which one is taken as missed
+    back: float = 0.126  # search back: threshold for rejected peaks between noise level (0) and signal level (1)
+    due: float = 0.45  # threshold between noise level (0) and signal level (1) when a beat is due
+    after: float = 1.011  # ... and just after a beat
+    decay: float = 1.242  # share of the mean interval in which it decays from the latter to the former
+    signal_weight: float = 0.245  # of a new beat in the signal level
+    noise_weight: float = 0.152  # of a rejected peak in the noise level
+    fade_per_s: float = 0.024  # decay rate of the signal level without beats
+    first: float = 1.0  # first signal level, as a share of the second largest candidate
+    most: float = 1.625  # upper limit of a beat in its weight, in signal levels
+    clear: float = 6.21  # ratio of signal level to noise level below which the rhythm begins to count
+    unclear: float = 1.84  # ... and counts fully
+    range: float = 1.1  # over which the rhythm moves the threshold, half up and half down, in units of the threshold
+    width: float = 0.173  # of the window around an expected beat, as a share of the mean interval
+    unsteady: float = 0.2  # relative deviation of the intervals at which the rhythm counts for nothing
+    power_s: float = 4.0  # time constant of the powers of the two bands
+    peaky: float = 12.0  # kurtosis of the lower band below which the crossfade to the upper one begins
+    flat: float = 8.0  # ... and is limited by the next two values alone
+    better: float = 1.0  # ratio of the kurtosis of the upper band to that of the lower one from which it begins
+    best: float = 1.2  # ... and is complete
+    crossfade_s: float = 1.0  # time constant of the crossfade
+
+
+_TUNING = _Tuning()
+
+
+class Filters(NamedTuple):
+    """The band-passes of an ECG: lower and upper band of the QRS, and the wide one of its forms.
+
+    Attributes:
+        sos: Second order sections, shape [3, s, 6].
+        z: Their states, shape [3, s, 2].
+        delays: Group delays [samples], shape [3].
+    """
+
+    sos: Floats
+    z: Floats
+    delays: Floats
+
+
+class EnergyDetector(NamedTuple):
+    """The detector by energy.
+
+    Attributes:
+        state: See ECG_STATE.
+        ring: Ring buffer of band-passed samples, shape [m].
+        kept: Candidates of the learning phase, shape [k, 2]: sample and energy.
+        out: Beats found, shape [b, 3]: sample of the R peak, sample at which it is known, its energy over the noise.
+        rate: Sampling rate [Hz].
+    """
+
+    state: Floats
+    ring: Floats
+    kept: Floats
+    out: Floats
+    rate: float
+
+
 @kernel
-def find_beats(
-    x: Floats,
-    sos: Floats,
-    z: Floats,
-    state: Floats,
-    ring: Floats,
-    kept: Floats,
-    rate: float,
-    delays: Floats,
-    tuning: Floats,
-    wide: Floats,
-    out: Floats,
-) -> int:
-    """Process samples and write the beats found.
+def find_beats(x: Floats, filters: Filters, detector: EnergyDetector, wide: Floats) -> int:
+    """Process samples and write the beats found into `detector.out`.
 
     Args:
         x: New samples, shape [n]; NaN where the sensor gave none.
-        sos: Lower, upper and wide band-pass as second order sections, shape [3, s, 6].
-        z: Filter states, shape [3, s, 2].
-        state: See ECG_STATE.
-        ring: Ring buffer of band-passed samples, shape [1, m].
-        kept: Candidates of the learning phase, shape [k, 2]: sample and energy.
-        rate: Sampling rate [Hz].
-        delays: Group delays of the band-passes [samples], shape [3].
-        tuning: See `ecg.TUNING`.
+        filters: Band-passes.
+        detector: The detector.
         wide: Receives the samples filtered by the wide band-pass, shape [n or more].
-        out: Beats, shape [b, 3]: sample of the R peak, sample at which it is known, its energy over the noise level.
 
     Returns:
         Number of beats written.
     """
-    window, hold, dead, learn = tuning[0] * rate, tuning[1] * rate, tuning[2] * rate, tuning[3] * rate
-    w, m, count = int(window), ring.shape[1], 0
+    state, ring, rate = detector.state, detector.ring, detector.rate
+    sos, z = filters.sos, filters.z
+    w, m = int(_TUNING.window_s * rate), ring.shape[0]
+    state[FOUND] = 0.0
     for i in range(x.shape[0]):
         value = x[i]
         if np.isnan(value):
@@ -117,78 +175,63 @@ def find_beats(
             state[MISSING] = 0.0
             state[HELD] = value
         wide[i] = run_sections(value, sos[2], z[2])
-        value = _blend(run_sections(value, sos[0], z[0]), run_sections(value, sos[1], z[1]), state, rate, tuning)
+        value = _blend(run_sections(value, sos[0], z[0]), run_sections(value, sos[1], z[1]), state, rate)
         n = int(state[N])
-        old = ring[0, (n - w) % m]
+        old = ring[(n - w) % m]
         state[SUM] = max(state[SUM] + value * value - old * old, 0.0)
-        ring[0, n % m] = value
-        energy = np.sqrt(state[SUM] / w)
+        ring[n % m] = value
         state[N] += 1.0
-        if n < w:
-            continue
-        delay = delays[0] + state[UPPER] * (delays[1] - delays[0])
-        count = _follow(n, energy, state, ring, kept, hold, dead, learn, delay, tuning, rate, out, count)
-    return count
+        if n >= w:
+            delay = filters.delays[0] + state[UPPER] * (filters.delays[1] - filters.delays[0])
+            _follow(n, np.sqrt(state[SUM] / w), delay, detector)
+    return int(state[FOUND])
 
 
 @kernel
-def _blend(low: float, high: float, state: Floats, rate: float, tuning: Floats) -> float:
+def _blend(low: float, high: float, state: Floats, rate: float) -> float:
     """Return the filtered signal: a crossfade from the lower band to the upper one where beats stand out only there.
 
     Beats are rare and high, noise is not: the measure is the kurtosis, the mean fourth power over the squared second.
     """
-    weight = 1.0 / (tuning[25] * rate)
+    weight = 1.0 / (_TUNING.power_s * rate)
     for power, value in ((LOW2, low), (HIGH2, high)):
         square = value * value
         state[power] += weight * (square - state[power])
         state[power + 1] += weight * (square * square - state[power + 1])
     below = state[LOW4] / max(state[LOW2] * state[LOW2], _TINY * _TINY)
     above = state[HIGH4] / max(state[HIGH2] * state[HIGH2], _TINY * _TINY)
-    share = min(max((tuning[26] - below) / (tuning[26] - tuning[27]), 0.0), 1.0)
-    share *= min(max((above / max(below, _TINY) - tuning[28]) / (tuning[29] - tuning[28]), 0.0), 1.0)
-    if state[N] - state[BEGIN] < tuning[3] * rate:
+    share = min(max((_TUNING.peaky - below) / (_TUNING.peaky - _TUNING.flat), 0.0), 1.0)
+    share *= min(max((above / max(below, _TINY) - _TUNING.better) / (_TUNING.best - _TUNING.better), 0.0), 1.0)
+    if state[N] - state[BEGIN] < _TUNING.learn_s * rate:
         share = 0.0
-    state[UPPER] += (share - state[UPPER]) / (tuning[30] * rate)
+    state[UPPER] += (share - state[UPPER]) / (_TUNING.crossfade_s * rate)
     gain = min(np.sqrt(state[LOW2] / max(state[HIGH2], _TINY * _TINY)), _MOST_GAIN)
     return low + state[UPPER] * (gain * high - low)
 
 
 @kernel
-def _follow(
-    n: int,
-    energy: float,
-    state: Floats,
-    ring: Floats,
-    kept: Floats,
-    hold: float,
-    dead: float,
-    learn: float,
-    delay: float,
-    tuning: Floats,
-    rate: float,
-    out: Floats,
-    count: int,
-) -> int:
-    """Track the energy to its next peak and classify it; return the number of beats written so far."""
+def _follow(n: int, energy: float, delay: float, detector: EnergyDetector) -> None:
+    """Track the energy to its next peak and classify it."""
+    state, rate = detector.state, detector.rate
+    learn = _TUNING.learn_s * rate
     if energy > max(state[CAND_V], _STILL):
         state[CAND_V], state[CAND_T] = energy, n
-    elif state[CAND_V] > 0.0 and (energy < tuning[4] * state[CAND_V] or n - state[CAND_T] > hold):
+    elif state[CAND_V] > 0.0 and (energy < _TUNING.falls * state[CAND_V] or n - state[CAND_T] > _TUNING.hold_s * rate):
         t, v = int(state[CAND_T]), state[CAND_V]
         state[CAND_V] = 0.0
         if n - state[BEGIN] < learn:
-            _keep(t, v, state, kept)
+            _keep(t, v, state, detector.kept)
         else:
-            count = _judge(t, v, n, state, ring, dead, delay, tuning, rate, out, count)
+            _judge(t, v, n, delay, detector)
     if n - state[BEGIN] >= learn and state[LEARNT] == 0.0:
-        count = _learn(n, state, ring, kept, dead, delay, tuning, rate, out, count)
-    if state[RR] > 0.0 and state[BACK_V] > 0.0 and n - state[LAST] > tuning[5] * state[RR]:
-        threshold = state[NPK] + tuning[6] * (state[SPK] - state[NPK])
+        _learn(n, delay, detector)
+    if state[RR] > 0.0 and state[BACK_V] > 0.0 and n - state[LAST] > _TUNING.late * state[RR]:
+        threshold = state[NPK] + _TUNING.back * (state[SPK] - state[NPK])
         if state[BACK_V] > threshold:
-            count = _accept(int(state[BACK_T]), state[BACK_V], n, state, ring, delay, tuning, rate, out, count)
+            _accept(int(state[BACK_T]), state[BACK_V], n, delay, detector)
         state[BACK_V] = 0.0
     if n - max(state[LAST], state[BEGIN] + learn) > 2.0 * rate:  # no beat for so long: the amplitude has dropped
-        state[SPK] *= 1.0 - tuning[12] / rate
-    return count
+        state[SPK] *= 1.0 - _TUNING.fade_per_s / rate
 
 
 @kernel
@@ -200,97 +243,65 @@ def _keep(t: int, v: float, state: Floats, kept: Floats) -> None:
 
 
 @kernel
-def _learn(
-    n: int,
-    state: Floats,
-    ring: Floats,
-    kept: Floats,
-    dead: float,
-    delay: float,
-    tuning: Floats,
-    rate: float,
-    out: Floats,
-    count: int,
-) -> int:
+def _learn(n: int, delay: float, detector: EnergyDetector) -> None:
     """Set both levels from the candidates of the learning phase and classify these again; a flat line restarts it."""
+    state, kept = detector.state, detector.kept
     k = int(state[KEPT])
     if k == 0:
         state[BEGIN] = n
-        return count
+        return
     state[LEARNT] = 1.0
     sizes = np.sort(kept[:k, 1])
-    state[SPK], state[NPK] = tuning[13] * sizes[max(k - 2, 0)], 0.5 * sizes[k // 2]
+    state[SPK], state[NPK] = _TUNING.first * sizes[max(k - 2, 0)], 0.5 * sizes[k // 2]
     for j in range(k):
-        count = _judge(int(kept[j, 0]), kept[j, 1], n, state, ring, dead, delay, tuning, rate, out, count)
-    return count
+        _judge(int(kept[j, 0]), kept[j, 1], n, delay, detector)
 
 
 @kernel
-def _judge(
-    t: int,
-    v: float,
-    n: int,
-    state: Floats,
-    ring: Floats,
-    dead: float,
-    delay: float,
-    tuning: Floats,
-    rate: float,
-    out: Floats,
-    count: int,
-) -> int:
+def _judge(t: int, v: float, n: int, delay: float, detector: EnergyDetector) -> None:
     """Classify a peak of the energy as a beat or as noise."""
+    state, rate = detector.state, detector.rate
     since = t - state[LAST] if state[LAST] >= 0.0 else _NEVER * rate
-    if since < dead:
-        return count
+    if since < _TUNING.refractory_s * rate:
+        return
     expected = state[RR] if state[RR] > 0.0 else _USUAL_RR * rate
     share = min(since / expected, 2.0)
-    factor = tuning[7] + (tuning[8] - tuning[7]) * max(1.0 - share / tuning[9], 0.0)
-    factor = max(factor + _rhythm(off_beat(t, share, state), state, tuning), _LEAST_FACTOR)
+    factor = _TUNING.due + (_TUNING.after - _TUNING.due) * max(1.0 - share / _TUNING.decay, 0.0)
+    factor = max(factor + _rhythm(off_beat(t, share, state), state), _LEAST_FACTOR)
     if v > state[NPK] + factor * (state[SPK] - state[NPK]):
-        return _accept(t, v, n, state, ring, delay, tuning, rate, out, count)
-    state[NPK] += tuning[11] * (min(v, _NOISE_CAP * state[SPK]) - state[NPK])
+        _accept(t, v, n, delay, detector)
+        return
+    state[NPK] += _TUNING.noise_weight * (min(v, _NOISE_CAP * state[SPK]) - state[NPK])
     if v > state[BACK_V] and since > _REFRACTORY * rate:
         state[BACK_V], state[BACK_T] = v, t
-    return count
 
 
 @kernel
-def _trust(state: Floats, tuning: Floats) -> float:
+def _trust(state: Floats) -> float:
     """Return the weight of the rhythm, 0 to 1: 0 where beats stand out clearly or the intervals are irregular."""
     clear = state[SPK] / max(state[NPK], _TINY)
-    noisy = min(max((tuning[16] - clear) / (tuning[16] - tuning[17]), 0.0), 1.0)
-    return noisy * steadiness(state, tuning[20])
+    noisy = min(max((_TUNING.clear - clear) / (_TUNING.clear - _TUNING.unclear), 0.0), 1.0)
+    return noisy * steadiness(state, _TUNING.unsteady)
 
 
 @kernel
-def _rhythm(off: float, state: Floats, tuning: Floats) -> float:
+def _rhythm(off: float, state: Floats) -> float:
     """Return what the threshold is raised by for a peak at an offset from the expected beat; negative in time."""
-    return _trust(state, tuning) * tuning[18] * (0.5 - np.exp(-((off / tuning[19]) ** 2)))
+    return _trust(state) * _TUNING.range * (0.5 - np.exp(-((off / _TUNING.width) ** 2)))
 
 
 @kernel
-def _accept(
-    t: int,
-    v: float,
-    n: int,
-    state: Floats,
-    ring: Floats,
-    delay: float,
-    tuning: Floats,
-    rate: float,
-    out: Floats,
-    count: int,
-) -> int:
+def _accept(t: int, v: float, n: int, delay: float, detector: EnergyDetector) -> None:
     """Write a beat and update the levels; its R peak is the largest deflection in the window of its energy."""
-    m, best, at = ring.shape[1], -1.0, t
-    for j in range(max(t - int(tuning[0] * rate), 0, n - m + 1), t + 1):
-        if abs(ring[0, j % m]) > best:
-            best, at = abs(ring[0, j % m]), j
-    add_beat(t, state, _trust(state, tuning), rate, tuning)
-    state[SPK] += tuning[10] * (min(v, tuning[15] * state[SPK]) - state[SPK])
+    state, ring, out = detector.state, detector.ring, detector.out
+    m, best, at = ring.shape[0], -1.0, t
+    for j in range(max(t - int(_TUNING.window_s * detector.rate), 0, n - m + 1), t + 1):
+        if abs(ring[j % m]) > best:
+            best, at = abs(ring[j % m]), j
+    add_beat(t, state, _trust(state), detector.rate)
+    state[SPK] += _TUNING.signal_weight * (min(v, _TUNING.most * state[SPK]) - state[SPK])
     state[BACK_V] = 0.0
+    count = int(state[FOUND])
     if count < out.shape[0]:
         out[count, 0], out[count, 1], out[count, 2] = at - delay, n, v / max(state[NPK], _TINY)
-        count += 1
-    return count
+        state[FOUND] += 1.0

@@ -6,6 +6,8 @@ the heart's pacemaker is one that noise does not reset: beats near an expected o
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from mimics_app.contracts.kernel import kernel
@@ -33,6 +35,19 @@ _MOST_UNSTEADY = 0.5
 """Upper limit of the relative deviation of one interval."""
 
 
+class _Tuning(NamedTuple):
+    """Parameters of the rhythm: from a random search, see `ecg`."""
+
+    weight: float = 0.078  # of a new interval in the mean one
+    trusted: float = 0.1  # weight of the rhythm from which its phase runs on between beats
+    near: float = 0.25  # largest offset from the expected beat at which a beat is in rhythm
+    pull: float = 0.7  # share of that offset by which the phase is corrected
+    doubt: float = 0.01  # weight of a beat out of rhythm in the mean relative deviation
+
+
+_TUNING = _Tuning()
+
+
 @kernel
 def off_beat(t: float, share: float, state: Floats) -> float:
     """Return the offset of a sample from the nearest expected beat, as a share of the mean interval.
@@ -52,38 +67,38 @@ def steadiness(state: Floats, limit: float) -> float:
 
 
 @kernel
-def add_beat(t: int, state: Floats, trust: float, rate: float, tuning: Floats) -> None:
-    """Update the rhythm by a beat at sample `t`; from a `trust` of `ecg.TUNING[21]` on the oscillator runs on."""
-    if state[RR] > 0.0 and trust > tuning[21]:
-        _entrain(t, state, tuning)
+def add_beat(t: int, state: Floats, trust: float, rate: float) -> None:
+    """Update the rhythm by a beat at sample `t`; from a `trust` of `_TUNING.trusted` on the oscillator runs on."""
+    if state[RR] > 0.0 and trust > _TUNING.trusted:
+        _entrain(t, state)
     else:
         state[PHASE] = t
         if state[LAST] >= 0.0:
-            _measure(t - state[LAST], state, rate, tuning)
+            _measure(t - state[LAST], state, rate)
     state[LAST] = t
 
 
 @kernel
-def _measure(rr: float, state: Floats, rate: float, tuning: Floats) -> None:
+def _measure(rr: float, state: Floats, rate: float) -> None:
     """Update the mean interval and its deviation by an interval [samples]."""
     if state[RR] == 0.0:
         state[RR] = min(rr, _LONGEST_RR * rate)
         return
     state[UNSTEADY] += _FOLLOW * (min(abs(rr / state[RR] - 1.0), _MOST_UNSTEADY) - state[UNSTEADY])
     if _FASTEST_RR * rate < rr < _MISSED_RR * state[RR]:
-        state[RR] += tuning[14] * (rr - state[RR])
+        state[RR] += _TUNING.weight * (rr - state[RR])
     else:
         state[RR] += _DOUBTFUL_SHARE * (min(rr, _DOUBTFUL_RR * rate) - state[RR])
 
 
 @kernel
-def _entrain(t: int, state: Floats, tuning: Floats) -> None:
+def _entrain(t: int, state: Floats) -> None:
     """Adjust the oscillator to a beat near an expected one; any other beat only counts as irregular."""
     off = off_beat(t, 1.0, state)
-    if abs(off) < tuning[22]:
+    if abs(off) < _TUNING.near:
         near = max(np.floor((t - state[PHASE]) / state[RR] + 0.5), 1.0)
-        state[PHASE] = t - (1.0 - tuning[23]) * off * state[RR]
-        state[RR] *= 1.0 + tuning[14] * off / near
+        state[PHASE] = t - (1.0 - _TUNING.pull) * off * state[RR]
+        state[RR] *= 1.0 + _TUNING.weight * off / near
         state[UNSTEADY] += _FOLLOW * (min(abs(off), _MOST_UNSTEADY) - state[UNSTEADY])
         return
-    state[UNSTEADY] += tuning[24] * (_MOST_UNSTEADY - state[UNSTEADY])
+    state[UNSTEADY] += _TUNING.doubt * (_MOST_UNSTEADY - state[UNSTEADY])

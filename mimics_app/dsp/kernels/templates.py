@@ -9,6 +9,8 @@ motion comes in bursts: a wave far larger than the template is then no evidence 
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from mimics_app.contracts.kernel import kernel
@@ -21,6 +23,7 @@ __all__ = [
     "SHIFT",
     "SIGNAL",
     "WHITE",
+    "Bank",
     "learn_beat",
     "learn_noise",
     "log_ratio",
@@ -48,17 +51,33 @@ _RIDGE = 1e-6
 """Added to the noise's covariance, as a share of its variance, so that the predictor is determined."""
 
 
+class Bank(NamedTuple):
+    """The last seconds of the signal, the templates of the beats in it, and the noise between them.
+
+    Attributes:
+        rings: Ring buffers, shape [3, m], rows see SIGNAL.
+        templates: Shape [k, l + p].
+        whitened: The templates through the error filter, shape [k, l].
+        sizes: Shape [k, 2], columns see COUNT.
+        covariance: Of p + 1 consecutive samples of noise, shape [p + 1, p + 1].
+        error: Error filter of the noise's linear predictor of order p, its first coefficient 1, shape [p + 1].
+    """
+
+    rings: Floats
+    templates: Floats
+    whitened: Floats
+    sizes: Floats
+    covariance: Floats
+    error: Floats
+
+
 @kernel
-def learn_beat(
-    at: int, rings: Floats, templates: Floats, sizes: Floats, before: int, same: float, weight: float
-) -> bool:
+def learn_beat(at: int, bank: Bank, before: int, same: float, weight: float) -> bool:
     """Average a beat into the template that resembles it most, or begin a template anew in place of the rarest one.
 
     Args:
         at: Sample of the R peak; `before` samples before it the template begins.
-        rings: Ring buffer, shape [3, m].
-        templates: Shape [k, l].
-        sizes: Shape [k, 2].
+        bank: Its nearest template is changed.
         before: Samples of a template before the R peak.
         same: Least correlation with a template of the same form.
         weight: Least weight of a new beat in its template.
@@ -66,6 +85,7 @@ def learn_beat(
     Returns:
         Whether there was a template of its form.
     """
+    rings, templates, sizes = bank.rings, bank.templates, bank.sizes
     best, k, shift = 0.0, 0, 0
     for j in range(templates.shape[0]):
         for offset in range(-SHIFT, SHIFT + 1):
@@ -106,38 +126,27 @@ def mark_beat(at: int, n: int, rings: Floats, width: int) -> None:
 
 
 @kernel
-def learn_noise(at: int, rings: Floats, noise: Floats, weight: float) -> None:
-    """Update the covariance of p + 1 consecutive samples of noise; `noise` is [p + 2, p + 1], the last row not used."""
-    m = rings.shape[1]
-    for i in range(noise.shape[1]):
-        for j in range(noise.shape[1]):
-            product = rings[SIGNAL, (at - i) % m] * rings[SIGNAL, (at - j) % m]
-            noise[i, j] += weight * (product - noise[i, j])
+def learn_noise(at: int, bank: Bank, weight: float) -> None:
+    """Update the covariance of the noise by the samples that end at `at`."""
+    covariance, signal = bank.covariance, bank.rings[SIGNAL]
+    for i in range(covariance.shape[0]):
+        for j in range(covariance.shape[0]):
+            product = signal[(at - i) % signal.shape[0]] * signal[(at - j) % signal.shape[0]]
+            covariance[i, j] += weight * (product - covariance[i, j])
 
 
 @kernel
-def whiten(templates: Floats, whitened: Floats, sizes: Floats, noise: Floats) -> float:
-    """Determine the error filter of the best linear predictor of the noise and whiten the templates by it.
-
-    Args:
-        templates: Shape [k, l + p].
-        whitened: Receives the whitened templates, shape [k, l].
-        sizes: Receives their energies.
-        noise: Covariance, shape [p + 2, p + 1]; its last row receives the error filter, whose first coefficient is 1.
-
-    Returns:
-        Variance of the whitened noise [mV^2].
-    """
-    p = noise.shape[1] - 1
-    _solve(noise, p)
-    error = noise[p + 1]
-    for k in range(templates.shape[0]):
-        whiten_form(templates[k], error, whitened[k])
-        sizes[k, ENERGY] = (whitened[k] * whitened[k]).sum()
+def whiten(bank: Bank) -> float:
+    """Determine the error filter and whiten the templates by it; return the variance of the whitened noise [mV^2]."""
+    error = bank.error
+    _solve(bank.covariance, error)
+    for k in range(bank.templates.shape[0]):
+        whiten_form(bank.templates[k], error, bank.whitened[k])
+        bank.sizes[k, ENERGY] = (bank.whitened[k] * bank.whitened[k]).sum()
     variance = 0.0
-    for i in range(p + 1):
-        for j in range(p + 1):
-            variance += error[i] * noise[i, j] * error[j]
+    for i in range(error.shape[0]):
+        for j in range(error.shape[0]):
+            variance += error[i] * bank.covariance[i, j] * error[j]
     return max(variance, _TINY)
 
 
@@ -167,17 +176,17 @@ def log_ratio(without: float, rest: float, variance: float, freedom: float, leng
 
 
 @kernel
-def _solve(noise: Floats, p: int) -> None:
-    """Write the error filter of order p into the last row: Gauss elimination, of a positive definite matrix."""
-    left, right = noise[1 : p + 1, 1:].copy(), -noise[1 : p + 1, 0]
+def _solve(covariance: Floats, error: Floats) -> None:
+    """Write the error filter of the best linear predictor: Gauss elimination, of a positive definite matrix."""
+    p = error.shape[0] - 1
+    left, right = covariance[1:, 1:].copy(), -covariance[1:, 0]
     for c in range(p):
-        left[c, c] += _RIDGE * noise[0, 0] + _TINY
+        left[c, c] += _RIDGE * covariance[0, 0] + _TINY
     for c in range(p):
         for i in range(c + 1, p):
             factor = left[i, c] / left[c, c]
             left[i] -= factor * left[c]
             right[i] -= factor * right[c]
-    error = noise[p + 1]
     error[0] = 1.0
     for c in range(p - 1, -1, -1):
         value = right[c]
@@ -187,16 +196,12 @@ def _solve(noise: Floats, p: int) -> None:
 
 
 @kernel
-def score(
-    n: int, rings: Floats, whitened: Floats, sizes: Floats, variance: float, freedom: float, least: float
-) -> float:
+def score(n: int, bank: Bank, variance: float, freedom: float, least: float) -> float:
     """Return the largest log likelihood ratio of a template that ends at sample `n`, with its share of the beats.
 
     Args:
         n: The newest sample.
-        rings: Ring buffer, shape [3, m].
-        whitened: Whitened templates, shape [k, l].
-        sizes: Shape [k, 2].
+        bank: The templates.
         variance: Of the whitened noise [mV^2].
         freedom: Degrees of freedom of the noise's distribution.
         least: Beats that a template needs.
@@ -204,6 +209,7 @@ def score(
     Returns:
         Minus infinity without templates.
     """
+    rings, whitened, sizes = bank.rings, bank.whitened, bank.sizes
     length, m, best = whitened.shape[1], rings.shape[1], -np.inf
     without = 0.0
     for i in range(n - length + 1, n + 1):

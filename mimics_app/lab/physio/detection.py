@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -30,7 +30,9 @@ __all__ = [
     "measure_cost",
     "mixed_noise",
     "noise_size",
+    "pooled",
     "score_beats",
+    "score_within",
 ]
 
 
@@ -54,7 +56,7 @@ class Annotated:
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """Score of the detector on one record.
+    """Score of the detector on one record, or pooled over several.
 
     Attributes:
         record: Name of the record.
@@ -135,10 +137,21 @@ def noise_size(record: Annotated, decibel: float) -> float:
 
 def score_beats(record: Annotated) -> Score:
     """Score the product's detector over a whole record including its beginning."""
-    events = detect(record.values, record.rate)
-    found = np.array([event.t_s for event in events])
-    late = np.array([event.known_s - event.t_s for event in events])
-    return Score(record.name, len(record.beats), len(found), matched(record.beats, found), late)
+    return score_within(record, detect(record.values, record.rate), np.inf)
+
+
+def score_within(record: Annotated, events: list[Event], lag_s: float) -> Score:
+    """Score R peaks; those known later than `lag_s` after the peak count as not detected."""
+    early = [event for event in events if event.known_s - event.t_s <= lag_s]
+    found, known = (np.array([getattr(event, name) for event in early]) for name in ("t_s", "known_s"))
+    return Score(record.name, len(record.beats), len(found), matched(record.beats, found), known - found)
+
+
+def pooled(scores: Iterable[Score], name: str) -> Score:
+    """Return the score over all beats of several records."""
+    each = list(scores)
+    beats, found, hits = (sum(getattr(score, what) for score in each) for what in ("beats", "found", "hits"))
+    return Score(name, beats, found, hits, np.concatenate([score.latency_s for score in each]))
 
 
 def detect(values: F8, rate: float) -> list[Event]:

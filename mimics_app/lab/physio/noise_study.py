@@ -16,14 +16,15 @@ from mimics_app.contracts.arrays import F8
 from mimics_app.lab.physio.detection import (
     NOISE_DB,
     Annotated,
-    Score,
     annotated_records,
+    detect,
     mixed_noise,
     noise_size,
-    score_beats,
+    pooled,
+    score_within,
 )
 
-__all__ = ["NoiseRow", "noise_of", "noise_rows"]
+__all__ = ["IN_TIME_S", "LagRow", "NoiseRow", "lag_rows", "noise_of", "noise_rows", "noisy_records"]
 
 
 _EXCERPT = "nst_118e"
@@ -36,6 +37,11 @@ _PIECES, _PIECE_S = 4, 120.0
 _ANEW = 20
 """Number of random shifts of the noise on the ECG that it was recorded with."""
 _SYNTHETIC_S = 300.0
+"""Length of a record to which synthetic noise is added, from its beginning [s]."""
+IN_TIME_S = 0.25
+"""Time within which a beat should be known [s]."""
+_LAGS_S = (0.1, 0.115, 0.125, 0.14, 0.16, 0.2, IN_TIME_S, 0.35, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
+"""Times within which a beat is known [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +54,8 @@ class NoiseRow:
         missed: Number of these that were not detected.
         invented: Number of false detections.
         worst: F1 of the worst record or part.
+        in_time: F1 of the beats known within IN_TIME_S.
+        latency_ms: Median and 95th percentile of the time from an R peak to its detection, "p50" and "p95".
     """
 
     kind: str
@@ -55,6 +63,8 @@ class NoiseRow:
     missed: int
     invented: int
     worst: float
+    in_time: float
+    latency_ms: dict[str, float]
 
     @property
     def f1(self) -> float:
@@ -62,8 +72,36 @@ class NoiseRow:
         return 1.0 - (self.missed + self.invented) / (2.0 * self.beats - self.missed + self.invented)
 
 
+@dataclass(frozen=True, slots=True)
+class LagRow:
+    """F1 of the beats of a kind of records that are known within a time [s] after their R peak."""
+
+    kind: str
+    lag_s: float
+    f1: float
+
+
 def noise_rows(folder: Path) -> Iterator[NoiseRow]:
-    """Yield a row for every kind of record and noise that the folder has records for.
+    """Yield a row for every kind of record and noise, see `noisy_records`."""
+    for kind, records in noisy_records(folder):
+        found = [(record, detect(record.values, record.rate)) for record in records]
+        scores = [score_within(record, events, np.inf) for record, events in found]
+        whole, early = pooled(scores, kind), pooled((score_within(*each, IN_TIME_S) for each in found), kind)
+        latency = {f"p{p}": 1e3 * float(np.percentile(whole.latency_s, p)) for p in (50, 95)}
+        missed, invented, worst = whole.beats - whole.hits, whole.found - whole.hits, min(s.f1 for s in scores)
+        yield NoiseRow(kind, whole.beats, missed, invented, worst, early.f1, latency)
+
+
+def lag_rows(kinds: Iterable[tuple[str, Iterable[Annotated]]]) -> Iterator[LagRow]:
+    """Yield F1 by the time within which a beat must be known, for every kind of records."""
+    for kind, records in kinds:
+        found = [(record, detect(record.values, record.rate)) for record in records]
+        for lag_s in _LAGS_S:
+            yield LagRow(kind, lag_s, pooled((score_within(*each, lag_s) for each in found), kind).f1)
+
+
+def noisy_records(folder: Path) -> Iterator[tuple[str, Iterable[Annotated]]]:
+    """Yield every kind of record and noise that the folder has records for, and these.
 
     Args:
         folder: Folder of annotated records, see `annotated_records`.
@@ -71,16 +109,16 @@ def noise_rows(folder: Path) -> Iterator[NoiseRow]:
     records = {record.name: record for record in annotated_records(folder)}
     hearts = [record for name, record in records.items() if not name.startswith(_EXCERPT)]
     if hearts:
-        yield _row("records as they are", hearts)
+        yield "records as they are", hearts
         for decibel in NOISE_DB:
             heads = (_piece(record, 0.0, _SYNTHETIC_S) for record in hearts)
             noisy = (mixed_noise(record, decibel, seed) for seed, record in enumerate(heads))
-            yield _row(f"synthetic noise, {decibel:g} dB", noisy)
+            yield f"synthetic noise, {decibel:g} dB", noisy
     excerpts = {name: record for name, record in records.items() if name.startswith(_EXCERPT)}
     for name, record in excerpts.items():
-        yield _row(f"noise stress test, {name.removeprefix(_EXCERPT)} dB", [record])
+        yield f"noise stress test, {name.removeprefix(_EXCERPT)} dB", [record]
     if excerpts:
-        yield _row("noise stress test, all", excerpts.values())
+        yield "noise stress test, all", excerpts.values()
     loud, soft, clean = (excerpts.get(f"{_EXCERPT}{db:02.0f}") for db in (_LOUD_DB, _SOFT_DB, _CLEANEST_DB))
     if loud is None or soft is None or clean is None:
         return
@@ -88,8 +126,8 @@ def noise_rows(folder: Path) -> Iterator[NoiseRow]:
     heart = Annotated("118", clean.rate, clean.values - noise * 10.0 ** (-_CLEANEST_DB / 20.0), clean.beats)
     for decibel in _ELECTRODE_DB:
         anew = (_laid(heart, noise, decibel, seed) for seed in range(_ANEW))
-        yield _row(f"record 118, electrode noise laid anew, {decibel:g} dB", anew)
-        yield _row(f"other records, electrode noise, {decibel:g} dB", _pieces(hearts, noise, decibel))
+        yield f"record 118, electrode noise laid anew, {decibel:g} dB", anew
+        yield f"other records, electrode noise, {decibel:g} dB", _pieces(hearts, noise, decibel)
 
 
 def noise_of(loud: Annotated, soft: Annotated) -> F8:
@@ -121,9 +159,3 @@ def _piece(record: Annotated, begin_s: float, seconds: float) -> Annotated:
     beats = record.beats - first / record.rate
     inside = (beats >= 0.0) & (beats < len(values) / record.rate)
     return Annotated(f"{record.name}_{begin_s:.0f}s", record.rate, values, beats[inside])
-
-
-def _row(kind: str, records: Iterable[Annotated]) -> NoiseRow:
-    scores: list[Score] = [score_beats(record) for record in records]
-    beats, found, hits = (sum(getattr(score, name) for score in scores) for name in ("beats", "found", "hits"))
-    return NoiseRow(kind, beats, beats - hits, found - hits, min(score.f1 for score in scores))
