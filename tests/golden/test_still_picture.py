@@ -20,6 +20,7 @@ from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.components.effects import Billboard, Projector
 from mimics_app.world.cords import Cord
 from mimics_app.world.materials.material import Material
+from mimics_app.world.materials.technique import PassSpec, TechniqueSpec
 from mimics_app.world.meshes.primitives import box, icosphere, plane
 from mimics_app.world.world import World
 
@@ -169,6 +170,32 @@ def test_a_picture_drawn_in_parts_is_the_one_drawn_as_a_whole(settings, drawn_pa
     area = [sum(part[2] * part[3] for part in parts if part) for parts in drawn_parts]
     whole = SIZE[0] * SIZE[1] * settings.scale**2
     assert 0.0 < np.median(area) < 0.5 * whole
+
+
+def test_what_is_drawn_without_depth_is_added_once_beside_what_changed(monkeypatch):
+    world, clipped = make_world(), []
+    world.techniques["glow"] = TechniqueSpec(passes=(PassSpec(depth="off", blend="add"),))
+    world.set_material(Material("glow", "glow", (0.1, 0.1, 0.1, 1.0)))
+    world.root.create_child("veil", (0.0, 0.4, 0.0)).create_entity("floor", "glow")
+    before = WorldStage.draw_parts
+
+    def draw_parts(stage, target, samples, scene, parts: list[ViewDraws]) -> int:
+        clipped.extend(each.part.pieces != [each.part.rectangle] for each in parts if each.part)
+        return before(stage, target, samples, scene, parts)
+
+    monkeypatch.setattr(WorldStage, "draw_parts", draw_parts)
+    with create_surface("egl", SIZE) as surface:
+        steady = Renderer(surface, world, PLAIN)
+        for step in range(6):
+            world.find("ball").set_position((0.1 * step, 0.9, 0.3))
+            world.update()
+            steady.draw([view()])
+        ours = read_pixels(surface)
+        fresh = Renderer(surface, world, PLAIN)
+        fresh._shadows._box = steady._shadows._box
+        fresh.draw([view()])
+        assert np.array_equal(ours, read_pixels(surface))
+    assert any(clipped), "there are pixels that are not drawn"
 
 
 def test_where_nothing_moves_nothing_is_drawn():
