@@ -152,7 +152,8 @@ def learning_curves(people: int = 400, trials: int = 40) -> Figure:
     for value in (0.0, 0.2, 0.4, 0.6, 0.8):
         y = top + height * (1.0 - value / highest)
         parts += [path("grid", f"M{left} {y:.1f}h{width}"), word(left - 8.0, y + 4.0, f"{value:g}", "small", "end")]
-    parts.append(word(left + width / 2.0, top + height + 22.0, "trial, 1 to 40", "small", "middle"))
+    parts.append(word(left + width / 2.0, top + height + 22.0, f"trial, 1 to {trials}", "small", "middle"))
+    parts.append(word(left - 30.0, top - 10.0, "mean regret of a trial, with its 95 % interval", "small", "start"))
     parts.append(legend(left, top + height + 44.0, [("line", f"line s{k}", name) for k, name in enumerate(_SHOWN)]))
     size = (left + width + 30.0, top + height + 116.0)
     return physio_figure("physio learning curves", f"Regret of a trial, {people} people", size, parts, rows)

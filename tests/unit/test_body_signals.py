@@ -14,6 +14,7 @@ from mimics_app.contracts.messages import SignalBlock
 from mimics_app.dsp.channel import Channel
 from mimics_app.dsp.ecg import Ecg
 from mimics_app.dsp.emg import Emg
+from mimics_app.dsp.feature_units import FEATURE_UNITS
 from mimics_app.dsp.gsr import Gsr
 from mimics_app.dsp.resp import Resp
 from mimics_app.dsp.rhythm import Rhythm
@@ -250,6 +251,20 @@ def test_the_stage_goes_on_from_what_was_saved(two_minutes: Any) -> None:
     for i in range(40, 60):
         assert one.process(second(i), i * 10**9) == other.process(second(i), i * 10**9)
     json.dumps(dict(one.process([], 61 * 10**9).values), allow_nan=False)
+
+
+def test_every_feature_has_a_unit() -> None:
+    """Four minutes give all of them: variability needs two, fatigue a muscle that is active after a rest."""
+    signals, _ = body(240)
+    rng = np.random.default_rng(3)
+    signals["emg"] = rng.standard_normal(240_000) * np.where(np.arange(240_000) < 3000, 0.01, 1.0)
+    moving = {name: np.abs(rng.standard_normal(240_000)) for name in ("speed", "power", "head")}
+    dsp, names = PhysioDsp(), set[str]()
+    for i in range(240):
+        second = slice(1000 * i, 1000 * i + 1000)
+        blocks = [SignalBlock(name, 1000.0, i * 10**9, v[second]) for name, v in (signals | moving).items()]
+        names |= set(dsp.process(blocks, (i + 1) * 10**9).values)
+    assert names == set(FEATURE_UNITS)
 
 
 @pytest.mark.parametrize("rate", [0.0, 50.0, 1e6])

@@ -124,11 +124,14 @@ def _advice(found: dict[str, Any], lost: str) -> list[str]:
 
 
 def _lines(found: dict[str, Any]) -> Iterator[str]:
+    from mimics_app.dsp.feature_units import FEATURE_UNITS
+
     for name, signal in found["signals"].items():
         bad = f"{100 * signal['bad_share']:.0f} % bad seconds"
         yield f"{name:6} {signal['seconds']:.1f} s at {signal['rate']:g} Hz, quality {signal['quality']:.2f}, {bad}"
     yield "found  " + (", ".join(f"{n} {kind}" for kind, n in found["events"].items()) or "nothing")
+    units = {name: f" {unit}" for name, unit in FEATURE_UNITS.items() if unit != "1"}
     features = {name: value for name, value in found["features"].items() if name != "t_s"}
-    yield "last   " + ", ".join(f"{name} {value:.4g}" for name, value in features.items())
+    yield "last   " + ", ".join(f"{name} {value:.4g}{units.get(name, '')}" for name, value in features.items())
     if "advice" in found:
         yield from (f"advice {line}" for line in found["advice"] or ["none: all signals are good"])

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from mimics_app.app.physio.watch import Watch
+from mimics_app.dsp.feature_units import FEATURE_UNITS
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.page_templates import load_templates
 from mimics_app.plotting.plot import Plot, envelope
@@ -23,11 +24,11 @@ _EVENTS = {
 }
 """Kind of the events found in each signal, and its text in the legend."""
 _TRENDS = (
-    ("heart_rate", "heart rate [1/min]"),
-    ("rmssd", "RMSSD [ms]"),
-    ("scl", "skin conductance [µS]"),
-    ("scr_rate", "responses [1/min]"),
-    ("breath_rate", "breath [1/min]"),
+    ("heart_rate", "heart rate"),
+    ("rmssd", "RMSSD"),
+    ("scl", "skin conductance"),
+    ("scr_rate", "responses"),
+    ("breath_rate", "breath"),
 )
 _TEMPLATES = Path(__file__).with_name("templates")
 _REFRESH_S = 2
@@ -36,7 +37,7 @@ _REFRESH_S = 2
 def write_page(watch: Watch, path: Path, title: str, *, live: bool) -> None:
     """Write the page; a live one reloads itself every two seconds."""
     figures = [("Signals", [_signal(watch, name) for name in watch.recent])]
-    trends = [plot for name, label in _TRENDS if (plot := _trend(watch, name, label)) is not None]
+    trends = [plot for name, text in _TRENDS if (plot := _trend(watch, name, text)) is not None]
     figures += [("Features", trends)] if trends else []
     page = load_templates(_TEMPLATES).get_template("physio.html.j2")
     summary = watch.summary()
@@ -61,12 +62,13 @@ def _signal(watch: Watch, name: str) -> Plot:
     return plot
 
 
-def _trend(watch: Watch, name: str, label: str) -> Plot | None:
+def _trend(watch: Watch, name: str, text: str) -> Plot | None:
     pairs = np.array([(row["t_s"], row[name]) for row in watch.features if name in row])
     if len(pairs) < 2:
         return None
     low, high = float(pairs[:, 1].min()), float(pairs[:, 1].max())
     room = 0.1 * (high - low) or 1.0
+    label = f"{text} [{FEATURE_UNITS[name]}]"
     plot = Plot(Axis("time [s]", 0.0, float(pairs[-1, 0])), Axis(label, low - room, high + room), label, height=170.0)
     plot.line(pairs[:, 0], pairs[:, 1], "a")
     return plot
