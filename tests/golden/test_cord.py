@@ -7,9 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from mimics_app.contracts import resources
 from mimics_app.maths.cord import Ripple
-from mimics_app.rendering.visual.materials.shader_library import _Source
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.passes.cord import CORD_BLOCK, RINGS, SIDES, fill_cord_block
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
@@ -26,10 +25,9 @@ UP = np.array([0.0, 1.0, 0.0])
 def shader_vertices(cord: Cord, time_s: float) -> tuple[np.ndarray, np.ndarray]:
     """Places (relative to an eye at the origin) and normals as the shader has them, [n, 3] each."""
     count = RINGS * (SIDES + 1)
-    source = _Source(resources.root() / "shaders", "cord/cord.vert", ()).text
     with create_surface("egl", (8, 8)) as surface:
         ctx = surface.ctx
-        program = ctx.program(vertex_shader=source, varyings=("position_eye", "normal"))
+        program = ShaderLibrary(ctx).feedback("cord/cord.vert", ("position_eye", "normal")).program
         data = np.zeros((), CORD_BLOCK)
         fill_cord_block(data, cord, np.zeros(3), UP, time_s)
         block, view = ctx.buffer(data.tobytes()), ctx.buffer(reserve=VIEW_BLOCK.itemsize)
