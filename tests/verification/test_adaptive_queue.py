@@ -244,6 +244,17 @@ def test_a_queue_stays_long_while_the_shorter_one_would_not_do():
     assert queue.frames == 288
 
 
+def test_what_is_left_of_a_longer_queue_does_not_shorten_a_limited_one():
+    """A stall of 400 frames leaves 300 of 700; of the 500 that the limit allows then, it would leave 100."""
+    queue = queue_length.QueueLength(288, 700, 80, 32, RATE)
+    queue.read(300, RATE // 10, 0, ran_empty=False, steady=False)
+    queue.limit(500, RATE // 5)
+    for tenth in (3, 4, 5):
+        queue.read(450, tenth * RATE // 10, 0, ran_empty=False, steady=False)
+    assert queue.frames == 500
+    assert queue.report()["changes"] == [(0.2, round(500 / RATE * 1e3, 3))]
+
+
 def test_a_sound_driven_by_force_is_not_overtaken():
     """Its samples come as the force does: the mixer goes further ahead only when none is expected any more."""
     stage = Stage()

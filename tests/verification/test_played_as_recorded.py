@@ -50,6 +50,12 @@ def test_a_recording_is_heard_as_it_is(opened, name):
     assert np.abs(heard[onset + LENGTH + 400 :]).max() < 1e-3
 
 
+@pytest.mark.parametrize("name", ["openal"])
+def test_a_recording_is_in_one_buffer_of_the_library(opened, name):
+    mixer, _ = opened
+    assert sorted(mixer._buffers) == ["loop", "music", "tick"]
+
+
 @both_mixers
 def test_one_channel_is_equal_on_both_sides(opened, name):
     mixer, _ = opened

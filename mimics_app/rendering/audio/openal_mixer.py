@@ -205,7 +205,10 @@ class OpenALMixer:
 
     def _upload(self) -> dict[str, int]:
         buffers: dict[str, int] = {}
+        second = {sound.other for sound in self._bank.sounds.values()}
         for name, sound in self._bank.sounds.items():
+            if name in second:  # it is in the buffer of the first channel
+                continue
             buffer = ctypes.c_uint()
             self._call.alGenBuffers(1, ctypes.byref(buffer))
             form = AL.FORMAT_MONO_FLOAT32 if sound.spec.spatial else AL.FORMAT_STEREO_FLOAT32

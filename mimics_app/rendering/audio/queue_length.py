@@ -52,10 +52,16 @@ class QueueLength:
         self._changes: list[tuple[float, float]] = []
         self._empty: list[tuple[int, float]] = []
 
-    def limit(self, longest: int) -> None:
-        """Set the upper limit [frames]; a longer queue is shortened."""
+    def limit(self, longest: int, position: int) -> None:
+        """Set the upper limit [frames]; a longer queue is shortened, and observed anew.
+
+        Args:
+            longest: Upper limit [frames].
+            position: Frames mixed so far.
+        """
         self._longest = max(self._shortest, longest)
-        self.frames = min(self.frames, self._longest)
+        if self.frames > self._longest:
+            self._change(0, position)
 
     def read(self, left: int, position: int, now_ns: int, *, ran_empty: bool, steady: bool) -> None:
         """Take what is left in the queue before a refill, and change the length where that is due.

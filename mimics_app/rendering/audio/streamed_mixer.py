@@ -132,7 +132,7 @@ class StreamedMixer:
         """Fill the queue with blocks of `frames`; return shape [0, 2]."""
         now, left = self._clock.now_ns(), self._stream.left()
         empty = self._stream.ran_empty
-        self.queue.limit(self._longest_queue())
+        self.queue.limit(self._longest_queue(), self.position)
         if self.position > 0:
             self.queue.read(left, self.position, now, ran_empty=empty, steady=now < self._driven_ns)
         ahead = max(left, 0)
