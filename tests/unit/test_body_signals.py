@@ -137,6 +137,14 @@ def test_the_table_of_noise_counts_every_kind_and_lays_what_two_excerpts_differ_
     np.testing.assert_allclose(laid, noise, atol=1e-9)
 
 
+def test_a_record_without_a_beat_that_is_found_has_no_latency(tmp_path: Path) -> None:
+    flat = {"ecg_adc": np.zeros(20_000), "gain_per_mV": 1.0, "fs": 1000, "beats": np.arange(1000.0, 19_000.0, 800.0)}
+    np.savez(tmp_path / "flat.npz", **flat)
+    row = next(noise_rows(tmp_path))
+    assert (row.missed, row.f1) == (row.beats, 0.0)
+    assert np.isnan(row.latency_ms["p50"]) and np.isnan(row.latency_ms["p95"])
+
+
 def test_variability_of_intervals_that_are_known() -> None:
     """RMSSD of an alternation between two lengths is their difference; SDNN half of it."""
     rhythm, t = Rhythm(), 0.0

@@ -6,9 +6,6 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.lab.peer_harness import run_harness
 from mimics_app.lab.physio.cohort import play_cohort
@@ -75,12 +72,8 @@ def _row(record: Annotated) -> dict[str, Any]:
         "f1": score.f1,
         "sensitivity": score.sensitivity,
         "ppv": score.ppv,
-        "latency_ms": {"p50": 1e3 * float(np.median(score.latency_s)), "p95": 1e3 * float(_p95(score.latency_s))},
+        "latency_ms": score.latency_ms,
     }
-
-
-def _p95(values: NDArray[np.float64]) -> float:
-    return float(np.quantile(values, 0.95))
 
 
 def _load(gap: float) -> dict[str, dict[str, float]]:

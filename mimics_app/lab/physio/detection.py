@@ -87,6 +87,12 @@ class Score:
         """Share of the detected beats that are annotated."""
         return self.hits / max(self.found, 1)
 
+    @property
+    def latency_ms(self) -> dict[str, float]:
+        """Median and 95th percentile of the latency [ms], "p50" and "p95"; NaN without a detected beat."""
+        known = self.latency_s if self.found else np.array([np.nan])
+        return {f"p{p}": 1e3 * float(np.percentile(known, p)) for p in (50, 95)}
+
 
 def annotated_records(folder: Path | None, minutes: float = 0.0) -> Iterator[Annotated]:
     """Yield every .npz of a folder with ecg_adc, gain_per_mV, fs and beats; without a folder, simulated people.

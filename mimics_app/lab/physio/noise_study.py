@@ -87,9 +87,8 @@ def noise_rows(folder: Path) -> Iterator[NoiseRow]:
         found = [(record, detect(record.values, record.rate)) for record in records]
         scores = [score_within(record, events, np.inf) for record, events in found]
         whole, early = pooled(scores, kind), pooled((score_within(*each, IN_TIME_S) for each in found), kind)
-        latency = {f"p{p}": 1e3 * float(np.percentile(whole.latency_s, p)) for p in (50, 95)}
         missed, invented, worst = whole.beats - whole.hits, whole.found - whole.hits, min(s.f1 for s in scores)
-        yield NoiseRow(kind, whole.beats, missed, invented, worst, early.f1, latency)
+        yield NoiseRow(kind, whole.beats, missed, invented, worst, early.f1, whole.latency_ms)
 
 
 def lag_rows(kinds: Iterable[tuple[str, Iterable[Annotated]]]) -> Iterator[LagRow]:
