@@ -35,7 +35,9 @@ from mimics_app.dsp.kernels.rhythm import (
     PHASE,
     RHYTHM,
     RR,
+    T_WAVE,
     UNSTEADY,
+    USUAL_RR,
     add_beat,
     off_beat,
     steadiness,
@@ -93,10 +95,6 @@ _EVERY = 0.1
 """Interval at which the noise's predictor is determined [s]."""
 _APART = 0.3
 """Least distance of a beat that fills a gap from its neighbours [s]."""
-_REFRACTORY = 0.36
-"""A peak within this time of a beat [s] is its T wave, not a missed beat (Pan & Tompkins)."""
-_USUAL_RR = 0.8
-"""Expected interval while none is known [s]."""
 _FOLLOW = 0.1
 """Weight of a beat in the share of beats found by templates, and in that of true ones among those found by energy."""
 _SOON = 0.75
@@ -299,7 +297,7 @@ def _judge(t: int, state: Floats, rate: float) -> int:
         return -1
     if over > 0.0:
         return t
-    if over > state[BACK_V] and since > _REFRACTORY * rate:
+    if over > state[BACK_V] and since > T_WAVE * rate:
         state[BACK_V], state[BACK_T] = over, t
     return -1
 
@@ -307,7 +305,7 @@ def _judge(t: int, state: Floats, rate: float) -> int:
 @kernel
 def _threshold(t: int, state: Floats, rate: float) -> float:
     """Return the threshold of the score at sample `t`: lower when a beat is due, and near an expected one."""
-    share = min((t - state[LAST]) / (state[RR] if state[RR] > 0.0 else _USUAL_RR * rate), 2.0)
+    share = min((t - state[LAST]) / (state[RR] if state[RR] > 0.0 else USUAL_RR * rate), 2.0)
     in_time = np.exp(-((off_beat(t, share, state) / TUNING.width) ** 2))
     threshold = TUNING.due + TUNING.higher * max(1.0 - share / TUNING.decay, 0.0)
     return threshold + TUNING.range * steadiness(state, TUNING.unsteady) * (0.5 - in_time)

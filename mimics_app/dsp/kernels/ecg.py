@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.dsp.kernels.rhythm import LAST, RHYTHM, RR, add_beat, off_beat, steadiness
+from mimics_app.dsp.kernels.rhythm import LAST, RHYTHM, RR, T_WAVE, USUAL_RR, add_beat, off_beat, steadiness
 from mimics_app.dsp.kernels.sections import Floats, run_sections, settle_sections
 
 __all__ = ["ECG_STATE", "MISSING", "NPK", "SPK", "EnergyDetector", "Filters", "find_beats"]
@@ -51,14 +51,8 @@ band in the filtered signal, sample at which the learning phase began, beats fou
 _NEVER = 10.0
 """Time since the last beat that is assumed before the first one [s]."""
 
-_USUAL_RR = 0.8
-"""Expected interval while none is known [s]."""
-
 _NOISE_CAP = 0.8
 """Largest contribution of a rejected peak to the noise level, as a share of the signal level."""
-
-_REFRACTORY = 0.36
-"""A peak within this time of a beat [s] is its T wave, not a missed beat (Pan & Tompkins)."""
 
 _TINY = 1e-12
 """Keeps a ratio of levels finite [mV]."""
@@ -264,7 +258,7 @@ def _judge(t: int, v: float, n: int, delay: float, detector: EnergyDetector) -> 
     since = t - state[LAST] if state[LAST] >= 0.0 else _NEVER * rate
     if since < _TUNING.refractory_s * rate:
         return
-    expected = state[RR] if state[RR] > 0.0 else _USUAL_RR * rate
+    expected = state[RR] if state[RR] > 0.0 else USUAL_RR * rate
     share = min(since / expected, 2.0)
     factor = _TUNING.due + (_TUNING.after - _TUNING.due) * max(1.0 - share / _TUNING.decay, 0.0)
     factor = max(factor + _rhythm(off_beat(t, share, state), state), _LEAST_FACTOR)
@@ -272,7 +266,7 @@ def _judge(t: int, v: float, n: int, delay: float, detector: EnergyDetector) -> 
         _accept(t, v, n, delay, detector)
         return
     state[NPK] += _TUNING.noise_weight * (min(v, _NOISE_CAP * state[SPK]) - state[NPK])
-    if v > state[BACK_V] and since > _REFRACTORY * rate:
+    if v > state[BACK_V] and since > T_WAVE * rate:
         state[BACK_V], state[BACK_T] = v, t
 
 

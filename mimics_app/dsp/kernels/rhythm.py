@@ -13,12 +13,18 @@ import numpy as np
 from mimics_app.contracts.kernel import kernel
 from mimics_app.dsp.kernels.sections import Floats
 
-__all__ = ["LAST", "PHASE", "RHYTHM", "RR", "UNSTEADY", "add_beat", "off_beat", "steadiness"]
+__all__ = ["LAST", "PHASE", "RHYTHM", "RR", "T_WAVE", "UNSTEADY", "USUAL_RR", "add_beat", "off_beat", "steadiness"]
 
 LAST, RR, PHASE, UNSTEADY = range(4)
 RHYTHM = 4
 """Length of the state, with which a detector's state begins: sample of the last beat (-1: none yet), mean interval (0:
 unknown), sample of the oscillator's last beat, mean relative deviation of the intervals."""
+
+T_WAVE = 0.36
+"""A peak within this time of a beat [s] is its T wave, not a missed beat (Pan & Tompkins)."""
+
+USUAL_RR = 0.8
+"""Expected interval while none is known [s]."""
 
 _LONGEST_RR = 1.2
 """Upper limit of the first interval [s]."""
