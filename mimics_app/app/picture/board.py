@@ -7,7 +7,6 @@ from collections.abc import Hashable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.board import Bar, Board, Card, Tone
 from mimics_app.contracts.messages import HapticSnapshot
 from mimics_app.rendering.visual.figures.hud import Colour, Hud
@@ -18,8 +17,6 @@ __all__ = ["OPERATORS_CARDS", "BoardLayout", "stability_card"]
 
 OPERATORS_CARDS = frozenset({"margin"})
 """Cards for the operator, shown with the forces (F5)."""
-
-"""Left edge, lower edge and width of the content of a card, in units of the canvas."""
 
 _PANEL: Colour = (0.06, 0.08, 0.11, 0.62)
 _ALARM_PANEL: Colour = (0.55, 0.08, 0.08, 0.86)
@@ -105,11 +102,11 @@ class BoardLayout:
 def _draw_card(hud: Hud, card: Card, corner: tuple[float, float], force_full: float) -> None:
     left, bottom = corner
     hud.box(left, bottom, card.width, _HEIGHT, _PANEL, radius=12.0)
-    place = x, y, width = left + 16.0, bottom + 12.0, card.width - 32.0
+    x, y, width = left + 16.0, bottom + 12.0, card.width - 32.0
     hud.text(x, y + 27.0, card.label, 15.0, FAINT)
     if card.bar is not None:
         hud.text(x + width, y + 27.0, card.text, 17.0, INK, bold=True, align="right")
-        _draw_bar(hud, card.bar, place, force_full)
+        _draw_bar(hud, card.bar, (x, y), width, force_full)
         return
     room = 0.62 * width if card.remark else width
     free = width - 8.0 - hud.text(x, y, card.text, 25.0, _COLOURS[card.tone], bold=True, width=room)
@@ -118,8 +115,8 @@ def _draw_card(hud: Hud, card: Card, corner: tuple[float, float], force_full: fl
         hud.text(x + width, y + 4.0, card.remark, size, _COLOURS[card.remark_tone], align="right")
 
 
-def _draw_bar(hud: Hud, bar: Bar, place: Vec3, force_full: float) -> None:
-    x, y, width = place
+def _draw_bar(hud: Hud, bar: Bar, corner: tuple[float, float], width: float, force_full: float) -> None:
+    x, y = corner
     full = force_full if bar.full is None else bar.full
     if bar.right is not None:
         lower, upper = bar.right

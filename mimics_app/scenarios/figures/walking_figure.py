@@ -34,13 +34,13 @@ def follow_numbers(values: dict[str, float], orders: Mapping[str, object]) -> No
 
 
 def stand(node: SceneNode, place: tuple[float, float, float], yaw: float, ahead: float) -> None:
-    """Place a figure that looks along +z (`ahead` 1) or -z (-1) of its node.
+    """Place a figure.
 
     Args:
         node: The figure's node.
         place: Its position [m].
         yaw: Where the figure looks: angle about +y from +z [rad].
-        ahead: See there.
+        ahead: 1 for a figure that looks along +z of its node, -1 along -z.
     """
     node.set_position(np.array(place))
     node.set_orientation(quat.about_axis((0.0, 1.0, 0.0), yaw + (0.0 if ahead > 0.0 else math.pi)))
