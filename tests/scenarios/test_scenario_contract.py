@@ -9,9 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from mimics_app.app.scenes.scenario_choice import BUILT_IN
+from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.scenes.scenario_choice import BUILT_IN, open_scenario
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.resources import root
+from mimics_app.scenarios.wavy_tunnel import WavyTunnel
+from mimics_app.world.scene.file import build_world
 from tests.support.plugin_site import write_package
 from tests.support.scenario_kit import check_scenario
 
@@ -134,10 +137,16 @@ def played_by(scenario: str, folder: Path) -> Path:
     return file
 
 
-@pytest.mark.parametrize("name", BUILT_IN)
+@pytest.mark.parametrize("name", [*BUILT_IN, "examples/falling_pairs"])
 def test_scenario_keeps_the_contract(name: str) -> None:
-    scene = "examples/falling_pairs" if name == "touch_scene" else name
-    check_scenario(SCENES / f"{scene}.json")
+    check_scenario(SCENES / f"{name}.json")
+
+
+def test_a_scene_with_the_name_of_the_general_scenario_is_played_by_what_it_has(tmp_path: Path) -> None:
+    file = tmp_path / "touch_scene.json"
+    file.write_text((SCENES / "examples" / "bisector_only.json").read_text())
+    scene = load_checked_scene(file)
+    assert isinstance(open_scenario(scene, build_world(scene)), WavyTunnel)
 
 
 def test_a_module_among_the_built_in_scenarios_is_one(tmp_path: Path) -> None:

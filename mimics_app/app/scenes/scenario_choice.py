@@ -24,10 +24,15 @@ __all__ = ["BUILT_IN", "BY_COMPONENT", "is_part", "is_playable", "open_scenario"
 
 _Builder = Callable[[Scene, World], Scenario]
 
-BUILT_IN = tuple(module.name for module in iter_modules(scenarios.__path__) if not module.ispkg)
-"""Names of the scenarios that come with the product: the modules of `mimics_app.scenarios`."""
+_ANY_ROBOT = "touch_scene"
+"""Scenario without a scene of its name: it plays those with a robot that have no other."""
 
-BY_COMPONENT: dict[type, str] = {Tunnel: "wavy_tunnel", GraspingHand: "pick_and_place", Robot: "touch_scene"}
+BUILT_IN = tuple(
+    module.name for module in iter_modules(scenarios.__path__) if not module.ispkg and module.name != _ANY_ROBOT
+)
+"""Names of the scenarios that come with the product: the other modules of `mimics_app.scenarios`."""
+
+BY_COMPONENT: dict[type, str] = {Tunnel: "wavy_tunnel", GraspingHand: "pick_and_place", Robot: _ANY_ROBOT}
 """Built-in scenario of a scene that names none, by the first of these components it has."""
 
 _ROBOT_NEEDED = 'include "mimics:scenes/parts/touch_room.json" and add {"id": "robot", "prefab": "robot"}'
