@@ -27,7 +27,7 @@ _EXPLORES, _FADES, _LEAST = 0.5, 0.15, 0.05
 
 
 def place_of(observed: Mapping[str, float]) -> int:
-    """Return the state of a step: `gap` from person to guide and `way` from person to goal, both signed [m]."""
+    """Return the state of a step: `gap` from person to guide and `left` from person to goal, both signed [m]."""
     between = observed.get("gap", 0.0) * observed.get("left", 1.0) > 0.0
     return int(np.searchsorted(GAPS, abs(observed.get("gap", 0.0)))) + (len(GAPS) + 1) * between
 
