@@ -341,7 +341,7 @@ def _accept(t: int, n: int, fits: float, detector: FormDetector) -> None:
     state, rate = detector.state, detector.rate
     early = fits == 0.0 and n - state[LAST] <= TUNING.gap * state[RR]
     if state[EARLY] > 0.0:  # it was a beat unless another one followed soon
-        _rate(1.0 if early or t - state[LAST] > _SOON * state[RR] else 0.0, state)
+        _rate(1.0 if t - state[LAST] > _SOON * state[RR] else 0.0, state)
     elif state[ENERGY_V] > 0.0 and not early:
         _rate(1.0 if abs(t - state[ENERGY_T]) < TUNING.near_s * rate else 0.0, state)
     state[EARLY] = early
