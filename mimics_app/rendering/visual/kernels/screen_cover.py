@@ -109,7 +109,8 @@ def cover_marks(marked: U1, worth: float, rects: I4) -> int:
     Args:
         marked: 1 where a cell is marked, [rows, columns].
         worth: Minimum number of cells that a cut has to save.
-        rects: Written: x, y, width, height [cells], [capacity, 4].
+        rects: Written: x, y, width, height [cells]; each wholly to the left of or below every one before it,
+            [capacity, 4].
 
     Returns:
         Number of rectangles, at most `len(rects)`.
@@ -128,11 +129,12 @@ def cover_marks(marked: U1, worth: float, rects: I4) -> int:
         if saved < worth:
             return count
         side = 0 if upright else 1
-        rects[count] = rects[number]
-        rects[number, side + 2] = at
-        rects[count, side] += at
-        rects[count, side + 2] -= at
-        for half in (number, count):
+        for place in range(count, number, -1):
+            rects[place], cuts[place] = rects[place - 1], cuts[place - 1]
+        rects[number, side] += at
+        rects[number, side + 2] -= at
+        rects[number + 1, side + 2] = at
+        for half in (number, number + 1):
             _trim(marked, rects[half])
             _find_cut(marked, rects[half], spare, cuts[half])
         count += 1

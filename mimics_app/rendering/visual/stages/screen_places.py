@@ -45,6 +45,8 @@ def screen_bounds(view: View, points: F8, radii: F8) -> F8:
 def cover_of(bounds: F8, size: tuple[int, int]) -> list[ChangedPart]:
     """Return a few disjoint rectangles of whole cells that cover many rectangles, with the pieces of each.
 
+    Each rectangle is wholly to the left of or below every one before it.
+
     Args:
         bounds: Rectangles as shares of the picture: left, right, bottom, top; [n, 4].
         size: Size of the picture [px].

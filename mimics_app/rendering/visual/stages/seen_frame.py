@@ -96,7 +96,6 @@ def capture_frame(scene: FrameScene, view: View, rectangle: Rect, listed: DrawLi
 
     Args:
         scene: World, light and settings of the frame.
-        world: The world.
         view: The view.
         rectangle: Rectangle in the target [px].
         listed: Its draw list.

@@ -141,6 +141,9 @@ class WorldStage:
     ) -> int:
         """Redraw parts of a view; the target stays in use, and unchanged elsewhere.
 
+        With several samples per pixel llvmpipe also draws into the pixels just left of and below a scissor rectangle:
+        a part that these belong to has to come later, so that it is cleared.
+
         Returns:
             Draw calls made.
         """
@@ -340,7 +343,8 @@ def _clear(target: moderngl.Framebuffer, colour: tuple[float, float, float], dra
         target.color_mask = False, False, False, False
         target.clear(depth=0.0)
         target.color_mask = True, True, True, True
-    for target.scissor in pieces:
+    for piece in pieces:
+        target.scissor = piece
         target.clear(*colour, 1.0, depth=1.0)
     target.scissor = part.rectangle
     target.use()
