@@ -49,6 +49,16 @@ def test_boxes_of_a_mesh_hold_its_triangles_in_less_space_than_one(mesh: MeshDat
     assert np.prod(boxes[:, 1] - boxes[:, 0], axis=1).sum() <= share * volume + 1e-9
 
 
+def test_what_is_written_beyond_the_bounds_of_a_mesh_counts_to_the_border_of_its_grid():
+    world = World()
+    mesh = world.meshes["mesh"] = box(0.3, 1.0, 0.2)
+    assert mesh.bounds[0].max() < 0.0, "they are kept"
+    mesh.positions[::3] *= 40.0
+    boxes = ShapeBoxes(world).of(["mesh"], {})
+    assert boxes is not None
+    assert _outside(mesh.positions.astype(np.float64), boxes) == 0
+
+
 def _bent_bar(folder: Path, skinning: str, at: float) -> World:
     maker = bar(6)
     turns = [(2, "z", 60), (3, "x", -80), (4, "y", 120), (5, "z", 70)]

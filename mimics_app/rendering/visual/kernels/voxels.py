@@ -67,6 +67,8 @@ def _extend_cells(corners: F8, low: F8, high: F8, first: I8, last: I8, least: F8
 def voxelise(positions: F4, indices: U4, least: F8, cell: float, cells: F8) -> None:
     """Extend the boxes of a grid's cells by what they have of triangles, or a little more.
 
+    What is beyond the grid, as of a mesh that a program is writing, counts to the cells at its border.
+
     Args:
         positions: Vertices [m], [n, 3].
         indices: Three per triangle, [m].
@@ -82,6 +84,6 @@ def voxelise(positions: F4, indices: U4, least: F8, cell: float, cells: F8) -> N
         for i in range(3):
             low[i], high[i] = corners[:, i].min(), corners[:, i].max()
             most = cells.shape[i] - 1
-            first[i] = min(most, int((low[i] - least[i]) / cell))
-            last[i] = min(most, int((high[i] - least[i]) / cell))
+            first[i] = max(0, min(most, int((low[i] - least[i]) / cell)))
+            last[i] = max(0, min(most, int((high[i] - least[i]) / cell)))
         _extend_cells(corners, low, high, first, last, least, cell, cells)

@@ -19,8 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["EdgeFilter", "Enlargement", "PictureFilter"]
 
 _EDGE_STEPS, _EDGE_REACH = 12.0, 28
-"""Steps in which an edge is followed in each direction, 26 pixels; and how far a pixel affects others."""
-
+"""Steps in which an edge is followed in each direction, 26 pixels; and how far a pixel affects others [px]."""
 
 Parts = Sequence[ChangedPart]
 
@@ -75,7 +74,7 @@ class PictureFilter(ABC):
         target: moderngl.Framebuffer,
         region: Rect,
         place: Rect,
-        parts: Sequence[ChangedPart],
+        parts: Parts,
     ) -> tuple[int, list[ChangedPart]]:
         """Update a target that holds the filtered last picture of a view.
 
