@@ -272,26 +272,25 @@ def _carried(flat: F8, cell: float, seed: int, step: F8) -> F8:
 
 
 class _Tiles:
-    """The meadow in sectors of rings, so that those out of view are culled."""
+    """The meadow in sectors of rings, so that those out of view are culled.
+
+    Attributes:
+        clays: All tiles, ring by ring from the middle.
+    """
 
     def __init__(self) -> None:
-        self._clays = [Clay() for _ in range(_SECTORS * (len(_RINGS) + 1))]
-
-    @property
-    def clays(self) -> list[Clay]:
-        """Return all tiles."""
-        return self._clays
+        self.clays = [Clay() for _ in range(_SECTORS * (len(_RINGS) + 1))]
 
     def at(self, x: float, z: float) -> Clay:
         """Return the tile that holds a point [m]."""
-        return self._clays[int(_tile(np.array([x]), np.array([z]))[0])]
+        return self.clays[int(_tile(np.array([x]), np.array([z]))[0])]
 
     def add(self, mesh: MeshData, paint: Painter) -> None:
         """Each triangle to the tile that its middle is in; normals stay those of the whole."""
         middles = mesh.positions[mesh.indices.reshape(-1, 3)].astype(np.float64).mean(axis=1)
         tiles = _tile(middles[:, 0], middles[:, 2])
         for number in np.unique(tiles):
-            self._clays[number].add(picked(mesh, tiles == number), paint)
+            self.clays[number].add(picked(mesh, tiles == number), paint)
 
 
 def _tile(x: F8, z: F8) -> NDArray[np.int64]:
@@ -307,6 +306,7 @@ def build_meadow(seed: int) -> list[list[Clay]]:
 
 
 def _lay_ground(seed: int, ground: _Ground) -> _Tiles:
+    """Make ground, tufts and flowers of a resolution."""
     tiles = _Tiles()
     reach = np.concatenate([np.linspace(0.0, 0.7, 38), 0.7 * (9.0 / 0.7) ** np.linspace(0.0, 1.0, 42)[1:]])
 
