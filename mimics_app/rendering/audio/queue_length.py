@@ -2,9 +2,9 @@
 
 A queue outlasts a stall of the machine that is shorter than itself. How long stalls are differs by a factor of ten
 between machines and between minutes, so the length follows what is left in the queue at each refill: after an underrun
-or a near-miss it grows by as many steps as were missing, and after a time in which less would have sufficed it gives
-up half of the spare ones. It begins at the upper limit, as nothing is known of the machine yet and the start of a
-session is its busiest time, and gives up all spare ones at the end of that.
+or a near-miss it grows by as many steps as were missing, and after a time in which less would have sufficed it drops
+half of the spare ones. It begins at the upper limit, as nothing is known of the machine yet and the start of a
+session is its busiest time, and drops all spare ones at the end of that.
 """
 
 from __future__ import annotations
