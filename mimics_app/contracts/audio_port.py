@@ -241,6 +241,8 @@ class QueueReport(TypedDict, total=False):
         near_misses: Refills at which no more than a period was left.
         changes: Time [s] and new length [ms] of each change.
         empty: Session time [ns] and length then [ms] of each underrun.
+        needed_ms: Length that would have kept a period in reserve throughout after the start, at most the limit [ms];
+            absent in a session of less than half a minute.
         latency_ms: Upper bound from contact to output at the end [ms].
     """
 
@@ -250,6 +252,7 @@ class QueueReport(TypedDict, total=False):
     near_misses: int
     changes: list[tuple[float, float]]
     empty: list[tuple[int, float]]
+    needed_ms: float
     latency_ms: float
 
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 import pytest
 
 from mimics_app.app.picture.governor import FULL, FrameGovernor
-from mimics_app.app.picture.held_quality import Held, HeldQuality
+from mimics_app.app.picture.held_quality import Held
+from mimics_app.contracts.machine_memory import MachineMemory
 
 BUDGET = 16.7
 
@@ -208,10 +209,10 @@ def test_what_was_held_is_where_the_next_run_starts(tmp_path):
     first, steps, lines = _play()
     first.run(30.0, lambda: _costs(steps, 30.0, 0.7))
     assert [line["direction"] for line in lines] == ["down", "down"]
-    kept = HeldQuality(tmp_path / "quality.json")
+    kept = MachineMemory(Held, tmp_path / "quality.json")
     kept.keep("tunnel", first.governor.held)
     second, steps, lines = _play()
-    held = HeldQuality(tmp_path / "quality.json").find("tunnel")
+    held = MachineMemory(Held, tmp_path / "quality.json").find("tunnel")
     assert held is not None and second.governor.start_from(held)
     second.run(60.0, lambda: _costs(steps, 30.0, 0.7))
     assert [line["direction"] for line in lines] == ["start", "start"]
@@ -230,14 +231,14 @@ def test_what_other_levels_held_is_passed_over():
 def test_a_damaged_file_of_held_qualities_is_as_good_as_none(tmp_path, damage):
     file = tmp_path / "quality.json"
     file.write_bytes(damage)
-    kept = HeldQuality(file)
+    kept = MachineMemory(Held, file)
     assert kept.find("tunnel") is None
     kept.keep("tunnel", Held(("shadows off",), (1.2,), (False,)))
-    assert HeldQuality(file).find("tunnel") == Held(("shadows off",), (1.2,), (False,))
+    assert MachineMemory(Held, file).find("tunnel") == Held(("shadows off",), (1.2,), (False,))
 
 
 def test_a_folder_that_cannot_be_written_is_no_fault(tmp_path):
-    kept = HeldQuality(tmp_path / "nowhere" / "quality.json")
+    kept = MachineMemory(Held, tmp_path / "nowhere" / "quality.json")
     kept.keep("tunnel", Held((), (), ()))
     assert kept.find("tunnel") is None
 

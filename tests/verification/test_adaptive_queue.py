@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.clock import VirtualClock
+from mimics_app.contracts.machine_memory import MachineMemory
 from mimics_app.rendering.audio import queue_length
+from mimics_app.rendering.audio.queue_need import QueueNeed, keep_needed_ms, known_needed_ms
 from mimics_app.rendering.audio.settings import SoundSpec
 from mimics_app.rendering.audio.sound_stream import LIVE_BLOCK
 from mimics_app.rendering.audio.streamed_mixer import StreamedMixer, shortest_queue
@@ -66,12 +68,12 @@ class Device:
 class Stage:
     """A tone on such a device, polled every half millisecond but for the stalls; `settled`: the start is over."""
 
-    def __init__(self, *, settled: bool = True) -> None:
+    def __init__(self, *, settled: bool = True, needed_ms: float = 0.0) -> None:
         self.clock = VirtualClock()
         self.device = Device(self.clock)
         self.mixer = mixer_of(TONE, specs=LOOP)
         self.mixer.start("tone", 0, None, 1.0)
-        self.streamed = StreamedMixer(self.mixer, self.device, self.clock)
+        self.streamed = StreamedMixer(self.mixer, self.device, self.clock, needed_ms)
         self.queue = self.streamed.queue
         if settled:
             self.play(queue_length.SETTLE_S + 0.1)
@@ -242,6 +244,31 @@ def test_a_queue_stays_long_while_the_shorter_one_would_not_do():
     for second in range(600, 900):
         queue.read(113, second * RATE, 0, ran_empty=False, steady=False)
     assert queue.frames == 288
+
+
+def test_a_session_learns_from_the_last_ones(monkeypatch, tmp_path):
+    """A stall after the start is heard once per machine, not once per session; a single long one changes nothing."""
+    monkeypatch.setattr(queue_length, "OBSERVED_S", 1.0)
+    memory = MachineMemory(QueueNeed, tmp_path / "sound.json")
+    gaps, settled_ms = [], []
+    for stalls in ((7.0,), (7.0,), (7.0, 30.0), (7.0,)):
+        stage = Stage(needed_ms=known_needed_ms(memory))
+        settled_ms.append(stage.queue.frames / RATE * 1e3)
+        for stall in stalls:
+            stage.play(0.6, stall_ms=stall)
+        stage.play(0.6)
+        gaps.append(stage.queue.underruns)
+        keep_needed_ms(stage.streamed.report_queue(), memory)
+    assert gaps == [1, 0, 1, 0]
+    assert settled_ms[0] == 6.0 and settled_ms[1] == settled_ms[2] == settled_ms[3] > 7.0
+
+
+def test_a_session_too_short_to_tell_keeps_nothing(tmp_path):
+    memory = MachineMemory(QueueNeed, tmp_path / "sound.json")
+    stage = Stage()
+    stage.play(1.0, stall_ms=7.0)
+    keep_needed_ms(stage.streamed.report_queue(), memory)
+    assert known_needed_ms(memory) == 0.0
 
 
 def test_what_is_left_of_a_longer_queue_does_not_shorten_a_limited_one():

@@ -2,7 +2,8 @@
 
 The load is a whole session in a process of its own, with its haptic loop, frames as fast as they can be drawn, and 8 ms
 of Python per frame. The spectral mixer plays to the null sink of a private PulseAudio server, which takes blocks in
-real time as a sound card does; without PulseAudio to OpenAL's null device.
+real time as a sound card does; without PulseAudio to OpenAL's null device. As a session does, it takes the length of
+the queue that earlier ones needed on this machine, and keeps what it needed itself.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.contracts.sound_scene import SOUND_SCENE, fill_defaults
 from mimics_app.rendering.audio.live_latency import private_pulse_server, pulse_missing
 from mimics_app.rendering.audio.process import AudioProcess
+from mimics_app.rendering.audio.queue_need import keep_needed_ms, known_needed_ms
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 from mimics_app.rendering.audio.sound_stream import LIVE_BLOCK
 
@@ -111,6 +113,7 @@ def _play(scene: Path, seconds: float, environment: Mapping[str, str], *, load: 
         mixer="spectral",
         voices=_VOICES,
         driver="pulse" if environment else "null",
+        queue_ms=known_needed_ms(),
         environment=dict(environment),
     )
     memory, clock = SessionMemory(), MonotonicClock()
@@ -127,6 +130,7 @@ def _play(scene: Path, seconds: float, environment: Mapping[str, str], *, load: 
             loop = json.loads(child.communicate(timeout=seconds + _SPARE_S)[0] or "{}")
     finally:
         report = audio.stop()
+    keep_needed_ms(report.queue)
     return report, loop
 
 

@@ -15,6 +15,7 @@ from mimics_app.contracts.audio_port import AudioOutput, AudioReport
 from mimics_app.contracts.messages import SoundEvent, SoundTrigger, TaskOrders
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.contracts.sound_scene import SOUND_SCENE, fill_defaults
+from mimics_app.rendering.audio.queue_need import keep_needed_ms
 from mimics_app.rendering.audio.settings import AudioSettings
 from mimics_app.world.world import World
 
@@ -74,8 +75,10 @@ class SoundStage:
         self._show_notice()
 
     def stop(self) -> AudioReport:
-        """Stop the output and return its report."""
-        return self.output.stop()
+        """Stop the output, keep for later sessions what its queue needed, and return its report."""
+        report = self.output.stop()
+        keep_needed_ms(report.queue)
+        return report
 
     def _place(self, world: World, now_ns: int) -> None:
         """Publish the pose of the head (the camera) and of the emitters, with velocities from the previous frame."""

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 
 from mimics_app.app.picture.governor import FrameGovernor
-from mimics_app.app.picture.held_quality import HeldQuality, measure_frame_ms, name_of_picture
+from mimics_app.app.picture.held_quality import held_quality, measure_frame_ms, name_of_picture
 from mimics_app.app.planner.tolerances import tolerances_of
 from mimics_app.app.play.leaving import Leaving
 from mimics_app.app.play.reload import SceneReload
@@ -56,7 +56,7 @@ def run_live(
     _draw_once(session)
     _run_frames(session, frames, after_frame, until)
     if name and governor is not None and governor.frames >= _FEWEST_FRAMES:
-        HeldQuality().keep(name, governor.held)
+        held_quality().keep(name, governor.held)
 
 
 def _draw_once(session: Session) -> None:
@@ -117,7 +117,7 @@ def _start_lower(session: Session, governor: FrameGovernor) -> str:
     """
     assert session.picture is not None
     name = name_of_picture(session.picture, session.scene.path.stem, session.settings.profile)
-    known = HeldQuality().find(name)
+    known = held_quality().find(name)
     frame_ms = partial(measure_frame_ms, session.picture)
     rehearse_steps(session.picture.renderer, session.picture.views)
     if known is not None and governor.start_from(known):

@@ -39,6 +39,7 @@ def open_sound(parts: Preparation, memory: SessionMemory, folder: Path, file: Pa
     from mimics_app.app.cues.sound_surroundings import SoundSurroundings
     from mimics_app.rendering.audio.offline import OfflineAudio
     from mimics_app.rendering.audio.process import AudioProcess
+    from mimics_app.rendering.audio.queue_need import known_needed_ms
     from mimics_app.rendering.audio.scene_sounds import settings_from_components
     from mimics_app.rendering.audio.settings import BusSpec
     from mimics_app.rendering.haptic.scene_objects import objects_of_scene
@@ -54,6 +55,7 @@ def open_sound(parts: Preparation, memory: SessionMemory, folder: Path, file: Pa
         str(scene.path),
         sink=_sink(written, live=parts.live),
         file=written,
+        queue_ms=known_needed_ms() if parts.live else 0.0,
         hrtf=bool(method.get("hrtf", True)) if system.hrtf == "auto" else system.hrtf,
         mixer="spectral" if spectral else "openal",
         speakers=system.speakers,

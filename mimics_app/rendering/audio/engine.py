@@ -214,7 +214,7 @@ def _play_on(stream: SoundStream, settings: AudioSettings, bank: SoundBank, cloc
             raise DeviceError(f"a live device has two channels here, not {mixer.channels}")
         if mixer.rate != stream.rate:
             raise DeviceError(f"the device runs at {stream.rate} Hz, not at {mixer.rate}")
-        streamed = StreamedMixer(mixer, stream, clock)
+        streamed = StreamedMixer(mixer, stream, clock, settings.queue_ms)
     except DeviceError:
         stream.close()
         raise

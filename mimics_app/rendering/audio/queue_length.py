@@ -4,7 +4,8 @@ A queue outlasts a stall of the machine that is shorter than itself. How long st
 between machines and between minutes, so the length follows what is left in the queue at each refill: after an underrun
 or a near-miss it grows by as many steps as were missing, and after a time in which less would have sufficed it drops
 half of the spare ones. It begins at the upper limit, as nothing is known of the machine yet and the start of a
-session is its busiest time, and drops all spare ones at the end of that.
+session is its busiest time, and drops all spare ones at the end of that, down to what earlier sessions needed
+(`queue_need.py`).
 """
 
 from __future__ import annotations
@@ -13,13 +14,16 @@ import math
 
 from mimics_app.contracts.audio_port import QueueReport
 
-__all__ = ["CALM_S", "SETTLE_S", "QueueLength"]
+__all__ = ["CALM_S", "OBSERVED_S", "SETTLE_S", "QueueLength"]
 
 SETTLE_S = 5.0
 """Time at the longest length, counted in frames that the device took, without a near-miss, at the start [s]."""
 
 CALM_S = 120.0
 """Time without a near-miss, in either length, before the queue is shortened [s]."""
+
+OBSERVED_S = 30.0
+"""Time of observation after the start from which on the need of a session is known [s]."""
 
 _MOST_KEPT = 200
 """Changes and underruns kept for the report; later ones are counted only."""
@@ -48,7 +52,7 @@ class QueueLength:
         self._step, self._margin, self._rate = step, margin, rate
         self.frames = self._longest_used = self._least = self._least_ever = self._longest
         self._settled = False
-        self._since = 0
+        self._since = self._settled_at = self._position = self._needed = 0
         self._changes: list[tuple[float, float]] = []
         self._empty: list[tuple[int, float]] = []
 
@@ -74,7 +78,9 @@ class QueueLength:
             steady: Whether only an underrun may lengthen the queue now: samples of a playing sound are still computed,
                 and would come too late for a mixer that works further ahead. A near-miss is then answered later.
         """
-        self._least, self._least_ever = min(self._least, left), min(self._least_ever, left)
+        self._least, self._least_ever, self._position = min(self._least, left), min(self._least_ever, left), position
+        if self._settled:
+            self._needed = max(self._needed, self.frames - left + self._margin)
         if ran_empty:
             self.underruns += 1
             if self.underruns <= _MOST_KEPT:
@@ -89,11 +95,12 @@ class QueueLength:
         elif position - self._since >= (CALM_S if self._settled else SETTLE_S) * self._rate:
             spare = (self._least - self._margin - 1) // self._step
             self._change(-((spare + 1) // 2 if self._settled else spare), position)
-            self._settled = True
+            if not self._settled:
+                self._settled, self._settled_at = True, position
 
     def report(self) -> QueueReport:
         """Return the lengths and what happened, all but `latency_ms`."""
-        return {
+        report: QueueReport = {
             "ms": self._ms(self.frames),
             "longest_ms": self._ms(self._longest_used),
             "least_left_ms": self._ms(self._least_ever),
@@ -101,6 +108,9 @@ class QueueLength:
             "changes": list(self._changes),
             "empty": list(self._empty),
         }
+        if self._settled and self._position - self._settled_at >= OBSERVED_S * self._rate:
+            report["needed_ms"] = self._ms(min(self._needed, self._longest))
+        return report
 
     def _missing(self, left: int) -> int:
         """Return the steps by which a longer queue would have kept its margin, at least one."""

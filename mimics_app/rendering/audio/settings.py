@@ -112,6 +112,7 @@ class AudioSettings:
         head_width: Distance between the ears of the computed head [m].
         rate: Samples per second requested.
         period: Frames that a live device takes at once; 64 to 192 keep contact to sound below 20 ms.
+        queue_ms: Shortest queue ahead of a live device [ms]; longer where the device needs it.
         block: Frames per block of a file.
         voices: Maximum number of voices.
         realtime: Request SCHED_FIFO with a priority below the haptic loop's, where the system grants it.
@@ -138,6 +139,7 @@ class AudioSettings:
     head_width: float = 0.152
     rate: int = 48_000
     period: int = 64
+    queue_ms: float = 0.0
     block: int = 240
     voices: int = 32
     realtime: bool = True

@@ -56,17 +56,18 @@ class StreamedMixer:
         mixer: Mixer of two channels; its `timing` is set here.
         stream: Live device.
         clock: Clock of the session.
+        needed_ms: Queue that earlier sessions needed, the lower limit of this one's where the device needs less [ms].
 
     Attributes:
         queue: Length of the queue, with its underruns.
     """
 
-    def __init__(self, mixer: OnDemandMixer, stream: SoundStream, clock: Clock) -> None:
+    def __init__(self, mixer: OnDemandMixer, stream: SoundStream, clock: Clock, needed_ms: float = 0.0) -> None:
         self.rate, self.channels = mixer.rate, mixer.channels
         self._mixer, self._stream, self._clock = mixer, stream, clock
-        self.queue = QueueLength(
-            shortest_queue(stream.period), self._longest_queue(), LIVE_BLOCK, stream.period, self.rate
-        )
+        longest = self._longest_queue()
+        shortest = max(shortest_queue(stream.period), min(round(needed_ms * 1e-3 * self.rate), longest))
+        self.queue = QueueLength(shortest, longest, LIVE_BLOCK, stream.period, self.rate)
         self._set_ns = clock.now_ns()
         self._driven_ns = 0
         self._taken, self._taken_ns = 0, self._set_ns
