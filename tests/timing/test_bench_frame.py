@@ -74,6 +74,13 @@ def test_every_round_measures_every_scene(monkeypatch):
     assert rows == [(k, name, how) for k in (1, 2) for name in ("decals", "walk") for how in ("auto", "full")]
 
 
+def test_a_scene_that_fails_leaves_the_others(monkeypatch):
+    monkeypatch.setattr(frame_bench, "_reference", lambda _: {})
+    monkeypatch.setattr(sys, "executable", "false")
+    answer = frame_bench.measure_frames([Path("decals"), Path("sky_box")], (64, 36), "egl", 1.0, lambda _: None)
+    assert [each["not_measured"] for each in answer["scenes"]] == ["exit code 1, see stderr"] * 4
+
+
 def test_a_run_that_ends_before_it_is_measured_is_refused(monkeypatch):
     """As where a task is done at once."""
     monkeypatch.setattr(FrameWatch, "done", True)

@@ -8,6 +8,7 @@ A scene without a task is only drawn.
 from __future__ import annotations
 
 import json
+import math
 import sys
 import tempfile
 from pathlib import Path
@@ -28,6 +29,9 @@ from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.world.components.robot import Robot
 
 __all__ = ["main"]
+
+_START_TRIALS = 20
+"""Trials that end before the measurement begins at most: with one for each of its seconds it outlasts no task."""
 
 
 def main(file: Path, size: tuple[int, int], surface: str, seconds: float, quality: str) -> Row:
@@ -53,6 +57,7 @@ def main(file: Path, size: tuple[int, int], surface: str, seconds: float, qualit
             runs=Path(runs),
             size=size,
             quality=wanted,
+            trials=_START_TRIALS + math.ceil(seconds),
         )
         with build_session(settings, live=True) as session:
             row = _measure(session, surface, seconds, scale)
