@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import ast
-import importlib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import FunctionType
+from typing import cast
 
+from mimics_app import builders
 from mimics_app.contracts.errors import UsageError, nearest
+from mimics_app.contracts.members import load_member
 
 __all__ = ["AssetBuilder", "find_builder", "find_builders"]
 
@@ -31,8 +34,8 @@ class AssetBuilder:
 
     def compose(self, seed: int) -> Mapping[str, bytes]:
         """Import the builder and return its files: their bytes by name, the same for the same seed."""
-        make: Callable[[int], Mapping[str, bytes]] = importlib.import_module(f"{__package__}.{self.name}.build").compose
-        return make(seed)
+        compose = load_member(builders, f"{self.name}.build", "compose", FunctionType)
+        return cast(Mapping[str, bytes], compose(seed))
 
     def write(self, folder: Path, seed: int) -> list[Path]:
         """Write the files into a folder, which is made when missing; return their paths in the order of the names."""

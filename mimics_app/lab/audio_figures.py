@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from mimics_app.contracts.machine import describe_machine
 from mimics_app.lab.audio.hearing import BAND_CENTRES, level_differences
 from mimics_app.lab.audio.rendered import render_clicks
-from mimics_app.lab.audio.spatialiser import measure_block_us
 from mimics_app.lab.audio_bench import find_measured_head
 from mimics_app.lab.figure import Figure, write_figure
+from mimics_app.lab.groups.spatialiser import measure_block_us
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.drawing import document, legend
 from mimics_app.plotting.panel import Panel

@@ -1,62 +1,24 @@
-"""Modules of the groups of methods; importing a module registers its groups."""
+"""Catalogue of the groups of methods: the modules of the package `groups`, and those of installed packages.
+
+A module is named like its group, and registers it on import: only what is measured is imported.
+"""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Iterable
 from functools import cache
-from importlib import import_module
 
 from mimics_app.contracts.errors import UsageError, nearest, short_text
+from mimics_app.contracts.members import load_member, member_names
 from mimics_app.contracts.methods import Registry, registry
+from mimics_app.lab import groups
 from mimics_app.world.scene.method_plugins import method_plugins
 
 __all__ = ["GROUPS", "all_groups", "load_methods"]
 
-GROUPS = {
-    "integrator": "haptic.integrators",
-    "rotation update": "haptic.rotation",
-    "contact law": "haptic.contact",
-    "box face": "haptic.contact",
-    "friction": "haptic.friction",
-    "colliding bodies": "haptic.bodies",
-    "resting bodies": "haptic.bodies",
-    "shape cull": "haptic.cull",
-    "bounding geometry": "haptic.bounding",
-    "effects": "haptic.effect_costs",
-    "grip": "haptic.effect_costs",
-    "mesh finger": "haptic.mesh",
-    "tunnel projection": "haptic.tunnel",
-    "tunnel frame": "haptic.tunnel",
-    "admittance form": "haptic.admittance",
-    "haptic rate": "methods_rate",
-    "loop scheduling": "methods_scheduling",
-    "spatialiser": "audio.spatialiser",
-    "culling": "visual.culling",
-    "occlusion": "visual.city",
-    "level of detail": "visual.city",
-    "sun shadows": "visual.shadows",
-    "frame of nodes": "visual.frame",
-    "frame of triangles": "visual.frame",
-    "anti aliasing": "visual.anti_aliasing",
-    "bloom": "visual.post_processing",
-    "ambient occlusion": "visual.post_processing",
-    "crowd": "visual.people",
-    "skinning": "visual.skinning",
-    "shading": "visual.shading",
-    "joint mixing": "visual.skinning",
-    "limb reach": "visual.reach",
-    "cord": "visual.cord",
-    "head prediction": "visual.head_prediction",
-    "lens distortion": "visual.lens_distortion",
-    "stereo": "visual.stereo",
-    "ripple distance": "visual.ripple",
-    "cord frame": "visual.cord_frame",
-    "model reading": "methods_reading",
-    "haptic tick": "methods_tick",
-    "load of the person": "physio.load_methods",
-}
-"""Module of this package that registers a group, by the group's name."""
+GROUPS = {name.replace("_", " "): name for name in member_names(groups)}
+"""Module of the package `groups` that registers a group, by the group's name."""
 
 
 def all_groups() -> list[str]:
@@ -64,20 +26,31 @@ def all_groups() -> list[str]:
     return list(dict.fromkeys([*GROUPS, *(plugin.group for plugin in method_plugins())]))
 
 
-def load_methods(groups: Iterable[str] | None = None) -> Registry:
+def load_methods(names: Iterable[str] | None = None) -> Registry:
     """Register the methods of some groups, or of all, and return the registry; other modules are not imported.
 
     Raises:
         UsageError: There is no such group.
     """
     known = all_groups()
-    for group in known if groups is None else groups:
+    for group in known if names is None else names:
         if group not in known:
             raise UsageError(f'there is no group of methods "{group}"', nearest(group, known))
         if group in GROUPS:
-            import_module(f"{__package__}.{GROUPS[group]}")
+            _register(group)
         _register_plugins(group)
     return registry
+
+
+def _register(group: str) -> None:
+    """Import the module of a built-in group.
+
+    Raises:
+        ImportError: It registers another group, or no method.
+    """
+    named = load_member(groups, GROUPS[group], "GROUP", str)
+    if named != group or group not in registry.groups():
+        raise ImportError(f'{groups.__name__}.{GROUPS[group]} registers no method of "{group}"')
 
 
 @cache

@@ -17,7 +17,7 @@ from mimics_app.contracts.clock import FRAME_NS, SECOND_NS
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.scenario_port import BodyPose
-from mimics_app.scenarios.touch_scene import TouchScene
+from mimics_app.scenarios.parts.touch_scene import TouchScene
 from mimics_app.tasks.kinds.avatar_cord.kind import HALF_FRAME_NS
 from mimics_app.world.components.cord import CordComponent
 from mimics_app.world.components.objects import ForceField

@@ -11,7 +11,7 @@ from mimics_app.maths import quat
 from mimics_app.scenarios.figures.ground_path import GroundPath
 from mimics_app.scenarios.figures.path_figure import PathFigure
 from mimics_app.scenarios.figures.walking_figure import follow_numbers
-from mimics_app.scenarios.touch_scene import TouchScene
+from mimics_app.scenarios.parts.touch_scene import TouchScene
 from mimics_app.tasks.kinds.city_walk.kind import CityWalkSpec
 from mimics_app.tasks.scene_section import section_of
 from mimics_app.world.components.visible import CameraComponent

@@ -6,7 +6,7 @@ from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.trial_state import TrialState
 from mimics_app.scenarios.figures.alley_figure import AlleyFigure
 from mimics_app.scenarios.figures.walking_figure import follow_numbers
-from mimics_app.scenarios.touch_scene import TouchScene
+from mimics_app.scenarios.parts.touch_scene import TouchScene
 from mimics_app.tasks.kinds.guided_walk.kind import GuidedWalkSpec
 from mimics_app.tasks.scene_section import section_of
 from mimics_app.world.scene.scene import Scene

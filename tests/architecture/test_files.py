@@ -10,40 +10,31 @@ import pytest
 from tests.architecture.sources import imports, modules, texts
 
 SHARED = {
-    "admittance": "forms of admittance control, and their measurement",
     "assets": "files of models, sounds and pictures",
     "attempts": "attempts at a trial",
     "bench": "a part of `mimics bench`",
     "bending": "deformable bodies",
     "board": "the board over the picture",
-    "bodies": "haptic bodies that move",
     "build": "the composition of one builder's files",
     "catalogue": "modules of a package by name, imported on request",
     "check": "checks of what a person wrote or connected",
-    "contact": "contact of a point with a shape",
     "cord": "a hanging cord",
-    "cull": "broad phase of a point against shapes",
-    "culling": "frustum culling",
     "ecg": "the electrocardiogram",
     "effects": "visual effects",
     "emg": "the electromyogram",
     "engine": "the running part of a rendering",
     "explain": "`mimics explain`",
     "file": "a reader of a file format",
-    "frame": "one frame of the main thread, and its cost",
-    "friction": "friction laws, and their measurement",
     "gait": "synthesis of a gait",
     "goals": "goals of a task or of its adaptation",
     "hand": "an anatomical hand",
     "hapticmaster": "the HapticMaster",
     "hud": "the heads-up display",
-    "integrators": "integrators of a body, and their measurement",
     "json_text": "a strict reader of JSON",
     "kind": "the protocol of a kind of task, and each built-in one",
     "levels": "levels of detail",
     "lsl": "the lab streaming layer",
     "materials": "materials of surfaces",
-    "mesh": "a triangle mesh",
     "methods": "methods with alternatives",
     "objects": "haptic objects",
     "occlusion": "occlusion culling",
@@ -52,7 +43,6 @@ SHARED = {
     "plugins": "plug-ins of installed packages",
     "pointer": "mouse, keyboard and gamepad as a pointing device",
     "probe": "shared parts of measurements",
-    "reach": "two-bone inverse kinematics of a limb",
     "registry": "members of a kind by name, built in and installed",
     "reload": "live reload of a scene file",
     "replay": "replay of a recording",
@@ -60,24 +50,20 @@ SHARED = {
     "rhythm": "the rhythm of the heart",
     "robot": "the robot of a scene",
     "robot_checks": "checks of a scene's robot",
-    "rotation": "updates of an orientation, and their measurement",
     "run": "one run of a session",
     "schema": "`mimics schema`",
     "serial_robot": "a robot on a serial line",
     "settings": "settings of a package",
     "shapes": "primitive shapes",
     "signals": "body signals",
-    "skinning": "skinning of meshes, and its measurement",
     "solids": "closed solids",
     "spec": "structs of a file format",
     "sprites": "billboards and particles",
     "stage": "a stage of Figure 1",
     "state_machine": "states and transitions",
-    "stereo": "two eyes",
     "stills": "single frames as files",
     "textures": "images of surfaces",
     "trackers": "trackers of head and hands",
-    "tunnel": "the haptic tunnel",
     "upper_body": "a body from trackers of head and hands",
     "worker": "the main function of a process of its own",
 }
@@ -90,6 +76,9 @@ TWO_MEANINGS = {
 }
 """Names that mean two things, in packages that no reader opens together."""
 
+NAMED_BY_MEMBERS = ("lab/groups/", "rendering/haptic/devices/built_in/")
+"""Packages whose files are named like the member that each holds: a group of methods, a device."""
+
 _SMALL = 40
 _LARGEST = 400
 
@@ -98,7 +87,9 @@ ON_THEIR_OWN = {
     "app/bench/record_load": "a process of its own",
     "app/commands/": "the command line finds a command by its name",
     "builders/": "the catalogue finds a builder by its name",
+    "lab/groups/": "the catalogue finds a group of methods by its name",
     "rendering/audio/kernels": "compiled; its user knows more than arrays",
+    "rendering/haptic/devices/built_in/": "a device is found by its name",
     "rendering/haptic/devices/inverse_by_steps": "compiles on import, and is imported on demand",
     "world/components/": "the reader of scenes finds component types by their modules",
 }
@@ -108,7 +99,7 @@ ON_THEIR_OWN = {
 def _names() -> dict[str, list[str]]:
     found = defaultdict(list)
     for path in texts():
-        if (name := PurePosixPath(path).stem) != "__init__":
+        if (name := PurePosixPath(path).stem) != "__init__" and not path.startswith(NAMED_BY_MEMBERS):
             found[name].append(path)
     return {name: paths for name, paths in found.items() if len(paths) > 1}
 

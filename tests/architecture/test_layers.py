@@ -72,7 +72,7 @@ PLANTED = {
     ),
     "a part of scenarios knows a scenario": (
         "scenarios/parts/planted_part.py",
-        "import mimics_app.scenarios.touch_scene\n",
+        "import mimics_app.scenarios.city_walk\n",
         "Scenarios above their parts",
     ),
     "a new module of touch nobody planned": ("rendering/haptic/planted_new.py", "", "Packages of touch"),

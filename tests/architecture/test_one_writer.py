@@ -21,7 +21,7 @@ LOOP_WRITES |= {f"{ring}s" for ring in RINGS} | {f"{ring}_words" for ring in RIN
 READERS = {
     "app/bench/fault_bench.py",
     "app/session/switched_off.py",
-    "lab/methods_tick.py",
+    "lab/groups/haptic_tick.py",
     "lab/stability/s15_late_ticks.py",
     "recording/recorder.py",
     "recording/recorder_process.py",

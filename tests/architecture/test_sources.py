@@ -21,18 +21,9 @@ CLOCKS = re.compile(
 )
 IMPORTERS_BY_NAME = {
     "app/cli.py",
-    "app/scenes/scenario_choice.py",
-    "builders/catalogue.py",
-    "lab/catalogue.py",
-    "lab/stability/catalogue.py",
-    "rendering/haptic/devices/described.py",
-    "rendering/haptic/devices/registry.py",
-    "tasks/kinds/registry.py",
-    "world/scene/file.py",
+    "contracts/members.py",
 }
-"""Modules that may import by a string: the command line, for its commands; the choice of a scenario, the kinds of task,
-the builders, the devices and the reader of scenes, for the members of one package; the tables of methods and of
-experiments, for modules of the laboratory: only what is measured is imported."""
+"""Modules that may import by a string: the command line, for its commands, and the finder of a package's members."""
 
 PLATFORM_HOMES = {
     "the shared memory": (

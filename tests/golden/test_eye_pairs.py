@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mimics_app.lab.visual.stereo import body_world, show_stereo
+from mimics_app.lab.groups.stereo import body_world, show_stereo
 from mimics_app.rendering.visual.displays.headset_file import EyeSpec, HeadsetSpec
 from mimics_app.rendering.visual.displays.headset_session import HeadsetDisplay
 from mimics_app.rendering.visual.displays.simulated_headset import SimulatedRuntime

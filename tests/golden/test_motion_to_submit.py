@@ -15,7 +15,7 @@ from mimics_app.app.bench.display_bench import MotionTimes, one_frame
 from mimics_app.contracts.display_port import MAX_PREDICTION_NS
 from mimics_app.contracts.tracker_port import TrackerSample
 from mimics_app.inputs.trackers.hub import Placed, TrackerHub
-from mimics_app.lab.visual.stereo import WORKLOADS
+from mimics_app.lab.groups.stereo import WORKLOADS
 from mimics_app.rendering.visual.displays.headset import RawHeadset
 from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec, PoseSpec
 from mimics_app.rendering.visual.displays.headset_session import HeadsetDisplay

@@ -7,24 +7,23 @@ from dataclasses import replace
 
 import pytest
 
-from mimics_app.contracts.methods import registry
-from mimics_app.lab.visual import city as methods_city
-from mimics_app.lab.visual import frame as methods_frame
-from mimics_app.lab.visual import shadows as methods_shadows
+from mimics_app.lab.catalogue import load_methods
+from mimics_app.lab.groups.frame_of_nodes import node_world
+from mimics_app.lab.groups.frame_of_triangles import ball_world
 from mimics_app.lab.visual.probe import differing_pixels, frame_us, show_picture
 from mimics_app.rendering.visual.settings import RenderSettings
 
 
 def errors(group):
-    return {method.name: method.error() for method in registry.rivals(group)}
+    return {method.name: method.error() for method in load_methods([group]).rivals(group)}
 
 
 def test_hiding_loses_no_pixel_of_the_city():
-    assert errors(methods_city.OCCLUSION) == {"off": 0.0, "derived": 0.0, "authored": 0.0, "all": 0.0}
+    assert errors("occlusion") == {"off": 0.0, "derived": 0.0, "authored": 0.0, "all": 0.0}
 
 
 def test_coarser_forms_nearer_by_lose_ever_more_pixels():
-    found = list(errors(methods_city.DETAIL).values())
+    found = list(errors("level of detail").values())
     assert found[0] == 0.0
     assert all(after > before for before, after in itertools.pairwise(found))
     assert found[2] < 0.05, "as authored nobody should see it"
@@ -32,26 +31,26 @@ def test_coarser_forms_nearer_by_lose_ever_more_pixels():
 
 def test_edges_of_shadows_lie_within_a_texel_and_half_a_pixel():
     """Half a pixel is 1.25 mm, the texel of a cascade of 1.75 m is 3.4 mm; those of single maps are finer."""
-    found = errors(methods_shadows.GROUP)
+    found = errors("sun shadows")
     assert found.pop("none") == pytest.approx(0.3)
     assert found.pop("cascades 2048") < 3.4e-3
     assert max(found.values()) < 1.25e-3
 
 
-@pytest.mark.parametrize("group", [methods_frame.NODES, methods_frame.TRIANGLES])
+@pytest.mark.parametrize("group", ["frame of nodes", "frame of triangles"])
 def test_small_frames_differ_only_where_coarser_forms_are_shown(group, monkeypatch):
-    build = {methods_frame.NODES: methods_frame.node_world, methods_frame.TRIANGLES: methods_frame.ball_world}[group]
-    world, move = build({methods_frame.NODES: 300, methods_frame.TRIANGLES: 120_000}[group])
+    build = {"frame of nodes": node_world, "frame of triangles": ball_world}[group]
+    world, move = build({"frame of nodes": 300, "frame of triangles": 120_000}[group])
     view = move(1)
-    first, *others = (method.cost.args[1] for method in registry.rivals(group))
+    first, *others = (method.cost.args[1] for method in load_methods([group]).rivals(group))
     pictures = [show_picture(world, view.rectangle[2:], settings, view) for settings in (first, *others)]
     apart = [differing_pixels(pictures[0], picture) for picture in pictures[1:]]
-    assert (max(apart) > 0.0) == (group == methods_frame.TRIANGLES)
+    assert (max(apart) > 0.0) == (group == "frame of triangles")
     assert max(apart) < 0.2
 
 
 def test_a_frame_has_a_cost_and_a_picture():
-    world, move = methods_frame.node_world(50)
+    world, move = node_world(50)
     settings = RenderSettings(msaa=0, shadow_size=0)
     view = move(0)
     assert frame_us(world, (64, 36), settings, move, 2) > 0.0

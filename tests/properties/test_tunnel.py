@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
-from mimics_app.lab.haptic.tunnel import closest_by_roots
+from mimics_app.lab.groups.tunnel_projection import closest_by_roots
 from mimics_app.maths import bspline
 from mimics_app.rendering.haptic.kernels.tunnel_state import TUNNEL_STATE, TunnelStatus
 from mimics_app.rendering.haptic.tunnel_geometry import TunnelError, build_tunnel

@@ -27,7 +27,7 @@ storm = lab_of_weather:Storm
 PACKAGE = '''
 from typing import Annotated
 from msgspec import Meta
-from mimics_app.scenarios.touch_scene import TouchScene
+from mimics_app.scenarios.parts.touch_scene import TouchScene
 from mimics_app.world.components.registry import Component
 
 

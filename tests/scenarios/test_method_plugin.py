@@ -31,7 +31,7 @@ PACKAGE = """
 import math
 from mimics_app.contracts.method_table import Row
 from mimics_app.contracts.methods import Group, Method
-from mimics_app.scenarios.touch_scene import TouchScene
+from mimics_app.scenarios.parts.touch_scene import TouchScene
 from mimics_app.world.components.robot import Robot
 from mimics_app.world.scene.method_plugins import MethodPlugin, Use
 

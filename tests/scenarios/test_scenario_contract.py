@@ -9,12 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.app.scenes.scenario_choice import BUILT_IN, open_scenario
+from mimics_app.app.scenes.scenario_choice import BUILT_IN
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.resources import root
-from mimics_app.scenarios.wavy_tunnel import WavyTunnel
-from mimics_app.world.scene.file import build_world
 from tests.support.plugin_site import write_package
 from tests.support.scenario_kit import check_scenario
 
@@ -24,7 +21,7 @@ YARD = '''
 from dataclasses import replace
 import numpy as np
 from mimics_app.contracts.messages import Aim
-from mimics_app.scenarios.touch_scene import TouchScene
+from mimics_app.scenarios.parts.touch_scene import TouchScene
 
 
 class Yard(TouchScene):
@@ -140,13 +137,6 @@ def played_by(scenario: str, folder: Path) -> Path:
 @pytest.mark.parametrize("name", [*BUILT_IN, "examples/falling_pairs"])
 def test_scenario_keeps_the_contract(name: str) -> None:
     check_scenario(SCENES / f"{name}.json")
-
-
-def test_a_scene_with_the_name_of_the_general_scenario_is_played_by_what_it_has(tmp_path: Path) -> None:
-    file = tmp_path / "touch_scene.json"
-    file.write_text((SCENES / "examples" / "bisector_only.json").read_text())
-    scene = load_checked_scene(file)
-    assert isinstance(open_scenario(scene, build_world(scene)), WavyTunnel)
 
 
 def test_a_module_among_the_built_in_scenarios_is_one(tmp_path: Path) -> None:

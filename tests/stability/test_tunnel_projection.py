@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.lab.haptic.tunnel import closest_by_roots
+from mimics_app.lab.groups.tunnel_projection import closest_by_roots
 from mimics_app.maths.bspline import evaluate
 from mimics_app.rendering.haptic.kernels.tunnel_projection import project_golden_section
 from mimics_app.rendering.haptic.kernels.tunnel_state import TUNNEL_STATE, restart_tracking

@@ -12,12 +12,13 @@ import msgspec
 import pytest
 
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.app.scenes.scenario_choice import BUILT_IN, BY_COMPONENT, ONLY_LOOKED_AT
+from mimics_app.app.scenes.scenario_choice import BUILT_IN, ONLY_LOOKED_AT
 from mimics_app.contracts.haptic_objects import EffectKind, ShapeKind, SignalSource, SignalTarget
 from mimics_app.contracts.resources import root
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.world.components.objects import HapticObject
 from mimics_app.world.components.registry import component_types
+from mimics_app.world.components.robot import Robot
 
 PAGE = (root() / "docs" / "blocks.md").read_text(encoding="utf-8")
 EXAMPLES = root() / "scenes" / "examples"
@@ -134,7 +135,7 @@ def test_examples_have_no_code_of_their_own(file):
     """No scenario is made for one of them: what plays it is found by its components, or it is only looked at."""
     scene = load_checked_scene(file)
     assert scene.scenario not in BUILT_IN
-    assert scene.scenario == ONLY_LOOKED_AT or any(scene.components(kind) for kind in BY_COMPONENT)
+    assert scene.scenario == ONLY_LOOKED_AT or scene.has(Robot)
 
 
 def test_every_example_stands_in_the_table():

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from mimics_app.lab.visual.ripple import BENDS, crest_error, midway, straight
+from mimics_app.lab.groups.ripple_distance import BENDS, crest_error, midway, straight
 from mimics_app.maths.cord import Ripple, Ripples, hang
 from mimics_app.world.cords import MAX_TAPS, Cord
 

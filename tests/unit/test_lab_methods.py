@@ -9,8 +9,8 @@ import pytest
 
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.methods import Method, Registry
-from mimics_app.lab import methods_rate
 from mimics_app.lab.catalogue import GROUPS, load_methods
+from mimics_app.lab.groups import haptic_rate
 from mimics_app.lab.stability.catalogue import NAMES, load_experiments
 
 
@@ -79,11 +79,11 @@ def test_all_fifteen_experiments_are_listed_and_each_knows_its_own_name():
 def test_wall_gives_away_as_much_as_theory_says(rate: int):
     """K T v d at whole ticks; the depth of the last tick and the tick of the turn take at most 2 T v off d."""
     period = 1.0 / rate
-    theory = methods_rate.STIFFNESS * period * methods_rate.SPEED * methods_rate.DEPTH
-    short = 2.0 * period * methods_rate.SPEED / methods_rate.DEPTH
-    leak = methods_rate.tap_leak(rate)
+    theory = haptic_rate.STIFFNESS * period * haptic_rate.SPEED * haptic_rate.DEPTH
+    short = 2.0 * period * haptic_rate.SPEED / haptic_rate.DEPTH
+    leak = haptic_rate.tap_leak(rate)
     assert theory * (1.0 - short) < leak < theory * (1.0 + 1e-9)
 
 
 def test_twice_the_rate_halves_the_leak():
-    assert methods_rate.tap_leak(2000) == pytest.approx(0.5 * methods_rate.tap_leak(1000), rel=0.02)
+    assert haptic_rate.tap_leak(2000) == pytest.approx(0.5 * haptic_rate.tap_leak(1000), rel=0.02)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimics_app.lab.visual.reach import arms, elbow_gain
+from mimics_app.lab.groups.limb_reach import arms, elbow_gain
 from mimics_app.world.gltf.model_world import load_model_world
 from mimics_app.world.motion.animator import Animator
 from mimics_app.world.motion.humanoid import NEEDED, find_humanoid

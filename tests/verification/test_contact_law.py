@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimics_app.lab.haptic.contact import restitution_hunt_crossley, restitution_spring_damper
+from mimics_app.lab.groups.contact_law import restitution_hunt_crossley, restitution_spring_damper
 from mimics_app.rendering.haptic.kernels.contact_law import (
     hunt_crossley,
     pair_damping,

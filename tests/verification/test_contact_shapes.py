@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimics_app.lab.haptic.contact import false_force
+from mimics_app.lab.groups.box_face import false_force
 from mimics_app.maths import quat
 from mimics_app.rendering.haptic.kernels.contact import (
     cube,

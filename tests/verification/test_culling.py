@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.lab.visual.culling import make_probe
+from mimics_app.lab.groups.culling import make_probe
 from mimics_app.maths.mat import compose, look_at
 from mimics_app.rendering.visual.drawing.culling import FlatCuller, TreeCuller, make_culler
 from mimics_app.rendering.visual.kernels.bounds import update_bounds

@@ -8,7 +8,7 @@ import pytest
 
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.lab.catalogue import load_methods
-from mimics_app.lab.visual.anti_aliasing import ANGLES, GROUP, covered, edge_error
+from mimics_app.lab.groups.anti_aliasing import ANGLES, GROUP, covered, edge_error
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.lab.haptic.tunnel import helix, twist_between
+from mimics_app.lab.groups.tunnel_frame import helix, twist_between
 from mimics_app.maths import frames
 from tests.support.tunnels import coil, straight, wavy
 

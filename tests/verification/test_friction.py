@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mimics_app.lab.haptic.friction import LAWS, hold
+from mimics_app.lab.groups.friction import LAWS, hold
 from mimics_app.rendering.haptic.kernels.contact_records import FRICTION
 from mimics_app.rendering.haptic.kernels.friction import (
     forget_friction,

@@ -7,18 +7,15 @@ import math
 import pytest
 
 from mimics_app.contracts.methods import registry
-from mimics_app.lab.haptic import contact as methods_contact
-from mimics_app.lab.haptic import friction as methods_friction
-from mimics_app.lab.haptic import integrators as methods_integrators
-from mimics_app.lab.haptic import rotation as methods_rotation
+from mimics_app.lab.groups import box_face, contact_law, friction, integrator, rotation_update
 from mimics_app.lab.haptic.probe import SIZES
 
 DEFAULTS = {
-    methods_integrators.GROUP: "semi-implicit, 1 kHz",
-    methods_rotation.GROUP: "exponential, half step",
-    methods_contact.LAW_GROUP: "(9) clamped",
-    methods_contact.BOX_GROUP: "face of entry",
-    methods_friction.GROUP: "Hayward-Armstrong",
+    integrator.GROUP: "semi-implicit, 1 kHz",
+    rotation_update.GROUP: "exponential, half step",
+    contact_law.GROUP: "(9) clamped",
+    box_face.GROUP: "face of entry",
+    friction.GROUP: "Hayward-Armstrong",
 }
 
 
@@ -42,7 +39,7 @@ def test_costs_are_measured(group):
         assert 0.0 < method.cost() < 1e3, method.name
 
 
-@pytest.mark.parametrize("group", [group for group in DEFAULTS if group != methods_contact.BOX_GROUP])
+@pytest.mark.parametrize("group", [group for group in DEFAULTS if group != box_face.GROUP])
 def test_cost_grows_with_the_work(group):
     method = registry.default(group)
     assert method.sizes == SIZES
@@ -50,36 +47,36 @@ def test_cost_grows_with_the_work(group):
 
 
 def test_integrators_rank_as_their_orders():
-    found = errors(methods_integrators.GROUP)
+    found = errors(integrator.GROUP)
     at_1_khz = [found[f"{name}, 1 kHz"] for name in ("exact", "rk4", "implicit midpoint", "semi-implicit", "explicit")]
     assert at_1_khz == sorted(at_1_khz)
-    for name in methods_integrators.STEPS:
+    for name in integrator.STEPS:
         if name != "exact":
             assert found[f"{name}, 16 kHz"] < found[f"{name}, 4 kHz"] < found[f"{name}, 1 kHz"]
 
 
 def test_rotations_rank_as_their_orders():
-    found = errors(methods_rotation.GROUP)
+    found = errors(rotation_update.GROUP)
     assert found["rk4"] < 1e-7 < found["exponential, half step"] < 0.01
     assert min(found[name] for name in ("printed", "axis product", "exponential, start")) > 1.0
 
 
 def test_contact_laws_err_by_their_touch_step_and_the_printed_one_by_its_pull():
     """(9) printed: 0.451 - exp(-pi zeta/root) = 0.079 beside what a tick is worth; without touch step less than .01."""
-    found = errors(methods_contact.LAW_GROUP)
+    found = errors(contact_law.GROUP)
     assert found["(9) printed"] > 0.079 > found["(9) clamped"] > found["Hunt-Crossley, n = 1"] > 0.0
     assert found["Hunt-Crossley, n = 1.5"] < 0.01
 
 
 def test_box_faces_err_by_the_corner():
-    found = errors(methods_contact.BOX_GROUP)
+    found = errors(box_face.GROUP)
     assert found["face of entry"] == 0.0
     assert found["nearest face"] == pytest.approx(8.485, abs=0.01)
     assert found["(14) printed"] > 10.0
 
 
 def test_friction_drifts_in_the_order_known():
-    found = errors(methods_friction.GROUP)
+    found = errors(friction.GROUP)
     assert found["Karnopp"] == 0.0
     assert found["Hayward-Armstrong"] < found["LuGre implicit"] < found["regularised"] < found["4.3.2 printed"]
     assert math.isinf(found["LuGre explicit"])

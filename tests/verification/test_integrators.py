@@ -9,7 +9,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from mimics_app.lab.haptic.integrators import STEPS, contact_error
+from mimics_app.lab.groups.integrator import STEPS, contact_error
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.integrators import (
     step_exact,

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimics_app.lab.haptic.contact import restitution_spring_damper
+from mimics_app.lab.groups.contact_law import restitution_spring_damper
 from mimics_app.rendering.haptic.kernels.contact import wall
 from mimics_app.rendering.haptic.kernels.contact_law import pair_force, pair_force_printed
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT

@@ -9,7 +9,7 @@ import pytest
 import soundfile
 
 from mimics_app.contracts.clock import VirtualClock
-from mimics_app.lab.audio.spatialiser import heard_around
+from mimics_app.lab.groups.spatialiser import heard_around
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.engine import open_mixer
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec

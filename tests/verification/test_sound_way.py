@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.clock import VirtualClock
-from mimics_app.lab.audio.spatialiser import heard_around
+from mimics_app.lab.groups.spatialiser import heard_around
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.engine import open_engine_in_step
 from mimics_app.rendering.audio.obstacles import BAND_HZ, Box, diffraction_db, passes_of, transmission_db

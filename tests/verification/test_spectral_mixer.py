@@ -13,9 +13,9 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.messages import SoundEvent
 from mimics_app.lab.audio.hearing import hearing_errors, level_differences
 from mimics_app.lab.audio.rendered import render_clicks
-from mimics_app.lab.audio.spatialiser import heard_around
 from mimics_app.lab.audio_bench import find_measured_head
 from mimics_app.lab.audio_figures import heard_around_the_head
+from mimics_app.lab.groups.spatialiser import heard_around
 from mimics_app.rendering.audio.bank import Sound, SoundBank
 from mimics_app.rendering.audio.offline import render_offline
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec

@@ -11,9 +11,7 @@ import pytest
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.lab import haptic_bench, haptic_peers
-from mimics_app.lab.haptic import bounding as methods_bounding
-from mimics_app.lab.haptic import cull as methods_cull
-from mimics_app.lab.haptic import mesh as methods_mesh
+from mimics_app.lab.groups import bounding_geometry, mesh_finger, shape_cull
 from mimics_app.lab.haptic_harness import HarnessRow, run_harnesses
 from mimics_app.lab.stability import s10b_rounded_edge
 from mimics_app.rendering.haptic.kernels.objects.cull import find_near, find_near_plain
@@ -22,7 +20,7 @@ from mimics_app.rendering.haptic.kernels.objects.cull import find_near, find_nea
 @pytest.mark.parametrize("number", range(3))
 @pytest.mark.parametrize("count", [1, 63, 64, 65, 1000])
 def test_no_cull_misses_a_shape(number, count):
-    assert methods_cull.misses(number, count) == 0.0
+    assert shape_cull.misses(number, count) == 0.0
 
 
 @pytest.mark.parametrize("find", [find_near, find_near_plain])
@@ -39,17 +37,17 @@ def test_cull_finds_walls_always_and_disabled_shapes_never(find):
 
 def test_bounding_geometries_err_as_their_form_does():
     """A sphere not at all, a mesh by its facets: k r (1 - cos(2 pi / n)) or less; what is flat by several N."""
-    assert methods_bounding.false_force(ShapeKind.SPHERE) < 1e-9
-    coarse = methods_bounding.false_force(ShapeKind.MESH, 1000)
-    fine = methods_bounding.false_force(ShapeKind.MESH, 10_000)
+    assert bounding_geometry.false_force(ShapeKind.SPHERE) < 1e-9
+    coarse = bounding_geometry.false_force(ShapeKind.MESH, 1000)
+    fine = bounding_geometry.false_force(ShapeKind.MESH, 10_000)
     assert fine < 0.5 * coarse < 1.0
-    assert methods_bounding.false_force(ShapeKind.BOX) > coarse
+    assert bounding_geometry.false_force(ShapeKind.BOX) > coarse
 
 
 def test_only_the_walking_finger_holds_its_face():
-    assert methods_mesh.false_slide(0) < 1e-9
+    assert mesh_finger.false_slide(0) < 1e-9
     for number in (1, 2):
-        assert methods_mesh.false_slide(number) == pytest.approx(math.sqrt(2.0) * 2000.0 * 3e-3, rel=0.02)
+        assert mesh_finger.false_slide(number) == pytest.approx(math.sqrt(2.0) * 2000.0 * 3e-3, rel=0.02)
 
 
 def test_a_rounded_edge_drops_nothing():

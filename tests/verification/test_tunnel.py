@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.lab.haptic.tunnel import closest_by_roots
+from mimics_app.lab.groups.tunnel_projection import closest_by_roots
 from mimics_app.rendering.haptic.kernels.tunnel_state import TUNNEL_STATE, TunnelStatus
 from tests.support.tunnels import afresh, coil, record_of, ring, straight, walk, wavy
 

@@ -167,10 +167,10 @@ def _display_kinds(headset: dict[str, Any]) -> list[dict[str, str]]:
 
 
 def _built_in() -> Iterator[dict[str, Any]]:
-    from mimics_app.rendering.haptic.devices.device_names import BUILT_IN
+    from mimics_app.rendering.haptic.devices.device_names import BUILT_IN, load_built_in
 
-    for name, device in BUILT_IN.items():
-        yield {"name": name, "about": device.about, "package": "mimics_app", "error": ""}
+    for name in BUILT_IN:
+        yield {"name": name, "about": load_built_in(name).about, "package": "mimics_app", "error": ""}
 
 
 def _plugged_in() -> Iterator[dict[str, Any]]:

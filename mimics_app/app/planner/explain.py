@@ -291,7 +291,7 @@ def _emitters_us(plan: Plan) -> float | None:
 
 
 _SOURCES_OF_TABLE = 16
-"""Number of moving sources in the block with which the spatialisers are measured (lab/audio/spatialiser.py)."""
+"""Number of moving sources in the block with which the spatialisers are measured (lab/groups/spatialiser.py)."""
 
 
 def _tunnel_us(table: Table) -> float | None:

@@ -279,7 +279,7 @@ def _shows_models(scene: Scene) -> bool:
 
 
 _PROBE_PX = 640 * 360
-"""Size of the picture in which the methods of `lab.visual` are measured [px]."""
+"""Size of the picture in which the methods of the picture are measured [px]."""
 
 WHOLE_TICK, TOUCH, BODIES = "haptic tick", "touching a shape", "bodies, at rest"
 """Parts of `explain` that include others."""

@@ -13,7 +13,14 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal.user_files import read_config, write_config
 from mimics_app.contracts.display_choice import DISPLAY_KINDS, display_names
 from mimics_app.recording.history import EarlierRun, cut_off_runs, recent_runs
-from mimics_app.rendering.haptic.devices.device_names import BUILT_IN, POINTER, REPLAY, SIMULATED, device_names
+from mimics_app.rendering.haptic.devices.device_names import (
+    BUILT_IN,
+    POINTER,
+    REPLAY,
+    SIMULATED,
+    device_names,
+    load_built_in,
+)
 from mimics_app.rendering.visual.launcher.launcher import LauncherChoice, ScenarioCard
 from mimics_app.rendering.visual.launcher.setting import Choice, Setting
 
@@ -23,17 +30,6 @@ _FILE = "launcher"
 _MOST_RECENT = 12
 _AT_WINDOW = ""
 """Value of the setting "who plays" for the person at the window."""
-
-_PLAYERS = {
-    _AT_WINDOW: "mouse, keys or gamepad",
-    SIMULATED: "simulated patient",
-    "serial": "robot on a serial port",
-    "hapticmaster": "HapticMaster in the network",
-    "simulated_impedance": "simulated patient, impedance robot",
-    "simulated_leg": "simulated patient, one leg",
-    "simulated_legs": "simulated patient, both legs",
-}
-"""Captions of the devices; plug-ins are listed by name."""
 
 _DISPLAYS = {
     "": "as the scene says",
@@ -48,7 +44,7 @@ _DISPLAYS = {
     "openxr": "headset",
     "sim-hmd": "simulated headset",
 }
-_ADDRESSED = tuple(name for name, device in BUILT_IN.items() if device.address)
+_ADDRESSED = tuple(name for name in BUILT_IN if load_built_in(name).address)
 _SIMULATED = tuple(name for name in BUILT_IN if name.startswith("simulated"))
 
 
@@ -59,10 +55,9 @@ def launcher_settings() -> list[Setting]:
 
 def _person_settings() -> list[Setting]:
     """Return the settings of person, device and participant code."""
-    players = {**_PLAYERS, **{name: name for name in device_names() if name not in (POINTER, REPLAY, *_PLAYERS)}}
     return [
         Setting(
-            "device", "Who plays", "A person at this computer, a robot, or a simulated patient.", _choices(players)
+            "device", "Who plays", "A person at this computer, a robot, or a simulated patient.", _choices(_players())
         ),
         Setting(
             "address",
@@ -88,6 +83,13 @@ def _person_settings() -> list[Setting]:
             empty="none",
         ),
     ]
+
+
+def _players() -> dict[str, str]:
+    """Return the captions of the devices: the person at the window, the built-in devices, plug-ins by name."""
+    others = [name for name in device_names() if name not in (POINTER, REPLAY)]
+    captions = {name: load_built_in(name).caption if name in BUILT_IN else name for name in others}
+    return {_AT_WINDOW: load_built_in(POINTER).caption, **captions}
 
 
 def _task_settings() -> list[Setting]:
@@ -225,7 +227,7 @@ def _played(run: EarlierRun) -> ScenarioCard | None:
 
 
 def _who(run: EarlierRun) -> str:
-    return run.participant or (_PLAYERS[SIMULATED] if run.simulated else "")
+    return run.participant or (load_built_in(SIMULATED).caption if run.simulated else "")
 
 
 def _local_time(utc: str) -> str:

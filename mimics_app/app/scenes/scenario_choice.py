@@ -6,13 +6,12 @@ A scene with a robot and no other scenario needs no code of its own: `TouchScene
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib import import_module
-from pkgutil import iter_modules
 from typing import cast
 
 from mimics_app import scenarios
 from mimics_app.app.scenes.shipped import ONLY_LOOKED_AT
 from mimics_app.contracts.errors import SceneError, nearest
+from mimics_app.contracts.members import load_member, member_names
 from mimics_app.contracts.plugins import PluginError
 from mimics_app.contracts.scenario_port import PLUGINS, Scenario
 from mimics_app.world.components.hand import GraspingHand
@@ -20,19 +19,14 @@ from mimics_app.world.components.robot import Robot, Tunnel
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["BUILT_IN", "BY_COMPONENT", "is_part", "is_playable", "open_scenario"]
+__all__ = ["BUILT_IN", "is_part", "is_playable", "open_scenario"]
 
 _Builder = Callable[[Scene, World], Scenario]
 
-_ANY_ROBOT = "touch_scene"
-"""Scenario without a scene of its name: it plays those with a robot that have no other."""
+BUILT_IN = member_names(scenarios)
+"""Names of the scenarios that come with the product: the modules of `mimics_app.scenarios`, named like their scenes."""
 
-BUILT_IN = tuple(
-    module.name for module in iter_modules(scenarios.__path__) if not module.ispkg and module.name != _ANY_ROBOT
-)
-"""Names of the scenarios that come with the product: the other modules of `mimics_app.scenarios`."""
-
-BY_COMPONENT: dict[type, str] = {Tunnel: "wavy_tunnel", GraspingHand: "pick_and_place", Robot: _ANY_ROBOT}
+_BY_COMPONENT: dict[type, str] = {Tunnel: "wavy_tunnel", GraspingHand: "pick_and_place"}
 """Built-in scenario of a scene that names none, by the first of these components it has."""
 
 _ROBOT_NEEDED = 'include "mimics:scenes/parts/touch_room.json" and add {"id": "robot", "prefab": "robot"}'
@@ -76,14 +70,16 @@ def _find_builder(scene: Scene) -> _Builder:
     if scene.scenario != scene.name:
         hint = nearest(scene.scenario, [*BUILT_IN, *installed])
         raise SceneError(scene.issue("/scenario", f'no scenario "{scene.scenario}"', f"leave it out; {hint}"))
-    for component, name in BY_COMPONENT.items():
+    for component, name in _BY_COMPONENT.items():
         if scene.has(component):
             return _load(name)
+    if scene.has(Robot):
+        from mimics_app.scenarios.parts.touch_scene import TouchScene  # compiled code: not needed for other scenes
+
+        return TouchScene
     what = "nothing plays this scene: it has no robot, and names no scenario"
     raise SceneError(scene.issue("", what, f"{_ROBOT_NEEDED}; to look at it only: mimics view"))
 
 
 def _load(name: str) -> _Builder:
-    """Return `SCENARIO` of a built-in scenario's module."""
-    builder: _Builder = import_module(f"{scenarios.__name__}.{name}").SCENARIO
-    return builder
+    return load_member(scenarios, name, "SCENARIO", type)

@@ -1,3 +1,3 @@
-"""Probes of sound: cost and error of the rival spatialisers."""
+"""Measurements of sound that the spatialisers share."""
 
 __all__: list[str] = []

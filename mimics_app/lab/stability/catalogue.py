@@ -6,19 +6,18 @@ Each holds one `EXPERIMENT`, named by the beginning of its file (`s03r_wall_rate
 from __future__ import annotations
 
 import re
-from importlib import import_module
-from pkgutil import iter_modules
 
 from mimics_app.contracts.errors import UsageError, nearest
+from mimics_app.contracts.members import load_member, member_names
 from mimics_app.lab import stability
 from mimics_app.lab.experiment import Experiment
 
 __all__ = ["NAMES", "load_experiment", "load_experiments"]
 
 _MODULES = {
-    f"S{int(found[1])}{found[2].upper()}": found[0]
-    for module in iter_modules(stability.__path__)
-    if (found := re.match(r"s(\d\d)([a-z]?)_\w+", module.name))
+    f"S{int(found[1])}{found[2].upper()}": name
+    for name in member_names(stability)
+    if (found := re.match(r"s(\d\d)([a-z]?)_", name))
 }
 """Module of this package by the name of its experiment, in the order of their numbers."""
 
@@ -34,8 +33,7 @@ def load_experiment(name: str) -> Experiment:
     key = name.upper()
     if key not in _MODULES:
         raise UsageError(f'there is no experiment "{name}"', nearest(key, NAMES))
-    experiment: Experiment = import_module(f"{stability.__name__}.{_MODULES[key]}").EXPERIMENT
-    return experiment
+    return load_member(stability, _MODULES[key], "EXPERIMENT", Experiment)
 
 
 def load_experiments(names: tuple[str, ...] = ()) -> list[Experiment]:

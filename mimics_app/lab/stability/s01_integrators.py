@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Row, points_of
-from mimics_app.lab.haptic.integrators import step_by
+from mimics_app.lab.groups.integrator import step_by
 from mimics_app.lab.stability.growth import largest_exponent, orthonormalise
 from mimics_app.lab.stability.linear import exponential, find_limit, spectral_radius
 

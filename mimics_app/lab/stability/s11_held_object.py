@@ -15,7 +15,7 @@ import numpy as np
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
-from mimics_app.lab.haptic.friction import KARNOPP, NUMBERS, friction_by
+from mimics_app.lab.groups.friction import KARNOPP, NUMBERS, friction_by
 from mimics_app.rendering.haptic.kernels.contact_records import FRICTION
 from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
 

@@ -1,3 +1,3 @@
-"""Rival methods to draw, with their cost and error. Importing a module registers its groups."""
+"""Worlds and measurements that groups of methods to draw share."""
 
 __all__: list[str] = []

@@ -1,33 +1,25 @@
-"""Occlusion culling and levels of detail in the city; importing this module registers both groups.
-
-Probe: the shipped city from three viewpoints in its streets. Error: share of the pixels that differ from the picture
-without occlusion culling, or with the finest levels.
-"""
+"""The shipped city from three viewpoints in its streets: cost of a frame, and share of the pixels that differ."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.resources import root
-from mimics_app.lab.rivals import Rival, compare
 from mimics_app.lab.visual.probe import differing_pixels, frame_us, show_picture
-from mimics_app.rendering.visual.settings import Occlusion, RenderSettings
+from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.environment import Sky
 from mimics_app.world.gltf.model_world import load_model_world
 from mimics_app.world.world import World
 
-__all__ = ["DETAIL", "OCCLUSION", "city_error", "city_pictures", "city_us"]
+__all__ = ["PLAIN", "city_error", "city_pictures", "city_us"]
 
 Picture = NDArray[np.uint8]
-
-OCCLUSION, DETAIL = "occlusion", "level of detail"
 
 _FILE = "assets/models/city/city.glb"
 _PLACES = (
@@ -39,8 +31,7 @@ _PLACES = (
 
 _SIZE = (640, 360)
 _SIDE, _UP = 0.89, 0.5
-_PLAIN = RenderSettings(msaa=0, shadow_size=0, tone_map="none", fog_density=0.0, shading="plain")
-_FINEST = 4.0
+PLAIN = RenderSettings(msaa=0, shadow_size=0, tone_map="none", fog_density=0.0, shading="plain")
 
 
 @cache
@@ -74,47 +65,3 @@ def city_pictures(settings: RenderSettings, whole: RenderSettings) -> Iterator[t
 def city_error(settings: RenderSettings, whole: RenderSettings) -> float:
     """Return the share of the pixels that differ from those by the settings `whole` by more than one level of 255."""
     return float(np.mean([differing_pixels(*pair, level=1) for pair in city_pictures(settings, whole)]))
-
-
-def _boxes(name: Occlusion, source: str, valid: str = "any") -> Rival:
-    settings = replace(_OPEN, occlusion=name)
-    return Rival(name, source, valid, {"occlusion": name}, (settings, _OPEN))
-
-
-def _forms(name: str, source: str, detail: float) -> Rival:
-    return Rival(name, source, "any", {"detail": detail}, (replace(_FINE, detail=detail), _FINE))
-
-
-_OPEN = replace(_PLAIN, occlusion="off")
-_FINE = replace(_PLAIN, detail=_FINEST)
-compare(
-    OCCLUSION,
-    "a frame of the city from three places; error: share of pixels that differ from nothing hidden",
-    "share of pixels",
-    [
-        _boxes("off", "every body in the view is drawn"),
-        _boxes("derived", "boxes proven inside opaque meshes hide what is behind"),
-        _boxes("authored", "boxes their authors wrote hide", "authored models"),
-        _boxes("all", "both kinds of boxes hide"),
-    ],
-    cost=lambda settings, _: city_us(settings),
-    error=city_error,
-    default="all",
-    why_default="it hides as well without authored boxes; the city, measured here, has boxes by its author",
-)
-_COVERED = "coarser forms by how much of the picture they cover"
-compare(
-    DETAIL,
-    "a frame of the city from three places; error: share of pixels that differ from the finest forms",
-    "share of pixels",
-    [
-        _forms("4 times as far", "coarser forms only from four times their distance", _FINEST),
-        _forms("2 times as far", _COVERED, 2.0),
-        _forms("as authored", _COVERED, 1.0),
-        _forms("0.5 times as far", _COVERED, 0.5),
-        _forms("0.25 times as far", _COVERED, 0.25),
-    ],
-    cost=lambda settings, _: city_us(settings),
-    error=city_error,
-    default="as authored",
-)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from functools import cache
-from importlib import import_module
-from pkgutil import iter_modules
 from typing import cast
 
+from mimics_app.contracts.members import load_member, member_names
 from mimics_app.contracts.plugins import PluginGroup
 from mimics_app.contracts.report_section import ReportSection
 from mimics_app.tasks import kinds
@@ -18,8 +17,8 @@ __all__ = ["PLUGINS", "report_sections", "task_kinds"]
 @cache
 def _built_in() -> tuple[TaskKind, ...]:
     """Return `KIND` of the module `kind` of every package here: implied kinds first, each group by name."""
-    packages = [module.name for module in iter_modules(kinds.__path__) if module.ispkg]
-    found: list[TaskKind] = [import_module(f"{kinds.__name__}.{name}.kind").KIND for name in packages]
+    names = member_names(kinds, packages=True)
+    found = [load_member(kinds, f"{name}.kind", "KIND", TaskKind) for name in names]  # type: ignore[type-abstract]
     return tuple(sorted(found, key=lambda kind: (not kind.implied, kind.name)))
 
 

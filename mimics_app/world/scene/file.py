@@ -7,12 +7,11 @@ from __future__ import annotations
 
 import hashlib
 import json
-from importlib import import_module
 from pathlib import Path
-from pkgutil import iter_modules
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.contracts.errors import MOST_SOUGHT, Issue, SceneError
+from mimics_app.contracts.members import import_members
 from mimics_app.contracts.regular_file import read_regular
 from mimics_app.world import components
 from mimics_app.world.components.plugins import register_plugins
@@ -29,8 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = ["build_world", "load_scene"]
 
-for _module in iter_modules(components.__path__):
-    import_module(f"{components.__name__}.{_module.name}")  # registers its component types, systems and checks
+import_members(components)
 
 
 def load_scene(path: Path | str, root: Path | None = None, before: Scene | None = None) -> Scene:

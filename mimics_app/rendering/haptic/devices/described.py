@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-
 from mimics_app.contracts.device_descriptor import DeviceDescriptor
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.members import load_member
 from mimics_app.rendering.haptic import descriptors
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.address import split_device
-from mimics_app.rendering.haptic.devices.device_names import BUILT_IN, find_plugin
+from mimics_app.rendering.haptic.devices.device_names import BUILT_IN, find_plugin, load_built_in
 
 __all__ = ["descriptor_of"]
 
@@ -25,9 +24,8 @@ def descriptor_of(device: str) -> DeviceDescriptor:
     """
     name = split_device(device).name
     if name in BUILT_IN:
-        module, _, constant = BUILT_IN[name].descriptor.partition(":")
-        descriptor: DeviceDescriptor = getattr(import_module(f"{descriptors.__name__}.{module}"), constant)
-        return descriptor
+        module, _, constant = load_built_in(name).descriptor.partition(":")
+        return load_member(descriptors, module, constant, DeviceDescriptor)
     found = getattr(find_plugin(name), "descriptor", HAPTICMASTER)
     if not isinstance(found, DeviceDescriptor):
         raise DeviceError(

@@ -1,4 +1,4 @@
-"""Names of devices, and the table of the built-in ones, without importing any device.
+"""Names of devices: the built-in ones, which are the modules of `built_in`, and those of installed packages.
 
 Commands check a name here before they import compiled code, so that an unknown one is refused at once.
 """
@@ -8,7 +8,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple, cast
 
 from mimics_app.contracts.errors import DeviceError, nearest
+from mimics_app.contracts.members import load_member, member_names
 from mimics_app.contracts.plugins import PluginError, PluginGroup
+from mimics_app.rendering.haptic.devices import built_in
 from mimics_app.rendering.haptic.devices.address import split_device
 
 if TYPE_CHECKING:
@@ -20,10 +22,11 @@ __all__ = [
     "POINTER",
     "REPLAY",
     "SIMULATED",
-    "BuiltIn",
+    "BuiltInDevice",
     "check_device_name",
     "device_names",
     "find_plugin",
+    "load_built_in",
 ]
 
 
@@ -43,55 +46,31 @@ REPLAY = "replay"
 """Device that replays the sensor data of a recording."""
 
 
-class BuiltIn(NamedTuple):
-    """A built-in device.
+class BuiltInDevice(NamedTuple):
+    """A built-in device: `DEVICE` of its module.
 
     Attributes:
-        builder: "module:function" in this package.
         about: What it is, in a sentence.
+        caption: Who plays with it, for the launcher.
+        builder: "module:function" in this package.
         address: Form of its address; "" for none.
         descriptor: "module:name" in `descriptors`.
     """
 
-    builder: str
     about: str
+    caption: str
+    builder: str
     address: str = ""
     descriptor: str = "hapticmaster:HAPTICMASTER"
 
 
-BUILT_IN = {
-    SIMULATED: BuiltIn(
-        "simulated_hapticmaster:build_simulated_hapticmaster", "The simulated HapticMaster, with a simulated person."
-    ),
-    "simulated_impedance": BuiltIn(
-        "simulated_impedance:build_simulated_impedance",
-        "A simulated light robot that takes forces, with a simulated person.",
-    ),
-    POINTER: BuiltIn("pointer:build_pointer", "The simulated robot moved by mouse, gamepad or keyboard."),
-    REPLAY: BuiltIn("replay:build_replay", "The sensor data of a recording, as a device."),
-    "simulated_leg": BuiltIn(
-        "simulated_leg:build_simulated_leg",
-        "One simulated leg on a gait orthosis with drives at hip and knee; a simulated person moves the foot.",
-        descriptor="leg:LEG",
-    ),
-    "simulated_legs": BuiltIn(
-        "simulated_leg:build_simulated_leg",
-        "Two simulated legs on a gait orthosis with four drives; a simulated person moves the first foot.",
-        descriptor="leg:LEGS",
-    ),
-    "serial": BuiltIn(
-        "serial_port:build_serial",
-        "A robot on a serial line, by the protocol of docs/devices/serial_protocol.md.",
-        "PORT[@BAUD]",
-    ),
-    "hapticmaster": BuiltIn(
-        "hapticmaster_port:build_hapticmaster",
-        "A HapticMaster on the network, by its command interface.",
-        "HOST[:PORT]",
-    ),
-}
-"""Built-in devices by name; each is imported on request. A plug-in cannot use one of these names, and checks its
-addresses itself."""
+BUILT_IN = member_names(built_in)
+"""Names of the built-in devices. A plug-in cannot use one of these names, and checks its addresses itself."""
+
+
+def load_built_in(name: str) -> BuiltInDevice:
+    """Return the built-in device of a name; what builds it is not imported."""
+    return load_member(built_in, name, "DEVICE", BuiltInDevice)
 
 
 def device_names() -> list[str]:
@@ -124,7 +103,7 @@ def check_device_name(text: str) -> None:
     if device.name not in BUILT_IN:
         find_plugin(device.name)
         return
-    wanted = BUILT_IN[device.name].address
+    wanted = load_built_in(device.name).address
     if wanted == "" and device.address:
         raise DeviceError(f'"{device.name}" is built in and has no address', f'write "{device.name}"')
     if wanted and not device.address:

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from importlib import import_module
-from typing import TYPE_CHECKING
+from types import FunctionType
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.device_descriptor import DeviceDescriptor
 from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.contracts.members import load_member
+from mimics_app.rendering.haptic import devices
 from mimics_app.rendering.haptic.devices.address import split_device
 from mimics_app.rendering.haptic.devices.described import descriptor_of
-from mimics_app.rendering.haptic.devices.device_names import BUILT_IN, check_device_name, find_plugin
+from mimics_app.rendering.haptic.devices.device_names import BUILT_IN, check_device_name, find_plugin, load_built_in
 from mimics_app.rendering.haptic.devices.device_objects import DeviceObject
 from mimics_app.rendering.haptic.devices.request import DeviceBuilder, DeviceRequest
 from mimics_app.rendering.haptic.scene_block import robot_from_world
@@ -32,9 +34,8 @@ def find_builder(name: str) -> DeviceBuilder:
     """
     if name not in BUILT_IN:
         return find_plugin(name)
-    module, _, function = BUILT_IN[name].builder.partition(":")
-    builder: DeviceBuilder = getattr(import_module(f"{__package__}.{module}"), function)
-    return builder
+    module, _, function = load_built_in(name).builder.partition(":")
+    return cast("DeviceBuilder", load_member(devices, module, function, FunctionType))
 
 
 def build_device(

@@ -1,0 +1,65 @@
+"""Bloom, with the cost of a frame of a hall and the error of the effect.
+
+Error: relative change of the total light of a bright square; 1 without bloom.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.visual.hall import FEW, PLAIN, hall_us, linear_light
+from mimics_app.lab.visual.probe import show_picture
+from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view_matrices import compose_look_at
+from mimics_app.world.environment import Sky
+from mimics_app.world.materials.material import Material
+from mimics_app.world.meshes.primitives import box
+from mimics_app.world.world import World
+
+__all__ = ["GROUP"]
+
+GROUP = "bloom"
+
+_PROBE = (192, 108)
+_SHARE = 0.3
+
+
+def _error(settings: RenderSettings) -> float:
+    """Return the relative change of the light of a bright square by bloom; 1 without bloom."""
+    if settings.bloom == 0.0:
+        return 1.0
+    world = World()
+    world.environment = Sky((0.0,) * 3, (0.0,) * 3, (0.0,) * 3, 0.0)
+    world.set_material(Material("card", "unlit", (0.8, 0.8, 0.8, 1.0)))
+    world.meshes["card"] = box(0.3, 0.3, 0.01)
+    world.root.create_child("card").create_entity("card", "card")
+    world.update()
+    view = View(compose_look_at((0.0, 0.0, 1.0), (0.0, 0.0, 0.0)), (-0.5, 0.5, -0.28125, 0.28125), (0, 0, *_PROBE))
+    spread, bare = (
+        float(linear_light(show_picture(world, _PROBE, each, view)).sum())
+        for each in (settings, replace(settings, bloom=0))
+    )
+    return abs(spread / bare - 1.0)
+
+
+compare(
+    GROUP,
+    "a frame of a hall with 12 lamps, 640x360; error: light lost or made by spreading it, 1 without",
+    "of the effect",
+    [
+        Rival("none", "light stays where it is seen", "any", {"bloom": 0.0}, (PLAIN,)),
+        Rival(
+            "six copies",
+            "a share of the light in six copies of half the size",
+            "any",
+            {},
+            (replace(PLAIN, bloom=_SHARE),),
+        ),
+    ],
+    cost=hall_us,
+    error=_error,
+    default="none",
+    few=FEW,
+)

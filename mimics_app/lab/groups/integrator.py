@@ -1,0 +1,172 @@
+"""Integrators of a body on a spring-damper contact, each at 1, 4 and 16 kHz.
+
+A body of 0.2 kg meets a wall of 2 kN/m and 4 N s/m at 5 cm/s, pushed by 10 N, and remains in contact: w = 100 rad/s, so
+that h w = 0.1 at 1 kHz. The reference is the exact step every 10 us.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.methods import Settings
+from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.haptic.probe import SIZES, reference_us
+from mimics_app.lab.rivals import Rival, compare
+from mimics_app.rendering.haptic.kernels.integrators import (
+    step_exact,
+    step_explicit,
+    step_implicit,
+    step_midpoint,
+    step_rk4,
+    step_semi_implicit,
+)
+
+__all__ = ["GROUP", "RATES_KHZ", "STEPS", "contact_error", "follow_contact", "step_by"]
+
+
+GROUP = "integrator"
+RATES_KHZ = (1, 4, 16)
+"""Steps per tick of 1 ms."""
+
+STEPS: dict[str, Callable[..., Any]] = {
+    "explicit": step_explicit,
+    "semi-implicit": step_semi_implicit,
+    "implicit": step_implicit,
+    "implicit midpoint": step_midpoint,
+    "rk4": step_rk4,
+    "exact": step_exact,
+}
+"""The integrators by name, in the order of their numbers in the compiled loops."""
+
+_NUMBERS = {name: number for number, name in enumerate(STEPS)}
+
+_MASS = 0.2  # [kg]
+_DAMPING = 4.0  # [N s/m]
+_STIFFNESS = 2000.0  # [N/m]
+_PUSH = 10.0  # [N]
+_SPEED = 0.05  # [m/s]
+_TICK = 1e-3  # [s]
+_TICKS = 200
+_REFERENCE_STEPS = 100  # a tick: 10 us
+_COST_TICKS = 20_000
+
+_RK4 = 4
+"""Number of the method."""
+
+
+@kernel
+def step_by(number: int, x: float, v: float, f: float, m: float, b: float, k: float, dt: float) -> tuple[float, float]:
+    """Return x [m] and v [m/s] after one step of m x'' + b x' + k x = f by the integrator of a number in `STEPS`."""
+    if number == 0:
+        return step_explicit(x, v, f, m, b, k, dt)
+    if number == 1:
+        return step_semi_implicit(x, v, f, m, b, k, dt)
+    if number == 2:
+        return step_implicit(x, v, f, m, b, k, dt)
+    if number == 3:
+        return step_midpoint(x, v, f, m, b, k, dt)
+    if number == _RK4:
+        return step_rk4(x, v, f, m, b, k, dt)
+    return step_exact(x, v, f, m, b, k, dt)
+
+
+@kernel
+def _walk(number: int, ticks: int, steps: int, x: F8, v: F8) -> None:
+    """Advance every body by a number of ticks of `steps` steps each."""
+    dt = _TICK / steps
+    for _ in range(ticks):
+        for i in range(x.shape[0]):
+            for _ in range(steps):
+                x[i], v[i] = step_by(number, x[i], v[i], _PUSH, _MASS, _DAMPING, _STIFFNESS, dt)
+
+
+def follow_contact(name: str, steps: int, ticks: int = _TICKS) -> F8:
+    """Return the depth at every tick [m] by an integrator with a number of steps per tick, shape [ticks]."""
+    x, v = np.zeros(1), np.full(1, _SPEED)
+    depth = np.empty(ticks)
+    for tick in range(ticks):
+        _walk(_NUMBERS[name], 1, steps, x, v)
+        depth[tick] = x[0]
+    return depth
+
+
+@cache
+def _reference_depth() -> F8:
+    return follow_contact("exact", _REFERENCE_STEPS)
+
+
+def contact_error(name: str, steps: int) -> float:
+    """Return the largest difference of the depth from the reference in 0.2 s [m]."""
+    return float(np.max(np.abs(follow_contact(name, steps) - _reference_depth())))
+
+
+def _cost_us(name: str, steps: int, bodies: int) -> float:
+    ticks = max(1, _COST_TICKS // (bodies * steps))
+    x, v = np.zeros(bodies), np.full(bodies, _SPEED)
+    return shortest_us(lambda: _walk(_NUMBERS[name], ticks, steps, x, v), ticks)
+
+
+def _at_rates(name: str, source: str, valid: str, settings: Settings | None = None) -> list[Rival]:
+    """Return an integrator at 1, 4 and 16 steps per tick, of which the loop uses the first.
+
+    The closed forms have no settings: they include the contact in the step, whereas the loop holds its force for the
+    tick; implicit midpoint and exact drag of the objects are other methods (group "colliding bodies").
+    """
+    return [
+        Rival(f"{name}, {rate} kHz", source, valid, None if i else settings, (name, rate), () if i else SIZES)
+        for i, rate in enumerate(RATES_KHZ)
+    ]
+
+
+_LINEAR = "linear contact, b and k known"
+compare(
+    GROUP,
+    "a tick of 1 ms of a body of 0.2 kg pushed onto a wall of 2 kN/m and 4 N s/m, by 1, 4 or 16 steps",
+    "m",
+    [
+        *_at_rates(
+            "explicit",
+            "explicit Euler: position and velocity from the old state",
+            "any force law; h < b/k, and gains energy without a damper",
+            {"integrator": "explicit"},
+        ),
+        *_at_rates(
+            "semi-implicit",
+            "symplectic Euler: velocity first, position with the new one",
+            "any force law; h^2 k/m + 2 h b/m < 4",
+            {"integrator": "semi_implicit"},
+        ),
+        *_at_rates(
+            "implicit",
+            "implicit Euler in closed form for a linear contact",
+            f"{_LINEAR}; any step, but damps what has no damper",
+        ),
+        *_at_rates(
+            "implicit midpoint",
+            "trapezoidal in the state, in closed form for a linear contact",
+            f"{_LINEAR}; any step, the phase lags",
+        ),
+        *_at_rates(
+            "rk4",
+            "Runge and Kutta's method of order 4 (1901)",
+            "any force law that may be asked four times; h w < 2.8",
+        ),
+        *_at_rates(
+            "exact",
+            "matrix exponential under a held force (zero-order hold) in closed form",
+            f"{_LINEAR} and constant within the step; any step",
+        ),
+    ],
+    cost=_cost_us,
+    error=contact_error,
+    default="semi-implicit, 1 kHz",
+    work="bodies",
+    sizes=SIZES,
+    reference=reference_us,
+)

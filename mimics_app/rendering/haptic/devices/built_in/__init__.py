@@ -1,0 +1,3 @@
+"""Built-in devices: a module each, named like the device, with `DEVICE`; what builds one is imported on request."""
+
+__all__: list[str] = []

@@ -1,0 +1,9 @@
+"""A HapticMaster on the network, by its command interface."""
+
+from mimics_app.rendering.haptic.devices.device_names import BuiltInDevice
+
+__all__ = ["DEVICE"]
+
+DEVICE = BuiltInDevice(
+    __doc__, "HapticMaster in the network", "hapticmaster_port:build_hapticmaster", address="HOST[:PORT]"
+)

@@ -1,0 +1,7 @@
+"""The simulated robot moved by mouse, gamepad or keyboard."""
+
+from mimics_app.rendering.haptic.devices.device_names import BuiltInDevice
+
+__all__ = ["DEVICE"]
+
+DEVICE = BuiltInDevice(__doc__, "mouse, keys or gamepad", "pointer:build_pointer")

@@ -1,0 +1,9 @@
+"""Two simulated legs on a gait orthosis with four drives; a simulated person moves the first foot."""
+
+from mimics_app.rendering.haptic.devices.device_names import BuiltInDevice
+
+__all__ = ["DEVICE"]
+
+DEVICE = BuiltInDevice(
+    __doc__, "simulated patient, both legs", "simulated_leg:build_simulated_leg", descriptor="leg:LEGS"
+)
