@@ -25,7 +25,7 @@ from mimics_app.contracts.ring_reader import RingReader
 from mimics_app.lab.haptic.faulted_device import DeviceFault, FaultedDevice
 from mimics_app.rendering.haptic.devices.device_names import SIMULATED
 
-__all__ = ["FAULTS", "Fault", "measure_faults"]
+__all__ = ["Fault", "measure_faults"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +49,7 @@ def _of_device(fault: DeviceFault) -> Callable[[SessionCore, FaultedDevice], Non
     return lambda core, device: device.begin(fault, core.haptics.ticks)
 
 
-FAULTS = (
+_FAULTS = (
     Fault("position not a number", TripCause.NOT_FINITE, 0.0, _of_device(DeviceFault.NOT_FINITE_POSITION)),
     Fault("force infinite", TripCause.NOT_FINITE, 0.0, _of_device(DeviceFault.NOT_FINITE_FORCE)),
     Fault("stop key", TripCause.STOP_KEY, 2.0, lambda core, device: core.haptics.stop_key()),
@@ -81,7 +81,7 @@ def measure_faults(scene: Path, repeats: int, report: Callable[[str], None]) -> 
         UsageError: The simulated person touches nothing in the scene.
     """
     rows = []
-    for fault in FAULTS:
+    for fault in _FAULTS:
         report(f"faults: {fault.name}, {repeats} times")
         rows.append(_row(fault, [_measure(scene, fault, seed) for seed in range(1, repeats + 1)]))
     return {"rows": rows}

@@ -28,15 +28,15 @@ from mimics_app.world.scene.file import build_world
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["PEOPLE", "STAND_INS", "WALK", "measure_looked_at"]
+__all__ = ["PEOPLE", "STAND_INS", "measure_looked_at"]
 
 PEOPLE = Path("people")
 """Stands for a scene: people on both sidewalks of the city."""
 
-WALK = Path("walk")
+_WALK = Path("walk")
 """Stands for a scene: the city, seen by somebody who walks along a street and looks to both sides."""
 
-STAND_INS = (WALK, PEOPLE)
+STAND_INS = (_WALK, PEOPLE)
 """All of these."""
 
 _SPEED = 1.4
@@ -81,7 +81,7 @@ def measure_looked_at(
         quality: "auto" or "full", see `RunSettings`.
         scale: Below 1: the quality is fixed, see `lower_to_scale`.
     """
-    stand_ins = {PEOPLE: _crowd, WALK: _walk}
+    stand_ins = {PEOPLE: _crowd, _WALK: _walk}
     scene, world, move = stand_ins[file]() if file in stand_ins else _as_it_stands(load_checked_scene(file))
     with create_surface(where, size, scene.name) as surface:
         looked_at = _open(scene, world, move, surface, quality)

@@ -22,14 +22,14 @@ from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen, read_pixels, save_png
 from mimics_app.rendering.visual.surfaces.surface import Size, Surface
 
-__all__ = ["OPTIONS", "RenderBench", "measure_render"]
+__all__ = ["RenderBench", "measure_render"]
 
 _MIN_FRAMES = 5
 _FEW = 3
 _CALM_NS, _SETTLING_NS = 4_000_000_000, 40_000_000_000
 """Time without a change after which the governor has settled, and time-out for it [ns]."""
 
-OPTIONS: dict[str, dict[str, Any]] = {
+_OPTIONS: dict[str, dict[str, Any]] = {
     "full": {"shading": "full"},
     "noocc": {"occlusion": "off"},
     "derived": {"occlusion": "derived"},
@@ -59,7 +59,7 @@ class RenderBench:
         warmup: Number of frames drawn before.
         budget: Timed seconds after which it stops [s].
         count: Number of nodes, people or particles; 0: that of the peers.
-        options: Keys of `OPTIONS`.
+        options: Keys of `_OPTIONS`.
         shot: PNG file for the last frame, or None.
         fps: Frame rate to hold by lowering the quality, as in a run [Hz]; None: full quality.
     """
@@ -88,13 +88,13 @@ def measure_render(wanted: RenderBench) -> dict[str, Any]:
         DeviceError: No OpenGL context is available.
     """
     for word in wanted.options:
-        if word not in OPTIONS:
-            raise UsageError(f'there is no option "{word}"', nearest(word, OPTIONS))
+        if word not in _OPTIONS:
+            raise UsageError(f'there is no option "{word}"', nearest(word, _OPTIONS))
     workload = open_workload(wanted.workload, wanted.data, wanted.count)
     workload.prepare(wanted.warmup + wanted.frames)
     changes: dict[str, Any] = {} if wanted.msaa is None else {"msaa": wanted.msaa}
     for word in wanted.options:
-        changes |= OPTIONS[word]
+        changes |= _OPTIONS[word]
     with open_offscreen("osmesa" if "osmesa" in wanted.options else "egl", wanted.size) as surface:
         renderer = Renderer(surface, workload.world, replace(workload.quality(surface), **changes))
         lowered = _settle(wanted.fps, wanted, workload, renderer) if wanted.fps else {}

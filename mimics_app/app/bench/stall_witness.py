@@ -22,7 +22,7 @@ from mimics_app.contracts.arrays import I8
 from mimics_app.contracts.clock import SECOND_NS, TICK_NS, MonotonicClock
 from mimics_app.rendering.haptic.scheduler import cores, occupy_core
 
-__all__ = ["StallWitness", "Stalls", "explain_gaps", "stalled_before", "summarise"]
+__all__ = ["StallWitness", "Stalls", "explain_gaps", "summarise"]
 
 _SHORTEST_NS = 1_000_000
 """Delays up to this length do not count [ns]."""
@@ -57,7 +57,7 @@ class StallWitness:
         return np.array([stall for answer in answers for stall in answer], np.int64).reshape(-1, 2)
 
 
-def stalled_before(stalls: Stalls, t_ns: int) -> float:
+def _stalled_before(stalls: Stalls, t_ns: int) -> float:
     """Return for how much of the 30 ms before t_ns any core was stalled [ms]."""
     stalled, since = 0, t_ns - _WINDOW_NS
     for begin, end in stalls[np.argsort(stalls[:, 0])].tolist():
@@ -86,7 +86,7 @@ def explain_gaps(stalls: Stalls, gaps: Sequence[Sequence[float]], seconds: float
         that have a stall of 2 ms before them, thus at most the share of the gaps that coincidence would explain.
     """
     length = stalls[:, 1] - stalls[:, 0]
-    before = [stalled_before(stalls, int(t_ns)) for t_ns, _ in gaps]
+    before = [_stalled_before(stalls, int(t_ns)) for t_ns, _ in gaps]
     covered = int((length[length >= _LONG_NS] + _WINDOW_NS).sum())
     return {
         **summarise(stalls),

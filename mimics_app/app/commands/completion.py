@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 
 from mimics_app.app.terminal.output import answer
 
-__all__ = ["add_arguments", "run", "suggest"]
+__all__ = ["add_arguments", "run"]
 
 _SCRIPTS = {
     "bash": """_mimics() {
@@ -54,14 +54,14 @@ def run(args: argparse.Namespace) -> int:
     """Print the script, or the completions."""
     if args.shell == "words":
         words = sys.stdin.read().removesuffix("\n").split("\n")
-        found = suggest(words, args.commands, args.parser_of)
+        found = _suggest(words, args.commands, args.parser_of)
         answer(args, {"words": found}, found)
         return 0
     sys.stdout.write(_SCRIPTS[args.shell])
     return 0
 
 
-def suggest(words: Sequence[str], commands: Iterable[str], parser_of: object) -> list[str]:
+def _suggest(words: Sequence[str], commands: Iterable[str], parser_of: object) -> list[str]:
     """Return the completions of the last word.
 
     Args:

@@ -17,7 +17,7 @@ from mimics_app.app.terminal.output import answer
 if TYPE_CHECKING:
     from mimics_app.world.scene.scene import Scene
 
-__all__ = ["PARTS", "add_arguments", "compile_beside", "run", "shipped_tasks"]
+__all__ = ["PARTS", "add_arguments", "compile_beside", "run"]
 
 _COLLECTOR = (50_000, 20, 20)
 """Thresholds of the garbage collector while compiling: a compiler makes millions of live objects.
@@ -57,13 +57,13 @@ def _compile_everything() -> None:
     """Compile the large parts in parallel, then what the shipped scenes still need."""
     from mimics_app.app.terminal.progress import ProgressBar
 
-    tasks = shipped_tasks()
+    tasks = _shipped_tasks()
     with ProgressBar(sys.stderr, len(tasks)) as bar:
         for part in compile_beside(tasks):
             bar.step(part)
 
 
-def shipped_tasks() -> dict[str, Callable[[], None]]:
+def _shipped_tasks() -> dict[str, Callable[[], None]]:
     """Return tasks that compile all that shipped scenes need: `PARTS`, then each scene, those without a loop first.
 
     The scenes are not loaded: the code that checks them would compile a part in this process.

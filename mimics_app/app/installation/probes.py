@@ -15,14 +15,14 @@ from typing import Any
 
 from mimics_app.contracts.errors import MimicsError
 
-__all__ = ["PROBES", "probe", "probe_attached", "probe_graphics", "probe_headset", "probe_scheduler", "probe_sound"]
+__all__ = ["probe"]
 
 _PATIENCE_S = 60.0
 """Time-out of a probe [s]."""
 
 
 def probe(name: str) -> dict[str, Any]:
-    """Run one probe of `PROBES` in a child process.
+    """Run one probe of `_PROBES` in a child process.
 
     Returns:
         The result with `ok`; where the probe failed, crashed or timed out also `error`, one line.
@@ -46,7 +46,7 @@ def _last_words(done: subprocess.CompletedProcess[str]) -> str:
     return lines[-1] if lines else f"the probe ended with code {done.returncode}"
 
 
-def probe_graphics(backend: str) -> dict[str, Any]:
+def _probe_graphics(backend: str) -> dict[str, Any]:
     """Return version, renderer and vendor of the OpenGL context of a backend ("window", "egl", "osmesa").
 
     Raises:
@@ -62,7 +62,7 @@ def probe_graphics(backend: str) -> dict[str, Any]:
         surface.close()
 
 
-def probe_sound() -> dict[str, Any]:
+def _probe_sound() -> dict[str, Any]:
     """Return the OpenAL library, and the sound output that it opens ("" for none).
 
     Raises:
@@ -87,7 +87,7 @@ def probe_sound() -> dict[str, Any]:
     return found
 
 
-def probe_scheduler() -> dict[str, Any]:
+def _probe_scheduler() -> dict[str, Any]:
     """Return the scheduling that the operating system grants to the 1 kHz loop for this user."""
     from mimics_app.rendering.haptic.scheduler import arrange_thread
 
@@ -96,7 +96,7 @@ def probe_scheduler() -> dict[str, Any]:
     return {"recipe": recipe, "fifo": recipe.startswith("fifo"), "cores": cores}
 
 
-def probe_headset() -> dict[str, Any]:
+def _probe_headset() -> dict[str, Any]:
     """Check that an OpenXR runtime is available.
 
     Raises:
@@ -111,7 +111,7 @@ def probe_headset() -> dict[str, Any]:
     return {"runtime": "OpenXR"}
 
 
-def probe_attached() -> dict[str, Any]:
+def _probe_attached() -> dict[str, Any]:
     """Return monitors and gamepads; it needs a display server."""
     from mimics_app.rendering.visual.drawing.attached import list_attached
 
@@ -119,21 +119,21 @@ def probe_attached() -> dict[str, Any]:
     return {"displays": [asdict(display) for display in displays], "gamepads": gamepads}
 
 
-PROBES: Mapping[str, Callable[[], dict[str, Any]]] = {
-    "window": lambda: probe_graphics("window"),
-    "egl": lambda: probe_graphics("egl"),
-    "osmesa": lambda: probe_graphics("osmesa"),
-    "sound": probe_sound,
-    "scheduler": probe_scheduler,
-    "attached": probe_attached,
-    "headset": probe_headset,
+_PROBES: Mapping[str, Callable[[], dict[str, Any]]] = {
+    "window": lambda: _probe_graphics("window"),
+    "egl": lambda: _probe_graphics("egl"),
+    "osmesa": lambda: _probe_graphics("osmesa"),
+    "sound": _probe_sound,
+    "scheduler": _probe_scheduler,
+    "attached": _probe_attached,
+    "headset": _probe_headset,
 }
 """The probes by name."""
 
 
 def _answer(name: str) -> dict[str, Any]:
     try:
-        return {"ok": True, **PROBES[name]()}
+        return {"ok": True, **_PROBES[name]()}
     except MimicsError as error:
         return {"ok": False, "error": str(error).splitlines()[0]}
     except Exception as error:  # noqa: BLE001  any error of a driver is the result

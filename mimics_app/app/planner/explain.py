@@ -31,7 +31,7 @@ from mimics_app.world.components.robot import Tunnel
 from mimics_app.world.components.visible import LightComponent, Sound, SoundEmitter
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["OF_OBJECTS", "TICK_GROUP", "LeftOut", "Part", "explain_plan"]
+__all__ = ["OF_OBJECTS", "TICK_GROUP", "Part", "explain_plan"]
 
 TICK_GROUP = "haptic tick"
 """Group of the table with the cost of the whole tick, by tunnel projection."""
@@ -83,7 +83,7 @@ class Part:
 
 
 @dataclass(frozen=True, slots=True)
-class LeftOut:
+class _LeftOut:
     """One part that a scene leaves out, the reason, and the time saved [us], None where it is unknown."""
 
     part: str
@@ -110,7 +110,7 @@ def explain_plan(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]
     }
 
 
-def _stated(row: Part | LeftOut) -> dict[str, Any]:
+def _stated(row: Part | _LeftOut) -> dict[str, Any]:
     """Return the fields that apply, in their order."""
     return {name: value for name, value in asdict(row).items() if value is not None}
 
@@ -212,7 +212,7 @@ def _tick_row(table: Table, settings: Settings) -> Row | None:
     return next((row for row in table.groups.get(TICK_GROUP, []) if row.settings == settings), None)
 
 
-def _left_out(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]) -> list[LeftOut]:
+def _left_out(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]) -> list[_LeftOut]:
     """Return the parts of the product that this scene does not use."""
     table = plan.table
     absent: list[tuple[type[msgspec.Struct], str, str, float | None]] = [
@@ -226,23 +226,23 @@ def _left_out(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]) -
         (Inset, "pictures over the display", "no entity has an inset", None),
         (Tunnel, "tunnel force, per tick", "no entity has a tunnel", _tunnel_us(table)),
     ]
-    left = [LeftOut(part, why, saved) for kind, part, why, saved in absent if not scene.has(kind)]
+    left = [_LeftOut(part, why, saved) for kind, part, why, saved in absent if not scene.has(kind)]
     if not any(light.casts_shadow for _, light, _ in scene.components(LightComponent)):
-        left.append(LeftOut("shadow pass, per frame", "no light casts a shadow", shadow_us()))
+        left.append(_LeftOut("shadow pass, per frame", "no light casts a shadow", shadow_us()))
     left += _filters_left_out(scene, plan)
     if not _has_objects(scene):
-        left += [LeftOut(part, _NO_OBJECT, _cheapest(table, group)) for group, part in OF_OBJECTS.items()]
-    left.append(LeftOut("body signals and the person's state", "mimics run --physio SOURCE requests them", None))
+        left += [_LeftOut(part, _NO_OBJECT, _cheapest(table, group)) for group, part in OF_OBJECTS.items()]
+    left.append(_LeftOut("body signals and the person's state", "mimics run --physio SOURCE requests them", None))
     if not task_of(scene).learn:
-        left.append(LeftOut("learned adaptation", "neither task.learn nor mimics run --learn POLICY", None))
+        left.append(_LeftOut("learned adaptation", "neither task.learn nor mimics run --learn POLICY", None))
     return left
 
 
-def _filters_left_out(scene: Scene, plan: Plan) -> list[LeftOut]:
+def _filters_left_out(scene: Scene, plan: Plan) -> list[_LeftOut]:
     """Return the parts of the picture that run only where the scene requests them."""
     visual = visual_of(scene)
     left = [
-        LeftOut(
+        _LeftOut(
             f"{group}, per frame",
             f"systems.visual.{group.replace(' ', '_')} does not request it",
             _extra_us(plan, group),
@@ -254,7 +254,7 @@ def _filters_left_out(scene: Scene, plan: Plan) -> list[LeftOut]:
         if not used
     ]
     if not plan.settings.get("anti aliasing", {"fxaa": True})["fxaa"]:
-        left.append(LeftOut("filter of edges, per frame", "see anti-aliasing above: another method, or none", None))
+        left.append(_LeftOut("filter of edges, per frame", "see anti-aliasing above: another method, or none", None))
     return left
 
 

@@ -33,13 +33,11 @@ from mimics_app.world.scene.scene import Scene
 from mimics_app.world.scene.spread import ENOUGH, spread_of_casters
 
 __all__ = [
-    "BODIES",
     "NOT_PLANNED",
     "TOUCH",
     "USES",
     "WHOLE_TICK",
     "Use",
-    "audio_of",
     "grips",
     "points_of",
     "shadow_distance_of",
@@ -169,13 +167,13 @@ def _may_integrate(scene: Scene, settings: Settings) -> bool:
     )
 
 
-def audio_of(scene: Scene) -> AudioSettings:
+def _audio_of(scene: Scene) -> AudioSettings:
     """Return the scene's settings of sound, defaults filled in."""
     return scene.system(AudioSettings) or AudioSettings()
 
 
 def _named_spatialiser(scene: Scene) -> Settings | None:
-    audio = audio_of(scene)
+    audio = _audio_of(scene)
     if audio.hrtf == "auto" or audio.mixer == "auto":
         return None
     return {"hrtf": audio.hrtf, "mixer": audio.mixer}
@@ -190,7 +188,7 @@ def _may_spatialise(scene: Scene, settings: Settings) -> bool:
 
     It is cheaper and more accurate, but takes 2.3 s longer to start (decision 200), which no cost here includes.
     """
-    audio, itd_us = audio_of(scene), (scene.system(Tolerances) or Tolerances()).itd_us
+    audio, itd_us = _audio_of(scene), (scene.system(Tolerances) or Tolerances()).itd_us
     only_spectral = _only_spectral(scene, audio)
     exact = only_spectral or audio.mixer == "spectral" or (itd_us is not None and itd_us < _WHOLE_SAMPLES_US)
     return (
@@ -281,7 +279,7 @@ def _shows_models(scene: Scene) -> bool:
 _PROBE_PX = 640 * 360
 """Size of the picture in which the methods of the picture are measured [px]."""
 
-WHOLE_TICK, TOUCH, BODIES = "haptic tick", "touching a shape", "bodies, at rest"
+WHOLE_TICK, TOUCH, _BODIES = "haptic tick", "touching a shape", "bodies, at rest"
 """Parts of `explain` that include others."""
 
 USES: Mapping[str, Use] = {
@@ -306,12 +304,12 @@ USES: Mapping[str, Use] = {
         lambda scene: bool(_moving(scene)),
         _named_integrator,
         _may_integrate,
-        within=BODIES,
+        within=_BODIES,
     ),
     "rotation update": Use(
-        "rotation of bodies", lambda scene: any(body.enable_rotation for body in _moving(scene)), within=BODIES
+        "rotation of bodies", lambda scene: any(body.enable_rotation for body in _moving(scene)), within=_BODIES
     ),
-    "resting bodies": Use(BODIES, lambda scene: bool(_moving(scene)), _named_rest, count=lambda s: len(_moving(s))),
+    "resting bodies": Use(_BODIES, lambda scene: bool(_moving(scene)), _named_rest, count=lambda s: len(_moving(s))),
     "spatialiser": Use("direction of sounds", _has(Sound), _named_spatialiser, _may_spatialise),
     "occlusion": Use("bodies hidden behind others", _shows_models),
     "level of detail": Use("levels of detail of far bodies", _shows_models),

@@ -30,7 +30,7 @@ from mimics_app.contracts.messages import (
 from mimics_app.contracts.stage_timer import UNTIMED
 from mimics_app.contracts.tracker_port import TrackedPose
 
-__all__ = ["Frames", "experience_of"]
+__all__ = ["Frames"]
 
 _LONGEST_START = 20 * FRAMES_PER_SECOND
 """Largest number of frames for the robot to reach the start of a trial."""
@@ -142,7 +142,7 @@ class Frames:
             self._effects.step(orders, events, now_ns)
             core.sound.step(orders, core.world, now_ns)
         with stage("record"):
-            core.inputs.feel(experience_of(orders, snapshot, core.trackers.pose("head", now_ns), now_ns))
+            core.inputs.feel(_experience_of(orders, snapshot, core.trackers.pose("head", now_ns), now_ns))
             core.tap.step(self.number, vr.signals, features, state)
             self._journal(vr, taken, snapshot, len(events), now_ns)
         self.number, self.orders, self.snapshot, self.events = self.number + 1, orders, snapshot, events
@@ -196,7 +196,7 @@ class Frames:
         self._inbox.send(vr.pointer, trial=trial, may_act=orders.person_may_act)
 
 
-def experience_of(orders: TaskOrders, snapshot: HapticSnapshot, head: TrackedPose | None, now_ns: int) -> Experience:
+def _experience_of(orders: TaskOrders, snapshot: HapticSnapshot, head: TrackedPose | None, now_ns: int) -> Experience:
     """Return the speed, power, head, demand and result of the person in a frame."""
     velocity = np.asarray(snapshot.v_world, float)
     power = float(np.dot(np.asarray(snapshot.f_user_world, float), velocity))

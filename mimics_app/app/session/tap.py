@@ -10,7 +10,7 @@ import msgspec
 from mimics_app.contracts.messages import FeatureFrame, SignalBlock, TaskAction, TrialResult, UserState
 from mimics_app.recording.signal_rows import SignalRow
 
-__all__ = ["Keeper", "Tap", "choice_line", "features_line", "person_line", "result_line"]
+__all__ = ["Keeper", "Tap"]
 
 _FRAMES = 30
 """Number of frames of signals sent as one message: half a second, as a message costs more than its samples."""
@@ -47,17 +47,17 @@ class Tap:
             self.flush()
         if features.values and features.t_ns != self._features_ns:
             self._features_ns = features.t_ns
-            self._recorder.journal("features", features_line(frame, features))
+            self._recorder.journal("features", _features_line(frame, features))
         if state.quality > 0.0 and state.t_ns != self._state_ns:
             self._state_ns = state.t_ns
-            self._recorder.journal("person", person_line(frame, state))
+            self._recorder.journal("person", _person_line(frame, state))
 
     def choice(self, frame: int, result: TrialResult | None, reward: float | None, action: TaskAction | None) -> None:
         """Record the result given to the learning system and its choice, where there is one."""
         if result is not None:
-            self._recorder.journal("result", result_line(frame, result))
+            self._recorder.journal("result", _result_line(frame, result))
         if action is not None:
-            self._recorder.journal("choice", choice_line(frame, reward, action))
+            self._recorder.journal("choice", _choice_line(frame, reward, action))
 
     def flush(self) -> None:
         """Send the signals that are buffered."""
@@ -66,12 +66,12 @@ class Tap:
             self._rows = []
 
 
-def features_line(frame: int, features: FeatureFrame) -> Mapping[str, object]:
+def _features_line(frame: int, features: FeatureFrame) -> Mapping[str, object]:
     """Return features as a line of events.jsonl."""
     return {"frame": frame, "t_ns": features.t_ns, "values": dict(features.values), "quality": dict(features.quality)}
 
 
-def person_line(frame: int, state: UserState) -> Mapping[str, object]:
+def _person_line(frame: int, state: UserState) -> Mapping[str, object]:
     """Return a state as a line of events.jsonl: [mean, variance] of each known quantity."""
     estimates = {name: getattr(state, name) for name in ("arousal", "valence", "effort")}
     known = {name: [e.mean, e.variance] for name, e in estimates.items() if e is not None}
@@ -79,12 +79,12 @@ def person_line(frame: int, state: UserState) -> Mapping[str, object]:
     return {"frame": frame, "t_ns": state.t_ns, **known, **load, "quality": state.quality}
 
 
-def result_line(frame: int, result: TrialResult) -> Mapping[str, object]:
+def _result_line(frame: int, result: TrialResult) -> Mapping[str, object]:
     """Return a result as a line of events.jsonl; `TrialResult(**line)` without the frame restores it."""
     return {"frame": frame, **msgspec.to_builtins(result)}
 
 
-def choice_line(frame: int, reward: float | None, action: TaskAction) -> Mapping[str, object]:
+def _choice_line(frame: int, reward: float | None, action: TaskAction) -> Mapping[str, object]:
     """Return a choice as a line of events.jsonl, with the reward of the frame."""
     return {
         "frame": frame,

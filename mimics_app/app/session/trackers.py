@@ -16,9 +16,9 @@ from mimics_app.world.components.trackers import TrackerSpec, TrackersSettings
 from mimics_app.world.scene.paths import PathFault
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["TAPE", "make_hub"]
+__all__ = ["make_hub"]
 
-TAPE = "trackers.jsonl"
+_TAPE = "trackers.jsonl"
 """Name of the tape in a run folder."""
 
 
@@ -39,7 +39,7 @@ def make_hub(scene: Scene, clock: Clock, seed: int, folder: Path | None = None) 
     for number, spec in enumerate(settings.devices):
         pointer = f"/systems/trackers/devices/{number}"
         placed.append(_place(scene, spec, _source(scene, spec, pointer, clock, seed), pointer))
-    tape = TapeWriter(folder / TAPE) if folder is not None and settings.tape and placed else None
+    tape = TapeWriter(folder / _TAPE) if folder is not None and settings.tape and placed else None
     return TrackerHub(placed, tape)
 
 

@@ -8,7 +8,7 @@ from mimics_app.lab.stability import catalogue
 from mimics_app.lab.stability.catalogue import load_experiment
 from mimics_app.lab.sweep.quantity import Columns, Quantity, SweepExperiment
 
-__all__ = ["NAMES", "find_experiment", "stability_map"]
+__all__ = ["NAMES", "find_experiment"]
 
 NAMES = ("wall_stability", "patient", *catalogue.NAMES)
 """Names of the experiments: walls, patients, and the stability experiments S1 to S16."""
@@ -29,11 +29,11 @@ def find_experiment(name: str) -> SweepExperiment | None:
 
         return patient.EXPERIMENT
     if name in catalogue.NAMES:
-        return stability_map(name)
+        return _stability_map(name)
     return None
 
 
-def stability_map(name: str) -> SweepExperiment:
+def _stability_map(name: str) -> SweepExperiment:
     """Return a stability experiment for sweeps, with a whole map for each point of the sweep.
 
     Args:

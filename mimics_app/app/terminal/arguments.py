@@ -20,7 +20,6 @@ __all__ = [
     "frame_count",
     "participant_code",
     "picture_file",
-    "picture_size",
     "positive_time",
     "random_seed",
     "real_number",
@@ -114,7 +113,7 @@ frame_count = whole_number("number of frames", range(1, 100_001))
 """Converter of a number of frames."""
 
 
-def picture_size(text: str) -> tuple[int, int]:
+def _picture_size(text: str) -> tuple[int, int]:
     """Return width and height [px] of a size such as 1280x720."""
     width, _, height = text.partition("x")
     if not (width.isdigit() and height.isdigit() and 1 <= int(width) <= 8192 and 1 <= int(height) <= 8192):
@@ -124,13 +123,13 @@ def picture_size(text: str) -> tuple[int, int]:
 
 def add_size_argument(parser: ArgumentParser, what: str = "size of the picture [px]") -> None:
     """Add the option --size with its usual value and a description."""
-    parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help=what)
+    parser.add_argument("--size", type=_picture_size, default="1280x720", metavar="WxH", help=what)
 
 
 def add_window_size_argument(parser: ArgumentParser) -> None:
     """Add the option --size of a picture that may be in a window."""
     what = "size of the picture [px] (default: 1280x720; a window: its last size, else one for the monitor)"
-    parser.add_argument("--size", type=picture_size, metavar="WxH", help=what)
+    parser.add_argument("--size", type=_picture_size, metavar="WxH", help=what)
 
 
 def add_display_argument(parser: ArgumentParser) -> None:

@@ -8,10 +8,10 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-__all__ = ["config_folder", "read_config", "write_config"]
+__all__ = ["read_config", "write_config"]
 
 
-def config_folder() -> Path:
+def _config_folder() -> Path:
     """Return the folder of this program's settings; it may not exist yet."""
     if sys.platform == "win32":
         return Path(os.environ.get("APPDATA") or Path.home() / "AppData" / "Roaming") / "mimics"
@@ -23,7 +23,7 @@ def config_folder() -> Path:
 def read_config(name: str) -> dict[str, object]:
     """Return the contents of a file; {} where it is missing or cannot be read."""
     try:
-        content = json.loads((config_folder() / f"{name}.json").read_text(encoding="utf-8"))
+        content = json.loads((_config_folder() / f"{name}.json").read_text(encoding="utf-8"))
     except (OSError, ValueError, RuntimeError):  # RuntimeError: nested too deeply, or an account without a home folder
         return {}
     return content if isinstance(content, dict) else {}
@@ -32,7 +32,7 @@ def read_config(name: str) -> dict[str, object]:
 def write_config(name: str, content: Mapping[str, object]) -> None:
     """Write the contents of a file; nothing happens where the folder cannot be written."""
     try:
-        folder = config_folder()
+        folder = _config_folder()
         folder.mkdir(parents=True, exist_ok=True)
         part = folder / f".{name}.part"
         part.write_text(json.dumps(content, indent=1), encoding="utf-8")

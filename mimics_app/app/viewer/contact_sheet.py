@@ -24,7 +24,7 @@ from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Sky
 from mimics_app.world.world import World
 
-__all__ = ["Sheet", "Tile", "draw_models", "draw_sheet", "models_in"]
+__all__ = ["Sheet", "Tile", "draw_models", "draw_sheet"]
 
 
 TILE = (400, 300)
@@ -67,7 +67,7 @@ class Sheet:
     gl: str
 
 
-def models_in(folder: Path) -> list[Path]:
+def _models_in(folder: Path) -> list[Path]:
     """Return the models in a folder and its subfolders, by name.
 
     Raises:
@@ -94,7 +94,7 @@ def draw_sheet(folder: Path, output: Path, *, backend: str = "auto") -> Sheet:
         UsageError: It has too many models for a sheet.
         DeviceError: The OpenGL context is not available.
     """
-    return draw_models(models_in(folder), output, backend=backend)
+    return draw_models(_models_in(folder), output, backend=backend)
 
 
 def draw_models(models: Sequence[Path], output: Path, *, sides: int = 1, backend: str = "auto") -> Sheet:
