@@ -14,12 +14,12 @@ from mimics_app.builders.avatars.person import Person
 from mimics_app.builders.avatars.sheet import I8, Sheet, settle
 from mimics_app.builders.avatars.skeleton import Skeleton, arm_axes
 
-__all__ = ["ARM_ROWS", "AROUND", "LEG_ROWS", "LIMB_AROUND", "TRUNK_ROWS", "Cage", "make_cage"]
+__all__ = ["ARM_ROWS", "AROUND", "LEG_ROWS", "LIMB_AROUND", "Cage", "make_cage"]
 
 AROUND, LIMB_AROUND = 32, 20
 """Vertices of a ring of the trunk, and of an arm or a leg."""
 
-TRUNK_ROWS = (
+_TRUNK_ROWS = (
     # heights in statures: before, beside, behind
     (0.468, 0.478, 0.470), (0.490, 0.498, 0.490), (0.512, 0.518, 0.511), (0.535, 0.540, 0.535), (0.560, 0.564, 0.562),
     (0.586, 0.588, 0.588), (0.612, 0.612, 0.614), (0.638, 0.638, 0.640), (0.664, 0.664, 0.666), (0.690, 0.690, 0.692),
@@ -117,7 +117,7 @@ def _trunk_rings(sheet: Sheet, person: Person, flesh: Flesh) -> I8:
         start = np.stack([np.zeros(AROUND), _level(heights, turn) * h, np.full(AROUND, back)], axis=1)
         return reach(flesh.trunk, start, aim)
 
-    rows = [ring(heights, directions, -0.012) for heights in TRUNK_ROWS]
+    rows = [ring(heights, directions, -0.012) for heights in _TRUNK_ROWS]
     around = np.stack([np.sin(turn), np.zeros(AROUND), np.cos(turn)], axis=1)
     base, top = ring(NECK_BASE, around, -0.030), ring(_NECK_TOP, around, -0.018)
     rows += [(1.0 - share) * rows[-1] + share * base for share in _YOKE] + [base, top]

@@ -13,13 +13,13 @@ from mimics_app.builders.avatars.fields import F8
 from mimics_app.builders.avatars.person import Face
 from mimics_app.builders.avatars.sheet import I8
 
-__all__ = ["LID_LIFT", "LID_POINTS", "LIP_POINTS", "MOUTH_RISE", "FaceMap", "directions", "lay_map", "turns_of"]
+__all__ = ["LID_LIFT", "LID_POINTS", "MOUTH_RISE", "FaceMap", "directions", "lay_map", "turns_of"]
 
 LID_POINTS = 9
 """Vertices of a lid from one end to the other."""
 MOUTH_RISE = 1.8
 """Height of the ends of the line of the lips over its middle [mm]: a mouth at ease."""
-LIP_POINTS = 6
+_LIP_POINTS = 6
 """Vertices of half a lip from the middle to the end."""
 
 _LID_RINGS = ((0.0020, 0.0024, 0.0020), (0.0045, 0.0062, 0.0048), (0.0080, 0.0105, 0.0085))
@@ -130,7 +130,7 @@ def _lid_points(points: _Points, head: Head, face: Face) -> tuple[list[I8], dict
 
 def _lip_points(points: _Points, head: Head, face: Face) -> list[I8]:
     half = head.mouth / (head.size[0] * 1e-3)
-    share = np.sin(0.5 * math.pi * np.linspace(0.0, 1.0, LIP_POINTS))
+    share = np.sin(0.5 * math.pi * np.linspace(0.0, 1.0, _LIP_POINTS))
     x = half * share
     line = -65.0 + MOUTH_RISE * share**2
     upper = 7.6 * face.lips * (1.0 - share**2.2) * (1.0 - 0.12 * np.exp(-((share / 0.16) ** 2)))

@@ -11,7 +11,7 @@ from mimics_app.builders.avatars.fields import F8, Ball, Blend, Field, Loft, Mir
 from mimics_app.builders.avatars.person import Person
 from mimics_app.builders.avatars.skeleton import Skeleton, arm_axes
 
-__all__ = ["NECK_BASE", "Flesh", "half_axes", "make_flesh", "make_neck"]
+__all__ = ["NECK_BASE", "Flesh", "make_flesh", "make_neck"]
 
 NECK_BASE = (0.815, 0.842, 0.853)
 """Height of the root of the neck in statures: before, beside, behind."""
@@ -29,7 +29,7 @@ class Flesh:
     whole: Field
 
 
-def half_axes(girth: float, flat: float, power: float = 2.0) -> tuple[float, float]:
+def _half_axes(girth: float, flat: float, power: float = 2.0) -> tuple[float, float]:
     """Return half width and half depth of a superellipse of a girth [m]; its depth is `flat` of its width."""
     turn = np.linspace(0.0, 2.0 * math.pi, 361)
     x = np.sign(np.cos(turn)) * np.abs(np.cos(turn)) ** (2.0 / power)
@@ -71,7 +71,7 @@ def _trunk(person: Person, bones: Skeleton) -> Field:
         (0.832, 0.92 * body.neck, 0.90, -0.030),
         (0.848, 0.66 * body.neck, 0.96, -0.028),
     ):
-        rows.append(((level - low) / (high - low), *half_axes(girth, flat, 2.3), 0.0, back))
+        rows.append(((level - low) / (high - low), *_half_axes(girth, flat, 2.3), 0.0, back))
     parts: list[Field] = [Loft((0.0, low * h, 0.0), (0.0, high * h, 0.0), rows, power=2.3), make_neck(person)]
     for side, word in ((1, "left"), (-1, "right")):
         parts += _sides_of_trunk(person, bones.place(f"{word}UpperArm"), side)

@@ -10,7 +10,7 @@ from mimics_app.builders.avatars.fields import F8
 from mimics_app.builders.avatars.skeleton import FINGERS, Skeleton, arm_axes
 from mimics_app.maths.quat import about_axis
 
-__all__ = ["SIDES", "Pose", "X", "Y", "Z", "product", "turn_matrix"]
+__all__ = ["SIDES", "Pose", "X", "Y", "Z", "product"]
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 SIDES = ((1, "left"), (-1, "right"))
@@ -33,7 +33,7 @@ def product(a: F8, b: F8) -> F8:
     )
 
 
-def turn_matrix(q: F8) -> F8:
+def _turn_matrix(q: F8) -> F8:
     """Return the rotation matrix of a unit quaternion x, y, z, w, [3, 3]."""
     x, y, z, w = q
     return np.array(
@@ -91,7 +91,7 @@ class Pose:
         rest = np.cross(along, thumb)
         old = np.stack([along, rest, np.cross(along, rest)], axis=1)
         new = np.stack([u, hinge, np.cross(u, hinge)], axis=1)
-        collar = turn_matrix(self.turns[self.bones.index(f"{word}Shoulder")])
+        collar = _turn_matrix(self.turns[self.bones.index(f"{word}Shoulder")])
         self.turns[self.bones.index(f"{word}UpperArm")] = _of_matrix(collar.T @ new @ old.T)
         forearm = np.asarray(about_axis(rest, bend))
         self.turns[self.bones.index(f"{word}LowerArm")] = product(
@@ -135,7 +135,7 @@ class Pose:
         """Return rotations [j, 3, 3] and positions [j, 3] of the joints in the body's frame."""
         frames, places = np.zeros((len(self.turns), 3, 3)), np.zeros((len(self.turns), 3))
         for index, parent in enumerate(self.bones.parents):
-            own = turn_matrix(self.turns[index])
+            own = _turn_matrix(self.turns[index])
             if parent < 0:
                 frames[index], places[index] = own, self.hips
                 continue

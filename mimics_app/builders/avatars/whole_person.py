@@ -27,9 +27,9 @@ from mimics_app.builders.avatars.skeleton import Skeleton, arm_axes, make_skelet
 from mimics_app.builders.avatars.wardrobe import SLEEVES, cover_of, dress
 from mimics_app.builders.avatars.weights import cage_weights, spine_weights
 
-__all__ = ["HAND_PICTURE", "Figure", "make_figure"]
+__all__ = ["Figure", "make_figure"]
 
-HAND_PICTURE = (0.16, 0.21)
+_HAND_PICTURE = (0.16, 0.21)
 """Extent of a hand on its texture, across and along [m]: the back in the left half, the palm in the right."""
 _BREATH = 0.006
 """Rise of the chest in a deep breath [m]."""
@@ -202,7 +202,7 @@ def _arm(
 
 
 def _hand_uv(across: float, along: float, palm: bool) -> tuple[float, float]:
-    wide, long = HAND_PICTURE
+    wide, long = _HAND_PICTURE
     u = 0.5 * min(max((across + 0.055) / wide, 0.0), 1.0)
     return u + (0.5 if palm else 0.0), 0.01 + 0.80 * min(max((along + 0.005) / long, 0.0), 1.0)
 

@@ -12,7 +12,7 @@ from mimics_app.builders.kit.facade import Opening, Zone, add_zone, wall_axes
 from mimics_app.builders.kit.sketch import Point, Sketch
 from mimics_app.builders.kit.solids import Axes, Skin, add_prism
 
-__all__ = ["House", "build_house", "wall_skin"]
+__all__ = ["House", "build_house"]
 
 _DEEPEST = 0.45
 """Depth of the deepest opening in the body [m]."""
@@ -52,7 +52,7 @@ def build_house(kind: HouseKind) -> House:
     return House(kind, fine, coarse, (_rounded(size), _rounded((0.0, 0.5 * kind.eaves, -0.5 * kind.depth))))
 
 
-def wall_skin(kind: HouseKind) -> Skin:
+def _wall_skin(kind: HouseKind) -> Skin:
     """Return the skin of its walls."""
     return Skin("wall", TILE[kind.wall])
 
@@ -94,13 +94,13 @@ def _upper_zone(kind: HouseKind, length: float, bays: int, *, balconies: bool) -
             row.append(Opening(left, right, bottom, top, window(number), 0.2, s))
         rows.append(row)
     hidden = 1.0 if kind.roof in ("flat", "gabled_front", "stepped") else 0.7
-    return Zone(0.0, length, kind.ground, kind.eaves, rows, wall_skin(kind), plain("stone"), roofed=hidden)
+    return Zone(0.0, length, kind.ground, kind.eaves, rows, _wall_skin(kind), plain("stone"), roofed=hidden)
 
 
 def _ground_zone(kind: HouseKind, length: float, bays: int, *, door: bool) -> Zone:
     """Shop fronts between piers, or windows, and a door among them."""
     shop = kind.use == "shop"
-    skin = wall_skin(kind) if kind.use == "rooms" else Skin("stone", TILE["stone"])
+    skin = _wall_skin(kind) if kind.use == "rooms" else Skin("stone", TILE["stone"])
     s = 0.0 if shop else kind.surround
     half = 0.5 * length / bays - 0.28 if shop else 0.5 * kind.pane[0] + s
     top = kind.ground - 0.75
@@ -129,7 +129,7 @@ def _add_blind_walls(sketch: Sketch, kind: HouseKind) -> None:
     sketch.fan("bay", [back.point(u, v, 0.0) for u, v in outline], storeys.lay(outline), 0.95)
     for side, edge in (("left", left), ("right", right)):
         if side != kind.corner:
-            axes, skin = wall_axes(w, d, side), wall_skin(kind)
+            axes, skin = wall_axes(w, d, side), _wall_skin(kind)
             edge = [(u * d / w, v) for u, v in edge]
             sketch.fan("wall", [axes.point(u, v, 0.0) for u, v in edge], skin.lay(edge), 0.9)
     flat = plain("lead")
@@ -242,7 +242,7 @@ def _add_coarse_body(sketch: Sketch, kind: HouseKind) -> None:
     w, d, e = kind.width, kind.depth, kind.eaves
     storeys = Skin("bay", (w / kind.bays, e / (kind.floors + 1)))
     outline = [(-0.5 * w, 0.0), (0.5 * w, 0.0), (0.5 * w, e), (-0.5 * w, e)]
-    lead, wall = plain("lead"), wall_skin(kind)
+    lead, wall = plain("lead"), _wall_skin(kind)
     sides = [lead, wall, lead, wall]
     for place, side in ((1, "right"), (3, "left")):
         if kind.corner == side:

@@ -20,7 +20,6 @@ from mimics_app.builders.city.streets import (
 from mimics_app.builders.kit.chance import Chance
 
 __all__ = [
-    "TREE_STEP",
     "Placed",
     "lay_cars",
     "lay_furniture",
@@ -31,7 +30,7 @@ __all__ = [
     "square_block",
 ]
 
-TREE_STEP = 40.0
+_TREE_STEP = 40.0
 """Distance of trees along a sidewalk [m]."""
 _TREE_LINE, _LAMP_LINE, _CAR_LINE = 7.0, 6.35, 4.6
 """Distance from the middle of a street [m]."""
@@ -159,8 +158,8 @@ def lay_street_trees(names: Sequence[str], chance: Chance) -> list[Placed]:
     for number, (street, along_z, _) in enumerate(_streets()):
         name = names[number % len(names)]
         for across in (-_TREE_LINE, _TREE_LINE):
-            for step in range(int(SIDE / TREE_STEP)):
-                along = -0.5 * SIDE + TREE_STEP * (step + 0.5)
+            for step in range(int(SIDE / _TREE_STEP)):
+                along = -0.5 * SIDE + _TREE_STEP * (step + 0.5)
                 tall, wide = chance.between(0.88, 1.14), chance.between(0.9, 1.08)
                 placed.append(
                     Placed(
@@ -182,12 +181,12 @@ def lay_furniture(chance: Chance) -> list[Placed]:
         for across in (-_LAMP_LINE, _LAMP_LINE):
             side = 1.0 if across > 0 else -1.0
             look = _facing(along_z, across)
-            for step in range(1, int(SIDE / TREE_STEP)):
-                along = -0.5 * SIDE + TREE_STEP * step
+            for step in range(1, int(SIDE / _TREE_STEP)):
+                along = -0.5 * SIDE + _TREE_STEP * step
                 if along in crossings:
                     continue
                 placed.append(Placed("lamp", _at(street, along_z, across, along, KERB_HEIGHT), look))
-                near_tree = along + 0.5 * TREE_STEP
+                near_tree = along + 0.5 * _TREE_STEP
                 if near_tree < 0.5 * SIDE:
                     placed += _beside_tree(street, along_z, side, near_tree, chance)
             for crossing in crossings:

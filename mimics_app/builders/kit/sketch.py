@@ -10,7 +10,7 @@ import numpy as np
 
 from mimics_app.world.gltf.writer import MeshPart
 
-__all__ = ["Point", "Sketch", "Uv", "unit_normal"]
+__all__ = ["Point", "Sketch", "Uv"]
 
 Point = tuple[float, float, float]
 Uv = tuple[float, float]
@@ -57,7 +57,7 @@ class Sketch:
         faces = self._faces.setdefault(material, _Faces())
         first, count = len(faces.positions), len(corners)
         faces.positions += corners
-        faces.normals += normals or [unit_normal(*corners[:3])] * count
+        faces.normals += normals or [_unit_normal(*corners[:3])] * count
         faces.uvs += uvs
         faces.shades += [shade] * count if isinstance(shade, (int, float)) else shade
         for corner in range(1, count - 1):
@@ -75,7 +75,7 @@ class Sketch:
         faces = self._faces.setdefault(material, _Faces())
         first, rows = len(faces.positions), list(triangles)
         faces.positions += corners
-        faces.normals += [unit_normal(*(corners[i] for i in rows[0]))] * len(corners)
+        faces.normals += [_unit_normal(*(corners[i] for i in rows[0]))] * len(corners)
         faces.uvs += uvs
         faces.shades += [shade] * len(corners) if isinstance(shade, (int, float)) else shade
         for a, b, c in rows:
@@ -180,7 +180,7 @@ class Sketch:
         return {material: _to_part(faces) for material, faces in self._faces.items()}
 
 
-def unit_normal(a: Point, b: Point, c: Point) -> Point:
+def _unit_normal(a: Point, b: Point, c: Point) -> Point:
     """Return the normal of a counter-clockwise triangle.
 
     Raises:
@@ -197,7 +197,7 @@ def unit_normal(a: Point, b: Point, c: Point) -> Point:
 
 def _flat_uvs(corners: Sequence[Point], per_metre: float) -> list[Uv]:
     """Return texture coordinates in metres: along and up a wall; along x and z on a floor."""
-    normal = unit_normal(*corners[:3])
+    normal = _unit_normal(*corners[:3])
     if abs(normal[1]) > 0.7:
         return [(x * per_metre, z * per_metre) for x, _, z in corners]
     if abs(normal[2]) > 0.7:

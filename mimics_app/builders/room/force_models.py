@@ -9,21 +9,21 @@ import numpy as np
 from mimics_app.builders.market.clay import Clay, Colour, bar, capsule_bar, plain, rounded_box, turned
 from mimics_app.world.meshes.primitives import cylinder
 
-__all__ = ["SPRING_LENGTH", "arrow", "magnet", "magnet_tips", "rounded_cube", "spring", "spring_foot"]
+__all__ = ["arrow", "magnet", "magnet_tips", "rounded_cube", "spring", "spring_foot"]
 
 STEEL: Colour = (0.60, 0.62, 0.66)
 RED: Colour = (0.66, 0.045, 0.035)
-SPRING_LENGTH = 0.28
+_SPRING_LENGTH = 0.28
 """Length from the foot's lower side to the spring's upper end [m]."""
 
 
 def spring() -> Clay:
-    """A coil of eleven turns along +y, its upper end at `SPRING_LENGTH`."""
+    """A coil of eleven turns along +y, its upper end at `_SPRING_LENGTH`."""
     t = np.linspace(0.0, 1.0, 11 * 18 + 1)
     turn = 2.0 * math.pi * 11.0 * t
     ends = np.clip(np.minimum(t, 1.0 - t) / 0.04, 0.0, 1.0)
     radius = 0.020 * (0.35 + 0.65 * ends)
-    helix = np.stack([radius * np.cos(turn), 0.012 + (SPRING_LENGTH - 0.012) * t, -radius * np.sin(turn)], 1)
+    helix = np.stack([radius * np.cos(turn), 0.012 + (_SPRING_LENGTH - 0.012) * t, -radius * np.sin(turn)], 1)
     return Clay().add(bar(helix, np.full(len(t), 0.0024), 8), plain(STEEL, 1, 0.75))
 
 

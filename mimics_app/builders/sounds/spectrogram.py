@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-__all__ = ["draw_spectrograms", "spectrogram_db"]
+__all__ = ["draw_spectrograms"]
 
 _WINDOW = 1024  # samples, 21 ms at 48 kHz
 _HIGHEST = 16_000.0  # Hz at the top of a picture
@@ -21,7 +21,7 @@ _LABEL = 14  # px
 _LONGEST_S = 2.0
 
 
-def spectrogram_db(samples: NDArray[np.float64], columns: int) -> NDArray[np.float64]:
+def _spectrogram_db(samples: NDArray[np.float64], columns: int) -> NDArray[np.float64]:
     """Level [dB] over the loudest bin, shape [bins, columns], low tones first."""
     padded = np.concatenate((np.zeros(_WINDOW // 2), samples, np.zeros(_WINDOW)))
     starts = np.linspace(0, max(1, len(samples) - 1), columns).astype(np.int64)
@@ -41,7 +41,7 @@ def draw_spectrograms(files: Sequence[Path], picture: Path) -> None:
         samples, rate = _read(file)
         shown = samples[: int(_LONGEST_S * rate)]
         pen.text((x + 3, y + 1), f"{file.stem}  {len(samples) / rate:.2f} s", fill="black")
-        level = spectrogram_db(shown, width - 4)[: int(_HIGHEST / rate * _WINDOW)]
+        level = _spectrogram_db(shown, width - 4)[: int(_HIGHEST / rate * _WINDOW)]
         light = np.clip(1.0 + level[::-1] / _RANGE_DB, 0.0, 1.0)
         colours = np.stack((light**1.2, light**2.0, np.sqrt(light) * 0.6), axis=2)
         tile = Image.fromarray((255.0 * colours).astype(np.uint8)).resize((width - 4, height - 4))
