@@ -11,9 +11,9 @@ from collections.abc import Callable
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["REFERENCE_STEPS", "reference_us", "run_reference", "shortest_us"]
+__all__ = ["reference_us", "run_reference", "shortest_us"]
 
-REFERENCE_STEPS = 100
+_REFERENCE_STEPS = 100
 """Steps of the reference loop per call: about the work of a haptic tick's force law."""
 
 _CALLS = 200
@@ -25,7 +25,7 @@ _STIFFNESS, _DAMPING, _DT = 400.0, 0.02, 1e-3
 
 @kernel
 def run_reference(calls: int, x: float, v: float) -> float:
-    """Step a spring-damper semi-implicitly at 1 kHz, `REFERENCE_STEPS` steps per call: a chain of dependent sums.
+    """Step a spring-damper semi-implicitly at 1 kHz, `_REFERENCE_STEPS` steps per call: a chain of dependent sums.
 
     Args:
         calls: Number of calls.
@@ -35,7 +35,7 @@ def run_reference(calls: int, x: float, v: float) -> float:
     Returns:
         Final position [m], so that the compiler cannot remove the loop.
     """
-    for _ in range(calls * REFERENCE_STEPS):
+    for _ in range(calls * _REFERENCE_STEPS):
         v -= _DT * (_STIFFNESS * x + _DAMPING * v)
         x += _DT * v
     return x

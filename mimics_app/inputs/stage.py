@@ -10,7 +10,7 @@ from mimics_app.contracts.input_port import PointerSource, SignalSource, Window,
 from mimics_app.contracts.messages import Aim, Experience, PointerState, SignalBlock, VRInput
 from mimics_app.contracts.window_input import GamepadState, InputEvent
 
-__all__ = ["Inputs", "Movement", "pressed_names"]
+__all__ = ["Inputs", "Movement"]
 
 _PREFIX = {"key": "", "button": "mouse_", "pad": "pad_"}
 _STOP_NAMES = frozenset({"space", "pad_b"})
@@ -44,7 +44,7 @@ class Inputs:
     def poll(self, now_ns: int) -> VRInput:
         """Return everything that arrived since the last frame."""
         self.frame = self._read_window()
-        pressed = pressed_names(self.frame.events)
+        pressed = _pressed_names(self.frame.events)
         states = [state for source in self._pointers if (state := source.read(self.frame, now_ns)) is not None]
         blocks: list[SignalBlock] = [block for source in self._signals for block in source.read(now_ns)]
         return VRInput(tuple(blocks), _one_pointer(states, stop=not _STOP_NAMES.isdisjoint(pressed)), pressed)
@@ -81,7 +81,7 @@ class Inputs:
         return WindowFrame(events, self._window.gamepad if self._window.gamepad.connected else GamepadState())
 
 
-def pressed_names(events: Sequence[InputEvent]) -> tuple[str, ...]:
+def _pressed_names(events: Sequence[InputEvent]) -> tuple[str, ...]:
     """Return the keys ("m"), mouse buttons ("mouse_left") and gamepad buttons ("pad_a") pressed, without repeats."""
     return tuple(
         _PREFIX[event.kind] + event.name

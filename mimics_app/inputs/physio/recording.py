@@ -18,7 +18,7 @@ from mimics_app.contracts.errors import Issue, SceneError, UsageError, first_lin
 from mimics_app.contracts.input_port import SignalSource
 from mimics_app.contracts.messages import Experience, SignalBlock
 
-__all__ = ["FileSource", "Recorded", "columns_of", "name_of_channel", "read_signal_file"]
+__all__ = ["FileSource", "Recorded", "columns_of", "read_signal_file"]
 
 _LONGEST_S = 7 * 24 * 3600.0
 """Longest recording [s]."""
@@ -53,7 +53,7 @@ class Recorded:
     values: NDArray[np.float64]
 
 
-def name_of_channel(label: str) -> str:
+def _name_of_channel(label: str) -> str:
     """Return the body signal that a channel label stands for, "" for none."""
     plain = label.strip().lower()
     return next((name for name, pattern in _NAMES if re.search(pattern, plain)), "")
@@ -63,7 +63,7 @@ def columns_of(labels: Iterable[str]) -> dict[str, int]:
     """Return the number of the first channel of each body signal, by the labels of the channels."""
     columns: dict[str, int] = {}
     for i, label in enumerate(labels):
-        name = name_of_channel(label)
+        name = _name_of_channel(label)
         if name:
             columns.setdefault(name, i)
     return columns
@@ -117,12 +117,12 @@ def _read_csv(path: Path) -> list[Recorded]:
         try:
             columns.setdefault(label.strip().lower(), table.column(i).cast(pa.float64()).to_numpy())
         except (pa.ArrowException, ValueError) as error:
-            if name_of_channel(label) or label.strip().lower() in _TIMES:
+            if _name_of_channel(label) or label.strip().lower() in _TIMES:
                 raise SceneError(Issue(str(path), f"/{label}", "the column holds more than numbers")) from error
     times = next((columns[name] for name in _TIMES if name in columns), None)
     if times is None:
         raise SceneError(Issue(str(path), "", "no column holds the time", "add a column t_s in seconds"))
-    signals = [(name_of_channel(label), values) for label, values in columns.items()]
+    signals = [(_name_of_channel(label), values) for label, values in columns.items()]
     return [_on_grid(path, name, times, values) for name, values in signals if name]
 
 
@@ -168,13 +168,13 @@ def _read_edf(path: Path) -> list[Recorded]:
         with pyedflib.EdfReader(str(path)) as file:
             return [
                 Recorded(
-                    name_of_channel(label),
+                    _name_of_channel(label),
                     float(file.getSampleFrequency(i)),
                     0.0,
                     np.asarray(file.readSignal(i), float),
                 )
                 for i, label in enumerate(file.getSignalLabels())
-                if name_of_channel(label)
+                if _name_of_channel(label)
             ]
     except (OSError, ValueError) as error:
         raise SceneError(Issue(str(path), "", f"it cannot be read: {first_line(error)}")) from error
@@ -190,7 +190,7 @@ def _read_wfdb(path: Path) -> list[Recorded]:
     except (OSError, ValueError, KeyError, IndexError) as error:
         raise SceneError(Issue(str(path), "", f"it cannot be read: {first_line(error)}")) from error
     return [
-        Recorded(name_of_channel(label), float(record.fs), 0.0, np.asarray(record.p_signal[:, i], float))
+        Recorded(_name_of_channel(label), float(record.fs), 0.0, np.asarray(record.p_signal[:, i], float))
         for i, label in enumerate(record.sig_name)
     ]
 

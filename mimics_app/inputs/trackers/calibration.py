@@ -11,13 +11,13 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import UsageError
 
-__all__ = ["LEAST_POINTS", "UNITS", "Calibration", "axis_map", "fit_room"]
+__all__ = ["UNITS", "Calibration", "axis_map", "fit_room"]
 
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
 """Metres per unit of a device."""
 
-LEAST_POINTS = 4
+_LEAST_POINTS = 4
 """Smallest number of points: three lie in a plane, fit exactly and hide every mistake."""
 
 _FLAT = 1e-3
@@ -93,8 +93,8 @@ def fit_room(seen: Sequence[Sequence[float]] | F8, room: Sequence[Sequence[float
         UsageError: Too few points, or all in a plane: a mirror image would fit as well.
     """
     a, b = np.asarray(seen, np.float64).reshape(-1, 3), np.asarray(room, np.float64).reshape(-1, 3)
-    if len(a) != len(b) or len(a) < LEAST_POINTS:
-        raise UsageError(f"{min(len(a), len(b))} points are too few to calibrate", f"touch at least {LEAST_POINTS}")
+    if len(a) != len(b) or len(a) < _LEAST_POINTS:
+        raise UsageError(f"{min(len(a), len(b))} points are too few to calibrate", f"touch at least {_LEAST_POINTS}")
     centre_a, centre_b = a.mean(axis=0), b.mean(axis=0)
     da, db = a - centre_a, b - centre_b
     spread = np.linalg.svd(db, compute_uv=False)

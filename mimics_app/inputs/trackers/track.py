@@ -9,9 +9,9 @@ from mimics_app.contracts.display_port import MAX_PREDICTION_NS
 from mimics_app.contracts.tracker_port import STALE_NS, TrackedPose, TrackerSample
 from mimics_app.maths.poses import interpolate_pose, pose_from_parts
 
-__all__ = ["KEPT", "Track"]
+__all__ = ["Track"]
 
-KEPT = 1024
+_KEPT = 1024
 """Length of the history: four seconds at 240 Hz."""
 
 _LEAST_STEP_NS = 1_000_000
@@ -22,20 +22,20 @@ class Track:
     """Ring buffer with one writer, the source's thread, and readers that never wait: the count follows the slot."""
 
     def __init__(self) -> None:
-        self._slots: list[TrackerSample | None] = [None] * KEPT
+        self._slots: list[TrackerSample | None] = [None] * _KEPT
         self._count = 0
 
     @property
     def newest(self) -> TrackerSample | None:
         """The last report."""
-        return self._slots[(self._count - 1) % KEPT] if self._count else None
+        return self._slots[(self._count - 1) % _KEPT] if self._count else None
 
     def add(self, sample: TrackerSample) -> None:
         """Take a report; one that is not newer than the last is dropped."""
         last = self.newest
         if last is not None and sample.t_ns <= last.t_ns:
             return
-        self._slots[self._count % KEPT] = sample
+        self._slots[self._count % _KEPT] = sample
         self._count += 1
 
     def pose(self, at_ns: int) -> TrackedPose | None:
@@ -74,8 +74,8 @@ class Track:
     def _before(self, at_ns: int) -> TrackerSample | None:
         """Return the last report at or before a time."""
         count = self._count
-        for back in range(1, min(count, KEPT - 1) + 1):
-            sample = self._slots[(count - back) % KEPT]
+        for back in range(1, min(count, _KEPT - 1) + 1):
+            sample = self._slots[(count - back) % _KEPT]
             if sample is not None and sample.t_ns <= at_ns:
                 return sample
         return None
@@ -84,8 +84,8 @@ class Track:
         """Return the report after a given one."""
         count = self._count
         following = before
-        for back in range(1, min(count, KEPT - 1) + 1):
-            sample = self._slots[(count - back) % KEPT]
+        for back in range(1, min(count, _KEPT - 1) + 1):
+            sample = self._slots[(count - back) % _KEPT]
             if sample is None or sample.t_ns <= before.t_ns:
                 break
             following = sample
@@ -93,7 +93,7 @@ class Track:
 
     def _oldest(self) -> TrackerSample:
         count = self._count
-        sample = self._slots[(count - min(count, KEPT - 1)) % KEPT]
+        sample = self._slots[(count - min(count, _KEPT - 1)) % _KEPT]
         assert sample is not None, "a track with a newest report has an oldest one"
         return sample
 
