@@ -26,7 +26,7 @@ from mimics_app.rendering.audio.spectral.computed_head import compute_head
 from mimics_app.rendering.audio.spectral.head import HeadResponses, delays_between_ears
 from mimics_app.rendering.audio.spectral.sofa import read_sofa
 
-__all__ = ["cost_of_voices", "draw_figures", "heard_around_the_head"]
+__all__ = ["draw_figures", "heard_around_the_head"]
 
 Points = list[tuple[float, float]]
 
@@ -45,7 +45,7 @@ _FILE = AudioSettings().block
 
 def draw_figures(folder: Path) -> list[Path]:
     """Write all figures and return the drawings."""
-    return [write_figure(figure, folder)[1] for figure in (heard_around_the_head(), cost_of_voices())]
+    return [write_figure(figure, folder)[1] for figure in (heard_around_the_head(), _cost_of_voices())]
 
 
 def heard_around_the_head() -> Figure:
@@ -77,7 +77,7 @@ def heard_around_the_head() -> Figure:
     return _figure("hearing around the head", "Delay and level between the ears", panels, list(heard), rows)
 
 
-def cost_of_voices() -> Figure:
+def _cost_of_voices() -> Figure:
     """Return the figure of the cost of 10 ms of moving voices, both mixers, in live blocks and file blocks."""
     measures = {
         f"{label}, {use} ({frames / _RATE * 1e3:.2g} ms)": partial(_cost_us, mixer, frames)

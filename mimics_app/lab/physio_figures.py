@@ -26,7 +26,7 @@ from mimics_app.plotting.drawing import legend
 from mimics_app.plotting.marks import element, path, word
 from mimics_app.plotting.panel import Label, Panel
 
-__all__ = ["FIGURES", "detectors", "draw_figures", "learning_curves", "load_accuracy"]
+__all__ = ["FIGURES", "detectors", "draw_figures"]
 
 Detector = Callable[[F8, float], F8]
 
@@ -51,7 +51,7 @@ def draw_figures(folder: Path, names: Sequence[str], records: Path | None = None
     return [write_figure(FIGURES[name](records), folder)[1] for name in names]
 
 
-def load_accuracy() -> Figure:
+def _load_accuracy() -> Figure:
     """Return the figure of the share of trials estimated right by deviation of the demand, with 95 % intervals."""
     shares = Axis("trials estimated right", 0.0, 1.0, at=(0.0, 0.25, 0.5, 0.75, 1.0))
     panel = Panel(6.0, 70.0, 860.0, 400.0, Axis("demand off the best in a wrong trial", 0.06, 0.25), shares)
@@ -132,7 +132,7 @@ def _cost_and_f1(find: Detector, records: list[Annotated]) -> tuple[float, float
     return spent * 3600.0 / seconds, f1_of(hits, beats, detected)
 
 
-def learning_curves(people: int = 400, trials: int = 40) -> Figure:
+def _learning_curves(people: int = 400, trials: int = 40) -> Figure:
     """Return the figure of the mean regret by trial with its 95 % band."""
     left, top, width, height, highest = 60.0, 60.0, 760.0, 300.0, 0.9
     parts = [path("frame", f"M{left} {top}v{height}h{width}")]
@@ -190,8 +190,8 @@ FIGURES: Mapping[str, Callable[[Path | None], Figure]] = {
     "beat_latency": beat_latency,
     "failure_map": lambda _: failure_map(),
     "loop_stability": lambda _: loop_stability(),
-    "learning_curves": lambda _: learning_curves(),
-    "load_accuracy": lambda _: load_accuracy(),
+    "learning_curves": lambda _: _learning_curves(),
+    "load_accuracy": lambda _: _load_accuracy(),
     "loop_regret": lambda _: loop_regret(),
 }
 """Function of a folder of annotated records, None for simulated people, that returns a figure, by name."""

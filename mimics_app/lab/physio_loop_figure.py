@@ -12,7 +12,7 @@ from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.drawing import legend
 from mimics_app.plotting.panel import Panel
 
-__all__ = ["loop_regret", "loop_scores"]
+__all__ = ["loop_regret"]
 
 _POLICIES = ("random", "staircase", "kalman_performance", "kalman")
 _WHO: Mapping[str, dict[str, bool]] = {
@@ -22,7 +22,7 @@ _WHO: Mapping[str, dict[str, bool]] = {
 }
 
 
-def loop_scores() -> dict[tuple[str, str], list[LoopScore]]:
+def _loop_scores() -> dict[tuple[str, str], list[LoopScore]]:
     """Return the scores of every policy with every kind of people, one for each seed."""
     return {
         (who, name): [loop_study(name, seed=seed, **more) for seed in SEEDS]
@@ -35,9 +35,9 @@ def loop_regret(groups: Mapping[tuple[str, str], Sequence[LoopScore]] | None = N
     """Return the figure of the mean regret of a trial with its 95 % interval over the people of all groups.
 
     Args:
-        groups: Result of `loop_scores`; None: measured now, which takes six minutes of processor time.
+        groups: Result of `_loop_scores`; None: measured now, which takes six minutes of processor time.
     """
-    groups = loop_scores() if groups is None else groups
+    groups = _loop_scores() if groups is None else groups
     scores = {what: pooled(each) for what, each in groups.items()}
     ends = [score.mean + side * score.half_width for score in scores.values() for side in (-1.0, 1.0)]
     y = Axis.around("regret of a trial", [max(value, 0.02) for value in ends], log=True)

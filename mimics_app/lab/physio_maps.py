@@ -16,7 +16,7 @@ from mimics_app.learning.policy import TARGET, Outcome
 from mimics_app.learning.rules import Proportional
 from mimics_app.plotting.marks import word
 
-__all__ = ["failure_map", "loop_error", "loop_stability", "stable_gain"]
+__all__ = ["failure_map", "loop_stability"]
 
 _DECIBELS = (np.inf, 12.0, 6.0, 0.0)
 _ECTOPIC, _WANDER, _MOTION, _LEAD_OFF = (0.0, 0.1), (0.08, 0.8), (0.0, 0.8), (0.0, 0.25)
@@ -93,12 +93,12 @@ _STEEPNESS = 12.0
 """Slope of success over demand [logit per unit]."""
 
 
-def stable_gain(delay: int) -> float:
+def _stable_gain(delay: int) -> float:
     """Return the largest gain g at which x[k+1] = x[k] - g s x[k - delay] decays; s: slope of success at its target."""
     return 2.0 * float(np.sin(np.pi / (2.0 * (2 * delay + 1)))) / (_STEEPNESS * TARGET * (1.0 - TARGET))
 
 
-def loop_error(gain: float, delay: int, drift: float, people: int = 200, trials: int = 80) -> float:
+def _loop_error(gain: float, delay: int, drift: float, people: int = 200, trials: int = 80) -> float:
     """Return the RMS distance of the demand from the best one over the second half of a session."""
     rng = np.random.default_rng(170)
     policy, nothing = Proportional(gain), np.full(people, np.nan)
@@ -125,7 +125,7 @@ def loop_stability() -> Figure:
         for delay in _DELAYS:
             line = []
             for gain in _GAINS:
-                error, swings = loop_error(gain, delay, drift), gain > stable_gain(delay)
+                error, swings = _loop_error(gain, delay, drift), gain > _stable_gain(delay)
                 line.append(Cell(error / 0.4, f"{error:.3f}", "swings" if swings else "", swings))
                 rows.append(row_of(f"delay {delay}, drift {drift:g}", gain, error))
             cells.append(line)

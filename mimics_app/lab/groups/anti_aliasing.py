@@ -27,13 +27,13 @@ from mimics_app.world.materials.material import Material
 from mimics_app.world.meshes.primitives import box, plane
 from mimics_app.world.world import World
 
-__all__ = ["ANGLES", "GROUP", "PLACES", "covered", "edge_error", "given_samples"]
+__all__ = ["ANGLES", "GROUP", "covered", "edge_error"]
 
 
 GROUP = "anti aliasing"
 ANGLES = (0.02, 0.06, 0.15, 0.3, 0.6, math.pi / 4.0, 1.0, 1.3, 1.52)
 """Angles of the edge to the rows of pixels [rad]."""
-PLACES = (0.0, 0.2, 0.4, 0.6)
+_PLACES = (0.0, 0.2, 0.4, 0.6)
 """Distances of the edge from the picture's centre [px]; at one alone, an edge of 45 degrees cuts all pixels alike."""
 
 _FRAME, _EDGE = (640, 360), (192, 108)
@@ -59,7 +59,7 @@ def edge_error(settings: RenderSettings, angles: tuple[float, ...] = ANGLES) -> 
     wrong: list[F8] = []
     with open_offscreen("auto", _EDGE) as surface:
         renderer = Renderer(surface, World(), settings)
-        for angle, place in product(angles, PLACES):
+        for angle, place in product(angles, _PLACES):
             renderer.world = _card(angle, place)
             renderer.draw([_straight(_EDGE)])
             shown = read_pixels(surface)[..., 0].astype(np.float64)
@@ -105,7 +105,7 @@ def _straight(size: tuple[int, int]) -> View:
     return View(compose_look_at((0.0, 0.0, 1.0), (0.0, 0.0, 0.0)), (-0.5, 0.5, -high, high), (0, 0, *size))
 
 
-def given_samples(samples: int) -> int:
+def _given_samples(samples: int) -> int:
     """Return the samples per pixel that the driver takes for a requested number, by the levels of an edge.
 
     Raises:
@@ -120,7 +120,7 @@ def given_samples(samples: int) -> int:
 
 
 def _cost_us(settings: RenderSettings) -> float:
-    if settings.msaa and (given := given_samples(settings.msaa)) != settings.msaa:
+    if settings.msaa and (given := _given_samples(settings.msaa)) != settings.msaa:
         raise DeviceError(f"the driver takes {given} samples a pixel where {settings.msaa} are requested", "")
     with open_offscreen("auto", _FRAME) as surface:
         renderer, views = Renderer(surface, _boxes(), settings), [_straight(_FRAME)]

@@ -21,7 +21,6 @@ from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
 __all__ = [
     "GROUP",
     "bounce",
-    "restitution_error",
     "restitution_hunt_crossley",
     "restitution_spring_damper",
 ]
@@ -127,7 +126,7 @@ def restitution_hunt_crossley(u: float) -> float:
     return 0.5 * (low + high)
 
 
-def restitution_error(law: str, dt: float = _DT) -> float:
+def _restitution_error(law: str, dt: float = _DT) -> float:
     """Return the largest difference of the restitution from the closed form over the phases of the impact."""
     exact = restitution_spring_damper(_ZETA) if law.startswith("(9)") else restitution_hunt_crossley(_U)
     return max(abs(bounce(law, phase / _PHASES, dt) - exact) for phase in range(_PHASES))
@@ -154,7 +153,7 @@ compare(
     "restitution",
     _RIVALS,
     cost=_cost_us,
-    error=restitution_error,
+    error=_restitution_error,
     default="(9) clamped",
     work="contacts",
     sizes=SIZES,

@@ -16,7 +16,7 @@ from mimics_app.maths.cord import Catenary, Ripple, Ripples, hang
 from mimics_app.rendering.visual.passes.cord import CORD_BLOCK, RINGS, SIDES, fill_cord_block
 from mimics_app.world.cords import Cord
 
-__all__ = ["GROUP", "link_rope"]
+__all__ = ["GROUP"]
 
 
 GROUP = "cord"
@@ -26,7 +26,7 @@ _POINTS, _STEP_S, _SECONDS, _GRAVITY = 32, 1.0 / 60.0, 4.0, 9.81
 _RIPPLES = [Ripple(0.4, 0.5, 0.2, 0.005), Ripple(0.8, 1.0, 0.1, 0.005)]
 
 
-def link_rope(iterations: int, seconds: float = _SECONDS) -> F8:
+def _link_rope(iterations: int, seconds: float = _SECONDS) -> F8:
     """Simulate a rope by position-based dynamics (Mueller 2007); return its points [m], shape [32, 3]."""
     points = np.linspace(_ENDS[0], _ENDS[1], _POINTS)
     before, rest = points.copy(), _LENGTH / (_POINTS - 1)
@@ -60,11 +60,11 @@ def _curve() -> Catenary:
 
 
 def _rope_error(iterations: int) -> float:
-    return abs(_polyline(link_rope(iterations)) - _LENGTH)
+    return abs(_polyline(_link_rope(iterations)) - _LENGTH)
 
 
 def _rope_cost(iterations: int) -> float:
-    points = link_rope(1, 0.5)
+    points = _link_rope(1, 0.5)
 
     def relax() -> None:
         for _ in range(iterations):

@@ -23,7 +23,7 @@ from mimics_app.maths.frames import (
 )
 from mimics_app.rendering.visual.passes.cord import RINGS
 
-__all__ = ["CURVES", "FRAMES", "GROUP", "twist_error"]
+__all__ = ["FRAMES", "GROUP"]
 
 Frame = Callable[[F8, F8], F8]
 """Function of positions and unit tangents of rings, [n, 3] each, that returns unit normals, [n, 3]."""
@@ -46,7 +46,7 @@ def _helix(t: F8) -> F8:
     return np.stack([0.1 * np.cos(angle), 0.1 * np.sin(angle), -t], axis=1)
 
 
-CURVES: dict[str, Callable[[F8], F8]] = {"hanging": _hanging, "bent to both sides": _both_sides, "helix": _helix}
+_CURVES: dict[str, Callable[[F8], F8]] = {"hanging": _hanging, "bent to both sides": _both_sides, "helix": _helix}
 """Functions of shares of a cord's length [n] that return positions [m], [n, 3], by name."""
 
 
@@ -87,13 +87,13 @@ def _unit(vectors: F8) -> F8:
 def _rings(curve: str) -> tuple[F8, F8, F8]:
     """Return positions, tangents and rotation-minimising normals of the drawn rings."""
     t = np.linspace(0.0, 1.0, (RINGS - 1) * _FINER + 1)
-    places = CURVES[curve](t)
+    places = _CURVES[curve](t)
     tangents = _unit(np.gradient(places, t, axis=0, edge_order=2))
     normals = double_reflection(places, tangents)
     return places[::_FINER], tangents[::_FINER], normals[::_FINER]
 
 
-def twist_error(frame: Frame, curve: str) -> float:
+def _twist_error(frame: Frame, curve: str) -> float:
     """Return the largest rotation of a frame around the cord since its start [rad]."""
     places, tangents, still = _rings(curve)
     normals = frame(places, tangents)
@@ -115,10 +115,10 @@ compare(
     [
         Rival(named, source, valid, {} if named == _RUNS else None, (frame, curve))
         for name, (frame, source, valid) in FRAMES.items()
-        for curve in CURVES
+        for curve in _CURVES
         for named in [f"{name}, {curve}"]
     ],
     cost=_cost_us,
-    error=twist_error,
+    error=_twist_error,
     default=_RUNS,
 )

@@ -27,7 +27,7 @@ from mimics_app.world.gltf.prefab import ModelPrefab
 from mimics_app.world.scene.assets import ModelPart, SceneAsset
 from mimics_app.world.world import World
 
-__all__ = ["GROUP", "Crowd", "crowd_error", "load_person"]
+__all__ = ["GROUP", "Crowd", "load_person"]
 
 
 GROUP = "crowd"
@@ -115,7 +115,7 @@ def _cost_us(crowd: Crowd) -> float:
     return frame_us(world, _SIZE, crowd.settings, step, _FRAMES)
 
 
-def crowd_error(crowd: Crowd, whole: Crowd) -> float:
+def _crowd_error(crowd: Crowd, whole: Crowd) -> float:
     """Return the share of the pixels that differ between two methods, the mean of some frames."""
     pictures = []
     for variant in (crowd, whole):
@@ -157,6 +157,6 @@ compare(
         Rival("both, 0.5 times as far", "the same from half the distance on", _VALID, None, (Crowd(detail=0.5),)),
     ],
     cost=_cost_us,
-    error=lambda crowd: crowd_error(crowd, _WHOLE),
+    error=lambda crowd: _crowd_error(crowd, _WHOLE),
     default="both",
 )

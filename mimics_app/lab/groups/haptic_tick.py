@@ -29,12 +29,12 @@ from mimics_app.rendering.haptic.scene_tunnel import PROJECTIONS
 from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve, build_tunnel
 from mimics_app.world.components.robot import Patient, Robot
 
-__all__ = ["GROUP", "NO_TUNNEL", "REFERENCE_CALLS", "reference_us", "tick_us"]
+__all__ = ["GROUP", "reference_us", "tick_us"]
 
 
 GROUP = "haptic tick"
-NO_TUNNEL = "no tunnel"
-REFERENCE_CALLS = 20_000
+_NO_TUNNEL = "no tunnel"
+_REFERENCE_CALLS = 20_000
 
 _TICKS = 2000
 _RUNS = 6
@@ -58,7 +58,7 @@ def _turn_often(R: F8, p: F8, calls: int) -> None:
 def reference_us() -> float:
     """Return the cost of one rotation and normalisation of a vector [us], the shortest of a few runs."""
     R = np.array([[0.8, -0.6, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0]])
-    return shortest_us(lambda: _turn_often(R, np.ones(3), REFERENCE_CALLS), REFERENCE_CALLS)
+    return shortest_us(lambda: _turn_often(R, np.ones(3), _REFERENCE_CALLS), _REFERENCE_CALLS)
 
 
 @cache
@@ -151,7 +151,7 @@ compare(
     "N",
     [
         *(Rival(word, _PROJECTED, _VALID, {"projection": word}, (each,)) for word, each in PROJECTIONS.items()),
-        Rival(NO_TUNNEL, "kernels.tick alone", _VALID, {}, (None,)),
+        Rival(_NO_TUNNEL, "kernels.tick alone", _VALID, {}, (None,)),
     ],
     cost=tick_us,
     error=_false_force,

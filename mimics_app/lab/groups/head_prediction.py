@@ -15,7 +15,7 @@ from mimics_app.inputs.trackers.track import Track
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.maths.poses import rotation_vector
 
-__all__ = ["GROUP", "prediction_error"]
+__all__ = ["GROUP"]
 
 GROUP = "head prediction"
 _RATE, _AMPLITUDE, _HZ = 120.0, math.radians(30.0), 1.0
@@ -30,7 +30,7 @@ def _sample(t: float) -> TrackerSample:
     return TrackerSample("1", round(t * 1e9), (0.0, 0.0, 0.0), euler_quaternion(math.degrees(_angle(t)), 0.0, 0.0))
 
 
-def prediction_error(horizon_s: float, *, hold: bool = False) -> float:
+def _prediction_error(horizon_s: float, *, hold: bool = False) -> float:
     """Return the largest error over two seconds [rad].
 
     Args:
@@ -70,7 +70,7 @@ def _ahead(ms: int) -> tuple[Rival, Rival]:
             "the newest report as it is",
             "a head at rest",
             cost=partial(_cost, 0.0),
-            error=partial(prediction_error, ms * 1e-3, hold=True),
+            error=partial(_prediction_error, ms * 1e-3, hold=True),
         ),
     )
 
@@ -81,6 +81,6 @@ compare(
     "rad",
     [rival for ms in (20, 30, 50, 100) for rival in _ahead(ms)],
     cost=_cost,
-    error=prediction_error,
+    error=_prediction_error,
     default="constant velocity, 50 ms ahead",
 )

@@ -27,11 +27,11 @@ from mimics_app.rendering.haptic.kernels.integrators import (
     step_semi_implicit,
 )
 
-__all__ = ["GROUP", "RATES_KHZ", "STEPS", "contact_error", "follow_contact", "step_by"]
+__all__ = ["GROUP", "STEPS", "contact_error", "step_by"]
 
 
 GROUP = "integrator"
-RATES_KHZ = (1, 4, 16)
+_RATES_KHZ = (1, 4, 16)
 """Steps per tick of 1 ms."""
 
 STEPS: dict[str, Callable[..., Any]] = {
@@ -86,7 +86,7 @@ def _walk(number: int, ticks: int, steps: int, x: F8, v: F8) -> None:
                 x[i], v[i] = step_by(number, x[i], v[i], _PUSH, _MASS, _DAMPING, _STIFFNESS, dt)
 
 
-def follow_contact(name: str, steps: int, ticks: int = _TICKS) -> F8:
+def _follow_contact(name: str, steps: int, ticks: int = _TICKS) -> F8:
     """Return the depth at every tick [m] by an integrator with a number of steps per tick, shape [ticks]."""
     x, v = np.zeros(1), np.full(1, _SPEED)
     depth = np.empty(ticks)
@@ -98,12 +98,12 @@ def follow_contact(name: str, steps: int, ticks: int = _TICKS) -> F8:
 
 @cache
 def _reference_depth() -> F8:
-    return follow_contact("exact", _REFERENCE_STEPS)
+    return _follow_contact("exact", _REFERENCE_STEPS)
 
 
 def contact_error(name: str, steps: int) -> float:
     """Return the largest difference of the depth from the reference in 0.2 s [m]."""
-    return float(np.max(np.abs(follow_contact(name, steps) - _reference_depth())))
+    return float(np.max(np.abs(_follow_contact(name, steps) - _reference_depth())))
 
 
 def _cost_us(name: str, steps: int, bodies: int) -> float:
@@ -120,7 +120,7 @@ def _at_rates(name: str, source: str, valid: str, settings: Settings | None = No
     """
     return [
         Rival(f"{name}, {rate} kHz", source, valid, None if i else settings, (name, rate), () if i else SIZES)
-        for i, rate in enumerate(RATES_KHZ)
+        for i, rate in enumerate(_RATES_KHZ)
     ]
 
 

@@ -14,7 +14,7 @@ from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec
 from mimics_app.rendering.visual.displays.lens import distort
 
-__all__ = ["GROUP", "mesh_error"]
+__all__ = ["GROUP"]
 
 
 GROUP = "lens distortion"
@@ -29,7 +29,7 @@ def _grid(count: int) -> F8:
     return np.stack([x, y], axis=-1)
 
 
-def mesh_error(cells: int) -> float:
+def _mesh_error(cells: int) -> float:
     """Return the largest error of a mesh of cells by cells, linear between its vertices [px of 1080]."""
     eye = HeadsetSpec().left
     k = eye.lens.green
@@ -76,6 +76,6 @@ compare(
         ),
     ],
     cost=lambda cells: _cost(cells + 1),
-    error=mesh_error,
+    error=_mesh_error,
     default="per pixel",
 )

@@ -24,11 +24,11 @@ from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.scheduler import lower_this_thread
 from mimics_app.world.components.robot import Robot
 
-__all__ = ["GROUP", "SECONDS", "measure_recipe", "measure_thread"]
+__all__ = ["GROUP"]
 
 GROUP = "loop scheduling"
 
-SECONDS = 2.0
+_SECONDS = 2.0
 """Length of each run [s], after a first second that does not count."""
 
 _WARM_UP_S = 1.0
@@ -45,7 +45,7 @@ def _engine(recipe: str) -> HapticEngine:
 
 
 @cache
-def measure_recipe(recipe: str) -> Figures:
+def _measure_recipe(recipe: str) -> Figures:
     """Measure the product's loop under a recipe of `scheduler.RECIPES`.
 
     Raises:
@@ -64,7 +64,7 @@ def measure_recipe(recipe: str) -> Figures:
 
 
 @cache
-def measure_thread() -> Figures:
+def _measure_thread() -> Figures:
     """Measure the same tick in a Python thread that sleeps until the same releases."""
     engine = _engine("plain")
     with PythonLoop(lambda: engine.advance(1)) as loop:
@@ -84,7 +84,7 @@ def _busy_beside(thread: threading.Thread, lower: bool) -> float:
             lower_this_thread()
         _burn(clock, _WARM_UP_S)
         before, started = _on_processor_ns(thread), clock.now_ns()
-        _burn(clock, SECONDS)
+        _burn(clock, _SECONDS)
         used.append((_on_processor_ns(thread) - before) * 1e6 / (clock.now_ns() - started))
 
     _on_processor_ns(thread)  # raises where the system does not report it
@@ -139,11 +139,11 @@ compare(
             "python thread",
             "time.sleep to each deadline, then the same compiled tick; holds the interpreter's lock",
             "demonstration",
-            cost=lambda: measure_thread()[1],
-            error=lambda: measure_thread()[0],
+            cost=lambda: _measure_thread()[1],
+            error=lambda: _measure_thread()[0],
         ),
     ],
-    cost=lambda recipe: measure_recipe(recipe)[1],
-    error=lambda recipe: measure_recipe(recipe)[0],
+    cost=lambda recipe: _measure_recipe(recipe)[1],
+    error=lambda recipe: _measure_recipe(recipe)[0],
     default="fifo",
 )

@@ -17,7 +17,7 @@ from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.world.gltf.file import GltfDocument, load_gltf
 
-__all__ = ["GROUP", "KINDS", "count_parts", "document_of"]
+__all__ = ["GROUP", "KINDS", "count_parts"]
 
 GROUP = "model reading"
 
@@ -27,7 +27,7 @@ _TRIANGLE = struct.pack("<9f", 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
 Document = dict[str, Any]
 
 
-def document_of(kind: str, count: int) -> Document:
+def _document_of(kind: str, count: int) -> Document:
     """Return a valid glTF document with `count` parts of a kind of `KINDS`."""
     uri = "data:;base64," + base64.b64encode(_TRIANGLE).decode()
     view = {"buffer": 0, "byteLength": len(_TRIANGLE)}
@@ -80,7 +80,7 @@ def _read(kind: str, count: int) -> tuple[float, int]:
     clock = MonotonicClock()
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "model.gltf"
-        path.write_text(json.dumps(document_of(kind, count)), encoding="utf-8")
+        path.write_text(json.dumps(_document_of(kind, count)), encoding="utf-8")
         started = clock.now_ns()
         model = load_gltf(path)
         return (clock.now_ns() - started) * 1e-3, count_parts(kind, model)

@@ -24,7 +24,7 @@ from mimics_app.world.materials.material import Material
 from mimics_app.world.meshes.primitives import icosphere, plane
 from mimics_app.world.world import World
 
-__all__ = ["GROUP", "shading_error"]
+__all__ = ["GROUP"]
 
 GROUP = "shading"
 
@@ -32,7 +32,7 @@ _SIZE = (320, 180)
 _FULL = RenderSettings(msaa=0, shadow_size=0)
 
 
-def shading_error(settings: RenderSettings) -> float:
+def _shading_error(settings: RenderSettings) -> float:
     """Return the RMS difference of the display values from those of full shading [of 255]."""
     whole = replace(settings, shading="full")
     town = [_square(*pair) for pair in city_pictures(settings, whole)]
@@ -84,6 +84,6 @@ compare(
         Rival("plain", _PLAIN_SOURCE, "any", {"shading": "plain"}, (replace(_FULL, shading="plain"),)),
     ],
     cost=city_us,
-    error=shading_error,
+    error=_shading_error,
     default="full",
 )

@@ -19,7 +19,7 @@ from mimics_app.lab.haptic.touch_probe import RADIUS
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.kernels.objects.cull import find_near, find_near_plain
 
-__all__ = ["GROUP", "misses", "spread_bounds"]
+__all__ = ["GROUP", "misses"]
 
 
 GROUP = "shape cull"
@@ -60,7 +60,7 @@ def _cull_often(
             totals[k] = _in_cell(starts, members, bounds, side, points[k, 0], points[k, 1], near)
 
 
-def spread_bounds(count: int) -> tuple[F8, int]:
+def _spread_bounds(count: int) -> tuple[F8, int]:
     """Return bounds [4, count] of spheres of RADIUS on a square grid of 6 cm in a plane, and cells along its side."""
     side = max(1, math.ceil(math.sqrt(count)))
     places = np.arange(count)
@@ -70,7 +70,7 @@ def spread_bounds(count: int) -> tuple[F8, int]:
 
 
 def _cull_arguments(count: int) -> tuple[Any, ...]:
-    bounds, side = spread_bounds(count)
+    bounds, side = _spread_bounds(count)
     cells = np.arange(side * side + 1)
     points = np.random.default_rng(1).uniform(-0.5 * _CELL, (side - 0.5) * _CELL, (_QUERIES, 3)) * (1.0, 1.0, 0.0)
     near, totals = np.zeros(count, np.int64), np.zeros(_QUERIES, np.int64)

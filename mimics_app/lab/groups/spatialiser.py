@@ -33,7 +33,6 @@ __all__ = [
     "heard_around",
     "interaural_delay_us",
     "measure_block_us",
-    "measure_delay_error_us",
     "own_head_errors",
 ]
 
@@ -90,7 +89,7 @@ def heard_around(handles: NDArray[np.int64], places: NDArray[np.float64]) -> Hea
     )
 
 
-def measure_delay_error_us(hrtf: bool) -> float:
+def _measure_delay_error_us(hrtf: bool) -> float:
     """Return the median ITD error against the measured head [us], for sources in the horizontal plane."""
     errors = [abs(_rendered_delay_us(hrtf, azimuth) - delay) for azimuth, delay in KEMAR_DELAYS_US.items()]
     return float(np.median(errors))
@@ -182,7 +181,7 @@ compare(
             "OpenAL Soft, measured head, 32 taps, delays of whole samples",
             "headphones",
             "openal",
-            partial(measure_delay_error_us, True),
+            partial(_measure_delay_error_us, True),
             hrtf=True,
         ),
         _mixed(
@@ -190,7 +189,7 @@ compare(
             "OpenAL Soft, panning of level only",
             "loudspeakers, and headphones without direction",
             "openal",
-            partial(measure_delay_error_us, False),
+            partial(_measure_delay_error_us, False),
             hrtf=False,
         ),
         *(
@@ -214,7 +213,7 @@ compare(
             "own, blocks of spectra, power shared by two loudspeakers (Pulkki 1997), compiled",
             "loudspeakers: stereo, 5.1, 7.1, harmonics",
             "spectral",
-            partial(measure_delay_error_us, False),
+            partial(_measure_delay_error_us, False),
             hrtf=False,
         ),
         Rival(

@@ -21,7 +21,7 @@ from mimics_app.world.materials.material import Material
 from mimics_app.world.meshes.primitives import box, plane, sphere
 from mimics_app.world.world import World
 
-__all__ = ["GROUP", "edge_error", "yard_us"]
+__all__ = ["GROUP", "edge_error"]
 
 
 GROUP = "sun shadows"
@@ -103,7 +103,7 @@ def edge_error(settings: RenderSettings) -> float:
     return float(np.mean(apart))
 
 
-def yard_us(settings: RenderSettings, posts: int = _POSTS) -> float:
+def _yard_us(settings: RenderSettings, posts: int = _POSTS) -> float:
     """Return the cost of a frame of the yard with one rotating post [us]."""
     world = _lit_world(0.4)
     world.meshes |= {"post": box(0.2, 1.0, 0.2), "ball": sphere(0.2, 24)}
@@ -162,7 +162,7 @@ compare(
             (replace(_PLAIN, shadow_size=512, shadows="stencil_modulative"),),
         ),
     ],
-    cost=yard_us,
+    cost=_yard_us,
     error=edge_error,
     default="map 512",
     work="posts",

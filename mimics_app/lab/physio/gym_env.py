@@ -18,7 +18,7 @@ from mimics_app.lab.physio.simulated_task import draw_success
 from mimics_app.learning.goals import success_reward
 from mimics_app.learning.policy import TARGET
 
-__all__ = ["TrainingEnv", "gym_space"]
+__all__ = ["TrainingEnv"]
 
 _TRIAL_S = 20.0
 _STEP_S = 5.0
@@ -28,7 +28,7 @@ _POWER_W = 0.3
 _DEFAULT = ActionSpace([Parameter("difficulty", 0.5, 0.0, 1.0, harder=1)])
 
 
-def gym_space(space: ActionSpace) -> spaces.Dict:
+def _gym_space(space: ActionSpace) -> spaces.Dict:
     """Return the parameters as a Dict: Discrete for stepped ones, else a Box."""
     parts: dict[str, spaces.Space[Any]] = {}
     for parameter in space:
@@ -55,7 +55,7 @@ class TrainingEnv(gymnasium.Env[NDArray[np.float32], dict[str, Any]]):
 
     def __init__(self, space: ActionSpace = _DEFAULT, trials: int = 40) -> None:
         self._space, self._trials = space, trials
-        self.action_space = gym_space(space)
+        self.action_space = _gym_space(space)
         low, high = np.array([0, 0, -10, -10], np.float32), np.array([1, 1, 10, 10], np.float32)
         self.observation_space = spaces.Box(low, high, dtype=np.float32)
 

@@ -10,7 +10,7 @@ from mimics_app.learning.stepwise import StepValues, place_of
 from mimics_app.tasks.kinds.guided_walk.kind import NEAREST
 from mimics_app.tasks.kinds.guided_walk.walk_people import STEP_S, Alley, Deed, Guide, Walker
 
-__all__ = ["WalkResult", "walk_study", "wilson"]
+__all__ = ["WalkResult", "walk_study"]
 
 _LIMIT_S = 420.0
 _DEEDS = len(Deed)
@@ -38,7 +38,7 @@ def walk_study(condition: str, people: int = 300, seed: int = 1) -> WalkResult:
     """Simulate walkers with an untrained guide each; the walkers of a seed are the same in every condition."""
     times = np.array([_walk(condition, [seed, i]) for i in range(people)])
     came = np.isfinite(times)
-    low, high = wilson(int(came.sum()), people)
+    low, high = _wilson(int(came.sum()), people)
     return WalkResult(condition, people, float(came.mean()), low, high)
 
 
@@ -63,7 +63,7 @@ def _walk(condition: str, seed: list[int]) -> float:
     return float("inf")
 
 
-def wilson(hits: int, n: int, z: float = 1.96) -> tuple[float, float]:
+def _wilson(hits: int, n: int, z: float = 1.96) -> tuple[float, float]:
     """Return the 95 % interval of a share (Wilson, J Am Stat Assoc 22, 1927)."""
     share = hits / n
     middle = (share + z * z / (2 * n)) / (1 + z * z / n)

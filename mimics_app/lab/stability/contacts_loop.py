@@ -36,11 +36,9 @@ __all__ = [
     "exact_limit",
     "exact_matrix",
     "needed",
-    "press_contacts",
     "rule_limit",
     "rule_margin",
     "simulated_limit",
-    "stiffer",
     "sum_limit",
 ]
 
@@ -100,7 +98,7 @@ class Device:
 Contacts = tuple[Contact, ...]
 
 
-def stiffer(contacts: Contacts, first: float) -> Contacts:
+def _stiffer(contacts: Contacts, first: float) -> Contacts:
     """Return the contacts with another stiffness of the first [N/m]."""
     one = contacts[0]
     return (Contact(one.angle, first, one.damping, one.lift), *contacts[1:])
@@ -121,7 +119,7 @@ def _feel(normals: Mat, k: Vec, B: Vec, x: Vec, last: Vec, dt: float, force: Vec
 
 
 @kernel
-def press_contacts(
+def _press_contacts(
     normals: Mat, k: Vec, B: Vec, m: float, b: float, dt: float, delay: int, ticks: int, line: Mat, peaks: Vec
 ) -> None:
     """Simulate the device in the contacts, released at a distance from rest.
@@ -164,7 +162,7 @@ def _is_stable(device: Device, contacts: Contacts) -> bool:
     def run(ticks: int) -> Vec:
         peaks = np.zeros(4)
         line = np.zeros((device.delay + 1, 3))
-        press_contacts(normals, k, B, device.mass, device.damping, 1.0 / device.rate, device.delay, ticks, line, peaks)
+        _press_contacts(normals, k, B, device.mass, device.damping, 1.0 / device.rate, device.delay, ticks, line, peaks)
         return peaks
 
     return dies_away(run, SHORTEST, LONGEST)
@@ -172,7 +170,7 @@ def _is_stable(device: Device, contacts: Contacts) -> bool:
 
 def simulated_limit(device: Device, contacts: Contacts) -> float:
     """Return the largest stable stiffness of the first contact beside the others, by simulation [N/m]."""
-    return find_limit(lambda first: _is_stable(device, stiffer(contacts, first)), SOFT, _HARD, PRECISION)
+    return find_limit(lambda first: _is_stable(device, _stiffer(contacts, first)), SOFT, _HARD, PRECISION)
 
 
 def exact_matrix(device: Device, contacts: Contacts) -> Mat:
@@ -189,7 +187,7 @@ def exact_limit(device: Device, contacts: Contacts) -> float:
     """Return the largest stable stiffness of the first contact beside the others, by eigenvalues [N/m]."""
 
     def is_contracting(first: float) -> bool:
-        return spectral_radius(exact_matrix(device, stiffer(contacts, first))) < 1.0 - _SLOW
+        return spectral_radius(exact_matrix(device, _stiffer(contacts, first))) < 1.0 - _SLOW
 
     return find_limit(is_contracting, SOFT, _HARD)
 
@@ -216,7 +214,7 @@ def needed(device: Device, contacts: Contacts, margin: float = 0.0) -> float:
 
 def rule_limit(device: Device, contacts: Contacts) -> float:
     """Return the largest stiffness of the first contact by the worst direction, the rule of the loop [N/m]."""
-    return find_limit(lambda first: needed(device, stiffer(contacts, first)) < device.damping, SOFT, _HARD)
+    return find_limit(lambda first: needed(device, _stiffer(contacts, first)) < device.damping, SOFT, _HARD)
 
 
 def sum_limit(device: Device, contacts: Contacts) -> float:

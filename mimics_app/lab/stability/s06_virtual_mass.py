@@ -20,7 +20,7 @@ from mimics_app.lab.experiment import Experiment, Outcome, Points, Row, points_o
 from mimics_app.lab.stability.held_robot import Arm, Hold, is_exactly_stable, is_stable
 from mimics_app.lab.stability.linear import find_limit
 
-__all__ = ["ARMS", "EXPERIMENT", "damping_rule", "greatest_mass", "least_damping", "least_mass"]
+__all__ = ["ARMS", "EXPERIMENT", "damping_rule", "least_damping", "least_mass"]
 
 ARMS = {
     "relaxed": Arm(1.0, 10.0, 200.0),
@@ -57,7 +57,7 @@ def least_mass(loop: Hold, extra_delay: int = 0) -> tuple[float | None, float | 
     return _edge(loop, _MASSES, extra_delay)
 
 
-def greatest_mass(loop: Hold) -> tuple[float | None, float | None]:
+def _greatest_mass(loop: Hold) -> tuple[float | None, float | None]:
     """Return the largest stable virtual mass [kg], simulated and exact; None where no mass of _MASSES is stable."""
     return _edge(loop, _MASSES[::-1], 0)
 
@@ -104,7 +104,7 @@ def damping_rule(loop: Hold) -> float:
 
 _WHAT: dict[str, Callable[[Hold], tuple[float | None, float | None]]] = {
     "mass": least_mass,
-    "greatest mass": greatest_mass,
+    "greatest mass": _greatest_mass,
     "damping": least_damping,
 }
 

@@ -33,7 +33,7 @@ from mimics_app.rendering.haptic.kernels.rotation import rotate_exponential, rot
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import ContactRecord, Table
 
-__all__ = ["EXPERIMENT", "object_law_printed", "pd_rate", "pressed_rate", "sphere_rate"]
+__all__ = ["EXPERIMENT", "object_law_printed", "pd_rate", "pressed_rate"]
 
 JointPd = Callable[[Vec, Vec, Vec, Vec, Vec, Vec], None]
 
@@ -129,7 +129,7 @@ def pressed_rate(law: NormalLaw, b: float, m1: float, m2: float) -> float:
     return identified_rate(motion, _DT)
 
 
-def sphere_rate(printed: bool, mass: float, b: float) -> float:
+def _sphere_rate(printed: bool, mass: float, b: float) -> float:
     """Growth rate [1/s] of a mass on a sphere of 50 mm, depth by (13) as printed or by `contact.sphere`."""
     motion = np.zeros(200)
     load = 0.0 if printed else _STIFFNESS * _PRELOAD
@@ -179,7 +179,7 @@ def _rotation_row(speed: float) -> Row:
 def _sphere_row(mass: float) -> Row:
     b = 10.0
     exact = _root_rate(2.0 + _DT**2 * _STIFFNESS / mass - _DT * b / mass, 1.0 - _DT * b / mass)
-    return _row(13, f"m = {mass:.3g} kg", sphere_rate(True, mass, b), exact, sphere_rate(False, mass, b))
+    return _row(13, f"m = {mass:.3g} kg", _sphere_rate(True, mass, b), exact, _sphere_rate(False, mass, b))
 
 
 def _pair_row(b: float) -> Row:

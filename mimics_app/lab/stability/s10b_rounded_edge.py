@@ -26,7 +26,7 @@ from mimics_app.rendering.haptic.kernels.objects.shapes_box import box
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import ContactRecord, Table
 
-__all__ = ["EXPERIMENT", "exact_change", "leaving_change"]
+__all__ = ["EXPERIMENT", "leaving_change"]
 
 
 _EDGE = 0.1
@@ -68,7 +68,7 @@ def leaving_change(rounding: float) -> float:
     return float(_leave(rounding, math.ceil((reach + 1e-3) / (_SPEED * _DT)), core, p, v, contacts, force))
 
 
-def exact_change(rounding: float) -> float:
+def _exact_change(rounding: float) -> float:
     """Return `leaving_change` by geometry: k d for a sharp edge, else the steepest point of the arc [N]."""
     if rounding <= _DEPTH:
         return _STIFFNESS * _DEPTH
@@ -82,7 +82,7 @@ def exact_change(rounding: float) -> float:
 def _simulate_grid(points: int) -> Outcome:
     radii = sorted({0.0, _ROUNDED, *np.linspace(3.5e-3, 0.01, max(points, 2)).tolist()})
     rows = [
-        {"rounding_mm": 1e3 * r, "change_N": leaving_change(r), "exact_N": exact_change(r)} for r in map(float, radii)
+        {"rounding_mm": 1e3 * r, "change_N": leaving_change(r), "exact_N": _exact_change(r)} for r in map(float, radii)
     ]
     curve = partial(points_of, rows, "rounding_mm")
     felt = max(row["change_N"] for row in rows if row["rounding_mm"] >= 1e3 * _ROUNDED)

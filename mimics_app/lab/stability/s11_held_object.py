@@ -22,10 +22,10 @@ from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import FrictionRecord, Table
 
-__all__ = ["EXPERIMENT", "MODELS", "cone_excess", "exact_creep", "hold"]
+__all__ = ["EXPERIMENT", "cone_excess", "hold"]
 
 
-MODELS = ("regularised", "Karnopp", "Hayward-Armstrong", "LuGre explicit", "LuGre implicit")
+_MODELS = ("regularised", "Karnopp", "Hayward-Armstrong", "LuGre explicit", "LuGre implicit")
 
 _MASS = 3.0
 _MU = 0.4
@@ -109,7 +109,7 @@ def cone_excess(model: str) -> float:
     return max(0.0, float(_excess(NUMBERS[model], len(path), _DT, path, np.zeros(1, FRICTION))))
 
 
-def exact_creep(share: float, seconds: float) -> float:
+def _exact_creep(share: float, seconds: float) -> float:
     """Distance [m] that the regularised law creeps under a mean load of `share` mu F_N: v_th share (seconds - 1)."""
     return _THRESHOLD * share * (seconds - 1.0)
 
@@ -126,19 +126,19 @@ def _holds(crept: dict[str, list[tuple[float, float]]], cones: dict[str, float])
 
 def _simulate_grid(points: int) -> Outcome:
     shares = [float(share) for share in np.linspace(0.1, 0.85, max(points, 2))]
-    crept = {model: [hold(model, share) for share in shares] for model in MODELS}
-    cones = {model: cone_excess(model) for model in MODELS}
+    crept = {model: [hold(model, share) for share in shares] for model in _MODELS}
+    cones = {model: cone_excess(model) for model in _MODELS}
     rows = [
         {
             "load_share": share,
             "method": model,
             "crept_mm": 1e3 * crept[model][i][0],
-            "exact_mm": 1e3 * exact_creep(share, _SECONDS) if model == "regularised" else None,
+            "exact_mm": 1e3 * _exact_creep(share, _SECONDS) if model == "regularised" else None,
             "cone_excess_held": crept[model][i][1],
             "cone_excess_sliding": cones[model],
         }
         for i, share in enumerate(shares)
-        for model in MODELS
+        for model in _MODELS
     ]
 
     def curve(model: str) -> Points:
@@ -146,13 +146,13 @@ def _simulate_grid(points: int) -> Outcome:
         return [(share, max(1e-6, 1e3 * abs(off))) for share, (off, _) in zip(shares, crept[model], strict=True)]
 
     simulated = curve("regularised")
-    exact = [(share, 1e3 * exact_creep(share, _SECONDS)) for share in shares]
+    exact = [(share, 1e3 * _exact_creep(share, _SECONDS)) for share in shares]
     half = min(range(len(shares)), key=lambda i: abs(shares[i] - 0.5))
     return Outcome(
         rows=rows,
         simulated=simulated,
         exact=exact,
-        rules={model: curve(model) for model in MODELS[1:]},
+        rules={model: curve(model) for model in _MODELS[1:]},
         disagreement=largest_disagreement(simulated, exact),
         holds=_holds(crept, cones),
         note=(

@@ -20,7 +20,7 @@ from mimics_app.rendering.haptic.kernels.friction import lugre_explicit, lugre_i
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import FrictionRecord, Table
 
-__all__ = ["EXPERIMENT", "deflection", "exact_limit", "largest_tick"]
+__all__ = ["EXPERIMENT", "deflection", "exact_limit"]
 
 
 _NORMAL = 2.5
@@ -71,7 +71,7 @@ def exact_limit(speed: float) -> float:
     return 2.0 * _steady_friction(speed) / (_STIFFNESS * speed)
 
 
-def largest_tick(speed: float) -> float:
+def _largest_tick(speed: float) -> float:
     """Return the largest tick in which the explicit form converges, by simulation [s]."""
     around = exact_limit(speed)
     return find_limit(lambda dt: deflection(False, speed, dt) < _LOST, 0.1 * around, 10.0 * around)
@@ -79,7 +79,7 @@ def largest_tick(speed: float) -> float:
 
 def _simulate_grid(points: int) -> Outcome:
     speeds = [float(speed) for speed in np.geomspace(0.01, 1.0, max(points, 2))]
-    simulated: Points = [(speed, 1e6 * largest_tick(speed)) for speed in speeds]
+    simulated: Points = [(speed, 1e6 * _largest_tick(speed)) for speed in speeds]
     exact: Points = [(speed, 1e6 * exact_limit(speed)) for speed in speeds]
     rows = [
         {

@@ -29,13 +29,13 @@ from mimics_app.rendering.haptic.kernels.rotation import (
     rotate_start,
 )
 
-__all__ = ["EXPERIMENT", "INERTIA", "OMEGA", "exact_interval", "tumble"]
+__all__ = ["EXPERIMENT", "INERTIA", "exact_interval", "tumble"]
 
 
 INERTIA = np.array([0.01, 0.02, 0.03])
 """Principal moments [kg m^2]."""
 
-OMEGA = np.array([0.05, 7.0, 0.05])
+_OMEGA = np.array([0.05, 7.0, 0.05])
 """Initial angular velocity, nearly about the intermediate axis [rad/s]."""
 
 _SECONDS = 10.0
@@ -83,7 +83,7 @@ def tumble(rotate: Rotation, dt: float, seconds: float = _SECONDS) -> tuple[int,
     """
     out = np.zeros(4)
     q = np.array([0.0, 0.0, 0.0, 1.0])
-    _tumble(rotate, q, INERTIA * OMEGA, 1.0 / INERTIA, round(seconds / dt), dt, out)
+    _tumble(rotate, q, INERTIA * _OMEGA, 1.0 / INERTIA, round(seconds / dt), dt, out)
     flips = int(out[0])
     return flips, float((out[2] - out[1]) / (flips - 1)) if flips > 1 else float("inf"), float(out[3])
 
@@ -91,8 +91,8 @@ def tumble(rotate: Rotation, dt: float, seconds: float = _SECONDS) -> tuple[int,
 def exact_interval() -> float:
     """Return the time between flips by the complete elliptic integral, from the arithmetic-geometric mean [s]."""
     i1, i2, i3 = INERTIA
-    twice_energy = float(np.sum(INERTIA * OMEGA**2))
-    square = float(np.sum((INERTIA * OMEGA) ** 2))
+    twice_energy = float(np.sum(INERTIA * _OMEGA**2))
+    square = float(np.sum((INERTIA * _OMEGA) ** 2))
     if square <= twice_energy * i2:
         i1, i3 = i3, i1
     rate = np.sqrt((i3 - i2) * (square - twice_energy * i1) / (i1 * i2 * i3))

@@ -32,10 +32,10 @@ from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve, build_tunne
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import Table, TunnelRecord, TunnelStateRecord
 
-__all__ = ["BEND", "EXPERIMENT", "exact_clearance", "newton_miss", "smallest_clearance", "track_miss"]
+__all__ = ["EXPERIMENT", "exact_clearance", "newton_miss", "track_miss"]
 
 
-BEND = 0.05
+_BEND = 0.05
 """Radius of the bend [m]."""
 
 _DT = 1e-3
@@ -52,7 +52,7 @@ def _bend() -> tuple[TunnelCurve, NDArray[Any]]:
     """An arc of a circle about the origin in the plane z = 0, symmetrical about +y, and its record, shape [1]."""
     s = np.linspace(0.0, _CONTROL_POINTS - 3.0, 2000)
     angle = 0.5 * np.pi + _ANGLE * (s / s[-1] - 0.5)
-    circle = BEND * np.column_stack([np.cos(angle), np.sin(angle), 0.0 * angle])
+    circle = _BEND * np.column_stack([np.cos(angle), np.sin(angle), 0.0 * angle])
     points = np.linalg.lstsq(basis_functions(_CONTROL_POINTS, s), circle, rcond=None)[0]
     curve = build_tunnel(points, 1e-3)
     record = np.zeros(1, TUNNEL)
@@ -84,14 +84,14 @@ def _follow(
             s = _newton(tunnel, path[i], s)
         square, _, _, _ = slope(tunnel, path[i, 0], path[i, 1], path[i, 2], s)
         centre = math.sqrt(path[i, 0] ** 2 + path[i, 1] ** 2)
-        worst = max(worst, math.sqrt(square) - (BEND - centre))
+        worst = max(worst, math.sqrt(square) - (_BEND - centre))
     return worst
 
 
 def _miss(speed: float, clearance: float, by_track: bool) -> float:
     curve, record = _bend()
     x = speed * _DT * (np.arange(_TICKS) - 0.5 * (_TICKS - 1))
-    x = x[np.hypot(x, clearance) < BEND]
+    x = x[np.hypot(x, clearance) < _BEND]
     path = np.column_stack([x, np.full(len(x), clearance), 0.0 * x])
     angle = math.atan2(clearance, path[0, 0])
     start = len(curve.pieces) * (0.5 + (angle - 0.5 * math.pi) / _ANGLE)
@@ -121,7 +121,7 @@ def exact_clearance(speed: float) -> float:
     return speed * _DT / (2.0 * math.tan(0.5 * _basin()))
 
 
-def smallest_clearance(speed: float) -> float:
+def _smallest_clearance(speed: float) -> float:
     """Return the same clearance by simulation [m]."""
     around = exact_clearance(speed)
     return find_limit(lambda a: newton_miss(speed, a) < _LOST, 2.0 * around, 0.8 * around)
@@ -129,8 +129,8 @@ def smallest_clearance(speed: float) -> float:
 
 def _simulate_grid(points: int) -> Outcome:
     speeds = [float(speed) for speed in np.geomspace(0.1, 5.0, max(points, 2))]
-    simulated: Points = [(speed, smallest_clearance(speed) / BEND) for speed in speeds]
-    exact: Points = [(speed, exact_clearance(speed) / BEND) for speed in speeds]
+    simulated: Points = [(speed, _smallest_clearance(speed) / _BEND) for speed in speeds]
+    exact: Points = [(speed, exact_clearance(speed) / _BEND) for speed in speeds]
     rows = [
         {
             "speed_m_s": speed,
@@ -150,8 +150,8 @@ def _simulate_grid(points: int) -> Outcome:
         disagreement=largest_disagreement(simulated, exact),
         holds=kept,
         note=(
-            f"A bend of {1e3 * BEND:.0f} mm. Below the line textbook Newton from the last tick's point misses by up to "
-            f"{max(row['newton_miss_mm'] for row in rows):.0f} mm; the tick's tracking by "
+            f"A bend of {1e3 * _BEND:.0f} mm. Below the line textbook Newton from the last tick's point misses by up "
+            f"to {max(row['newton_miss_mm'] for row in rows):.0f} mm; the tick's tracking by "
             f"{max(row['track_miss_mm'] for row in rows):.0e} mm."
         ),
     )
