@@ -25,7 +25,6 @@ __all__ = [
     "curvature",
     "evaluate",
     "interpolate_values",
-    "knots",
     "local_basis",
     "parameter_at",
     "pieces_of",
@@ -39,7 +38,7 @@ _DEGREE = 3
 _GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(24)
 
 
-def knots(count: int, ends: Ends = "clamped") -> F8:
+def _knots(count: int, ends: Ends = "clamped") -> F8:
     """Knot vector of `count` cubic basis functions over s in [0, count - 3], shape [count + 4].
 
     Raises:
@@ -63,7 +62,7 @@ def basis_pieces(count: int, ends: Ends = "clamped") -> F8:
         Shape [N - 3, 4, 4]: piece, its four non-zero functions (piece .. piece + 3), coefficients of u^0..u^3;
         cached, hence read-only.
     """
-    t = knots(count, ends)
+    t = _knots(count, ends)
     table = np.zeros((count - _DEGREE, 4, 4))
     for piece in range(count - _DEGREE):
         alive = {piece + _DEGREE: np.array([1.0])}

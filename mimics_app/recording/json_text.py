@@ -6,9 +6,9 @@ from typing import Any
 
 import msgspec
 
-__all__ = ["DEEPEST", "parse_object"]
+__all__ = ["parse_object"]
 
-DEEPEST = 64
+_DEEPEST = 64
 """Limit of nested objects and lists; the recorder writes fewer than ten levels."""
 
 _decoder = msgspec.json.Decoder(dict[str, Any])
@@ -23,17 +23,17 @@ def parse_object(text: bytes) -> dict[str, Any]:
     try:
         content = _decoder.decode(text)
     except RecursionError:
-        raise ValueError(f"more than {DEEPEST} levels of objects and lists") from None
-    if text.count(b"[") + text.count(b"{") > DEEPEST:
+        raise ValueError(f"more than {_DEEPEST} levels of objects and lists") from None
+    if text.count(b"[") + text.count(b"{") > _DEEPEST:
         _check_depth(content)
     return content
 
 
 def _check_depth(content: dict[str, Any]) -> None:
     level: list[dict[str, Any] | list[Any]] = [content]
-    for _ in range(DEEPEST):
+    for _ in range(_DEEPEST):
         inner = [part for item in level for part in (item.values() if isinstance(item, dict) else item)]
         level = [part for part in inner if isinstance(part, (dict, list))]
         if not level:
             return
-    raise ValueError(f"more than {DEEPEST} levels of objects and lists")
+    raise ValueError(f"more than {_DEEPEST} levels of objects and lists")

@@ -35,7 +35,7 @@ from mimics_app.recording.signals import read_signals
 from mimics_app.recording.state_hash import StateHash
 from mimics_app.recording.trial_table import read_table
 
-__all__ = ["Gap", "Run", "ending", "find_gaps"]
+__all__ = ["Gap", "Run", "ending"]
 
 _UNKNOWN = "rows are missing"
 _NOMINAL_PERIOD_S = 1e-3
@@ -129,7 +129,7 @@ class Run:
     def gaps(self) -> list[Gap]:
         """Gaps in order; a cut-off end cannot be seen from the ticks and is in `damages`."""
         numbers = [block.first + np.arange(len(block.records)) for block in self._scan[0]]
-        return find_gaps(self.haptic["tick"], np.concatenate(numbers) if numbers else np.empty(0), self.known_gaps())
+        return _find_gaps(self.haptic["tick"], np.concatenate(numbers) if numbers else np.empty(0), self.known_gaps())
 
     def known_gaps(self) -> dict[int, str]:
         """Return the reason of each gap that the recorder noted, by the number of the first row after it."""
@@ -338,7 +338,7 @@ def ending(status: str) -> str:
     return f"the run is {status}"
 
 
-def find_gaps(ticks: NDArray[np.float64], numbers: NDArray[Any], known: Mapping[int, str]) -> list[Gap]:
+def _find_gaps(ticks: NDArray[np.float64], numbers: NDArray[Any], known: Mapping[int, str]) -> list[Gap]:
     """Find the gaps of a stream.
 
     Args:

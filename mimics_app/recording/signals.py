@@ -30,7 +30,7 @@ from mimics_app.recording.arrow_scan import Found, last_block, read_schema, scan
 from mimics_app.recording.run_folder import FILES
 from mimics_app.recording.signal_rows import SignalRow, unpack_signals
 
-__all__ = ["SignalStream", "decode_signals", "encode_signals", "read_signals", "signals_schema"]
+__all__ = ["SignalStream", "decode_signals", "read_signals", "signals_schema"]
 
 _Sent = Sequence[tuple[int, int, str, float, bytes]]
 
@@ -48,7 +48,7 @@ def signals_schema() -> pa.Schema:
     return pa.schema(fields, metadata={"format": "mimics signals", "version": "1"})
 
 
-def encode_signals(rows: _Sent, seq: int, first: int) -> bytes:
+def _encode_signals(rows: _Sent, seq: int, first: int) -> bytes:
     """Encode rows of `unpack_signals` as one block; `first` is the number of the first row."""
     values = [np.frombuffer(row[4], np.float64) for row in rows]
     offsets = np.concatenate(([0], np.cumsum([len(v) for v in values]))).astype(np.int32)
@@ -115,7 +115,7 @@ class SignalStream:
             self._path.unlink(missing_ok=True)  # of a recorder that died before its first whole block
             self._file = AppendFile(self._path)
             self._file.append(schema_bytes(signals_schema()))
-        self._file.append(encode_signals(rows, self._seq, self.count))
+        self._file.append(_encode_signals(rows, self._seq, self.count))
         self._seq += 1
         self.count += len(rows)
 

@@ -28,16 +28,16 @@ from mimics_app.recording.columns import HAPTICMASTER
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import PRIVATE_FOLDER, write_atomically
 
-__all__ = ["FOLDER", "MOST_TRIPS", "ROWS_BEFORE", "TripLog", "complete_trips", "read_trip", "trip_file"]
+__all__ = ["FOLDER", "MOST_TRIPS", "TripLog", "complete_trips", "read_trip", "trip_file"]
 
 
 FOLDER = "trips"
 """Subfolder of the run folder."""
 
-ROWS_BEFORE = 1000
+_ROWS_BEFORE = 1000
 """Rows kept before that of a trip: 1 s."""
 
-_KEPT = ROWS_BEFORE + Capacities().samples
+_KEPT = _ROWS_BEFORE + Capacities().samples
 """Rows buffered: a trip may be reported after as many rows as the ring holds."""
 
 MOST_TRIPS = 100
@@ -59,7 +59,7 @@ def _write_trip(folder: Path, number: int, samples: Records, extent: Extent) -> 
 def _rows_of_trip(samples: Records, tick: int) -> Records:
     """Return the rows of the second before a tick, and its own."""
     ticks = samples["tick"]
-    return samples[(ticks >= tick - ROWS_BEFORE) & (ticks <= tick)]
+    return samples[(ticks >= tick - _ROWS_BEFORE) & (ticks <= tick)]
 
 
 def trip_ticks(events: Records) -> list[int]:

@@ -21,7 +21,6 @@ __all__ = [
     "build_learning_space",
     "fill_defaults",
     "haptic_field",
-    "map_value",
     "settings_for",
     "task_targets",
 ]
@@ -96,7 +95,7 @@ def fill_defaults(spec: TaskSpec, value_of: Callable[[str], float]) -> TaskSpec:
     return msgspec.structs.replace(spec, parameters=parameters)
 
 
-def map_value(value: float, parameter: ParameterSpec, target: MapSpec) -> float | str:
+def _map_value(value: float, parameter: ParameterSpec, target: MapSpec) -> float | str:
     """Return the value of one target: affine, or from its table (numbers interpolated, words of the nearest step)."""
     if target.table is None:
         return target.offset + target.scale * value
@@ -118,7 +117,7 @@ def settings_for(spec: TaskSpec, values: Mapping[str, float]) -> Settings:
         parameter = spec.parameters[name]
         for target in parameter.maps:
             group, _, key = target.to.partition(".")
-            groups[group][key] = map_value(value, parameter, target)
+            groups[group][key] = _map_value(value, parameter, target)
     return Settings(**groups)
 
 

@@ -14,7 +14,7 @@ from mimics_app.tasks.task import BlockSpec, TaskSpec
 from mimics_app.world.scene.paths import PathFault, find_file
 from mimics_app.world.scene.struct_file import read_struct_file
 
-__all__ = ["find_trial_file", "load_blocks", "resolve_files", "resolve_trials"]
+__all__ = ["load_blocks", "resolve_files", "resolve_trials"]
 
 _Blocks = Annotated[list[BlockSpec], msgspec.Meta(min_length=1)]
 
@@ -32,7 +32,7 @@ def resolve_trials(spec: TaskSpec, folder: Path, root: Path | None = None) -> Ta
     """
     if not isinstance(spec.trials, str):
         return spec
-    path = find_trial_file(spec.trials, folder, root)
+    path = _find_trial_file(spec.trials, folder, root)
     blocks = load_blocks(path)
     issues = check_blocks(spec, blocks, "", str(path))
     if issues:
@@ -60,7 +60,7 @@ def resolve_files(spec: TaskSpec, folder: Path, root: Path | None = None) -> Tas
     return msgspec.structs.replace(resolve_trials(spec, folder, root), **read)
 
 
-def find_trial_file(name: str, folder: Path, root: Path | None = None) -> Path:
+def _find_trial_file(name: str, folder: Path, root: Path | None = None) -> Path:
     """Return the path of a trial file.
 
     Raises:
