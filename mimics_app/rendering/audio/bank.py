@@ -19,7 +19,7 @@ from mimics_app.rendering.audio.settings import SoundSpec
 from mimics_app.rendering.audio.sound_file import read_sound
 from mimics_app.rendering.audio.wav_file import WavWriter
 
-__all__ = ["DRIVEN", "FAMILIES", "LIVE_VOICES", "RECIPES", "TAKES", "Sound", "SoundBank", "write_sounds"]
+__all__ = ["FAMILIES", "LIVE_VOICES", "RECIPES", "TAKES", "Sound", "SoundBank", "write_sounds"]
 
 CONTACT_TAKES = 3
 """Variants of a contact sound, one per strike point; they alternate, so that no sound is played twice in a row."""
@@ -62,7 +62,7 @@ def _struck(material: str) -> Callable[[float, int, int], NDArray[np.float32]]:
     return partial(synth.synthesise_struck, synth_scene.MATERIALS[material])
 
 
-DRIVEN: Mapping[str, str] = {
+_DRIVEN: Mapping[str, str] = {
     **{name: name for name in ("cup", "apple", "table", "tap")},
     **{f"stub_{name}": name for name in ("wall", "kerb", "box")},
 }
@@ -77,7 +77,7 @@ _LIVE_S = 0.55
 FAMILIES: Mapping[str, Callable[[float, int, int], NDArray[np.float32]]] = {
     "contact": synth.synthesise_contact,
     "knock": synth.synthesise_knock,
-    **{name: _struck(material) for name, material in DRIVEN.items()},
+    **{name: _struck(material) for name, material in _DRIVEN.items()},
 }
 """Recipes with one sound per speed step and take."""
 
@@ -157,7 +157,7 @@ class SoundBank:
                     self._put(f"{name}:{step}:{take}", strike(speed, take, rate), spec)
             self.sounds[name] = self.sounds[f"{name}:{len(synth.CONTACT_SPEEDS) // 2}:0"]
             self._families.add(name)
-            if spec.recipe in DRIVEN:
+            if spec.recipe in _DRIVEN:
                 self._add_live(name, spec)
         elif spec.recipe in TAKES:
             for take in range(synth_scene.STEP_TAKES):
@@ -177,7 +177,7 @@ class SoundBank:
 
     def _add_live(self, name: str, spec: SoundSpec) -> None:
         """Add the force-driven voices of a sound, each with another strike point."""
-        material = DRIVEN[spec.recipe]
+        material = _DRIVEN[spec.recipe]
         self.modes[name] = [
             Modes(material, spec.full_force, self.rate, spec.pitch, take) for take in range(LIVE_VOICES)
         ]

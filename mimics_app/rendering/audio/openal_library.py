@@ -23,9 +23,9 @@ from typing import Any
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.rendering.audio.settings import AudioSettings
 
-__all__ = ["AL", "ALC", "INSTALL_LINE", "OpenALLibrary", "load_library", "quiet_stderr"]
+__all__ = ["AL", "ALC", "OpenALLibrary", "load_library", "quiet_stderr"]
 
-INSTALL_LINE = "apt-get install libopenal1"
+_INSTALL_LINE = "apt-get install libopenal1"
 _USUAL_NAME = "libopenal.so.1"
 """File name of the library on Linux."""
 
@@ -161,7 +161,7 @@ class OpenALLibrary:
             try:
                 function = getattr(handle, name)
             except AttributeError as error:
-                raise DeviceError(f"{path} has no {name}: it is not OpenAL Soft", INSTALL_LINE) from error
+                raise DeviceError(f"{path} has no {name}: it is not OpenAL Soft", _INSTALL_LINE) from error
             function.restype, function.argtypes = result, arguments
             setattr(self.call, name, function)
         self.maps = all(hasattr(handle, name) for name in _OPTIONAL)
@@ -197,7 +197,7 @@ def load_library(settings: AudioSettings) -> OpenALLibrary:
             try:
                 library = OpenALLibrary(path)
             except OSError as error:
-                raise DeviceError(f"the OpenAL library {path} cannot be loaded", INSTALL_LINE) from error
+                raise DeviceError(f"the OpenAL library {path} cannot be loaded", _INSTALL_LINE) from error
             # The library reads its configuration when a device first opens; the file can be deleted then.
             first = library.call.alcLoopbackOpenDeviceSOFT(None)
             if first:
@@ -223,7 +223,7 @@ def _find_by_pyopenal() -> str:
     except ImportError:
         found = _find_without_pyopenal()
     except Exception as error:  # PyOpenAL raises a class of its own
-        raise DeviceError(f"no OpenAL library ({type(error).__name__})", INSTALL_LINE) from error
+        raise DeviceError(f"no OpenAL library ({type(error).__name__})", _INSTALL_LINE) from error
     else:
         found = str(lib._name)
     finally:
@@ -257,7 +257,7 @@ def _find_without_pyopenal() -> str:
         found = find_library(name)
         if found:
             return found
-    raise DeviceError("no OpenAL library", INSTALL_LINE)
+    raise DeviceError("no OpenAL library", _INSTALL_LINE)
 
 
 def _configuration_text(settings: AudioSettings) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 
 from mimics_app.contracts.errors import DeviceError
 
-__all__ = ["PULSE", "BufferSizes", "SampleFormat", "TimingInfo", "load_pulse"]
+__all__ = ["PULSE", "BufferSizes", "SampleFormat", "load_pulse"]
 
 _NAME = "libpulse.so.0"
 
@@ -42,7 +42,7 @@ class BufferSizes(ctypes.Structure):
     _fields_ = tuple((name, ctypes.c_uint32) for name in ("longest", "target", "prebuffer", "request", "fragment"))
 
 
-class TimingInfo(ctypes.Structure):
+class _TimingInfo(ctypes.Structure):
     """The beginning of pa_timing_info."""
 
     _fields_ = (
@@ -78,7 +78,7 @@ _SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
     "pa_stream_get_state": (_int, [_pointer]),
     "pa_stream_get_device_name": (_text, [_pointer]),
     "pa_stream_get_buffer_attr": (ctypes.POINTER(BufferSizes), [_pointer]),
-    "pa_stream_get_timing_info": (ctypes.POINTER(TimingInfo), [_pointer]),
+    "pa_stream_get_timing_info": (ctypes.POINTER(_TimingInfo), [_pointer]),
     "pa_stream_get_underflow_index": (ctypes.c_int64, [_pointer]),
     "pa_stream_writable_size": (_size, [_pointer]),
     "pa_stream_write": (_int, [_pointer, _pointer, _size, _pointer, ctypes.c_int64, _int]),

@@ -7,13 +7,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-__all__ = ["AROUSAL", "LAYOUTS", "AudioSettings", "BusSpec", "MixerName", "Sink", "SoundSpec", "Speakers"]
+__all__ = ["AROUSAL", "AudioSettings", "BusSpec", "MixerName", "Sink", "SoundSpec", "Speakers"]
 
 Sink = Literal["device", "file", "null"]
 MixerName = Literal["openal", "spectral"]
 Speakers = Literal["stereo", "5.1", "7.1", "ambisonic"]
 
-LAYOUTS: Mapping[Speakers, int] = {"stereo": 2, "5.1": 6, "7.1": 8, "ambisonic": 16}
+_LAYOUTS: Mapping[Speakers, int] = {"stereo": 2, "5.1": 6, "7.1": 8, "ambisonic": 16}
 """Number of channels per loudspeaker layout; ambisonic: third order, ACN, SN3D."""
 
 AROUSAL = 0.6
@@ -152,7 +152,7 @@ class AudioSettings:
     @property
     def channels(self) -> int:
         """Number of channels of the mix."""
-        return 2 if self.hrtf else LAYOUTS[self.speakers]
+        return 2 if self.hrtf else _LAYOUTS[self.speakers]
 
     def sound_of(self, kind: str, material: str = "") -> str:
         """Return the sound of a trigger, "" for none; a sound for the material takes precedence."""

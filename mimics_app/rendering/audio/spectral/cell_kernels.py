@@ -11,7 +11,7 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.audio.spectral.fourier import BINS
 from mimics_app.rendering.audio.spectral.lanes import WIDTH
 
-__all__ = ["Cells", "add_blended", "cell_of", "fill_cell", "find_nearest"]
+__all__ = ["Cells", "add_blended", "cell_of", "fill_cell"]
 
 
 NEIGHBOURS = 4
@@ -55,7 +55,7 @@ class Cells(NamedTuple):
 
 
 @kernel
-def find_nearest(point: F8, directions: F8, index: Words, weight: F8) -> None:
+def _find_nearest(point: F8, directions: F8, index: Words, weight: F8) -> None:
     """Find the nearest directions and their inverse-square weights; a direction that coincides has all the weight."""
     weight[:] = np.inf
     for n in range(directions.shape[0]):
@@ -85,7 +85,7 @@ def add_blended(points: F8, directions: F8, values: F8, field: F8) -> None:
     """Add to `field`, shape [m], the values interpolated from the directions nearest to each point."""
     index, weight = np.zeros(NEIGHBOURS, np.int64), np.zeros(NEIGHBOURS)
     for m in range(points.shape[0]):
-        find_nearest(points[m], directions, index, weight)
+        _find_nearest(points[m], directions, index, weight)
         for k in range(NEIGHBOURS):
             field[m] += weight[k] * values[index[k]]
 
@@ -109,7 +109,7 @@ def fill_cell(cell: int, azimuth: float, elevation: float, cells: Cells) -> None
     up = np.radians(float(degree))
     index, weight, point = np.zeros(NEIGHBOURS, np.int64), np.zeros(NEIGHBOURS), np.zeros(3)
     point[0], point[1], point[2] = np.cos(up) * np.sin(middle), np.sin(up), -np.cos(up) * np.cos(middle)
-    find_nearest(point, cells.directions, index, weight)
+    _find_nearest(point, cells.directions, index, weight)
     width = _PARTS * BINS
     spectra = cells.spectra[cell * width : (cell + 1) * width]
     for i in range(width):

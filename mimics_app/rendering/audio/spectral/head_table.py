@@ -21,7 +21,7 @@ from mimics_app.rendering.audio.spectral.head import LOW_PASS, HeadResponses, de
 from mimics_app.rendering.audio.spectral.lanes import WIDTH, aligned, aligned_zeros
 from mimics_app.rendering.audio.spectral.mix_kernels import Tables
 
-__all__ = ["BASE_DELAY", "DELAYS_PER_SAMPLE", "DRY", "FIRST_CELL", "HeadTable", "build_head_table", "half_delay_rows"]
+__all__ = ["BASE_DELAY", "DELAYS_PER_SAMPLE", "HeadTable", "build_head_table", "half_delay_rows"]
 
 
 BASE_DELAY = 40
@@ -34,7 +34,7 @@ DELAYS_PER_SAMPLE = 32
 TAPS = 200
 """Length of the minimum-phase part; with delays and shelves it must fit into SIZE - BLOCK + 1 = 273 samples."""
 
-DRY, FIRST_CELL = 0, 3
+_DRY, _FIRST_CELL = 0, 3
 """Cells 0 to 2: unfiltered in both ears, in the left, in the right ear; then the directions."""
 
 _DELAY_STEPS = 91  # rows of the delay grid, every 2 degrees of elevation; columns every 2 degrees of azimuth
@@ -75,12 +75,12 @@ def build_head_table(head: HeadResponses, rate: int, taps: int = TAPS) -> HeadTa
     delays = delays_between_ears(head.responses, head.rate)
     lead = np.exp(-2j * np.pi * np.arange(BINS) * BASE_DELAY / SIZE) * _edge()
     spectra = np.fft.rfft(pulses, SIZE)[..., :BINS] * lead
-    rows = np.concatenate(([FIRST_CELL], FIRST_CELL + np.cumsum([_columns(degree) for degree in range(181)])))
+    rows = np.concatenate(([_FIRST_CELL], _FIRST_CELL + np.cumsum([_columns(degree) for degree in range(181)])))
     cells = aligned_zeros(int(rows[-1]), 4 * BINS)
     for cell, ears in enumerate(((1.0, 1.0), (1.0, 0.0), (0.0, 1.0))):
         cells[cell] = _flat(lead * np.array(ears)[:, None])
     filled = np.zeros(len(cells), np.int64)
-    filled[:FIRST_CELL] = 1
+    filled[:_FIRST_CELL] = 1
     frequency = np.arange(BINS) * rate / SIZE
     low = Cells(
         filled=filled,
