@@ -17,7 +17,7 @@ from mimics_app.contracts.plugins import PluginError, PluginGroup
 from mimics_app.world.components.objects import ForceField
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["PLUGINS", "Field", "add_field", "check_field", "field_names", "find_field"]
+__all__ = ["PLUGINS", "Field", "add_field", "check_field", "find_field"]
 
 Field = Callable[[Vec, Vec, Vec, float, Vec], None]
 
@@ -52,7 +52,7 @@ def add_field(name: str, field: Field) -> None:
         raise ValueError(f'there are two force fields "{name}"')
 
 
-def field_names() -> list[str]:
+def _field_names() -> list[str]:
     """Return the names of all fields."""
     return sorted({*_BUILT_IN, *_FIELDS, *PLUGINS.names()})
 
@@ -68,7 +68,7 @@ def find_field(name: str) -> Field:
         return _built_in(name)
     if name not in _FIELDS:
         if name not in PLUGINS.names():
-            raise KeyError(f'no force field "{name}"; {nearest(name, field_names())}')
+            raise KeyError(f'no force field "{name}"; {nearest(name, _field_names())}')
         try:
             _FIELDS[name] = cast(Field, PLUGINS.load(name))
         except PluginError as error:

@@ -20,12 +20,9 @@ from mimics_app.rendering.haptic.descriptors.joint_limits import joint_limits
 from mimics_app.world.components.robot import Admittance, Ball, Impedance, JointPd, Robot, Safety, WorldPd
 
 __all__ = [
-    "apply_admittance",
-    "apply_ball",
     "apply_robot",
     "apply_safety",
     "impedance_values",
-    "joint_vector",
     "kinematic_values",
     "robot_from_world",
     "safety_of",
@@ -58,7 +55,7 @@ def robot_from_world(robot: Robot, points_world: Vec) -> Vec:
     return np.ascontiguousarray((np.asarray(points_world) - np.array(robot.robot_to_world.translation)) @ R)
 
 
-def joint_vector(values: Sequence[float], fill: float = 0.0) -> Vec:
+def _joint_vector(values: Sequence[float], fill: float = 0.0) -> Vec:
     """Return the values of a device's joints padded with `fill`, shape [MAX_JOINTS]."""
     return np.concatenate([np.asarray(values, np.float64), np.full(MAX_JOINTS - len(values), fill)])
 
@@ -71,7 +68,7 @@ def kinematic_values(
     Velocity and acceleration of a joint have the smaller of the limits of the robot and of admittance control.
     """
     limits = joint_limits(robot, descriptor)
-    velocity, acceleration = joint_vector(limits.velocity), joint_vector(limits.acceleration)
+    velocity, acceleration = _joint_vector(limits.velocity), _joint_vector(limits.acceleration)
     if admittance is not None:
         velocity = _least(velocity, admittance.max_joint_velocity)
         acceleration = _least(acceleration, admittance.max_joint_acceleration)
@@ -81,9 +78,9 @@ def kinematic_values(
         "torques": int(descriptor.torques),
         "polar": int(descriptor.polar),
         "geometry": descriptor.geometry_of(robot),
-        "joint_inertia": joint_vector([joint.inertia for joint in descriptor.joints]),
-        "joint_min": joint_vector(limits.lowest),
-        "joint_max": joint_vector(limits.highest),
+        "joint_inertia": _joint_vector([joint.inertia for joint in descriptor.joints]),
+        "joint_min": _joint_vector(limits.lowest),
+        "joint_max": _joint_vector(limits.highest),
         "joint_velocity": velocity,
         "joint_acceleration": acceleration,
     }
@@ -91,7 +88,7 @@ def kinematic_values(
 
 def _least(limits: Vec, most: Sequence[float] | None) -> Vec:
     """Return the smaller of the limits and a controller's, whose last number holds for all further joints."""
-    return limits if most is None else np.minimum(limits, joint_vector(most, most[-1]))
+    return limits if most is None else np.minimum(limits, _joint_vector(most, most[-1]))
 
 
 def apply_robot(
@@ -105,7 +102,7 @@ def apply_robot(
     record["origin_world"] = robot.robot_to_world.translation
 
 
-def apply_admittance(block: Records, admittance: Admittance) -> None:
+def _apply_admittance(block: Records, admittance: Admittance) -> None:
     """Write the parameters of admittance control into block[0], and select it."""
     record = block[0]
     record["controller"] = Controller.ADMITTANCE
@@ -127,7 +124,7 @@ def impedance_values(impedance: Impedance) -> dict[str, object]:
     }
 
 
-def apply_ball(block: Records, ball: Ball) -> None:
+def _apply_ball(block: Records, ball: Ball) -> None:
     """Write the sizes of the ball into block[0]."""
     record = block[0]
     record["ball_radius_min"] = ball.radius_min
@@ -163,7 +160,7 @@ def safety_of(block: Records) -> Safety:
 def _apply_gains(block: Records, gains: JointPd | WorldPd) -> None:
     """Write the gains of a PD controller into block[0], the last one for all further joints; does not select it."""
     record = block[0]
-    record["kp"], record["kd"] = (joint_vector(each, each[-1]) for each in (gains.kp, gains.kd))
+    record["kp"], record["kd"] = (_joint_vector(each, each[-1]) for each in (gains.kp, gains.kd))
     record["through_joints"] = int(isinstance(gains, WorldPd) and gains.form == "joints")
 
 
@@ -200,7 +197,7 @@ def scene_from_components(
     apply_robot(block, robot or Robot(), descriptor, admittance)
     _apply_gains(block, gains or JointPd())
     _apply_drive(block, Impedance())
-    apply_admittance(block, admittance or Admittance())
-    apply_ball(block, ball or Ball())
+    _apply_admittance(block, admittance or Admittance())
+    _apply_ball(block, ball or Ball())
     apply_safety(block, safety or Safety())
     return block

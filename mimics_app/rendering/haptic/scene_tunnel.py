@@ -18,7 +18,7 @@ from mimics_app.world.components.robot_checks import check_tunnel_component
 from mimics_app.world.components.systems import HapticSettings
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["PROJECTIONS", "built_tunnel", "check_tunnel", "planned_projection", "tunnel_of_scene", "tunnel_rows"]
+__all__ = ["PROJECTIONS", "built_tunnel", "planned_projection", "tunnel_of_scene", "tunnel_rows"]
 
 
 PROJECTIONS: Mapping[str, Projection] = {
@@ -87,7 +87,7 @@ def built_tunnel(tunnel: Tunnel, pointer: str, scene: Scene) -> tuple[TunnelCurv
     return scene.derive(key, lambda: tunnel_from_component(tunnel, folder, str(scene.path), pointer), source)
 
 
-def check_tunnel(tunnel: Tunnel, pointer: str, scene: Scene) -> list[Issue]:
+def _check_tunnel(tunnel: Tunnel, pointer: str, scene: Scene) -> list[Issue]:
     """Return the faults of building a tunnel (hairpins, coincident points, a path file that cannot be fitted).
 
     A component with faults of its own, reported elsewhere, is not built.
@@ -106,4 +106,4 @@ def _placed(issue: Issue, scene: Scene) -> Issue:
     return scene.issue(issue.pointer, issue.what, issue.fix) if issue.file == str(scene.path) else issue
 
 
-register_check("tunnel", check_tunnel)
+register_check("tunnel", _check_tunnel)

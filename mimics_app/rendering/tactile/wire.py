@@ -12,20 +12,18 @@ import struct
 from dataclasses import dataclass
 
 __all__ = [
-    "ANSWER_BYTES",
     "FRAME_BYTES",
     "Command",
     "CommandReader",
     "answer_bytes",
     "command_bytes",
-    "crc8",
     "read_answers",
 ]
 
 _COMMAND = struct.Struct("<BBBHIH")
 _ANSWER = struct.Struct("<BH")
 _COMMAND_MARK, _ANSWER_MARK = 0xA5, 0x5A
-FRAME_BYTES, ANSWER_BYTES = _COMMAND.size + 1, _ANSWER.size + 1
+FRAME_BYTES, _ANSWER_BYTES = _COMMAND.size + 1, _ANSWER.size + 1
 """Lengths of a command frame and of an acknowledgement, with their checksum."""
 
 _MAX_DELAY_US = 1_000_000
@@ -50,7 +48,7 @@ class Command:
     number: int
 
 
-def crc8(data: bytes) -> int:
+def _crc8(data: bytes) -> int:
     """Checksum with the polynomial x^8 + x^2 + x + 1, from 0."""
     value = 0
     for byte in data:
@@ -71,13 +69,13 @@ def command_bytes(command: Command) -> bytes:
         min(max(command.delay_us, 0), _MAX_DELAY_US),
         command.number & 0xFFFF,
     )
-    return body + bytes([crc8(body)])
+    return body + bytes([_crc8(body)])
 
 
 def answer_bytes(number: int) -> bytes:
     """Return the acknowledgement of a frame."""
     body = _ANSWER.pack(_ANSWER_MARK, number & 0xFFFF)
-    return body + bytes([crc8(body)])
+    return body + bytes([_crc8(body)])
 
 
 class CommandReader:
@@ -97,7 +95,7 @@ class CommandReader:
         found = []
         while len(self._waiting) >= FRAME_BYTES:
             frame = bytes(self._waiting[:FRAME_BYTES])
-            if frame[0] == _COMMAND_MARK and crc8(frame[:-1]) == frame[-1]:
+            if frame[0] == _COMMAND_MARK and _crc8(frame[:-1]) == frame[-1]:
                 found.append(Command(*_COMMAND.unpack(frame[:-1])[1:]))
                 del self._waiting[:FRAME_BYTES]
             else:
@@ -109,11 +107,11 @@ class CommandReader:
 def read_answers(waiting: bytearray) -> list[int]:
     """Return the numbers of acknowledged frames; parsed bytes are removed from `waiting`."""
     numbers = []
-    while len(waiting) >= ANSWER_BYTES:
-        frame = bytes(waiting[:ANSWER_BYTES])
-        if frame[0] == _ANSWER_MARK and crc8(frame[:-1]) == frame[-1]:
+    while len(waiting) >= _ANSWER_BYTES:
+        frame = bytes(waiting[:_ANSWER_BYTES])
+        if frame[0] == _ANSWER_MARK and _crc8(frame[:-1]) == frame[-1]:
             numbers.append(int(_ANSWER.unpack(frame[:-1])[1]))
-            del waiting[:ANSWER_BYTES]
+            del waiting[:_ANSWER_BYTES]
         else:
             del waiting[0]
     return numbers

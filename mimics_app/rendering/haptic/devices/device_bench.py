@@ -39,7 +39,7 @@ from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import Read, Write
 
-__all__ = ["DeviceBench", "OtherSide", "Track", "run_ticks"]
+__all__ = ["DeviceBench", "OtherSide", "Track"]
 
 
 _MATRIX = types.float64[:, ::1]
@@ -58,7 +58,7 @@ _MATRIX = types.float64[:, ::1]
         types.int64,
     )
 )
-def run_ticks(
+def _run_ticks(
     read: Read,
     write: Write,
     memory: Vec,
@@ -238,7 +238,7 @@ class DeviceBench:
     def _run(self, commands: NDArray[np.float64], rows: NDArray[np.float64]) -> None:
         plugin = self.plugin
         try:
-            run_ticks(
+            _run_ticks(
                 plugin.read,
                 plugin.write,
                 plugin.memory,

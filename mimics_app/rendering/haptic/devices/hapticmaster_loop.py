@@ -8,7 +8,7 @@ force, which is sent each tick.
     otherwise      (driving to a start) a velocity servo: bias force = gain (wanted - reported velocity), limited
 
 Answers come in the order of the commands, so that the n-th answer ends the round trip of the n-th command. At most
-LARGEST_AHEAD commands are unanswered; a machine that answers more slowly gets fewer.
+_LARGEST_AHEAD commands are unanswered; a machine that answers more slowly gets fewer.
 """
 
 from __future__ import annotations
@@ -73,13 +73,11 @@ from mimics_app.rendering.haptic.kernels.kinematics import (
 from mimics_app.rendering.haptic.kernels.vectors import all_finite, clamp_norm, fill
 
 __all__ = [
-    "ANSWERED",
     "AXIS_OFFSET",
     "EMULATED",
     "ERRORS",
     "GAIN",
     "HAPTICMASTER_LENGTH",
-    "LARGEST_AHEAD",
     "OBJECTS",
     "OWN_DELAY",
     "SKIPPED",
@@ -89,7 +87,7 @@ __all__ = [
 ]
 
 
-LARGEST_AHEAD = 8
+_LARGEST_AHEAD = 8
 """Largest number of unanswered commands."""
 
 TRIPS = LINK_LENGTH
@@ -99,7 +97,7 @@ GAIN = TICK + 2  # of the velocity servo [N s/m]
 OBJECTS = TICK + 3  # 1: the machine renders the objects itself
 OWN_DELAY = TICK + 4  # of the machine [s]
 EMULATED = TICK + 5  # 1: an emulator, whose simulated person gets the inbox
-ANSWERED = TICK + 6  # frames received
+_ANSWERED = TICK + 6  # frames received
 ERRORS = TICK + 7  # answers that are errors
 SKIPPED = TICK + 8  # commands not sent because too many were unanswered
 _ENABLED = TICK + 9  # 1: the last state sent to the machine is "force"
@@ -190,8 +188,8 @@ def _take_frames(memory: Vec, tick: int) -> int:
     while length > 0:
         taken = _take_text(memory, begin + HEADER, begin + length)
         status = taken if taken == _FAULT or status == _NO_DATA else status
-        memory[ANSWERED] += 1.0
-        note_answer(memory[TRIPS : TRIPS + TRIP_LENGTH], int(memory[ANSWERED]), tick)
+        memory[_ANSWERED] += 1.0
+        note_answer(memory[TRIPS : TRIPS + TRIP_LENGTH], int(memory[_ANSWERED]), tick)
         begin += length
         length = frame_length(buffer, begin, end)
     for i in range(end - begin):
@@ -226,7 +224,7 @@ def read_hapticmaster(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
         return _FAULT
     if is_new:
         reset_trips(trips)
-        memory[ANSWERED] = memory[_FILL] = memory[_PENDING] = memory[_ENABLED] = 0.0
+        memory[_ANSWERED] = memory[_FILL] = memory[_PENDING] = memory[_ENABLED] = 0.0
         memory[_TOLD] = math.nan
     for i in range(INBOX_LENGTH):
         memory[_NOW + i] = inbox[i] if math.isfinite(inbox[i]) else 0.0
@@ -296,7 +294,7 @@ def write_hapticmaster(memory: Vec, command: Vec, tick: int) -> int:
     trips = memory[TRIPS : TRIPS + TRIP_LENGTH]
     if fd < 0:
         return 1
-    if not _send_rest(memory, fd) or trips[0] - memory[ANSWERED] >= LARGEST_AHEAD:
+    if not _send_rest(memory, fd) or trips[0] - memory[_ANSWERED] >= _LARGEST_AHEAD:
         memory[SKIPPED] += 1.0
         return 1
     force, text = memory[_WORK : _WORK + 3], memory[_OUT : _OUT + _OUT_PLACES].view(np.uint8)

@@ -23,7 +23,7 @@ from mimics_app.rendering.haptic.kernels import virtual_coupling
 from mimics_app.rendering.haptic.kernels.robot import HANDLE, ROBOT_LENGTH, TICK, sense, step_robot
 from mimics_app.rendering.haptic.kernels.virtual_coupling import COUPLING_FORCE, COUPLING_LENGTH, step_coupling
 
-__all__ = ["build_pointer", "read_pointer"]
+__all__ = ["build_pointer"]
 
 
 _SETTINGS = {
@@ -38,7 +38,7 @@ _SETTINGS = {
 
 
 @typed_kernel(READ)
-def read_pointer(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
+def _read_pointer(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
     """Simulate one tick of robot and virtual coupling; write the sensor data. Memory: robot, then coupling."""
     machine = memory[:ROBOT_LENGTH]
     own = memory[ROBOT_LENGTH:]
@@ -64,4 +64,4 @@ def build_pointer(request: DeviceRequest) -> DevicePlugin:
     write_robot_memory(memory[:ROBOT_LENGTH], request)
     own = memory[ROBOT_LENGTH:]
     write_settings(own, _SETTINGS, request.robot.settings, "pointer")
-    return DevicePlugin("pointer", read_pointer, write_robot, memory, delay=robot_delay(request), simulated=True)
+    return DevicePlugin("pointer", _read_pointer, write_robot, memory, delay=robot_delay(request), simulated=True)

@@ -32,7 +32,7 @@ from mimics_app.rendering.haptic.devices.serial_frames import (
     seal_frame,
 )
 
-__all__ = ["RobotInfo", "build_serial", "info_payload", "parse_info"]
+__all__ = ["RobotInfo", "build_serial", "info_payload"]
 
 _BITS_PER_BYTE = 10  # start, eight, stop
 _PATIENCE_NS = 1_500_000_000
@@ -67,7 +67,7 @@ def info_payload(info: RobotInfo) -> bytes:
     return head + delay + (1000).to_bytes(2, "little") + info.name.encode("ascii")[:16].ljust(16, b"\0")
 
 
-def parse_info(payload: bytes) -> RobotInfo:
+def _parse_info(payload: bytes) -> RobotInfo:
     """Parse the payload of an INFO frame.
 
     Raises:
@@ -143,7 +143,7 @@ def _greet(fd: int, port: str) -> RobotInfo:
             readable, _, _ = select.select([fd], [], [], 0.02)
             heard = (heard + os.read(fd, 4096))[-4096:] if readable else heard
             if (payload := _find_info(heard, line)) is not None:
-                return parse_info(payload)
+                return _parse_info(payload)
     except OSError as failure:
         raise DeviceError(f"{port} is gone: {failure.strerror}") from failure
     raise DeviceError(f"nothing at {port} answers as a robot", "is it on, and is the speed right? serial:PORT@BAUD")

@@ -65,7 +65,6 @@ from mimics_app.rendering.haptic.devices.serial_payloads import (
 )
 
 __all__ = [
-    "BLOCKED",
     "BYTES_PER_TICK",
     "LINE",
     "OWN_DELAY",
@@ -87,7 +86,7 @@ CREDIT = TICK + 2  # bytes that may be sent now
 OWN_DELAY = TICK + 3  # delay of the robot, from INFO [s]
 SCREEN_WANTED = TICK + 4  # 1: a simulated person needs SCREEN frames
 SKIPPED = TICK + 5  # commands not sent for want of capacity of the line
-BLOCKED = TICK + 6  # commands not sent because the system's buffer was full
+_BLOCKED = TICK + 6  # commands not sent because the system's buffer was full
 PENDING = TICK + 7  # bytes of the last frame still to write
 TAKEN = TICK + 8  # bytes of it that were written
 SHOWN = TICK + 9  # tick of the last SCREEN frame
@@ -230,7 +229,7 @@ def write_serial(memory: Vec, command: Vec, tick: int) -> int:
     rate = memory[BYTES_PER_TICK]
     memory[CREDIT] = min(memory[CREDIT] + rate, rate + length)
     if not _send_rest(memory, fd):
-        memory[BLOCKED] += 1.0
+        memory[_BLOCKED] += 1.0
         return 1
     if memory[CREDIT] < length:
         memory[SKIPPED] += 1.0

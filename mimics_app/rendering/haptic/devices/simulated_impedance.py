@@ -30,7 +30,7 @@ from mimics_app.rendering.haptic.kernels.light_robot import (
 )
 from mimics_app.rendering.haptic.kernels.vectors import all_finite
 
-__all__ = ["build_simulated_impedance", "read_light_patient", "write_force"]
+__all__ = ["build_simulated_impedance", "write_force"]
 
 
 _SETTINGS = {
@@ -42,7 +42,7 @@ _SETTINGS = {
 
 
 @typed_kernel(READ)
-def read_light_patient(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
+def _read_light_patient(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
     """Simulate one tick of robot and person; write the sensor data. Memory: robot, then arm."""
     machine = memory[:LENGTH]
     person = memory[LENGTH:]
@@ -75,7 +75,7 @@ def build_simulated_impedance(request: DeviceRequest) -> DevicePlugin:
     write_person(memory[LENGTH:], request)
     delay = request.robot.delay_ticks / request.rate
     return DevicePlugin(
-        "simulated_impedance", read_light_patient, write_force, memory, delay=delay, follows="force", simulated=True
+        "simulated_impedance", _read_light_patient, write_force, memory, delay=delay, follows="force", simulated=True
     )
 
 

@@ -23,7 +23,6 @@ __all__ = [
     "DQ",
     "DRIVE_DAMPING",
     "DRIVE_INERTIA",
-    "ENABLED",
     "ENCODER",
     "JOINT_MAX",
     "JOINT_MIN",
@@ -90,7 +89,7 @@ WORK = 39  # 16 numbers
 LINE = 55  # ring of the last MAX_DELAY + 1 commands
 COMMAND = 3  # numbers of a command: hip, knee, and 1 while the drives are enabled
 LENGTH = LINE + COMMAND * (MAX_DELAY + 1)
-ENABLED = 2  # place of the enabling number in a command
+_ENABLED = 2  # place of the enabling number in a command
 
 _GRAVITY = 9.81  # [m/s^2]
 _STOP_GAP = 0.02
@@ -118,7 +117,7 @@ def order_leg(leg: Vec, command: Vec, enabled: bool) -> None:
     slot = LINE + COMMAND * (int(leg[WRITTEN]) % (MAX_DELAY + 1))
     for i in range(2):
         leg[slot + i] = command[i] if enabled else 0.0
-    leg[slot + ENABLED] = 1.0 if enabled else 0.0
+    leg[slot + _ENABLED] = 1.0 if enabled else 0.0
     leg[WRITTEN] += 1.0
 
 
@@ -193,7 +192,7 @@ def _drive(leg: Vec) -> None:
     """Set the torques of the drives for this tick from the command that leaves the delay line."""
     due = int(leg[WRITTEN]) - 1 - int(leg[DELAY])
     slot = LINE + COMMAND * (due % (MAX_DELAY + 1))
-    enabled = due >= 0 and leg[slot + ENABLED] != 0.0
+    enabled = due >= 0 and leg[slot + _ENABLED] != 0.0
     tau = leg[DRIVE : DRIVE + 2]
     g1, g2 = _weight(leg, leg[Q], leg[Q + 1])
     if leg[MOTION] != 0.0:

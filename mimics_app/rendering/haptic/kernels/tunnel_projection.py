@@ -24,7 +24,6 @@ __all__ = [
     "project",
     "project_brute_force",
     "project_golden_section",
-    "refine",
     "search",
     "slope",
     "track",
@@ -132,7 +131,7 @@ def _newton_step(gradient: float, bend: float, speed2: float) -> float:
 
 
 @kernel
-def refine(tunnel: TunnelRecord, px: float, py: float, pz: float, s: float) -> tuple[float, float, bool]:
+def _refine(tunnel: TunnelRecord, px: float, py: float, pz: float, s: float) -> tuple[float, float, bool]:
     """Nearest local minimum of the distance, by Newton steps halved until they descend.
 
     Returns:
@@ -168,7 +167,7 @@ def _best_in_piece(tunnel: TunnelRecord, px: float, py: float, pz: float, piece:
     for i in range(_STARTS):
         after = _distance2(tunnel, px, py, pz, piece, (i + 1) / (_STARTS - 1)) if i + 1 < _STARTS else _FAR
         if here <= before and here <= after:
-            s, distance2, found = refine(tunnel, px, py, pz, piece + i / (_STARTS - 1))
+            s, distance2, found = _refine(tunnel, px, py, pz, piece + i / (_STARTS - 1))
             if distance2 < best2:
                 best, best2, best_found = s, distance2, found
         before, here = here, after
@@ -224,7 +223,7 @@ def track(tunnel: TunnelRecord, px: float, py: float, pz: float, state: TunnelSt
     Returns:
         Tunnel parameter s of the closest point [pieces], 0 to tunnel.pieces.
     """
-    s, distance2, found = refine(tunnel, px, py, pz, state.s)
+    s, distance2, found = _refine(tunnel, px, py, pz, state.s)
     return _keep_branch(tunnel, px, py, pz, state, s, distance2, found)
 
 
@@ -241,7 +240,7 @@ def track_one_step(tunnel: TunnelRecord, px: float, py: float, pz: float, state:
     distance2 = _distance2(tunnel, px, py, pz, piece, u)
     found = bend > _MIN_CONVEXITY * speed2
     if not found or distance2 > before2 * (1.0 + _ROUNDING):
-        s, distance2, found = refine(tunnel, px, py, pz, state.s)
+        s, distance2, found = _refine(tunnel, px, py, pz, state.s)
     return _keep_branch(tunnel, px, py, pz, state, s, distance2, found)
 
 

@@ -26,7 +26,7 @@ from mimics_app.rendering.haptic.kernels.objects.triples import (
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import Floats, SolidRecord
 
-__all__ = ["depth_under", "distance_to", "shape_distance"]
+__all__ = ["depth_under", "distance_to"]
 
 
 _HELD = 0.5
@@ -94,7 +94,7 @@ def _cylinder(q: Vec3, radius: float, half: float, hint: Vec3) -> tuple[float, V
 
 
 @kernel
-def shape_distance(kind: int, size: Floats, q: Vec3, hint: Vec3) -> tuple[float, Vec3]:
+def _shape_distance(kind: int, size: Floats, q: Vec3, hint: Vec3) -> tuple[float, Vec3]:
     """(distance [m], outward unit normal) of a point from a sphere, box, cylinder or capsule.
 
     Args:
@@ -120,9 +120,9 @@ def shape_distance(kind: int, size: Floats, q: Vec3, hint: Vec3) -> tuple[float,
 
 @kernel
 def distance_to(solid: SolidRecord, p: Vec3, hint: Vec3) -> tuple[float, Vec3]:
-    """`shape_distance` of a SOLID, with point, hint and normal in the world."""
+    """`_shape_distance` of a SOLID, with point, hint and normal in the world."""
     q = to_local(solid, minus(p, position_of(solid)))
-    far, n = shape_distance(solid.kind, solid.size, q, to_local(solid, hint))
+    far, n = _shape_distance(solid.kind, solid.size, q, to_local(solid, hint))
     return far, to_world(solid, n)
 
 
@@ -184,7 +184,7 @@ def depth_under(solid: SolidRecord, p: Vec3, toward: Vec3) -> tuple[float, Vec3]
     elif solid.kind == ShapeKind.CYLINDER:
         depth, n, beside = _under_cylinder(solid.size, q, direction)
     else:
-        far, n = shape_distance(solid.kind, solid.size, q, direction)
+        far, n = _shape_distance(solid.kind, solid.size, q, direction)
         depth, beside = -far, 0.0
     if depth < -beside or depth == math.inf:
         depth = 0.0

@@ -28,14 +28,14 @@ if TYPE_CHECKING:
         Table,
     )
 
-__all__ = ["follow_point", "forget_touch", "keep_poses", "notice_changes", "recall"]
+__all__ = ["follow_point", "keep_poses", "notice_changes", "recall"]
 
 _FASTEST = 50.0
 """Speed from which a motion of a point counts as a teleport [m/s]."""
 
 
 @kernel
-def forget_touch(memory: MemoryRecord) -> None:
+def _forget_touch(memory: MemoryRecord) -> None:
     """Clear the memory of a point at a shape."""
     forget(memory.contact)
     memory.touching = 0
@@ -149,7 +149,7 @@ def recall(
     """
     traced = scratch.known[point] == TRACED and born != scratch.tick
     if not traced or memory.tick != scratch.tick - 1:
-        forget_touch(memory)
+        _forget_touch(memory)
         if traced:
             if shape.body < 0:
                 for i in range(3):

@@ -19,7 +19,7 @@ from mimics_app.rendering.haptic.kernels.contact_law import pair_damping, pair_s
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import DynamicsRecord, PairRecord, ShapeRecord, Table
 
-__all__ = ["add_pair", "drop_pairs", "find_pair", "forget_contact", "forget_pairs", "join_surfaces"]
+__all__ = ["add_pair", "drop_pairs", "forget_contact", "forget_pairs", "join_surfaces"]
 
 
 _SPRING_DAMPER, _HUNT_CROSSLEY = int(ForceLaw.SPRING_DAMPER), int(ForceLaw.HUNT_CROSSLEY)
@@ -122,7 +122,7 @@ def _home(a: int, b: int, slots: I8) -> int:
 
 
 @kernel
-def find_pair(a: int, b: int, pairs: Table[PairRecord], slots: I8) -> int:
+def _find_pair(a: int, b: int, pairs: Table[PairRecord], slots: I8) -> int:
     """Row of the pair of shapes a and b; if there is none, -1 - (the free slot found)."""
     slot = _home(a, b, slots)
     while slots[slot] >= 0:
@@ -148,7 +148,7 @@ def add_pair(i: int, j: int, shapes: Table[ShapeRecord], pairs: Table[PairRecord
     first = _RANKS[shapes[i].kind] * shapes.shape[0] + i
     second = _RANKS[shapes[j].kind] * shapes.shape[0] + j
     a, b = (i, j) if first < second else (j, i)
-    found = find_pair(a, b, pairs, slots)
+    found = _find_pair(a, b, pairs, slots)
     if found >= 0:
         pairs[found].kept = 1
         return count
@@ -183,7 +183,7 @@ def drop_pairs(pairs: Table[PairRecord], slots: I8, count: int) -> int:
             left += 1
     for k in range(left):
         pair = pairs[k]
-        pair.slot = -find_pair(pair.a, pair.b, pairs, slots) - 1
+        pair.slot = -_find_pair(pair.a, pair.b, pairs, slots) - 1
         slots[pair.slot] = k
     return left
 
