@@ -11,9 +11,9 @@ if TYPE_CHECKING:
     from mimics_app.rendering.visual.settings import ParticleLight, Shading
     from mimics_app.rendering.visual.view import View
 
-__all__ = ["SCALES", "PictureStep", "lower_to_scale", "quality_steps", "rehearse_steps"]
+__all__ = ["PictureStep", "lower_to_scale", "quality_steps", "rehearse_steps"]
 
-SCALES = (1.0, 0.75, 0.5)
+_SCALES = (1.0, 0.75, 0.5)
 """Factors on the resolution that the governor may use."""
 
 _SCALE = "resolution scale"
@@ -65,11 +65,11 @@ def lower_to_scale(renderer: Renderer, scale: float) -> None:
 
     Args:
         renderer: A renderer at full quality.
-        scale: One of `SCALES`.
+        scale: One of `_SCALES`.
     """
     for step in quality_steps(renderer):
         if step.name == _SCALE:
-            step.apply(SCALES.index(scale))
+            step.apply(_SCALES.index(scale))
             return
         step.apply(len(step.levels) - 1)
 
@@ -149,7 +149,7 @@ def _edges(renderer: Renderer) -> PictureStep:
 
 def _scale(renderer: Renderer) -> PictureStep:
     full = renderer.settings.scale
-    scales = tuple(full * share for share in SCALES if full * share >= 0.25)
+    scales = tuple(full * share for share in _SCALES if full * share >= 0.25)
     names = tuple(f"{scale:g}" for scale in scales)
     return PictureStep(_SCALE, 7, names, lambda level: renderer.set_quality(scale=scales[level]))
 

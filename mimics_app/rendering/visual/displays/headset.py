@@ -12,7 +12,7 @@ from mimics_app.rendering.visual.displays.lens import distort
 from mimics_app.rendering.visual.displays.plain_display import PlainDisplay
 from mimics_app.rendering.visual.view_matrices import Tangents
 
-__all__ = ["RawHeadset", "headset_eyes", "seen_tangents"]
+__all__ = ["RawHeadset", "seen_tangents"]
 
 _EDGE_SAMPLES = 33
 """Samples along each edge of a panel for the bounds of the seen picture."""
@@ -39,10 +39,10 @@ class RawHeadset(PlainDisplay):
     def eyes(self, viewpoint: Viewpoint, drawn: Size, display_ns: int) -> list[Eye]:
         head = self.head(display_ns)
         world_from_head = viewpoint.world_from_rest if head is None else viewpoint.world_from_rest @ head
-        return headset_eyes(self._spec, world_from_head, drawn, self._drawn)
+        return _headset_eyes(self._spec, world_from_head, drawn, self._drawn)
 
 
-def headset_eyes(
+def _headset_eyes(
     spec: HeadsetSpec,
     world_from_head: F8,
     drawn: Size,

@@ -9,13 +9,13 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.view_matrices import Tangents
 
-__all__ = ["EDGE_ON_RAD", "NEAREST_EYE", "Rectangle", "Sight", "look_through"]
+__all__ = ["Rectangle", "Sight", "look_through"]
 
 
-NEAREST_EYE = 0.01
+_NEAREST_EYE = 0.01
 """Minimum distance of an eye from a wall's plane, in which there is no picture [m]."""
 
-EDGE_ON_RAD = 0.035
+_EDGE_ON_RAD = 0.035
 """Angle below which a wall is seen edge-on, two degrees [rad]."""
 
 
@@ -75,7 +75,7 @@ class Sight:
 def look_through(rectangle: Rectangle, eye: F8) -> Sight:
     """Return the frustum of an eye through a rectangle.
 
-    An eye behind the plane or nearer than `NEAREST_EYE` is moved in front of it, so that the picture never flips; this
+    An eye behind the plane or nearer than `_NEAREST_EYE` is moved in front of it, so that the picture never flips; this
     is reported as a fault.
 
     Args:
@@ -86,12 +86,12 @@ def look_through(rectangle: Rectangle, eye: F8) -> Sight:
     right, up, towards = axes.T
     away = float(towards @ (eye - rectangle.lower_left))
     fault = ""
-    if away < NEAREST_EYE:
-        fault = "the eye is in the wall's plane" if away > -NEAREST_EYE else "the eye is behind the wall"
-        eye = eye + (NEAREST_EYE - away) * towards
-        away = NEAREST_EYE
+    if away < _NEAREST_EYE:
+        fault = "the eye is in the wall's plane" if away > -_NEAREST_EYE else "the eye is behind the wall"
+        eye = eye + (_NEAREST_EYE - away) * towards
+        away = _NEAREST_EYE
     centre = 0.5 * (rectangle.lower_right + rectangle.upper_left)
-    if not fault and away < np.sin(EDGE_ON_RAD) * float(np.linalg.norm(centre - eye)):
+    if not fault and away < np.sin(_EDGE_ON_RAD) * float(np.linalg.norm(centre - eye)):
         fault = "the wall is seen edge-on"
     from_eye = rectangle.lower_left - eye
     left, bottom = float(right @ from_eye) / away, float(up @ from_eye) / away

@@ -1,7 +1,7 @@
 """OpenXR through pyopenxr (extra `hmd`): instance, session, swapchains, frames.
 
 The loader prints to stderr unless that is disabled before the import, which takes at least a tenth of a second; so the
-module `xr` is imported by `load_openxr` alone, and only where a runtime is installed.
+module `xr` is imported by `_load_openxr` alone, and only where a runtime is installed.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
     import xr
 
-__all__ = ["OpenXrRuntime", "load_openxr", "no_runtime"]
+__all__ = ["OpenXrRuntime", "no_runtime"]
 
 _NS = 1_000_000_000
 _SRGB8_ALPHA8 = 0x8C43
@@ -50,7 +50,7 @@ _STOP_TIMEOUT_NS = 1_000_000_000
 _TIME_EXTENSION = "XR_KHR_convert_timespec_time"
 
 
-def load_openxr() -> ModuleType:
+def _load_openxr() -> ModuleType:
     """Import and return the module `xr`, its loader silenced.
 
     Raises:
@@ -80,7 +80,7 @@ def no_runtime() -> str:
         if not named and not any(file.is_file() for file in _manifests()):
             return "no OpenXR runtime: none is set as active (openxr/1/active_runtime.json), nor by XR_RUNTIME_JSON"
     try:
-        xr = load_openxr()
+        xr = _load_openxr()
     except DeviceError as error:
         return str(error)
     try:
@@ -110,7 +110,7 @@ class OpenXrRuntime(HeadsetRuntime):
     """
 
     def __init__(self, backend: str) -> None:
-        self._xr = load_openxr()
+        self._xr = _load_openxr()
         self._backend, self._clock = backend, MonotonicClock()
         self._state = HeadsetState.IDLE
         self._display, self._display_ns = 0, 0

@@ -21,10 +21,10 @@ from mimics_app.contracts.display_port import (
 )
 from mimics_app.contracts.tracker_port import TrackerSample
 
-__all__ = ["PlainDisplay", "eye_offset", "no_head"]
+__all__ = ["PlainDisplay", "eye_offset"]
 
 
-def no_head(now_ns: int) -> None:
+def _no_head(now_ns: int) -> None:
     """Return None: without a tracker the head is at rest."""
     return
 
@@ -44,7 +44,7 @@ class PlainDisplay(Display):
     windows: Sequence[WindowPlace] = ()
 
     def __init__(self) -> None:
-        self.head: HeadSource = no_head
+        self.head: HeadSource = _no_head
         self._faults: dict[str, bool] = {}
 
     def drawn_size(self, shown: Size) -> Size:

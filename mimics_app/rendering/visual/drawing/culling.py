@@ -12,10 +12,10 @@ from mimics_app.rendering.visual.kernels.frustum import cull_flat
 from mimics_app.rendering.visual.kernels.tree import build_tree, count_below, cull_tree, refit_tree
 from mimics_app.rendering.visual.settings import Culling
 
-__all__ = ["TREE_FROM", "Culler", "FlatCuller", "TreeCuller", "make_culler"]
+__all__ = ["Culler", "FlatCuller", "TreeCuller", "make_culler"]
 
 
-TREE_FROM = 20_000
+_TREE_FROM = 20_000
 """Number of items from which the tree is faster than testing all, where most are outside (chart "culling")."""
 
 _MORTON_BITS = 10
@@ -122,7 +122,7 @@ class TreeCuller(Culler):
 
 def make_culler(wanted: Culling, items: DrawItems, parents: I4, places: F8) -> Culler:
     """Return the requested culler; "auto" chooses by the number of items."""
-    if wanted == "tree" or (wanted == "auto" and len(items.rows) >= TREE_FROM):
+    if wanted == "tree" or (wanted == "auto" and len(items.rows) >= _TREE_FROM):
         return TreeCuller(items, parents, places)
     return FlatCuller(items)
 

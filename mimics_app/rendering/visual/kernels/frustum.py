@@ -7,11 +7,11 @@ import math
 from mimics_app.contracts.arrays import F8, I4, U1
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["box_outside", "cull_flat", "distance_key", "is_seen"]
+__all__ = ["cull_flat", "distance_key", "is_seen"]
 
 
 @kernel
-def box_outside(plane: F8, depth: float, half: F8, item: int, world: F8, row: int) -> bool:
+def _box_outside(plane: F8, depth: float, half: F8, item: int, world: F8, row: int) -> bool:
     """Return True when a box lies wholly behind a plane.
 
     Args:
@@ -48,7 +48,7 @@ def is_seen(planes: F8, item: int, row: int, centres: F8, radii: F8, half: F8, w
         depth = planes[k, 0] * x + planes[k, 1] * y + planes[k, 2] * z + planes[k, 3]
         if depth < -radius:
             return False
-        if depth < radius and box_outside(planes[k], depth, half, item, world, row):
+        if depth < radius and _box_outside(planes[k], depth, half, item, world, row):
             return False
     return True
 

@@ -7,10 +7,10 @@ import math
 from mimics_app.contracts.arrays import B1, F8, I4, U1
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["HYSTERESIS", "choose_for_texels", "choose_levels", "pick_levels", "show_levels"]
+__all__ = ["choose_for_texels", "choose_levels", "pick_levels", "show_levels"]
 
 
-HYSTERESIS = 0.1
+_HYSTERESIS = 0.1
 """Relative distance from a threshold at which the level changes."""
 
 
@@ -48,7 +48,7 @@ def choose_levels(
         while level < counts[body]:
             threshold = coverages[body, level] * (smaller if level < counts[body] - 1 else 1.0)
             if chosen[body] >= 0:
-                threshold *= 1.0 - HYSTERESIS if level >= chosen[body] else 1.0 + HYSTERESIS
+                threshold *= 1.0 - _HYSTERESIS if level >= chosen[body] else 1.0 + _HYSTERESIS
             if covered >= min(threshold, 1.0):
                 break
             level += 1

@@ -8,10 +8,10 @@ from mimics_app.contracts.arrays import F4, F8, I4, U1, U8
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.visual.kernels.frustum import distance_key
 
-__all__ = ["FINE_COUNT", "make_keys", "sort_by_key"]
+__all__ = ["make_keys", "sort_by_key"]
 
 
-FINE_COUNT = 4096
+_FINE_COUNT = 4096
 """Number of items up to which each is sorted by its own distance; of more, those within a quarter of an octave share a
 key, so that equal meshes become one command."""
 
@@ -64,7 +64,7 @@ def make_keys(
     order = np.argsort(nearest)
     for place in range(order.shape[0]):
         ranks[order[place]] = place
-    drop = np.uint64(_FINE_DROP if count <= FINE_COUNT else _COARSE_DROP)
+    drop = np.uint64(_FINE_DROP if count <= _FINE_COUNT else _COARSE_DROP)
     raised = np.uint64(drop - np.uint64(_FINE_DROP) + np.uint64(_MESH_BITS))
     bits = away.view(np.uint32)
     for i in range(count):

@@ -9,10 +9,10 @@ import numpy as np
 from mimics_app.contracts.arrays import F4, F8, Records
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["BIRTH", "EMITTER", "MAX_COLOURS", "SPRITE", "ease", "fall", "fill_particles", "hash_unit"]
+__all__ = ["BIRTH", "EMITTER", "SPRITE", "ease", "fall", "fill_particles", "hash_unit"]
 
 
-MAX_COLOURS = 8
+_MAX_COLOURS = 8
 MAX_TINTS = 16
 
 EMITTER = np.dtype(
@@ -31,7 +31,7 @@ EMITTER = np.dtype(
         ("aspect", "f8"),  # width over height
         ("growth", "f8"),  # factor on the size at the end of life
         ("colours", "i8"),  # number of colours in use
-        ("colour", "f8", (MAX_COLOURS, 4)),  # linear RGBA over life
+        ("colour", "f8", (_MAX_COLOURS, 4)),  # linear RGBA over life
         ("tints", "i8"),  # number of tints in use
         ("tint", "f8", (MAX_TINTS, 4)),  # each particle has one
         ("tumbles", "i8"),  # 1: rotates in space, 0: about the line of sight

@@ -14,10 +14,10 @@ from mimics_app.contracts.arrays import F8, I4, U1
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.visual.kernels.frustum import is_seen
 
-__all__ = ["FAN_OUT", "build_tree", "count_below", "cull_tree", "refit_tree"]
+__all__ = ["build_tree", "count_below", "cull_tree", "refit_tree"]
 
 
-FAN_OUT = 8
+_FAN_OUT = 8
 """Maximum number of siblings in a group before it is split."""
 
 _NODE, _ROW, _OPEN, _CLOSE = 0, 1, 2, 3
@@ -41,8 +41,8 @@ def count_below(parents: I4, items_of: I4, out: I4) -> None:
 @kernel
 def _push_siblings(children: I4, below: I4, a: int, b: int, stack: I4, height: int) -> int:
     """Push siblings onto the stack, one by one or, if many, in groups; return the stack's height."""
-    if b - a > FAN_OUT:
-        step = (b - a + FAN_OUT - 1) // FAN_OUT
+    if b - a > _FAN_OUT:
+        step = (b - a + _FAN_OUT - 1) // _FAN_OUT
         for part in range(a, b, step):
             stack[height, 0], stack[height, 1], stack[height, 2] = _OPEN, part, min(part + step, b)
             height += 1

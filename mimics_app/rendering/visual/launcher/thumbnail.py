@@ -8,9 +8,9 @@ import numpy as np
 
 from mimics_app.contracts.arrays import U1
 
-__all__ = ["THUMBNAIL", "load_thumbnail"]
+__all__ = ["load_thumbnail"]
 
-THUMBNAIL = (512, 288)
+_THUMBNAIL = (512, 288)
 """Width and height of a thumbnail [px]."""
 
 
@@ -21,9 +21,9 @@ def load_thumbnail(file: Path | None) -> U1:
     if file is not None:
         try:
             with Image.open(file) as picture:
-                fitted = ImageOps.fit(picture.convert("RGBA"), THUMBNAIL, Image.Resampling.LANCZOS)
+                fitted = ImageOps.fit(picture.convert("RGBA"), _THUMBNAIL, Image.Resampling.LANCZOS)
                 return np.array(fitted, np.uint8)
         except OSError:
             pass  # a missing image does not stop the launcher
-    width, height = THUMBNAIL
+    width, height = _THUMBNAIL
     return np.full((height, width, 4), (38, 48, 60, 255), np.uint8)

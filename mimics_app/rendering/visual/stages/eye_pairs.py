@@ -11,9 +11,9 @@ from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.capabilities import Capabilities
 from mimics_app.rendering.visual.view import Rect, View
 
-__all__ = ["VIEWPORT_EXTENSION", "eye_passes", "group_views", "see_from_between"]
+__all__ = ["eye_passes", "group_views", "see_from_between"]
 
-VIEWPORT_EXTENSION = "GL_ARB_shader_viewport_layer_array"
+_VIEWPORT_EXTENSION = "GL_ARB_shader_viewport_layer_array"
 """Extension by which a vertex shader selects its viewport."""
 
 _STEREO_SHADERS = {"common/mesh.vert", "plain/plain.vert"}
@@ -56,7 +56,7 @@ def eye_passes(
         return "alone"
     if _side_by_side(*places):
         return "halves_in_turn" if settings.stereo == "two_pass" else "halves"
-    if VIEWPORT_EXTENSION not in has.extensions:
+    if _VIEWPORT_EXTENSION not in has.extensions:
         return "alone"
     return "viewports" if settings.stereo == "viewports" else "viewports_in_turn"
 

@@ -12,12 +12,12 @@ from mimics_app.rendering.visual.surfaces.surface import Size, Surface
 if TYPE_CHECKING:
     import moderngl
 
-__all__ = ["BACKENDS", "GL_REQUIRED", "create_surface"]
+__all__ = ["create_surface"]
 
-GL_REQUIRED = 430
+_GL_REQUIRED = 430
 """OpenGL 4.3 core: multi-draw-indirect and shader storage."""
 
-BACKENDS = ("window", "egl", "osmesa")
+_BACKENDS = ("window", "egl", "osmesa")
 
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
 """Parameters of glibc's mallopt."""
@@ -45,8 +45,8 @@ def create_surface(
         UsageError: unknown backend, or a size below 1 px.
         DeviceError: the library, the driver or the display is missing; names the package to install.
     """
-    if backend not in BACKENDS:
-        raise UsageError(f'no graphics backend "{backend}"', nearest(backend, BACKENDS))
+    if backend not in _BACKENDS:
+        raise UsageError(f'no graphics backend "{backend}"', nearest(backend, _BACKENDS))
     if min(size) < 1:
         raise UsageError(f"a picture of {size[0]} x {size[1]} pixels is not possible", "give a size like 1280x720")
     if backend == "window":
@@ -112,7 +112,7 @@ def _create_egl_context() -> moderngl.Context:
 
     create: Any = moderngl.create_context  # its signature omits the backend's settings
     try:
-        context: moderngl.Context = create(standalone=True, backend="egl", require=GL_REQUIRED)
+        context: moderngl.Context = create(standalone=True, backend="egl", require=_GL_REQUIRED)
     except Exception as error:  # glcontext raises plain Exception
         raise DeviceError(f"no EGL context with OpenGL 4.3 ({error})", _APT_EGL) from error
     return context
@@ -198,5 +198,5 @@ def _adopt(loader: _OSMesaLoader) -> moderngl.Context:
     import moderngl
 
     create: Any = moderngl.create_context  # its signature omits the loader
-    context: moderngl.Context = create(require=GL_REQUIRED, context=loader)
+    context: moderngl.Context = create(require=_GL_REQUIRED, context=loader)
     return context

@@ -12,9 +12,9 @@ from mimics_app.contracts.errors import DeviceError
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.surface import Size, Surface
 
-__all__ = ["OFFSCREEN", "WritePng", "open_offscreen", "read_pixels", "save_png", "write_png"]
+__all__ = ["WritePng", "open_offscreen", "read_pixels", "save_png", "write_png"]
 
-OFFSCREEN = ("egl", "osmesa")
+_OFFSCREEN = ("egl", "osmesa")
 """Offscreen backends in the order in which "auto" tries them."""
 
 WritePng = Callable[[U1, Path], None]
@@ -34,7 +34,7 @@ def open_offscreen(backend: str, size: Size) -> Surface:
     if backend != "auto":
         return create_surface(backend, size)
     refused = []
-    for name in OFFSCREEN:
+    for name in _OFFSCREEN:
         try:
             return create_surface(name, size)
         except DeviceError as error:
