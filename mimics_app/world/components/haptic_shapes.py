@@ -10,7 +10,6 @@ from mimics_app.world.components.bounds import Factor, Point, Quaternion
 from mimics_app.world.components.registry import Component
 
 __all__ = [
-    "DEFAULT_SURFACE",
     "CapsuleSolid",
     "CubeSolid",
     "CylinderSolid",
@@ -65,7 +64,7 @@ class TouchSurface(Component, frozen=True):
     material: Annotated[str | None, Meta(description="Any name, for sounds and events; default: none")] = None
 
 
-DEFAULT_SURFACE = TouchSurface(
+_DEFAULT_SURFACE = TouchSurface(
     stiffness=1000.0,
     damping=None,  # of another unit for each law, see `surface_of`
     friction_static=None,
@@ -90,7 +89,7 @@ def surface_of(*layers: TouchSurface) -> TouchSurface:
     }
     for name, value in values.items():
         if value is None:
-            values[name] = getattr(DEFAULT_SURFACE, name)
+            values[name] = getattr(_DEFAULT_SURFACE, name)
     if values["damping"] is None:
         values["damping"] = _DEFAULT_DAMPING[values["law"]]
     static, dynamic = values["friction_static"], values["friction_dynamic"]

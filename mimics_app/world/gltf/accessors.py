@@ -12,9 +12,9 @@ from mimics_app.contracts.arrays import Records
 from mimics_app.world.gltf.buffers import GltfBuffers
 from mimics_app.world.gltf.gltf_document import GltfSource
 
-__all__ = ["MAX_ELEMENTS", "GltfAccessors"]
+__all__ = ["GltfAccessors"]
 
-MAX_ELEMENTS = 50_000_000
+_MAX_ELEMENTS = 50_000_000
 """Maximum number of components in one accessor."""
 
 _TYPES = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
@@ -112,8 +112,8 @@ class GltfAccessors:
             source.fail(f"{place}/componentType", f"{accessor['componentType']} is not a component type")
         dtype, width = np.dtype(kind), _SIZES[accessor["type"]]
         count = source.whole(accessor, "count", place, None, 1)
-        if count * width > MAX_ELEMENTS:
-            source.fail(f"{place}/count", f"{count} elements of {width} are more than {MAX_ELEMENTS} numbers")
+        if count * width > _MAX_ELEMENTS:
+            source.fail(f"{place}/count", f"{count} elements of {width} are more than {_MAX_ELEMENTS} numbers")
         if accessor["type"].startswith("MAT") and kind is not np.float32:
             source.fail(f"{place}/componentType", "matrices must be float")
         if "bufferView" in accessor:

@@ -15,12 +15,12 @@ from mimics_app.world.meshes.deform import MorphTarget, VertexWeights
 if TYPE_CHECKING:
     from mimics_app.world.gltf.meshes import GltfPrimitive
 
-__all__ = ["MAX_INFLUENCES", "MAX_MORPHS", "GltfDeforms"]
+__all__ = ["GltfDeforms"]
 
-MAX_INFLUENCES = 16
+_MAX_INFLUENCES = 16
 """Maximum joints of a vertex: JOINTS_0 to JOINTS_3."""
 
-MAX_MORPHS = 256
+_MAX_MORPHS = 256
 """Maximum morph targets of a mesh."""
 
 _UNNORMALISED = 1e-3
@@ -45,9 +45,11 @@ class GltfDeforms:
             place: Pointer to them.
             vertices: Number of its vertices.
         """
-        sets = [n for n in range(MAX_INFLUENCES // _SET) if f"JOINTS_{n}" in attributes]
-        if f"JOINTS_{MAX_INFLUENCES // _SET}" in attributes:
-            self._source.fail(f"{place}/JOINTS_{MAX_INFLUENCES // _SET}", f"more than {MAX_INFLUENCES} joints a vertex")
+        sets = [n for n in range(_MAX_INFLUENCES // _SET) if f"JOINTS_{n}" in attributes]
+        if f"JOINTS_{_MAX_INFLUENCES // _SET}" in attributes:
+            self._source.fail(
+                f"{place}/JOINTS_{_MAX_INFLUENCES // _SET}", f"more than {_MAX_INFLUENCES} joints a vertex"
+            )
         if not sets:
             return None
         self._source.take(12 * _SET * len(sets) * vertices, place)
@@ -59,8 +61,8 @@ class GltfDeforms:
         """Read the morph targets of a primitive, without names."""
         found = []
         targets = self._source.list(primitive, "targets", place)
-        if len(targets) > MAX_MORPHS:
-            self._source.fail(f"{place}/targets", f"{len(targets)} morph targets are more than {MAX_MORPHS}")
+        if len(targets) > _MAX_MORPHS:
+            self._source.fail(f"{place}/targets", f"{len(targets)} morph targets are more than {_MAX_MORPHS}")
         for number, target in enumerate(targets):
             here = f"{place}/targets/{number}"
             if not isinstance(target, dict):

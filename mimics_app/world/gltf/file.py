@@ -29,9 +29,9 @@ if TYPE_CHECKING:
     from mimics_app.world.gltf.skins import GltfSkin
     from mimics_app.world.motion.clip import Clip
 
-__all__ = ["SUPPORTED_EXTENSIONS", "GltfDocument", "GltfError", "load_gltf"]
+__all__ = ["GltfDocument", "GltfError", "load_gltf"]
 
-SUPPORTED_EXTENSIONS = frozenset(
+_SUPPORTED_EXTENSIONS = frozenset(
     {
         "KHR_audio_emitter",
         "KHR_lights_punctual",
@@ -212,13 +212,13 @@ def _read_clips(
 
 def _check_extensions(source: GltfSource) -> None:
     for i, name in enumerate(source.list(source.json, "extensionsRequired", "")):
-        if not isinstance(name, str) or name not in SUPPORTED_EXTENSIONS:
+        if not isinstance(name, str) or name not in _SUPPORTED_EXTENSIONS:
             source.fail(f"/extensionsRequired/{i}", f"{name!r:.60} is required and not supported")
     used = source.list(source.json, "extensionsUsed", "")
     for i, name in enumerate(used):
         if not isinstance(name, str):
             source.fail(f"/extensionsUsed/{i}", f"{name!r:.60} must be a text")
-    ignored = [name for name in used if name not in SUPPORTED_EXTENSIONS]
+    ignored = [name for name in used if name not in _SUPPORTED_EXTENSIONS]
     if ignored:
         source.note("extensions not used: " + ", ".join(ignored))
 

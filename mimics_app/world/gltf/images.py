@@ -19,9 +19,9 @@ from mimics_app.world.materials.material import Filter, TextureData, Wrap
 if TYPE_CHECKING:
     from PIL import Image
 
-__all__ = ["MAX_SIDE", "GltfImages", "PictureFault", "read_picture"]
+__all__ = ["GltfImages", "PictureFault", "read_picture"]
 
-MAX_SIDE = 8192
+_MAX_SIDE = 8192
 """Maximum width and height of an image [px]."""
 
 _FORMATS = ("PNG", "JPEG")
@@ -49,7 +49,7 @@ def read_picture(stream: IO[bytes]) -> NDArray[np.uint8]:
         except PictureFault:
             raise
         except Image.DecompressionBombError:
-            raise PictureFault(f"has far more pixels than {MAX_SIDE} x {MAX_SIDE}") from None
+            raise PictureFault(f"has far more pixels than {_MAX_SIDE} x {_MAX_SIDE}") from None
         except (OSError, ValueError, SyntaxError) as error:
             text = "is neither PNG nor JPEG" if isinstance(error, UnidentifiedImageError) else f"is damaged: {error}"
             raise PictureFault(text) from None
@@ -57,8 +57,8 @@ def read_picture(stream: IO[bytes]) -> NDArray[np.uint8]:
 
 def _decoded(picture: Image.Image) -> NDArray[np.uint8]:
     width, height = picture.size
-    if max(width, height) > MAX_SIDE:
-        raise PictureFault(f"{width} x {height} pixels are more than {MAX_SIDE} x {MAX_SIDE}")
+    if max(width, height) > _MAX_SIDE:
+        raise PictureFault(f"{width} x {height} pixels are more than {_MAX_SIDE} x {_MAX_SIDE}")
     if picture.mode.startswith("I"):  # 16 bits a channel; convert() would clip instead of scale
         grey = (np.asarray(picture) >> 8).astype(np.uint8)
         return np.dstack([grey, grey, grey, np.full_like(grey, 255)])

@@ -12,16 +12,16 @@ from mimics_app.world.materials.technique import TechniqueSpec
 from mimics_app.world.scene.json_text import parse_json
 from mimics_app.world.scene.scene_files import read_bytes
 
-__all__ = ["built_in_techniques", "read_techniques"]
+__all__ = ["built_in_techniques"]
 
 
 @cache
 def built_in_techniques() -> dict[str, TechniqueSpec]:
     """Return the techniques of the installation."""
-    return read_techniques(resources.root() / "shaders" / "techniques.json")
+    return _read_techniques(resources.root() / "shaders" / "techniques.json")
 
 
-def read_techniques(path: Path) -> dict[str, TechniqueSpec]:
+def _read_techniques(path: Path) -> dict[str, TechniqueSpec]:
     """Read a file of techniques.
 
     Raises:

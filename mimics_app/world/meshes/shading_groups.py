@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import F8, I8
 from mimics_app.world.meshes.mesh import MeshData
 
-__all__ = ["CREASE", "shaded_mesh"]
+__all__ = ["shaded_mesh"]
 
 
-CREASE = math.radians(40.0)
+_CREASE = math.radians(40.0)
 """Crease angle between two faces [rad], from which their edge is sharp."""
 
 
@@ -76,7 +76,7 @@ def _smooth_pairs(welded: I8, normals: F8) -> I8:
     order = np.lexsort((ends[:, 1], ends[:, 0]))
     same = np.all(ends[order[1:]] == ends[order[:-1]], axis=1)
     one, two = order[:-1][same], order[1:][same]
-    smooth = np.einsum("ij,ij->i", normals[face[one]], normals[face[two]]) > math.cos(CREASE)
+    smooth = np.einsum("ij,ij->i", normals[face[one]], normals[face[two]]) > math.cos(_CREASE)
     one, two = one[smooth], two[smooth]
     # Neighbours run along their edge in opposite directions, unless one of them is flipped.
     along = flat[begin[one]] == flat[begin[two]]

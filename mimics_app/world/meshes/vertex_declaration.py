@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["COLOUR_DECLARATION", "VERTEX_DECLARATION", "VertexDeclaration", "VertexElement", "declare"]
+__all__ = ["COLOUR_DECLARATION", "VERTEX_DECLARATION", "VertexDeclaration", "VertexElement"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ class VertexDeclaration:
         return np.dtype([(each.attribute, each.format, (each.components,)) for each in self.elements])
 
 
-def declare(*elements: tuple[str, str, int]) -> VertexDeclaration:
+def _declare(*elements: tuple[str, str, int]) -> VertexDeclaration:
     """Create a declaration from (name, attribute, components), all of them float32."""
     offset, declared = 0, []
     for name, attribute, components in elements:
@@ -55,8 +55,8 @@ def declare(*elements: tuple[str, str, int]) -> VertexDeclaration:
     return VertexDeclaration(tuple(declared), offset)
 
 
-VERTEX_DECLARATION = declare(("positions", "in_position", 3), ("normals", "in_normal", 3), ("uvs", "in_uv", 2))
+VERTEX_DECLARATION = _declare(("positions", "in_position", 3), ("normals", "in_normal", 3), ("uvs", "in_uv", 2))
 """Layout of the main vertex buffer of every mesh."""
 
-COLOUR_DECLARATION = declare(("colours", "in_colour", 4))
+COLOUR_DECLARATION = _declare(("colours", "in_colour", 4))
 """Layout of the second vertex buffer of a mesh with colours."""

@@ -11,10 +11,10 @@ from mimics_app.world.motion.clip import Clip, ClipEvent
 from mimics_app.world.motion.kernels.sample import blend_pose, sample_clip
 from mimics_app.world.motion.pose import Pose
 
-__all__ = ["WIDEST", "Layer"]
+__all__ = ["Layer"]
 
 
-WIDEST = 256
+_WIDEST = 256
 """Maximum number of components of a key: the morph targets of a mesh."""
 
 _MAX_REPEATS = 1000
@@ -62,7 +62,7 @@ class Layer:
         self._morph_first = morph_first
         self._cursors = np.zeros(len(clip.tracks), np.int32)
         self._touched = np.zeros((len(rest.translations), 4), np.uint8)
-        self._scratch = np.zeros(WIDEST)
+        self._scratch = np.zeros(_WIDEST)
         self._sampled = rest.copy()
         self._reference = rest.copy()
         self.sample(0.0, self._reference)

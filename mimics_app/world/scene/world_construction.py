@@ -37,7 +37,6 @@ __all__ = [
     "place",
     "place_cords",
     "set_in_motion",
-    "shape_key",
     "show_live_pictures",
     "show_mesh",
     "turn_to_targets",
@@ -214,16 +213,16 @@ def show_shape(world: World, node: SceneNode, shape: Shape, material: str) -> No
     """Show a primitive on a node, with coarser levels of detail where it is round."""
     levels, coverages = shape_levels(shape)
     for level in levels:
-        if shape_key(level) not in world.meshes:
-            world.set_mesh(shape_key(level), build_shape(level))
+        if _shape_key(level) not in world.meshes:
+            world.set_mesh(_shape_key(level), build_shape(level))
     if len(levels) == 1:
-        node.create_entity(shape_key(shape), material)
+        node.create_entity(_shape_key(shape), material)
     else:
         world.require_material(material)
-        world.content.add_levels(node.index, [[(shape_key(level), material)] for level in levels], coverages)
+        world.content.add_levels(node.index, [[(_shape_key(level), material)] for level in levels], coverages)
 
 
-def shape_key(shape: Shape) -> str:
+def _shape_key(shape: Shape) -> str:
     """Return the mesh key of a primitive; equal shapes share one."""
     return f"#{shape!r}"
 

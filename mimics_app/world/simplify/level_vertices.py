@@ -20,7 +20,7 @@ from mimics_app.world.gltf.skins import GltfSkin
 from mimics_app.world.meshes.deform import VertexWeights
 from mimics_app.world.simplify.error_poses import bent_joints, bent_places, morphed_places
 
-__all__ = ["Bending", "LevelVertices", "joint_parents", "lighter"]
+__all__ = ["Bending", "LevelVertices", "lighter"]
 
 
 _ARRAY_BUFFER = 34962
@@ -46,7 +46,7 @@ class Bending:
     poses: list[F8]
 
 
-def joint_parents(source: GltfSource, skin: GltfSkin) -> list[int]:
+def _joint_parents(source: GltfSource, skin: GltfSkin) -> list[int]:
     """Return the nearest ancestor joint of each joint of a skin, -1 for none; nodes between them are skipped."""
     nodes = source.table("nodes")
     above = {child: number for number, node in enumerate(nodes) for child in node.get("children", ())}
@@ -103,7 +103,7 @@ class LevelVertices:
         if weights.highest >= len(skin.joints):
             pointer = f"{place}/attributes/JOINTS_0"
             self._source.fail(pointer, f"joint {weights.highest} of a skin with {len(skin.joints)} joints")
-        joints = bent_joints(skin.inverse_bind, joint_parents(self._source, skin))
+        joints = bent_joints(skin.inverse_bind, _joint_parents(self._source, skin))
         return Bending(positions, weights, joints, [bent_places(positions, weights, each) for each in joints] + poses)
 
     def write(

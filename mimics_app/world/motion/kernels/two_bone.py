@@ -13,7 +13,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F8, I4
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["reach_two_bones", "soften"]
+__all__ = ["reach_two_bones"]
 
 
 _AT_SHOULDER, _TOO_FAR, _TOO_NEAR, _ON_POLE, _NO_LENGTH, _NOT_FINITE, _TURNING = 1, 2, 4, 8, 16, 32, 64
@@ -36,7 +36,7 @@ _SOON_NEAR = 1e-6
 
 
 @kernel
-def soften(distance: float, longest: float, shortest: float, soft: float) -> float:
+def _soften(distance: float, longest: float, shortest: float, soft: float) -> float:
     """Return the soft distance of the hand, which approaches full extension and the inner limit asymptotically.
 
     Beyond 1 - soft of the length what is missing falls off exponentially; so, mirrored, before the inner limit.
@@ -158,7 +158,7 @@ def _reach_one(asked: F8, limbs: F8, states: F8, i: int, out: F8, u: F8, w: F8, 
             u[0], u[1], u[2] = states[i, 0], states[i, 1], states[i, 2]
     case |= _TOO_FAR if distance > longest else 0
     case |= _TOO_NEAR if distance < shortest else 0
-    length = soften(distance, longest, shortest, limbs[i, 2])
+    length = _soften(distance, longest, shortest, limbs[i, 2])
     case |= _choose_side(asked, limbs, states, i, u, w, before)
     x = (a * a - b * b + length * length) / (2.0 * length) if length > 0.0 else 0.0
     x = min(max(x, -a), a)
