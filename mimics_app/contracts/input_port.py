@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.messages import Aim, Experience, PointerState, SignalBlock
@@ -60,8 +60,14 @@ class PointerSource(Protocol):
         ...
 
 
+@runtime_checkable
 class SignalSource(Protocol):
     """Source of body signals."""
+
+    @property
+    def lost(self) -> str:
+        """Why there are no more samples, in one line; "" while there are. The session continues without them."""
+        return ""
 
     def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
         """Return the blocks since the last call; () for none."""

@@ -98,7 +98,7 @@ def _one_pointer(states: Sequence[PointerState], *, stop: bool) -> PointerState 
     return PointerState(chosen.target_world, chosen.grasp, chosen.active, stop)
 
 
-class Movement:
+class Movement(SignalSource):
     """A `SignalSource` of "speed" [m/s] and "power" [W] of the hand, and of "head" [rad/s] where the head is tracked.
 
     One sample a frame, that of the previous frame. "head" is NaN in a frame without tracking and in the one after it.

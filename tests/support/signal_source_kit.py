@@ -78,5 +78,5 @@ def _end_ns(block: SignalBlock) -> float:
 
 def _check_lost(source: SignalSource) -> None:
     """A source that may fail during a session says why in one line, "" while it delivers."""
-    lost = getattr(source, "lost", "")
+    lost = source.lost
     assert isinstance(lost, str) and "\n" not in lost and not lost, f"it says that it is lost: {lost}"

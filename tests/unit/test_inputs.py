@@ -259,6 +259,8 @@ class PaperWindow:
 
 
 class OneBlock:
+    lost = ""
+
     def read(self, now_ns):
         return (SignalBlock("ecg", 500.0, now_ns, np.zeros(8)),)
 

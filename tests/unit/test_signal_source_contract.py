@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.input_port import SignalSource
 from mimics_app.inputs.physio.simulated.source import PRESETS
 from mimics_app.inputs.physio.sources import KINDS, open_source
@@ -28,6 +29,8 @@ RATE = 600.0
 
 
 class Box:
+    lost = ""
+
     def __init__(self, rest, seed):
         self.begun_ns, self.taken = None, 0
 
@@ -99,6 +102,10 @@ class Silent(Box):
 
 class Gone(Box):
     lost = "the box is off"
+
+
+def bare(rest, seed):
+    return object()
 '''
 FAULTS = {
     "Listed": "a tuple",
@@ -113,7 +120,7 @@ FAULTS = {
     "Gone": "the box is off",
 }
 GROUP = "[mimics_app.signal_sources]\n" + "".join(
-    f"{name.lower()} = lab_of_boxes:{name}\n" for name in ("Box", *FAULTS)
+    f"{name.lower()} = lab_of_boxes:{name}\n" for name in ("Box", "bare", *FAULTS)
 )
 
 
@@ -127,6 +134,11 @@ def file(folder: Path) -> SignalSource:
     rows = [f"{10 + i / RATE:.6f},{i}" for i in range(2 * RATE) if not 100 <= i < 130]
     (folder / "a.csv").write_text("\n".join(["t_s,ecg", *rows]))
     return open_source(f"file:{folder / 'a.csv'}", 1)
+
+
+def test_what_a_package_opens_is_a_source_or_refused(installed: None) -> None:
+    with pytest.raises(DeviceError, match=r'"bare" is not a mimics_app.contracts.input_port.SignalSource'):
+        open_source("bare:left", 3)
 
 
 @pytest.mark.parametrize("address", [*(f"sim:{preset}" for preset in PRESETS), "box:left"])

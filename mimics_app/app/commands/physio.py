@@ -69,7 +69,7 @@ def run(args: argparse.Namespace) -> int:
         _write_page(watch, args, live=False)
     found = watch.summary(source)
     if args.check:
-        found["advice"] = _advice(found, getattr(source, "lost", ""))
+        found["advice"] = _advice(found, source.lost)
     answer(args, found, _lines(found))
     return PartialDataError.exit_code if args.check and found["advice"] else 0
 

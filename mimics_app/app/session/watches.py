@@ -46,20 +46,19 @@ class SignalWatch:
     """Reports a source of body signals that is lost or back; the session goes on.
 
     Args:
-        sources: Sources of the session; one that can be lost has an attribute `lost`: the reason, "" while it is there.
+        sources: Sources of the session.
         recorder: Recorder of each change.
         report: Shows a line to the person.
     """
 
     def __init__(self, sources: Sequence[SignalSource], recorder: RecorderPort, report: Callable[[str], None]) -> None:
-        self._known: list[tuple[SignalSource, str]] = [(source, "") for source in sources if hasattr(source, "lost")]
+        self._known: list[tuple[SignalSource, str]] = [(source, "") for source in sources]
         self._recorder, self._report = recorder, report
 
     def look(self, now_ns: int) -> None:
         """Report what changed since the last frame."""
         for i, (source, known) in enumerate(self._known):
-            lost: str = getattr(source, "lost", "")
-            if lost != known:
+            if (lost := source.lost) != known:
                 self._known[i] = (source, lost)
                 self._report(f"body signals are lost: {lost}" if lost else "body signals are back")
                 self._recorder.journal("signal_source", {"t_ns": now_ns, "lost": lost})

@@ -111,9 +111,14 @@ class Grid:
 
 
 class LiveSignals:
-    """Base class of the sources of live signals: a grid for each signal, by name."""
+    """Base class of the sources of live signals: a grid for each signal, by name.
+
+    Attributes:
+        lost: As in `SignalSource`.
+    """
 
     def __init__(self) -> None:
+        self.lost = ""
         self._grids: dict[str, Grid] = {}
 
     @property

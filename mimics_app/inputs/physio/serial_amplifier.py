@@ -34,9 +34,6 @@ class SerialAmplifier(LiveSignals):
         address: PORT or PORT@BAUD.
         clock: The session's clock.
 
-    Attributes:
-        lost: Why there are no more samples, "" while there are. The session continues without them.
-
     Raises:
         DeviceError: The port cannot be opened, or no header of an amplifier arrives.
     """
@@ -60,7 +57,6 @@ class SerialAmplifier(LiveSignals):
         self._start_ns: int | None = None
         self._place = self._next = 0
         self._heard_ns = 0
-        self.lost = ""
         self._await_header(port)
 
     def read(self, now_ns: int) -> tuple[SignalBlock, ...]:

@@ -72,7 +72,12 @@ def open_source(address: str, seed: int) -> SignalSource:
         SceneError: The file is missing or cannot be read.
     """
     kind, rest = _split(address)
-    return (KINDS[kind] if kind in KINDS else _plugin(kind))(rest, seed)
+    if kind in KINDS:
+        return KINDS[kind](rest, seed)
+    source = _plugin(kind)(rest, seed)
+    if not isinstance(source, SignalSource):
+        raise DeviceError(f'the source of body signals "{kind}" is not a {SignalSource.__module__}.SignalSource')
+    return source
 
 
 def look_for_source(address: str, tell: Callable[[str], None]) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.clock import SECOND_NS
+from mimics_app.contracts.input_port import SignalSource
 from mimics_app.contracts.messages import Experience, SignalBlock
 from mimics_app.inputs.physio.simulated.person import Drive, Family, LatentPeople, draw_traits
 from mimics_app.inputs.physio.simulated.signals import RATE, SIGNALS, Disturbance, SignalGenerator
@@ -44,7 +45,7 @@ PRESETS: dict[str, Preset] = {
 }
 
 
-class SimulatedBody:
+class SimulatedBody(SignalSource):
     """Signals of one simulated person in session time, made second by second.
 
     Args:
