@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
 from pathlib import Path
 
 import numpy as np
@@ -92,6 +94,18 @@ def test_boxes_of_a_bent_body_hold_its_vertices(at, tmp_path):
     world.update()
     assert np.array_equal(shapes.of(list(body.meshes), known), before), "as the body was"
     assert not np.array_equal(shapes.of(list(body.meshes), shapes.revisions()), before)
+
+
+def test_boxes_of_a_body_that_left_its_world_are_dropped(tmp_path):
+    world = _bent_bar(tmp_path, "linear", 0.4)
+    (body,) = world.motion.bodies.values()
+    shapes = ShapeBoxes(world)
+    assert shapes.of(list(body.meshes), shapes.revisions()) is not None
+    gone = weakref.ref(body)
+    world.motion.remove([body.entity])
+    del body
+    gc.collect()
+    assert gone() is None
 
 
 def test_dual_quaternions_may_leave_the_boxes_which_are_not_known_then(tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -32,8 +33,8 @@ class ShapeBoxes:
     def __init__(self, world: World) -> None:
         self.world = world
         self._rigid: dict[tuple[str, ...], tuple[list[tuple[int, MeshData]], F8]] = {}
-        self._sets: dict[SkinnedBody, tuple[I4, F8]] = {}
-        self._bent: dict[SkinnedBody, tuple[int, F8]] = {}
+        self._sets = WeakKeyDictionary[SkinnedBody, tuple[I4, F8]]()
+        self._bent = WeakKeyDictionary[SkinnedBody, tuple[int, F8]]()
 
     def revisions(self) -> dict[SkinnedBody, int]:
         """Return the present revisions of all deformable bodies."""
