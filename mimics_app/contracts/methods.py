@@ -8,7 +8,7 @@ the loop. Names are for display only: no decision depends on them.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 __all__ = ["Group", "Method", "Registry", "Settings", "registry"]
 
@@ -33,6 +33,7 @@ class Method:
             yardstick that is measured and drawn beside the others but never chosen.
         growth: Probe of the cost [us per call] at a size of the work; None if the cost is constant.
         sizes: Sizes for `growth`, ascending, in units of the group's `work`.
+        package: Module of the package that registered it; "" where it is built in.
     """
 
     group: str
@@ -46,6 +47,7 @@ class Method:
     default: bool = False
     growth: Callable[[int], float] | None = None
     sizes: tuple[int, ...] = ()
+    package: str = ""
 
     @property
     def runnable(self) -> bool:
@@ -116,6 +118,12 @@ class Registry:
         register(trial)
         if group not in trial._described or not trial._groups.get(group):
             raise ValueError(f'group "{group}" has no description, or no method')
+        for name, methods in trial._groups.items():
+            known = self._groups.get(name, {})
+            trial._groups[name] = {
+                key: method if key in known else replace(method, package=register.__module__)
+                for key, method in methods.items()
+            }
         self._groups, self._described = trial._groups, trial._described
 
     def groups(self) -> list[str]:

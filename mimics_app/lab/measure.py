@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from mimics_app.contracts.errors import MimicsError
+from mimics_app.contracts.errors import MimicsError, short_text
 from mimics_app.contracts.machine import describe_machine
 from mimics_app.contracts.method_table import Row, Table
 from mimics_app.contracts.methods import Group, Method, Registry
@@ -84,7 +84,8 @@ def count_probes(registry: Registry, groups: Sequence[str], rounds: int = 1) -> 
 def measure(group: str, registry: Registry, step: Step = lambda _: None, rounds: int = 1) -> MeasuredGroup:
     """Measure every method of a group, with the reference loop before and after each.
 
-    A method whose probes raise a MimicsError cannot run on this machine and is skipped.
+    A method whose probes raise a MimicsError cannot run on this machine and is skipped, as is one of a package whose
+    probes raise anything.
 
     Args:
         group: Name of the group, whose module has been imported.
@@ -103,22 +104,35 @@ def measure(group: str, registry: Registry, step: Step = lambda _: None, rounds:
 
 
 def _measure_once(group: str, registry: Registry, step: Step, *, first: bool) -> MeasuredGroup:
-    described = registry.described(group)
+    described, rivals = registry.described(group), registry.rivals(group)
     measured, skipped = list[Measured](), dict[str, str]()
-    before = shortest = described.reference()
-    for method in registry.rivals(group):
+    try:
+        before = shortest = described.reference()
+    except (Exception, SystemExit) as failure:  # noqa: BLE001 a third-party probe may raise anything
+        return MeasuredGroup(described, math.nan, [], {one.name: _why_skipped(one, failure) for one in rivals})
+    for method in rivals:
         step(f"{group}: {method.name}")
         try:
-            cost = method.cost()
-            error = method.error() if first else math.nan
+            cost = float(method.cost())
+            error = _size_of(method.error()) if first else math.inf
             after = described.reference()
             growth = _growth(method, step)
-        except MimicsError as failure:
-            skipped[method.name] = str(failure)
+        except (Exception, SystemExit) as failure:  # noqa: BLE001 a third-party probe may raise anything
+            skipped[method.name] = _why_skipped(method, failure)
             continue
-        measured.append(Measured(method, cost, cost / min(before, after), _size_of(error), growth))
+        measured.append(Measured(method, cost, cost / min(before, after), error, growth))
         shortest, before = min(shortest, before, after), after
     return MeasuredGroup(described, shortest, measured, skipped)
+
+
+def _why_skipped(method: Method, failure: BaseException) -> str:
+    """Return why a method is skipped; a built-in probe must not raise anything but a MimicsError."""
+    if isinstance(failure, MimicsError):
+        return str(failure)
+    if not method.package:
+        raise failure
+    why = short_text(" ".join(f"{type(failure).__name__}: {failure}".split()))
+    return f"the probes of {method.package} fail: {why}"
 
 
 def _least(rows: Sequence[Measured]) -> Measured:
@@ -164,6 +178,7 @@ def fit_exponent(sizes: Sequence[float], costs: Sequence[float]) -> float:
 
 def to_table(groups: Sequence[MeasuredGroup]) -> Table:
     """Return the table of the planner: the measurements of the methods that the product can run."""
+    groups = [one for one in groups if one.rows]
     return Table(
         groups={one.group.name: [_table_row(row) for row in one.rows if row.method.runnable] for one in groups},
         machine=describe_machine().as_dict(),

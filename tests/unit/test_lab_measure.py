@@ -103,6 +103,39 @@ def test_growth_is_measured_at_every_size_and_each_probe_is_announced():
     assert rows[1].growth is None
 
 
+@pytest.mark.parametrize("odd", [ZeroDivisionError("by\nzero"), SystemExit(3), KeyError("x")])
+@pytest.mark.parametrize("probe", ["cost", "error", "reference"])
+def test_a_package_whose_probe_raises_anything_is_named_in_one_line_and_the_rest_goes_on(
+    probe: str, odd: BaseException
+):
+    def fail() -> float:
+        raise odd
+
+    def register(registry: Registry) -> None:
+        if probe == "reference":
+            registry.describe(Group("products", "multiplying", "m", "", fail))
+            registry.register(replace(method("torn", 1.0, 1.0), group="products"))
+        else:
+            registry.register(replace(method("torn", 1.0, 1.0), **{probe: fail}))
+
+    group = "products" if probe == "reference" else GROUP
+    registry = planted(one=method("one", 1.0, 0.0))
+    registry.take(group, register)
+    measured = measure(group, registry)
+    assert [row.method.name for row in measured.rows] == ([] if probe == "reference" else ["one"])
+    assert measured.skipped["torn"].startswith(f"the probes of {__name__} fail: {type(odd).__name__}")
+    assert "\n" not in measured.skipped["torn"]
+    assert list(to_table([measured]).groups) == ([] if probe == "reference" else [GROUP])
+
+
+def test_a_built_in_probe_that_raises_anything_is_not_hidden():
+    def fail() -> float:
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        measure(GROUP, planted(one=replace(method("one", 1.0, 0.0), cost=fail)))
+
+
 def test_what_cannot_run_here_is_skipped_with_its_reason():
     def refuse() -> float:
         raise DeviceError("no such device")
