@@ -10,8 +10,8 @@ import msgspec
 
 from mimics_app.app.planner.explain import explain_plan
 from mimics_app.app.session.preparation import Preparation
-from mimics_app.rendering.haptic.devices.address import split_device
-from mimics_app.rendering.haptic.devices.device_names import POINTER, REPLAY
+from mimics_app.recording.report_values import mapping
+from mimics_app.rendering.haptic.devices.device_names import POINTER
 from mimics_app.rendering.haptic.scene_block import safety_of
 from mimics_app.tasks.task_record import task_record
 from mimics_app.world.components.robot import Robot
@@ -33,7 +33,7 @@ def describe_session(parts: Preparation) -> dict[str, Any]:
         "seed": settings.seed,
         "profile": settings.profile,
         "live": parts.live,
-        "moved_by": {"device": parts.robot.device, **_person(parts), **_kind(parts)},
+        "moved_by": _moved_by(parts),
         "safety": {
             **msgspec.structs.asdict(safety_of(parts.parameter_store.block)),
             "late_latches": bool(parts.parameter_store.block["late_latches"][0]),
@@ -50,10 +50,13 @@ def describe_session(parts: Preparation) -> dict[str, Any]:
     }
 
 
-def _kind(parts: Preparation) -> dict[str, str]:
-    """Return the kind of device of a replayed recording."""
-    planned = (parts.scene.first(Robot) or Robot()).device
-    return {"kind": planned} if split_device(parts.robot.device).name == REPLAY else {}
+def _moved_by(parts: Preparation) -> dict[str, Any]:
+    """Return the device and the person who moved it; of a replayed recording, the person in its header."""
+    device = parts.robot.device
+    if parts.recorded is None:
+        return {"device": device, **_person(parts)}
+    kind, before = (parts.scene.first(Robot) or Robot()).device, mapping(parts.recorded.get("moved_by"))
+    return {"device": device, "kind": kind, **{key: before[key] for key in ("person", "preset") if key in before}}
 
 
 def _person(parts: Preparation) -> dict[str, str]:

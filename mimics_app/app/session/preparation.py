@@ -5,11 +5,10 @@ Faults of files and devices are found here.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import msgspec
-from numpy.typing import NDArray
 
 from mimics_app.app.planner.plan import Plan, settle
 from mimics_app.app.scenes.loading import check_scene
@@ -59,6 +58,7 @@ class Preparation:
         robot: The scene's robot, with the device of this run.
         patient: The scene's simulated patient, with the preset of this run.
         plugin: The device, open; the owner of the parts closes it.
+        recorded: Header of the recording that the device replays; None: another device.
     """
 
     settings: RunSettings
@@ -74,6 +74,7 @@ class Preparation:
     robot: Robot
     patient: Patient
     plugin: DevicePlugin
+    recorded: Mapping[str, object] | None = None
 
     @property
     def context(self) -> TaskContext:
@@ -131,12 +132,13 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
     robot, patient = _who_moves(settings, scene, live=live)
     body = open_body(settings, task, patient.preset)
     points, objects = scenario.via_points_world, side.for_robot(robot)
-    recorded = _recorded(settings)
+    recorded = None if settings.recording is None else Run.open(settings.recording)
     if recorded is None:
         check_shape(robot.device, scene)
     descriptor = None if recorded is None else descriptor_of((scene.first(Robot) or Robot()).device)
+    samples = None if recorded is None else recorded.haptic
     plugin = build_device(
-        robot, patient, points, settings.seed, samples=recorded, descriptor=descriptor, objects=objects
+        robot, patient, points, settings.seed, samples=samples, descriptor=descriptor, objects=objects
     )
     live = live or plugin.real_time
     if settings.sound == "device" and not live:
@@ -155,6 +157,7 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
         robot=robot,
         patient=patient,
         plugin=plugin,
+        recorded=None if recorded is None else recorded.session,
     )
 
 
@@ -168,8 +171,3 @@ def _who_moves(settings: RunSettings, scene: Scene, *, live: bool) -> tuple[Robo
         patient = msgspec.structs.replace(patient, preset=settings.patient)
     device = settings.device or (POINTER if live and robot.device == SIMULATED else robot.device)
     return msgspec.structs.replace(robot, device=device), patient
-
-
-def _recorded(settings: RunSettings) -> NDArray[Any] | None:
-    """Return the samples for the replay device; None without a recording."""
-    return None if settings.recording is None else Run.open(settings.recording).haptic
