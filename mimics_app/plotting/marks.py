@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 from markupsafe import Markup
 
 __all__ = ["circle", "cross", "element", "joined", "path", "pixels", "rect", "word"]
+
+_GREEK = {"us": "µs", "um": "µm", "mu": "μ"}
+"""Drawn spelling of words that terminals, tables and JSON keys spell in ASCII."""
 
 
 def element(tag: str, content: str = "", **attributes: object) -> Markup:
@@ -55,8 +59,12 @@ def rect(kind: str, corner: tuple[float, float, float, float], hover: str = "") 
 
 def word(x: float, y: float, text: str, kind: str | None = None, anchor: str | None = None) -> Markup:
     """Return text at a point [px]; `anchor` is "start", "middle" or "end"."""
-    return element("text", text, class_=kind, x=pixels(x), y=pixels(y), text_anchor=anchor)
+    return element("text", _typeset(text), class_=kind, x=pixels(x), y=pixels(y), text_anchor=anchor)
 
 
 def _title(text: str) -> Markup:
-    return element("title", text) if text else Markup()
+    return element("title", _typeset(text)) if text else Markup()
+
+
+def _typeset(text: str) -> str:
+    return re.sub(rf"\b({'|'.join(_GREEK)})\b", lambda found: _GREEK[found[0]], text)

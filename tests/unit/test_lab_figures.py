@@ -26,6 +26,7 @@ from mimics_app.lab.measure import Growth, Measured, MeasuredGroup
 from mimics_app.lab.stability_chart import draw_outcome
 from mimics_app.plotting.axis import Axis, format_number, format_ticks
 from mimics_app.plotting.drawing import text_width
+from mimics_app.plotting.marks import circle, word
 from mimics_app.plotting.panel import Label, Panel
 
 CHARTS = Path(__file__).parents[2] / "docs" / "charts"
@@ -66,6 +67,12 @@ def _read(folder: Path, stem: str) -> dict:
         raise AssertionError(f"{token} in {stem}.json")
 
     return json.loads((folder / f"{stem}.json").read_text(encoding="utf-8"), parse_constant=refuse)
+
+
+def test_micro_and_mu_are_drawn_as_such_and_words_stay():
+    assert ">cost [µs per call], 3 µm, μ F_N<" in word(0, 0, "cost [us per call], 3 um, mu F_N")
+    assert ">thus a bus<" in word(0, 0, "thus a bus")
+    assert "<title>5 µs</title>" in circle("dot", 0, 0, 1, "5 us")
 
 
 def test_chart_file_has_the_keys_in_order_and_finite_numbers(chart, tmp_path):
