@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from mimics_app.contracts.errors import UsageError, nearest
 from mimics_app.contracts.plugins import PluginGroup, fault_of_builder
 
-__all__ = ["DISPLAY_KINDS", "PLUGINS", "DisplayChoice", "display_names", "parse_display"]
+__all__ = [
+    "DISPLAY_KINDS",
+    "PLUGINS",
+    "DisplayChoice",
+    "DisplayKind",
+    "display_names",
+    "kind_of_display",
+    "parse_display",
+]
 
 
 def _fault_of(name: str, loaded: object) -> str:
@@ -20,21 +28,39 @@ def _fault_of(name: str, loaded: object) -> str:
 PLUGINS = PluginGroup("mimics_app.displays", _fault_of)
 """Displays of installed packages."""
 
-DISPLAY_KINDS: dict[str, Literal["never", "may", "must"]] = {
-    "desktop": "never",
-    "sbs": "never",
-    "sbs-half": "never",
-    "tb": "never",
-    "interleaved": "never",
-    "anaglyph": "never",
-    "quad": "never",
-    "wall": "must",
-    "cave": "must",
-    "hmd": "may",
-    "openxr": "never",
-    "sim-hmd": "may",
+
+class DisplayKind(NamedTuple):
+    """A kind of display.
+
+    Attributes:
+        caption: What it is, in a few words.
+        file: Whether it takes a file.
+    """
+
+    caption: str
+    file: Literal["never", "may", "must"] = "never"
+
+
+DISPLAY_KINDS = {
+    "desktop": DisplayKind("this screen"),
+    "sbs": DisplayKind("3D, side by side"),
+    "sbs-half": DisplayKind("3D, side by side, half width"),
+    "tb": DisplayKind("3D, top and bottom"),
+    "interleaved": DisplayKind("3D, line by line"),
+    "anaglyph": DisplayKind("3D, red and cyan glasses"),
+    "quad": DisplayKind("3D, shutter glasses"),
+    "wall": DisplayKind("a wall seen by a tracked head", "must"),
+    "cave": DisplayKind("walls around a tracked head", "must"),
+    "hmd": DisplayKind("head-mounted display", "may"),
+    "openxr": DisplayKind("headset"),
+    "sim-hmd": DisplayKind("simulated headset", "may"),
 }
-"""Built-in kinds of `--display`, and whether each takes a file; a plug-in may take one."""
+"""Built-in kinds of `--display`."""
+
+
+def kind_of_display(name: str) -> DisplayKind:
+    """Return a kind by its name; a plug-in may take a file."""
+    return DISPLAY_KINDS.get(name, DisplayKind(name, "may"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +88,7 @@ def parse_display(text: str) -> DisplayChoice:
     kind, colon, file = text.partition(":")
     if kind not in DISPLAY_KINDS and kind not in (known := display_names()):
         raise UsageError(f'there is no display "{kind}"', nearest(kind, known))
-    wants = DISPLAY_KINDS.get(kind, "may")
+    wants = kind_of_display(kind).file
     if wants == "must" and not file:
         raise UsageError(f"the display {kind} needs a file", f"write {kind}:FILE.json")
     if colon and wants == "never":

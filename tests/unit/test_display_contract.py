@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from mimics_app.contracts.display_choice import DISPLAY_KINDS, DisplayChoice
+from mimics_app.contracts.display_choice import DISPLAY_KINDS, DisplayChoice, kind_of_display
 from mimics_app.rendering.visual.displays.display_kinds import make_display
 from mimics_app.world.components.systems import DisplaySettings
 from tests.support.display_kit import check_display
@@ -48,7 +48,7 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def checked(kind: str, folder: Path) -> None:
     file = folder / "walls.json"
     file.write_text(json.dumps(WALLS))
-    choice = DisplayChoice(kind, str(file) if DISPLAY_KINDS.get(kind) == "must" else "")
+    choice = DisplayChoice(kind, str(file) if kind_of_display(kind).file == "must" else "")
     display, notice = make_display(choice, DisplaySettings(), SimpleNamespace(backend="egl"))
     assert (display.kind, notice) == (kind, "")
     check_display(display)

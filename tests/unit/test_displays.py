@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mimics_app.app.commands import devices
 from mimics_app.app.session.preparation import prepare
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.display_choice import DISPLAY_KINDS, DisplayChoice, parse_display
@@ -234,8 +235,8 @@ def test_wrong_headsets_are_refused_with_their_place(tmp_path: Path) -> None:
 
 
 def test_every_kind_of_display_is_read_and_others_are_not() -> None:
-    for kind, file in DISPLAY_KINDS.items():
-        text = kind if file != "must" else f"{kind}:walls.json"
+    for kind, of in DISPLAY_KINDS.items():
+        text = kind if of.file != "must" else f"{kind}:walls.json"
         assert str(parse_display(text)) == text
     assert parse_display("cave:a:b.json") == DisplayChoice("cave", "a:b.json")
     for wrong in ("cave", "wall:", "sbs:x.json", "sbss", ""):
@@ -284,3 +285,10 @@ def test_figures_stand_straight_before_a_headset_whose_panels_look_outwards() ->
     np.testing.assert_allclose(plane.right_world[1:], 0.0, atol=1e-12)
     np.testing.assert_allclose(plane.up_world[::2], 0.0, atol=1e-12)
     np.testing.assert_allclose(plane.origin_world[0] + 0.5 * plane.right_world[0], 0.0, atol=1e-12)
+
+
+def test_every_kind_of_display_is_described_and_listed_so() -> None:
+    rows = {row["name"]: row for row in devices._display_kinds({"ok": True})}
+    assert {name: rows[name]["about"] for name in DISPLAY_KINDS} == {n: k.caption for n, k in DISPLAY_KINDS.items()}
+    assert len({kind.caption for kind in DISPLAY_KINDS.values()}) == len(DISPLAY_KINDS)
+    assert devices._line(rows["wall"]["write"], rows["wall"]) == f"{'wall:FILE':<24} a wall seen by a tracked head"

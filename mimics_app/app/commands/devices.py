@@ -11,14 +11,17 @@ from __future__ import annotations
 import argparse
 import inspect
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.settings import PATIENTS
 from mimics_app.app.terminal.arguments import display_forms, positive_time, random_seed, whole_number
 from mimics_app.app.terminal.output import answer
 from mimics_app.contracts.errors import DeviceError, UsageError
+
+if TYPE_CHECKING:
+    from mimics_app.app.installation.plugins import PluginReport
 
 __all__ = ["add_arguments", "find_all", "run"]
 
@@ -160,9 +163,15 @@ def find_all() -> dict[str, Any]:
 
 def _display_kinds(headset: dict[str, Any]) -> list[dict[str, str]]:
     """Return every kind of --display, and why it is missing here."""
-    missing = {"openxr": "" if headset["ok"] else str(headset["error"])}
+    from mimics_app.app.installation.plugins import report_group
+    from mimics_app.contracts.display_choice import DISPLAY_KINDS, PLUGINS
+
+    known = {name: (kind.caption, "") for name, kind in DISPLAY_KINDS.items()}
+    known["openxr"] = (known["openxr"][0], "" if headset["ok"] else str(headset["error"]))
+    known = {plugin.name: (_about(plugin), plugin.error) for plugin in report_group(PLUGINS)} | known
     return [
-        {"name": kind, "write": written, "error": missing.get(kind, "")} for kind, written in display_forms().items()
+        {"name": name, "about": known[name][0], "write": written, "error": known[name][1]}
+        for name, written in display_forms().items()
     ]
 
 
@@ -178,13 +187,13 @@ def _plugged_in() -> Iterator[dict[str, Any]]:
     from mimics_app.rendering.haptic.devices.device_names import PLUGINS
 
     for plugin in report_group(PLUGINS):
-        about = inspect.getdoc(plugin.loaded) or "" if plugin.loaded is not None else ""
-        yield {
-            "name": plugin.name,
-            "about": about.splitlines()[0] if about else plugin.target,
-            "package": plugin.package,
-            "error": plugin.error,
-        }
+        yield {"name": plugin.name, "about": _about(plugin), "package": plugin.package, "error": plugin.error}
+
+
+def _about(plugin: PluginReport) -> str:
+    """Return the first line of a plug-in's docstring; its address without one."""
+    about = inspect.getdoc(plugin.loaded) or "" if plugin.loaded is not None else ""
+    return about.splitlines()[0] if about else plugin.target
 
 
 def _file_line(one: dict[str, str]) -> str:
@@ -193,6 +202,7 @@ def _file_line(one: dict[str, str]) -> str:
 
 def _lines(found: dict[str, Any]) -> list[str]:
     """Return the findings as lines of text."""
+    robots = [_line(one["name"], one) for one in found["devices"]]
     displays = [
         f"{one['name']}: {one['size_px'][0]} x {one['size_px'][1]} at {one['refresh_hz']} Hz"
         + (" (primary)" if one["primary"] else "")
@@ -200,9 +210,9 @@ def _lines(found: dict[str, Any]) -> list[str]:
     ]
     graphics = [one["backend"] for one in found["graphics"] if one["ok"]]
     return [
-        *_section("Robots and simulators (robot.device in a scene)", [_device_line(one) for one in found["devices"]]),
+        *_section("Robots and simulators (robot.device in a scene)", robots),
         *_section("Monitors", displays),
-        *_section("Displays (--display)", [_kind_line(one) for one in found["display_kinds"]]),
+        *_section("Displays (--display)", [_line(one["write"], one) for one in found["display_kinds"]]),
         *_section("Walls and headsets in this folder", [_file_line(one) for one in found["display_files"]]),
         *_section("Pictures by (--backend)", graphics),
         *_section("Gamepads", found["gamepads"]),
@@ -216,10 +226,5 @@ def _section(title: str, rows: Sequence[str]) -> list[str]:
     return [title, *(f"  {row}" for row in rows or ["none"]), ""]
 
 
-def _kind_line(kind: dict[str, str]) -> str:
-    return f"{kind['write']} [{kind['error']}]" if kind["error"] else kind["write"]
-
-
-def _device_line(device: dict[str, Any]) -> str:
-    line = f"{device['name']:<24} {device['about']}"
-    return f"{line} [cannot be loaded: {device['error']}]" if device["error"] else line
+def _line(name: str, row: Mapping[str, Any]) -> str:
+    return f"{name:<24} {row['about']}" + (f" [{row['error']}]" if row["error"] else "")

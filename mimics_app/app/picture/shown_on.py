@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from mimics_app.contracts.display_choice import DISPLAY_KINDS, DisplayChoice, parse_display
+from mimics_app.contracts.display_choice import DisplayChoice, kind_of_display, parse_display
 from mimics_app.contracts.display_port import Display
 from mimics_app.contracts.errors import SceneError, UsageError
 from mimics_app.rendering.visual.displays.display_kinds import check_display_file, make_display
@@ -50,7 +50,7 @@ def chosen_display(scene: Scene, requested: str) -> DisplayChoice:
     if requested:
         return parse_display(requested)
     settings = scene.system(DisplaySettings) or DisplaySettings()
-    if not settings.file or DISPLAY_KINDS.get(settings.kind) == "never":
+    if not settings.file or kind_of_display(settings.kind).file == "never":
         try:
             return parse_display(settings.kind)
         except UsageError as error:

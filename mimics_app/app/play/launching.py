@@ -11,7 +11,7 @@ from mimics_app.app.installation.serial_ports import list_serial_ports
 from mimics_app.app.scenes.shipped import GROUPS, ShippedScene, find_shipped, shipped_scenes, thumbnail_of
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal.user_files import read_config, write_config
-from mimics_app.contracts.display_choice import DISPLAY_KINDS, display_names
+from mimics_app.contracts.display_choice import display_names, kind_of_display
 from mimics_app.recording.history import EarlierRun, cut_off_runs, recent_runs
 from mimics_app.rendering.haptic.devices.device_names import (
     BUILT_IN,
@@ -31,19 +31,6 @@ _MOST_RECENT = 12
 _AT_WINDOW = ""
 """Value of the setting "who plays" for the person at the window."""
 
-_DISPLAYS = {
-    "": "as the scene says",
-    "desktop": "this screen",
-    "sbs": "3D, side by side",
-    "sbs-half": "3D, side by side, half width",
-    "tb": "3D, top and bottom",
-    "interleaved": "3D, line by line",
-    "anaglyph": "3D, red and cyan glasses",
-    "quad": "3D, shutter glasses",
-    "hmd": "head-mounted display",
-    "openxr": "headset",
-    "sim-hmd": "simulated headset",
-}
 _ADDRESSED = tuple(name for name in BUILT_IN if load_built_in(name).address)
 _SIMULATED = tuple(name for name in BUILT_IN if name.startswith("simulated"))
 
@@ -112,8 +99,9 @@ def _task_settings() -> list[Setting]:
 
 def _output_settings() -> list[Setting]:
     """Return the settings of picture and sound."""
-    kinds = ["", *(kind for kind in display_names() if DISPLAY_KINDS.get(kind) != "must")]
-    displays = {kind: _DISPLAYS.get(kind, kind) for kind in kinds} | _found_displays()
+    kinds = {name: kind_of_display(name) for name in display_names()}
+    captions = {name: kind.caption for name, kind in kinds.items() if kind.file != "must"}
+    displays = {"": "as the scene says", **captions, **_found_displays()}
     return [
         Setting(
             "profile",

@@ -8,7 +8,7 @@ from argparse import ArgumentParser, ArgumentTypeError
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from mimics_app.contracts.display_choice import DISPLAY_KINDS, display_names, parse_display
+from mimics_app.contracts.display_choice import DISPLAY_KINDS, display_names, kind_of_display, parse_display
 from mimics_app.contracts.errors import UsageError
 
 __all__ = [
@@ -151,7 +151,7 @@ def display_forms() -> dict[str, str]:
 
 
 def _form(kind: str) -> str:
-    return kind + {"never": "", "may": "[:FILE]", "must": ":FILE"}[DISPLAY_KINDS.get(kind, "may")]
+    return kind + {"never": "", "may": "[:FILE]", "must": ":FILE"}[kind_of_display(kind).file]
 
 
 def _display_kind(text: str) -> str:
