@@ -22,7 +22,7 @@ import llvmlite.binding as ll
 import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, NullCache, _CacheLocator
 from numba.core.compiler import CR_FIELDS, CompileResult
-from numba.core.runtime.nrt import rtsys
+from numba.core.runtime.nrt import _nrt, rtsys  # type: ignore[attr-defined]
 
 from mimics_app.contracts.kernel_sources import ROOT, changed_since_start, source_key
 from mimics_app.contracts.kernel_sweep import mark_used, sweep
@@ -197,9 +197,18 @@ class KernelFiles(CompileResultCacheImpl):
         return rebuilt(target_context, library, payload)
 
 
+def _register_runtime(_: Any) -> None:
+    """Register the functions of numba's runtime that are written in C, without compiling the others.
+
+    Those that numba compiles in each process are linked into every stored library already.
+    """
+    for name, address in _nrt.c_helpers.items():
+        ll.add_symbol(name if name.startswith("_") else f"NRT_{name}", address)
+
+
 def _make_known(symbols: Sequence[str], target_context: Any) -> None:
     """Have numba register the addresses of its own functions that machine code calls: of its runtime, else all."""
-    for make_known in (rtsys.initialize, type(target_context).refresh):
+    for make_known in (_register_runtime, rtsys.initialize, type(target_context).refresh):
         if all(ll.address_of_symbol(symbol) is not None for symbol in symbols):
             return
         make_known(target_context)

@@ -20,12 +20,15 @@ ROOT = Path(__file__).resolve().parents[2]
 _STARTED = wall_time().timestamp()
 """Start of this process [s since the epoch]: sources changed later may differ from those it loaded."""
 
+_PACKAGE = "__init__.py"
+"""Source file of a package itself."""
+
 _KEEPERS = frozenset(Path(__file__).resolve().with_name(f"kernel_{name}.py") for name in ("cache", "sources", "sweep"))
 """Modules that store machine code but do not affect it; not part of any key."""
 
-_IMPORT = re.compile(
-    rb"^[ \t]*(?:from[ \t]+(\.*[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n]*)|import[ \t]+([^\n]*))", re.MULTILINE
-)
+_IMPORT = re.compile(rb"\n[ \t]*(?:from[ \t]+(\.*[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n]*)|import[ \t]+([^\n]*))")
+"""An import and the end of the line before it: searching for a fixed first byte is several times as fast as for `^`."""
+
 _NAME = re.compile(rb"([\w.]+)(?:[ \t]+as[ \t]+\w+)?")
 
 
@@ -48,13 +51,24 @@ def _package_root(top: str) -> Path | None:
 
 
 @cache
+def _files_of(folder: str) -> frozenset[str]:
+    """Return the names in a folder; none where it does not exist."""
+    return frozenset(os.listdir(folder)) if os.path.isdir(folder) else frozenset()
+
+
+@cache
 def _source_of(name: str) -> Path | None:
     """Return the source file of a dotted module name, or None."""
-    root = _package_root(name.partition(".")[0])
+    top, *parts = name.split(".")
+    root = _package_root(top)
     if root is None:
         return None
-    place = os.path.join(root, *name.split("."))
-    return next((Path(file) for file in (f"{place}.py", f"{place}/__init__.py") if os.path.isfile(file)), None)
+    *packages, last = top, *parts
+    folder = os.path.join(root, *packages)
+    if f"{last}.py" in _files_of(folder):
+        return Path(folder, f"{last}.py")
+    package = os.path.join(folder, last)
+    return Path(package, _PACKAGE) if _PACKAGE in _files_of(package) else None
 
 
 def _names(imported: bytes) -> list[str]:
@@ -76,7 +90,7 @@ def _absolute(source: Path, name: str) -> str | None:
     for _ in range(dots - 1):
         package = package.parent
     parts: list[str] = []
-    while (package / "__init__.py").is_file():
+    while (package / _PACKAGE).is_file():
         parts.insert(0, package.name)
         package = package.parent
     return ".".join([*parts, name.lstrip(".")]).rstrip(".") if parts else None
@@ -91,13 +105,16 @@ def _read(source: Path) -> bytes:
 def _imports(source: Path) -> tuple[Path, ...]:
     """Return the sources that `source` imports directly, anywhere in its text."""
     found: set[Path] = set()
-    for origin, names, modules in _IMPORT.findall(_read(source)):
+    for origin, names, modules in _IMPORT.findall(b"\n" + _read(source)):
         if modules:
             found.update(file for name in _names(modules) if (file := _source_of(name)))
         elif base := _absolute(source, origin.decode()):
             own = _source_of(base)
-            found.update(file for name in _names(names) if (file := _source_of(f"{base}.{name}") or own))
-    return tuple(sorted(found))
+            if own is not None and own.name != _PACKAGE:  # no package: it has no modules
+                found.add(own)
+            else:
+                found.update(file for name in _names(names) if (file := _source_of(f"{base}.{name}") or own))
+    return tuple(found)
 
 
 @cache
@@ -115,7 +132,7 @@ def sources_reached(source: Path) -> tuple[Path, ...]:
     Installed third-party libraries and the cache's own modules are left out.
     """
     own = source.parent
-    while (own.parent / "__init__.py").is_file():
+    while (own.parent / _PACKAGE).is_file():
         own = own.parent
     reached, waiting = {source, *_KEEPERS}, [source]
     while waiting:

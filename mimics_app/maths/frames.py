@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import F8, Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths.vec import dot
 
@@ -36,24 +36,38 @@ def rotation_minimising_normals(points: F8, tangents: F8, first_normal: F8) -> F
     Returns:
         Unit normals, shape [m, 3]; the binormals are cross(tangents, normals).
     """
-    normals = np.empty_like(points)
-    normals[0] = first_normal
+    normals, chord, tangent, mirror = np.empty_like(points), np.empty(3), np.empty(3), np.empty(3)
+    for k in range(3):
+        normals[0, k] = first_normal[k]
     for i in range(len(points) - 1):
-        chord = points[i + 1] - points[i]
-        square = dot(chord, chord)
-        normal = normals[i].copy()
-        tangent = tangents[i].copy()
-        if square > 0.0:
-            normal -= 2.0 * dot(chord, normal) / square * chord
-            tangent -= 2.0 * dot(chord, tangent) / square * chord
-        mirror = tangents[i + 1] - tangent
-        square = dot(mirror, mirror)
-        if square > 0.0:
-            normal -= 2.0 * dot(mirror, normal) / square * mirror
+        normal, wanted = normals[i + 1], tangents[i + 1]
+        for k in range(3):
+            normal[k] = normals[i, k]
+            tangent[k] = tangents[i, k]
+            chord[k] = points[i + 1, k] - points[i, k]
+        _mirror(normal, chord)
+        _mirror(tangent, chord)
+        for k in range(3):
+            mirror[k] = wanted[k] - tangent[k]
+        _mirror(normal, mirror)
         # Reflections keep length and angle; this only removes rounding errors accumulated over many points.
-        normal -= dot(normal, tangents[i + 1]) * tangents[i + 1]
-        normals[i + 1] = normal / np.sqrt(dot(normal, normal))
+        along = dot(normal, wanted)
+        for k in range(3):
+            normal[k] -= along * wanted[k]
+        size = np.sqrt(dot(normal, normal))
+        for k in range(3):
+            normal[k] /= size
     return normals
+
+
+@kernel
+def _mirror(vector: Vec, normal: Vec) -> None:
+    """Mirror a vector in the plane with this normal of any length, in place; unchanged where that is zero."""
+    square = dot(normal, normal)
+    if square > 0.0:
+        along = 2.0 * dot(normal, vector) / square
+        for k in range(3):
+            vector[k] -= along * normal[k]
 
 
 def carry_normals(from_points: F8, from_tangents: F8, normals: F8, points: F8, tangents: F8) -> F8:
