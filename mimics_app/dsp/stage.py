@@ -17,7 +17,7 @@ from mimics_app.dsp.gsr import Gsr
 from mimics_app.dsp.movement import Head, Power, Speed
 from mimics_app.dsp.resp import Resp
 
-__all__ = ["CHANNELS", "NullDsp", "PhysioDsp"]
+__all__ = ["CHANNELS", "PhysioDsp"]
 
 CHANNELS: dict[str, Callable[[float], Channel]] = {c.name: c for c in (Ecg, Gsr, Emg, Resp, Speed, Power, Head)}
 """Processing of each signal by its name; signals of other names are recorded and not processed."""
@@ -25,14 +25,6 @@ CHANNELS: dict[str, Callable[[float], Channel]] = {c.name: c for c in (Ecg, Gsr,
 _SECOND = 1_000_000_000
 _SILENT_NS = 3 * _SECOND
 """Time without samples after which the quality of a signal is 0 [ns]."""
-
-
-class NullDsp:
-    """Stage of a scene without body signals: every frame is empty."""
-
-    def process(self, signals: Sequence[SignalBlock], now_ns: int) -> FeatureFrame:
-        """Return a frame without features at this time."""
-        return FeatureFrame(now_ns)
 
 
 class PhysioDsp:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import secrets
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -91,7 +90,7 @@ def _not_here(parent: Path, why: str) -> OutputError:
 
 def _new_folder(parent: Path) -> Path:
     for _ in range(_TRIES):
-        folder = parent / f"{wall_time():%Y%m%dT%H%M%SZ}_{secrets.token_hex(4)}"
+        folder = parent / f"{wall_time():%Y%m%dT%H%M%SZ}_{os.urandom(4).hex()}"
         try:
             folder.mkdir(mode=PRIVATE_FOLDER)  # fails when it exists: the O_EXCL of folders
         except FileExistsError:

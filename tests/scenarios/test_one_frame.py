@@ -14,7 +14,7 @@ from mimics_app.app.play.pace import run_virtual
 from mimics_app.app.play.stills import draw_stills
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.session.assembly import build_session
-from mimics_app.app.session.body import Body
+from mimics_app.app.session.body import Body, NullDsp
 from mimics_app.app.session.core import open_core
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare_scene
@@ -23,7 +23,6 @@ from mimics_app.app.sweep.patient import travel
 from mimics_app.contracts.errors import DeviceError, UsageError
 from mimics_app.contracts.messages import FeatureFrame, TaskAction
 from mimics_app.contracts.resources import root
-from mimics_app.dsp.stage import NullDsp
 
 TUNNEL = root() / "scenes" / "wavy_tunnel.json"
 MARKET = root() / "scenes" / "pick_and_place.json"

@@ -455,8 +455,8 @@ def test_reader_that_starts_inside_a_message_finds_the_next() -> None:
 
 
 def test_run_folder_is_never_an_old_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    tokens = iter(["00000000", "00000000", "11111111"])
-    monkeypatch.setattr(run_folder.secrets, "token_hex", lambda _: next(tokens))
+    tokens = iter([bytes(4), bytes(4), b"\x11" * 4])
+    monkeypatch.setattr(run_folder.os, "urandom", lambda _: next(tokens))
     first = create_run_folder(tmp_path / "runs")
     (first / "trials.csv").write_text("precious")
     second = create_run_folder(tmp_path / "runs")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import msgspec
@@ -11,15 +11,22 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.action_space import ActionSpace, Parameter
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.input_port import SignalSource
-from mimics_app.contracts.messages import FeatureFrame, TrialResult, UserState
+from mimics_app.contracts.messages import FeatureFrame, SignalBlock, TrialResult, UserState
 from mimics_app.contracts.stages import Dsp, Estimation, Goal, Learning
-from mimics_app.dsp.stage import NullDsp
 from mimics_app.learning.action_sequence import ActionSequence, load_action_sequence
 from mimics_app.learning.goals import TaskGoal
 from mimics_app.tasks.actions import build_action_space, build_learning_space
 from mimics_app.tasks.task import TaskSpec
 
-__all__ = ["Body", "NullEstimation", "make_stages", "open_body"]
+__all__ = ["Body", "NullDsp", "NullEstimation", "make_stages", "open_body"]
+
+
+class NullDsp:
+    """Signal processing of a scene without body signals: every frame is empty."""
+
+    def process(self, signals: Sequence[SignalBlock], now_ns: int) -> FeatureFrame:
+        """Return a frame without features at this time."""
+        return FeatureFrame(now_ns)
 
 
 class NullEstimation:

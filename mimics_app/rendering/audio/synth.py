@@ -124,11 +124,7 @@ def _strike(modes: tuple[tuple[float, float, float], ...], speed: float, take: i
     """Synthesise modes struck at a speed, normalised to CONTACT_RMS."""
     pulse = _force_pulse(speed, rate)
     length = int(0.25 * rate)
-    strike = np.random.default_rng(1000 + take).uniform(1.0 - TAKE_SPREAD, 1.0 + TAKE_SPREAD, len(modes))
-    response = np.zeros(length)
-    for (frequency, fall, weight), shape in zip(modes, strike, strict=True):
-        response += weight * shape * _ringing(length, rate, frequency, fall)
-    knock = np.convolve(response, pulse)[:length]
+    knock = np.convolve(_response(modes, take, length, rate), pulse)[:length]
     knock *= _fade_out(length, int(0.02 * rate))
     window = int(_LOUDNESS_WINDOW_S * rate)
     knock *= CONTACT_RMS / np.sqrt(np.mean(knock[:window] ** 2))
@@ -177,9 +173,19 @@ def _force_pulse(speed: float, rate: int) -> NDArray[np.float64]:
     return np.asarray(pulse / pulse.sum())
 
 
+@lru_cache(maxsize=8)
+def _response(modes: tuple[tuple[float, float, float], ...], take: int, length: int, rate: int) -> NDArray[np.float64]:
+    """Return the first `length` samples of modes struck at the point of a take; cached for all speeds."""
+    strike = np.random.default_rng(1000 + take).uniform(1.0 - TAKE_SPREAD, 1.0 + TAKE_SPREAD, len(modes))
+    response = np.zeros(length)
+    for (frequency, fall, weight), shape in zip(modes, strike, strict=True):
+        response += weight * shape * _ringing(length, rate, frequency, fall)
+    return response
+
+
 @lru_cache(maxsize=32)
 def _ringing(length: int, rate: int, frequency: float, fall_s: float) -> NDArray[np.float64]:
-    """`_mode_acceleration` of the first `length` samples, cached for all speeds and takes of an object."""
+    """`_mode_acceleration` of the first `length` samples, cached for all takes of an object."""
     return _mode_acceleration(np.arange(length) / rate, frequency, fall_s)
 
 

@@ -90,14 +90,14 @@ def draw_letters(atlas: GlyphAtlas, text: str, size: tuple[int, int], em: float)
 def _add_glyph(ink: F8, atlas: GlyphAtlas, glyph: tuple[F8, F8], pen: tuple[float, float], em: float) -> None:
     """Draw one glyph by its box and picture (see `Line`); `pen` is its position from the lower left corner [px]."""
     (left, bottom, wide, high), (u, v, across, up) = glyph
-    rows, columns = np.mgrid[0 : ink.shape[0], 0 : ink.shape[1]] + 0.5
+    rows, columns = (np.arange(size) + 0.5 for size in ink.shape)
     share_x = (columns - pen[0] - em * left) / (em * wide)
     share_y = (ink.shape[0] - rows - pen[1] - em * bottom) / (em * high)
-    inside = (share_x >= 0.0) & (share_x <= 1.0) & (share_y >= 0.0) & (share_y <= 1.0)
+    inside_x, inside_y = ((share >= 0.0) & (share <= 1.0) for share in (share_x, share_y))
     height, width = atlas.pixels.shape
-    distance = _sample(atlas.pixels, (u + across * share_x) * width - 0.5, (v + up * share_y) * height - 0.5)
-    away = (distance - 0.5) * atlas.spread * em / _ATLAS_EM
-    np.maximum(ink, np.where(inside, np.clip(away + 0.5, 0.0, 1.0), 0.0), out=ink)
+    x, y = (u + across * share_x[inside_x]) * width - 0.5, (v + up * share_y[inside_y]) * height - 0.5
+    away = (_sample(atlas.pixels, x[None, :], y[:, None]) - 0.5) * atlas.spread * em / _ATLAS_EM
+    ink[np.ix_(inside_y, inside_x)] = np.maximum(ink[np.ix_(inside_y, inside_x)], np.clip(away + 0.5, 0.0, 1.0))
 
 
 def _sample(pixels: U1, x: F8, y: F8) -> F8:

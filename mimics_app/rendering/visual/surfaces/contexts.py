@@ -24,6 +24,9 @@ _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
 _KEPT, _MMAP_FROM = 256 << 20, 32 << 20
 """Freed memory that is kept, and size from which memory is mapped instead, glibc's maximum [bytes]."""
 
+_EGL = "libEGL.so.1"
+"""Usual name of the library; the search for it by its short name would run a process."""
+
 _APT_EGL = "install it with: apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri"
 _APT_OSMESA = "install it with: apt-get install libosmesa6 (Mesa before 25.1), or use --backend egl"
 _OSMESA_NAMES = ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
@@ -99,7 +102,7 @@ class _EglSurface(Surface):
 
     def close(self) -> None:
         # A destroyed EGL context stays current until unbound, and a window opened later in this thread is refused.
-        library = ctypes.CDLL("libEGL.so.1")
+        library = ctypes.CDLL(_EGL)
         library.eglGetCurrentDisplay.restype = ctypes.c_void_p
         library.eglMakeCurrent.argtypes = [ctypes.c_void_p] * 4
         display = library.eglGetCurrentDisplay()
@@ -112,7 +115,9 @@ def _create_egl_context() -> moderngl.Context:
 
     create: Any = moderngl.create_context  # its signature omits the backend's settings
     try:
-        context: moderngl.Context = create(standalone=True, backend="egl", require=_GL_REQUIRED)
+        context: moderngl.Context = create(
+            standalone=True, backend="egl", require=_GL_REQUIRED, libgl="libGL.so.1", libegl=_EGL
+        )
     except Exception as error:  # glcontext raises plain Exception
         raise DeviceError(f"no EGL context with OpenGL 4.3 ({error})", _APT_EGL) from error
     return context
