@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import subprocess
@@ -9,6 +10,8 @@ import sys
 from typing import NamedTuple
 
 import pytest
+
+from mimics_app.app.cli import main
 
 HEAVY = {"numba", "moderngl", "glfw"}
 REFUSED = (
@@ -87,6 +90,19 @@ def test_what_is_not_there_is_refused_before_anything_heavy_is_imported(
     refusal = refusals[line]
     assert said in refusal.said
     assert refusal.code == code and not HEAVY & set(refusal.imported)
+
+
+class _Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.parametrize("stream", [_Terminal(), io.StringIO()], ids=["terminal", "file"])
+def test_a_run_says_on_a_terminal_at_once_what_it_loads(monkeypatch: pytest.MonkeyPatch, stream: io.StringIO) -> None:
+    monkeypatch.setattr(sys, "stderr", stream)
+    assert main(["run", "scenes/nowhere.json"]) == 3
+    assert stream.getvalue().startswith("mimics: loading nowhere: touch, sound, picture\n") == stream.isatty()
+    assert "there is no such scene" in stream.getvalue()
 
 
 @pytest.mark.parametrize("command", FAULTY)

@@ -122,6 +122,13 @@ def test_the_command_writes_a_file_and_says_its_levels(tmp_path, capsys):
     assert (tmp_path / "stone_levels.glb").is_file()
 
 
+def test_progress_has_a_step_for_each_level(tmp_path):
+    steps = []
+    write_levels(STONE, tmp_path / "stone.glb", (0.5, 0.2), progress=lambda share, what: steps.append((share, what)))
+    assert [share for share, _ in steps] == [0.0, 0.5]
+    assert "50%" in steps[0][1] and "20%" in steps[1][1]
+
+
 def test_the_viewer_counts_the_finest_level_alone(tmp_path):
     file, _ = write_ball(tmp_path)
     write_levels(file, tmp_path / "levels.glb")

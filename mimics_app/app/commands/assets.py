@@ -73,8 +73,10 @@ def _list(args: argparse.Namespace) -> int:
 
 
 def _levels(args: argparse.Namespace) -> int:
+    import sys
     from dataclasses import asdict
 
+    from mimics_app.app.terminal.progress import ProgressBar
     from mimics_app.world.simplify.level_writer import SHARES, write_levels
 
     file = Path(args.name)
@@ -82,7 +84,8 @@ def _levels(args: argparse.Namespace) -> int:
         raise UsageError("the model is missing", "mimics assets levels MODEL.glb")
     out = args.out / f"{file.stem}_levels.glb"
     try:
-        levels = write_levels(file, out, args.shares or SHARES, args.pixels)
+        with ProgressBar(sys.stderr) as bar:
+            levels = write_levels(file, out, args.shares or SHARES, args.pixels, bar.show)
     except ValueError as error:
         raise UsageError(str(error), "for example --shares 0.5 0.2 0.06") from error
     none = "" if levels else ": every mesh has levels already, or cannot be simplified without a visible error"

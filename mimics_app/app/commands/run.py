@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from dataclasses import fields
 from pathlib import Path
 
@@ -174,6 +175,8 @@ def _add_session(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the scene and print its result."""
+    if args.journey is None and sys.stderr.isatty():  # seconds pass before a window or a bar shows anything
+        say(f"loading {args.scene.stem}: touch, sound, picture")
     from mimics_app.app.play.journey_log import JourneyLog
 
     with JourneyLog(args.journey).reporting():

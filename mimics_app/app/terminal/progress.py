@@ -21,15 +21,15 @@ def draw_bar(share: float) -> str:
 
 
 class ProgressBar:
-    """A bar over a known number of steps, each with a caption.
+    """A bar with a caption, over a number of steps or a share.
 
     Args:
         stream: Stream to write to; nothing is written unless it is a terminal.
-        total: Number of steps.
+        total: Number of steps; unused with `show`.
         done: Number of steps that were done before.
     """
 
-    def __init__(self, stream: TextIO, total: int, done: int = 0) -> None:
+    def __init__(self, stream: TextIO, total: int = 1, done: int = 0) -> None:
         self._stream = stream
         self._total = max(total, 1)
         self._done = done
@@ -47,7 +47,11 @@ class ProgressBar:
 
     def step(self, word: str) -> None:
         """Show the caption of the step that begins; the previous step is done."""
-        if self._shown:
-            self._stream.write(f"\r\x1b[K{draw_bar(self._done / self._total)}  {word[:60]}")
-            self._stream.flush()
+        self.show(self._done / self._total, word)
         self._done += 1
+
+    def show(self, share: float, word: str) -> None:
+        """Show the share that is done, 0 to 1, and a caption of what follows."""
+        if self._shown:
+            self._stream.write(f"\r\x1b[K{draw_bar(share)}  {word[:60]}")
+            self._stream.flush()

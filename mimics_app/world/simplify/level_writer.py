@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import mimetypes
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -36,6 +36,9 @@ _MAX_SHARE = 0.8
 
 _ELEMENT_BUFFER, _U4 = 34963, 5125
 
+_Progress = Callable[[float, str], None]
+"""Called before each level of a mesh with the share that is done, 0 to 1, and what follows."""
+
 
 @dataclass(frozen=True)
 class MeshLevels:
@@ -54,7 +57,17 @@ class MeshLevels:
     coverages: tuple[float, ...]
 
 
-def write_levels(file: Path, out: Path, shares: Sequence[float] = SHARES, pixels: float = 1.0) -> list[MeshLevels]:
+def _say_nothing(share: float, what: str) -> None:
+    """Progress that nobody follows."""
+
+
+def write_levels(
+    file: Path,
+    out: Path,
+    shares: Sequence[float] = SHARES,
+    pixels: float = 1.0,
+    progress: _Progress = _say_nothing,
+) -> list[MeshLevels]:
     """Read a .glb or .gltf file and write it as .glb with levels of detail (MSFT_lod, MSFT_screencoverage).
 
     A level is shown where its error is below `pixels` in a picture of 1920 x 1080. Meshes that get no
@@ -65,6 +78,7 @@ def write_levels(file: Path, out: Path, shares: Sequence[float] = SHARES, pixels
         out: Output file.
         shares: Share of a mesh's triangles for each level, decreasing; at most seven.
         pixels: Maximum visible error [px].
+        progress: Follows the work, which takes minutes for large models.
 
     Returns:
         One item for each mesh that has levels now.
@@ -73,13 +87,15 @@ def write_levels(file: Path, out: Path, shares: Sequence[float] = SHARES, pixels
         SceneError: the file cannot be read, or has faults.
         ValueError: the shares do not decrease from below 1 to above 0.
     """
-    data, levels = add_levels(open_gltf(file, file.resolve().parent, str(file)), shares, pixels)
+    data, levels = add_levels(open_gltf(file, file.resolve().parent, str(file)), shares, pixels, progress)
     out.parent.mkdir(parents=True, exist_ok=True)
     out.write_bytes(data)
     return levels
 
 
-def add_levels(source: GltfSource, shares: Sequence[float], pixels: float = 1.0) -> tuple[bytes, list[MeshLevels]]:
+def add_levels(
+    source: GltfSource, shares: Sequence[float], pixels: float = 1.0, progress: _Progress = _say_nothing
+) -> tuple[bytes, list[MeshLevels]]:
     """Return an opened file as .glb with levels of detail, and the levels; see `write_levels`.
 
     Raises:
@@ -89,7 +105,7 @@ def add_levels(source: GltfSource, shares: Sequence[float], pixels: float = 1.0)
     steps = itertools.pairwise([1.0, *shares, 0.0])
     if not 1 <= len(shares) < MAX_LEVELS or any(after >= before for before, after in steps):
         raise ValueError(f"{list(shares)} are not 1 to {MAX_LEVELS - 1} decreasing shares between 1 and 0")
-    levels = _LevelWriter(source, shares, pixels).add_levels()
+    levels = _LevelWriter(source, shares, pixels).add_levels(progress)
     return pack_glb(source.json, source.binary or b""), levels
 
 
@@ -117,26 +133,32 @@ class _LevelWriter:
         self._accessors = GltfAccessors(source, GltfBuffers(source))
         self._vertices = LevelVertices(source, self._accessors, self._blob)
         self._skins = GltfSkins(source, self._accessors).read_all()
-        self._made: dict[tuple[int, int | None], tuple[list[int], MeshLevels] | None] = {}
 
-    def add_levels(self) -> list[MeshLevels]:
+    def add_levels(self, progress: _Progress) -> list[MeshLevels]:
         """Add levels to every node of the file that has a mesh."""
+        wanted = self._wanted()
+        meshes = list(dict.fromkeys(key for _, key in wanted))
+        made = {key: self._coarsen(*key, _part_of(progress, k, len(meshes))) for k, key in enumerate(meshes)}
+        for node, key in wanted:
+            if levels := made[key]:
+                self._attach(node, *levels)
+        _hold(self._source, self._blob)
+        return [each[1] for each in made.values() if each is not None]
+
+    def _wanted(self) -> list[tuple[dict[str, Any], tuple[int, int | None]]]:
+        """Return the nodes that get levels, each with its mesh and skin."""
         source, nodes = self._source, list(self._source.table("nodes"))
         levels = [source.object(node.get("extensions", {}), "MSFT_lod", "/nodes") for node in nodes]
         coarser = {id_ for level in levels for id_ in level.get("ids", ())}
+        wanted = []
         for number, node in enumerate(nodes):
             if "mesh" not in node or levels[number] or number in coarser:
                 continue
             place = f"/nodes/{number}"
             mesh = source.index(node["mesh"], len(source.table("meshes")), "meshes", f"{place}/mesh")
             skin = source.index(node["skin"], len(self._skins), "skins", f"{place}/skin") if "skin" in node else None
-            if (mesh, skin) not in self._made:
-                self._made[mesh, skin] = self._coarsen(mesh, skin)
-            made = self._made[mesh, skin]
-            if made is not None:
-                self._attach(node, *made)
-        _hold(source, self._blob)
-        return [made[1] for made in self._made.values() if made is not None]
+            wanted.append((node, (mesh, skin)))
+        return wanted
 
     def _attach(self, node: dict[str, Any], meshes: list[int], levels: MeshLevels) -> None:
         nodes, kept = self._source.json["nodes"], ("translation", "rotation", "scale", "matrix", "skin", "weights")
@@ -150,14 +172,16 @@ class _LevelWriter:
         if "MSFT_lod" not in used:
             used.append("MSFT_lod")
 
-    def _coarsen(self, mesh: int, skin: int | None) -> tuple[list[int], MeshLevels] | None:
+    def _coarsen(self, mesh: int, skin: int | None, progress: _Progress) -> tuple[list[int], MeshLevels] | None:
         """Return (indices of the coarser meshes, their levels); None where none is smaller."""
         source = self._source
         fine = source.table("meshes")[mesh]
         parts = [self._part(each, f"/meshes/{mesh}/primitives/{k}", skin) for k, each in enumerate(fine["primitives"])]
+        name = str(fine.get("name", f"mesh {mesh}"))
         count = sum(len(part.indices) // 3 for part in filter(None, parts))
         triangles, errors, meshes = [count], [0.0], []
-        for share in self._shares:
+        for level, share in enumerate(self._shares):
+            progress(level / len(self._shares), f"{name}: {share:.0%} of {count} triangles")
             coarse = [None if part is None else part.decimate(share) for part in parts]
             left = sum(each.triangle_count for each in coarse if each)
             if not left or left > _MAX_SHARE * triangles[-1]:
@@ -176,7 +200,6 @@ class _LevelWriter:
             return None
         every = np.concatenate([part.positions for part in filter(None, parts)])
         radius = float(np.linalg.norm(every - 0.5 * (every.min(axis=0) + every.max(axis=0)), axis=1).max())
-        name = str(fine.get("name", f"mesh {mesh}"))
         return meshes, MeshLevels(name, tuple(triangles), tuple(errors), coverages_of(radius, errors, self._pixels))
 
     def _put(self, primitive: dict[str, Any], part: _Part, coarse: Decimated) -> float:
@@ -217,6 +240,11 @@ class _LevelWriter:
         self._blob += data
         accessors.append({"bufferView": len(views) - 1, "componentType": _U4, "count": len(indices), "type": "SCALAR"})
         return len(accessors) - 1
+
+
+def _part_of(progress: _Progress, number: int, count: int) -> _Progress:
+    """Return the progress of one of `count` equal parts of the work."""
+    return lambda share, what: progress((number + share) / count, what)
 
 
 def _gather(source: GltfSource) -> bytearray:
