@@ -54,9 +54,9 @@ COMMANDS: dict[str, str] = {
 
 _PROGRAM = "mimics"
 _LAUNCHER = "launch"
-_YOUNG_OBJECTS = 250_000
-"""Threshold of the garbage collector's youngest generation [objects]. A start makes 200,000 objects that all stay, and
-searching them for cycles takes a tenth of it at Python's own threshold of 700, a thirtieth at 50,000."""
+_YOUNG_OBJECTS = 400_000
+"""Threshold of the garbage collector's youngest generation [objects]. A start makes 250,000 to 330,000 objects that all
+stay: searching them for cycles takes a tenth of it at Python's own threshold of 700, a thirtieth at 50,000."""
 
 _CURES = dict.fromkeys(
     (errno.EROFS, errno.EACCES, errno.EPERM, errno.EEXIST, errno.ENOTDIR, errno.EISDIR), "name another file or folder"

@@ -80,6 +80,7 @@ def draw_whole(steady: Renderer, seen: View) -> np.ndarray:
     """Draw the frame of a renderer with another one that knows no frame before; return the pixels."""
     surface = steady._surface
     fresh = Renderer(surface, steady.world, steady.settings)
+    fresh.hud = steady.hud
     # Where boxes about the casters are may depend on the frames before.
     fresh._shadows._box, fresh._shadows._cascades = steady._shadows._box, steady._shadows._cascades
     fresh.draw([seen])
@@ -176,6 +177,30 @@ def test_a_picture_drawn_in_parts_is_the_one_drawn_as_a_whole(settings, drawn_pa
     area = [sum(part[2] * part[3] for part in parts if part) for parts in drawn_parts]
     whole = SIZE[0] * SIZE[1] * settings.scale**2
     assert 0.0 < np.median(area) < 0.5 * whole
+
+
+@pytest.mark.parametrize(
+    "settings", [PLAIN, replace(PLAIN, msaa=4), replace(PLAIN, fxaa=True)], ids=["plain", "samples", "filtered"]
+)
+def test_pictures_far_apart_are_drawn_in_parts_from_the_second_on(settings, drawn_parts):
+    world = make_world()
+    with create_surface("egl", SIZE) as surface:
+        rare = Renderer(surface, world, settings, sparse=True)
+        for step in range(27):
+            CHANGES.get(step, lambda world: None)(world)
+            for k in range(3):
+                world.find("ball").set_position((0.6 * np.sin(0.3 * step + 0.1 * k), 0.9, 0.3))
+                world.effects.time = step / 20.0 + k / 60.0
+                world.update()
+            rare.hud.clear()
+            rare.hud.box(40.3 + 17.0 * step, 30.7, 300.0, 80.0, (0.1, 0.1, 0.1, 0.7), radius=9.0)
+            rare.hud.text(60.0 + 17.0 * step, 55.2, f"step {step}", 40.0)
+            seen, before = view(0.1 if step >= 24 else 0.0), len(drawn_parts)
+            rare.draw([seen])
+            ours = read_pixels(surface)
+            assert len(drawn_parts) - before <= (step >= 1 and step not in WHOLE), step
+            assert np.array_equal(ours, draw_whole(rare, seen)), step
+    assert len(drawn_parts) >= 15
 
 
 def test_what_is_drawn_without_depth_is_added_once_beside_what_changed(monkeypatch):

@@ -102,6 +102,7 @@ class Picture:
         settings: Quality.
         camera: Entity whose camera is used; "": the first.
         display: The display, closed with the picture; None: that of the scene.
+        sparse: True for single pictures of a session, see `Renderer`.
 
     Attributes:
         surface: The surface.
@@ -124,11 +125,13 @@ class Picture:
         settings: RenderSettings,
         camera: str = "",
         display: Display | None = None,
+        *,
+        sparse: bool = False,
     ) -> None:
         self.surface = surface
         self._wanted = camera
         self.presenter = Presenter(display or open_display(scene, "", surface), surface)
-        self.renderer = Renderer(self.presenter.drawn, world, settings)
+        self.renderer = Renderer(self.presenter.drawn, world, settings, sparse=sparse)
         self.film: Film | None = None
         self.keys: Keys = ()
         self._layout = BoardLayout()

@@ -44,10 +44,13 @@ class Album:
         if due or self._session.settings.video is not None:
             self._draw(frames, keep=due)
 
-    def finish(self, frames: Frames) -> list[Path]:
-        """Return the files once they are written; the last frame is saved where the run was too short for any other."""
+    def finish(self, frames: Frames) -> None:
+        """Draw the last frame where the run was too short for any other."""
         if not self._files and self._wanted > 0 and frames.number > 0:
             self._draw(frames, keep=True)
+
+    def written(self) -> list[Path]:
+        """Return the files once they are written."""
         if self._writer is not None:
             self._wait()
             self._writer.shutdown()
@@ -101,6 +104,7 @@ class Album:
         surface = open_offscreen("auto", session.settings.picture_size)
         quality = picture_quality(session.scene, session.settings.profile)
         display = open_display(session.scene, session.settings.display, surface)
-        picture = Picture(surface, session.scene, session.world, quality, display=display)
+        sparse = session.settings.video is None
+        picture = Picture(surface, session.scene, session.world, quality, display=display, sparse=sparse)
         session.show(picture)
         return picture

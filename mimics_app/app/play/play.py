@@ -69,14 +69,15 @@ def play(settings: RunSettings, *, as_json: bool, read: Scene | None = None) -> 
             sys.stderr.write(f"mimics: no display: {_WHO_PLAYS[session.live]}\n")
         if windowed:
             _play_in_window(session, frames, log)
-            pictures: list[Path] = []
+            album = None
         elif session.live:
-            pictures = _play_unseen(session, frames)
+            album = _play_unseen(session, frames)
         else:
-            pictures = _play_headless(session, frames, log)
+            album = _play_headless(session, frames, log)
         sound = session.end_stages()
         summary = summarise(session, frames, sound, (MonotonicClock().now_ns() - started) * 1e-9)
         manifest = session.finish(summary)
+        pictures = album.written() if album is not None else []
     report, whole = _report(session, manifest)
     answer = {**summary, "state_hash": manifest.state_hash, "report": str(report or ""), "pictures": pictures}
     if session.film is not None:
@@ -183,7 +184,7 @@ def open_picture(session: Session, surface: Surface, *, keep: bool = False) -> N
     session.window = surface if keep else None
 
 
-def _play_headless(session: Session, frames: Frames, log: JourneyLog) -> list[Path]:
+def _play_headless(session: Session, frames: Frames, log: JourneyLog) -> Album:
     """Let the simulated patient play on the virtual clock; only frames that are saved are drawn."""
     album, values = Album(session), ValuePicture(session)
     progress = ProgressLine(sys.stderr, session, log)
@@ -195,13 +196,15 @@ def _play_headless(session: Session, frames: Frames, log: JourneyLog) -> list[Pa
 
     run_virtual(session, frames, after_frame)
     progress.end()
-    return album.finish(frames)
+    album.finish(frames)
+    return album
 
 
-def _play_unseen(session: Session, frames: Frames) -> list[Path]:
+def _play_unseen(session: Session, frames: Frames) -> Album:
     """Play with a device that runs in real time: live loop, no window."""
     album = Album(session)
     start_loop(session)
     with frozen_objects():
         run_unseen(session, frames, album.look)
-    return album.finish(frames)
+    album.finish(frames)
+    return album

@@ -71,6 +71,7 @@ class Renderer:
         settings: Quality.
         clock: Clock for `FrameStats`.
         shader_folder: Folder of the shaders; None: the installation's.
+        sparse: True for single pictures of a session: parts of the last one are reused from the second on.
     """
 
     def __init__(
@@ -81,14 +82,14 @@ class Renderer:
         *,
         clock: Clock | None = None,
         shader_folder: Path | None = None,
+        sparse: bool = False,
     ) -> None:
         self.world = world
         self.settings = settings or RenderSettings()
         self._surface = surface
         self._clock = clock or MonotonicClock()
-        self._shader_folder = shader_folder
-        self.hud = Hud()
-        self.timing = False
+        self._shader_folder, self._sparse = shader_folder, sparse
+        self.hud, self.timing = Hud(), False
         self._overlay: Overlay | None = None
         self._make_stages()
 
@@ -102,13 +103,13 @@ class Renderer:
         self._list = DrawList(self._arena, self._materials)
         self._frame = FrameBuffers(ctx, self._arena)
         self._bending = Bending(ctx, self._shaders, self._arena, self.settings.skinning)
-        self._picture = PictureTarget(surface, self._shaders, self.settings)
+        self._picture = PictureTarget(surface, self._shaders, self.settings, board_within=self._sparse)
         self._shadows = ShadowStage(ctx, self.settings.shadow_size)
         self._world = WorldStage(ctx, self._shaders, self._frame, self.settings, has.texture_size)
         self._effects: EffectStage | None = None
         self._hud_pass = HudPass(ctx, self._shaders)
         self._pictures = PictureStage(ctx, self._shaders)
-        self._still = StillPicture()
+        self._still = StillPicture(sparse=self._sparse)
         self._materials.live = self._pictures.pictures
         # Once requested, the shaders keep reading it: a governor's step compiles nothing.
         self._ambient = False
@@ -278,7 +279,8 @@ class Renderer:
             self._still.forget()
             parts = None
         else:
-            parts = self._still.parts(capture_frame(scene, views[0], place, self._list, self._shaders.replaced))
+            hud = self.hud if self._sparse else None
+            parts = self._still.parts(capture_frame(scene, views[0], place, self._list, self._shaders.replaced, hud))
         self._picture.keep = self._still.keeps
         return parts
 
@@ -305,7 +307,7 @@ class Renderer:
         lights = light_features(lighting, settings)
         features = lights | ({"AMBIENT_OCCLUSION"} if self._ambient else frozenset())
         fates = self._overlay is not None and self._overlay.needs_fates
-        self._list.update(self.world, settings, light_features=features, fates=fates)
+        self._list.update(self.world, settings, light_features=features, fates=fates, sparse=self._sparse)
         self._frame.begin()
         sizes = [self._picture.rectangle(view.rectangle)[2:] for view in views]
         coarser = math.sqrt(min(map(fewer_pixels, views, sizes)))
@@ -373,10 +375,8 @@ class Renderer:
 
     def _draw_over(self, views: Sequence[View], parts: list[ChangedPart] | None) -> int:
         """Filter and show the world's picture; draw insets and heads-up display over it at full resolution."""
-        rectangles = [view.rectangle for view in views]
-        if self._picture.filtered:
-            return self._picture.end(rectangles, parts) + self._draw_hud(views)
-        return self._draw_hud(views) + self._picture.end(rectangles)
+        end = partial(self._picture.end, [view.rectangle for view in views], parts)
+        return self._draw_hud(views) + end() if self._picture.takes_board else end() + self._draw_hud(views)
 
     def _draw_hud(self, views: Sequence[View]) -> int:
         draws = self._pictures.draw_insets(self.world, views, self.settings.hud_depth)

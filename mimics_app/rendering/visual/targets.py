@@ -29,11 +29,18 @@ class PictureTarget:
         settings: Settings of the frame: samples, scale and filters.
         keep: True to draw into a buffer of its own that the next frame finds unchanged.
         holds: True while that buffer has the last frame's world; set by the renderer.
+
+    Args:
+        board_within: True to draw the heads-up display into a kept multisampled buffer, too, so that its edges are
+            smoothed as in a picture that is not kept.
     """
 
-    def __init__(self, surface: Surface, shaders: ShaderLibrary, settings: RenderSettings) -> None:
+    def __init__(
+        self, surface: Surface, shaders: ShaderLibrary, settings: RenderSettings, *, board_within: bool = False
+    ) -> None:
         self.settings = settings
         self.keep = self.holds = False
+        self._board_within = board_within
         self._surface = surface
         self._most_samples = surface.ctx.max_samples
         self._bloom = BloomPass(surface.ctx, shaders, settings)
@@ -58,6 +65,12 @@ class PictureTarget:
     def filtered(self) -> bool:
         """Whether the world is drawn into another framebuffer than the surface's own."""
         return self.keep or bool(self._filters)
+
+    @property
+    def takes_board(self) -> bool:
+        """Whether the heads-up display is drawn into the world's framebuffer."""
+        kept_with_board = self._board_within and self.samples > 0 and not self._filters
+        return kept_with_board or not self.filtered
 
     @property
     def size(self) -> Size:

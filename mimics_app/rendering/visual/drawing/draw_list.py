@@ -76,7 +76,7 @@ class DrawList:
         centres: Centres of their bounding spheres, world [m], float64 [n, 3].
         radii: Radii of the spheres [m], float64 [n].
         tally: Counts since the last update.
-        moved: Items that moved or changed their shape in the last update, [n]; None where unknown.
+        moved: Items that moved or changed their shape since the update before, [n]; None where unknown.
         rewritten: Items whose mesh was rewritten in place since the structure changed, [n].
         remade: True where looks, meshes, settings or the world changed in the last update.
         drawn: Items drawn in a view since they were last set to False; all where the structure changed, [n].
@@ -94,13 +94,20 @@ class DrawList:
         self.remade = True
         self._updates = 0
         self._world: F8 = np.zeros((0, 4, 4))
+        self._last: F8 | None = None
         self._casters: dict[float, Casters] = {}
         self._coarser: dict[float, tuple[Casters, Casters]] = {}
         self._bent: dict[SkinnedBody, int] = {}
         self.fates: U1 | None = None
 
     def update(
-        self, world: World, settings: RenderSettings, *, light_features: frozenset[str], fates: bool = False
+        self,
+        world: World,
+        settings: RenderSettings,
+        *,
+        light_features: frozenset[str],
+        fates: bool = False,
+        sparse: bool = False,
     ) -> None:
         """Rebuild the items where the world's structure changed, and update the bounds of what moved.
 
@@ -109,6 +116,8 @@ class DrawList:
             settings: Quality; determines techniques and occluders.
             light_features: See `MaterialStore.update`.
             fates: True records the fate of each item.
+            sparse: True where the world is updated several times between two calls: what moved is then found by
+                comparison with the matrices of the last call.
         """
         listed = world.subentities()
         worth = len(listed.row) >= MIN_ITEMS
@@ -134,7 +143,7 @@ class DrawList:
         self._world = world.transforms.world
         before = self._shown.copy()
         np.multiply(listed.visible, self.items.drawable, out=self._shown)
-        moved = self._move(world, everything=stale, other=other)
+        moved = self._move(world, everything=stale, other=other, sparse=sparse)
         if stale or moved or not np.array_equal(before, self._shown):
             self._casters.clear()
             self._coarser.clear()
@@ -152,13 +161,17 @@ class DrawList:
         """T_world_from_node per row, [rows, 4, 4]."""
         return self._world
 
-    def _move(self, world: World, *, everything: bool, other: bool) -> int:
+    def _move(self, world: World, *, everything: bool, other: bool, sparse: bool) -> int:
         """Update the bounding spheres; return how many items moved or changed their shape."""
         items, transforms, last = self.items, world.transforms, self._updates
         self._updates = transforms.updates
         skipped = other or transforms.updates > last + 1
         missed = everything or skipped
         changed = transforms.changed if transforms.updates > last else np.zeros_like(transforms.changed)
+        if sparse:
+            before, self._last = self._last, transforms.world.copy()
+            if skipped and not other and before is not None and len(before) == len(self._last):
+                changed, skipped = (before != self._last).any(axis=(1, 2)).astype(np.uint8), False
         rewritten, bent = self._arena.rewritten, self._newly_bent(world)
         if rewritten or bent:
             changed = changed.copy()

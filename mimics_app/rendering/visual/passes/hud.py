@@ -19,7 +19,7 @@ from mimics_app.rendering.visual.view import View
 if TYPE_CHECKING:
     import moderngl
 
-__all__ = ["HudPass", "HudPlane", "clip_from_hud", "plane_of_views"]
+__all__ = ["HudPass", "HudPlane", "clip_from_hud", "places_of", "plane_of_views"]
 
 
 _GLYPH_BINDING, _IMAGE_BINDING = 2, 3
@@ -75,6 +75,14 @@ def plane_of_views(views: Sequence[View], depth: float) -> HudPlane:
         depth: Distance from the eyes [m], limited by near and far plane, and for two eyes by comfortable convergence.
     """
     return _plane_of(tuple(views), depth)
+
+
+def places_of(hud: Hud, view: View, depth: float) -> F8:
+    """Return the rectangles of the content on the only view, as shares of it: left, right, bottom, top, [n, 4]."""
+    plane = plane_of_views([view], depth)
+    left, bottom, width, height = np.asarray(hud.rows()["box"], np.float64).T
+    edges = (left / plane.canvas_width, (left + width) / plane.canvas_width)
+    return np.column_stack([*edges, bottom / plane.canvas_height, (bottom + height) / plane.canvas_height])
 
 
 @lru_cache(maxsize=4)

@@ -10,7 +10,9 @@ import numpy as np
 from mimics_app.contracts.arrays import B1, F8
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.effects.projectors import Beam
+from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.passes.cord import CORD_BLOCK, fill_cord_block
+from mimics_app.rendering.visual.passes.hud import places_of
 from mimics_app.rendering.visual.shadows.shadow_maps import ShadowMap
 from mimics_app.rendering.visual.stages.world_stage import FrameScene
 from mimics_app.rendering.visual.view import Rect, View
@@ -66,6 +68,8 @@ class SeenFrame:
         sun: Unit vector towards the sun, [3]; None where it has no shadow map.
         maps: Shadow maps of the sun.
         cones: True where spot lights have shadow maps.
+        board: Rectangles of the heads-up display where it is drawn into the kept picture, as shares of the picture:
+            left, right, bottom, top, float64 [m, 4].
     """
 
     fixed: object
@@ -81,6 +85,7 @@ class SeenFrame:
     sun: F8 | None
     maps: list[ShadowMap]
     cones: bool
+    board: F8
 
 
 def may_keep(scene: FrameScene, views: Sequence[View], rectangle: Rect) -> bool:
@@ -91,7 +96,9 @@ def may_keep(scene: FrameScene, views: Sequence[View], rectangle: Rect) -> bool:
     return len(views) == 1 and rectangle[2] * rectangle[3] >= _MIN_PIXELS and plain and not living
 
 
-def capture_frame(scene: FrameScene, view: View, rectangle: Rect, listed: DrawList, shaders: int) -> SeenFrame:
+def capture_frame(
+    scene: FrameScene, view: View, rectangle: Rect, listed: DrawList, shaders: int, hud: Hud | None
+) -> SeenFrame:
     """Capture what a frame's picture depends on.
 
     Args:
@@ -100,6 +107,7 @@ def capture_frame(scene: FrameScene, view: View, rectangle: Rect, listed: DrawLi
         rectangle: Rectangle in the target [px].
         listed: Its draw list.
         shaders: Number of programs replaced by reloads so far.
+        hud: The heads-up display that is drawn into the kept picture, None where it is drawn over it.
     """
     plan, lighting, world = scene.plan, scene.lighting, scene.world
     fixed = (
@@ -120,6 +128,7 @@ def capture_frame(scene: FrameScene, view: View, rectangle: Rect, listed: DrawLi
         sun=lighting.sun_direction if plan.sun else None,
         maps=plan.sun,
         cones=bool(plan.spots),
+        board=np.zeros((0, 4)) if hud is None else places_of(hud, view, scene.settings.hud_depth),
     )
 
 

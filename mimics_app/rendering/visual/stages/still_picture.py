@@ -47,12 +47,15 @@ class StillPicture:
 
     While camera, light and most bodies do not move, most pixels equal those of the last frame, to the bit.
 
+    Args:
+        sparse: True where frames are far apart in time: the first one is kept already.
+
     Attributes:
         keeps: True while frames are kept: the camera does not move.
     """
 
-    def __init__(self) -> None:
-        self.keeps = False
+    def __init__(self, *, sparse: bool = False) -> None:
+        self.keeps = sparse
         self._steady = self._restless = 0
         self._shapes: ShapeBoxes | None = None
         self._before = _Before()
@@ -80,7 +83,9 @@ class StillPicture:
             return None
         changed |= before.placed.shown != placed.shown
         hulls = self._find(before.placed, placed, seen, changed)
-        return None if hulls is None else self._cover(seen, hulls, sprites, _changed_overlaid(before.seen, seen))
+        boards = [before.seen.board, seen.board]
+        overlaid = _changed_overlaid(before.seen, seen)
+        return None if hulls is None else self._cover(seen, hulls, sprites, overlaid, boards)
 
     def _count(self, *, alike: bool) -> None:
         """Update `keeps`, which starts after some comparable frames and ends after many others."""
@@ -102,13 +107,14 @@ class StillPicture:
         return None if shadows is None else [*(each.corners for each in shapes), shadows]
 
     def _cover(
-        self, seen: SeenFrame, hulls: list[F8], sprites: F8, overlaid: list[Overlaid]
+        self, seen: SeenFrame, hulls: list[F8], sprites: F8, overlaid: list[Overlaid], boards: list[F8]
     ) -> list[ChangedPart] | None:
-        """Return parts around hulls of points, sprites (by spheres) and what is overlaid."""
+        """Return parts around hulls of points, sprites (by spheres), what is overlaid, and rectangles of the board."""
         view, (x, y, width, height) = seen.view, seen.rectangle
         bounds = [screen_bounds(view, each, np.zeros(len(each))) for each in hulls]
         bounds.append(screen_bounds(view, sprites[:, None, :3], sprites[:, 3].copy()))
         bounds += [screen_bounds(view, each.hulls, np.full(len(each.hulls), each.reach)) for each in overlaid]
+        bounds += boards
         parts = cover_of(np.concatenate(bounds), (width, height))
         drawn = [piece for part in parts for piece in part.pieces]
         if sum(wide * high for _, _, wide, high in drawn) > _WHOLE * width * height:
