@@ -54,7 +54,7 @@ class Attempt:
         if attempt is not None and attempt > 1:
             words.append(f"attempt {attempt:.0f}")
         if self.row.get("label"):
-            words.append(str(self.row["label"]))
+            words.append(str(self.row["label"]).replace("_", " "))
         words.append(outcome_word(self.row))
         if score is not None:
             words.append(f"score {score:.0f} of 100")

@@ -38,7 +38,7 @@ class EarlierRun:
         score: Mean score of 100; None where the task has none.
         time_s: Mean time of a trial [s]; None where none ended.
         scene, participant: Scene and code of the participant.
-        simulated: A simulated person played.
+        simulated: Preset of the simulated person who played; "" for a person.
         utc: Wall time of its start as recorded in the header; "" where missing.
     """
 
@@ -49,7 +49,7 @@ class EarlierRun:
     time_s: float | None
     scene: str = ""
     participant: str = ""
-    simulated: bool = False
+    simulated: str = ""
     utc: str = ""
 
 
@@ -67,8 +67,8 @@ class _Begun:
 def earlier_runs(folder: Path) -> list[EarlierRun]:
     """Return the runs begun before one whose results compare with its own, with trials that ended, oldest first.
 
-    They are those beside it, of the same scene and participant (also of none); simulated people and others are not
-    compared.
+    They are those beside it, of the same scene and participant (also of none); a simulated person is compared with
+    those of its preset only.
     """
     mine = _played(read_session(folder)[0])
     earlier = takewhile(lambda each: each.folder != folder, _in_order(folder.parent, _MOST_FOLDERS, folder))
@@ -156,10 +156,11 @@ def _totals(folder: Path, manifest: Manifest | None) -> Mapping[str, Any]:
     return {}
 
 
-def _played(header: dict[str, Any]) -> tuple[str, str, bool]:
-    """Return scene, participant, and whether a simulated person played; older recordings have no participant."""
+def _played(header: dict[str, Any]) -> tuple[str, str, str]:
+    """Return scene, participant, and preset of a simulated person, else ""; older recordings have no participant."""
     scene, settings, moved_by = (mapping(header.get(key)) for key in ("scene", "settings", "moved_by"))
-    return str(scene.get("name", "")), str(settings.get("participant", "")), moved_by.get("person") == "simulated"
+    simulated = str(moved_by.get("preset", "simulated")) if moved_by.get("person") == "simulated" else ""
+    return str(scene.get("name", "")), str(settings.get("participant", "")), simulated
 
 
 def _count(task: Mapping[str, Any], key: str) -> int:

@@ -5,7 +5,6 @@ This module gathers its content as plain values, tables and plots; `templates/re
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
@@ -21,6 +20,7 @@ from mimics_app.contracts.trips import TripReader
 from mimics_app.plotting.plot import Plot
 from mimics_app.recording.attempts import Attempt, find_attempts
 from mimics_app.recording.columns import row_norms
+from mimics_app.recording.json_text import indented_json
 from mimics_app.recording.report_figures import draw_lateness, draw_path, draw_states, draw_traces
 from mimics_app.recording.report_front import Front, front_of
 from mimics_app.recording.report_page import render_page
@@ -382,7 +382,7 @@ def _settings(run: Run) -> Settings:
             tables[title] = key_table({key: item for key, item in line.items() if key not in ("source", "kind")})
     if actions := run.lines_of("app", "action"):
         tables["Adaptations"] = lines_table(actions)
-    text = "" if document is None else json.dumps(document, indent=1, ensure_ascii=False)
+    text = "" if document is None else indented_json(document)
     return Settings(tables, key_table(own) if own else None, text)
 
 

@@ -25,6 +25,8 @@ _COLUMNS: tuple[tuple[str, str, Callable[[float], str]], ...] = (
     ("bruises", "Bruises", lambda value: f"{value:.0f}"),
     ("walked_m", "Walked", lambda value: f"{value:.0f} m"),
     ("walk_speed_mps", "Walking speed", lambda value: f"{value:.2f} m/s"),
+    ("walk_steps", "Steps", lambda value: f"{value:.0f}"),
+    ("walk_left_m", "Left to the place", lambda value: f"{value:.1f} m"),
     ("path_m", "Hand path", lambda value: f"{value:.2f} m"),
     ("score", "Score of 100", lambda value: f"{value:.0f}"),
 )

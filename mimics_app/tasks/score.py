@@ -61,20 +61,13 @@ def session_result(rows: Sequence[Mapping[str, object]]) -> dict[str, float]:
     for column, total, sums in [("score", "score", False), *((m.column, m.total, m.sums) for m in MEASURES)]:
         taken = [row for row in rows if row.get(column) is not None]
         if total and taken:
-            totals[total] = _sum(taken, column) if sums else _mean(taken, column)
+            whole = sum(_number(row, column) for row in taken)
+            totals[total] = whole if sums else whole / len(taken)
     return totals
-
-
-def _sum(rows: Sequence[Mapping[str, object]], name: str) -> int:
-    return int(sum(_number(row, name) for row in rows))
-
-
-def _mean(rows: Sequence[Mapping[str, object]], name: str) -> float:
-    return sum(_number(row, name) for row in rows) / len(rows)
 
 
 def _number(row: Mapping[str, object], name: str) -> float:
     value = row[name]
     if not isinstance(value, int | float):
         raise TypeError(f'"{name}" of a trial row is {value!r}, no number')
-    return float(value)
+    return value

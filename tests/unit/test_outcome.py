@@ -116,7 +116,7 @@ def test_a_person_is_not_compared_with_a_simulated_one(tmp_path: Path) -> None:
     }
     assert [run.folder for run in earlier_runs(runs["robot"])] == [runs["mouse"]]
     assert [run.folder for run in earlier_runs(runs["again"])] == [runs["simulated"]]
-    assert [run.simulated for run in recent_runs(tmp_path, 9)] == [True, False, False, True]
+    assert [run.simulated for run in recent_runs(tmp_path, 9)] == ["simulated", "", "", "simulated"]
 
 
 def test_history_is_in_the_order_of_the_sessions_whatever_the_wall_clock_was_set_to(tmp_path: Path) -> None:

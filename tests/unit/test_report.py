@@ -22,6 +22,7 @@ from mimics_app.plotting.axis import Axis, nice_ticks
 from mimics_app.plotting.plot import Plot, envelope
 from mimics_app.recording.attempts import find_attempts, tunnel_shape
 from mimics_app.recording.columns import column_names
+from mimics_app.recording.json_text import indented_json
 from mimics_app.recording.report import page_of, punctuality, write_report
 from mimics_app.recording.report_figures import draw_path
 from mimics_app.recording.report_stability import stability_lines
@@ -82,7 +83,7 @@ def test_page_is_well_formed_and_offline(page: str) -> None:
 def test_page_holds_every_part(page: str) -> None:
     for words in (
         "handle path", "centre line of the tunnel", "walls of the tunnel", "lateral [mm]", "vertical [mm]",
-        "force [N]", "tunnel force [N]", "velocity [m/s]", "from the centre line [mm]",
+        "force [N]", "tunnel force [N]", "velocity [m/s]", "off the line [mm]",
         "stability margin [%]", "energy [mJ]",
         "smallest stability margin", "smallest stable stiffness then [N/m]",
         "<h2>Trials</h2>", "path error rms [mm]", "Contacts: touch, picture and sound", "first frame",
@@ -98,7 +99,7 @@ def test_page_holds_every_part(page: str) -> None:
     assert "wavy &lt;1&gt;" in page and "wavy <1>" not in page, "a label is text, not markup"
 
 
-def _play(parent: Path, name: str, time_s: float, score: float) -> Path:
+def _play(parent: Path, name: str, time_s: float, score: float, preset: str = "severe") -> Path:
     """A run of participant P1 in a folder of runs."""
     folder = parent / name
     folder.mkdir()
@@ -106,7 +107,7 @@ def _play(parent: Path, name: str, time_s: float, score: float) -> Path:
     session, manifest = (json.loads((folder / file).read_text()) for file in ("session.json", "manifest.json"))
     session["settings"] = {**session.get("settings", {}), "participant": "P1"}
     session["clock"] = {"utc": "2026-01-02T10:15:00+00:00"}
-    session["moved_by"] = {"device": "simulated_hapticmaster", "person": "simulated", "preset": "severe"}
+    session["moved_by"] = {"device": "simulated_hapticmaster", "person": "simulated", "preset": preset}
     task = {"completed": 2, "trials": 3, "counted": "trials", "time_s": time_s, "score": score}
     manifest["summary"]["task"] = task
     (folder / "session.json").write_text(json.dumps(session))
@@ -127,6 +128,20 @@ def test_page_one_says_who_when_what_it_came_to_and_how_it_went_over_time(tmp_pa
     front = page_of(Run.open(first), report_sections()).front
     assert front.trend is None and front.sentence == "2 of 3 trials finished.", "what came later is no earlier session"
     assert front.trials is not None and list(front.trials.names[:3]) == ["Trial", "Result", "Time"]
+
+
+def test_a_simulated_person_is_not_compared_with_one_of_another_preset(tmp_path: Path) -> None:
+    _play(tmp_path, "20260101T000000Z_a", 5.0, 60.0, "moderate")
+    second = _play(tmp_path, "20260201T000000Z_b", 4.0, 72.0)
+    front = page_of(Run.open(second), report_sections()).front
+    assert front.trend is None and front.sentence == "2 of 3 trials finished."
+
+
+def test_a_scene_is_shown_with_a_list_of_numbers_in_one_line() -> None:
+    scene = {"points": [[0.5, -1.0], [2.0, 0.0]], "text": 'a "[" and\na {brace}', "empty": {}, "deep": [{"a": [1, {}]}]}
+    text = indented_json(scene)
+    assert json.loads(text) == scene
+    assert "[ 0.5, -1.0 ]" in text
 
 
 def test_what_is_for_an_operator_is_folded(page: str) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from mimics_app.contracts.haptic import EventKind
 from mimics_app.tasks.observation import observe
-from mimics_app.tasks.score import part_marks, trial_points
+from mimics_app.tasks.score import part_marks, session_result, trial_points
 from mimics_app.tasks.smoothness import RESAMPLE_HZ, resample_speed, sparc
 from mimics_app.tasks.tally import Measures, Tally
 from mimics_app.tasks.task import ScorePartSpec, ScoreSpec
@@ -62,6 +62,12 @@ def test_means_weigh_time_not_frames():
     assert measures.force_mean_n == pytest.approx(2.5, abs=1e-5)  # 5 N for half the time; 2.5e-6 by the step's frame
     assert measures.path_error_rms_m == pytest.approx(0.02 / math.sqrt(2.0), rel=1e-5)
     assert measures.force_peak_n == 5.0
+
+
+def test_the_total_of_a_distance_keeps_its_fraction_and_that_of_a_count_is_whole():
+    totals = session_result([{"walked_m": 80.7, "contacts": 2}, {"walked_m": 0.5, "contacts": 3}])
+    assert totals["walked_m"] == pytest.approx(81.2, rel=1e-12)
+    assert totals["contacts"] == 5 and isinstance(totals["contacts"], int)
 
 
 def test_contacts_are_counted_and_timed_at_the_tick_not_the_frame():

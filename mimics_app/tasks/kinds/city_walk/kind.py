@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from msgspec import Meta
 
 from mimics_app.contracts.board import Bar, Card
 from mimics_app.contracts.errors import Issue
+from mimics_app.contracts.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.tasks.deflection import DEAD_ZONE, deflection
 from mimics_app.tasks.kinds.kind import KindPlay, Measure, ScorePartSpec, TaskKind, Values
@@ -95,6 +96,16 @@ class CityWalkPlay(KindPlay):
         return {"speed": speed, "walked": Card("Walked", f"{self._along:.0f} of {self._metres:.0f} m", width=220.0)}
 
 
+class CityWalkSection(ReportSection):
+    """Section of runs with trials of the walk."""
+
+    def takes(self, facts: Mapping[str, Any], attempts: Sequence[ReportedAttempt]) -> bool:
+        return any("walked_m" in attempt.row for attempt in attempts)
+
+    def tiles(self, task: Mapping[str, Any]) -> Mapping[str, tuple[Any, str]]:
+        return {"walked": (task.get("walked_m"), "m"), "walking speed": (task.get("walk_speed_mps"), "m/s")}
+
+
 class CityWalkKind(TaskKind):
     """Walking as a task."""
 
@@ -119,6 +130,7 @@ class CityWalkKind(TaskKind):
     completes = "walks"
     cards = ("speed", "walked")
     label = "Path"
+    report = CityWalkSection()
 
     def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
         walk = spec.find(CityWalkSpec)

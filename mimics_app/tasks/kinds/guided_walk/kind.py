@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from msgspec import Meta
 
 from mimics_app.contracts.board import Card
 from mimics_app.contracts.errors import Issue
+from mimics_app.contracts.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.deflection import deflection
@@ -151,6 +152,19 @@ class GuidedWalkPlay(KindPlay):
         self._steps += 1
 
 
+class GuidedWalkSection(ReportSection):
+    """Section of runs with trials of the walk."""
+
+    def takes(self, facts: Mapping[str, Any], attempts: Sequence[ReportedAttempt]) -> bool:
+        return any("walk_steps" in attempt.row for attempt in attempts)
+
+    def tiles(self, task: Mapping[str, Any]) -> Mapping[str, tuple[Any, str]]:
+        return {
+            "steps of the avatar": (task.get("walk_steps"), ""),
+            "left to the place": (task.get("walk_left_m"), "m"),
+        }
+
+
 class GuidedWalkKind(TaskKind):
     """Proxemics as a task."""
 
@@ -176,6 +190,7 @@ class GuidedWalkKind(TaskKind):
     completes = "brought"
     cards = ("gap", "steps")
     label = "Path"
+    report = GuidedWalkSection()
 
     def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
         walk = spec.find(GuidedWalkSpec)

@@ -53,7 +53,7 @@ class TunnelSection(ReportSection):
                 "normal": ("normal (n)", samples["f_tunnel"][:, 1]),
                 "binormal": ("binormal (b)", samples["f_tunnel"][:, 2]),
             },
-            "from the centre line [mm]": {
+            "off the line [mm]": {
                 "robot": ("distance of the ball from the centre line", 1000.0 * samples["distance"]),
                 "wall": ("where the ball meets the wall", 1000.0 * room),
             },
