@@ -87,4 +87,4 @@ def build_goal(words: str) -> Goal:
         return SuccessShare(*values)
     if name in ("arousal", "valence", "effort") and len(values) == 2 and -1.0 <= values[0] < values[1] <= 1.0:
         return StateBand(name, *values)  # type: ignore[arg-type]
-    raise ValueError(f'"{words}" is no goal: task, success:SHARE, or arousal|valence|effort:LOW:HIGH')
+    raise ValueError(f'"{words}" is no goal: task, success:SHARE, or arousal, valence or effort with :LOW:HIGH')

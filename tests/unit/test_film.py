@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 import sys
@@ -13,9 +14,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from mimics_app.app.picture.video import Film, film_place
+from mimics_app.app.picture import video
+from mimics_app.app.picture.video import Film, draw_film, film_place
 from mimics_app.app.play.play import play
 from mimics_app.app.settings import RunSettings
+from mimics_app.contracts.errors import OutputError
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.frame_reader import FrameReader
 
@@ -111,6 +114,17 @@ def test_an_ffmpeg_that_gives_up_is_reported_in_its_own_words(tmp_path, ffmpeg, 
     film = shoot(tmp_path / "out.mp4", [n / 60 for n in range(200)])
     assert film.problem == "ffmpeg failed: Unknown encoder"
     assert capsys.readouterr().err == f"mimics: film {tmp_path}/out.mp4: ffmpeg failed: Unknown encoder\n"
+
+
+def test_a_film_that_cannot_be_written_ends_the_command_with_the_place(tmp_path, monkeypatch):
+    def fill(self, number, frame):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(video._PngFolder, "add", fill)
+    renderer = SimpleNamespace(draw_finished=lambda views: SimpleNamespace(cpu_ms=1.0))
+    with create_surface("egl", SIZE) as surface, pytest.raises(OutputError, match="No space left") as error:
+        draw_film(renderer, surface, 2, lambda number: (), tmp_path / "frames")
+    assert error.value.issues[0].file == str(tmp_path / "frames")
 
 
 def test_a_live_film_drops_what_the_thread_cannot_take_and_counts_it(tmp_path, capsys):

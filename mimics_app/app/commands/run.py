@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         nargs="?",
         default=_DEFAULT_SCENE,
-        help="scene file, or the name of a shipped scene (see mimics scenes)",
+        help="scene file, or the name of a shipped scene, see mimics scenes (default: wavy_tunnel)",
     )
     parser.add_argument(
         "--headless", action="store_true", help="no window: a simulated patient plays, as fast as the machine allows"
@@ -121,7 +121,7 @@ def _add_adaptation(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--goal",
         default="",
-        help="goal of the policy: task, success:SHARE, arousal:LOW:HIGH or effort:LOW:HIGH (default: the task's)",
+        help="goal of the policy: task, success:SHARE, or arousal, valence or effort:LOW:HIGH (default: the task's)",
     )
     parser.add_argument(
         "--estimator",

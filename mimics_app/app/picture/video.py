@@ -117,18 +117,22 @@ class Film:
         self._reader = FrameReader(self._surface, self._reader.behind)
 
     def finish(self) -> None:
-        """Write the waiting pictures and close the file; further calls do nothing."""
+        """Close the file and tell on stderr what is missing from it; further calls do nothing."""
         if self._finished:
             return
+        self.close()
+        if self.dropped or self.problem:
+            what = self.problem or f"{self.dropped} pictures were dropped: this machine does not keep up"
+            sys.stderr.write(f"mimics: film {self.place}: {what}\n")
+
+    def close(self) -> None:
+        """Write the waiting pictures and close the file."""
         self._finished = True
         for frame in self._reader.flush():
             self._queue_frame(frame)
         self._reader.release()
         self._queue.put(None)
         self._thread.join()
-        if self.dropped or self.problem:
-            what = self.problem or f"{self.dropped} pictures were dropped: this machine does not keep up"
-            sys.stderr.write(f"mimics: film {self.place}: {what}\n")
 
     def _queue_frame(self, frame: ReadFrame) -> None:
         if not self._live:
@@ -173,6 +177,9 @@ def draw_film(
         views: Called with the number of each frame before it is drawn: moves the world and returns the views.
         wanted: The file, see `film_place`.
         presenter: Presenter of the display, None for a plain picture.
+
+    Raises:
+        OutputError: The video cannot be written, or not to its end.
     """
     film, spent = Film(surface, wanted, live=False), []
     for number in range(count):
@@ -180,7 +187,9 @@ def draw_film(
         if presenter is not None:
             presenter.present()
         film.take(number * SECOND_NS // FRAMES_PER_SECOND)
-    film.finish()
+    film.close()
+    if film.problem:
+        raise OutputError(film.place, film.problem, "free some space, or give another --video")
     return FrameSet([film.place], median(spent))
 
 

@@ -52,9 +52,9 @@ def no_port(port: str, why: str) -> DeviceError:
     return DeviceError(f"{port} cannot be opened: {why}", "mimics devices lists the serial ports")
 
 
-def no_hapticmaster(host: str, port: int, why: object) -> DeviceError:
+def no_hapticmaster(host: str, port: int, why: OSError) -> DeviceError:
     """Return the error of a HapticMaster that cannot be connected."""
-    return DeviceError(f"no HapticMaster at {host}:{port}: {why}", "is it on, and in this network?")
+    return DeviceError(f"no HapticMaster at {host}:{port}: {why.strerror or why}", "is it on, and in this network?")
 
 
 def _knock(host: str, port: int, tell: Callable[[str], None]) -> None:
