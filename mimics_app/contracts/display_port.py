@@ -44,7 +44,7 @@ class Viewpoint:
 
     Attributes:
         world_from_head: Rigid pose of a head at rest, float64 [4, 4].
-        vertical_fov: Vertical field of view of a desktop view [rad].
+        vertical_fov: Vertical field of view of a desktop view of at least 4:3 [rad].
     """
 
     world_from_head: F8

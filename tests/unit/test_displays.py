@@ -16,6 +16,7 @@ from mimics_app.contracts.display_choice import DISPLAY_KINDS, DisplayChoice, pa
 from mimics_app.contracts.display_port import Eye, Viewpoint
 from mimics_app.contracts.errors import SceneError, UsageError
 from mimics_app.maths.poses import pose_from_parts, rotation_from_vector
+from mimics_app.rendering.visual.displays.desktop import DesktopDisplay
 from mimics_app.rendering.visual.displays.headset import RawHeadset, seen_tangents
 from mimics_app.rendering.visual.displays.headset_file import EyeSpec, HeadsetSpec, LensSpec, load_headset
 from mimics_app.rendering.visual.displays.headset_session import HeadsetDisplay
@@ -47,6 +48,15 @@ def view_of(eye: Eye) -> View:
 def on_picture(view: View, point: np.ndarray) -> np.ndarray:
     clip = view.clip_from_world @ np.append(point, 1.0)
     return clip[:2] / clip[3]
+
+
+def test_a_window_narrower_than_4_to_3_shows_as_much_to_the_sides_with_square_pixels() -> None:
+    top = math.tan(0.5 * FOV)
+    for size, wanted in [((1280, 720), top * 16 / 9), ((1024, 768), top * 4 / 3), ((300, 900), top * 4 / 3)]:
+        (eye,) = DesktopDisplay().eyes(Viewpoint(np.eye(4), FOV), size, 0)
+        left, right, bottom, above = eye.tangents
+        assert (right, above) == pytest.approx((wanted, wanted * size[1] / size[0]), rel=1e-15)
+        assert (left, bottom) == (-right, -above)
 
 
 def test_every_corner_of_a_wall_falls_on_the_picture_s_corner() -> None:

@@ -13,6 +13,9 @@ from mimics_app.world.camera import Camera
 
 __all__ = ["DesktopDisplay", "compute_tangents", "desktop_views"]
 
+_LEAST_ASPECT = 4.0 / 3.0
+"""Aspect ratio below which a window widens the view: what scenes show fits into a picture of 4:3."""
+
 
 def desktop_views(camera: Camera, size: Size) -> list[View]:
     """Return the one view of a scene's camera that fills a surface.
@@ -37,11 +40,23 @@ def compute_tangents(fov: float, size: Size) -> Tangents:
     return (-right, right, -top, top)
 
 
+def _window_tangents(fov: float, size: Size) -> Tangents:
+    """Return the frustum of a window: one narrower than 4:3 shows as much to the sides as one of 4:3, and more above.
+
+    Args:
+        fov: Vertical field of view in a window of at least 4:3 [rad], between 0 and pi.
+        size: Size of the window [px].
+    """
+    left, right, bottom, top = compute_tangents(fov, size)
+    wider = max(1.0, _LEAST_ASPECT * size[1] / size[0])
+    return (wider * left, wider * right, wider * bottom, wider * top)
+
+
 class DesktopDisplay(PlainDisplay):
     """A monitor without head tracking: the picture is the camera's."""
 
     kind = "desktop"
 
     def eyes(self, viewpoint: Viewpoint, drawn: Size, display_ns: int) -> list[Eye]:
-        tangents = compute_tangents(viewpoint.vertical_fov, drawn)
+        tangents = _window_tangents(viewpoint.vertical_fov, drawn)
         return [Eye("", viewpoint.world_from_head, tangents, (0, 0, *drawn))]
