@@ -12,8 +12,8 @@ CARDS = ("progress", "time", "contacts", "force", "score", "state", "trial", "ma
 """Cards of every task; "margin" belongs to the stability monitor."""
 
 _WITH_BAR = 290.0
-_THREE_DIGITS_S = 100.0
-"""Time limit from which the card has room for three digits [s]."""
+_IN_MINUTES_S = 100.0
+"""Time limit from which the card shows minutes and seconds [s]."""
 
 
 def progress_card(share: float, label: str = "Tunnel") -> Card:
@@ -22,9 +22,15 @@ def progress_card(share: float, label: str = "Tunnel") -> Card:
 
 
 def time_card(seconds: float, left_s: float | None = None, limit_s: float = 0.0) -> Card:
-    """Return the card of the time [s], with the time left [s] (None: no travel), wide enough for the limit [s]."""
-    left = "" if left_s is None else f"{math.ceil(left_s)} s left"
-    return Card("Time", f"{seconds:.1f} s", remark=left, width=204.0 if limit_s < _THREE_DIGITS_S else 232.0)
+    """Return the card of the time [s], with the time left (None: no travel) [s]; as 4:58 under a long limit [s]."""
+    in_minutes = limit_s >= _IN_MINUTES_S
+    spent = _clock(int(seconds)) if in_minutes else f"{seconds:.1f} s"
+    left = "" if left_s is None else _clock(math.ceil(left_s)) if in_minutes else f"{math.ceil(left_s)} s"
+    return Card("Time", spent, remark=left and f"{left} left", width=204.0)
+
+
+def _clock(seconds: int) -> str:
+    return f"{seconds // 60}:{seconds % 60:02d}"
 
 
 def trial_card(which: str) -> Card:

@@ -10,6 +10,7 @@ import pytest
 from mimics_app.app.picture.board import BoardLayout, stability_card
 from mimics_app.contracts.board import Bar, Board, Card
 from mimics_app.rendering.visual.figures.hud import Hud
+from mimics_app.tasks.cards import time_card
 
 GREEN, ORANGE, RED = (0.36, 0.78, 0.47), (0.96, 0.62, 0.16), (0.90, 0.22, 0.20)
 
@@ -32,6 +33,20 @@ def test_margin_has_the_colour_of_its_danger(margin: float, colour: tuple[float,
 def test_energy_given_away_is_red_though_the_margin_is_wide():
     assert _as_drawn({GREEN, RED}) <= _colours(3.0, energy=-2e-3)
     assert not _as_drawn({RED}) & _colours(3.0, energy=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("spent", "left", "limit", "text", "remark"),
+    [
+        (2.04, 57.2, 60.0, "2.0 s", "58 s left"),
+        (2.9, 897.1, 900.0, "0:02", "14:58 left"),
+        (240.0, 0.0, 300.0, "4:00", "0:00 left"),
+        (5.0, None, 300.0, "0:05", ""),
+    ],
+)
+def test_a_long_time_is_shown_in_minutes(spent: float, left: float | None, limit: float, text: str, remark: str):
+    card = time_card(spent, left, limit)
+    assert (card.text, card.remark) == (text, remark)
 
 
 def test_what_stays_is_not_laid_out_again(monkeypatch):
