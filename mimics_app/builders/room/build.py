@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from mimics_app.builders.kit.sketch import Point, Sketch
 from mimics_app.builders.market.clay import pack_model
@@ -119,10 +120,37 @@ def _walls(floor: float, back: float = -_WALL, ground: str = "boards") -> Sketch
     for (x, _, z), along in walls:
         sketch.sheet("panel", (x, floor, z), along, (0.0, rail - floor, 0.0), (12, 6), 1.0 / 0.55, corner)
         sketch.sheet("plaster", (x, rail, z), along, (0.0, high - rail, 0.0), (12, 4), 0.5, corner)
-    for number in range(1, round(2 * _SIDE / _BOARD)):
-        x, z = -_SIDE + number * _BOARD, -back + 0.002
-        groove = [(x, floor, z), (x + _GROOVE, floor, z), (x + _GROOVE, rail, z), (x, rail, z)]
-        sketch.fan("groove", groove, [(0.0, 0.0)] * 4, [corner(point) for point in groove])
-    sketch.box("rail", (-_SIDE, rail - 0.03, -back), (_SIDE, rail + 0.012, -back + 0.022), hidden="nwe")
-    sketch.box("rail", (-_SIDE, floor, -back), (_SIDE, floor + 0.10, -back + 0.018), hidden="nwed", shade=0.85)
+    for (x, _, z), along in walls:
+        _trim(sketch, (x, floor, z), along, rail, corner)
     return sketch
+
+
+def _trim(sketch: Sketch, start: Point, along: Point, rail: float, shade: Callable[[Point], float]) -> None:
+    """Grooves, rail and skirting of a wall from a lower corner on, seen from along x up.
+
+    Args:
+        sketch: Takes them.
+        start: Lower corner [m].
+        along: From there to the next corner, parallel to x or z [m].
+        rail: Upper edge of the panels [m].
+        shade: Factor on the colour of a groove at a point.
+    """
+    length = abs(along[0] + along[2])
+    (right, away), floor = (along[0] / length, along[2] / length), start[1]
+
+    def at(far: float, up: float, off: float) -> Point:
+        return start[0] + far * right - off * away, up, start[2] + far * away + off * right
+
+    for number in range(1, round(length / _BOARD)):
+        far = number * _BOARD
+        groove = [at(far, floor, 0.002), at(far + _GROOVE, floor, 0.002)]
+        groove += [at(far + _GROOVE, rail, 0.002), at(far, rail, 0.002)]
+        sketch.fan("groove", groove, [(0.0, 0.0)] * 4, [shade(point) for point in groove])
+    behind = "nwe" if right else "wns" if away < 0.0 else "ens"
+    for low, high, thick, under, bright in (
+        (rail - 0.03, rail + 0.012, 0.022, "", 1.0),
+        (floor, floor + 0.10, 0.018, "d", 0.85),
+    ):
+        first, last = at(0.0, low, 0.0), at(length, high, thick)
+        least, most = zip(*(sorted(pair) for pair in zip(first, last, strict=True)), strict=True)
+        sketch.box("rail", least, most, hidden=behind + under, shade=bright)

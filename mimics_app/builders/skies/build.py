@@ -87,8 +87,14 @@ def _evening(directions: F8, seed: int) -> F8:
     stars = (np.random.default_rng(seed).random(up.shape) > 1.0 - _STARS) & (up > 0.35)
     shown = np.where(stars[..., None], np.array([0.92, 0.93, 1.0]), shown)
     around = np.arctan2(directions[..., 0], -directions[..., 2])
-    hill = smooth_step(-0.005, 0.005, 0.03 + 0.035 * _ridge(around, seed + 3) - up)[..., None]
-    return np.asarray(shown + hill * (np.array([0.20, 0.17, 0.25]) - shown))
+    for number, (high, rough, soft, colour) in enumerate(
+        ((0.055, 0.045, 0.004, (0.47, 0.31, 0.37)), (0.025, 0.025, 0.003, (0.29, 0.22, 0.30)))
+    ):
+        hill = smooth_step(-soft, soft, high + rough * _ridge(around, seed + 3 + number) - up)[..., None]
+        shown = shown + hill * (np.array(colour) - shown)
+    below = np.clip(-up, 0.0, 1.0)[..., None]
+    plain = np.array([0.31, 0.24, 0.30]) + 0.45 * below * (np.array([0.12, 0.11, 0.16]) - 0.31)
+    return np.asarray(shown + smooth_step(0.0, 0.012, -up)[..., None] * (plain - shown))
 
 
 def _clouds(seed: int) -> bytes:
