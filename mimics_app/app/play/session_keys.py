@@ -21,8 +21,8 @@ _ALWAYS = (
     ("P, gamepad Start", "pause and go on"),
     ("H", "this page"),
     ("F5", "force and stability figures, for the operator"),
-    ("F1, F12", "frame times;  keep a picture"),
-    ("F11, Esc", "full screen;  end the session"),
+    ("F1 to F4, F6", "times, wireframe, bounds, lights, shadows"),
+    ("F11, F12, Esc", "full screen;  keep a picture;  end the session"),
 )
 
 
