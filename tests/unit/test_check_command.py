@@ -103,7 +103,7 @@ def test_sounds_that_cannot_be_made_are_refused_as_by_run(tmp_path, capsys):
     assert main(["check", str(write(tmp_path, {**scene(*sounds), "assets": {"odd": {"uri": "odd.wav"}}}))]) == 3
     told = capsys.readouterr().err
     assert '/entities/0/components/sound/synth: no recipe "bongo"' in told
-    assert "/entities/1/components/sound/asset: odd.wav is no wave file" in told
+    assert "/entities/1/components/sound/asset: odd.wav cannot be read as a sound" in told
 
 
 def test_what_is_likely_not_meant_is_pointed_at(tmp_path, capsys):

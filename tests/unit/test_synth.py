@@ -8,7 +8,7 @@ import pytest
 from mimics_app.rendering.audio import synth
 from mimics_app.rendering.audio.bank import CONTACT_TAKES, SoundBank, write_sounds
 from mimics_app.rendering.audio.settings import SoundSpec
-from mimics_app.rendering.audio.wav_file import read_wav
+from mimics_app.rendering.audio.sound_file import read_sound
 
 RATE = 48_000
 FULL_SCALE_MINUS_1_DB = 10 ** (-1 / 20)
@@ -102,4 +102,4 @@ def test_written_sounds_can_be_read_back(tmp_path):
     paths = write_sounds(tmp_path, {"tick": SoundSpec(recipe="tick")})
     expected = synth.synthesise_tick()
     # 16 bit: half a step of rounding
-    assert np.abs(read_wav(paths[0], RATE).mean(axis=1) - expected).max() <= 1.01 / 32767
+    assert np.abs(read_sound(paths[0], RATE).mean(axis=1) - expected).max() <= 1.01 / 32767

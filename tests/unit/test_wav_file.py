@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import SceneError
-from mimics_app.rendering.audio.wav_file import WavWriter, read_wav, soften_peaks
+from mimics_app.rendering.audio.sound_file import read_sound
+from mimics_app.rendering.audio.wav_file import WavWriter, soften_peaks
 
 RATE = 48_000
 
@@ -22,7 +23,7 @@ def wav_bytes(kind: int, bits: int, channels: int, data: bytes, rate: int = RATE
     width = channels * bits // 8
     layout = struct.pack("<HHIIHH", 0xFFFE if extensible else kind, channels, rate, rate * width, width, bits)
     if extensible:
-        layout += struct.pack("<HHIH", 22, bits, 0, kind) + b"\0" * 14
+        layout += struct.pack("<HHIH", 22, bits, 0, kind) + b"\0\0\0\0\x10\0\x80\0\0\xaa\0\x38\x9b\x71"
     chunks = b"LIST" + struct.pack("<I", 3) + b"abc\0" + b"fmt " + struct.pack("<I", len(layout)) + layout
     chunks += b"data" + struct.pack("<I", len(data)) + data
     return b"RIFF" + struct.pack("<I", 4 + len(chunks)) + b"WAVE" + chunks
@@ -45,7 +46,7 @@ def test_a_block_behind_the_end_is_skipped(tmp_path):
     writer.close()
     with (tmp_path / "a.wav").open("ab") as file:
         file.write(b"\x01" * 333)  # as after a kill between the samples and the header
-    assert len(read_wav(tmp_path / "a.wav", RATE)) == 240
+    assert len(read_sound(tmp_path / "a.wav", RATE)) == 240
 
 
 def test_peaks_are_bent_not_cut_and_counted():
@@ -73,14 +74,14 @@ def test_common_forms_are_read(tmp_path, kind, bits, extensible):
         data = b"".join(int(v).to_bytes(bits // 8, "little", signed=True) for v in whole)
     (tmp_path / "a.wav").write_bytes(wav_bytes(kind, bits, 2, data, extensible=extensible))
     tolerance = 2.0 / 2 ** (min(bits, 24) - 1)  # one step of rounding, one of scale; float32 has 24 bits
-    np.testing.assert_allclose(read_wav(tmp_path / "a.wav", RATE).mean(axis=1), mono, atol=tolerance)
+    np.testing.assert_allclose(read_sound(tmp_path / "a.wav", RATE).mean(axis=1), mono, atol=tolerance)
 
 
 @pytest.mark.parametrize("rate", [44_100, 22_050, 96_000])
 def test_other_rates_keep_pitch_and_level(tmp_path, rate):
     data = np.rint(tone(0.5, rate) * 32767).astype("<i2").tobytes()
     (tmp_path / "a.wav").write_bytes(wav_bytes(1, 16, 1, data, rate))
-    read = read_wav(tmp_path / "a.wav", RATE).mean(axis=1)
+    read = read_sound(tmp_path / "a.wav", RATE).mean(axis=1)
     assert len(read) == RATE // 2
     inner = slice(RATE // 10, RATE * 4 // 10)
     # the ends ring where the tone begins and ends abruptly; inside, a band-limited tone is kept
@@ -105,9 +106,9 @@ def test_other_rates_keep_pitch_and_level(tmp_path, rate):
 def test_what_is_no_sound_is_refused_by_name(tmp_path, content):
     (tmp_path / "broken.wav").write_bytes(content)
     with pytest.raises(SceneError, match=r"broken\.wav"):
-        read_wav(tmp_path / "broken.wav", RATE)
+        read_sound(tmp_path / "broken.wav", RATE)
 
 
 def test_missing_file_is_named(tmp_path):
     with pytest.raises(SceneError, match=r"missing\.wav.*cannot be read"):
-        read_wav(tmp_path / "missing.wav", RATE)
+        read_sound(tmp_path / "missing.wav", RATE)

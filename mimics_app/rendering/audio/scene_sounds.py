@@ -8,7 +8,7 @@ from typing import Any
 
 from mimics_app.contracts.errors import Issue, SceneError, nearest
 from mimics_app.rendering.audio.settings import AROUSAL, AudioSettings, SoundSpec
-from mimics_app.rendering.audio.wav_file import frames_of_wav
+from mimics_app.rendering.audio.sound_file import frames_of
 from mimics_app.world.components.systems import AudioSettings as AudioSystem
 from mimics_app.world.components.visible import Sound, SoundEmitter
 from mimics_app.world.scene.assets import SceneAsset
@@ -81,7 +81,7 @@ def check_sound(sound: Sound, pointer: str, scene: Scene) -> list[Issue]:
     path = None if sound.asset is None or sound.asset not in scene.assets else scene.assets[sound.asset].path
     if path is not None and path.suffix.lower() == ".wav":
         try:
-            frames_of_wav(path)
+            frames_of(path)
         except SceneError as error:
             issues += [scene.issue(f"{pointer}/asset", f"{path.name} {one.what}", one.fix) for one in error.issues]
     return issues

@@ -1,4 +1,4 @@
-"""Wave files: a writer whose file is valid after every block, also when its process is killed, and a reader."""
+"""A writer of wave files that are valid after every block, also when its process is killed."""
 
 from __future__ import annotations
 
@@ -12,14 +12,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.regular_file import read_regular
-
-__all__ = ["WavWriter", "frames_of_wav", "read_wav", "resample", "soften_peaks", "unused_name"]
+__all__ = ["WavWriter", "soften_peaks", "unused_name"]
 
 _HEADER_SIZE = 44
 _LARGEST_DATA = 0xFFFF_FFFF - _HEADER_SIZE
-_PCM, _FLOAT, _EXTENSIBLE = 1, 3, 0xFFFE
+_PCM = 1
 _KNEE = 0.85
 _GIVEN_BACK = 2 << 20
 
@@ -107,83 +104,8 @@ def soften_peaks(block: NDArray[np.float32]) -> tuple[NDArray[np.float32], int]:
     return np.where(loud, bent, block).astype(np.float32), count
 
 
-def read_wav(path: Path, rate: int) -> NDArray[np.float32]:
-    """Read a wave file at `rate` [Hz]; shape [n, channels].
-
-    Raises:
-        SceneError: The file is missing, damaged, or of a kind that is not PCM or float.
-    """
-    frames, file_rate = frames_of_wav(path)
-    return np.stack([resample(each, file_rate, rate) for each in frames.T], axis=1).astype(np.float32)
-
-
-def frames_of_wav(path: Path) -> tuple[NDArray[np.float64], int]:
-    """Read a wave file without resampling; return samples, shape [n, channels], and rate [Hz]; raises as `read_wav`."""
-    try:
-        raw = read_regular(path)
-    except OSError as error:
-        raise SceneError(Issue(str(path), "", f"cannot be read: {error.strerror}")) from error
-    chunks = _chunks(raw)
-    if raw[:4] != b"RIFF" or raw[8:12] != b"WAVE" or b"fmt " not in chunks or b"data" not in chunks:
-        raise SceneError(Issue(str(path), "", "is no wave file", "save it as WAV, PCM 16 bit"))
-    layout = chunks[b"fmt "]
-    if len(layout) < 16:
-        raise SceneError(Issue(str(path), "", "has a damaged fmt chunk", "save it as WAV, PCM 16 bit"))
-    kind, channels, file_rate, _, _, bits = struct.unpack("<HHIIHH", layout[:16])
-    if kind == _EXTENSIBLE and len(layout) >= 26:
-        kind = struct.unpack("<H", layout[24:26])[0]
-    samples = _decode(chunks[b"data"], kind, bits)
-    if samples is None or channels == 0 or not 1000 <= file_rate <= 768_000:
-        raise SceneError(
-            Issue(str(path), "", f"has format {kind}, {bits} bit, {channels} channels", "save it as WAV, PCM 16 bit")
-        )
-    frames = samples[: len(samples) // channels * channels].reshape(-1, channels)
-    if len(frames) == 0 or not np.isfinite(frames).all():
-        raise SceneError(Issue(str(path), "", "holds no sound, or values that are not finite"))
-    return frames, int(file_rate)
-
-
 def _header(rate: int, channels: int) -> bytes:
     """Return the header of an empty file."""
     width = 2 * channels
     layout = (16, _PCM, channels, rate, rate * width, width, 16)
     return struct.pack("<4sI4s4sIHHIIHH4sI", b"RIFF", _HEADER_SIZE - 8, b"WAVE", b"fmt ", *layout, b"data", 0)
-
-
-def _chunks(raw: bytes) -> dict[bytes, bytes]:
-    chunks: dict[bytes, bytes] = {}
-    offset = 12
-    while offset + 8 <= len(raw):
-        name, size = struct.unpack_from("<4sI", raw, offset)
-        chunks.setdefault(name, raw[offset + 8 : offset + 8 + size])
-        offset += 8 + size + (size & 1)
-    return chunks
-
-
-def _decode(data: bytes, kind: int, bits: int) -> NDArray[np.float64] | None:
-    if kind == _PCM and bits == 24:
-        octets = np.frombuffer(data[: len(data) // 3 * 3], np.uint8).reshape(-1, 3).astype(np.int32)
-        value = (octets[:, 0] << 8) | (octets[:, 1] << 16) | (octets[:, 2] << 24)
-        return np.asarray(value / 2147483648.0)
-    known = {
-        (_PCM, 16): ("<i2", 32768.0),
-        (_PCM, 32): ("<i4", 2147483648.0),
-        (_FLOAT, 32): ("<f4", 1.0),
-        (_FLOAT, 64): ("<f8", 1.0),
-    }
-    if (kind, bits) not in known:
-        return np.asarray((np.frombuffer(data, np.uint8) - 128.0) / 128.0) if (kind, bits) == (_PCM, 8) else None
-    name, scale = known[(kind, bits)]
-    width = bits // 8
-    return np.asarray(np.frombuffer(data[: len(data) // width * width], name) / scale, np.float64)
-
-
-def resample(samples: NDArray[np.float64], rate_in: int, rate_out: int) -> NDArray[np.float64]:
-    """Resample by truncating or zero-padding the spectrum, exact for content below both Nyquist frequencies."""
-    if rate_in == rate_out:
-        return samples
-    pad = rate_in // 10  # padding, so that the end does not wrap around to the beginning
-    padded = np.concatenate([samples, np.zeros(pad)])
-    count = round(len(padded) * rate_out / rate_in)
-    resampled = np.fft.irfft(np.fft.rfft(padded)[: count // 2 + 1], count) * (count / len(padded))
-    return resampled[: round(len(samples) * rate_out / rate_in)]
