@@ -76,13 +76,11 @@ Kin = tuple[Callable[..., int], ...]
 KINEMATICS_SET = types.UniTuple(types.FunctionType(KINEMATICS), 8)  # type: ignore[no-untyped-call]
 """Compiled type of a device's functions: first-class, so that the loop's code does not depend on the device."""
 
-_NOT_GIVEN = int(KinematicsStatus.NOT_GIVEN)
-
 
 @typed_kernel(KINEMATICS)
 def not_given(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
     """Placeholder for a missing closed form."""
-    return _NOT_GIVEN
+    return KinematicsStatus.NOT_GIVEN
 
 
 class Kinematics(NamedTuple):

@@ -9,7 +9,7 @@ from typing import Any, ParamSpec, TypeVar
 
 from numba import njit
 from numba.core.errors import NumbaExperimentalFeatureWarning, TypingError
-from numba.core.types import unliteral
+from numba.core.types import IntEnumMember, unliteral
 
 from mimics_app.contracts.kernel_cache import enable_cache
 from mimics_app.contracts.kernel_callee import callee_of
@@ -23,10 +23,12 @@ R = TypeVar("R")
 warnings.filterwarnings("ignore", "First-class function type", NumbaExperimentalFeatureWarning)
 
 _OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
+_unliteral: Callable[[Any], Any] = unliteral
 
 
-_plain: Callable[[Any], Any] = unliteral
-"""Literal types to plain ones: int64 for the constant 7; other types unchanged."""
+def _plain(kind: Any) -> Any:
+    """Return int64 for the type of the constant 7 and of a member of an IntEnum; other types unchanged."""
+    return kind.dtype if isinstance(kind, IntEnumMember) else _unliteral(kind)
 
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:

@@ -39,15 +39,6 @@ class DeviceFault(IntEnum):
     SENSOR_SPIKE = 8  # one tick of 400 N at the force sensor
 
 
-_NOT_FINITE_POSITION = int(DeviceFault.NOT_FINITE_POSITION)
-_NOT_FINITE_FORCE = int(DeviceFault.NOT_FINITE_FORCE)
-_SILENT = int(DeviceFault.SILENT)
-_DRIVE_FAULT = int(DeviceFault.DRIVE_FAULT)
-_BUTTON = int(DeviceFault.BUTTON)
-_JUMP = int(DeviceFault.JUMP)
-_TOO_FAST = int(DeviceFault.TOO_FAST)
-_SENSOR_SPIKE = int(DeviceFault.SENSOR_SPIKE)
-
 _KIND, _AT, _HEAD = 0, 1, 2
 """Places of the fault and of its first tick in the memory, and their number; the robot's memory follows."""
 
@@ -70,25 +61,25 @@ _NO_DATA, _FAULT = int(DeviceStatus.NO_DATA), int(DeviceStatus.FAULT)
 def read_faulted(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
     """Read the simulated robot, then spoil its data from the fault's tick on."""
     kind, since = int(memory[_KIND]), tick - int(memory[_AT])
-    if since >= 0 and kind == _SILENT:
+    if since >= 0 and kind == DeviceFault.SILENT:
         data[DATA_AGE] = (since + 1) * _TICK_S
         return _NO_DATA
     status = read_patient(memory[_HEAD:], inbox, data, tick)
     if since < 0 or kind == 0:
         return status
-    if kind == _NOT_FINITE_POSITION:
+    if kind == DeviceFault.NOT_FINITE_POSITION:
         data[DATA_Q] = np.nan
-    elif kind == _NOT_FINITE_FORCE:
+    elif kind == DeviceFault.NOT_FINITE_FORCE:
         data[DATA_FORCE] = np.inf
-    elif kind == _BUTTON:
+    elif kind == DeviceFault.BUTTON:
         data[DATA_BUTTONS] = _STOP
-    elif kind == _JUMP:
+    elif kind == DeviceFault.JUMP:
         data[DATA_Q + _VERTICAL] += _LEAP
-    elif kind == _TOO_FAST:
+    elif kind == DeviceFault.TOO_FAST:
         data[DATA_DQ + _VERTICAL] = _FAST
-    elif kind == _SENSOR_SPIKE and since == 0:
+    elif kind == DeviceFault.SENSOR_SPIKE and since == 0:
         data[DATA_FORCE + _VERTICAL] += _SPIKE
-    return _FAULT if kind == _DRIVE_FAULT else status
+    return _FAULT if kind == DeviceFault.DRIVE_FAULT else status
 
 
 @typed_kernel(WRITE)

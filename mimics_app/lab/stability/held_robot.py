@@ -33,7 +33,6 @@ _APART = 1e-3
 _LARGE = 1e3
 _SHORTEST = 8_000
 _LONGEST = 200_000
-_CARTESIAN = int(AdmittanceForm.CARTESIAN)
 _GRIP_STIFFNESS = 4000.0
 _GRIP_DAMPING = 50.0
 
@@ -118,7 +117,7 @@ def _hold_rigidly(machine: Vec, hand: Vec, mass: float, damping: float, ticks: i
         f[_AXIS] = _rigid_force(machine, hand)
         sense(machine, f, data)
         q, force = data[DATA_Q : DATA_Q + 3], data[DATA_FORCE : DATA_FORCE + 3]
-        admit(_CARTESIAN, q, force, mass, damping, _FREE, _FREE, 1.0, dt, scratch, v, dq)
+        admit(AdmittanceForm.CARTESIAN, q, force, mass, damping, _FREE, _FREE, 1.0, dt, scratch, v, dq)
         step_robot(machine)
         command_robot(machine, dq)
         size = max(abs(machine[robot.Q + _AXIS]), _SPEED_SHARE * abs(v[_AXIS]))
@@ -141,7 +140,7 @@ def _hold_softly(machine: Vec, person: Vec, mass: float, damping: float, ticks: 
         step_arm(person, machine[robot.HANDLE : robot.HANDLE + 6], True, 0.0, scratch, 0.0, dt)
         sense(machine, person[arm.GRIP_FORCE : arm.GRIP_FORCE + 3], data)
         q, force = data[DATA_Q : DATA_Q + 3], data[DATA_FORCE : DATA_FORCE + 3]
-        admit(_CARTESIAN, q, force, mass, damping, _FREE, _FREE, 1.0, dt, scratch, v, dq)
+        admit(AdmittanceForm.CARTESIAN, q, force, mass, damping, _FREE, _FREE, 1.0, dt, scratch, v, dq)
         command_robot(machine, dq)
         size = max(abs(machine[robot.Q + _AXIS]), _SPEED_SHARE * abs(v[_AXIS]))
         if note_peak(size, i, ticks, _LARGE, peaks):

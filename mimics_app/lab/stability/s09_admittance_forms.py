@@ -32,7 +32,6 @@ _RADIAL_SPEED = 0.2
 _SECONDS = 0.5
 _DT = 1e-3
 _FREE = 1e9
-_CARTESIAN = int(AdmittanceForm.CARTESIAN)
 
 SEED_CASE = (0.153, 0.0786)
 """Energy gained [J] and distance off the line [m] at 1 rad/s, printed form, after 0.5 s."""
@@ -58,7 +57,7 @@ def _fly(form: int, ticks: int, dt: float, q: Vec, v: Vec, dq: Vec, out: Vec) ->
             q[k] += dt * dq[k]
             last[k] = now[k]
         # The state of the Cartesian form is the velocity; that of the others is evaluated at the present joints.
-        if form == _CARTESIAN:
+        if form == AdmittanceForm.CARTESIAN:
             copy(v, now)
         else:
             apply_jacobian(q, _D1, dq, now)

@@ -29,18 +29,6 @@ if TYPE_CHECKING:
 
 __all__ = ["publish_events", "publish_state"]
 
-_CONTACT_BEGIN = int(EventKind.CONTACT_BEGIN)
-_CONTACT_END = int(EventKind.CONTACT_END)
-_STATE = int(EventKind.STATE)
-_TRIP = int(EventKind.TRIP)
-_PARAMETERS = int(EventKind.PARAMETERS)
-_MARGIN = int(EventKind.MARGIN)
-_CAP = int(EventKind.CAP)
-_STALE = int(EventKind.STALE)
-_IMPACT = int(EventKind.IMPACT)
-_LEFT_OUT = int(EventKind.LEFT_OUT)
-_QUARANTINE = int(EventKind.QUARANTINE)
-
 
 @kernel
 def publish_state(channels: Channels, work: Work, counts: ObjectCountsRecord, t_ns: int) -> None:
@@ -119,11 +107,11 @@ def _begin(event: EventRecord, state: StateRecord, t_ns: int, body_a: int, body_
 def _publish_monitor(outlets: _Outlets, state: StateRecord) -> None:
     """Publish the reports of the monitors of stability and of stale device data."""
     if state.margin_lost == 1:
-        _publish(outlets, _MARGIN, state.reported_margin)
+        _publish(outlets, EventKind.MARGIN, state.reported_margin)
     if state.cap_began == 1:
-        _publish(outlets, _CAP, state.reported_share)
+        _publish(outlets, EventKind.CAP, state.reported_share)
     if state.stale_began == 1:
-        _publish(outlets, _STALE, state.age)
+        _publish(outlets, EventKind.STALE, state.age)
 
 
 @kernel
@@ -140,16 +128,16 @@ def _publish_tick(outlets: _Outlets, state: StateRecord, t_ns: int) -> None:
         event.position_world[i] = state.hip_world[i] - state.ball_radius * normal
         event.normal_world[i] = normal
     if state.parameters_taken == 1:
-        _publish(outlets, _PARAMETERS, float(state.sequence))
+        _publish(outlets, EventKind.PARAMETERS, float(state.sequence))
     if state.state_changed == 1:
-        _publish(outlets, _STATE, float(state.safety))
+        _publish(outlets, EventKind.STATE, float(state.safety))
     if state.tripped == 1:
-        _publish(outlets, _TRIP, float(state.cause))
+        _publish(outlets, EventKind.TRIP, float(state.cause))
     _publish_monitor(outlets, state)
     if state.contact_change == CONTACT_BEGAN:
-        _publish(outlets, _CONTACT_BEGIN, norm(state.f_user_world))
+        _publish(outlets, EventKind.CONTACT_BEGIN, norm(state.f_user_world))
     elif state.contact_change == CONTACT_ENDED:
-        _publish(outlets, _CONTACT_END, norm(state.f_user_world))
+        _publish(outlets, EventKind.CONTACT_END, norm(state.f_user_world))
 
 
 @kernel
@@ -175,7 +163,7 @@ def _publish_touches(
         for i in range(3):
             event.position_world[i] = state.hip_world[i]
             event.normal_world[i] = totals.normal[i]
-        kind = _CONTACT_BEGIN if change == CONTACT_BEGAN else _CONTACT_END
+        kind = EventKind.CONTACT_BEGIN if change == CONTACT_BEGAN else EventKind.CONTACT_END
         _publish(outlets, kind, norm(totals.shape_force))
 
 
@@ -193,7 +181,7 @@ def _publish_impact(outlets: _Outlets, state: StateRecord, totals: TotalsRecord,
     for i in range(3):
         event.position_world[i] = totals.impact_position[i]
         event.normal_world[i] = totals.impact_normal[i]
-    _publish(outlets, _IMPACT, totals.impact_force)
+    _publish(outlets, EventKind.IMPACT, totals.impact_force)
 
 
 @kernel
@@ -209,6 +197,6 @@ def _publish_losses(outlets: _Outlets, state: StateRecord, totals: TotalsRecord,
         event.position_world[i] = state.hip_world[i]
         event.normal_world[i] = 0.0
     if totals.left_out > 0:
-        _publish(outlets, _LEFT_OUT, float(totals.left_out))
+        _publish(outlets, EventKind.LEFT_OUT, float(totals.left_out))
     if totals.quarantined >= 0:
-        _publish(outlets, _QUARANTINE, float(totals.quarantined))
+        _publish(outlets, EventKind.QUARANTINE, float(totals.quarantined))

@@ -31,7 +31,6 @@ _FASTEST = 0.5  # limit of velocities in the Doppler shift, relative to the spee
 _STEP = 0.004  # relative change of gain that is ignored: 0.03 dB
 _SILENT = 1e-6  # gain that counts as silence: -120 dB
 
-_FADING = int(State.FADING)
 
 _NEPER = np.log(10.0) / 20.0  # nepers per decibel
 
@@ -121,7 +120,9 @@ def steer(order: Words, places: Places, buses: F8, voices: Voices, head: Head) -
     places, voices, head = borrowed(places), borrowed(voices), borrowed(head)
     for n in range(order.shape[0]):
         v = order[n]
-        level = 0.0 if places.state[v] == _FADING else places.authored[v] * places.level_set[v] * buses[places.bus[v]]
+        level = (
+            0.0 if places.state[v] == State.FADING else places.authored[v] * places.level_set[v] * buses[places.bus[v]]
+        )
         places.heard[v] = level
         cell, half, lower, upper = places.relative[v], head.steps[1], 0.0, 0.0
         if cell < 0:

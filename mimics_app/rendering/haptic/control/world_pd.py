@@ -17,9 +17,6 @@ if TYPE_CHECKING:
 __all__ = ["world_pd_straight", "world_pd_through_joints"]
 
 
-_UNREACHABLE = int(KinematicsStatus.UNREACHABLE)
-
-
 @kernel
 def world_pd_through_joints(kin: Kin, scene: SceneRecord, q: Vec, dq: Vec, work: JointWorkRecord, command: Vec) -> int:
     """Inverse kinematics (2), then joint PD (5), as in 4.2.6.
@@ -43,7 +40,7 @@ def world_pd_through_joints(kin: Kin, scene: SceneRecord, q: Vec, dq: Vec, work:
     status = joints_of(kin, scene, scene.target, work, work.reached)
     outside = clamp_joints(work.reached, scene.joint_min, scene.joint_max)
     joint_pd(q, dq, work.reached, scene.kp, scene.kd, command)
-    return _UNREACHABLE if outside != 0 else status
+    return KinematicsStatus.UNREACHABLE if outside != 0 else status
 
 
 @kernel

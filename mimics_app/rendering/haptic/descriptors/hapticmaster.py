@@ -18,55 +18,52 @@ from mimics_app.rendering.haptic.kernels import kinematics
 __all__ = ["HAPTICMASTER", "axis_offset"]
 
 
-_DONE = int(KinematicsStatus.DONE)
-
-
 @typed_kernel(KINEMATICS)
 def _forward(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
     kinematics.forward(q, geometry[0], out)
-    return _DONE
+    return KinematicsStatus.DONE
 
 
 @typed_kernel(KINEMATICS)
 def _jacobian(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
     kinematics.jacobian(q, geometry[0], out[:9].reshape((3, 3)))
-    return _DONE
+    return KinematicsStatus.DONE
 
 
 @typed_kernel(KINEMATICS)
 def _inverse(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
     kinematics.inverse(given, geometry[0], out)
-    return _DONE
+    return KinematicsStatus.DONE
 
 
 @typed_kernel(KINEMATICS)
 def _velocity(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
     kinematics.apply_jacobian(q, geometry[0], given, out)
-    return _DONE
+    return KinematicsStatus.DONE
 
 
 @typed_kernel(KINEMATICS)
 def _torque(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
     kinematics.apply_jacobian_transposed(q, geometry[0], given, out)
-    return _DONE
+    return KinematicsStatus.DONE
 
 
 @typed_kernel(KINEMATICS)
 def _rates(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
     kinematics.apply_inverse_jacobian(q, geometry[0], given, out)
-    return _DONE
+    return KinematicsStatus.DONE
 
 
 @typed_kernel(KINEMATICS)
 def _to_robot(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
     kinematics.tool_to_robot(q, given, out)
-    return _DONE
+    return KinematicsStatus.DONE
 
 
 @typed_kernel(KINEMATICS)
 def _to_tool(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
     kinematics.robot_to_tool(q, given, out)
-    return _DONE
+    return KinematicsStatus.DONE
 
 
 def axis_offset(robot: Any) -> float:

@@ -26,8 +26,6 @@ LENGTHS = {"thigh": 0.43, "shank": 0.50, "foot": 0.12, "hip_width": 0.20}
 """Default lengths [m] of the robot's settings of the same names: a person of 1.75 m (Winter's table: thigh 0.245, shank
 0.246 and ankle 0.039 of the height); `foot` is the distance of the ball of the foot before the ankle."""
 
-_DONE = int(KinematicsStatus.DONE)
-_UNREACHABLE = int(KinematicsStatus.UNREACHABLE)
 
 _ENTRIES = 6
 """Entries of the Jacobian per pair of legs: three components of one foot by two joints of the other leg."""
@@ -37,7 +35,7 @@ _ENTRIES = 6
 def _forward(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
     for leg in range(int(geometry[HOW_MANY])):
         place_foot(geometry, leg, q[2 * leg : 2 * leg + 2], out[3 * leg : 3 * leg + 3])
-    return _DONE
+    return KinematicsStatus.DONE
 
 
 @typed_kernel(KINEMATICS)
@@ -50,15 +48,15 @@ def _jacobian(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
         first = 3 * leg * 2 * legs + 2 * leg
         out[first], out[first + 1] = x1, x2
         out[first + 4 * legs], out[first + 4 * legs + 1] = z1, z2
-    return _DONE
+    return KinematicsStatus.DONE
 
 
 @typed_kernel(KINEMATICS)
 def _inverse(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
-    status = _DONE
+    status = KinematicsStatus.DONE
     for leg in range(int(geometry[HOW_MANY])):
         if not leg_joints(geometry, leg, given[3 * leg : 3 * leg + 3], out[2 * leg : 2 * leg + 2]):
-            status = _UNREACHABLE
+            status = KinematicsStatus.UNREACHABLE
     return status
 
 
@@ -67,7 +65,7 @@ def _velocity(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
     for leg in range(int(geometry[HOW_MANY])):
         joints = q[2 * leg : 2 * leg + 2]
         foot_velocity(geometry, joints, given[2 * leg : 2 * leg + 2], out[3 * leg : 3 * leg + 3])
-    return _DONE
+    return KinematicsStatus.DONE
 
 
 @typed_kernel(KINEMATICS)
@@ -75,7 +73,7 @@ def _torque(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
     for leg in range(int(geometry[HOW_MANY])):
         joints = q[2 * leg : 2 * leg + 2]
         foot_torques(geometry, joints, given[3 * leg : 3 * leg + 3], out[2 * leg : 2 * leg + 2])
-    return _DONE
+    return KinematicsStatus.DONE
 
 
 def _geometry(robot: Any, legs: int) -> tuple[float, ...]:

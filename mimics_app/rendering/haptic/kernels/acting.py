@@ -74,10 +74,6 @@ ACTING = np.dtype(
 FREE_TIME = 0.02
 """Time without contact after which credit and debt are cleared [s]."""
 
-_ACTIVE = int(SafetyState.ACTIVE)
-_DEGRADED = int(SafetyState.DEGRADED)
-_SAFE_STOP = int(SafetyState.SAFE_STOP)
-_NOT_FINITE = int(TripCause.NOT_FINITE)
 
 _STABLE_DAMPER = 0.5
 """Largest damper of the passivity controller [virtual masses per tick]; from 2 on it would oscillate."""
@@ -261,7 +257,7 @@ def _passivity_factor(scene: SceneRecord, state: StateRecord, dt: float) -> floa
     """Factor >= 0 of the passivity controller on the contacts' force; contacts never pull."""
     acting = state.acting
     acting.passivity = 0.0
-    felt = state.safety == _ACTIVE or state.safety == _DEGRADED
+    felt = state.safety == SafetyState.ACTIVE or state.safety == SafetyState.DEGRADED
     if scene.passivity == 0 or not felt:
         return 1.0
     most, v = scene.passivity_damping, acting.v
@@ -345,7 +341,7 @@ def act(
         if is_stopped(state):
             fill(f, 0.0)
         elif not limit_force(state.f_wanted, state.ramp, scene.force_limit, rise, state.v_world, scene.power_limit, f):
-            latch(state, _SAFE_STOP, _NOT_FINITE)
+            latch(state, SafetyState.SAFE_STOP, TripCause.NOT_FINITE)
         wanted = norm(state.f_wanted)
         felt = norm(f) / wanted if wanted > 0.0 else 0.0
         scale(acting.contact, felt)

@@ -19,10 +19,6 @@ if TYPE_CHECKING:
 __all__ = ["collect_events", "publish_others", "set_virtual_forces", "share_device_state"]
 
 
-_SAFE_STOP = int(SafetyState.SAFE_STOP)
-_NOT_FINITE = int(TripCause.NOT_FINITE)
-
-
 @kernel
 def share_device_state(scene: SceneRecord, states: Table[StateRecord]) -> None:
     """Copy the state of device and safety from the first record to those of the other points."""
@@ -67,8 +63,8 @@ def collect_events(scene: SceneRecord, states: Table[StateRecord]) -> None:
     state.reported_share = state.stiffness_share
     for c in range(1, scene.contacts):
         other = states[c]
-        if other.safety >= _SAFE_STOP and state.safety < _SAFE_STOP:
-            latch(state, _SAFE_STOP, _NOT_FINITE)
+        if other.safety >= SafetyState.SAFE_STOP and state.safety < SafetyState.SAFE_STOP:
+            latch(state, SafetyState.SAFE_STOP, TripCause.NOT_FINITE)
         if other.margin_lost == 1 and state.margin_lost == 0:
             state.margin_lost = 1
             state.reported_margin = other.margin

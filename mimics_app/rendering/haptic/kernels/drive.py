@@ -47,12 +47,6 @@ _ARRIVED_DISTANCE = 1e-3
 _ARRIVED_SPEED = 5e-3
 """Largest speed of a point that has arrived [m/s]."""
 
-_READY = int(SafetyState.READY)
-_HOMED = int(SafetyState.HOMED)
-_ACTIVE = int(SafetyState.ACTIVE)
-_SAFE_STOP = int(SafetyState.SAFE_STOP)
-_NOT_FINITE = int(TripCause.NOT_FINITE)
-
 
 @kernel
 def _find_velocities(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dq: Vec) -> None:
@@ -146,7 +140,7 @@ def _follow_hand(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: f
     """Admittance controller: measured and virtual force accelerate the virtual mass, or the masses at all points."""
     state = states[0]
     damping = scene.virtual_damping
-    if state.safety != _ACTIVE:
+    if state.safety != SafetyState.ACTIVE:
         damping += _EXTRA_DAMPING
     if scene.polar == 0:
         admit_joints(kin, scene, states, scene.virtual_mass, damping, dt, state.dq_virtual)
@@ -193,7 +187,7 @@ def _hold_command(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> N
 def _stop_not_finite(scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
     """Latch SAFE_STOP for a command that is not finite; no force, and the last command decays."""
     state = states[0]
-    latch(state, _SAFE_STOP, _NOT_FINITE)
+    latch(state, SafetyState.SAFE_STOP, TripCause.NOT_FINITE)
     state.state_changed = 1
     for c in range(scene.contacts):
         fill(states[c].f_user_world, 0.0)
@@ -216,7 +210,7 @@ def _velocities_finite(scene: SceneRecord, states: Table[StateRecord]) -> bool:
 def _control_motion(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
     """Set the joint velocities for a velocity-driven device."""
     state, work = states[0], states[0].joint_work
-    if scene.controller == Controller.ADMITTANCE and state.safety >= _READY:
+    if scene.controller == Controller.ADMITTANCE and state.safety >= SafetyState.READY:
         _follow_hand(kin, scene, states, dt)
     elif scene.controller == Controller.JOINT_PD or scene.controller == Controller.WORLD_PD:
         _drive_to_target(kin, scene, states, dt)
@@ -300,7 +294,7 @@ def _command_torques(kin: Kin, scene: SceneRecord, states: Table[StateRecord], h
     """Set the torques of a torque-driven device: of the commanded forces, or of a PD controller, held when late."""
     state = states[0]
     drives = scene.controller == Controller.JOINT_PD or scene.controller == Controller.WORLD_PD
-    if not drives or scene.force_driven == 0 or is_stopped(state) or state.safety < _HOMED:
+    if not drives or scene.force_driven == 0 or is_stopped(state) or state.safety < SafetyState.HOMED:
         _find_torques(kin, scene, states)
     elif held != HOLD:
         _draw_joints(kin, scene, state, dt)
@@ -310,7 +304,7 @@ def _command_torques(kin: Kin, scene: SceneRecord, states: Table[StateRecord], h
 def control(kin: Kin, scene: SceneRecord, states: Table[StateRecord], held: int, dt: float) -> None:
     """Set this tick's command, velocities, forces or torques: of the controller, held in a late tick, or decaying."""
     state = states[0]
-    if is_stopped(state) or state.safety < _HOMED:
+    if is_stopped(state) or state.safety < SafetyState.HOMED:
         copy(state.q, state.joint_reference)
         settle(state.command, dt)
         brake_at_limits(state.q, scene.joint_min, scene.joint_max, state.command)

@@ -63,10 +63,6 @@ JOINT_WORK = np.dtype(
 )
 """Working memory of the kinematics of one device."""
 
-_NOT_GIVEN = int(KinematicsStatus.NOT_GIVEN)
-_DONE = int(KinematicsStatus.DONE)
-_SINGULAR = int(KinematicsStatus.SINGULAR)
-_UNREACHABLE = int(KinematicsStatus.UNREACHABLE)
 
 _DAMPING = 2e-3
 """Damping of the least squares [m/rad]: directions in which the joints move the points less than this are lost."""
@@ -99,7 +95,7 @@ def find_jacobian(kin: Kin, scene: SceneRecord, q: Vec, work: JointWorkRecord) -
 @kernel
 def velocities_of(kin: Kin, scene: SceneRecord, q: Vec, dq: Vec, work: JointWorkRecord, v: Vec) -> None:
     """Set v = J dq [m/s] of all points; v must not be dq."""
-    if kin[VELOCITY](scene.geometry[:], q[:], dq[:], v[:]) != _NOT_GIVEN:
+    if kin[VELOCITY](scene.geometry[:], q[:], dq[:], v[:]) != KinematicsStatus.NOT_GIVEN:
         return
     find_jacobian(kin, scene, q, work)
     joints = scene.joints
@@ -113,7 +109,7 @@ def velocities_of(kin: Kin, scene: SceneRecord, q: Vec, dq: Vec, work: JointWork
 @kernel
 def torques_of(kin: Kin, scene: SceneRecord, q: Vec, f: Vec, work: JointWorkRecord, tau: Vec) -> None:
     """Set tau = J^T f [N, N m] of forces f on all points, robot frame [N]; tau must not be f."""
-    if kin[TORQUE](scene.geometry[:], q[:], f[:], tau[:]) != _NOT_GIVEN:
+    if kin[TORQUE](scene.geometry[:], q[:], f[:], tau[:]) != KinematicsStatus.NOT_GIVEN:
         return
     find_jacobian(kin, scene, q, work)
     joints = scene.joints
@@ -160,14 +156,16 @@ def _least_squares(scene: SceneRecord, work: JointWorkRecord, v: Vec, dq: Vec) -
         for row in range(rows):
             total += work.jacobian[row * joints + j] * work.side[row] if wide else 0.0
         dq[j] = total if wide else work.side[j]
-    return _SINGULAR if pivot <= _SINGULAR_RATIO * largest + _DAMPING * _DAMPING else _DONE
+    return (
+        KinematicsStatus.SINGULAR if pivot <= _SINGULAR_RATIO * largest + _DAMPING * _DAMPING else KinematicsStatus.DONE
+    )
 
 
 @kernel
 def rates_of(kin: Kin, scene: SceneRecord, q: Vec, v: Vec, work: JointWorkRecord, dq: Vec) -> int:
     """Set dq = J^-1 v for velocities v of all points [m/s], or the nearest; SINGULAR where a direction is lost."""
     status = kin[RATES](scene.geometry[:], q[:], v[:], dq[:])
-    if status != _NOT_GIVEN:
+    if status != KinematicsStatus.NOT_GIVEN:
         return status
     find_jacobian(kin, scene, q, work)
     return _least_squares(scene, work, v, dq)
@@ -191,12 +189,12 @@ def joints_of(kin: Kin, scene: SceneRecord, x: Vec, work: JointWorkRecord, q: Ve
     Joint limits are ignored: the caller clamps to them.
     """
     status = kin[INVERSE](scene.geometry[:], q[:], x[:], q[:])
-    if status != _NOT_GIVEN:
+    if status != KinematicsStatus.NOT_GIVEN:
         return status
     last = math.inf
     for _ in range(_STEPS):
         if not _position_error(kin, scene, x, q, work) > _REACHED:
-            return _DONE
+            return KinematicsStatus.DONE
         square = 0.0
         for row in range(3 * scene.contacts):
             square += work.place[row] * work.place[row]
@@ -215,13 +213,17 @@ def joints_of(kin: Kin, scene: SceneRecord, x: Vec, work: JointWorkRecord, q: Ve
         for j in range(scene.joints):
             work.step[j] *= share
             q[j] += work.step[j]
-    return _DONE if _position_error(kin, scene, x, q, work) <= math.sqrt(_REACHED) else _UNREACHABLE
+    return (
+        KinematicsStatus.DONE
+        if _position_error(kin, scene, x, q, work) <= math.sqrt(_REACHED)
+        else KinematicsStatus.UNREACHABLE
+    )
 
 
 @kernel
 def to_robot(kin: Kin, scene: SceneRecord, q: Vec, f: Vec, out: Vec) -> None:
     """Set out to the forces f on the points, from their sensor frames to the robot frame; out must not be f."""
-    if kin[TO_ROBOT](scene.geometry[:], q[:], f[:], out[:]) == _NOT_GIVEN:
+    if kin[TO_ROBOT](scene.geometry[:], q[:], f[:], out[:]) == KinematicsStatus.NOT_GIVEN:
         for row in range(3 * scene.contacts):
             out[row] = f[row]
 
@@ -229,6 +231,6 @@ def to_robot(kin: Kin, scene: SceneRecord, q: Vec, f: Vec, out: Vec) -> None:
 @kernel
 def to_tool(kin: Kin, scene: SceneRecord, q: Vec, f: Vec, out: Vec) -> None:
     """Set out to the forces f on the points, from the robot frame to their sensor frames; out must not be f."""
-    if kin[TO_TOOL](scene.geometry[:], q[:], f[:], out[:]) == _NOT_GIVEN:
+    if kin[TO_TOOL](scene.geometry[:], q[:], f[:], out[:]) == KinematicsStatus.NOT_GIVEN:
         for row in range(3 * scene.contacts):
             out[row] = f[row]

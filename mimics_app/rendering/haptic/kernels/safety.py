@@ -55,27 +55,6 @@ _QUIET_TIME = 0.1
 _RAMP_DOWN_TIME = 0.05
 """Time in which the virtual force ramps from full to 0 in DEGRADED [s]."""
 
-_OFF = int(SafetyState.OFF)
-_INIT = int(SafetyState.INIT)
-_HOMED = int(SafetyState.HOMED)
-_READY = int(SafetyState.READY)
-_ACTIVE = int(SafetyState.ACTIVE)
-_DEGRADED = int(SafetyState.DEGRADED)
-_SAFE_STOP = int(SafetyState.SAFE_STOP)
-_E_STOP = int(SafetyState.E_STOP)
-
-_NONE = int(TripCause.NONE)
-_STOP_KEY = int(TripCause.STOP_KEY)
-_DEVICE_BUTTON = int(TripCause.DEVICE_BUTTON)
-_NOT_FINITE = int(TripCause.NOT_FINITE)
-_LATE_TICK = int(TripCause.LATE_TICK)
-_MISSED_IN_ROW = int(TripCause.MISSED_IN_ROW)
-_STALE_DEVICE = int(TripCause.STALE_DEVICE)
-_WORKSPACE = int(TripCause.WORKSPACE)
-_VELOCITY = int(TripCause.VELOCITY)
-_DEVICE_FAULT = int(TripCause.DEVICE_FAULT)
-_JUMP = int(TripCause.JUMP)
-_ENERGY = int(TripCause.ENERGY)
 
 _STOP_BUTTON = int(Button.STOP)
 
@@ -83,7 +62,7 @@ _STOP_BUTTON = int(Button.STOP)
 @kernel
 def is_stopped(state: StateRecord) -> bool:
     """True in the two latched states."""
-    return state.safety >= _SAFE_STOP
+    return state.safety >= SafetyState.SAFE_STOP
 
 
 @kernel
@@ -109,12 +88,12 @@ def _reset_stop(scene: SceneRecord, state: StateRecord, stop_word: int) -> bool:
     """Leave a latched stop on a new SCENE.resets, once stop key and button are released; return whether it was left."""
     if scene.resets == state.resets:
         return False
-    if state.safety < _SAFE_STOP:
+    if state.safety < SafetyState.SAFE_STOP:
         state.resets = scene.resets
     elif stop_word == 0 and state.buttons & _STOP_BUTTON == 0 and state.readable == 1:
         state.resets = scene.resets
-        state.safety = _INIT
-        state.cause = _NONE
+        state.safety = SafetyState.INIT
+        state.cause = TripCause.NONE
         state.quiet_ticks = 0
         state.answered = 0
         return True
@@ -146,11 +125,11 @@ def _point_trips(scene: SceneRecord, states: Table[StateRecord], cause: int) -> 
     """Whether `cause` (VELOCITY, JUMP or ENERGY) holds at any point of contact."""
     for c in range(scene.contacts):
         state = states[c]
-        if cause == _VELOCITY and not norm(state.v) <= scene.velocity_limit:
+        if cause == TripCause.VELOCITY and not norm(state.v) <= scene.velocity_limit:
             return True
-        if cause == _JUMP and state.jumped == 1:
+        if cause == TripCause.JUMP and state.jumped == 1:
             return True
-        if cause == _ENERGY and _gave_too_much(scene, state):
+        if cause == TripCause.ENERGY and _gave_too_much(scene, state):
             return True
     return False
 
@@ -165,31 +144,31 @@ def _largest_force(scene: SceneRecord, states: Table[StateRecord]) -> float:
 
 
 @kernel
-def _late_cause(held: int) -> int:
-    """TripCause of a late-tick class beyond HOLD."""
-    return _MISSED_IN_ROW if held == MISSED_STOP else _LATE_TICK
+def _late_cause(held: int) -> TripCause:
+    """Cause of a late-tick class beyond HOLD."""
+    return TripCause.MISSED_IN_ROW if held == MISSED_STOP else TripCause.LATE_TICK
 
 
 @kernel
-def _find_trip(scene: SceneRecord, states: Table[StateRecord], status: int, held: int) -> int:
-    """TripCause that latches SAFE_STOP in this tick, or NONE."""
-    cause, state = _NONE, states[0]
+def _find_trip(scene: SceneRecord, states: Table[StateRecord], status: int, held: int) -> TripCause:
+    """Cause that latches SAFE_STOP in this tick, or NONE."""
+    cause, state = TripCause.NONE, states[0]
     if state.readable == 0 or state.tunnel.status == TunnelStatus.NOT_FINITE or state.objects_failed == 1:
-        cause = _NOT_FINITE
+        cause = TripCause.NOT_FINITE
     elif status == DeviceStatus.FAULT:
-        cause = _DEVICE_FAULT
-    elif state.safety >= _HOMED and held >= LATE_STOP and scene.late_latches == 1:
+        cause = TripCause.DEVICE_FAULT
+    elif state.safety >= SafetyState.HOMED and held >= LATE_STOP and scene.late_latches == 1:
         cause = _late_cause(held)
-    elif state.safety >= _HOMED and int(state.age * SECOND_NS + 0.5) > scene.stale_stop_ns:
-        cause = _STALE_DEVICE
-    elif state.safety >= _HOMED and _outside_workspace(scene, state):
-        cause = _WORKSPACE
-    elif state.safety >= _HOMED and _point_trips(scene, states, _VELOCITY):
-        cause = _VELOCITY
-    elif state.safety >= _HOMED and _point_trips(scene, states, _JUMP):
-        cause = _JUMP
-    elif _point_trips(scene, states, _ENERGY):
-        cause = _ENERGY
+    elif state.safety >= SafetyState.HOMED and int(state.age * SECOND_NS + 0.5) > scene.stale_stop_ns:
+        cause = TripCause.STALE_DEVICE
+    elif state.safety >= SafetyState.HOMED and _outside_workspace(scene, state):
+        cause = TripCause.WORKSPACE
+    elif state.safety >= SafetyState.HOMED and _point_trips(scene, states, TripCause.VELOCITY):
+        cause = TripCause.VELOCITY
+    elif state.safety >= SafetyState.HOMED and _point_trips(scene, states, TripCause.JUMP):
+        cause = TripCause.JUMP
+    elif _point_trips(scene, states, TripCause.ENERGY):
+        cause = TripCause.ENERGY
     return cause
 
 
@@ -198,39 +177,39 @@ def _come_up(scene: SceneRecord, state: StateRecord, quiet: bool) -> None:
     """Advance from OFF to ACTIVE, at most one state per tick; READY returns to HOMED when a PD target moves away."""
     safety = state.safety
     haptic = lets_feel(scene.controller)
-    if safety == _OFF:
-        state.safety = _INIT if scene.sequence > 0 else _OFF
-    elif safety == _INIT:
-        state.safety = _HOMED if state.answered == 1 else _INIT
-    elif safety == _HOMED:
+    if safety == SafetyState.OFF:
+        state.safety = SafetyState.INIT if scene.sequence > 0 else SafetyState.OFF
+    elif safety == SafetyState.INIT:
+        state.safety = SafetyState.HOMED if state.answered == 1 else SafetyState.INIT
+    elif safety == SafetyState.HOMED:
         at_target = scene.controller != Controller.OFF and state.arrived == 1
-        state.safety = _READY if haptic or at_target else _HOMED
+        state.safety = SafetyState.READY if haptic or at_target else SafetyState.HOMED
     elif haptic:
-        state.safety = _ACTIVE if quiet else _READY
+        state.safety = SafetyState.ACTIVE if quiet else SafetyState.READY
     else:
-        state.safety = _READY if state.arrived == 1 else _HOMED
+        state.safety = SafetyState.READY if state.arrived == 1 else SafetyState.HOMED
 
 
 @kernel
 def _stay_active(scene: SceneRecord, state: StateRecord, quiet: bool, held: int) -> None:
     """Step ACTIVE and DEGRADED: HOMED under another controller, DEGRADED when late, ACTIVE again when quiet."""
     if not lets_feel(scene.controller):
-        state.safety = _HOMED
-    elif state.safety == _ACTIVE and held >= LATE_DAMP:
-        state.safety = _DEGRADED
+        state.safety = SafetyState.HOMED
+    elif state.safety == SafetyState.ACTIVE and held >= LATE_DAMP:
+        state.safety = SafetyState.DEGRADED
         state.cause = _late_cause(held)
         state.tripped = 1
-    elif state.safety == _DEGRADED and state.ramp == 0.0 and quiet:
-        state.safety = _ACTIVE
-        state.cause = _NONE
+    elif state.safety == SafetyState.DEGRADED and state.ramp == 0.0 and quiet:
+        state.safety = SafetyState.ACTIVE
+        state.cause = TripCause.NONE
 
 
 @kernel
 def _move_ramp(scene: SceneRecord, state: StateRecord, dt: float) -> None:
     """Move the soft-start factor: up in ACTIVE over ramp_time, down in DEGRADED, zero elsewhere."""
-    if state.safety == _ACTIVE:
+    if state.safety == SafetyState.ACTIVE:
         state.ramp = min(1.0, state.ramp + dt / scene.ramp_time) if scene.ramp_time > dt else 1.0
-    elif state.safety == _DEGRADED:
+    elif state.safety == SafetyState.DEGRADED:
         state.ramp = max(0.0, state.ramp - dt / _RAMP_DOWN_TIME)
     else:
         state.ramp = 0.0
@@ -254,19 +233,19 @@ def step_safety(
     before = state.safety
     was_reset = _reset_stop(scene, state, stop_word)
     if stop_word != 0:
-        latch(state, _E_STOP, _STOP_KEY)
+        latch(state, SafetyState.E_STOP, TripCause.STOP_KEY)
     elif state.buttons & _STOP_BUTTON != 0:
-        latch(state, _E_STOP, _DEVICE_BUTTON)
+        latch(state, SafetyState.E_STOP, TripCause.DEVICE_BUTTON)
     cause = _find_trip(scene, states, status, held)
-    if cause != _NONE:
-        latch(state, _SAFE_STOP, cause)
+    if cause != TripCause.NONE:
+        latch(state, SafetyState.SAFE_STOP, cause)
     calm = held < LATE_DAMP and _largest_force(scene, states) < scene.ramp_force
     state.quiet_ticks = state.quiet_ticks + 1 if calm else 0
-    if state.safety < _SAFE_STOP:
+    if state.safety < SafetyState.SAFE_STOP:
         quiet = state.quiet_ticks * dt >= _QUIET_TIME
         if was_reset:
-            state.safety = _INIT
-        elif state.safety < _ACTIVE:
+            state.safety = SafetyState.INIT
+        elif state.safety < SafetyState.ACTIVE:
             _come_up(scene, state, quiet)
         else:
             _stay_active(scene, state, quiet, held)

@@ -34,10 +34,6 @@ if TYPE_CHECKING:
 __all__ = ["fade_at_end", "tunnel_force"]
 
 
-_NO_TUNNEL = int(TunnelStatus.NO_TUNNEL)
-_FOLLOWING = int(TunnelStatus.FOLLOWING)
-_NOT_FINITE = int(TunnelStatus.NOT_FINITE)
-
 _SMALLEST_OFFSET = 1e-15
 """Distance from the bisector below which the wall has no direction and no force [m]."""
 
@@ -95,12 +91,12 @@ def tunnel_force(tunnel: TunnelRecord, p: Vec, v: Vec, ball_radius: float, state
         state: Record of dtype TUNNEL_STATE; memory of the last call and all results.
     """
     if tunnel.pieces <= 0:
-        _release(state, _NO_TUNNEL)
+        _release(state, TunnelStatus.NO_TUNNEL)
         return
     if not _is_usable(p, v, ball_radius, state.ball_radius_rate):
-        _release(state, _NOT_FINITE)
+        _release(state, TunnelStatus.NOT_FINITE)
         return
-    state.status = _FOLLOWING
+    state.status = TunnelStatus.FOLLOWING
     s = project(tunnel, p[0], p[1], p[2], state)
     piece, u = locate(tunnel, s)
     x, x1, x2 = axis(tunnel, piece, 0, u)
@@ -250,4 +246,4 @@ def _resolve(e: tuple[float, float, float], state: TunnelStateRecord) -> None:
     state.force_tnb[1] = f[0] * n[0] + f[1] * n[1] + f[2] * n[2]
     state.force_tnb[2] = f[0] * b[0] + f[1] * b[1] + f[2] * b[2]
     if not math.isfinite(f[0] + f[1] + f[2]):
-        _release(state, _NOT_FINITE)
+        _release(state, TunnelStatus.NOT_FINITE)

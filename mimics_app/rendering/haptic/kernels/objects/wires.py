@@ -26,53 +26,38 @@ if TYPE_CHECKING:
 __all__ = ["carry_signals"]
 
 
-_POSITION_ROBOT = int(SignalSource.POSITION_ROBOT)
-_VELOCITY_ROBOT = int(SignalSource.VELOCITY_ROBOT)
-_FORCE_MEASURED = int(SignalSource.FORCE_MEASURED)
-_FORCE_USER = int(SignalSource.FORCE_USER)
-_GRASP = int(SignalSource.GRASP)
-_TIME = int(SignalSource.TIME)
-_POSITION_OBJECT = int(SignalSource.POSITION_OBJECT)
-_VELOCITY_OBJECT = int(SignalSource.VELOCITY_OBJECT)
-_OMEGA_OBJECT = int(SignalSource.OMEGA_OBJECT)
-_AXIS_X_OBJECT = int(SignalSource.AXIS_X_OBJECT)
-_AXIS_Z_OBJECT = int(SignalSource.AXIS_Z_OBJECT)
-_FORCE_OBJECT = int(SignalSource.FORCE_OBJECT)
-_TOUCHED = int(SignalSource.TOUCHED)
-
-
 @kernel
 def _of_inputs(inputs: Vec, source: int, i: int) -> float:
     """Component i of an output of the robot."""
-    if source == _POSITION_ROBOT:
+    if source == SignalSource.POSITION_ROBOT:
         return inputs[INPUT_POSITION + i]
-    if source == _VELOCITY_ROBOT:
+    if source == SignalSource.VELOCITY_ROBOT:
         return inputs[INPUT_VELOCITY + i]
-    if source == _FORCE_MEASURED:
+    if source == SignalSource.FORCE_MEASURED:
         return inputs[INPUT_FORCE_MEASURED + i]
-    if source == _FORCE_USER:
+    if source == SignalSource.FORCE_USER:
         return inputs[INPUT_FORCE_USER + i]
     if i > 0:
         return 0.0
-    return inputs[INPUT_GRASP] if source == _GRASP else inputs[INPUT_TIME]
+    return inputs[INPUT_GRASP] if source == SignalSource.GRASP else inputs[INPUT_TIME]
 
 
 @kernel
 def _of_body(motion: MotionRecord, source: int, i: int) -> float:
     """Component i of an output of a body."""
-    if source == _POSITION_OBJECT:
+    if source == SignalSource.POSITION_OBJECT:
         return motion.position[i]
-    if source == _VELOCITY_OBJECT:
+    if source == SignalSource.VELOCITY_OBJECT:
         return motion.velocity[i]
-    if source == _OMEGA_OBJECT:
+    if source == SignalSource.OMEGA_OBJECT:
         return motion.omega[i]
-    if _AXIS_X_OBJECT <= source <= _AXIS_Z_OBJECT:
-        return motion.rotation[i, source - _AXIS_X_OBJECT]
-    if source == _FORCE_OBJECT:
+    if SignalSource.AXIS_X_OBJECT <= source <= SignalSource.AXIS_Z_OBJECT:
+        return motion.rotation[i, source - SignalSource.AXIS_X_OBJECT]
+    if source == SignalSource.FORCE_OBJECT:
         return motion.force_user[i]
     if i > 0:
         return 0.0
-    return float(motion.touched) if source == _TOUCHED else float(motion.collided)
+    return float(motion.touched) if source == SignalSource.TOUCHED else float(motion.collided)
 
 
 @kernel
@@ -85,7 +70,7 @@ def _is_placed(motion: MotionRecord) -> bool:
 @kernel
 def _read(work: ObjectWork, counts: ObjectCountsRecord, wire: WireRecord, inputs: Vec, i: int) -> float:
     """Component i of the output at the source of a wire; 0 for a row that is not in use."""
-    if wire.source <= _TIME:
+    if wire.source <= SignalSource.TIME:
         return _of_inputs(inputs, wire.source, i)
     if 0 <= wire.source_row < counts.bodies:
         return _of_body(work.motions[wire.source_row], wire.source, i)
@@ -136,7 +121,7 @@ def carry_signals(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, inpu
             memory.position[i] = effect.position[i]
     for k in range(counts.wires):
         wire = rows.wires[k]
-        of_body = wire.source > _TIME and 0 <= wire.source_row < counts.bodies
+        of_body = wire.source > SignalSource.TIME and 0 <= wire.source_row < counts.bodies
         if of_body and not _is_placed(work.motions[wire.source_row]):
             continue
         x = _read(work, counts, wire, inputs, 0)
