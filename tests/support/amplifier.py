@@ -2,17 +2,45 @@
 
 from __future__ import annotations
 
+import binascii
 import os
+import struct
 import threading
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.inputs.physio.amplifier_frames import binary_header, binary_samples, text_header, text_sample
 from mimics_app.inputs.physio.serial_amplifier import SerialAmplifier
 
-__all__ = ["AmplifierEmulator", "opened"]
+__all__ = ["AmplifierEmulator", "binary_header", "binary_samples", "opened"]
+
+_NUMBERS = 1 << 32
+
+
+def text_header(rate: float, channels: Sequence[str]) -> bytes:
+    """The header line."""
+    return f"# rate={rate:g} channels={','.join(channels)}\n".encode("ascii")
+
+
+def text_sample(number: int, values: NDArray[np.float64]) -> bytes:
+    """The line of one sample."""
+    return (f"{number % _NUMBERS}," + ",".join(f"{value:.6g}" for value in values) + "\n").encode("ascii")
+
+
+def binary_header(rate: float, channels: Sequence[str]) -> bytes:
+    """The header frame."""
+    names = b"".join(name.encode("ascii")[:8].ljust(8, b"\0") for name in channels)
+    return _sealed(struct.pack("<BBI", 1, len(channels), 0) + struct.pack("<f", rate) + names)
+
+
+def binary_samples(number: int, values: NDArray[np.float64]) -> bytes:
+    """The frame of samples [n, channels], n at most 255."""
+    return _sealed(struct.pack("<BBI", 2, len(values), number % _NUMBERS) + values.astype("<f4").tobytes())
+
+
+def _sealed(body: bytes) -> bytes:
+    return b"\xa5\x5a" + body + struct.pack("<H", binascii.crc_hqx(body, 0xFFFF))
 
 
 class AmplifierEmulator:

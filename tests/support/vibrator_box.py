@@ -4,14 +4,47 @@ from __future__ import annotations
 
 import os
 import select
+import struct
 import threading
 
 from mimics_app.contracts.clock import Clock, MonotonicClock
-from mimics_app.rendering.tactile.wire import Command, CommandReader, answer_bytes
+from mimics_app.rendering.tactile.wire import FRAME_BYTES, Command, crc8
 
-__all__ = ["EmulatedVibrators"]
+__all__ = ["CommandReader", "EmulatedVibrators"]
 
 _LOOK_S = 0.02
+
+
+class CommandReader:
+    """Finds complete command frames in a byte stream.
+
+    Attributes:
+        rejected: Bytes that begin no valid frame.
+    """
+
+    def __init__(self) -> None:
+        self._waiting = bytearray()
+        self.rejected = 0
+
+    def feed(self, data: bytes) -> list[Command]:
+        """Append received bytes; return the commands that they complete."""
+        self._waiting += data
+        found = []
+        while len(self._waiting) >= FRAME_BYTES:
+            frame = bytes(self._waiting[:FRAME_BYTES])
+            if frame[0] == 0xA5 and crc8(frame[:-1]) == frame[-1]:
+                found.append(Command(*struct.unpack("<BBHIH", frame[1:-1])))
+                del self._waiting[:FRAME_BYTES]
+            else:
+                self.rejected += 1
+                del self._waiting[0]
+        return found
+
+
+def answer_bytes(number: int) -> bytes:
+    """Return the acknowledgement of a frame."""
+    body = struct.pack("<BH", 0x5A, number)
+    return body + bytes([crc8(body)])
 
 
 class EmulatedVibrators:

@@ -21,7 +21,7 @@ from mimics_app.contracts.messages import TactileEvent
 from mimics_app.maths.cord import hang
 from mimics_app.rendering.haptic.cord_field import cord
 from mimics_app.rendering.tactile.vibrators import NoVibrators, SerialVibrators
-from mimics_app.rendering.tactile.wire import FRAME_BYTES, Command, CommandReader, command_bytes
+from mimics_app.rendering.tactile.wire import FRAME_BYTES, Command, command_bytes
 from mimics_app.scenarios.avatar_cord import ball_motion
 from mimics_app.tasks.kinds.avatar_cord.kind import KIND
 from mimics_app.tasks.kinds.avatar_cord.questions import Asking, felt_ownership
@@ -40,7 +40,7 @@ from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.trial_file import resolve_files
 from mimics_app.tasks.trials import plan_trials
 from mimics_app.world.scene.file import load_scene
-from tests.support.vibrator_box import EmulatedVibrators
+from tests.support.vibrator_box import CommandReader, EmulatedVibrators
 
 MS = 1_000_000
 ROOT = Path(__file__).parents[2]

@@ -17,7 +17,7 @@ from mimics_app.contracts.messages import Experience, SignalBlock
 from mimics_app.contracts.plugins import PluginGroup
 from mimics_app.dsp.stage import PhysioDsp
 from mimics_app.inputs.physio import sources
-from mimics_app.inputs.physio.amplifier_frames import AmplifierReader, binary_header, binary_samples
+from mimics_app.inputs.physio.amplifier_frames import AmplifierReader
 from mimics_app.inputs.physio.integrity import Grid
 from mimics_app.inputs.physio.recording import FileSource, read_signal_file
 from mimics_app.inputs.physio.serial_amplifier import SerialAmplifier
@@ -25,7 +25,7 @@ from mimics_app.inputs.physio.simulated.source import SimulatedBody
 from mimics_app.inputs.physio.sources import look_for_source, open_source
 from mimics_app.inputs.stage import Movement
 from mimics_app.maths.poses import rotation_from_vector
-from tests.support.amplifier import AmplifierEmulator, opened
+from tests.support.amplifier import AmplifierEmulator, binary_header, binary_samples, opened
 from tests.support.body_signals import body
 from tests.support.command import mimics
 

@@ -17,7 +17,7 @@ from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.rendering.audio.bank import LIVE_VOICES, SoundBank
 from mimics_app.rendering.audio.director import SoundDirector
 from mimics_app.rendering.audio.engine import open_mixer
-from mimics_app.rendering.audio.modal import ModalVoice, Modes, strike_by_force
+from mimics_app.rendering.audio.modal import FORCE_RATE, ModalVoice, Modes
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 from mimics_app.rendering.audio.synth_scene import MATERIALS
 from tests.support.audio_scene import RATE, contact, first_sounding, push, push_forces
@@ -29,6 +29,12 @@ BEGIN = 100 * MS
 def half_sine(newton: float, ms: int) -> np.ndarray:
     """Force of a contact in each tick, its first one included, and 0 after it."""
     return np.append(newton * np.sin(np.pi * (np.arange(ms) + 1.0) / (ms + 1.0)), 0.0)
+
+
+def strike_by_force(material: str, force: np.ndarray) -> np.ndarray:
+    """Response of an object to a contact force, until a quarter of a second after it."""
+    voice = ModalVoice(Modes(material, 10.0, RATE))
+    return voice.play(force, len(force) * (RATE // FORCE_RATE) + RATE // 4).astype(np.float32)
 
 
 def centroid(samples: np.ndarray) -> float:

@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["AmplifierReader", "Samples", "binary_header", "binary_samples", "text_header", "text_sample"]
+__all__ = ["AmplifierReader", "Samples"]
 
 _MARK = b"\xa5\x5a"
 _HEAD = struct.Struct("<BBI")
@@ -42,31 +42,6 @@ class Samples:
 
     number: int
     values: NDArray[np.float64]
-
-
-def text_header(rate: float, channels: tuple[str, ...]) -> bytes:
-    """Return the header line."""
-    return f"# rate={rate:g} channels={','.join(channels)}\n".encode("ascii")
-
-
-def text_sample(number: int, values: NDArray[np.float64]) -> bytes:
-    """Return the line of one sample."""
-    return (f"{number % _NUMBERS}," + ",".join(f"{value:.6g}" for value in values) + "\n").encode("ascii")
-
-
-def binary_header(rate: float, channels: tuple[str, ...]) -> bytes:
-    """Return the header frame."""
-    names = b"".join(name.encode("ascii")[:_NAME].ljust(_NAME, b"\0") for name in channels)
-    return _sealed(_HEAD.pack(_HEADER_KIND, len(channels), 0) + struct.pack("<f", rate) + names)
-
-
-def binary_samples(number: int, values: NDArray[np.float64]) -> bytes:
-    """Return the frame of samples [n, channels], n at most 255."""
-    return _sealed(_HEAD.pack(_SAMPLES_KIND, len(values), number % _NUMBERS) + values.astype("<f4").tobytes())
-
-
-def _sealed(body: bytes) -> bytes:
-    return _MARK + body + struct.pack("<H", binascii.crc_hqx(body, 0xFFFF))
 
 
 class AmplifierReader:

@@ -15,11 +15,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import F4, F8
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.audio.synth import CONTACT_RMS, TAKE_SPREAD
 from mimics_app.rendering.audio.synth_scene import MATERIALS
 
-__all__ = ["FORCE_RATE", "ModalVoice", "Modes", "strike_by_force"]
+__all__ = ["FORCE_RATE", "ModalVoice", "Modes"]
 
 
 FORCE_RATE = 1000
@@ -114,19 +114,3 @@ class ModalVoice:
 
     def _heard(self, states: NDArray[np.complex128]) -> F8:
         return np.asarray((self._modes.weights @ states).real)
-
-
-def strike_by_force(material: str, force: F8, full_force: float = 10.0, rate: int = 48_000) -> F4:
-    """Return the response of an object to a contact force, until a quarter of a second after it.
-
-    Args:
-        material: Key of `MATERIALS`.
-        force: Force in every tick [N], shape [n]; zero before the first.
-        full_force: See `Modes`.
-        rate: Samples per second.
-
-    Returns:
-        Samples in proportion to the force; the first one belongs to the first tick.
-    """
-    voice = ModalVoice(Modes(material, full_force, rate))
-    return voice.play(force, len(force) * (rate // FORCE_RATE) + rate // 4).astype(np.float32)

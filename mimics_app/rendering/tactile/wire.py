@@ -14,9 +14,8 @@ from dataclasses import dataclass
 __all__ = [
     "FRAME_BYTES",
     "Command",
-    "CommandReader",
-    "answer_bytes",
     "command_bytes",
+    "crc8",
     "read_answers",
 ]
 
@@ -48,7 +47,7 @@ class Command:
     number: int
 
 
-def _crc8(data: bytes) -> int:
+def crc8(data: bytes) -> int:
     """Checksum with the polynomial x^8 + x^2 + x + 1, from 0."""
     value = 0
     for byte in data:
@@ -69,39 +68,7 @@ def command_bytes(command: Command) -> bytes:
         min(max(command.delay_us, 0), _MAX_DELAY_US),
         command.number & 0xFFFF,
     )
-    return body + bytes([_crc8(body)])
-
-
-def answer_bytes(number: int) -> bytes:
-    """Return the acknowledgement of a frame."""
-    body = _ANSWER.pack(_ANSWER_MARK, number & 0xFFFF)
-    return body + bytes([_crc8(body)])
-
-
-class CommandReader:
-    """Finds complete command frames in a byte stream.
-
-    Attributes:
-        rejected: Bytes that begin no valid frame.
-    """
-
-    def __init__(self) -> None:
-        self._waiting = bytearray()
-        self.rejected = 0
-
-    def feed(self, data: bytes) -> list[Command]:
-        """Append received bytes; return the commands that they complete."""
-        self._waiting += data
-        found = []
-        while len(self._waiting) >= FRAME_BYTES:
-            frame = bytes(self._waiting[:FRAME_BYTES])
-            if frame[0] == _COMMAND_MARK and _crc8(frame[:-1]) == frame[-1]:
-                found.append(Command(*_COMMAND.unpack(frame[:-1])[1:]))
-                del self._waiting[:FRAME_BYTES]
-            else:
-                self.rejected += 1
-                del self._waiting[0]
-        return found
+    return body + bytes([crc8(body)])
 
 
 def read_answers(waiting: bytearray) -> list[int]:
@@ -109,7 +76,7 @@ def read_answers(waiting: bytearray) -> list[int]:
     numbers = []
     while len(waiting) >= _ANSWER_BYTES:
         frame = bytes(waiting[:_ANSWER_BYTES])
-        if frame[0] == _ANSWER_MARK and _crc8(frame[:-1]) == frame[-1]:
+        if frame[0] == _ANSWER_MARK and crc8(frame[:-1]) == frame[-1]:
             numbers.append(int(_ANSWER.unpack(frame[:-1])[1]))
             del waiting[:_ANSWER_BYTES]
         else:
