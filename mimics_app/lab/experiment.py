@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
-__all__ = ["Experiment", "Outcome", "Points", "Row", "largest_disagreement", "points_of"]
+__all__ = ["Experiment", "Outcome", "Points", "Row", "curves_of", "largest_disagreement", "points_of"]
 
 Points = list[tuple[float, float]]
 
@@ -23,7 +24,8 @@ class Outcome:
         simulated: (x, y) by simulation with the functions of the loop.
         exact: (x, y) by eigenvalues or a closed form, computed independently.
         rules: Simplified rules in common use, by name, for comparison.
-        disagreement: Boundary: largest relative difference of simulated and exact; invariant: its error.
+        disagreement: Boundary: largest relative difference of simulated and exact; invariant: its error. Without a
+            value the largest "difference" of the rows, or of the two curves where the rows have none.
         holds: Whether the other parts of the claim hold.
         note: One or two sentences for the caption.
         passed: It holds, and the disagreement is within the experiment's tolerance; set by `Experiment.run`.
@@ -33,10 +35,16 @@ class Outcome:
     simulated: Points
     exact: Points
     rules: dict[str, Points] = field(default_factory=dict)
-    disagreement: float = 0.0
+    disagreement: float = math.nan
     holds: bool = True
     note: str = ""
     passed: bool = False
+
+    def __post_init__(self) -> None:
+        if math.isnan(self.disagreement):
+            by_row = [row["difference"] for row in self.rows if "difference" in row]
+            found = max(by_row) if by_row else largest_disagreement(self.simulated, self.exact)
+            object.__setattr__(self, "disagreement", found)
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +86,11 @@ class Experiment:
 def points_of(rows: Iterable[Mapping[str, Any]], x: str, y: str, scale: float = 1.0) -> Points:
     """Return two columns of a table as points; `scale` multiplies y."""
     return [(row[x], scale * row[y]) for row in rows]
+
+
+def curves_of(rows: Sequence[Mapping[str, Any]], x: str, simulated: str, exact: str) -> tuple[Points, Points]:
+    """Return the columns `simulated` and `exact` of a table as points over its column `x`."""
+    return points_of(rows, x, simulated), points_of(rows, x, exact)
 
 
 def largest_disagreement(simulated: Points, exact: Points) -> float:

@@ -114,7 +114,7 @@ def test_curves_that_follow_or_take_turns_are_not_joined():
     turns = [point for pair in zip(followed[:3], followed[3:], strict=True) for point in pair]
     for exact in (followed, turns):
         experiment, _ = outcome()
-        svg = draw_outcome(experiment, Outcome([], [], exact, {"up": [(2.0, 1.0), (2.0, 30.0)]}), 4).svg
+        svg = draw_outcome(experiment, Outcome([], [], exact, {"up": [(2.0, 1.0), (2.0, 30.0)]}, 0.0), 4).svg
         curves = re.findall(r'<path class="line s0" d="(M[^"]*)"', svg)[1:]  # the first is the legend's
         assert len(curves) == 2 and all(curve.count("L") == 2 for curve in curves)
         assert len(re.findall(r'<path class="line s2 dashed"', svg)) == 2

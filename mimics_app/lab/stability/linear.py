@@ -14,26 +14,11 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Mat
 
-__all__ = ["exponential", "find_limit", "hold", "is_contracting", "spectral_radius"]
+__all__ = ["find_limit", "hold", "is_contracting", "spectral_radius"]
 
 
-_TAYLOR_TERMS = 18
 _PRECISION = 1e-5
 _MARGIN = 1e-12
-
-
-def exponential(A: Mat) -> Mat:
-    """Return the matrix exponential of A, shape [n, n], by scaling, Taylor series and squaring."""
-    halvings = max(0, math.ceil(math.log2(max(float(np.linalg.norm(A)), 1e-300))) + 1)
-    scaled = A / 2.0**halvings
-    total = np.eye(A.shape[0])
-    term = np.eye(A.shape[0])
-    for i in range(1, _TAYLOR_TERMS + 1):
-        term = term @ scaled / i
-        total = total + term
-    for _ in range(halvings):
-        total = total @ total
-    return total
 
 
 def hold(A: Mat, B: Mat, dt: float) -> tuple[Mat, Mat]:
@@ -44,12 +29,10 @@ def hold(A: Mat, B: Mat, dt: float) -> tuple[Mat, Mat]:
         B: Shape [n, m].
         dt: Sampling period [s].
     """
-    n, m = B.shape
-    block = np.zeros((n + m, n + m))
-    block[:n, :n] = A
-    block[:n, n:] = B
-    moved = exponential(block * dt)
-    return moved[:n, :n], moved[:n, n:]
+    from scipy.signal import cont2discrete
+
+    moved = cont2discrete((A, B, np.eye(len(A)), np.zeros(B.shape)), dt)
+    return moved[0], moved[1]
 
 
 def spectral_radius(A: NDArray[Any]) -> float:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.lab.experiment import Experiment, Outcome, Row, points_of
+from mimics_app.lab.experiment import Experiment, Outcome, Row, curves_of, points_of
 from mimics_app.lab.stability.wall_loop import Wall, exact_limit, rule_limit, simulated_limit
 
 __all__ = ["EXPERIMENT", "compare"]
@@ -55,8 +55,6 @@ def _walls(points: int) -> list[tuple[str, Wall]]:
 def _simulate_grid(points: int) -> Outcome:
     rows = [compare(sweep, wall) for sweep, wall in _walls(points)]
     drawn = [row for row in rows if row["sweep"] == "wall damping"]
-    simulated = points_of(drawn, "wall_damping_ns_m", "simulated_n_m")
-    exact = points_of(drawn, "wall_damping_ns_m", "exact_n_m")
     rules = {
         f"(b + B)/(T/2 + nT), n = {n}": points_of(
             (row for row in drawn if row["delay_ticks"] == n), "wall_damping_ns_m", "rule_n_m"
@@ -64,11 +62,9 @@ def _simulate_grid(points: int) -> Outcome:
         for n in _MOST_WALL_DAMPING
     }
     return Outcome(
-        rows=rows,
-        simulated=simulated,
-        exact=exact,
+        rows,
+        *curves_of(drawn, "wall_damping_ns_m", "simulated_n_m", "exact_n_m"),
         rules=rules,
-        disagreement=max(row["difference"] for row in rows),
         note="0.1 kg, 5 N s/m, 1 kHz; delays of 0, 1, 2, 3 and 5 ticks from the highest curve to the lowest. At 20 "
         f"N s/m and 2 ticks the truth is {100.0 * rows[-1]['exact_below_rule']:.0f} % below the rule, which knows no "
         "largest damping either.",

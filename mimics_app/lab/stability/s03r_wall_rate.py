@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.lab.experiment import Experiment, Outcome, Points, points_of
+from mimics_app.lab.experiment import Experiment, Outcome, Points, curves_of, points_of
 from mimics_app.lab.stability.s03_stiffest_wall import compare
 from mimics_app.lab.stability.wall_loop import Wall
 
@@ -23,8 +23,7 @@ _HIGHEST_RATE = 4000.0
 def _simulate_grid(points: int) -> Outcome:
     rates = [float(rate) for rate in np.geomspace(_LOWEST_RATE, _HIGHEST_RATE, points)]
     rows = [compare("rate", Wall(device_damping=b, rate=rate)) for b in _DAMPINGS for rate in rates]
-    simulated = points_of(rows, "rate_hz", "simulated_n_m")
-    exact = points_of(rows, "rate_hz", "exact_n_m")
+    simulated, exact = curves_of(rows, "rate_hz", "simulated_n_m", "exact_n_m")
     rules: dict[str, Points] = {
         f"2 b/T, b = {b:g} N s/m": points_of(
             (row for row in rows if row["device_damping_ns_m"] == b), "rate_hz", "rule_n_m"
@@ -37,7 +36,6 @@ def _simulate_grid(points: int) -> Outcome:
         simulated=simulated,
         exact=exact,
         rules=rules,
-        disagreement=max(row["difference"] for row in rows),
         note="A device of 3 kg with 2, 5 and 15 N s/m of its own (lowest to highest curve). The 500 Hz of D2.1 are no "
         "limit of their own: the stiffest wall grows with rate times damping, 5000 N/m at 500 Hz and 5 N s/m.",
     )

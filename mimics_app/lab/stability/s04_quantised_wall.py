@@ -18,7 +18,7 @@ import numpy as np
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_ports import DATA_LENGTH, DATA_Q
-from mimics_app.lab.experiment import Experiment, Outcome, Row, points_of
+from mimics_app.lab.experiment import Experiment, Outcome, Row, curves_of
 from mimics_app.lab.stability.linear import find_limit
 from mimics_app.rendering.haptic.kernels import robot
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
@@ -201,15 +201,11 @@ def _row(device: Device) -> Row:
 def _simulate_grid(points: int) -> Outcome:
     quanta = [float(quantum) for quantum in np.geomspace(2e-6, 5e-4, points)]
     rows = [_row(Device(quantum, friction)) for friction in (0.01, 0.05, 0.25) for quantum in quanta]
-    simulated = points_of(rows, "quantum_m", "simulated_n_m")
-    exact = points_of(rows, "quantum_m", "exact_n_m")
     rests = all(row["swing_inside_quanta"] < _NEGLIGIBLE for row in rows)
     return Outcome(
-        rows=rows,
-        simulated=simulated,
-        exact=exact,
+        rows,
+        *curves_of(rows, "quantum_m", "simulated_n_m", "exact_n_m"),
         rules={"2 b/T, b = 1 N s/m": [(quanta[0], 2e3), (quanta[-1], 2e3)]},
-        disagreement=max(row["difference"] for row in rows),
         holds=rests,
         note="Friction of 0.01, 0.05 and 0.25 N (lowest to highest curve). A coarse encoder limits the wall by "
         f"2 f_c/Delta, a fine one by 2 b/T; at {_INSIDE:.0%} of the limit a mass of {_MASS:g} kg comes to rest from "

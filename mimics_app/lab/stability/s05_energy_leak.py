@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.lab.experiment import Experiment, Outcome, Row, largest_disagreement, points_of
+from mimics_app.lab.experiment import Experiment, Outcome, Row, curves_of, points_of
 from mimics_app.lab.haptic.taps import observed_leak
 
 __all__ = ["EXPERIMENT", "closed_leak"]
@@ -44,8 +44,6 @@ def _row(speed: float, depth: float) -> Row:
 def _simulate_grid(points: int) -> Outcome:
     speeds = [float(speed) for speed in np.geomspace(0.02, 0.5, points)]
     rows = [_row(speed, depth) for depth in _DEPTHS for speed in speeds]
-    simulated = points_of(rows, "speed_m_s", "observed_j")
-    exact = points_of(rows, "speed_m_s", "exact_j")
     rules = {
         f"K T v d, {1e3 * depth:g} mm": points_of(
             (row for row in rows if row["depth_m"] == depth), "speed_m_s", "ktvd_j"
@@ -54,11 +52,9 @@ def _simulate_grid(points: int) -> Outcome:
     }
     blind = max(abs(row["sum_of_t_f_v_j"]) / row["exact_j"] for row in rows)
     return Outcome(
-        rows=rows,
-        simulated=simulated,
-        exact=exact,
+        rows,
+        *curves_of(rows, "speed_m_s", "observed_j", "exact_j"),
         rules=rules,
-        disagreement=largest_disagreement(simulated, exact),
         note=f"2000 N/m at 1 kHz, taps of 1, 3 and 10 mm (lowest to highest curve). The passivity observer counts held "
         f"force times displacement and sees all of it; summing T f v sees {100.0 * blind:.1g} % at most.",
     )

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.lab.experiment import Experiment, Outcome, Row, largest_disagreement, points_of
+from mimics_app.lab.experiment import Experiment, Outcome, Row, curves_of, points_of
 from mimics_app.lab.stability.s05_energy_leak import closed_leak
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
@@ -102,16 +102,12 @@ def _row(speed: float) -> Row:
 
 def _simulate_grid(points: int) -> Outcome:
     rows = [_row(float(speed)) for speed in np.geomspace(0.02, 0.5, points)]
-    simulated = points_of(rows, "speed_m_s", "off_j")
-    exact = points_of(rows, "speed_m_s", "exact_j")
     worst = max(row["on_worst_phase_j"] for row in rows)
     share = 100.0 * max(row["force_taken_n"] / row["force_at_depth_n"] for row in rows)
     return Outcome(
-        rows=rows,
-        simulated=simulated,
-        exact=exact,
+        rows,
+        *curves_of(rows, "speed_m_s", "off_j", "exact_j"),
         rules={"controller on": points_of(rows, "speed_m_s", "on_j")},
-        disagreement=largest_disagreement(simulated, exact),
         holds=worst <= _ROUNDING,
         note=f"2000 N/m, 3 mm, 1 kHz. With the controller no tap of any phase draws energy; the controller took "
         f"at most {share:.0f} % of the force at the deepest point, and that near the surface.",

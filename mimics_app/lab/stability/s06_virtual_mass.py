@@ -16,7 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mimics_app.lab.experiment import Experiment, Outcome, Points, Row, points_of
+from mimics_app.lab.experiment import Experiment, Outcome, Points, Row, curves_of
 from mimics_app.lab.stability.held_robot import Arm, Hold, is_exactly_stable, is_stable
 from mimics_app.lab.stability.linear import find_limit
 
@@ -158,18 +158,14 @@ def _rows(points: int) -> list[Row]:
 def _simulate_grid(points: int) -> Outcome:
     rows = _rows(points)
     drawn = [row for row in rows if row["sweep"] == "delay" and row["exact"] is not None]
-    simulated = points_of(drawn, "delay_ticks", "simulated")
-    exact = points_of(drawn, "delay_ticks", "exact")
     ends = (0.0, float(_LONGEST_DELAY))
     rules: dict[str, Points] = {"at least 3 kg (D2.1 4.2.7)": [(x, _SEED_MASS) for x in ends]}
     for who in _DRAWN:
         rules[f"m_v > m_h, {who} arm"] = [(x, ARMS[who].mass) for x in ends]
     return Outcome(
-        rows=rows,
-        simulated=simulated,
-        exact=exact,
+        rows,
+        *curves_of(drawn, "delay_ticks", "simulated", "exact"),
         rules=rules,
-        disagreement=max(row["difference"] for row in rows),
         note="Servo of 60 Hz; relaxed, typical and stiffly gripping arm (lowest to highest curve). 3 kg is the "
         "heaviest arm with its handle, 2 kg, and half as much again; 20 ms of delay need 2.2 kg. From 5 ticks on, a "
         "stiff and little damped arm (2 kg, 10 N s/m, 3000 N/m) is stable with no mass at all: it needs virtual "

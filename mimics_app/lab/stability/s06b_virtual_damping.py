@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.lab.experiment import Experiment, Outcome, Row, largest_disagreement, points_of
+from mimics_app.lab.experiment import Experiment, Outcome, Row, curves_of
 from mimics_app.lab.stability.held_robot import Hold
 from mimics_app.lab.stability.s06_virtual_mass import ARMS, damping_rule, least_damping
 
@@ -38,14 +38,10 @@ def _simulate_grid(points: int) -> Outcome:
     rows = [_row(mass, n) for mass in _MASSES for n in delays]
     lost = any(row["simulated_ns_m"] is None or row["exact_ns_m"] is None for row in rows)
     found = [row for row in rows if row["simulated_ns_m"] is not None and row["exact_ns_m"] is not None]
-    simulated = points_of(found, "delay_ticks", "simulated_ns_m")
-    exact = points_of(found, "delay_ticks", "exact_ns_m")
     return Outcome(
-        rows=rows,
-        simulated=simulated,
-        exact=exact,
+        rows,
+        *curves_of(found, "delay_ticks", "simulated_ns_m", "exact_ns_m"),
         rules={"k_h (T + n T + 1/w_p)": [(float(n), damping_rule(Hold(_ARM, delay=n))) for n in delays]},
-        disagreement=largest_disagreement(simulated, exact),
         holds=not lost,
         note="An arm of 2 kg and 3000 N/m; virtual masses of 3, 10 and 60 kg (lowest to highest curve). The arm's own "
         "10 N s/m are not enough; the rest must be virtual damping, and a heavier mass needs more of it.",

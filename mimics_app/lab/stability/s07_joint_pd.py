@@ -117,7 +117,6 @@ def _simulate_grid(points: int) -> Outcome:
         simulated=simulated,
         exact=exact,
         rules={"Kp T + 2 Kd = 2": [(-1.0, 4.0), (1.0, 0.0)]},
-        disagreement=max(row["difference"] for row in rows),
         holds=runs_away,
         note="Upper line: a robot that moves with the command of the tick before, as in the closed form. Lower line: "
         "one tick more. The sign printed in equation (5) is stable nowhere.",

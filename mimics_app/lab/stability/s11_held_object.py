@@ -14,7 +14,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
-from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
+from mimics_app.lab.experiment import Experiment, Outcome, Points
 from mimics_app.lab.groups.friction import KARNOPP, NUMBERS, friction_by
 from mimics_app.rendering.haptic.kernels.contact_records import FRICTION
 from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
@@ -153,7 +153,6 @@ def _simulate_grid(points: int) -> Outcome:
         simulated=simulated,
         exact=exact,
         rules={model: curve(model) for model in _MODELS[1:]},
-        disagreement=largest_disagreement(simulated, exact),
         holds=_holds(crept, cones),
         note=(
             f"In a minute at {100 * shares[half]:.0f} % of the cone: regularised "

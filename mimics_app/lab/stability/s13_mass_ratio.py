@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
+from mimics_app.lab.experiment import Experiment, Outcome, Points
 from mimics_app.lab.stability.stack import UNIT_MASS, smallest_mass, stack_eigenvalue
 from mimics_app.rendering.haptic.kernels.contact_law import pair_force
 
@@ -43,7 +43,6 @@ def _simulate_grid(points: int) -> Outcome:
         simulated=simulated,
         exact=exact,
         rules=rules,
-        disagreement=largest_disagreement(simulated, exact),
         note=(
             f"Contacts of 2 kN/m and 4 N s/m at 1 ms. Two equal bodies need {equal:.2f} g each, "
             f"{equal / (2e3 * UNIT_MASS):.2f} times the rule for two contacts."

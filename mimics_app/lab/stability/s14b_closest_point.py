@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.haptic_objects import TUNNEL
 from mimics_app.contracts.kernel import kernel
-from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
+from mimics_app.lab.experiment import Experiment, Outcome, Points
 from mimics_app.lab.stability.linear import find_limit
 from mimics_app.maths.bspline import basis_functions
 from mimics_app.rendering.haptic.kernels.tunnel_projection import slope, track
@@ -147,7 +147,6 @@ def _simulate_grid(points: int) -> Outcome:
         simulated=simulated,
         exact=exact,
         rules={"1 - r kappa = 0.1": [(speed, 0.1) for speed in speeds]},
-        disagreement=largest_disagreement(simulated, exact),
         holds=kept,
         note=(
             f"A bend of {1e3 * _BEND:.0f} mm. Below the line textbook Newton from the last tick's point misses by up "

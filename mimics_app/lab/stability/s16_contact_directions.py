@@ -82,7 +82,6 @@ def _simulate_grid(points: int) -> Outcome:
         simulated=points_of(drawn, "angle_deg", "simulated_n_m"),
         exact=points_of(drawn, "angle_deg", "exact_n_m"),
         rules=rules,
-        disagreement=max(row["difference"] for row in rows),
         holds=least >= alone,
         note="An undamped plate beside a block of 100 N/m and 10, 30, 60 N s/m (lowest to highest curve); 3 kg, "
         f"8 N s/m, 4 ticks late. At 90 degrees the sum promises {promised:.0f} times the truth; the worst "
