@@ -35,19 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics bench`."""
     parser.add_argument(
         "what",
-        choices=(
-            "all",
-            "realtime",
-            "methods",
-            "audio",
-            "haptic",
-            "physio",
-            "frame",
-            "displays",
-            "record",
-            "faults",
-            "render",
-        ),
+        choices=("all", *_MEASURES, "render"),
         help="realtime: deadlines of the haptic loop under load; methods: cost and error of every method; audio: "
         "mixers and latency; haptic: cost of a tick; physio: R peaks and features; frame: frames of live sessions; "
         "displays: stereo and headsets; record: what a killed session loses; faults: time from a fault to zero "
@@ -382,13 +370,13 @@ _NOISE = "noise"
 """Name of the table of R peaks by kind of noise (`mimics bench physio noise`)."""
 
 _MEASURES = {
-    "frame": _measure_frame,
-    "displays": _measure_displays,
     "realtime": _measure_realtime,
     "methods": _measure_methods,
     "audio": _measure_audio,
     "haptic": _measure_haptic,
     "physio": _measure_physio,
+    "frame": _measure_frame,
+    "displays": _measure_displays,
     "record": _measure_record,
     "faults": _measure_faults,
 }

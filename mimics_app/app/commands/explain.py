@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mimics_app.app.settings import PROFILES
-from mimics_app.app.terminal.arguments import add_size_argument
+from mimics_app.app.terminal.arguments import add_profile_argument, add_size_argument
 from mimics_app.app.terminal.output import answer
 
 if TYPE_CHECKING:
@@ -20,7 +19,7 @@ __all__ = ["add_arguments", "run"]
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics explain`."""
     parser.add_argument("scene", type=Path, help="scene file")
-    parser.add_argument("--profile", choices=PROFILES, default="training", help="profile whose tolerances apply")
+    add_profile_argument(parser, "profile whose tolerances apply")
     add_size_argument(parser, "size of the live picture, for its cost without a graphics card [px]")
     parser.add_argument(
         "--still", action="store_true", help="plan still pictures, without a frame time to hold, as mimics render does"

@@ -7,9 +7,10 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mimics_app.app.settings import PROFILES, RunSettings
+from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal.arguments import (
     add_display_argument,
+    add_profile_argument,
     add_size_argument,
     frame_count,
     picture_file,
@@ -52,12 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_size_argument(parser)
     add_display_argument(parser)
     parser.add_argument("--seed", type=random_seed, default=1, help="seed of the simulated patient")
-    parser.add_argument(
-        "--profile",
-        choices=PROFILES,
-        default="training",
-        help="accuracy of physics and picture: draft is cheapest, study most accurate",
-    )
+    add_profile_argument(parser)
     parser.add_argument(
         "--video",
         type=Path,

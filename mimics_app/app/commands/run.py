@@ -7,9 +7,10 @@ import sys
 from dataclasses import fields
 from pathlib import Path
 
-from mimics_app.app.settings import DIFFICULTIES, PATIENTS, PROFILES, QUALITIES, RECIPES, SOUNDS, RunSettings
+from mimics_app.app.settings import DIFFICULTIES, PATIENTS, QUALITIES, RECIPES, SOUNDS, RunSettings
 from mimics_app.app.terminal.arguments import (
     add_display_argument,
+    add_profile_argument,
     add_window_size_argument,
     participant_code,
     positive_time,
@@ -42,12 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--seconds", type=positive_time, help="end after this much simulated time [s]")
     parser.add_argument("--seed", type=random_seed, default=1, help="seed of trial order, patient and sensor noise")
-    parser.add_argument(
-        "--profile",
-        choices=PROFILES,
-        default="training",
-        help="accuracy of physics and picture: draft is cheapest, study most accurate",
-    )
+    add_profile_argument(parser)
     parser.add_argument(
         "--quality",
         choices=QUALITIES,

@@ -8,8 +8,14 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mimics_app.app.settings import PICTURE_SIZE, PROFILES
-from mimics_app.app.terminal.arguments import add_window_size_argument, file_to_write, frame_count, picture_file
+from mimics_app.app.settings import PICTURE_SIZE
+from mimics_app.app.terminal.arguments import (
+    add_profile_argument,
+    add_window_size_argument,
+    file_to_write,
+    frame_count,
+    picture_file,
+)
 from mimics_app.app.terminal.output import answer, errors_of, issue_lines
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
 
@@ -68,12 +74,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="ENTITY",
         help="entity whose camera is used first (default: the scene's first camera, or a view of everything)",
     )
-    parser.add_argument(
-        "--profile",
-        choices=PROFILES,
-        default="training",
-        help="quality of the picture of a scene: draft is cheapest, study best",
-    )
+    add_profile_argument(parser, "quality of the picture of a scene: draft is cheapest, study best")
     parser.add_argument(
         "--backend",
         choices=("auto", "egl", "osmesa"),

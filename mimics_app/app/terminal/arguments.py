@@ -8,11 +8,13 @@ from argparse import ArgumentParser, ArgumentTypeError
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from mimics_app.app.settings import PROFILES
 from mimics_app.contracts.display_choice import DISPLAY_KINDS, display_names, kind_of_display, parse_display
 from mimics_app.contracts.errors import UsageError
 
 __all__ = [
     "add_display_argument",
+    "add_profile_argument",
     "add_size_argument",
     "add_window_size_argument",
     "display_forms",
@@ -124,6 +126,13 @@ def _picture_size(text: str) -> tuple[int, int]:
 def add_size_argument(parser: ArgumentParser, what: str = "size of the picture [px]") -> None:
     """Add the option --size with its usual value and a description."""
     parser.add_argument("--size", type=_picture_size, default="1280x720", metavar="WxH", help=what)
+
+
+def add_profile_argument(
+    parser: ArgumentParser, what: str = "accuracy of physics and picture: draft is cheapest, study most accurate"
+) -> None:
+    """Add the option of the profile."""
+    parser.add_argument("--profile", choices=PROFILES, default="training", help=what)
 
 
 def add_window_size_argument(parser: ArgumentParser) -> None:
