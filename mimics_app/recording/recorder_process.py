@@ -12,6 +12,8 @@ import gc
 import json
 import os
 import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from multiprocessing import parent_process
 from multiprocessing.connection import Connection
@@ -19,7 +21,6 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.contracts.child_signals import ignore_signals
 from mimics_app.contracts.clock import MonotonicClock, wall_time
@@ -188,10 +189,8 @@ class _Session:
     def _take(self, kind: bytes, payload: bytes) -> None:
         if kind in (PARAMETERS, SIGNALS):
             stream = self._parameters if kind == PARAMETERS else self._signals
-            try:
+            with self._noting_trouble(lines=1):
                 stream.append(payload)
-            except OSError as error:
-                self._trouble(error, lines=1)
         elif kind == TRIAL:
             message = json.loads(payload)
             self._waiting_trials[message["index"]] = message["row"]
@@ -216,10 +215,8 @@ class _Session:
             self._status[StatusWord.TRIALS] = len(self._trials.rows)
 
     def _write_lines(self, lines: list[bytes]) -> None:
-        try:
+        with self._noting_trouble(lines=len(lines)):
             self._events.append_lines(lines)
-        except OSError as error:
-            self._trouble(error, lines=len(lines))
 
     def _own_line(self, kind: str, data: dict[str, Any]) -> None:
         self._write_lines([encode_line("recorder", kind, data)])
@@ -229,10 +226,8 @@ class _Session:
         if count == 0:
             return
         self._trips.note_events(self._event_block[:count])
-        try:
+        with self._noting_trouble(lines=count):
             self._events.append_events(self._event_block[:count])
-        except OSError as error:
-            self._trouble(error, lines=count)
         self._event_ring.release(count)
 
     def _drain_samples(self, *, everything: bool) -> None:
@@ -244,7 +239,8 @@ class _Session:
             if count == 0:
                 return
             self._write_block(count, first)
-            self._log_trips(self._block[:count])
+            with self._noting_trouble():
+                self._trips.note_samples(self._block[:count])
             self._sample_ring.release(count)
 
     def _write_block(self, count: int, first: int) -> None:
@@ -257,12 +253,6 @@ class _Session:
             self._trouble(error)
             self._lose_rows(count)
 
-    def _log_trips(self, samples: NDArray[Any]) -> None:
-        try:
-            self._trips.note_samples(samples)
-        except OSError as error:
-            self._trouble(error)
-
     # trouble
 
     def _room_again(self) -> bool:
@@ -273,6 +263,14 @@ class _Session:
         self._retry_at = 0
         self._status[StatusWord.PROBLEM] = Problem.NONE
         return True
+
+    @contextmanager
+    def _noting_trouble(self, lines: int = 0) -> Iterator[None]:
+        """Note an error of the disk, by which so many lines are lost, and go on."""
+        try:
+            yield
+        except OSError as error:
+            self._trouble(error, lines)
 
     def _trouble(self, error: OSError, lines: int = 0) -> None:
         full = error.errno in (errno.ENOSPC, errno.EDQUOT)
@@ -313,11 +311,9 @@ class _Session:
             return
         self._next_sync = now_ns + _SYNC_NS
         self._write_trials()
-        try:
+        with self._noting_trouble():
             for stream in (self._samples, self._parameters, self._signals, self._events):
                 stream.sync()
-        except OSError as error:
-            self._trouble(error)
         self._note_clock(now_ns)
 
     def _note_clock(self, now_ns: int) -> None:
@@ -341,18 +337,14 @@ class _Session:
         self._take_messages()
         status: Literal["clean", "interrupted"] = "interrupted" if self._close_message is None else "clean"
         self._end_of_loss()
-        try:
+        with self._noting_trouble():
             self._trips.finish()
-        except OSError as error:
-            self._trouble(error)
         self._own_line("end", {"status": status, **clock_pair()})
         (self._folder / RESERVE).unlink(missing_ok=True)
         self._write_trials(all_of_them=True)
         for stream in (self._samples, self._parameters, self._signals, self._events, self._trials):
-            try:
+            with self._noting_trouble():
                 stream.close()
-            except OSError as error:
-                self._trouble(error)
         return self._seal(status)
 
     def _seal(self, status: Literal["clean", "interrupted"]) -> bool:
