@@ -10,8 +10,9 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from mimics_app.app.bench.render_workloads import Workload, decode, light_up
+from mimics_app.app.bench.render_workloads import Workload, light_up
 from mimics_app.contracts.arrays import F8
+from mimics_app.maths.colour import linear_light
 from mimics_app.world.components.effects import Particles
 from mimics_app.world.world import World
 
@@ -65,7 +66,7 @@ class Fountain(Workload):
         self.numbers = numbers = FountainNumbers(count=count or FountainNumbers.count)
         world = World()
         source = world.root.create_child("fountain")
-        red, green, blue = decode(np.array(numbers.colour[:3])).tolist()
+        red, green, blue = linear_light(numbers.colour[:3]).tolist()
         world.effects.add(
             source.index,
             Particles(

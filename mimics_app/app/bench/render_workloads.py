@@ -14,6 +14,7 @@ from mimics_app.app.picture.picture import live_quality
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.resources import root
+from mimics_app.maths.colour import linear_light
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.view import View
@@ -31,7 +32,6 @@ __all__ = [
     "Nodes",
     "Walk",
     "Workload",
-    "decode",
     "light_up",
 ]
 
@@ -235,7 +235,7 @@ def _grid(k: NDArray[np.integer], across: int, step: float, heights: F8) -> F8:
 
 def light_up(world: World) -> None:
     """Add a sun, ambient light, a plain background, and the colours as the peers read them."""
-    linear = decode(np.array(_BACKGROUND))
+    linear = linear_light(_BACKGROUND)
     sky = (float(linear[0]), float(linear[1]), float(linear[2]))
     world.environment = Sky(sky, sky, sky, 0.0)
     # Ambient light is that of the sky; divided by its colour, it is white at a surface.
@@ -246,11 +246,6 @@ def light_up(world: World) -> None:
     sun.create_light("directional", intensity=DIFFUSE, casts_shadow=0)
     for material in list(world.materials.values()):
         # The peers read a file's colours as display values, unlike glTF.
-        red, green, blue = decode(np.array(material.base_colour[:3])).tolist()
+        red, green, blue = linear_light(material.base_colour[:3]).tolist()
         world.set_material(replace(material, base_colour=(red, green, blue, material.base_colour[3])))
     world.update()
-
-
-def decode(display: F8) -> F8:
-    """Return linear light from display values (IEC 61966-2-1)."""
-    return np.where(display <= 0.04045, display / 12.92, ((display + 0.055) / 1.055) ** 2.4)

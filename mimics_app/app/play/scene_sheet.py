@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.app.play.stills import draw_stills
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.arrays import U1
 from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.maths.colour import linear_light
 from mimics_app.rendering.visual.effects.captions import caption_picture
 from mimics_app.rendering.visual.lighting import gather_lighting
 from mimics_app.world.components.visible import Environment
@@ -109,7 +109,7 @@ def draw_scene_sheet(files: Sequence[Path], output: Path, *, backend: str = "aut
 def measure_light(file: Path, pixels: U1) -> SceneLight:
     """Return the exposure of a scene from its picture without a board, display values [height, width, 3]."""
     scene = load_scene(file)
-    luminance = _decode(pixels) @ _LUMINANCE
+    luminance = linear_light(pixels / 255.0) @ _LUMINANCE
     night = (scene.first(Environment) or Environment()).night
     dark, bright = float((luminance < _DARK).mean()), float((luminance > _BRIGHT).mean())
     return SceneLight(file.stem, dark, bright, shade_share(scene), night)
@@ -150,12 +150,6 @@ def _drawn(file: Path, backend: str) -> U1:
         drawn = draw_stills(settings, Path(folder), backend=backend, seconds=_SECONDS, board=False)
         with Image.open(drawn.files[-1]) as picture:
             return np.array(picture.convert("RGB"))
-
-
-def _decode(pixels: U1) -> NDArray[np.float64]:
-    """Return linear light from display values (IEC 61966-2-1)."""
-    value = pixels / 255.0
-    return np.asarray(np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4))
 
 
 def _name(tile: Image.Image, text: str) -> None:

@@ -14,6 +14,7 @@ from mimics_app.builders.avatars.sheet import I8
 from mimics_app.builders.avatars.skeleton import FINGERS, arm_axes
 from mimics_app.builders.avatars.whole_person import Figure, make_figure
 from mimics_app.builders.kit.palette_texture import Rgb
+from mimics_app.maths.colour import linear_light
 
 __all__ = ["compose", "write_figure"]
 
@@ -74,12 +75,8 @@ def write_figure(figure: Figure, seed: int) -> bytes:
 def _linear(colour: Rgb, white: float = 255.0) -> tuple[float, float, float]:
     """Return linear factors of an sRGB colour (IEC 61966-2-1) on a texture whose plain tone is `white`."""
     one, base = (np.asarray(c, float) / 255.0 for c in (colour, (white,) * 3))
-    red, green, blue = (float(_curve(c) / _curve(w)) for c, w in zip(one, base, strict=True))
+    red, green, blue = (float(linear_light(c) / linear_light(w)) for c, w in zip(one, base, strict=True))
     return min(red, 1.0), min(green, 1.0), min(blue, 1.0)
-
-
-def _curve(value: float) -> float:
-    return value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4
 
 
 def _hands(figure: Figure) -> tuple[bytes, bytes]:

@@ -8,8 +8,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from mimics_app.lab.rivals import Rival, compare
-from mimics_app.lab.visual.hall import FEW, PLAIN, hall_us, linear_light
+from mimics_app.lab.visual.hall import FEW, PLAIN, hall_us
 from mimics_app.lab.visual.probe import show_picture
+from mimics_app.maths.colour import linear_light
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
@@ -38,7 +39,7 @@ def _error(settings: RenderSettings) -> float:
     world.update()
     view = View(compose_look_at((0.0, 1.5, 1.5), (0.0, 0.0, 0.0)), (-0.4, 0.4, -0.225, 0.225), (0, 0, *_PROBE))
     shaded, bare = (
-        linear_light(show_picture(world, _PROBE, each, view))[:, _MIDDLE].mean(axis=1)
+        linear_light(show_picture(world, _PROBE, each, view)[..., 0] / 255.0)[:, _MIDDLE].mean(axis=1)
         for each in (settings, replace(settings, ambient_occlusion=0.0))
     )
     return float(abs((shaded / bare).min() - 0.5) / 0.5)

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import F8
 from mimics_app.lab.visual.probe import frame_us
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
@@ -15,7 +13,7 @@ from mimics_app.world.materials.material import Material
 from mimics_app.world.meshes.primitives import cylinder, plane, sphere
 from mimics_app.world.world import World
 
-__all__ = ["FEW", "PLAIN", "hall_us", "linear_light"]
+__all__ = ["FEW", "PLAIN", "hall_us"]
 
 PLAIN = RenderSettings(msaa=0, shadow_size=0, fog_density=0.0, tone_map="none")
 FEW = "how many copies, or places, is compiled into the shader: there is the effect and its absence"
@@ -45,9 +43,3 @@ def hall_us(settings: RenderSettings) -> float:
     pose = compose_look_at((0.3, 1.6, 3.0), (0.0, 1.2, -4.0))
     view = View(pose, (-0.9, 0.9, -0.5, 0.5), (0, 0, *_FRAME))
     return frame_us(_hall(), _FRAME, settings, lambda _: view, _FRAMES)
-
-
-def linear_light(picture: NDArray[np.uint8]) -> F8:
-    """Return the linear red light of display values, 0-1."""
-    share = picture[..., 0] / 255.0
-    return np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.maths.colour import linear_light
 from mimics_app.world.materials.material import Material, TextureData
 from mimics_app.world.meshes.mesh import FARTHEST, MeshData
 from mimics_app.world.meshes.shading_groups import shaded_mesh
@@ -98,8 +99,7 @@ def _vertex_colours(body: trimesh.Trimesh) -> NDArray[np.float32] | None:
     if getattr(visual, "kind", None) != "vertex":
         return None
     values = np.asarray(visual.vertex_colors, np.float32) / 255.0
-    linear = np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
-    return np.concatenate([linear[:, :3], values[:, 3:]], axis=1).astype(np.float32)
+    return np.concatenate([linear_light(values[:, :3]), values[:, 3:]], axis=1).astype(np.float32)
 
 
 def _material(key: str, body: trimesh.Trimesh, world: World) -> Material:
