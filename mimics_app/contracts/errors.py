@@ -12,7 +12,7 @@ MimicsError                 what happened, and what to do
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from os import PathLike, fspath
@@ -35,6 +35,8 @@ __all__ = [
     "listed_issues",
     "more_issues",
     "nearest",
+    "require_choice",
+    "require_key",
     "short_text",
 ]
 
@@ -206,6 +208,18 @@ def nearest(name: str, known: Iterable[str]) -> str:
     if close:
         return f'did you mean "{close[0]}"'
     return "known: " + ", ".join(names) if few else ""
+
+
+def require_choice(name: str, known: Collection[str], what: str) -> None:
+    """Raise UsageError where a name that a person gave is not known; `what` is said of it: "experiment"."""
+    if name not in known:
+        raise UsageError(f'there is no {what} "{name}"', nearest(name, known))
+
+
+def require_key(name: str, known: Collection[str], what: str) -> None:
+    """Raise KeyError where a name that a program gave is not known; `what` is said of it: "node"."""
+    if name not in known:
+        raise KeyError(f'no {what} "{name}"; {nearest(name, known)}')
 
 
 def short_text(text: str) -> str:

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Iterable
 from functools import cache
 
-from mimics_app.contracts.errors import UsageError, nearest, short_text
+from mimics_app.contracts.errors import require_choice, short_text
 from mimics_app.contracts.members import load_member, member_names
 from mimics_app.contracts.methods import Registry, registry
 from mimics_app.lab import groups
@@ -34,8 +34,7 @@ def load_methods(names: Iterable[str] | None = None) -> Registry:
     """
     known = all_groups()
     for group in known if names is None else names:
-        if group not in known:
-            raise UsageError(f'there is no group of methods "{group}"', nearest(group, known))
+        require_choice(group, known, "group of methods")
         if group in GROUPS:
             _register(group)
         _register_plugins(group)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.errors import nearest
+from mimics_app.contracts.errors import require_key
 from mimics_app.maths import mat
 from mimics_app.world.entity_ids import EntityId, EntityStore
 from mimics_app.world.hierarchy import Hierarchy
@@ -63,8 +63,7 @@ class SceneGraph:
         Raises:
             KeyError: there is none; the message names the nearest.
         """
-        if name not in self._by_name:
-            raise KeyError(f'no node "{name}"; {nearest(name, self._by_name)}')
+        require_key(name, self._by_name, "node")
         return self._by_name[name]
 
     def __contains__(self, name: str) -> bool:

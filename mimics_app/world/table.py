@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from mimics_app.contracts.errors import nearest
+from mimics_app.contracts.errors import require_key
 from mimics_app.world.entity_ids import grown
 
 __all__ = ["ComponentTable"]
@@ -73,7 +73,7 @@ class ComponentTable:
         if index in self:
             raise ValueError(f"entity {index} has that component already")
         for name in values.keys() - self._columns.keys():
-            raise KeyError(f'no column "{name}"; {nearest(name, self._columns)}')
+            require_key(name, self._columns, "column")
         row = self._count
         self._entities = grown(self._entities, row + 1, _NONE)
         self._rows = grown(self._rows, index + 1, _NONE)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.errors import nearest
+from mimics_app.contracts.errors import require_key
 from mimics_app.world.camera import Camera
 from mimics_app.world.content import Content
 from mimics_app.world.cords import Cord
@@ -210,11 +210,11 @@ class World:
 
     def require_mesh(self, name: str) -> None:
         """Raise a KeyError that names the nearest when the world has no such mesh."""
-        _require(self.meshes, "mesh", name)
+        require_key(name, self.meshes, "mesh")
 
     def require_material(self, name: str) -> None:
         """Raise a KeyError that names the nearest when the world has no such material."""
-        _require(self.materials, "material", name)
+        require_key(name, self.materials, "material")
 
     def _rewrite(self, name: str, buffer: MeshBuffer) -> int:
         """Publish the mesh of a buffer, unless another mesh has replaced it; return the revision."""
@@ -229,8 +229,3 @@ class World:
 
     def _attached(self, indices: NDArray[np.int32]) -> list[int]:
         return [index for index in indices.tolist() if not self.graph.is_detached(index)]
-
-
-def _require(known: Mapping[str, object], what: str, name: str) -> None:
-    if name not in known:
-        raise KeyError(f'no {what} "{name}"; {nearest(name, known)}')

@@ -15,7 +15,7 @@ from mimics_app.app.bench.render_workloads import Crowd, Nodes, Workload
 from mimics_app.app.bench.workload_opening import open_workload
 from mimics_app.app.picture.governor import FrameGovernor
 from mimics_app.contracts.clock import MonotonicClock, process_seconds
-from mimics_app.contracts.errors import UsageError, nearest
+from mimics_app.contracts.errors import require_choice
 from mimics_app.rendering.visual.frame_stats import FrameStats
 from mimics_app.rendering.visual.quality_steps import quality_steps
 from mimics_app.rendering.visual.renderer import Renderer
@@ -88,8 +88,7 @@ def measure_render(wanted: RenderBench) -> dict[str, Any]:
         DeviceError: No OpenGL context is available.
     """
     for word in wanted.options:
-        if word not in _OPTIONS:
-            raise UsageError(f'there is no option "{word}"', nearest(word, _OPTIONS))
+        require_choice(word, _OPTIONS, "option")
     workload = open_workload(wanted.workload, wanted.data, wanted.count)
     workload.prepare(wanted.warmup + wanted.frames)
     changes: dict[str, Any] = {} if wanted.msaa is None else {"msaa": wanted.msaa}

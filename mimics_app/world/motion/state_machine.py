@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from mimics_app.contracts.errors import nearest
+from mimics_app.contracts.errors import require_key
 from mimics_app.world.motion.animator import Animator
 
 __all__ = ["State", "StateMachine", "Transition"]
@@ -77,8 +77,7 @@ class StateMachine:
         self._transitions = transitions
         named = [each.target for each in transitions] + [state.following for state in states.values()]
         for name in (start or next(iter(states)), *(each for each in named if each is not None)):
-            if name not in states:
-                raise KeyError(f'no state "{name}"; {nearest(name, states)}')
+            require_key(name, states, "state")
         self.state = start or next(iter(states))
         self._layer = animator.change(states[self.state].clip, 0.0, *self._how(self.state))
         animator.directors.append(self.step)
@@ -110,8 +109,7 @@ class StateMachine:
         Raises:
             KeyError: there is no such state; the message names the nearest.
         """
-        if name not in self._states:
-            raise KeyError(f'no state "{name}"; {nearest(name, self._states)}')
+        require_key(name, self._states, "state")
         self.state = name
         self._layer = self._animator.change(self._states[name].clip, fade, *self._how(name))
         self._layer.at = share * self._layer.clip.duration

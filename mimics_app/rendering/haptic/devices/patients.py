@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.errors import UsageError, nearest
+from mimics_app.contracts.errors import require_choice
 from mimics_app.rendering.haptic.kernels import arm
 
 if TYPE_CHECKING:
@@ -75,8 +75,7 @@ def impairment_of(patient: Patient) -> Impairment:
     Raises:
         UsageError: Unknown preset; that of a scene is checked before, one in a program is not.
     """
-    if patient.preset not in PRESETS:
-        raise UsageError(f'there is no simulated patient "{patient.preset}"', nearest(patient.preset, PRESETS))
+    require_choice(patient.preset, PRESETS, "simulated patient")
     preset = PRESETS[patient.preset]
     values = {f.name: getattr(patient, f.name, None) for f in fields(Impairment)}
     return Impairment(**{name: getattr(preset, name) if value is None else value for name, value in values.items()})

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimics_app.contracts.errors import UsageError, nearest
+from mimics_app.contracts.errors import UsageError, require_choice
 
 __all__ = ["Faults", "apply_order"]
 
@@ -58,8 +58,7 @@ def apply_order(faults: Faults, line: str) -> None:
         UsageError: Unknown order, or an invalid number.
     """
     word, _, value = line.strip().partition(" ")
-    if word not in _ORDERS:
-        raise UsageError(f'there is no order "{word}"', nearest(word, _ORDERS))
+    require_choice(word, _ORDERS, "order")
     try:
         if word == "garbage":
             faults.garbage = min(1000, max(0, int(value)))
