@@ -9,6 +9,7 @@ from typing import Any
 import msgspec
 
 from mimics_app.contracts.action_space import ActionSpace, Parameter
+from mimics_app.contracts.shared_fields import shared_fields
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.task import MapSpec, ParameterSpec, TaskSpec
 
@@ -52,16 +53,9 @@ def build_action_space(spec: TaskSpec) -> ActionSpace:
     return ActionSpace(
         Parameter(
             name,
-            p.min if p.default is None else p.default,
-            p.min,
-            p.max,
-            p.step,
-            p.rate,
-            p.unit,
-            p.kind,
-            p.harder,
-            p.cost,
-            p.dwell_s,
+            low=p.min,
+            high=p.max,
+            **shared_fields(p, Parameter) | {"default": p.min if p.default is None else p.default},
         )
         for name, p in spec.parameters.items()
     )

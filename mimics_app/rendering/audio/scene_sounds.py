@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from mimics_app.contracts.errors import Issue, SceneError, nearest
+from mimics_app.contracts.shared_fields import shared_fields
 from mimics_app.rendering.audio.settings import AROUSAL, AudioSettings, SoundSpec
 from mimics_app.rendering.audio.sound_file import frames_of
 from mimics_app.world.components.systems import AudioSettings as AudioSystem
@@ -120,34 +121,16 @@ def _faults(sound: Sound, pointer: str, issue: Callable[..., Issue]) -> list[Iss
 
 def _spec(sound: Sound, assets: Mapping[str, SceneAsset]) -> SoundSpec:
     asset = None if sound.asset is None else assets[sound.asset]
-    return SoundSpec(
-        recipe=sound.synth or "",
-        file=None if asset is None else asset.path,
-        inside=None if asset is None else asset.inside,
-        gain=sound.gain,
-        pitch=sound.parameters.get("pitch", 1.0),
-        arousal=sound.parameters.get("arousal", AROUSAL),
-        full_force=sound.full_level,
-        priority=sound.priority,
-        reverb=sound.reverb,
-        bus=sound.bus,
-        spatial=sound.spatial,
-        reference_distance=sound.reference_distance,
-        max_distance=sound.max_distance,
-    )
+    own = {
+        "recipe": sound.synth or "",
+        "file": None if asset is None else asset.path,
+        "inside": None if asset is None else asset.inside,
+        "pitch": sound.parameters.get("pitch", 1.0),
+        "arousal": sound.parameters.get("arousal", AROUSAL),
+        "full_force": sound.full_level,
+    }
+    return SoundSpec(**shared_fields(sound, SoundSpec) | own)
 
 
 def _emitter_spec(sound: SoundSpec, emitter: SoundEmitter) -> SoundSpec:
-    return replace(
-        sound,
-        gain=sound.gain * emitter.gain,
-        loop=emitter.loop,
-        reference_distance=emitter.reference_distance,
-        max_distance=emitter.max_distance,
-        rolloff=emitter.rolloff,
-        distance_model=emitter.distance_model,
-        cone_inner=emitter.cone_inner,
-        cone_outer=emitter.cone_outer,
-        cone_gain=emitter.cone_gain,
-        doppler=emitter.doppler,
-    )
+    return replace(sound, **shared_fields(emitter, SoundSpec) | {"gain": sound.gain * emitter.gain})
