@@ -13,7 +13,7 @@ from msgspec import Meta
 from mimics_app.contracts.board import Card
 from mimics_app.contracts.report_section import Marks, ReportSection, frontal
 from mimics_app.tasks.cards import count_card
-from mimics_app.tasks.kinds.kind import KindPlay, Measure, ScorePartSpec, TaskKind
+from mimics_app.tasks.kinds.kind import KindPlay, Measure, TaskKind
 from mimics_app.world.components.registry import Component
 
 
@@ -94,12 +94,8 @@ class ReachSection(ReportSection):
 class ReachKind(TaskKind):
     name, section, goals, cards, label = "reach", ReachSpec, (AllReached,), ("targets",), "Targets"
     measures = (
-        Measure(
-            "reached", "reached", "Targets touched.", ScorePartSpec(weight=0, best=9, worst=0), "reached", sums=True
-        ),
-        Measure(
-            "detour_m", "detour", "Path beyond the lines [m].", ScorePartSpec(weight=0, best=0, worst=1), "detour_m"
-        ),
+        Measure.totalled("reached", "reached", "Targets touched.", 9, 0, sums=True),
+        Measure.totalled("detour_m", "detour", "Path beyond the lines [m].", 0, 1),
     )
     report = ReachSection()
 

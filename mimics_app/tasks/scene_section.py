@@ -54,17 +54,13 @@ def check_section(spec: TaskSpec, scene: Scene) -> list[Issue]:
 
 def _check_sounds(spec: TaskSpec, scene: Scene) -> list[Issue]:
     known = {entity for entity, _, _ in scene.components(Sound)}
-    hint = 'give an entity a "sound" component' if not known else ""
-    return [
-        scene.issue(
-            f"/task/triggers/{i}/do/{j}/sound",
-            f'no sound is called "{deed.sound}"',
-            hint or nearest(deed.sound, known),
-        )
+    named = {
+        f"/task/triggers/{i}/do/{j}/sound": deed.sound
         for i, trigger in enumerate(spec.triggers)
         for j, deed in enumerate(trigger.do)
-        if isinstance(deed, SoundDeed) and deed.sound not in known
-    ]
+        if isinstance(deed, SoundDeed)
+    }
+    return scene.check_names(named, "no sound is called", known, 'give an entity a "sound" component')
 
 
 def _check_names(spec: TaskSpec, scene: Scene) -> list[Issue]:

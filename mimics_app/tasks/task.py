@@ -256,7 +256,7 @@ class StartSpec(Component, frozen=True):
 
 
 _OWN_MEASURES = (
-    Measure("time_s", "time", "Duration of the travel [s].", ScorePartSpec(weight=0.3, best=8.0, worst=40.0), "time_s"),
+    Measure.totalled("time_s", "time", "Duration of the travel [s].", 8.0, 40.0, weight=0.3),
     Measure(
         "path_error_rms_m",
         "path_error",
@@ -264,27 +264,14 @@ _OWN_MEASURES = (
         ScorePartSpec(weight=0.3, best=0.002, worst=0.020),
         total="path_error_m",
     ),
-    Measure(
-        "contacts",
-        "contacts",
-        "Number of contacts.",
-        ScorePartSpec(weight=0.25, best=0.0, worst=20.0),
-        total="contacts",
-        sums=True,
-    ),
+    Measure.totalled("contacts", "contacts", "Number of contacts.", 0.0, 20.0, weight=0.25, sums=True),
     Measure(
         "smoothness",
         "smoothness",
         "Spectral arc length of the speed (SPARC), negative; -1.4 is one minimum-jerk reach.",
         ScorePartSpec(weight=0.15, best=-1.6, worst=-12.0),
     ),
-    Measure(
-        "path_m",
-        "path",
-        "Length of the path of the hand [m].",
-        ScorePartSpec(weight=0.0, best=0.5, worst=3.0),
-        total="path_m",
-    ),
+    Measure.totalled("path_m", "path", "Length of the path of the hand [m].", 0.5, 3.0),
 )
 
 MEASURES = (*_OWN_MEASURES, *(measure for kind in task_kinds() for measure in kind.measures))

@@ -78,6 +78,13 @@ class Measure:
     total: str = ""
     sums: bool = False
 
+    @classmethod
+    def totalled(
+        cls, column: str, part: str, what: str, best: float, worst: float, *, weight: float = 0.0, sums: bool = False
+    ) -> Measure:
+        """Make a measure whose total has the name of its column."""
+        return cls(column, part, what, ScorePartSpec(weight=weight, best=best, worst=worst), column, sums)
+
 
 class KindPlay:
     """Behaviour of one kind of task during a session."""

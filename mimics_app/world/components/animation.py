@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import msgspec
 from msgspec import Meta
 
-from mimics_app.contracts.errors import Issue, nearest
+from mimics_app.contracts.errors import Issue
 from mimics_app.world.components.bounds import Name, Seconds, Share
 from mimics_app.world.components.registry import Component, component, register_check, register_limit
 from mimics_app.world.components.visible import MeshComponent
@@ -152,43 +152,26 @@ def _check_animation(animation: Animation, pointer: str, scene: Scene) -> list[I
         ]
     clips = [clip.name for clip in model.clips]
     nodes = [node.name for node in model.nodes if node.name]
-    named = [(f"{pointer}/layers/{i}", layer.clip) for i, layer in enumerate(animation.layers)]
-    named += [(f"{pointer}/states/{name}", state.clip) for name, state in animation.states.items()]
-    issues = [
-        scene.issue(
-            f"{where}/clip", f'the model has no clip "{clip}"', nearest(clip, clips) if clips else "it has none"
-        )
-        for where, clip in named
-        if clip not in clips
-    ]
-    masks = [
-        (f"{pointer}/layers/{i}/mask/{k}", node)
+    named = {f"{pointer}/layers/{i}/clip": layer.clip for i, layer in enumerate(animation.layers)}
+    named |= {f"{pointer}/states/{name}/clip": state.clip for name, state in animation.states.items()}
+    masks: dict[str, str | None] = {
+        f"{pointer}/layers/{i}/mask/{k}": node
         for i, layer in enumerate(animation.layers)
         for k, node in enumerate(layer.mask)
-    ]
-    masks += [] if animation.root_motion is None else [(f"{pointer}/root_motion", animation.root_motion)]
-    issues += [
-        scene.issue(where, f'the model has no node "{node}"', nearest(node, nodes) if nodes else "")
-        for where, node in masks
-        if node not in nodes
-    ]
+    }
+    masks[f"{pointer}/root_motion"] = animation.root_motion
+    issues = scene.check_names(named, "the model has no clip", clips, "it has none")
+    issues += scene.check_names(masks, "the model has no node", nodes, "")
     return issues + _check_states(animation, pointer, scene)
 
 
 def _check_states(animation: Animation, pointer: str, scene: Scene) -> list[Issue]:
-    named = [(f"{pointer}/start", animation.start)]
-    named += [(f"{pointer}/states/{name}/next", state.next) for name, state in animation.states.items()]
+    named = {f"{pointer}/start": animation.start}
+    named |= {f"{pointer}/states/{name}/next": state.next for name, state in animation.states.items()}
     for i, transition in enumerate(animation.transitions):
-        named += [
-            (f"{pointer}/transitions/{i}/to", transition.target),
-            (f"{pointer}/transitions/{i}/from", transition.source),
-        ]
-    known = animation.states
-    return [
-        scene.issue(where, f'there is no state "{name}"', nearest(name, known) if known else "give `states`")
-        for where, name in named
-        if name is not None and name not in known
-    ]
+        named[f"{pointer}/transitions/{i}/to"] = transition.target
+        named[f"{pointer}/transitions/{i}/from"] = transition.source
+    return scene.check_names(named, "there is no state", animation.states, "give `states`")
 
 
 def _check_avatar(avatar: Avatar, pointer: str, scene: Scene) -> list[Issue]:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from msgspec import Meta
 
-from mimics_app.contracts.errors import Issue, nearest
+from mimics_app.contracts.errors import Issue
 from mimics_app.world.components.animation import model_of
 from mimics_app.world.components.bounds import Name
 from mimics_app.world.components.registry import Component, component, register_check, register_limit
@@ -39,15 +39,9 @@ def _check(wanted: Encourager, pointer: str, scene: Scene) -> list[Issue]:
     if model is None:
         return [scene.issue(pointer, "the entity shows no model that could react", 'give it a "mesh" with a "source"')]
     clips = [clip.name for clip in model.clips]
-    named = [(name, getattr(wanted, name)) for name in ("idle", "greet", "cheer", "console", "farewell")]
-    named += [(f"praise/{k}", clip) for k, clip in enumerate(wanted.praise)]
-    return [
-        scene.issue(
-            f"{pointer}/{where}", f'the model has no clip "{clip}"', nearest(clip, clips) if clips else "it has none"
-        )
-        for where, clip in named
-        if clip not in clips
-    ]
+    named = {f"{pointer}/{name}": getattr(wanted, name) for name in ("idle", "greet", "cheer", "console", "farewell")}
+    named |= {f"{pointer}/praise/{k}": clip for k, clip in enumerate(wanted.praise)}
+    return scene.check_names(named, "the model has no clip", clips, "it has none")
 
 
 register_limit("encourager", 100)

@@ -34,9 +34,8 @@ class GraspingHand(Component, frozen=True):
 
 
 def _check(hand: GraspingHand, pointer: str, scene: Scene) -> list[Issue]:
-    issues = [
-        issue for i, finger in enumerate(hand.fingers) for issue in scene.check_entity(f"{pointer}/fingers/{i}", finger)
-    ]
+    named = {f"{pointer}/fingers/{i}": finger for i, finger in enumerate(hand.fingers)}
+    issues = scene.check_names(named, "no entity", scene.by_id)
     if hand.closed >= hand.open:
         issues.append(scene.issue(f"{pointer}/closed", f"{hand.closed:g} is not below open, {hand.open:g}", "lower it"))
     return issues

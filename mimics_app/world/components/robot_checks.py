@@ -94,9 +94,8 @@ def _check_robot(robot: Robot, pointer: str, scene: Scene) -> list[Issue]:
 
 
 def _check_patient(patient: Patient, pointer: str, scene: Scene) -> list[Issue]:
-    return [
-        issue for i, name in enumerate(patient.visits) for issue in scene.check_entity(f"{pointer}/visits/{i}", name)
-    ]
+    visits = {f"{pointer}/visits/{i}": name for i, name in enumerate(patient.visits)}
+    return scene.check_names(visits, "no entity", scene.by_id)
 
 
 def _check_pd(gains: JointPd | WorldPd, pointer: str, scene: Scene) -> list[Issue]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from msgspec import Meta
 
 from mimics_app.contracts.display_choice import DISPLAY_KINDS, display_names
-from mimics_app.contracts.errors import Issue, nearest
+from mimics_app.contracts.errors import Issue
 from mimics_app.world.components.bounds import Extent, Factor, Length, Share
 from mimics_app.world.components.registry import Component, register_system
 
@@ -169,10 +169,8 @@ class Tolerances(Component, frozen=True):
 
 def _check_display(settings: DisplaySettings, scene: Scene) -> list[Issue]:
     """Return a fault where neither the program nor an installed package has the display."""
-    if settings.kind in DISPLAY_KINDS or settings.kind in (known := display_names()):
-        return []
-    what, fix = f'there is no display "{settings.kind}"', nearest(settings.kind, known)
-    return [scene.issue("/systems/display/kind", what, fix)]
+    known = DISPLAY_KINDS if settings.kind in DISPLAY_KINDS else display_names()
+    return scene.check_names({"/systems/display/kind": settings.kind}, "there is no display", known)
 
 
 def _check_audio(settings: AudioSettings, scene: Scene) -> list[Issue]:

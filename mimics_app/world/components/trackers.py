@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from msgspec import Meta, field
 
-from mimics_app.contracts.errors import Issue, nearest
+from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.tracker_port import TRACKER_KINDS, tracker_names
 from mimics_app.world.components.bounds import Point, Quaternion
 from mimics_app.world.components.registry import Component, register_system
@@ -81,13 +81,9 @@ class TrackersSettings(Component, frozen=True):
 
 def _check_trackers(settings: TrackersSettings, scene: Scene) -> list[Issue]:
     """Return the devices of a kind that neither the program nor an installed package has."""
-    unknown = [(n, spec.kind) for n, spec in enumerate(settings.devices) if spec.kind not in TRACKER_KINDS]
-    known = tracker_names() if unknown else ()
-    return [
-        scene.issue(f"/systems/trackers/devices/{n}/kind", f'there is no tracker "{kind}"', nearest(kind, known))
-        for n, kind in unknown
-        if kind not in known
-    ]
+    kinds = {f"/systems/trackers/devices/{n}/kind": spec.kind for n, spec in enumerate(settings.devices)}
+    known = TRACKER_KINDS if {*kinds.values()} <= {*TRACKER_KINDS} else tracker_names()
+    return scene.check_names(kinds, "there is no tracker", known)
 
 
 register_system("trackers", TrackersSettings, _check_trackers)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from mimics_app.contracts.errors import Issue, nearest
+from mimics_app.contracts.errors import Issue
 from mimics_app.world.components.struct_reader import FAILED, read_struct
 from mimics_app.world.materials.material import MAPS, Affine, Material
 from mimics_app.world.materials.technique import TechniqueSpec
@@ -34,9 +34,8 @@ def load_techniques(scene: Scene, document: SceneDocument, issues: list[Issue]) 
             what = "the technique has no pass"
             issues.append(scene.issue(f"/techniques/{escape(name)}", what, 'give it "passes", or "inherits"'))
     for name, spec in scene.techniques.items():
-        if spec.fallback is not None and spec.fallback not in scene.techniques | known:
-            what, hint = f'no technique "{spec.fallback}"', nearest(spec.fallback, scene.techniques | known)
-            issues.append(scene.issue(f"/techniques/{escape(name)}/fallback", what, hint))
+        fallback = {f"/techniques/{escape(name)}/fallback": spec.fallback}
+        issues += scene.check_names(fallback, "no technique", scene.techniques | known)
 
 
 def load_materials(scene: Scene, document: SceneDocument, issues: list[Issue]) -> None:
@@ -51,17 +50,14 @@ def load_materials(scene: Scene, document: SceneDocument, issues: list[Issue]) -
         for key, texture in ((f"{which}_texture", getattr(spec, f"{which}_texture")) for which in MAPS):
             if texture is not None:
                 _check_picture(scene, document.tables["assets"], f"/materials/{escape(name)}/{key}", texture, issues)
-        if spec.technique not in known:
-            what, hint = f'no technique "{spec.technique}"', nearest(spec.technique, known)
-            scene.notes.append(str(scene.issue(f"/materials/{escape(name)}/technique", what, hint)))
+        technique = {f"/materials/{escape(name)}/technique": spec.technique}
+        scene.notes += map(str, scene.check_names(technique, "no technique", known))
 
 
 def _check_picture(scene: Scene, known: dict[str, Layer], pointer: str, texture: str, issues: list[Issue]) -> None:
     asset = scene.assets.get(texture)
-    if texture not in known:
-        hint = nearest(texture, known) if known else "the scene has no assets"
-        issues.append(scene.issue(pointer, f'no asset "{texture}"', hint))
-    elif asset is not None and asset.kind != "picture":
+    issues += scene.check_names({pointer: texture}, "no asset", known, "the scene has no assets")
+    if texture in known and asset is not None and asset.kind != "picture":
         issues.append(scene.issue(pointer, f'asset "{texture}" is a {asset.kind}, not a picture'))
 
 

@@ -268,17 +268,17 @@ class Scene:
     def check_asset(self, pointer: str, name: str, kind: AssetKind) -> list[Issue]:
         """Check an asset id at `pointer`."""
         if name not in self.assets:
-            return self._unknown(pointer, "asset", name, self.document.get("assets", {}))
+            return self.check_names({pointer: name}, "no asset", self.document.get("assets", {}))
         found = self.assets[name].kind
         return [] if found == kind else [self.issue(pointer, f'asset "{name}" is a {found}, not a {kind}')]
 
     def check_material(self, pointer: str, name: str) -> list[Issue]:
         """Check a material id at `pointer`."""
-        return self._unknown(pointer, "material", name, self.document.get("materials", {}))
+        return self.check_names({pointer: name}, "no material", self.document.get("materials", {}))
 
     def check_entity(self, pointer: str, name: str) -> list[Issue]:
         """Check an entity id at `pointer`."""
-        return self._unknown(pointer, "entity", name, self.by_id)
+        return self.check_names({pointer: name}, "no entity", self.by_id)
 
     def check_entity_with(self, wanted: type[msgspec.Struct], pointer: str, name: str) -> list[Issue]:
         """Check the id at `pointer` of an entity that must have a component of a type."""
@@ -286,7 +286,7 @@ class Scene:
             return []
         known = [entity for entity, _, _ in self.components(wanted)]
         types = "".join(key for key, struct in component_types().items() if struct is wanted)
-        return self._unknown(pointer, f'entity with a "{types}"', name, known)
+        return self.check_names({pointer: name}, f'no entity with a "{types}"', known)
 
     def check_model_reference(self, pointer: str, reference: str) -> list[Issue]:
         """Check a reference into a model at `pointer`."""
@@ -302,10 +302,22 @@ class Scene:
             return [self.issue(pointer, str(error.args[0]))]
         return []
 
-    def _unknown(self, pointer: str, what: str, name: str, known: Collection[str]) -> list[Issue]:
-        if name in known:
-            return []
-        return [self.issue(pointer, f'no {what} "{name}"', nearest(name, known) if known else "the scene has none")]
+    def check_names(
+        self, names: Mapping[str, str | None], what: str, known: Collection[str], otherwise: str = "the scene has none"
+    ) -> list[Issue]:
+        """Return a fault for each name that is not known.
+
+        Args:
+            names: Names by their pointers; None: there is none.
+            what: Beginning of the fault, before the name: "no entity".
+            known: Possible names.
+            otherwise: Advice where nothing is possible.
+        """
+        return [
+            self.issue(pointer, f'{what} "{name}"', nearest(name, known) if known else otherwise)
+            for pointer, name in names.items()
+            if name is not None and name not in known
+        ]
 
 
 def _keys_of(wanted: type[msgspec.Struct] | str) -> list[str]:

@@ -23,7 +23,7 @@ from mimics_app.tasks.kinds.avatar_cord.questionnaire_file import check_question
 from mimics_app.tasks.kinds.avatar_cord.questions import Asking
 from mimics_app.tasks.kinds.avatar_cord.spec import AvatarCordSpec, ExperimentGoal, QuestionnaireSpec
 from mimics_app.tasks.kinds.avatar_cord.tap_schedule import Tap, plan_taps
-from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, ScorePartSpec, TaskKind
+from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, TaskKind
 from mimics_app.tasks.observation import Observation
 from mimics_app.world.components.cord import CordComponent
 from mimics_app.world.components.registry import Component
@@ -215,7 +215,7 @@ class AvatarCordPlay(KindPlay):
 
 def _column(name: str, what: str, *, sums: bool = False) -> Measure:
     """Return a measure without weight in the score; its total is the mean over the trials, or the sum."""
-    return Measure(name, name, what, ScorePartSpec(weight=0.0, best=1.0, worst=0.0), total=name, sums=sums)
+    return Measure.totalled(name, name, what, 1.0, 0.0, sums=sums)
 
 
 class AvatarCordSection(ReportSection):

@@ -16,7 +16,7 @@ from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.kinds.carry.carried import Carried, CarriedFrame, Stage
 from mimics_app.tasks.kinds.carry.report import CarrySection
 from mimics_app.tasks.kinds.carry.spec import CarrySpec, GripSpec
-from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, ScorePartSpec, TaskKind, Values
+from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, TaskKind, Values
 from mimics_app.tasks.observation import Observation
 from mimics_app.world.components.bounds import Seconds
 from mimics_app.world.components.registry import Component
@@ -140,28 +140,14 @@ class CarryTask(TaskKind):
     goals: ClassVar[tuple[type[Component], ...]] = (PlacedGoal,)
     conditions: ClassVar[tuple[type[Component], ...]] = (CarryCondition,)
     measures: ClassVar[tuple[Measure, ...]] = (
-        Measure(
-            "drops",
-            "drops",
-            "How often what is carried was lost.",
-            ScorePartSpec(weight=0.0, best=0.0, worst=4.0),
-            total="drops",
-            sums=True,
-        ),
-        Measure(
-            "bruises",
-            "bruises",
-            "How often what is carried was pressed too hard.",
-            ScorePartSpec(weight=0.0, best=0.0, worst=3.0),
-            total="bruises",
-            sums=True,
-        ),
-        Measure(
+        Measure.totalled("drops", "drops", "How often what is carried was lost.", 0.0, 4.0, sums=True),
+        Measure.totalled("bruises", "bruises", "How often what is carried was pressed too hard.", 0.0, 3.0, sums=True),
+        Measure.totalled(
             "grasp_error_n",
             "grasp_error",
             "Root mean square distance of the grasp force from what is right [N].",
-            ScorePartSpec(weight=0.0, best=0.0, worst=8.0),
-            total="grasp_error_n",
+            0.0,
+            8.0,
         ),
     )
     targets: ClassVar[tuple[str, ...]] = ("within",)
@@ -188,7 +174,7 @@ class CarryTask(TaskKind):
         if carry is None:
             return []
         named = {"/task/carry/body": carry.body, "/task/carry/to": carry.to}
-        return [issue for place, name in named.items() for issue in scene.check_entity(place, name)]
+        return scene.check_names(named, "no entity", scene.by_id)
 
     def open(self, spec: TaskSpec, context: TaskContext, seed: int) -> KindPlay:
         carry = spec.find(CarrySpec)

@@ -13,7 +13,7 @@ from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.tasks.deflection import DEAD_ZONE, deflection
-from mimics_app.tasks.kinds.kind import KindPlay, Measure, ScorePartSpec, TaskKind, Values
+from mimics_app.tasks.kinds.kind import KindPlay, Measure, TaskKind, Values
 from mimics_app.tasks.observation import Observation
 from mimics_app.world.components.registry import Component
 from mimics_app.world.components.walking import PathWalker
@@ -111,21 +111,8 @@ class CityWalkKind(TaskKind):
 
     name, section, goals = "city_walk", CityWalkSpec, (Walked,)
     measures = (
-        Measure(
-            "walked_m",
-            "walked",
-            "Distance walked [m].",
-            ScorePartSpec(weight=0.0, best=60.0, worst=0.0),
-            "walked_m",
-            sums=True,
-        ),
-        Measure(
-            "walk_speed_mps",
-            "walk_speed",
-            "Mean walking speed [m/s].",
-            ScorePartSpec(weight=0.0, best=1.4, worst=0.2),
-            "walk_speed_mps",
-        ),
+        Measure.totalled("walked_m", "walked", "Distance walked [m].", 60.0, 0.0, sums=True),
+        Measure.totalled("walk_speed_mps", "walk_speed", "Mean walking speed [m/s].", 1.4, 0.2),
     )
     completes = "walks"
     cards = ("speed", "walked")

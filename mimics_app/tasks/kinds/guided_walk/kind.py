@@ -16,7 +16,7 @@ from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.deflection import deflection
 from mimics_app.tasks.kinds.guided_walk.walk_people import STEP_S, Alley, Deed, Guide, Walker
-from mimics_app.tasks.kinds.kind import KindPlay, Measure, ScorePartSpec, StepResult, TaskKind, Values
+from mimics_app.tasks.kinds.kind import KindPlay, Measure, StepResult, TaskKind, Values
 from mimics_app.tasks.observation import Observation
 from mimics_app.world.components.registry import Component
 
@@ -170,21 +170,8 @@ class GuidedWalkKind(TaskKind):
 
     name, section, goals = "guided_walk", GuidedWalkSpec, (AtThePlace,)
     measures = (
-        Measure(
-            "walk_steps",
-            "walk_steps",
-            "Steps of the avatar.",
-            ScorePartSpec(weight=0.0, best=10.0, worst=210.0),
-            "walk_steps",
-            sums=True,
-        ),
-        Measure(
-            "walk_left_m",
-            "walk_left",
-            "Distance left to the place [m].",
-            ScorePartSpec(weight=0.0, best=0.3, worst=3.0),
-            "walk_left_m",
-        ),
+        Measure.totalled("walk_steps", "walk_steps", "Steps of the avatar.", 10.0, 210.0, sums=True),
+        Measure.totalled("walk_left_m", "walk_left", "Distance left to the place [m].", 0.3, 3.0),
     )
     targets = ("avatar_deed",)
     completes = "brought"
@@ -196,10 +183,8 @@ class GuidedWalkKind(TaskKind):
         walk = spec.find(GuidedWalkSpec)
         if walk is None:
             return []
-        named = {"avatar": walk.avatar, "person": walk.person, "place": walk.place}
-        return [
-            issue for field, name in named.items() for issue in scene.check_entity(f"/task/guided_walk/{field}", name)
-        ]
+        named = {f"/task/guided_walk/{field}": getattr(walk, field) for field in ("avatar", "person", "place")}
+        return scene.check_names(named, "no entity", scene.by_id)
 
     def open(self, spec: TaskSpec, context: TaskContext, seed: int) -> GuidedWalkPlay:
         section = spec.find(GuidedWalkSpec)

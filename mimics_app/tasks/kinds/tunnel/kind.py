@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from msgspec import Meta
 
-from mimics_app.contracts.errors import Issue, nearest
+from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.tasks.kinds.kind import KindPlay, TaskKind
 from mimics_app.tasks.kinds.tunnel.report import TunnelSection
@@ -73,11 +73,7 @@ class TunnelTask(TaskKind):
         """Check that progress goals name one existing tunnel."""
         named = {f"/task/goals/{i}/tunnel": goal.tunnel for i, goal in self._own_goals(spec)}
         known = [entity for entity, _, _ in scene.components(Tunnel)]
-        issues = [
-            scene.issue(place, f'no tunnel is called "{name}"', nearest(name, known))
-            for place, name in named.items()
-            if name is not None and name not in known
-        ]
+        issues = scene.check_names(named, "no tunnel is called", known)
         first = next(iter(named.values()), None)
         issues += [
             scene.issue(place, "a task has one tunnel of its own, and an earlier goal is of another", "name the same")
