@@ -16,13 +16,11 @@ import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from difflib import get_close_matches
-from itertools import takewhile
-from typing import Any, NoReturn
+from typing import Any
 
 from mimics_app import __version__
-from mimics_app.app.terminal.examples import HelpFormatter, examples_of
-from mimics_app.contracts.errors import Issue, MimicsError, SceneError, UsageError, nearest
+from mimics_app.app.terminal.command_parser import CommandParser, HelpFormatter, examples_of
+from mimics_app.contracts.errors import Issue, MimicsError, SceneError, require_choice
 
 __all__ = ["COMMANDS", "main", "parse"]
 
@@ -68,31 +66,6 @@ _EXIT_BROKEN_PIPE = 128 + 13
 _STDERR = 2
 
 
-class _Parser(argparse.ArgumentParser):
-    """A parser that raises instead of printing two lines and exiting, and takes no abbreviated option."""
-
-    def __init__(self, **settings: Any) -> None:
-        super().__init__(**settings, allow_abbrev=False)
-
-    def error(self, message: str) -> NoReturn:
-        raise UsageError(message, f"see {self.prog} --help")
-
-    def parse(self, words: Sequence[str]) -> argparse.Namespace:
-        """Read the words of a command; options may come before, between or after its other words."""
-        known = self._option_string_actions
-        for word in takewhile(lambda word: word != "--", words):
-            option, _, value = word.partition("=")
-            if value == "--":  # argparse would give its command an empty list
-                raise UsageError(f'"--" is no value of {option}', f"see {self.prog} --help")
-            if option.startswith("--") and " " not in option and option not in known:
-                close = get_close_matches(option, known, n=1)
-                hint = f'did you mean "{close[0]}"' if close else f"see {self.prog} --help"
-                raise UsageError(f'there is no option "{option}"', hint)
-        if "--" in words:  # which the first of the two passes of parse_intermixed_args would drop
-            return self.parse_args(words)
-        return self.parse_intermixed_args(words)
-
-
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
     """Read a command line that is not empty; only the module of its command is imported.
 
@@ -106,9 +79,9 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
     return _parser_of(command).parse(arguments[1:])
 
 
-def _parser_of_all() -> _Parser:
+def _parser_of_all() -> CommandParser:
     """Return the parser of the words before a command; no command is imported."""
-    parser = _Parser(
+    parser = CommandParser(
         prog=_PROGRAM,
         description="One scene rendered as touch (1 kHz), picture and sound. Without a command: the launcher.",
         epilog="mimics COMMAND --help describes one command.",
@@ -120,10 +93,10 @@ def _parser_of_all() -> _Parser:
     return parser
 
 
-def _parser_of(command: str) -> _Parser:
+def _parser_of(command: str) -> CommandParser:
     """Return the parser of the words after a command."""
     described = COMMANDS[command]
-    parser = _Parser(
+    parser = CommandParser(
         prog=f"{_PROGRAM} {command}",
         description=f"{described[0].upper()}{described[1:]}.",
         formatter_class=HelpFormatter,
@@ -241,8 +214,7 @@ def _command_of(arguments: Sequence[str]) -> str | None:
     word = arguments[0]
     if word.startswith("-"):
         return None
-    if word not in COMMANDS:
-        raise UsageError(f'there is no command "{word}"', nearest(word, COMMANDS))
+    require_choice(word, COMMANDS, "command")
     return word
 
 

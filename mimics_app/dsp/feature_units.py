@@ -2,40 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from pathlib import Path
+
+from mimics_app.contracts.table_file import read_table_file
 
 __all__ = ["FEATURE_UNITS"]
 
-FEATURE_UNITS: Mapping[str, str] = {
-    "heart_rate": "1/min",
-    "rmssd": "ms",
-    "sdnn": "ms",
-    "pnn50": "%",
-    "hrv_window_s": "s",
-    "lf": "ms²",
-    "hf": "ms²",
-    "lf_hf": "1",
-    "rsa": "ms",
-    "scl": "µS",
-    "phasic": "µS",
-    "scr_rate": "1/min",
-    "scr_sum": "µS/min",
-    "scl_slope": "µS/min",
-    "emg": "mV",
-    "emg_integrated": "mV·s",
-    "emg_active": "1",
-    "emg_median_hz": "Hz",
-    "emg_fatigue": "Hz/min",
-    "breath_rate": "1/min",
-    "breath_depth": "1",
-    "breath_ratio": "1",
-    "breath_variability": "1",
-    "hand_speed": "m/s",
-    "hand_peaks_per_s": "1/s",
-    "hand_evenness": "1",
-    "hand_power": "W",
-    "head_speed": "rad/s",
-    "head_peaks_per_s": "1/s",
-    "head_evenness": "1",
-}
+FEATURE_UNITS = read_table_file(Path(__file__).with_suffix(".json"), dict[str, str])
 """Unit of each feature by its name; "1": a ratio, a flag, or the unit of a signal without one, as breath's."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
+from pathlib import Path
 
 from markupsafe import Markup
 
@@ -14,30 +15,7 @@ __all__ = ["SERIES", "STYLE", "document", "legend", "swatch", "text_width", "wra
 SERIES = 8
 """Number of colours for series, repeated beyond."""
 
-STYLE = """
-.lab { --paper: #ffffff; --ink: #1a2230; --soft: #566173; --rule: #dfe4ec; --bad: #b3261e; --front: #1559c9;
-  --s0: #1559c9; --s1: #c2410c; --s2: #1f7a3b; --s3: #7c3aed; --s4: #a16207; --s5: #be185d; --s6: #0e7490;
-  --s7: #4b5563; }
-@media (prefers-color-scheme: dark) { .lab { --paper: #151a22; --ink: #e7ebf2; --soft: #a3aec0; --rule: #303947;
-  --bad: #ff8a80; --front: #74a9ff; --s0: #74a9ff; --s1: #ff9d5c; --s2: #56d37b; --s3: #c19bff; --s4: #e5bf4d;
-  --s5: #ff8ab8; --s6: #4fd0e6; --s7: #a8b3c4; } }
-.lab .paper { fill: var(--paper); } .lab text { fill: var(--soft); font: 12px system-ui, "DejaVu Sans", sans-serif; }
-.lab text.head { fill: var(--ink); font-size: 17px; font-weight: 650; } .lab text.name { fill: var(--ink); }
-.lab text { paint-order: stroke; stroke: var(--paper); stroke-width: 3px; stroke-linejoin: round; }
-.lab text.strong { font-weight: 700; } .lab text.small { font-size: 11px; } .lab text.bad { fill: var(--bad); }
-.lab .grid { stroke: var(--rule); fill: none; } .lab .frame { stroke: var(--soft); fill: none; }
-.lab .lead { stroke: var(--soft); stroke-width: 0.8; fill: none; opacity: 0.7; }
-.lab .line { fill: none; stroke: var(--c, var(--ink)); stroke-width: 2; stroke-linejoin: round; }
-.lab .spread { stroke: var(--soft); stroke-width: 3; stroke-linecap: round; opacity: 0.6; fill: none; }
-.lab .front { stroke: var(--front); stroke-width: 2.2; fill: none; stroke-dasharray: 1 0; opacity: 0.55; }
-.lab .dashed { stroke-dasharray: 7 5; stroke-width: 1.7; } .lab .dotted { stroke-dasharray: 2 4; stroke-width: 1.7; }
-.lab .dot { fill: var(--c, var(--front)); stroke: var(--paper); stroke-width: 1; }
-.lab .open { fill: var(--paper); stroke: var(--c, var(--soft)); stroke-width: 2; }
-.lab .yardstick { stroke-dasharray: 2.2 2.2; }
-.lab .ring { fill: none; stroke: var(--ink); stroke-width: 1.8; } .lab .cross { stroke: var(--bad); stroke-width: 2.4; }
-.lab .s0 { --c: var(--s0); } .lab .s1 { --c: var(--s1); } .lab .s2 { --c: var(--s2); } .lab .s3 { --c: var(--s3); }
-.lab .s4 { --c: var(--s4); } .lab .s5 { --c: var(--s5); } .lab .s6 { --c: var(--s6); } .lab .s7 { --c: var(--s7); }
-"""
+STYLE = "\n" + Path(__file__).with_suffix(".css").read_text(encoding="utf-8")
 
 _NARROW, _WIDE = " ijlrtfI.,:;'|()[]-", "mwMW%"
 _LETTER = 7.5

@@ -29,6 +29,11 @@ _TEXT = {
     ".svg",
     ".j2",
     ".css",
+    ".conf",
+    ".material",
+    ".bash",
+    ".zsh",
+    ".fish",
     "",
 }
 

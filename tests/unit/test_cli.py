@@ -17,7 +17,7 @@ import pytest
 
 from mimics_app.app import cli, settings
 from mimics_app.app.terminal import output
-from mimics_app.app.terminal.examples import EXAMPLES
+from mimics_app.app.terminal.command_parser import examples
 from mimics_app.app.terminal.first_start import CompileLine, is_cold
 from mimics_app.contracts.clock import VirtualClock
 from mimics_app.contracts.errors import (
@@ -161,11 +161,11 @@ def test_help_and_version_are_0(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["--version"]) == 0
 
 
-@pytest.mark.parametrize("command", sorted(EXAMPLES))
+@pytest.mark.parametrize("command", sorted(examples()))
 def test_examples_of_help_can_be_typed_and_are_shown_whole(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main([command, "--help"]) == 0
     shown = capsys.readouterr().out
-    for typed, what in EXAMPLES[command]:
+    for typed, what in examples()[command].items():
         assert any(line.strip().startswith(typed) and line.endswith(what) for line in shown.splitlines()), typed
         words = shlex.split(typed)
         assert words[0] == "mimics" and cli.parse(words[1:]).command == words[1]

@@ -11,6 +11,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import shutil
 import statistics
 import sys
 
@@ -20,26 +21,7 @@ __all__ = ["main"]
 
 _PLUGINS = "/usr/lib/x86_64-linux-gnu/OGRE"
 _SHADERS = "/usr/share/OGRE/Media/RTShaderLib/"
-_MATERIAL = """material Dot
-{
- technique
- {
-  pass
-  {
-   lighting off
-   scene_blend alpha_blend
-   depth_write off
-   diffuse vertexcolour
-   texture_unit
-   {
-    texture dot.png
-    filtering trilinear
-    tex_address_mode clamp
-   }
-  }
- }
-}
-"""
+_MATERIAL = os.path.join(os.path.dirname(__file__), "dot.material")
 _SCHEME = "ShaderGeneratorDefaultScheme"
 
 
@@ -74,8 +56,7 @@ def _open(folder, width, height):
     plugins = ("RenderSystem_GL3Plus", "Plugin_OctreeSceneManager", "Plugin_ParticleFX", "Codec_STBI")
     with open(os.path.join(folder, "plugins.cfg"), "w", encoding="utf-8") as file:
         file.write(f"PluginFolder={_PLUGINS}\n" + "".join(f"Plugin={name}\n" for name in plugins))
-    with open(os.path.join(folder, "dot.material"), "w", encoding="utf-8") as file:
-        file.write(_MATERIAL)
+    shutil.copy(_MATERIAL, folder)
     root = Ogre.Root(*(os.path.join(folder, name) for name in ("plugins.cfg", "ogre.cfg", "ogre.log")))
     system = root.getAvailableRenderers()[0]
     for key, value in (("Full Screen", "No"), ("FSAA", "0"), ("VSync", "No"), ("Video Mode", f"{width} x {height}")):

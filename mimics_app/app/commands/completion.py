@@ -8,31 +8,14 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 
 from mimics_app.app.terminal.output import answer
 
 __all__ = ["add_arguments", "run"]
 
-_SCRIPTS = {
-    "bash": """_mimics() {
-    local IFS=$'\\n'
-    COMPREPLY=($(printf '%s\\n' "${COMP_WORDS[@]:1:COMP_CWORD}" | mimics completion words 2>/dev/null))
-}
-complete -o default -F _mimics mimics
-""",
-    "zsh": """_mimics() {
-    local -a found
-    found=(${(f)"$(print -rl -- "${(@)words[2,CURRENT]}" | mimics completion words 2>/dev/null)"})
-    if (( ${#found} )); then compadd -- $found; else _files; fi
-}
-compdef _mimics mimics
-""",
-    "fish": """function __mimics_words
-    begin; commandline -opc | tail -n +2; commandline -ct; end | mimics completion words 2>/dev/null
-end
-complete -c mimics -a '(__mimics_words)'
-""",
-}
+_SCRIPTS = Path(__file__).parents[1] / "terminal" / "completions"
+_SHELLS = ("bash", "zsh", "fish")
 _SCENES = ("scene", "scenes", "file")
 """Positional arguments that take the name of a shipped scene."""
 
@@ -45,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "shell",
-        choices=(*_SCRIPTS, "words"),
+        choices=(*_SHELLS, "words"),
         help="shell to print the script for; words: print the completions of the words on stdin",
     )
 
@@ -57,7 +40,7 @@ def run(args: argparse.Namespace) -> int:
         found = _suggest(words, args.commands, args.parser_of)
         answer(args, {"words": found}, found)
         return 0
-    sys.stdout.write(_SCRIPTS[args.shell])
+    sys.stdout.write((_SCRIPTS / f"mimics.{args.shell}").read_text(encoding="utf-8"))
     return 0
 
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
+from pathlib import Path
 
 from mimics_app.builders.alley.front import HouseFront, build_front
 from mimics_app.builders.city.painted_materials import Painted, add_materials
 from mimics_app.builders.city.street_tree import TREES, build_tree
 from mimics_app.builders.kit.sketch import Point, Sketch
 from mimics_app.builders.kit.solids import Skin, add_column
+from mimics_app.contracts.table_file import read_table_file
 from mimics_app.world.gltf.writer import GltfWriter
 
 __all__ = ["compose"]
@@ -58,29 +60,7 @@ _COVERAGE = (0.1, 0.0)
 _PAVING = 1.8
 """Metres one repetition of the paving covers."""
 
-_MATERIALS = {
-    "brick0": Painted("brick", (0.78, 0.52, 0.42, 1.0)),
-    "brick1": Painted("brick", (0.72, 0.42, 0.34, 1.0)),
-    "plaster0": Painted("plaster", (0.86, 0.74, 0.52, 1.0)),
-    "plaster1": Painted("plaster", (0.80, 0.58, 0.44, 1.0)),
-    "plaster2": Painted("plaster", (0.78, 0.78, 0.72, 1.0)),
-    "stone": Painted("stone", (0.76, 0.72, 0.65, 1.0)),
-    "tiles": Painted("tiles", (0.80, 0.62, 0.54, 1.0)),
-    "paving": Painted("paving", (0.72, 0.69, 0.65, 1.0)),
-    "bark": Painted("bark"),
-    "leaves": Painted("leaves", mask=0.4),
-    "glass": Painted(colour=(0.075, 0.095, 0.115, 1.0), roughness=0.12),
-    "frame": Painted(colour=(0.74, 0.73, 0.69, 1.0), roughness=0.6),
-    "zinc": Painted(colour=(0.36, 0.38, 0.40, 1.0), roughness=0.5),
-    "beam": Painted(colour=(0.30, 0.20, 0.13, 1.0), roughness=0.8),
-    "teal": Painted(colour=(0.055, 0.20, 0.19, 1.0), roughness=0.55),
-    "navy": Painted(colour=(0.08, 0.15, 0.28, 1.0), roughness=0.55),
-    "wine": Painted(colour=(0.30, 0.075, 0.075, 1.0), roughness=0.55),
-    "oak": Painted(colour=(0.33, 0.19, 0.10, 1.0), roughness=0.6),
-    "clay": Painted(colour=(0.50, 0.22, 0.13, 1.0), roughness=0.9),
-    "earth": Painted(colour=(0.12, 0.085, 0.06, 1.0)),
-    "shrub": Painted(colour=(0.12, 0.27, 0.08, 1.0)),
-}
+_MATERIALS = Path(__file__).with_name("materials.json")
 
 
 def compose(seed: int) -> dict[str, bytes]:
@@ -90,7 +70,7 @@ def compose(seed: int) -> dict[str, bytes]:
         seed: Of textures and trees.
     """
     writer = GltfWriter("mimics_app assets build alley")
-    materials = add_materials(writer, seed, _MATERIALS, "alley_")
+    materials = add_materials(writer, seed, read_table_file(_MATERIALS, dict[str, Painted]), "alley_")
     meshes: dict[HouseFront, tuple[int, int]] = {}
 
     def mesh(name: str, sketch: Sketch) -> int:

@@ -11,6 +11,7 @@ pages are those of the definitions, not those of the report's tables.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from mimics_app.builders.avatars.cage import Cage
 from mimics_app.builders.avatars.fields import F8
 from mimics_app.builders.avatars.person import Person
 from mimics_app.builders.avatars.skeleton import Skeleton
+from mimics_app.contracts.table_file import read_table_file
 
 __all__ = ["TABLE", "Measure", "measure"]
 
@@ -39,24 +41,7 @@ class Measure:
         return mean - _SHARE * deviation, mean + _SHARE * deviation
 
 
-TABLE = {
-    "stature": Measure(162, (1.6285, 0.0642), (1.7562, 0.0686)),
-    "acromial_height": Measure(88, (1.3351, 0.0581), (1.4407, 0.0633)),
-    "shoulders": Measure(95, (0.3653, 0.0183), (0.4157, 0.0192)),
-    "upper_arm": Measure(89, (0.3112, 0.0172), (0.3352, 0.0175)),
-    "forearm": Measure(154, (0.2413, 0.0152), (0.2679, 0.0154)),
-    "hand": Measure(132, (0.1811, 0.0101), (0.1933, 0.0099)),
-    "knee_height": Measure(143, (0.4659, 0.0271), (0.4917, 0.0266)),
-    "hip_height": Measure(170, (0.8454, 0.0447), (0.9009, 0.0492)),
-    "neck": Measure(149, (0.330, 0.020), (0.400, 0.025)),
-    "chest": Measure(111, (0.945, 0.085), (1.060, 0.085)),
-    "waist": Measure(174, (0.860, 0.100), (0.940, 0.110)),
-    "hip": Measure(103, (1.020, 0.075), (1.020, 0.075)),
-    "thigh": Measure(165, (0.615, 0.055), (0.625, 0.060)),
-    "calf": Measure(108, (0.375, 0.030), (0.390, 0.030)),
-    "ankle": Measure(91, (0.215, 0.015), (0.230, 0.015)),
-    "wrist": Measure(179, (0.155, 0.010), (0.175, 0.010)),
-}
+TABLE = read_table_file(Path(__file__).with_suffix(".json"), dict[str, Measure])
 """By name."""
 
 
@@ -92,21 +77,9 @@ def measure(person: Person, bones: Skeleton, cage: Cage) -> dict[str, float]:
 
 def tape(ring: F8) -> float:
     """Return the length of a tape drawn tight around a ring of points [m]."""
+    from scipy.spatial import ConvexHull
+
     middle = ring.mean(axis=0)
     axes = np.linalg.svd(ring - middle)[2][:2]
     flat = (ring - middle) @ axes.T
-    order = np.lexsort((flat[:, 1], flat[:, 0]))
-    hull: list[F8] = []
-    for points in (flat[order], flat[order[::-1]]):
-        part: list[F8] = []
-        for point in points:
-            while len(part) > 1 and _turn(part[-2], part[-1], point) <= 0.0:
-                part.pop()
-            part.append(point)
-        hull += part[:-1]
-    closed = np.array([*hull, hull[0]])
-    return float(np.linalg.norm(np.diff(closed, axis=0), axis=1).sum())
-
-
-def _turn(a: F8, b: F8, c: F8) -> float:
-    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+    return float(ConvexHull(flat).area)  # of a hull in a plane: its length

@@ -8,9 +8,9 @@ import numpy as np
 
 from mimics_app.builders.avatars.fields import F8
 from mimics_app.builders.avatars.skeleton import FINGERS, Skeleton, arm_axes
-from mimics_app.maths.quat import about_axis
+from mimics_app.maths.quat import about_axis, multiply, to_matrix
 
-__all__ = ["SIDES", "Pose", "X", "Y", "Z", "product"]
+__all__ = ["SIDES", "Pose", "X", "Y", "Z"]
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 SIDES = ((1, "left"), (-1, "right"))
@@ -19,30 +19,17 @@ _SOLE = ((0.0, -0.062), (0.0, 0.12), (0.02, 0.215))
 """Points of a sole of a foot 265 mm long: aside and ahead of the ankle [m]; the last one moves with the toes."""
 
 
-def product(a: F8, b: F8) -> F8:
-    """Return the product of two quaternions x, y, z, w: rotation b followed by a."""
-    ax, ay, az, aw = a
-    bx, by, bz, bw = b
-    return np.array(
-        [
-            aw * bx + ax * bw + ay * bz - az * by,
-            aw * by - ax * bz + ay * bw + az * bx,
-            aw * bz + ax * by - ay * bx + az * bw,
-            aw * bw - ax * bx - ay * by - az * bz,
-        ]
-    )
+def _product(a: F8, b: F8) -> F8:
+    """Return the rotation b followed by a."""
+    out = np.empty(4)
+    multiply(a, b, out)
+    return out
 
 
-def _turn_matrix(q: F8) -> F8:
-    """Return the rotation matrix of a unit quaternion x, y, z, w, [3, 3]."""
-    x, y, z, w = q
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+def _matrix(q: F8) -> F8:
+    out = np.empty((3, 3))
+    to_matrix(q, out)
+    return out
 
 
 def _of_matrix(m: F8) -> F8:
@@ -73,7 +60,7 @@ class Pose:
         """Rotate a joint further about axes of its parent [degrees], one after the other."""
         index = self.bones.index(joint)
         for axis, degrees in turns:
-            self.turns[index] = product(np.asarray(about_axis(axis, math.radians(degrees))), self.turns[index])
+            self.turns[index] = _product(np.asarray(about_axis(axis, math.radians(degrees))), self.turns[index])
         return self
 
     def arm(
@@ -91,10 +78,10 @@ class Pose:
         rest = np.cross(along, thumb)
         old = np.stack([along, rest, np.cross(along, rest)], axis=1)
         new = np.stack([u, hinge, np.cross(u, hinge)], axis=1)
-        collar = _turn_matrix(self.turns[self.bones.index(f"{word}Shoulder")])
+        collar = _matrix(self.turns[self.bones.index(f"{word}Shoulder")])
         self.turns[self.bones.index(f"{word}UpperArm")] = _of_matrix(collar.T @ new @ old.T)
         forearm = np.asarray(about_axis(rest, bend))
-        self.turns[self.bones.index(f"{word}LowerArm")] = product(
+        self.turns[self.bones.index(f"{word}LowerArm")] = _product(
             forearm, np.asarray(about_axis(along, math.radians(0.5 * roll)))
         )
         self.turns[self.bones.index(f"{word}Hand")] = np.asarray(about_axis(along, math.radians(0.5 * roll)))
@@ -115,7 +102,7 @@ class Pose:
                 )
             sideways = np.asarray(about_axis(back, math.radians(side * spread * (1.5 - number))))
             proximal = self.bones.index(f"{word}{finger}Proximal")
-            self.turns[proximal] = product(sideways, self.turns[proximal])
+            self.turns[proximal] = _product(sideways, self.turns[proximal])
         for kind, most in (("Proximal", 35.0), ("Distal", 55.0)):
             place = self.bones.place(f"{word}Thumb{kind}") - self.bones.place(f"{word}ThumbMetacarpal")
             axis = np.cross(place, -back)
@@ -135,7 +122,7 @@ class Pose:
         """Return rotations [j, 3, 3] and positions [j, 3] of the joints in the body's frame."""
         frames, places = np.zeros((len(self.turns), 3, 3)), np.zeros((len(self.turns), 3))
         for index, parent in enumerate(self.bones.parents):
-            own = _turn_matrix(self.turns[index])
+            own = _matrix(self.turns[index])
             if parent < 0:
                 frames[index], places[index] = own, self.hips
                 continue

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from mimics_app.builders.city import furniture, landmark, layout, street_tree, streets
@@ -12,6 +14,7 @@ from mimics_app.builders.city.layout import Placed
 from mimics_app.builders.city.painted_materials import Colour, Painted, add_materials
 from mimics_app.builders.kit.chance import Chance
 from mimics_app.builders.kit.sketch import Sketch
+from mimics_app.contracts.table_file import read_table_file
 from mimics_app.world.gltf.writer import GltfWriter, WrittenPart
 
 __all__ = ["TRIANGLES", "compose", "compose_city"]
@@ -19,41 +22,25 @@ __all__ = ["TRIANGLES", "compose", "compose_city"]
 TRIANGLES = 363_173
 """Number of triangles of the city of D2.1, 3.3.1; parked cars fill up the rest."""
 
-_WALLS: dict[str, tuple[Colour, ...]] = {
-    "brick": (
-        (0.74, 0.44, 0.36, 1.0),
-        (0.84, 0.62, 0.46, 1.0),
-        (0.58, 0.38, 0.35, 1.0),
-        (0.90, 0.80, 0.66, 1.0),
-        (0.66, 0.38, 0.33, 1.0),
-        (0.76, 0.54, 0.42, 1.0),
-    ),
-    "plaster": (
-        (0.83, 0.76, 0.61, 1.0),
-        (0.76, 0.56, 0.34, 1.0),
-        (0.79, 0.78, 0.74, 1.0),
-        (0.57, 0.63, 0.55, 1.0),
-        (0.72, 0.49, 0.40, 1.0),
-        (0.55, 0.61, 0.66, 1.0),
-    ),
-    "stone": ((0.82, 0.78, 0.68, 1.0), (0.72, 0.70, 0.66, 1.0), (0.80, 0.70, 0.56, 1.0), (0.66, 0.64, 0.60, 1.0)),
-}
-"""Tints of the walls, linear RGBA: matching colours; a kind of house has four consecutive ones."""
 
-_ROOFS: tuple[Colour, ...] = (
-    (0.74, 0.66, 0.62, 1.0),
-    (0.60, 0.54, 0.54, 1.0),
-    (0.84, 0.76, 0.68, 1.0),
-    (0.54, 0.52, 0.52, 1.0),
-)
-_PAINTS: dict[str, Colour] = {
-    "silver": (0.52, 0.54, 0.56, 1.0),
-    "black": (0.025, 0.026, 0.03, 1.0),
-    "white": (0.80, 0.80, 0.78, 1.0),
-    "red": (0.42, 0.03, 0.03, 1.0),
-    "blue": (0.04, 0.10, 0.28, 1.0),
-    "green": (0.05, 0.16, 0.10, 1.0),
-}
+@dataclass(frozen=True)
+class Palette:
+    """Materials of the city; colours are linear RGBA.
+
+    Attributes:
+        plain: By the names that sketches call them.
+        walls: Tints of walls: matching colours; a kind of house has four consecutive ones.
+        roofs: Tints of tiles.
+        paints: Of cars.
+    """
+
+    plain: dict[str, Painted]
+    walls: dict[str, list[Colour]]
+    roofs: list[Colour]
+    paints: dict[str, Colour]
+
+
+_PALETTE = read_table_file(Path(__file__).with_name("materials.json"), Palette)
 _COLOURS = 4
 _HOUSE_COVERAGE = (0.012, 0.0)
 _TREE_COVERAGE = (0.010, 0.0)
@@ -149,7 +136,7 @@ class _City:
     def _add_colour(self, house: House, colour: int, first: int) -> None:
         """One colour of a kind; kinds begin at different places of their wall's colours."""
         kind = house.kind
-        dye = (colour + first) % len(_WALLS[kind.wall])
+        dye = (colour + first) % len(_PALETTE.walls[kind.wall])
         roof = "slate" if kind.slate else f"tiles{colour}"
         dyes = {"wall": f"{kind.wall}{dye}", "bay": f"{kind.wall}_bay{dye}", "roof": roof}
         self._mesh(f"{kind.name}/{colour}", house.fine, dyes, shared=kind.name)
@@ -205,7 +192,7 @@ class _City:
         names = []
         for kind in furniture.CARS:
             sketch = furniture.build_car(kind)
-            for paint in _PAINTS:
+            for paint in _PALETTE.paints:
                 names.append(f"{kind}/{paint}")
                 self._mesh(names[-1], sketch, {"paint": f"paint_{paint}"}, shared=kind)
         group = self._group("cars")
@@ -215,34 +202,13 @@ class _City:
             self._place(group, f"car{number}", placed)
 
 
-_MATERIALS = {
-    "slate": Painted("slate"),
-    "road": Painted("road"),
-    "zebra": Painted("zebra"),
-    "asphalt": Painted("asphalt"),
-    "bark": Painted("bark"),
-    "stone": Painted("stone", (0.84, 0.81, 0.75, 1.0)),
-    "paving": Painted("paving", (0.74, 0.72, 0.70, 1.0)),
-    "grass": Painted("grass", (0.86, 0.82, 0.80, 1.0)),
-    "gardens": Painted("gardens", (0.86, 0.82, 0.80, 1.0)),
-    "yard": Painted("brick_bay", (0.72, 0.52, 0.44, 1.0)),
-    "detail": Painted("detail", roughness=0.7),
-    "window": Painted("window", roughness=0.12),
-    "leaves": Painted("leaves", mask=0.4),
-    "railing": Painted("railing", roughness=0.6, mask=0.5),
-    "hills": Painted("grass", (0.62, 0.80, 0.66, 1.0)),
-    "skyline": Painted("plaster_bay", (0.58, 0.57, 0.56, 1.0)),
-}
-"""Materials by the names that sketches call them; those of walls, roofs and cars follow, by their colours."""
-
-
 def _all_materials() -> dict[str, Painted]:
     """Every material by the name sketches call it."""
-    made = dict(_MATERIALS)
-    for wall, colours in _WALLS.items():
+    made = dict(_PALETTE.plain)
+    for wall, colours in _PALETTE.walls.items():
         bay = "brick_bay" if wall == "brick" else "plaster_bay"
         for number, colour in enumerate(colours):
             made[f"{wall}{number}"] = Painted(wall, colour)
             made[f"{wall}_bay{number}"] = Painted(bay, colour)
-    made |= {f"tiles{number}": Painted("tiles", colour) for number, colour in enumerate(_ROOFS)}
-    return made | {f"paint_{name}": Painted(colour=colour, roughness=0.28) for name, colour in _PAINTS.items()}
+    made |= {f"tiles{number}": Painted("tiles", colour) for number, colour in enumerate(_PALETTE.roofs)}
+    return made | {f"paint_{name}": Painted(colour=colour, roughness=0.28) for name, colour in _PALETTE.paints.items()}

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from mimics_app.builders.city.fittings import detail, plain
 from mimics_app.builders.kit.sketch import Point, Sketch, Uv
 from mimics_app.builders.kit.solids import Axes, Skin, add_column, add_prism, circle
+from mimics_app.contracts.table_file import read_table_file
 
 __all__ = [
     "CARS",
@@ -87,38 +90,7 @@ def build_planter() -> Sketch:
     return sketch
 
 
-CARS: dict[str, dict[str, list[Uv]]] = {
-    "saloon": {
-        "body": [
-            (-2.1, 0.32),
-            (2.05, 0.32),
-            (2.2, 0.55),
-            (2.12, 0.74),
-            (1.05, 0.92),
-            (-1.5, 0.96),
-            (-2.12, 0.9),
-            (-2.2, 0.6),
-        ],
-        "cabin": [(-1.75, 0.92), (1.2, 0.88), (0.35, 1.42), (-1.05, 1.42)],
-    },
-    "hatch": {
-        "body": [
-            (-1.85, 0.32),
-            (1.8, 0.32),
-            (1.95, 0.55),
-            (1.88, 0.76),
-            (1.05, 0.94),
-            (-1.75, 1.0),
-            (-1.92, 0.8),
-            (-1.92, 0.5),
-        ],
-        "cabin": [(-1.85, 0.95), (1.15, 0.9), (0.35, 1.48), (-1.45, 1.48)],
-    },
-    "van": {
-        "body": [(-2.4, 0.36), (2.3, 0.36), (2.45, 0.6), (2.4, 0.95), (2.1, 1.12), (-2.4, 1.15), (-2.45, 0.6)],
-        "cabin": [(-2.4, 1.1), (2.1, 1.1), (1.45, 1.95), (-2.3, 1.95)],
-    },
-}
+CARS = read_table_file(Path(__file__).with_name("cars.json"), dict[str, dict[str, list[Uv]]])
 """Side views, (along, up) [m], counter-clockwise, the front at +x."""
 
 

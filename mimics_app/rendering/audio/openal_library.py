@@ -262,24 +262,9 @@ def _find_without_pyopenal() -> str:
 
 def _configuration_text(settings: AudioSettings) -> str:
     """Return a configuration that fixes latency and samples, whatever files the user or the system has."""
-    lines = [
-        "[general]",
-        f"frequency = {settings.rate}",
-        f"period_size = {settings.period}",
-        f"periods = {DEVICE_PERIODS}",
-        "stereo-encoding = panpot",
-        "cf_level = 0",
-        "resampler = cubic",
-        "volume-adjust = 0",
-        "dither = false",
-        "[decoder]",
-        "hq-mode = false",
-        "distance-comp = false",
-        "nfc = false",
-    ]
-    if settings.driver:
-        lines.insert(1, f"drivers = {settings.driver}")
-    return "\n".join(lines) + "\n"
+    drivers = f"drivers = {settings.driver}\n" if settings.driver else ""
+    values = {"drivers": drivers, "rate": settings.rate, "period": settings.period, "periods": DEVICE_PERIODS}
+    return Path(__file__).with_name("alsoft.conf").read_text(encoding="utf-8").format(**values)
 
 
 @contextmanager

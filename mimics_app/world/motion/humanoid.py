@@ -7,9 +7,11 @@ bones without a known name are guessed from the hierarchy, and every guess is re
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
+from mimics_app.contracts.table_file import read_table_file
 from mimics_app.world.motion.animator import Rig
 
 __all__ = ["BONES", "NEEDED", "HumanoidMap", "find_humanoid", "report_lines"]
@@ -34,23 +36,7 @@ NEEDED: tuple[str, ...] = (
 )
 """Bones that a humanoid skeleton must have."""
 
-_WORDS: Mapping[str, tuple[str, ...]] = {
-    "hips": ("hips", "hip", "pelvis"),
-    "spine": ("spine", "spine0", "spine01", "abdomen"),
-    "chest": ("chest", "spine1", "spine02", "spine2", "torso"),
-    "upperChest": ("upperchest", "spine3", "spine03"),
-    "neck": ("neck", "neck01", "neck1"),
-    "head": ("head",),
-    "Shoulder": ("shoulder", "clavicle", "collar"),
-    "UpperArm": ("upperarm", "arm", "uparm"),
-    "LowerArm": ("lowerarm", "forearm", "elbow"),
-    "Hand": ("hand", "wrist"),
-    "UpperLeg": ("upperleg", "upleg", "thigh", "leg1"),
-    "LowerLeg": ("lowerleg", "leg", "calf", "shin", "shank", "knee"),
-    "Foot": ("foot", "ankle"),
-    "Toes": ("toes", "toe", "toebase", "ball"),
-    "Eye": ("eye",),
-}
+_WORDS = read_table_file(Path(__file__).with_suffix(".json"), dict[str, tuple[str, ...]])
 _PREFIX = re.compile(
     r"^(?:mixamorig\d*[:_]?|bip0?01[ _]?|def[-_]|org[-_]|j_(?:bip|sec|adj)_(?:c_)?|armature[|_/])", re.IGNORECASE
 )

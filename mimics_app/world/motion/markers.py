@@ -8,47 +8,21 @@ front spines: 0.36 to the side, 0.19 behind, 0.30 below).
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.table_file import read_table_file
 from mimics_app.world.motion.c3d_file import MarkerTake
 
 __all__ = ["BodyPoints", "find_points"]
 
 
-_SIDED: Mapping[str, tuple[str, ...]] = {
-    "Front": ("ASI", "ASIS", "IAS"),
-    "Behind": ("PSI", "PSIS", "IPS"),
-    "Hip": ("HJC", "HIP", "HIPJOINT"),
-    "Knee": ("KJC", "KNEEJOINT"),
-    "KneeOut": ("KNE", "KNEE", "KNEELAT", "LKNEE", "FLE", "LEK"),
-    "KneeIn": ("KNM", "KNEEMED", "MKNEE", "FME", "KNI", "MEK"),
-    "Ankle": ("AJC", "ANKLEJOINT"),
-    "AnkleOut": ("ANK", "ANKLE", "ANKLELAT", "LMAL", "FAL"),
-    "AnkleIn": ("ANM", "ANKLEMED", "MMAL", "TAM", "ANI", "MED"),
-    "Toes": ("TOE", "TOES", "TOETIP", "MT2", "FM2", "2MT"),
-    "Shoulder": ("SHO", "SHOULDER", "ACR", "ACROMIUM", "ACROMION", "CAJ", "SJC"),
-    "Elbow": ("EJC", "ELBOWJOINT"),
-    "ElbowOut": ("ELB", "ELBOW", "ELBOWLAT", "HLE", "LEL"),
-    "ElbowIn": ("ELBM", "ELBOWMED", "HME", "MEL"),
-    "Wrist": ("WJC", "WRISTJOINT", "WRIST", "WRI"),
-    "WristOut": ("WRA", "WRISTLAT", "RSP"),
-    "WristIn": ("WRB", "WRISTMED", "USP"),
-    "Fingers": ("FIN", "HAND", "HM2"),
-    "HeadFront": ("FHD", "FRONTHEAD"),
-    "HeadBack": ("BHD", "BACKHEAD"),
-}
-_MIDDLE: Mapping[str, tuple[str, ...]] = {
-    "sacrum": ("SACR", "SACRUM", "VSACRAL"),
-    "nape": ("C7", "CV7"),
-    "back": ("T10", "T8", "TV8", "TV10"),
-    "collar": ("CLAV", "IJ", "SJN", "JN"),
-    "breast": ("STRN", "STERNUM", "PX", "SXS"),
-}
+_LABELS = read_table_file(Path(__file__).with_suffix(".json"), dict[str, dict[str, tuple[str, ...]]])
+_SIDED, _MIDDLE = _LABELS["sided"], _LABELS["middle"]
 _FROM_MIDDLES = ("Knee", "Ankle", "Elbow", "Wrist")
 _HALF_KNEE, _HALF_ANKLE = 0.050, 0.036
 """Half the width of a knee and an ankle plus half a marker [m], where only the outer side has a marker."""
