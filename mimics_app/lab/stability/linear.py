@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Mat
 
-__all__ = ["find_limit", "hold", "is_contracting", "spectral_radius"]
+__all__ = ["exponential", "find_limit", "hold", "is_contracting", "spectral_radius"]
 
 
 _PRECISION = 1e-5
@@ -33,6 +33,13 @@ def hold(A: Mat, B: Mat, dt: float) -> tuple[Mat, Mat]:
 
     moved = cont2discrete((A, B, np.eye(len(A)), np.zeros(B.shape)), dt)
     return moved[0], moved[1]
+
+
+def exponential(A: Mat) -> Mat:
+    """Return the matrix exponential of A, shape [n, n]."""
+    from scipy.linalg import expm
+
+    return np.asarray(expm(A))
 
 
 def spectral_radius(A: NDArray[Any]) -> float:

@@ -16,7 +16,7 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Row, curves_of
 from mimics_app.lab.groups.integrator import step_by
 from mimics_app.lab.stability.growth import largest_exponent, orthonormalise
-from mimics_app.lab.stability.linear import find_limit, spectral_radius
+from mimics_app.lab.stability.linear import exponential, find_limit, spectral_radius
 
 __all__ = ["EXPERIMENT", "METHODS", "exact_growth", "exact_limit", "simulated_growth", "simulated_limit"]
 
@@ -67,9 +67,7 @@ def _amplification(method: str, zeta: float, h_w: float) -> NDArray[Any]:
         return np.linalg.inv(eye - hA / 2.0) @ (eye + hA / 2.0)
     if method == "rk4":
         return eye + hA @ (eye + hA / 2.0 @ (eye + hA / 3.0 @ (eye + hA / 4.0)))
-    from scipy.linalg import expm
-
-    return np.asarray(expm(hA))
+    return exponential(hA)
 
 
 def exact_growth(method: str, zeta: float, h_w: float) -> float:
