@@ -10,8 +10,13 @@ import numpy as np
 import pytest
 
 from mimics_app.rendering.visual.kernels.shadow_prisms import FIGURES, cut_prisms, slice_casters
-from mimics_app.rendering.visual.kernels.voxels import place_boxes
+from mimics_app.rendering.visual.renderer import Renderer
+from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.stages.placed_shapes import PlacedShapes, place_items
 from mimics_app.rendering.visual.stages.shape_boxes import ShapeBoxes
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.gltf.model_world import load_model_world
 from mimics_app.world.meshes.mesh import MeshData
 from mimics_app.world.meshes.primitives import box, icosphere, plane, torus
@@ -44,7 +49,7 @@ def _scattered(mesh: MeshData, count: int) -> np.ndarray:
 def test_boxes_of_a_mesh_hold_its_triangles_in_less_space_than_one(mesh: MeshData, share: float):
     world = World()
     world.meshes["mesh"] = mesh
-    boxes = ShapeBoxes(world).of(["mesh"], {})
+    boxes = ShapeBoxes(world).of(["mesh"])
     assert boxes is not None
     assert _outside(_scattered(mesh, 4000), boxes) == 0
     volume = np.prod(mesh.bounds[1] - mesh.bounds[0])
@@ -56,7 +61,7 @@ def test_what_is_written_beyond_the_bounds_of_a_mesh_counts_to_the_border_of_its
     mesh = world.meshes["mesh"] = box(0.3, 1.0, 0.2)
     assert mesh.bounds[0].max() < 0.0, "they are kept"
     mesh.positions[::3] *= 40.0
-    boxes = ShapeBoxes(world).of(["mesh"], {})
+    boxes = ShapeBoxes(world).of(["mesh"])
     assert boxes is not None
     assert _outside(mesh.positions.astype(np.float64), boxes) == 0
 
@@ -82,25 +87,25 @@ def test_boxes_of_a_bent_body_hold_its_vertices(at, tmp_path):
     world = _bent_bar(tmp_path, "linear", at)
     (body,) = world.motion.bodies.values()
     shapes = ShapeBoxes(world)
-    boxes = shapes.of(list(body.meshes), shapes.revisions())
+    boxes = shapes.of(list(body.meshes))
     assert boxes is not None
     for mesh in body.meshes.values():
         assert _outside(posed_positions(mesh, body), boxes) == 0
     before = boxes.copy()
-    assert shapes.of(list(body.meshes), {body: body.revision - 1}) is None, "an earlier one was not asked for"
     (animator,) = world.motion.animators.values()
     animator.play("bend", at=0.5 * at + 0.1, speed=0.0)
-    known = {body: body.revision}
     world.update()
-    assert np.array_equal(shapes.of(list(body.meshes), known), before), "as the body was"
-    assert not np.array_equal(shapes.of(list(body.meshes), shapes.revisions()), before)
+    assert shapes.bend(body, boxes)
+    assert not np.array_equal(boxes, before)
+    for mesh in body.meshes.values():
+        assert _outside(posed_positions(mesh, body), boxes) == 0
 
 
 def test_boxes_of_a_body_that_left_its_world_are_dropped(tmp_path):
     world = _bent_bar(tmp_path, "linear", 0.4)
     (body,) = world.motion.bodies.values()
     shapes = ShapeBoxes(world)
-    assert shapes.of(list(body.meshes), shapes.revisions()) is not None
+    assert shapes.of(list(body.meshes)) is not None
     gone = weakref.ref(body)
     world.motion.remove([body.entity])
     del body
@@ -111,8 +116,7 @@ def test_boxes_of_a_body_that_left_its_world_are_dropped(tmp_path):
 def test_dual_quaternions_may_leave_the_boxes_which_are_not_known_then(tmp_path):
     world = _bent_bar(tmp_path, "dual", 1.0)
     (body,) = world.motion.bodies.values()
-    shapes = ShapeBoxes(world)
-    assert shapes.of(list(body.meshes), shapes.revisions()) is None
+    assert ShapeBoxes(world).of(list(body.meshes)) is None
 
 
 def test_where_a_shadow_falls_is_in_one_of_the_prisms():
@@ -130,11 +134,10 @@ def test_where_a_shadow_falls_is_in_one_of_the_prisms():
         + [[[0.4, 1.2, 0.2]]]
         + np.array([[[-1.0]], [[1.0]]]).reshape(1, 2, 1) * CHANCE.uniform(0.02, 0.15, (6, 1, 3))
     )
-    corners = np.empty((6, 8, 3))
-    place_boxes(casting, np.zeros(6, np.int32), np.eye(4)[None], corners)
+    corners = np.stack([casting[:, (k & 1, k >> 1 & 1, k >> 2), (0, 1, 2)] for k in range(8)], axis=1)
     starts = np.array([0, 2, 6], np.int32)
-    casters = np.empty((2 * 3, FIGURES))
-    slice_casters(corners, starts, rays, 3, casters)
+    casters, casts = np.empty((2 * 3, FIGURES)), np.ones(2, np.bool_)
+    slice_casters(corners, starts, casts, rays, 3, casters)
     prisms, fallen = np.empty((4096, 8, 3)), np.zeros(12, np.uint8)
     numbers = np.arange(12, dtype=np.int32)
     count = cut_prisms(casters, rays, 0.0, receivers, numbers, nodes, prisms, fallen)
@@ -153,3 +156,58 @@ def test_where_a_shadow_falls_is_in_one_of_the_prisms():
     assert not fallen.all()
     few = np.empty((3, 8, 3))
     assert cut_prisms(casters, rays, 0.0, receivers, numbers, nodes, few, fallen) == count > 3
+    slice_casters(corners, starts, ~casts, rays, 3, casters)
+    assert cut_prisms(casters, rays, 0.0, receivers, numbers, nodes, few, fallen) == 0, "they cast no shadow"
+
+
+def test_a_shape_that_changes_is_where_it_was_and_where_it_is():
+    world, hulls = World(), np.empty((999, 8, 3))
+    world.meshes["ring"] = torus(1.0, 0.1)
+    ring, still = (world.root.create_child(name) for name in ("ring", "still"))
+    for node in (ring, still):
+        node.create_entity("ring", "default")
+    world.update()
+    view = View(compose_look_at((0.0, 2.0, 3.0), (0.0, 0.0, 0.0)), (-1.0, 1.0, -1.0, 1.0), (0, 0, 64, 64))
+    with create_surface("egl", (64, 64)) as surface:
+        renderer = Renderer(surface, world, RenderSettings(msaa=0, shadow_size=0))
+        renderer.draw([view])
+        listed = renderer._list
+        shapes = PlacedShapes(listed.items, ShapeBoxes(world))
+        known = ShapeBoxes(world).of(["ring"])
+        assert known is not None
+        fine = len(known)
+
+        def place(room: np.ndarray = hulls) -> tuple[int, ...] | None:
+            """Return how many hulls there are below and above the plane x = 10, before and after another frame."""
+            before = place_items(listed)
+            world.update()
+            renderer.draw([view])
+            after = place_items(listed)
+            changed = listed.moved | (before.shown != after.shown)
+            found = shapes.place(before, after, changed, room)
+            shapes.compute_missed()
+            if found is None:
+                return None
+            assert len(found.casting) == len(found.starts) - 1 == bool(len(found.corners))
+            side = found.corners[:, 0, 0] > 10.0
+            return int((~side).sum()), int(side.sum())
+
+        assert place() == (0, 0), "nothing moved"
+        ring.set_position((20.0, 0.0, 0.0))
+        assert place() == (1, 1), "its boxes are not known yet"
+        ring.set_position((0.0, 0.0, 0.0))
+        assert place() == (fine, 1), "where it was one box holds it, since it was not placed there"
+        assert place() == (0, 0)
+        ring.set_position((20.0, 0.0, 0.0))
+        assert place() == (fine, fine), "it was placed there two frames ago"
+        ring.visible = False
+        assert place() == (0, fine)
+        ring.set_position((0.0, 0.0, 0.0))
+        assert place() == (0, 0), "nobody sees it"
+        ring.visible = True
+        assert place() == (fine, 0)
+        ring.set_position((20.0, 0.0, 0.0))
+        assert place(hulls[: fine + 1]) is None
+        ring.set_position((0.0, 0.0, 0.0))
+        assert place() == (fine, 1), "where too many were found they count as one again"
+        renderer.release()

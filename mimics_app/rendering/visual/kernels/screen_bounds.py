@@ -12,49 +12,53 @@ from mimics_app.contracts.kernel import kernel
 __all__ = ["bound_balls", "bound_in_map"]
 
 
-_TIP = math.sqrt(3.0)
-"""Distance of the vertices of the octahedron that circumscribes the unit ball."""
-
-_FIGURES = 10
-_LOW_X, _HIGH_X, _LOW_Y, _HIGH_Y, _NEAR, _FAR, _LEFT, _RIGHT, _BOTTOM, _TOP = range(_FIGURES)
-"""Indices of a set's bounds: minimum and maximum of x, y and depth in the camera's frame [m], and of x and y on the
-screen [tangents]."""
+_TIPS = math.sqrt(3.0) * np.vstack([np.eye(3), -np.eye(3)])
+"""Vertices of the octahedron that circumscribes the unit ball, [6, 3]."""
 
 
 @kernel
-def _hold(reached: F8, x: float, y: float, away: float, near: float) -> None:
-    """Extend a set's bounds by a point in the camera's frame [m]; on the screen it counts as no nearer than `near`."""
-    reached[_LOW_X], reached[_HIGH_X] = min(reached[_LOW_X], x), max(reached[_HIGH_X], x)
-    reached[_LOW_Y], reached[_HIGH_Y] = min(reached[_LOW_Y], y), max(reached[_HIGH_Y], y)
-    reached[_NEAR], reached[_FAR] = min(reached[_NEAR], away), max(reached[_FAR], away)
-    depth = max(away, near)
-    reached[_LEFT], reached[_RIGHT] = min(reached[_LEFT], x / depth), max(reached[_RIGHT], x / depth)
-    reached[_BOTTOM], reached[_TOP] = min(reached[_BOTTOM], y / depth), max(reached[_TOP], y / depth)
+def _bound_from_box(points: F8, radius: float, pose: F8, near: float, bounds: F8) -> None:
+    """Compute the bounds of a set that crosses the near plane, from its box at the near plane and at its far end.
+
+    Args:
+        points: Centres of its balls, world [m], [k, 3].
+        radius: Their radius [m].
+        pose: T_world_from_eye, [4, 4].
+        near: Distance of the near plane [m].
+        bounds: Written: left, right, bottom, top [tangents], [4].
+    """
+    tip, low, high = _TIPS[0, 0] * radius, np.full(3, np.inf), np.full(3, -np.inf)
+    for point in points:
+        for k in range(3):
+            at = 0.0
+            for r in range(3):
+                at += (point[r] - pose[r, 3]) * pose[r, k]
+            low[k], high[k] = min(low[k], at - tip), max(high[k], at + tip)
+    for k in range(2):
+        bounds[2 * k] = min(low[k] / near, low[k] / -low[2])
+        bounds[2 * k + 1] = max(high[k] / near, high[k] / -low[2])
 
 
 @kernel
-def _hold_ball(reached: F8, x: float, y: float, away: float, radius: float, near: float) -> None:
-    """Extend a set's bounds by a ball, by the vertices of its circumscribed octahedron."""
-    if radius == 0.0:
-        _hold(reached, x, y, away, near)
-        return
-    tip = _TIP * radius
-    _hold(reached, x - tip, y, away, near)
-    _hold(reached, x + tip, y, away, near)
-    _hold(reached, x, y - tip, away, near)
-    _hold(reached, x, y + tip, away, near)
-    _hold(reached, x, y, away - tip, near)
-    _hold(reached, x, y, away + tip, near)
-
-
-@kernel
-def _widen(reached: F8, near: float) -> None:
-    """Set the screen bounds of a set that crosses the near plane, from its box at the near plane and at its far end."""
-    far = reached[_FAR]
-    reached[_LEFT] = min(reached[_LOW_X] / near, reached[_LOW_X] / far)
-    reached[_RIGHT] = max(reached[_HIGH_X] / near, reached[_HIGH_X] / far)
-    reached[_BOTTOM] = min(reached[_LOW_Y] / near, reached[_LOW_Y] / far)
-    reached[_TOP] = max(reached[_HIGH_Y] / near, reached[_HIGH_Y] / far)
+def _bound_set(points: F8, radius: float, pose: F8, near: float, bounds: F8) -> bool:
+    """Compute the bounds of a set, see `_bound_from_box`; return False where it is behind the near plane."""
+    left = bottom = nearest = np.inf
+    right = top = farthest = -np.inf
+    for j in range(points.shape[0]):
+        x, y, z = points[j, 0] - pose[0, 3], points[j, 1] - pose[1, 3], points[j, 2] - pose[2, 3]
+        across = x * pose[0, 0] + y * pose[1, 0] + z * pose[2, 0]
+        up = x * pose[0, 1] + y * pose[1, 1] + z * pose[2, 1]
+        away = -(x * pose[0, 2] + y * pose[1, 2] + z * pose[2, 2])
+        for tip in range(_TIPS.shape[0] if radius > 0.0 else 1):
+            depth = away + radius * _TIPS[tip, 2]
+            nearest, farthest = min(nearest, depth), max(farthest, depth)
+            scale = 1.0 / max(depth, near)
+            x, y = (across + radius * _TIPS[tip, 0]) * scale, (up + radius * _TIPS[tip, 1]) * scale
+            left, right, bottom, top = min(left, x), max(right, x), min(bottom, y), max(top, y)
+    bounds[0], bounds[1], bounds[2], bounds[3] = left, right, bottom, top
+    if nearest < near <= farthest:
+        _bound_from_box(points, radius, pose, near, bounds)
+    return farthest >= near
 
 
 @kernel
@@ -73,24 +77,13 @@ def bound_balls(points: F8, radii: F8, world_from_eye: F8, tangents: F8, near: f
         Number of rectangles.
     """
     left, right, bottom, top = tangents
-    pose, reached, count = world_from_eye, np.zeros(_FIGURES), 0
+    count = 0
     for i in range(points.shape[0]):
-        reached[::2], reached[1::2] = np.inf, -np.inf
-        for j in range(points.shape[1]):
-            x, y, z = points[i, j, 0] - pose[0, 3], points[i, j, 1] - pose[1, 3], points[i, j, 2] - pose[2, 3]
-            across = x * pose[0, 0] + y * pose[1, 0] + z * pose[2, 0]
-            up = x * pose[0, 1] + y * pose[1, 1] + z * pose[2, 1]
-            away = -(x * pose[0, 2] + y * pose[1, 2] + z * pose[2, 2])
-            _hold_ball(reached, across, up, away, radii[i], near)
-        if reached[_FAR] < near:
-            continue
-        if reached[_NEAR] < near:
-            _widen(reached, near)
-        bounds[count, 0], bounds[count, 1] = reached[_LEFT] - left, reached[_RIGHT] - left
-        bounds[count, 2], bounds[count, 3] = reached[_BOTTOM] - bottom, reached[_TOP] - bottom
-        bounds[count, :2] /= right - left
-        bounds[count, 2:] /= top - bottom
-        count += 1
+        own = bounds[count]
+        if _bound_set(points[i], radii[i], world_from_eye, near, own):
+            own[0], own[1] = (own[0] - left) / (right - left), (own[1] - left) / (right - left)
+            own[2], own[3] = (own[2] - bottom) / (top - bottom), (own[3] - bottom) / (top - bottom)
+            count += 1
     return count
 
 

@@ -6,19 +6,20 @@ import math
 
 import numpy as np
 
-from mimics_app.contracts.arrays import F8, I4, U1
+from mimics_app.contracts.arrays import B1, F8, I4, U1
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths.mat import affine_inverse
+from mimics_app.rendering.visual.kernels.shape_places import MISSED
 
-__all__ = ["FIGURES", "LEAST", "cut_prisms", "slice_casters"]
+__all__ = ["FIGURES", "cut_prisms", "cut_prisms_on_items", "slice_casters"]
 
-FIGURES = 5
-"""Of a caster in the frame of the rays: least and greatest x, least and greatest y, greatest z [m]."""
+FIGURES = 6
+"""Of a caster in the frame of the rays: least and greatest x, y and z [m]."""
 
-_LEFT, _RIGHT, _BOTTOM, _TOP, _NEAREST = range(FIGURES)
+_LEFT, _RIGHT, _BOTTOM, _TOP, _FARTHEST, _NEAREST = range(FIGURES)
 
-LEAST = [_LEFT, _BOTTOM]
-"""Those of a caster's figures that are least; the others are greatest."""
+_EDGES = 1, 2, 4
+"""Corners of a box at the ends of its edges from the first corner."""
 
 _PARALLEL = 1e-9
 """Change of a coordinate along a ray below which the ray is parallel to the sides [1/m]."""
@@ -37,61 +38,57 @@ _FLAT = 1e-12
 
 @kernel
 def _measure_corners(corners: F8, rays: F8, figures: F8) -> None:
-    """Compute the figures of a box from its corners in the world [m], [8, 3]."""
-    figures[::2], figures[1::2] = np.inf, -np.inf
-    figures[_NEAREST] = -np.inf
-    for corner in range(corners.shape[0]):
-        x, y, z = corners[corner]
-        across = rays[0, 0] * x + rays[0, 1] * y + rays[0, 2] * z
-        up = rays[1, 0] * x + rays[1, 1] * y + rays[1, 2] * z
-        near = rays[2, 0] * x + rays[2, 1] * y + rays[2, 2] * z
-        figures[_LEFT], figures[_RIGHT] = min(figures[_LEFT], across), max(figures[_RIGHT], across)
-        figures[_BOTTOM], figures[_TOP] = min(figures[_BOTTOM], up), max(figures[_TOP], up)
-        figures[_NEAREST] = max(figures[_NEAREST], near)
+    """Compute the figures of boxes, [n, `FIGURES`], from their corners in the world [m], [n, 8, 3]."""
+    for box in range(corners.shape[0]):
+        x, y, z = corners[box, 0]
+        for k in range(3):
+            least = rays[k, 0] * x + rays[k, 1] * y + rays[k, 2] * z
+            greatest = least
+            for end in _EDGES:
+                along = rays[k, 0] * (corners[box, end, 0] - x) + rays[k, 1] * (corners[box, end, 1] - y)
+                along += rays[k, 2] * (corners[box, end, 2] - z)
+                least, greatest = least + min(along, 0.0), greatest + max(along, 0.0)
+            figures[box, 2 * k], figures[box, 2 * k + 1] = least, greatest
 
 
 @kernel
-def slice_casters(corners: F8, starts: I4, rays: F8, slices: int, casters: F8) -> None:
+def slice_casters(corners: F8, starts: I4, casts: B1, rays: F8, slices: int, casters: F8) -> None:
     """Cut casters into slices of equal height across the rays, and compute the figures of each.
 
     Args:
         corners: Corners of their boxes, world [m], [boxes, 8, 3].
         starts: First box of each, and the number of boxes, int32 [n + 1].
+        casts: Whether each casts a shadow at all; the slices of the others are empty, [n].
         rays: Axes of the frame of the rays in the world: across, across, towards the sun; [3, 3].
         slices: Slices of each caster.
         casters: Written; of an empty slice the least x is beyond the greatest, [n * slices, `FIGURES`].
     """
     boxes = np.empty((corners.shape[0], FIGURES))
-    for box in range(corners.shape[0]):
-        _measure_corners(corners[box], rays, boxes[box])
+    _measure_corners(corners, rays, boxes)
     for i in range(starts.shape[0] - 1):
-        own = boxes[starts[i] : starts[i + 1]]
         bottom, top = np.inf, -np.inf
-        for box in own:
-            bottom, top = min(bottom, box[_BOTTOM]), max(top, box[_TOP])
+        for j in range(starts[i], starts[i + 1]):
+            bottom, top = min(bottom, boxes[j, _BOTTOM]), max(top, boxes[j, _TOP])
         for k in range(slices):
-            caster = casters[i * slices + k]
-            caster[_LEFT], caster[_RIGHT], caster[_NEAREST] = np.inf, -np.inf, -np.inf
-            caster[_BOTTOM] = bottom + k * (top - bottom) / slices
-            caster[_TOP] = bottom + (k + 1) * (top - bottom) / slices
-            for box in own:
-                if box[_BOTTOM] <= caster[_TOP] and box[_TOP] >= caster[_BOTTOM]:
-                    caster[_LEFT] = min(caster[_LEFT], box[_LEFT])
-                    caster[_RIGHT] = max(caster[_RIGHT], box[_RIGHT])
-                    caster[_NEAREST] = max(caster[_NEAREST], box[_NEAREST])
+            low, high = bottom + k * (top - bottom) / slices, bottom + (k + 1) * (top - bottom) / slices
+            left, right, far, near = np.inf, -np.inf, np.inf, -np.inf
+            for j in range(starts[i], starts[i + 1] if casts[i] else starts[i]):
+                if boxes[j, _BOTTOM] <= high and boxes[j, _TOP] >= low:
+                    left, right = min(left, boxes[j, _LEFT]), max(right, boxes[j, _RIGHT])
+                    far, near = min(far, boxes[j, _FARTHEST]), max(near, boxes[j, _NEAREST])
+            for number, figure in enumerate((left, right, low, high, far, near)):
+                casters[i * slices + k, number] = figure
 
 
 @kernel
-def _measure_box(box: F8, node: F8, rays: F8, middle: F8, around: F8) -> None:
+def _measure_box(box: F8, rays_from_node: F8, middle: F8, around: F8) -> None:
     """Compute middle and half extents of a box of a node in the frame of the rays [m], [3] each."""
-    middle[:], around[:] = 0.0, 0.0
-    for r in range(3):
-        half = 0.5 * (box[1, r] - box[0, r])
-        centre = 0.5 * (box[1, r] + box[0, r])
-        for k in range(3):
-            along = rays[k, 0] * node[0, r] + rays[k, 1] * node[1, r] + rays[k, 2] * node[2, r]
-            middle[k] += along * centre + rays[k, r] * node[r, 3]
-            around[k] += abs(along) * half
+    for k in range(3):
+        middle[k], around[k] = rays_from_node[k, 3], 0.0
+        for r in range(3):
+            along = rays_from_node[k, r]
+            middle[k] += along * 0.5 * (box[1, r] + box[0, r])
+            around[k] += abs(along) * 0.5 * (box[1, r] - box[0, r])
 
 
 @kernel
@@ -139,6 +136,57 @@ def _store(prism: F8, rays: F8, count: int, prisms: F8) -> int:
 
 
 @kernel
+def _turn_node(node: F8, rays: F8, rays_from_node: F8, inverse: F8) -> None:
+    """Set the matrices from a node to the frame of the rays, [3, 4], and from the world to the node, [4, 4].
+
+    The latter is not finite where the node is flat.
+    """
+    for k in range(3):
+        for c in range(_ROWS):
+            along = rays[k, 0] * node[0, c] + rays[k, 1] * node[1, c] + rays[k, 2] * node[2, c]
+            rays_from_node[k, c] = along
+    if abs(affine_inverse(node, inverse)) <= _FLAT:
+        inverse[0, 0] = np.nan
+
+
+@kernel
+def _find_above(casters: F8, reach: float, middle: F8, around: F8, found: I4) -> int:
+    """Write the numbers of the casters that are above a box; return how many."""
+    left, right = middle[0] - around[0] - reach, middle[0] + around[0] + reach
+    bottom, top = middle[1] - around[1] - reach, middle[1] + around[1] + reach
+    far, count = middle[2] - around[2] - reach, 0
+    for i in range(casters.shape[0]):
+        beside = casters[i, _LEFT] >= right or casters[i, _RIGHT] <= left
+        if not (beside or casters[i, _BOTTOM] >= top or casters[i, _TOP] <= bottom or casters[i, _NEAREST] <= far):
+            found[count] = i
+            count += 1
+    return count
+
+
+@kernel
+def _cut_by_boxes(
+    casters: F8, rays: F8, reach: float, boxes: F8, rays_from_node: F8, inverse: F8, prisms: F8, count: int
+) -> int:
+    """Store the prisms of casters on boxes of a node, see `cut_prisms`; return the number of prisms with these."""
+    middle, around, prism = np.empty(3), np.empty(3), np.empty((3, 2))
+    above = np.empty(casters.shape[0], np.int32)
+    for j in range(boxes.shape[0]):
+        _measure_box(boxes[j], rays_from_node, middle, around)
+        around += reach
+        for number in range(_find_above(casters, reach, middle, around, above)):
+            caster = casters[above[number]]
+            for k in range(2):
+                prism[k, 0] = max(caster[2 * k] - reach, middle[k] - around[k])
+                prism[k, 1] = min(caster[2 * k + 1] + reach, middle[k] + around[k])
+            prism[2, 0], prism[2, 1] = middle[2] - around[2], min(caster[_NEAREST] + reach, middle[2] + around[2])
+            if math.isfinite(inverse[0, 0]):
+                _cut_by_box(prism, middle, inverse, boxes[j], rays, reach)
+            if prism[2, 0] < prism[2, 1]:
+                count = _store(prism, rays, count, prisms)
+    return count
+
+
+@kernel
 def cut_prisms(casters: F8, rays: F8, reach: float, boxes: F8, nodes: I4, world: F8, prisms: F8, fallen: U1) -> int:
     """Compute the prisms in which the shadows of casters may fall on boxes.
 
@@ -155,24 +203,62 @@ def cut_prisms(casters: F8, rays: F8, reach: float, boxes: F8, nodes: I4, world:
     Returns:
         Number of prisms; more than the capacity where they did not fit.
     """
-    count, prism, inverse = 0, np.empty((3, 2)), np.empty((_ROWS, _ROWS))
-    middle, around = np.empty(3), np.empty(3)
+    count, turned, inverse = 0, np.empty((3, _ROWS)), np.empty((_ROWS, _ROWS))
     for j in range(boxes.shape[0]):
-        _measure_box(boxes[j], world[nodes[j]], rays, middle, around)
-        around += reach
-        known = False
-        for i in range(casters.shape[0]):
-            for k in range(2):
-                prism[k, 0] = max(casters[i, 2 * k] - reach, middle[k] - around[k])
-                prism[k, 1] = min(casters[i, 2 * k + 1] + reach, middle[k] + around[k])
-            prism[2, 0] = middle[2] - around[2]
-            prism[2, 1] = min(casters[i, _NEAREST] + reach, middle[2] + around[2])
-            if prism[0, 0] >= prism[0, 1] or prism[1, 0] >= prism[1, 1] or prism[2, 0] >= prism[2, 1]:
-                continue
-            if known or abs(affine_inverse(world[nodes[j]], inverse)) > _FLAT:
-                known = True
-                _cut_by_box(prism, middle, inverse, boxes[j], rays, reach)
-            if prism[2, 0] < prism[2, 1]:
-                fallen[j] = 1
-                count = _store(prism, rays, count, prisms)
+        before = count
+        _turn_node(world[nodes[j]], rays, turned, inverse)
+        count = _cut_by_boxes(casters, rays, reach, boxes[j : j + 1], turned, inverse, prisms, count)
+        fallen[j] |= count > before
+    return count
+
+
+@kernel
+def cut_prisms_on_items(
+    casters: F8,
+    rays: F8,
+    reach: float,
+    receiving: B1,
+    boxes: F8,
+    rows: I4,
+    world: F8,
+    shapes: I4,
+    spans: I4,
+    parts: F8,
+    missed: U1,
+    prisms: F8,
+) -> int:
+    """Compute the prisms in which the shadows of casters may fall on items: on the boxes of their shapes, if known.
+
+    Args:
+        casters: See `slice_casters`, [n, `FIGURES`].
+        rays: Axes of the frame of the rays in the world, [3, 3].
+        reach: Margin around a shadow [m].
+        receiving: The items, [items].
+        boxes: Box around each in the frame of its node [m], [items, 2, 3].
+        rows: Row of each node, int32 [items].
+        world: T_world_from_node per row, [rows, 4, 4].
+        shapes: Shape of each item, all items of a node together, int32 [items].
+        spans: First and end of each shape in `parts`; equal where they are not known, int32 [shapes, 2].
+        parts: Boxes of the shapes in the frame of the node [m], [parts, 2, 3].
+        missed: See `place_shapes`, [shapes].
+        prisms: Written: corners, world [m], [capacity, 8, 3].
+
+    Returns:
+        Number of prisms; more than the capacity where they did not fit.
+    """
+    count, turned, inverse = 0, np.empty((3, _ROWS)), np.empty((_ROWS, _ROWS))
+    seen = np.zeros(spans.shape[0], np.bool_)
+    for item in range(receiving.shape[0]):
+        shape, box = shapes[item], boxes[item : item + 1]
+        if not receiving[item] or seen[shape]:
+            continue
+        _turn_node(world[rows[item]], rays, turned, inverse)
+        if _cut_by_boxes(casters, rays, reach, box, turned, inverse, prisms[:0], 0) == 0:
+            continue
+        first, end = spans[shape]
+        if first < end:
+            seen[shape], box = True, parts[first:end]
+        else:
+            missed[shape] = max(missed[shape], MISSED)
+        count = _cut_by_boxes(casters, rays, reach, box, turned, inverse, prisms, count)
     return count

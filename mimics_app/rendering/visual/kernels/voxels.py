@@ -1,37 +1,16 @@
-"""Boxes of parts of shapes: of triangles by the cells of a grid, and their corners in the world."""
+"""Boxes of the triangles in the cells of a grid."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.contracts.arrays import F4, F8, I4, I8, U4
+from mimics_app.contracts.arrays import F4, F8, I8, U4
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["place_boxes", "voxelise"]
-
-_CORNERS = 8
+__all__ = ["voxelise"]
 
 _ROUNDING = 1e-6, 1e-15
 """Relative and absolute margin of a test in double precision."""
-
-
-@kernel
-def place_boxes(boxes: F8, nodes: I4, world: F8, corners: F8) -> None:
-    """Compute the corners of boxes in the world.
-
-    Args:
-        boxes: Least and greatest corner in the frame of a node [m], [n, 2, 3].
-        nodes: Number of the node of each, int32 [n].
-        world: T_world_from_node of each node, [nodes, 4, 4].
-        corners: Written [m], [n, 8, 3].
-    """
-    for i in range(boxes.shape[0]):
-        node = nodes[i]
-        for corner in range(_CORNERS):
-            x, y, z = boxes[i, corner & 1, 0], boxes[i, corner >> 1 & 1, 1], boxes[i, corner >> 2, 2]
-            for r in range(3):
-                along = world[node, r, 0] * x + world[node, r, 1] * y + world[node, r, 2] * z
-                corners[i, corner, r] = along + world[node, r, 3]
 
 
 @kernel

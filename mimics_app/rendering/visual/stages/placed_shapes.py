@@ -1,8 +1,7 @@
-"""Shapes of a frame where they are: several boxes for each of a few, one for each item of many."""
+"""Shapes of a world's items where they are: several boxes for each, computed when a search misses them."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,14 +9,17 @@ import numpy as np
 from mimics_app.contracts.arrays import B1, F8, I4
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
-from mimics_app.rendering.visual.kernels.voxels import place_boxes
+from mimics_app.rendering.visual.kernels.shape_places import KNOWN, MISSED, place_shapes
 from mimics_app.rendering.visual.stages.shape_boxes import ShapeBoxes
 from mimics_app.world.motion.skinned_body import SkinnedBody
 
-__all__ = ["PlacedItems", "Shapes", "place_items", "shapes_of"]
+__all__ = ["PlacedItems", "PlacedShapes", "Shapes", "place_items"]
 
-_MAX_NODES = 64
-"""Number of changed nodes up to which several boxes for each of them pay off."""
+_MAX_SHAPES = 64
+"""Number of changed shapes up to which several boxes for each of them pay off."""
+
+_MOST_COMPUTED = 4
+"""Number of shapes whose boxes are computed in one frame, each in up to 6 ms; the others have one box meanwhile."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,24 +29,22 @@ class PlacedItems:
     Attributes:
         items: The items.
         shown: Items that may be drawn, [n].
-        world: T_world_from_node of each, float64 [n, 4, 4].
         boxes: Least and greatest corner of each in the node's frame [m], float64 [n, 2, 3].
-        revisions: Revisions of the deformable bodies.
+        world: T_world_from_node per row, float64 [rows, 4, 4].
     """
 
     items: DrawItems
     shown: B1
-    world: F8
     boxes: F8
-    revisions: Mapping[SkinnedBody, int]
+    world: F8
 
 
 @dataclass(frozen=True, eq=False)
 class Shapes:
-    """Shapes as boxes in the world.
+    """Shapes that changed, as boxes in the world.
 
     Attributes:
-        corners: Corners of the boxes [m], float64 [boxes, 8, 3].
+        corners: Corners of the boxes before and after [m], float64 [boxes, 8, 3].
         starts: First box of each shape, and the number of boxes, int32 [n + 1].
         casting: Shapes that cast shadows, [n].
     """
@@ -54,43 +54,106 @@ class Shapes:
     casting: B1
 
 
-def place_items(listed: DrawList, shapes: ShapeBoxes) -> PlacedItems:
+def place_items(listed: DrawList) -> PlacedItems:
     """Copy where the items of a draw list are."""
     items = listed.items
     middle = items.local[:, :3]
-    boxes = np.stack([middle - items.half, middle + items.half], axis=1)
-    return PlacedItems(items, listed.shown, listed.matrices[items.rows], boxes, shapes.revisions())
+    boxes = np.empty((len(middle), 2, 3))
+    np.subtract(middle, items.half, out=boxes[:, 0])
+    np.add(middle, items.half, out=boxes[:, 1])
+    return PlacedItems(items, listed.shown, boxes, listed.matrices.copy())
 
 
-def shapes_of(placed: PlacedItems, which: B1, rewritten: B1, shapes: ShapeBoxes) -> Shapes:
-    """Return the shapes of some items, all items of a node together where there are few nodes.
+class PlacedShapes:
+    """The shapes of some items: all items of a node are one shape.
+
+    Attributes:
+        items: The items.
+        shapes: Shape of each item, int32 [n].
+        spans: First and end of each shape in `boxes`; equal where they are not known, int32 [shapes, 2].
+        boxes: Least and greatest corner in the frame of the node [m], float64 [boxes, 2, 3].
+        missed: 0, `MISSED` or `KNOWN` by shape, uint8 [shapes]; see `place_shapes`.
 
     Args:
-        placed: The items.
-        which: The items, [n].
-        rewritten: Items whose meshes were rewritten, which have one box each, [n].
-        shapes: Boxes of the shapes of the world.
+        items: The items.
+        known: Boxes of the shapes of the world.
     """
-    items, numbers = placed.items, np.flatnonzero(which).astype(np.int32)
-    rows = np.unique(items.rows[numbers])
-    if len(rows) > _MAX_NODES:
-        corners = _corners_of(placed, placed.boxes[numbers], numbers)
-        return Shapes(corners, np.arange(len(numbers) + 1, dtype=np.int32), items.casting[numbers])
-    found, nodes, casting = [placed.boxes[:0]], [numbers[:0]], []
-    for row in rows.tolist():
-        hung = numbers[items.rows[numbers] == row]
-        names = [items.mesh_names[mesh] for mesh in items.meshes[hung].tolist()]
-        known = None if rewritten[hung].any() else shapes.of(names, placed.revisions)
-        found.append(placed.boxes[hung] if known is None else known)
-        nodes.append(np.full(len(found[-1]), hung[0], np.int32))
-        casting.append(bool(items.casting[hung].any()))
-    starts = np.cumsum([0, *map(len, found[1:])], dtype=np.int32)
-    corners = _corners_of(placed, np.concatenate(found), np.concatenate(nodes))
-    return Shapes(corners, starts, np.array(casting, np.bool_))
 
+    def __init__(self, items: DrawItems, known: ShapeBoxes) -> None:
+        self.items = items
+        self._known = known
+        rows, numbers = np.unique(items.rows, return_inverse=True)
+        self.shapes = numbers.astype(np.int32)
+        self._order = np.argsort(self.shapes, kind="stable").astype(np.int32)
+        self._firsts = np.searchsorted(self.shapes[self._order], np.arange(len(rows) + 1)).astype(np.int32)
+        self.spans = np.zeros((len(rows), 2), np.int32)
+        self.missed, self._placed = np.zeros(len(rows), np.uint8), np.zeros(len(rows), np.uint8)
+        self.boxes, self._corners = np.zeros((0, 2, 3)), np.zeros((0, 8, 3))
+        self._starts, self._casts = np.zeros(len(rows) + 1, np.int32), np.zeros(len(rows), np.bool_)
+        self._bent: dict[int, tuple[SkinnedBody, int]] = {}
+        self._rewritten = 0
 
-def _corners_of(placed: PlacedItems, boxes: F8, numbers: I4) -> F8:
-    """Return the corners of boxes in the frames of some items' nodes, world [m], [n, 8, 3]."""
-    corners = np.empty((len(boxes), 8, 3))
-    place_boxes(np.ascontiguousarray(boxes), numbers, placed.world, corners)
-    return corners
+    def follow(self, rewritten: B1) -> None:
+        """Bend the boxes of deformable bodies, and discard those of items whose meshes were ever rewritten, [n]."""
+        for shape, (body, revision) in list(self._bent.items()):
+            if body.revision != revision:
+                first, end = self.spans[shape]
+                self._bent[shape] = body, body.revision
+                if not self._known.bend(body, self.boxes[first:end]):
+                    self._discard(shape)
+        count = int(np.count_nonzero(rewritten))
+        if count > self._rewritten:
+            self._rewritten = count
+            for shape in np.unique(self.shapes[rewritten]).tolist():
+                self._discard(shape)
+
+    def place(self, was: PlacedItems, now: PlacedItems, changed: B1, hulls: F8) -> Shapes | None:
+        """Return the shapes of changed items, in some memory for corners [m, 8, 3]; None: it is too small."""
+        count, boxes = place_shapes(
+            changed,
+            (was.shown, was.boxes, was.world),
+            (now.shown, now.boxes, now.world),
+            was.items.casting | now.items.casting,
+            self.items.rows,
+            self._order,
+            self._firsts,
+            self.spans,
+            self.boxes,
+            _MAX_SHAPES,
+            self._placed,
+            self.missed,
+            self._corners,
+            hulls,
+            self._starts,
+            self._casts,
+        )
+        if boxes > len(hulls):
+            self._placed[:] = 0
+            return None
+        return Shapes(hulls[:boxes], self._starts[: count + 1], self._casts[:count])
+
+    def compute_missed(self) -> None:
+        """Compute the boxes that were missed: of a few shapes a frame, and of all that were computed before."""
+        computed = 0
+        for shape in np.flatnonzero(self.missed == MISSED).tolist():
+            meshes = self.items.meshes[self._order[self._firsts[shape] : self._firsts[shape + 1]]]
+            names = [self.items.mesh_names[mesh] for mesh in meshes.tolist()]
+            computed += not self._known.has(names)
+            if computed > _MOST_COMPUTED:
+                return
+            self.missed[shape], boxes = KNOWN, self._known.of(names)
+            if boxes is not None:
+                self._keep(shape, boxes, self._known.body_of(names))
+
+    def _keep(self, shape: int, boxes: F8, body: SkinnedBody | None) -> None:
+        first = len(self.boxes)
+        self.spans[shape] = first, first + len(boxes)
+        self.boxes = np.concatenate([self.boxes, boxes])
+        self._corners = np.concatenate([self._corners, np.empty((len(boxes), 8, 3))])
+        if body is not None:
+            self._bent[shape] = body, body.revision
+
+    def _discard(self, shape: int) -> None:
+        """Use the items' own boxes from now on."""
+        self.spans[shape], self._placed[shape], self.missed[shape] = 0, 0, KNOWN
+        self._bent.pop(shape, None)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -34,18 +34,12 @@ class ShapeBoxes:
         self.world = world
         self._rigid: dict[tuple[str, ...], tuple[list[tuple[int, MeshData]], F8]] = {}
         self._sets = WeakKeyDictionary[SkinnedBody, tuple[I4, F8]]()
-        self._bent = WeakKeyDictionary[SkinnedBody, tuple[int, F8]]()
 
-    def revisions(self) -> dict[SkinnedBody, int]:
-        """Return the present revisions of all deformable bodies."""
-        return {body: body.revision for body in self.world.motion.bodies.values()}
-
-    def of(self, meshes: Sequence[str], revisions: Mapping[SkinnedBody, int]) -> F8 | None:
+    def of(self, meshes: Sequence[str]) -> F8 | None:
         """Return boxes in the frame of the node that carries some meshes; None where they are not known.
 
         Args:
             meshes: Keys of all meshes at the node.
-            revisions: Revisions of the bodies, as now or as when the boxes were last asked for.
 
         Returns:
             Least and greatest corner of each [m], [n, 2, 3].
@@ -53,8 +47,33 @@ class ShapeBoxes:
         bodies = {self.world.motion.body_of.get(name) for name in meshes}
         if bodies == {None}:
             return self._of_rigid(tuple(meshes))
-        body = bodies.pop()
-        return None if bodies or body is None else self._of_body(body, revisions.get(body))
+        body = self.body_of(meshes)
+        if body is None or not _is_plain(body):
+            return None
+        bent = np.empty_like(self._sets_of(body)[1])
+        self.bend(body, bent)
+        return bent
+
+    def has(self, meshes: Sequence[str]) -> bool:
+        """Whether boxes of some meshes were computed before; those of a mesh that was replaced take time again."""
+        return tuple(meshes) in self._rigid or self.body_of(meshes) in self._sets
+
+    def body_of(self, meshes: Sequence[str]) -> SkinnedBody | None:
+        """Return the one deformable body that all of some meshes are of."""
+        bodies = {self.world.motion.body_of.get(name) for name in meshes}
+        return bodies.pop() if len(bodies) == 1 else None
+
+    def bend(self, body: SkinnedBody, boxes: F8) -> bool:
+        """Write the boxes of a body's sets of vertices with the same joints, as deformed [m], [n, 2, 3].
+
+        Returns:
+            False, and nothing is written, where dual quaternions may leave such boxes.
+        """
+        if not _is_plain(body):
+            return False
+        joints, modelled = self._sets_of(body)
+        bound_blends(body.rows, joints, modelled, body.margin, boxes)
+        return True
 
     def _of_rigid(self, names: tuple[str, ...]) -> F8:
         meshes = [(self.world.mesh_revision(name), self.world.meshes[name]) for name in names]
@@ -62,21 +81,15 @@ class ShapeBoxes:
             self._rigid[names] = meshes, _divide([mesh for _, mesh in meshes])
         return self._rigid[names][1]
 
-    def _of_body(self, body: SkinnedBody, revision: int | None) -> F8 | None:
-        """Return boxes of a body's sets of vertices with the same joints; dual quaternions may leave such boxes."""
-        known = self._bent.get(body)
-        if known is not None and known[0] == revision:
-            return known[1]
-        plain = body.method == "linear" and all(mesh.weights is not None for mesh in body.meshes.values())
-        if body.revision != revision or not plain:
-            return None
+    def _sets_of(self, body: SkinnedBody) -> tuple[I4, F8]:
         if body not in self._sets:
-            self._sets[body] = _sets_of(list(body.meshes.values()))
-        joints, boxes = self._sets[body]
-        bent = np.empty_like(boxes)
-        bound_blends(body.rows, joints, boxes, body.margin, bent)
-        self._bent[body] = revision, bent
-        return bent
+            self._sets[body] = _find_sets(list(body.meshes.values()))
+        return self._sets[body]
+
+
+def _is_plain(body: SkinnedBody) -> bool:
+    """Whether each vertex of a body is a linear blend of what its joints do with it."""
+    return body.method == "linear" and all(mesh.weights is not None for mesh in body.meshes.values())
 
 
 def _divide(meshes: Sequence[MeshData]) -> F8:
@@ -96,7 +109,7 @@ def _divide(meshes: Sequence[MeshData]) -> F8:
     return np.ascontiguousarray(boxes[boxes[:, 0, 0] <= boxes[:, 1, 0]])
 
 
-def _sets_of(meshes: Sequence[MeshData]) -> tuple[I4, F8]:
+def _find_sets(meshes: Sequence[MeshData]) -> tuple[I4, F8]:
     """Return the sets of joints that move vertices, -1: fewer, [n, k], and boxes of their vertices, [n, 2, 3]."""
     most = max(mesh.weights.influences for mesh in meshes if mesh.weights is not None)
     joints, places = [], []

@@ -9,7 +9,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import B1, F8
 from mimics_app.rendering.visual.changed_part import ChangedPart
-from mimics_app.rendering.visual.stages.placed_shapes import PlacedItems, place_items, shapes_of
+from mimics_app.rendering.visual.stages.placed_shapes import PlacedItems, PlacedShapes, place_items
 from mimics_app.rendering.visual.stages.screen_places import cover_of, screen_bounds
 from mimics_app.rendering.visual.stages.seen_frame import Overlaid, SeenFrame
 from mimics_app.rendering.visual.stages.shadow_places import find_shadow_places
@@ -27,6 +27,9 @@ _RESTLESS_FRAMES = 30
 _WHOLE = 0.6
 """Changed share of a picture from which all of it is redrawn."""
 
+_MAX_HULLS = 16_384
+"""Number of hulls of changed shapes and their shadows up to which locating them costs less than a redraw."""
+
 _MAX_ITEMS = 4000
 """Number of items up to which the search for changes pays off where any of them moves."""
 
@@ -36,10 +39,11 @@ _MAX_SPRITES = 300
 
 @dataclass(eq=False)
 class _Before:
-    """State of the last frame; without places while the camera moves."""
+    """State of the last frame; without places while the camera moves, and without shapes where it was not searched."""
 
     seen: SeenFrame | None = None
     placed: PlacedItems | None = None
+    shapes: PlacedShapes | None = None
 
 
 class StillPicture:
@@ -57,7 +61,8 @@ class StillPicture:
     def __init__(self, *, sparse: bool = False) -> None:
         self.keeps = sparse
         self._steady = self._restless = 0
-        self._shapes: ShapeBoxes | None = None
+        self._boxes: ShapeBoxes | None = None
+        self._hulls, self._points = np.empty((_MAX_HULLS, 8, 3)), np.zeros(_MAX_HULLS)
         self._before = _Before()
 
     def forget(self) -> None:
@@ -75,17 +80,26 @@ class StillPicture:
         if changed is None and not self.keeps:
             self._before = _Before(seen)
             return None
-        if self._shapes is None or self._shapes.world is not seen.world:
-            self._shapes = ShapeBoxes(seen.world)
-        placed = place_items(listed, self._shapes)
+        placed = place_items(listed)
         self._before = _Before(seen, placed)
         if changed is None or before.seen is None or before.placed is None or not self.keeps:
             return None
+        shapes = self._before.shapes = self._shapes_of(before, seen)
         changed |= before.placed.shown != placed.shown
-        hulls = self._find(before.placed, placed, seen, changed)
+        hulls = self._find(before.placed, placed, shapes, seen, changed)
         boards = [before.seen.board, seen.board]
         overlaid = _changed_overlaid(before.seen, seen)
         return None if hulls is None else self._cover(seen, hulls, sprites, overlaid, boards)
+
+    def _shapes_of(self, before: _Before, seen: SeenFrame) -> PlacedShapes:
+        """Return the shapes of a frame, placed as in the last one where they are the same."""
+        if self._boxes is None or self._boxes.world is not seen.world:
+            self._boxes = ShapeBoxes(seen.world)
+        shapes = before.shapes
+        if shapes is None or shapes.items is not seen.listed.items:
+            shapes = PlacedShapes(seen.listed.items, self._boxes)
+        shapes.follow(seen.listed.rewritten)
+        return shapes
 
     def _count(self, *, alike: bool) -> None:
         """Update `keeps`, which starts after some comparable frames and ends after many others."""
@@ -96,26 +110,29 @@ class StillPicture:
         elif self._restless >= _RESTLESS_FRAMES:
             self.keeps = False
 
-    def _find(self, was: PlacedItems, now: PlacedItems, seen: SeenFrame, changed: B1) -> list[F8] | None:
+    def _find(
+        self, was: PlacedItems, now: PlacedItems, shapes: PlacedShapes, seen: SeenFrame, changed: B1
+    ) -> F8 | None:
         """Return hulls [n, 8, 3] of changed items, before and after, and of their shadows; None: too many to find."""
-        assert self._shapes is not None
-        rewritten, placed = seen.listed.rewritten, (was, now)
-        shapes = [shapes_of(each, changed & each.shown, rewritten, self._shapes) for each in placed]
-        if seen.cones and any(each.casting.any() for each in shapes):
+        found = shapes.place(was, now, changed, self._hulls)
+        if found is None or (seen.cones and found.casting.any()):
             return None
-        shadows = find_shadow_places(seen, shapes, now, seen.listed.drawn & now.shown & ~changed, self._shapes)
-        return None if shadows is None else [*(each.corners for each in shapes), shadows]
+        count = len(found.corners)
+        receiving = seen.listed.drawn & now.shown & ~changed
+        count += find_shadow_places(seen, found, now, receiving, shapes, self._hulls[count:])
+        shapes.compute_missed()
+        return self._hulls[:count] if count <= len(self._hulls) else None
 
     def _cover(
-        self, seen: SeenFrame, hulls: list[F8], sprites: F8, overlaid: list[Overlaid], boards: list[F8]
+        self, seen: SeenFrame, hulls: F8, sprites: F8, overlaid: list[Overlaid], boards: list[F8]
     ) -> list[ChangedPart] | None:
         """Return parts around hulls of points, sprites (by spheres), what is overlaid, and rectangles of the board."""
         view, (x, y, width, height) = seen.view, seen.rectangle
-        bounds = [screen_bounds(view, each, np.zeros(len(each))) for each in hulls]
-        bounds.append(screen_bounds(view, sprites[:, None, :3], sprites[:, 3].copy()))
+        bounds = [screen_bounds(view, hulls, self._points[: len(hulls)])]
+        if len(sprites):
+            bounds.append(screen_bounds(view, sprites[:, None, :3], sprites[:, 3].copy()))
         bounds += [screen_bounds(view, each.hulls, np.full(len(each.hulls), each.reach)) for each in overlaid]
-        bounds += boards
-        parts = cover_of(np.concatenate(bounds), (width, height))
+        parts = cover_of(np.concatenate([*bounds, *boards]), (width, height))
         drawn = [piece for part in parts for piece in part.pieces]
         if sum(wide * high for _, _, wide, high in drawn) > _WHOLE * width * height:
             return None
