@@ -137,7 +137,7 @@ def test_where_a_shadow_falls_is_in_one_of_the_prisms():
     corners = np.stack([casting[:, (k & 1, k >> 1 & 1, k >> 2), (0, 1, 2)] for k in range(8)], axis=1)
     starts = np.array([0, 2, 6], np.int32)
     casters, casts = np.empty((2 * 3, FIGURES)), np.ones(2, np.bool_)
-    slice_casters(corners, starts, casts, rays, 3, casters)
+    assert slice_casters(corners, starts, casts, rays, np.zeros(3), 0.0, 3, casters) == 6
     prisms, fallen = np.empty((4096, 8, 3)), np.zeros(12, np.uint8)
     numbers = np.arange(12, dtype=np.int32)
     count = cut_prisms(casters, rays, 0.0, receivers, numbers, nodes, prisms, fallen)
@@ -156,8 +156,8 @@ def test_where_a_shadow_falls_is_in_one_of_the_prisms():
     assert not fallen.all()
     few = np.empty((3, 8, 3))
     assert cut_prisms(casters, rays, 0.0, receivers, numbers, nodes, few, fallen) == count > 3
-    slice_casters(corners, starts, ~casts, rays, 3, casters)
-    assert cut_prisms(casters, rays, 0.0, receivers, numbers, nodes, few, fallen) == 0, "they cast no shadow"
+    assert slice_casters(corners, starts, ~casts, rays, np.zeros(3), 0.0, 3, casters) == 0, "they cast no shadow"
+    assert slice_casters(corners, starts, casts, rays, np.full(3, 99.0), 0.01, 3, casters) == 2, "slices are not seen"
 
 
 def test_a_shape_that_changes_is_where_it_was_and_where_it_is():

@@ -105,6 +105,13 @@ def test_frustum_corners_lie_on_their_planes():
                 assert offsets.min() > -1e-11
 
 
+def test_a_part_of_a_view_has_its_projection_cropped():
+    view = View(compose_look_at((3.0, -2.0, 5.0), (1.0, 0.0, 0.0)), (-0.2, 0.7, -0.5, 0.1), (0, 0, 96, 64), 0.5, 20.0)
+    part = view.through((16, 32, 48, 16), (96, 64))
+    assert part.tangents == pytest.approx((-0.05, 0.4, -0.2, -0.05))
+    assert np.allclose(part.clip_from_world, replace(part).clip_from_world, rtol=0.0, atol=1e-12)
+
+
 def test_culling_never_takes_what_is_seen(monkeypatch):
     """Random spheres, stretched and sheared, half in and out of an off-axis view: the picture without culling."""
     rng = np.random.default_rng(11)

@@ -9,6 +9,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import UsageError
+from mimics_app.rendering.visual.kernels.frustum import find_planes
 from mimics_app.rendering.visual.view_matrices import Tangents, compose_clip_from_view
 
 __all__ = ["Rect", "View", "compute_frustum_planes", "tilt_near_plane"]
@@ -121,7 +122,12 @@ class View:
         across, up = (far_right - left) / size[0], (top - bottom) / size[1]
         x, y, width, height = part
         edges = (left + x * across, left + (x + width) * across, bottom + y * up, bottom + (y + height) * up)
-        return replace(self, tangents=edges, rectangle=part, part_of=self.part_of or self.tangents)
+        seen = replace(self, tangents=edges, rectangle=part, part_of=self.part_of or self.tangents)
+        # The whole picture's projection, cropped: composing it anew takes several times as long.
+        crop = np.diag([size[0] / width, size[1] / height, 1.0, 1.0])
+        crop[0, 3], crop[1, 3] = (size[0] - 2.0 * x) / width - 1.0, (size[1] - 2.0 * y) / height - 1.0
+        vars(seen)["clip_from_world"] = crop @ self.clip_from_world
+        return seen
 
     def ray(self, right: float, up: float) -> tuple[F8, F8]:
         """Return the ray through a point of the picture.
@@ -169,11 +175,6 @@ def compute_frustum_planes(clip_from_world: F8) -> F8:
         Unit normal and offset per plane, float64 [6, 4]; a point p is inside where normal . p + offset >= 0. The normal
         of a far plane at infinity is 0.
     """
-    rows, last = clip_from_world[:3], clip_from_world[3]
     planes = np.empty((6, 4))
-    planes[::2], planes[1::2] = last + rows, last - rows
-    lengths = np.linalg.norm(planes[:, :3], axis=1)
-    if not lengths.all():  # a far plane at infinity has no normal: everything is inside
-        planes[lengths == 0.0] = 0.0, 0.0, 0.0, 1.0
-        lengths[lengths == 0.0] = 1.0
-    return np.asarray(planes / lengths[:, None])
+    find_planes(np.ascontiguousarray(clip_from_world), planes)
+    return planes

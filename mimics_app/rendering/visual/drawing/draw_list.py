@@ -16,7 +16,7 @@ from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuff
 from mimics_app.rendering.visual.drawing.levels import Levels
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.drawing.occlusion import MIN_ITEMS, OcclusionPass, gather_occluders
-from mimics_app.rendering.visual.kernels.bounds import update_bounds
+from mimics_app.rendering.visual.kernels.bounds import gather_casters, update_bounds
 from mimics_app.rendering.visual.kernels.frustum import cull_flat
 from mimics_app.rendering.visual.kernels.levels import pick_levels
 from mimics_app.rendering.visual.materials.materials import MaterialStore
@@ -205,9 +205,10 @@ class DrawList:
         known = self._casters.get(max_radius)
         if known is None:
             shown = self._levels.show_finest(self._shown)
-            casting = np.flatnonzero(shown * self.items.casting).astype(np.int32)
-            held = casting[self.radii[casting] <= max_radius]
-            known = self._casters[max_radius] = Casters(casting, self.centres[held], self.radii[held])
+            items, centres, radii = np.empty(len(shown), np.int32), np.empty_like(self.centres), np.empty(len(shown))
+            spheres = self.centres, self.radii
+            count, held = gather_casters(shown, self.items.casting, *spheres, max_radius, items, centres, radii)
+            known = self._casters[max_radius] = Casters(items[:count], centres[:held], radii[:held])
         return known
 
     def coarser(self, casters: Casters, texel: float) -> Casters:

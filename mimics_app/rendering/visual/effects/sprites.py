@@ -155,6 +155,8 @@ class SpriteField:
         """
         eye = np.ascontiguousarray(view.eye_world)
         solid, blended = self._pick(view, eye)
+        if not (solid or blended):
+            return [*surfaces]
         self._write(view, eye, height, solid + blended)
         runs: list[DrawRun | SpriteRun] = [*self._runs(0, solid)]
         cuts = self._cuts(blended, away) + solid

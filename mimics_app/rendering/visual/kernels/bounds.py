@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from mimics_app.contracts.arrays import F8, I4, U1
+from mimics_app.contracts.arrays import B1, F8, I4, U1
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["enclose", "update_bounds"]
+__all__ = ["enclose", "gather_casters", "update_bounds"]
 
 
 @kernel
@@ -100,3 +100,35 @@ def enclose(centres: F8, radii: F8, clip_from_world: F8, inside: F8) -> tuple[fl
             stretch = math.sqrt(row[0] ** 2 + row[1] ** 2 + row[2] ** 2)
             held = held and abs(at) + stretch * radii[i] <= inside[k]
     return reach, held
+
+
+@kernel
+def gather_casters(
+    shown: U1, casting: B1, centres: F8, radii: F8, most: float, items: I4, held_centres: F8, held_radii: F8
+) -> tuple[int, int]:
+    """Gather the items that cast shadows, and the spheres of those that are not too large.
+
+    Args:
+        shown: 1 where an item may be drawn, [n].
+        casting: True where it casts shadows, [n].
+        centres: Centres of the items' spheres, world [m], [n, 3].
+        radii: Their radii [m], [n].
+        most: Largest radius of a gathered sphere [m].
+        items: Written: numbers of the items, ascending, [>= n].
+        held_centres: Written: centres of the spheres, [>= n, 3].
+        held_radii: Written: their radii, [>= n].
+
+    Returns:
+        Number of items, and of spheres.
+    """
+    count, held = 0, 0
+    for item in range(shown.shape[0]):
+        if shown[item] and casting[item]:
+            items[count] = item
+            count += 1
+            if radii[item] <= most:
+                for k in range(3):
+                    held_centres[held, k] = centres[item, k]
+                held_radii[held] = radii[item]
+                held += 1
+    return count, held

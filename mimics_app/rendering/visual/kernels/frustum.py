@@ -7,7 +7,7 @@ import math
 from mimics_app.contracts.arrays import F8, I4, U1
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["cull_flat", "distance_key", "is_seen"]
+__all__ = ["cull_flat", "distance_key", "find_planes", "is_seen"]
 
 
 @kernel
@@ -76,3 +76,24 @@ def cull_flat(planes: F8, shown: U1, rows: I4, world: F8, centres: F8, radii: F8
             out[count] = i
             count += 1
     return count
+
+
+@kernel
+def find_planes(clip_from_world: F8, planes: F8) -> None:
+    """Write the six planes of a frustum, [6, 4]: left, right, bottom, top, near, far.
+
+    Unit normals inwards and offsets; a far plane at infinity has no normal, and everything is inside.
+
+    Args:
+        clip_from_world: Projection, [4, 4].
+        planes: Written.
+    """
+    last = clip_from_world[3]
+    for k in range(planes.shape[0]):
+        row, sign = clip_from_world[k // 2], 1.0 - 2.0 * (k % 2)
+        length = 0.0
+        for i in range(3):
+            length += (last[i] + sign * row[i]) ** 2
+        length = math.sqrt(length)
+        for i in range(planes.shape[1]):
+            planes[k, i] = (last[i] + sign * row[i]) / length if length > 0.0 else (0.0 if i < 3 else 1.0)

@@ -52,32 +52,62 @@ def _measure_corners(corners: F8, rays: F8, figures: F8) -> None:
 
 
 @kernel
-def slice_casters(corners: F8, starts: I4, casts: B1, rays: F8, slices: int, casters: F8) -> None:
+def _count_slices(boxes: F8, eye: F8, least: float, most: int) -> int:
+    """Return the number of slices of a caster of some boxes, see `slice_casters`."""
+    whole, away2 = boxes[0].copy(), 0.0
+    for j in range(1, boxes.shape[0]):
+        for k in range(3):
+            whole[2 * k] = min(whole[2 * k], boxes[j, 2 * k])
+            whole[2 * k + 1] = max(whole[2 * k + 1], boxes[j, 2 * k + 1])
+    for k in range(3):
+        away2 += (0.5 * (whole[2 * k] + whole[2 * k + 1]) - eye[k]) ** 2
+    height, narrowest = whole[_TOP] - whole[_BOTTOM], least * math.sqrt(away2)
+    return max(1, min(most, int(height / narrowest))) if narrowest > 0.0 else most
+
+
+@kernel
+def _slice(boxes: F8, slices: int, casters: F8) -> None:
+    """Compute the figures of the slices of one caster, [slices, `FIGURES`], from those of its boxes."""
+    bottom, top = np.inf, -np.inf
+    for j in range(boxes.shape[0]):
+        bottom, top = min(bottom, boxes[j, _BOTTOM]), max(top, boxes[j, _TOP])
+    for k in range(slices):
+        low, high = bottom + k * (top - bottom) / slices, bottom + (k + 1) * (top - bottom) / slices
+        left, right, far, near = np.inf, -np.inf, np.inf, -np.inf
+        for j in range(boxes.shape[0]):
+            if boxes[j, _BOTTOM] <= high and boxes[j, _TOP] >= low:
+                left, right = min(left, boxes[j, _LEFT]), max(right, boxes[j, _RIGHT])
+                far, near = min(far, boxes[j, _FARTHEST]), max(near, boxes[j, _NEAREST])
+        for number, figure in enumerate((left, right, low, high, far, near)):
+            casters[k, number] = figure
+
+
+@kernel
+def slice_casters(corners: F8, starts: I4, casts: B1, rays: F8, eye: F8, least: float, most: int, casters: F8) -> int:
     """Cut casters into slices of equal height across the rays, and compute the figures of each.
 
     Args:
         corners: Corners of their boxes, world [m], [boxes, 8, 3].
         starts: First box of each, and the number of boxes, int32 [n + 1].
-        casts: Whether each casts a shadow at all; the slices of the others are empty, [n].
+        casts: Whether each casts a shadow at all; the others are left out, [n].
         rays: Axes of the frame of the rays in the world: across, across, towards the sun; [3, 3].
-        slices: Slices of each caster.
-        casters: Written; of an empty slice the least x is beyond the greatest, [n * slices, `FIGURES`].
+        eye: Position of the camera in the frame of the rays [m], [3].
+        least: Smallest height of a slice over its distance from the eye.
+        most: Most slices of a caster.
+        casters: Written; of an empty slice the least x is beyond the greatest, [>= n * most, `FIGURES`].
+
+    Returns:
+        Number of slices.
     """
-    boxes = np.empty((corners.shape[0], FIGURES))
+    count, boxes = 0, np.empty((corners.shape[0], FIGURES))
     _measure_corners(corners, rays, boxes)
     for i in range(starts.shape[0] - 1):
-        bottom, top = np.inf, -np.inf
-        for j in range(starts[i], starts[i + 1]):
-            bottom, top = min(bottom, boxes[j, _BOTTOM]), max(top, boxes[j, _TOP])
-        for k in range(slices):
-            low, high = bottom + k * (top - bottom) / slices, bottom + (k + 1) * (top - bottom) / slices
-            left, right, far, near = np.inf, -np.inf, np.inf, -np.inf
-            for j in range(starts[i], starts[i + 1] if casts[i] else starts[i]):
-                if boxes[j, _BOTTOM] <= high and boxes[j, _TOP] >= low:
-                    left, right = min(left, boxes[j, _LEFT]), max(right, boxes[j, _RIGHT])
-                    far, near = min(far, boxes[j, _FARTHEST]), max(near, boxes[j, _NEAREST])
-            for number, figure in enumerate((left, right, low, high, far, near)):
-                casters[i * slices + k, number] = figure
+        if casts[i]:
+            own = boxes[starts[i] : starts[i + 1]]
+            slices = _count_slices(own, eye, least, most)
+            _slice(own, slices, casters[count : count + slices])
+            count += slices
+    return count
 
 
 @kernel

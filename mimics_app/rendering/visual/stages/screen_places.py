@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.contracts.arrays import F8, I4, U1
+from mimics_app.contracts.arrays import F8, U1
 from mimics_app.rendering.visual.changed_part import ChangedPart
 from mimics_app.rendering.visual.kernels.screen_bounds import bound_balls
 from mimics_app.rendering.visual.kernels.screen_cover import cover_marks, mark_cells
 from mimics_app.rendering.visual.view import Rect, View
 
-__all__ = ["cover_of", "screen_bounds"]
+__all__ = ["cell_tangent", "cover_of", "parts_of", "screen_bounds"]
 
 
 _CELL = 16
@@ -42,6 +42,11 @@ def screen_bounds(view: View, points: F8, radii: F8) -> F8:
     return bounds[: bound_balls(np.ascontiguousarray(points), radii, pose, tangents, view.near, bounds)]
 
 
+def cell_tangent(view: View, width: int) -> float:
+    """Return the width at distance 1 of a cell of a view's picture, which is `width` wide [px]."""
+    return _CELL * (view.tangents[1] - view.tangents[0]) / width
+
+
 def cover_of(bounds: F8, size: tuple[int, int]) -> list[ChangedPart]:
     """Return a few disjoint rectangles of whole cells that cover many rectangles, with the pieces of each.
 
@@ -51,28 +56,32 @@ def cover_of(bounds: F8, size: tuple[int, int]) -> list[ChangedPart]:
         bounds: Rectangles as shares of the picture: left, right, bottom, top; [n, 4].
         size: Size of the picture [px].
     """
-    width, height = size
-    marked = np.zeros((-(-height // _CELL), -(-width // _CELL)), np.uint8)
-    mark_cells(bounds, width, height, _MARGIN_PX, _CELL, marked)
-    parts, pieces = (
-        _pixels_of(_cover(marked, most, worth), size)
-        for most, worth in ((_MAX_PARTS, _WORTH), (_MAX_PIECES, _WORTH_OF_PIECE))
-    )
+    marked = _mark(bounds, size)
+    parts = _cover(marked, _MAX_PARTS, _WORTH, size)
+    pieces = _cover(marked, _MAX_PIECES, _WORTH_OF_PIECE, size)
     # Pieces are cut out of the parts: the cuts that save most come first.
     return [ChangedPart(part, [piece for piece in pieces if _holds(part, piece)]) for part in parts]
 
 
-def _cover(marked: U1, most: int, worth: float) -> I4:
-    """Return rectangles that cover all marks [cells], see `cover_marks`, [n, 4]."""
-    rects = np.zeros((most, 4), np.int32)
-    return rects[: cover_marks(marked, worth * marked.size, rects)]
+def parts_of(bounds: F8, size: tuple[int, int]) -> list[Rect]:
+    """Return the rectangles of `cover_of` alone."""
+    return _cover(_mark(bounds, size), _MAX_PARTS, _WORTH, size)
 
 
-def _pixels_of(rects: I4, size: tuple[int, int]) -> list[Rect]:
-    """Convert rectangles of cells to pixels, within the picture."""
-    low, high = rects[:, :2] * _CELL, np.minimum((rects[:, :2] + rects[:, 2:]) * _CELL, size)
-    return [(left, bottom, right - left, top - bottom) for left, bottom, right, top in np.hstack([low, high]).tolist()]
+def _mark(bounds: F8, size: tuple[int, int]) -> U1:
+    """Return 1 for each cell that rectangles overlap, [rows, columns]."""
+    width, height = size
+    marked = np.zeros((-(-height // _CELL), -(-width // _CELL)), np.uint8)
+    mark_cells(bounds, width, height, _MARGIN_PX, _CELL, marked)
+    return marked
+
+
+def _cover(marked: U1, most: int, worth: float, size: tuple[int, int]) -> list[Rect]:
+    """Return rectangles within the picture that cover all marks, see `cover_marks`."""
+    rects, (across, up) = np.zeros((most, 4), np.int32), size
+    found = rects[: cover_marks(marked, worth * marked.size, rects)] * _CELL
+    return [(x, y, min(wide, across - x), min(high, up - y)) for x, y, wide, high in found.tolist()]
 
 
 def _holds(part: Rect, piece: Rect) -> bool:
-    return all(part[k] <= piece[k] < part[k] + part[k + 2] for k in (0, 1))
+    return part[0] <= piece[0] < part[0] + part[2] and part[1] <= piece[1] < part[1] + part[3]

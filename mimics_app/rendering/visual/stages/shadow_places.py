@@ -8,6 +8,7 @@ from mimics_app.contracts.arrays import B1, F8
 from mimics_app.rendering.visual.kernels.shadow_prisms import FIGURES, cut_prisms, cut_prisms_on_items, slice_casters
 from mimics_app.rendering.visual.lighting import sun_axes
 from mimics_app.rendering.visual.stages.placed_shapes import PlacedItems, PlacedShapes, Shapes
+from mimics_app.rendering.visual.stages.screen_places import cell_tangent
 from mimics_app.rendering.visual.stages.seen_frame import SeenFrame
 
 __all__ = ["find_shadow_places"]
@@ -15,9 +16,9 @@ __all__ = ["find_shadow_places"]
 _REACH_TEXELS = 4.0
 """Margin around a shadow: reach of the filter and of the lookup's offsets."""
 
-_SLICES = 6
-"""Slices of a shape, where it was and where it is, across the sun's rays: its shadow is narrower than its bounding
-rectangle."""
+_MAX_SLICES = 6
+"""Most slices of a shape, where it was and where it is, across the sun's rays: its shadow is narrower than its bounding
+rectangle. None is seen narrower than a cell."""
 
 _MAX_SPRITES = 300
 """Number of sprites up to which each counts by itself."""
@@ -42,8 +43,10 @@ def find_shadow_places(
     if seen.sun is None or not seen.maps or not cast.casting.any():
         return 0
     rays = sun_axes(seen.sun)
-    casters = np.empty((len(cast.casting) * _SLICES, FIGURES))
-    slice_casters(cast.corners, cast.starts, cast.casting, rays, _SLICES, casters)
+    eye, least = rays @ seen.view.world_from_eye[:3, 3], cell_tangent(seen.view, seen.rectangle[2])
+    casters = np.empty((len(cast.casting) * _MAX_SLICES, FIGURES))
+    slices = slice_casters(cast.corners, cast.starts, cast.casting, rays, eye, least, _MAX_SLICES, casters)
+    casters = casters[:slices]
     reach, items = _REACH_TEXELS * max(each.texel for each in seen.maps), placed.items
     count = cut_prisms_on_items(
         casters,

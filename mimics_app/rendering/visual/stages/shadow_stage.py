@@ -29,7 +29,7 @@ from mimics_app.rendering.visual.shadows.shadow_maps import (
 from mimics_app.rendering.visual.shadows.shadow_target import ShadowTarget
 from mimics_app.rendering.visual.shadows.steady_box import SteadyBox
 from mimics_app.rendering.visual.shadows.still_layers import StillLayers
-from mimics_app.rendering.visual.stages.screen_places import cover_of
+from mimics_app.rendering.visual.stages.screen_places import parts_of
 from mimics_app.rendering.visual.view import Rect, View
 
 if TYPE_CHECKING:
@@ -153,7 +153,7 @@ class ShadowStage:
             return [(0, 0, width, width)]
         bounds = np.empty((len(items), 4))
         bound_in_map(shadow.clip_from_world, items, listed.centres, listed.radii, bounds)
-        return [part.rectangle for part in cover_of(bounds, (width, width))]
+        return parts_of(bounds, (width, width))
 
     def _is_stale(self, shadow: ShadowMap, listed: DrawList) -> bool:
         """Whether a map has to be redrawn; records its present content."""
