@@ -125,7 +125,7 @@ class SceneGraph:
     def world_matrix(self, index: int) -> NDArray[np.float64]:
         """T_world_from_node with everything set since the last update, a copy [4, 4]."""
         transforms = self.transforms
-        if not (transforms.touched or self._unsorted):
+        if not self._unsorted and (not transforms.touched or transforms.is_current(index)):
             matrix: NDArray[np.float64] = transforms.world[transforms.row(index)].copy()
             return matrix
         product = self._local(index)

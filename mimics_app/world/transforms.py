@@ -98,6 +98,13 @@ class TransformTable:
         """True when a row was set since the last update, so that `world` is out of date."""
         return self._touched
 
+    def is_current(self, index: int) -> bool:
+        """Whether the world matrix of an entity is up to date: neither it nor an ancestor was set since the update."""
+        row = self.row(index)
+        while row != _NONE and not self._dirty[row]:
+            row = int(self._parent_rows[row])
+        return row == _NONE
+
     def rows(self, indices: NDArray[np.integer]) -> NDArray[np.int32]:
         """Rows of entity indices, for the bulk setters."""
         return self._rows[indices]

@@ -283,6 +283,19 @@ def test_yaw_pitch_and_roll_turn_about_the_own_axes():
     assert -node.world_matrix()[:3, 2] == pytest.approx([-1, 0, 0], abs=4 * EPS)
 
 
+def test_a_matrix_asked_for_within_a_frame_follows_what_was_set_above_it():
+    world = World()
+    arm, beside = world.create_node("arm"), world.create_node("beside")
+    hand = arm.create_child(position=(0, 2, 0))
+    world.update()
+    beside.set_position((7, 0, 0))
+    assert np.array_equal(hand.world_matrix(), matrix_of(world, hand))
+    assert hand.world_matrix() is not hand.world_matrix(), "a copy"
+    arm.set_position((1, 0, 0))
+    assert hand.world_matrix()[:3, 3].tolist() == [1, 2, 0]
+    assert matrix_of(world, hand)[:3, 3].tolist() == [0, 2, 0], "the table waits for the update"
+
+
 def test_look_at_under_a_turned_parent_points_at_the_world_point():
     world = World()
     arm = world.create_node(parent=world.root)

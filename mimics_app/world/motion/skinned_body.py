@@ -113,7 +113,7 @@ class SkinnedBody:
 
     def follow(self, transforms: TransformTable) -> None:
         """Update the palette, morph weights and bounds from the present transforms."""
-        bent = self.revision == 0 or not np.array_equal(self.weights, self._morphs.astype(np.float32))
+        bent = self.revision == 0
         if self.binding is not None:
             if self._order != transforms.revision:
                 self._order, bent = transforms.revision, True
@@ -122,7 +122,7 @@ class SkinnedBody:
             bent = bent or bool(transforms.changed[row]) or bool(transforms.changed[self._joint_rows].any())
             if bent:
                 self._write(row, transforms.world)
-        if bent:
+        if bent or not np.array_equal(self.weights, self._morphs.astype(np.float32)):
             self.weights[:] = self._morphs
             self.morphed = bool(self.weights.any())
             self._bound()
