@@ -229,7 +229,7 @@ class AvatarCordSection(ReportSection):
 
     def tiles(self, task: Mapping[str, Any]) -> Mapping[str, tuple[Any, str]]:
         return {
-            "ownership": (task.get("ownership"), ""),
+            "mean answer on ownership": (task.get("ownership"), ""),
             "drift towards the avatar": (task.get("drift_m"), "m"),
             "taps off their time, mean of the trials' worst": (task.get("tap_error_ms"), "ms"),
         }
