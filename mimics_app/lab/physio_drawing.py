@@ -90,9 +90,11 @@ def heat_map(grid: Grid, columns: Sequence[str], rows: Sequence[str], cells: Seq
             parts.append(element("rect", class_="dot s1", fill_opacity=shade, x=x, y=y, width=width, height=height))
             if cell.framed:
                 parts.append(_frame(x + 2.0, y + 2.0, width - 4.0, height - 4.0))
-            parts.append(word(middle, y + (0.48 if cell.small else 0.62) * grid.height, cell.text, "strong", "middle"))
+            parts.append(
+                word(middle, y + (0.48 if cell.small else 0.62) * grid.height, cell.text, "strong inside", "middle")
+            )
             if cell.small:
-                parts.append(word(middle, y + 0.85 * grid.height, cell.small, "small", "middle"))
+                parts.append(word(middle, y + 0.85 * grid.height, cell.small, "small inside", "middle"))
     return parts
 
 
