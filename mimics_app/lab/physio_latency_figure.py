@@ -25,7 +25,7 @@ def beat_latency(folder: Path | None) -> Figure:
     rows = list(lag_rows(_simulated() if folder is None else _recorded(folder)))
     x = Axis("known after the R peak [s]", 0.1, 3.2, True)
     panel = Panel(6.0, 90.0, 1060.0, 420.0, x, Axis.around("F1", [max(row.f1, 0.7) for row in rows]))
-    panel.line([(IN_TIME_S, panel.y.low), (IN_TIME_S, panel.y.high)], "grid")
+    panel.line([(IN_TIME_S, panel.y.low), (IN_TIME_S, panel.y.high)], "line dashed")
     kinds = {kind: list(each) for kind, each in groupby(rows, lambda row: row.kind)}
     for k, (kind, each) in enumerate(kinds.items()):
         panel.line([(row.lag_s, max(row.f1, panel.y.low)) for row in each], f"line s{k}", kind)
@@ -33,7 +33,7 @@ def beat_latency(folder: Path | None) -> Figure:
     rows_of_legend = [legend(20.0, 52.0 + 18.0 * i, entries[4 * i : 4 * i + 4]) for i in range(2)]
     parts = [*rows_of_legend, panel.svg()]
     numbers = [row_of(row.kind, row.lag_s, 1.0 - row.f1) for row in rows]
-    what = "One detector; beats that it reports later count as missed. The vertical line is 0.25 s"
+    what = "One detector; beats that it reports later count as missed. The dashed line is 0.25 s"
     title = "R peaks: F1 of the beats known within a time"
     simulated, size = folder is None, (1080.0, 560.0)
     return physio_figure("physio beat latency", title, size, parts, numbers, what, simulated=simulated)
