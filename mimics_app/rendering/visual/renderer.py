@@ -305,7 +305,7 @@ class Renderer:
         self._pictures.update(self.world)
         self._ambient = self._ambient or settings.ambient_occlusion > 0.0
         lights = light_features(lighting, settings)
-        features = lights | ({"AMBIENT_OCCLUSION"} if self._ambient else frozenset())
+        features = lights | self._picture.features | ({"AMBIENT_OCCLUSION"} if self._ambient else frozenset())
         fates = self._overlay is not None and self._overlay.needs_fates
         self._list.update(self.world, settings, light_features=features, fates=fates, sparse=self._sparse)
         self._frame.begin()

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from mimics_app.rendering.visual.changed_part import ChangedPart
 from mimics_app.rendering.visual.draw_buffer import DrawBuffer, texture_of
-from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.materials.shader_library import FEW_PIXELS, ShaderLibrary
 from mimics_app.rendering.visual.passes.bloom import BloomPass
 from mimics_app.rendering.visual.passes.picture_filters import EdgeFilter, Enlargement, PictureFilter
 from mimics_app.rendering.visual.settings import RenderSettings
@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     import moderngl
 
 __all__ = ["PictureTarget"]
+
+_CARRIED_FROM = 200_000
+"""Pixels of a surface from which on vertices carry uniforms to them: in smaller pictures the vertices are the cost."""
 
 
 class PictureTarget:
@@ -77,6 +80,11 @@ class PictureTarget:
         """Size of the picture as drawn [px]."""
         (width, height), scale = self._surface.size, self.settings.scale
         return max(1, round(width * scale)), max(1, round(height * scale))
+
+    @property
+    def features(self) -> frozenset[str]:
+        """Shader features by the surface's size, not by that of the picture: a governor's step compiles nothing."""
+        return frozenset({FEW_PIXELS} if math.prod(self._surface.size) < _CARRIED_FROM else ())
 
     def rectangle(self, of_surface: Rect) -> Rect:
         """Map a rectangle of the surface to the picture as drawn [px]; adjacent ones stay adjacent."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
@@ -13,19 +13,24 @@ import numpy as np
 from mimics_app.contracts import resources
 from mimics_app.contracts.arrays import F4, F8
 from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.rendering.visual.materials.carried_uniforms import carry_uniforms
+from mimics_app.rendering.visual.materials.shader_source import ShaderFile, ShaderSource, read_shader_file, stamp_of
+from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
 
 if TYPE_CHECKING:
     import moderngl
 
-__all__ = ["ShaderLibrary", "ShaderProgram"]
+__all__ = ["FEW_PIXELS", "ShaderLibrary", "ShaderProgram"]
 
-_INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"\s*$')
+FEW_PIXELS = "FEW_PIXELS"
+"""Define of a program with few pixels per vertex: its vertices carry no uniforms, see `carry_uniforms`."""
+
+
 _DRIVER_LINES = (
     re.compile(r"^\d+:(\d+)\(\d+\): (error|warning): (.*)$"),  # Mesa
     re.compile(r"^(?:ERROR: )?\d+:(\d+): ()(.*)$"),  # Apple, ANGLE
     re.compile(r"^\d+\((\d+)\) : (error|warning) (.*)$"),  # NVIDIA
 )
-_VERSION = "#version 430 core"
 
 
 _Key = tuple[str, str, tuple[str, ...], tuple[str, ...]]
@@ -84,9 +89,10 @@ class ShaderLibrary:
 
     def __init__(self, ctx: moderngl.Context, folder: Path | None = None) -> None:
         self._ctx = ctx
+        self._carries = read_capabilities(ctx).software
         self.folder = folder or resources.root() / "shaders"
         self._programs: dict[_Key, ShaderProgram] = {}
-        self._files: dict[str, _File] = {}
+        self._files: dict[str, ShaderFile] = {}
         self.replaced = 0
         self._variants: dict[tuple[ShaderProgram, tuple[str, ...]], ShaderProgram] = {}
 
@@ -141,9 +147,9 @@ class ShaderLibrary:
         issues: list[Issue] = []
         self._files.clear()
         for key, shader in self._programs.items():
-            if all(_stamp(path) == stamp for path, stamp in shader.files.items()):
+            if all(stamp_of(path) == stamp for path, stamp in shader.files.items()):
                 continue
-            shader.files = {path: _stamp(path) for path in shader.files}
+            shader.files = {path: stamp_of(path) for path in shader.files}
             try:
                 program, shader.files = self._compile(*key)
             except SceneError as error:
@@ -160,7 +166,9 @@ class ShaderLibrary:
     ) -> tuple[moderngl.Program, dict[Path, int]]:
         import moderngl
 
-        sources = [_Source(self._read, name, defines) for name in (vertex, fragment) if name]
+        sources = [ShaderSource(self._read, name, defines) for name in (vertex, fragment) if name]
+        if fragment and self._carries and FEW_PIXELS not in defines:
+            carry_uniforms(*sources)
         pixels = sources[1].text if fragment else None
         try:
             program = self._ctx.program(vertex_shader=sources[0].text, fragment_shader=pixels, varyings=varyings)
@@ -169,90 +177,20 @@ class ShaderLibrary:
         _ = self._ctx.error
         return program, {file.path: file.stamp for source in sources for file in source.files.values()}
 
-    def _read(self, name: str, included_by: str) -> _File:
+    def _read(self, name: str, included_by: str) -> ShaderFile:
         """Return a file below the shaders folder, read once until the next reload: programs share most of theirs."""
         if name not in self._files:
-            path = self.folder / name
-            stamp = _stamp(path)
-            try:
-                lines = path.read_text(encoding="utf-8").splitlines()
-            except OSError as error:
-                raise SceneError(Issue(str(path), "", f"cannot be read for {included_by}: {error.strerror}")) from error
-            self._files[name] = _File(path, stamp, [_Line(line, (path, k)) for k, line in enumerate(lines, start=1)])
+            self._files[name] = read_shader_file(self.folder / name, included_by)
         return self._files[name]
 
 
-class _Line:
-    """A line of a shader file: its text, file and number, and the name of the file that it includes, or ""."""
-
-    __slots__ = ("included", "place", "text")
-
-    def __init__(self, text: str, place: tuple[Path, int]) -> None:
-        match = _INCLUDE.match(text)
-        self.text, self.place, self.included = text, place, match[1] if match else ""
-
-
-@dataclass(frozen=True, eq=False)
-class _File:
-    """A shader file: its path, modification time before it was read, and lines."""
-
-    path: Path
-    stamp: int
-    lines: list[_Line]
-
-
-class _Source:
-    """A shader's source with its includes expanded, and the origin of each line.
-
-    `#line` would not do: Mesa reports the line but not the file.
-
-    Attributes:
-        files: Every file read by name, the shader's own first.
-        text: Source for the driver.
-    """
-
-    def __init__(self, read: Callable[[str, str], _File], name: str, defines: tuple[str, ...]) -> None:
-        self._read = read
-        self.files: dict[str, _File] = {}
-        own = read(name, name).path
-        self._lines = [_Line(text, (own, 1)) for text in (_VERSION, *map(_define, defines))]
-        self._paste(name, name)
-        self.text = "\n".join([line.text for line in self._lines]) + "\n"
-
-    def place(self, line: int) -> tuple[Path, int]:
-        """Return file and line of a line of the text, counted from 1."""
-        return self._lines[min(max(line, 1), len(self._lines)) - 1].place
-
-    def _paste(self, name: str, included_by: str) -> None:
-        if name in self.files:
-            return
-        file = self.files[name] = self._read(name, included_by)
-        for line in file.lines:
-            if line.included:
-                self._paste(line.included, name)
-            else:
-                self._lines.append(line)
-
-
-def _define(feature: str) -> str:
-    name, _, value = feature.partition("=")
-    return f"#define {name} {value or 1}"
-
-
-def _stamp(path: Path) -> int:
-    try:
-        return path.stat().st_mtime_ns
-    except OSError:
-        return 0
-
-
-def _read_driver_log(log: str, sources: list[_Source]) -> list[Issue]:
+def _read_driver_log(log: str, sources: list[ShaderSource]) -> list[Issue]:
     stage = sources[1] if "fragment_shader" in log else sources[0]
     issues = [issue for line in log.splitlines() if (issue := _read_driver_line(line.strip(), stage))]
     return issues or [Issue(str(stage.place(1)[0]), "", "does not link: " + " ".join(log.split()))]
 
 
-def _read_driver_line(line: str, source: _Source) -> Issue | None:
+def _read_driver_line(line: str, source: ShaderSource) -> Issue | None:
     for pattern in _DRIVER_LINES:
         match = pattern.match(line)
         if match and match[2].strip(": ") != "warning":

@@ -1,0 +1,88 @@
+"""Uniforms that vertices carry to the pixels: which ones, and that no pixel changes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mimics_app.rendering.visual import targets
+from mimics_app.rendering.visual.displays.desktop import desktop_views
+from mimics_app.rendering.visual.materials import shader_library
+from mimics_app.rendering.visual.materials.carried_uniforms import carry_uniforms
+from mimics_app.rendering.visual.materials.shader_source import ShaderSource, read_shader_file
+from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from tests.golden.demo_world import make_tunnel_world
+from tests.golden.drawing import draw_world
+
+_BLOCK = """layout(std140, binding = 3) uniform Shared {
+    vec4 read;
+    vec4 unread;            // read in words only
+    vec4 row[3];
+    vec4 long_row[10];
+    mat4 matrix;
+};
+"""
+_VERTEX = '#include "block.glsl"\nuniform float known;\nvoid main() {\n    gl_Position = matrix * read * known;\n}\n'
+_FRAGMENT = """#include "block.glsl"
+layout(std140, binding = 4) uniform Alone {
+    vec4 alone;
+};
+uniform float known;
+uniform vec2 own;
+out vec4 colour;
+void main() {
+    colour = read + row[1] + long_row[2] + alone + vec4(own, known, 1.0);
+}
+"""
+
+
+@pytest.fixture
+def sources(tmp_path: Path) -> list[ShaderSource]:
+    """A pair of shaders that share a block."""
+    for name, text in (("block.glsl", _BLOCK), ("a.vert", _VERTEX), ("a.frag", _FRAGMENT)):
+        (tmp_path / name).write_text(text)
+    return [
+        ShaderSource(lambda name, by: read_shader_file(tmp_path / name, by), each, ()) for each in ("a.vert", "a.frag")
+    ]
+
+
+def test_what_a_pixel_reads_of_shared_blocks_and_of_its_own_is_carried(sources):
+    carry_uniforms(*sources)
+    texts = [each.text for each in sources]
+    for name, kind in (("read", "vec4"), ("row", "vec4"), ("known", "float"), ("own", "vec2")):
+        dimension = "[3]" if name == "row" else ""
+        assert f"flat out {kind} carried_{name}{dimension};" in texts[0]
+        assert f"flat in {kind} carried_{name}{dimension};" in texts[1]
+    assert all(f"carried_{name}" not in "".join(texts) for name in ("unread", "long_row", "alone", "matrix"))
+    assert texts[0].count("uniform float known;") == 1
+    assert "uniform vec2 own;" in texts[0]
+
+
+def test_a_carried_program_links_and_a_line_keeps_its_place(sources):
+    carry_uniforms(*sources)
+    with create_surface("egl", (16, 16)) as surface:
+        program = surface.ctx.program(vertex_shader=sources[0].text, fragment_shader=sources[1].text)
+        assert surface.ctx.error == "GL_NO_ERROR"
+    assert {"known", "own"} <= set(program)
+    lines = sources[1].text.splitlines()
+    path, number = sources[1].place(1 + next(k for k, line in enumerate(lines) if "colour = " in line))
+    assert (path.name, number) == ("a.frag", 9)
+
+
+@pytest.mark.parametrize(
+    "settings", [RenderSettings(), RenderSettings(shadow_size=512, ambient_occlusion=0.5, bloom=0.3)]
+)
+def test_no_pixel_changes(monkeypatch, settings):
+    world = make_tunnel_world()
+    pictures = []
+    for carry in (carry_uniforms, lambda vertex, fragment: None):
+        monkeypatch.setattr(targets, "_CARRIED_FROM", 0)
+        monkeypatch.setattr(shader_library, "carry_uniforms", carry)
+        with create_surface("egl", (240, 135)) as surface:
+            pictures.append(
+                draw_world(surface, world, desktop_views(world.cameras[0], surface.size), settings, hud=True)
+            )
+    assert np.array_equal(*pictures)
