@@ -36,14 +36,15 @@ float sun_visibility(vec3 position_eye, vec3 normal) {
     // per pixel.
     mat3 sun_from_eye = transpose(mat3(sun_right.xyz, sun_up.xyz, sun_direction.xyz));
     vec3 at = sun_from_eye * position_eye, out_of_surface = sun_from_eye * normal;
-    vec4 map = vec4(0.0);       // place in the innermost map that covers the point [texel], its half texel [m], and 1
+    vec3 map = vec3(0.0);       // place in the innermost map that covers the point [texel], and its texels per metre
     for (int i = SUN_SHADOW - 1; i >= 0; --i) {
-        vec2 place = at.xy * sun_map[i].z + sun_map[i].xy, away = abs(place - sun_tile[i].xy);
-        map = max(away.x, away.y) < sun_right.w ? vec4(place, sun_map[i].w, 1.0) : map;
+        vec2 centre = sun_up.w * (vec2(i & 1, i >> 1) + 0.5);
+        vec2 place = at.xy * sun_map[i].z + sun_map[i].xy, away = abs(place - centre);
+        map = max(away.x, away.y) < sun_right.w ? vec3(place, sun_map[i].z) : map;
     }
     // Half a texel along the normal, against self-shadowing.
-    float depth = sun_colour.w + sun_direction.w * (at.z + map.z * out_of_surface.z);
-    return map.w > 0.0 ? filtered_shadow(map.xy + 0.5 * out_of_surface.xy, depth) : 1.0;
+    float depth = sun_colour.w + sun_direction.w * (at.z + 0.5 / map.z * out_of_surface.z);
+    return map.z > 0.0 ? filtered_shadow(map.xy + 0.5 * out_of_surface.xy, depth) : 1.0;
 #else
     return 1.0;
 #endif

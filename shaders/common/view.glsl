@@ -10,9 +10,8 @@
 layout(std140, binding = 0) uniform ViewBlock {
     mat4 clip_from_eyes[2];     // of the eye; of the other one too where one pass draws both
     vec4 sun_right;             // across the sun's rays, unit; w: half the width of a map to be sampled [texel]
-    vec4 sun_up;                // across both, unit; w: unused
-    vec4 sun_map[4];            // place of the eye in the atlas [texel], texels per metre, half a texel [m]
-    vec4 sun_tile[4];           // centre of the map in the atlas [texel]; zw: unused
+    vec4 sun_up;                // across both, unit; w: width of a map in the atlas [texel]
+    vec4 sun_map[4];            // place of the eye in the atlas [texel], texels per metre; w: unused
     mat4 spot_from_eye[4];      // tile coordinates and depth of spot lights, before the division by w
     vec4 spot_tile[4];          // corner and width in the atlas [texel], width of a texel at 1 m [m]
     vec4 tangents;              // left, right, bottom, top

@@ -14,7 +14,7 @@ from mimics_app.rendering.visual.drawing.draw_list import Casters
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.shadows.cascades import Cascades
-from mimics_app.rendering.visual.shadows.shadow_maps import ShadowMap
+from mimics_app.rendering.visual.shadows.shadow_maps import ShadowMap, lay_out
 from mimics_app.rendering.visual.shadows.shadow_volumes import VolumeSource, extrude
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
@@ -263,6 +263,17 @@ def test_a_spot_light_casts_a_shadow_of_its_own(lamp_x, side, expected):
     edge = -0.8 + (inside[side] + (1 if side else 0)) * 1.6 / SIZE[0]
     texel = 2.0 * 1.2 * np.tan(0.6) / 512
     assert edge == pytest.approx(expected, abs=2.0 * texel + 1.6 / SIZE[0])
+
+
+@pytest.mark.parametrize(("suns", "spots"), [(1, 0), (2, 1), (3, 0), (3, 4), (4, 4)])
+def test_maps_of_the_sun_lie_where_the_shader_computes_their_centres(suns, spots):
+    none = Casters(np.zeros(0, np.int32), np.zeros((0, 3)), np.zeros(0))
+    maps = [ShadowMap(np.eye(4), np.zeros(3), 1.0, none) for _ in range(suns + spots)]
+    plan = lay_out(maps[:suns], dict(enumerate(maps[suns:])))
+    assert [each.tile for each in plan.sun] == [(k & 1, k >> 1) for k in range(suns)]
+    tiles = {each.tile for each in plan.maps}
+    assert len(tiles) == suns + spots
+    assert max(max(tile) for tile in tiles) < plan.grid
 
 
 def test_a_number_of_maps_that_cannot_be_is_refused():

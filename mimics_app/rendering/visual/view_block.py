@@ -31,7 +31,6 @@ VIEW_BLOCK = np.dtype(
         ("sun_right", "f4", (4,)),
         ("sun_up", "f4", (4,)),
         ("sun_map", "f4", (MAX_CASCADES, 4)),
-        ("sun_tile", "f4", (MAX_CASCADES, 4)),
         ("spot_from_eye", "f4", (MAX_SPOT_MAPS, 4, 4)),
         ("spot_tile", "f4", (MAX_SPOT_MAPS, 4)),
         ("tangents", "f4", (4,)),
@@ -140,9 +139,8 @@ class ViewBlock:
             radius = 1.0 / float(np.linalg.norm(clip[0, :3]))
             scale = 0.5 * tile / radius
             from_eye = -radius * (clip[:2, :3] @ eye + clip[:2, 3])
-            middle = tile * (np.array([number % plan.grid, number // plan.grid]) + 0.5)
-            data["sun_map"][number] = (*(middle - scale * from_eye), scale, 0.5 / scale)
-            data["sun_tile"][number, :2] = middle
+            middle = tile * (np.array(shadow.tile) + 0.5)
+            data["sun_map"][number] = (*(middle - scale * from_eye), scale, 0.0)
         if plan.sun:
             self._fill_sun(plan.sun[0], tile, eye)
         tone = settings.shadow_tone if settings.shadows == "texture_modulative" else 0.0
@@ -154,7 +152,7 @@ class ViewBlock:
         data, clip = self._data, shadow.clip_from_world
         axes = clip[:2, :3] / np.linalg.norm(clip[:2, :3], axis=1, keepdims=True)
         data["sun_right"] = (*axes[0], 0.5 * tile - _FILTER_MARGIN)
-        data["sun_up"] = (*axes[1], 0.0)
+        data["sun_up"] = (*axes[1], tile)
         data["sun_direction"][3] = -0.5 * np.linalg.norm(clip[2, :3])
         data["sun_colour"][3] = 0.5 * (clip[2, :3] @ eye + clip[2, 3]) + 0.5
 

@@ -86,11 +86,10 @@ def texture_from_world(shadow: ShadowMap) -> F8:
 
 
 def lay_out(sun: Sequence[ShadowMap], spots: dict[int, ShadowMap]) -> ShadowPlan:
-    """Assign each map a tile of the smallest square grid that holds them all."""
+    """Assign each map a tile of the smallest square grid that holds them all, those of the sun in its first 2 x 2."""
     grid = max(1, math.ceil(math.sqrt(len(sun) + len(spots))))
-    placed = [
-        replace(each, tile=(number % grid, number // grid)) for number, each in enumerate([*sun, *spots.values()])
-    ]
+    tiles = sorted(((number % grid, number // grid) for number in range(grid * grid)), key=max)
+    placed = [replace(each, tile=tile) for each, tile in zip([*sun, *spots.values()], tiles, strict=False)]
     return ShadowPlan(grid, placed[: len(sun)], dict(zip(spots, placed[len(sun) :], strict=True)))
 
 
