@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from mimics_app.contracts import resources
 from mimics_app.rendering.visual import targets
 from mimics_app.rendering.visual.displays.desktop import desktop_views
 from mimics_app.rendering.visual.materials import shader_library
 from mimics_app.rendering.visual.materials.carried_uniforms import carry_uniforms
+from mimics_app.rendering.visual.materials.shader_library import FEW_PIXELS, ShaderLibrary
 from mimics_app.rendering.visual.materials.shader_source import ShaderSource, read_shader_file
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
@@ -37,6 +40,9 @@ void main() {
     colour = read + row[1] + long_row[2] + alone + vec4(own, known, 1.0);
 }
 """
+
+
+_MOST = {"PLACED_LIGHTS": "PLACED_LIGHTS=8", "SUN_SHADOW": "SUN_SHADOW=4"}
 
 
 @pytest.fixture
@@ -86,3 +92,15 @@ def test_no_pixel_changes(monkeypatch, settings):
                 draw_world(surface, world, desktop_views(world.cameras[0], surface.size), settings, hud=True)
             )
     assert np.array_equal(*pictures)
+
+
+@pytest.mark.parametrize("eyes", [(), ("EYES_BY_VIEWPORT",), ("EYES_BY_CLIPPING",)])
+def test_the_richest_variant_of_every_pass_links(eyes):
+    techniques = json.loads((resources.root() / "shaders" / "techniques.json").read_text())["techniques"]
+    with create_surface("egl", (16, 16)) as surface:
+        library = ShaderLibrary(surface.ctx)
+        for each in (each for technique in techniques.values() for each in technique["passes"]):
+            features = [_MOST.get(name, name) for name in each["features"] if name != FEW_PIXELS]
+            vertex = each.get("vertex", "common/mesh.vert")
+            library.program(vertex, each["fragment"], (*each.get("defines", ()), *features, *eyes))
+        assert surface.ctx.error == "GL_NO_ERROR"
