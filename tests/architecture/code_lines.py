@@ -111,8 +111,8 @@ def _no_code(text: str) -> list[ast.stmt]:
             found.append(node)
         elif isinstance(node, ast.Assign | ast.AnnAssign) and "__all__" in _assigned(node):
             found.append(node)
-        elif isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node) is not None:
-            found.append(node.body[0])
+        elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
+            found.append(node)  # a docstring, also of a constant
     return found
 
 
