@@ -36,7 +36,7 @@ samples = bench.advance(2200)
 bench.publish(controller=Controller.ADMITTANCE, trial=1)
 bench.send(active=1, trial=1)
 samples = np.concatenate([samples, bench.advance(8000)])
-bench.engine.replay_ticks(samples, bench.blocks, bench.row_blocks)
+bench.replay(samples)
 print(int((samples["penetration"] > 0).sum()))
 """
 

@@ -104,7 +104,7 @@ def test_delay_of_the_network_is_measured_and_lowers_the_stiffness_limit(delay: 
         samples = rig.advance(bench, 600)
         wanted = 0.4e-3 + (1e-3 if delay == 0 else delay * 1e-3)
         assert samples["delay"][-1] == pytest.approx(wanted, abs=1.1e-3)
-        state = bench.engine.replay_ticks(samples, bench.blocks, bench.row_blocks)
+        state = bench.replay(samples)
         assert np.array_equal(state["stiffness_limit"], samples["stiffness_limit"])
         assert samples["stiffness_limit"][-1] == pytest.approx(30.0 / (0.5e-3 + samples["delay"][-1]), rel=1e-9)
         bench.engine.stop()

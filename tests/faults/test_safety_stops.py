@@ -201,7 +201,7 @@ def test_late_classes_at_their_edges():
 
 
 def _replayed(bench: Bench, inputs: np.ndarray) -> np.ndarray:
-    return bench.engine.replay_ticks(inputs, bench.blocks, bench.row_blocks)
+    return bench.replay(inputs)
 
 
 def test_hold_repeats_force_and_command():
@@ -320,12 +320,12 @@ def test_parameters_that_turn_out_bad_in_the_loop_stop_it():
     for name in ("stiffness", "damping"):
         bad = bench.row_blocks[1]._replace(tunnels=bench.row_blocks[1].tunnels.copy())
         bad.tunnels[0][name] = np.nan
-        out = bench.engine.replay_ticks(inputs, bench.blocks, {1: bad})
+        out = bench.replay(inputs, bench.blocks, {1: bad})
         assert np.all(np.isfinite(out["f_user_world"])) and np.all(_force(out)[PRESS_FROM:] == 0.0)
     for name in ("force_limit", "force_rate_limit", "virtual_mass", "max_velocity"):
         bad = bench.blocks[1].copy()
         bad[0][name] = np.nan
-        out = bench.engine.replay_ticks(inputs, {1: bad}, bench.row_blocks)
+        out = bench.replay(inputs, {1: bad}, bench.row_blocks)
         assert np.all(np.isfinite(out["command"])) and np.all(np.isfinite(out["f_user_world"])), name
         assert out["state"][-1] == SafetyState.SAFE_STOP, name
 
@@ -333,7 +333,7 @@ def test_parameters_that_turn_out_bad_in_the_loop_stop_it():
 def test_without_parameters_the_loop_stays_off():
     bench = scripted(script(5))
     unknown = np.zeros(50, bench.advance(5).dtype)  # sequence 0: nothing was published yet
-    out = bench.engine.replay_ticks(unknown, {})
+    out = bench.replay(unknown, {}, {})
     assert np.all(out["state"] == SafetyState.OFF) and np.all(out["command"] == 0.0)
 
 

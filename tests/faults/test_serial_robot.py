@@ -65,7 +65,7 @@ def test_at_115200_the_loop_keeps_its_rate_and_the_delay_lowers_the_stiffness_li
                 assert 8e-3 < samples["delay"][-1] < 16e-3
                 assert samples["state"][-1] == SafetyState.ACTIVE and not np.any(samples["cause"])
                 assert np.array_equal(
-                    bench.engine.replay_ticks(samples, bench.blocks, bench.row_blocks)["stiffness_limit"],
+                    bench.replay(samples)["stiffness_limit"],
                     samples["stiffness_limit"],
                 )
             bench.engine.stop()

@@ -89,7 +89,9 @@ def _through_the_glass(surface: Surface) -> Picture:
     surface.resize(SIZE)
     draw_tunnel(surface)
     surface.present()
-    pixels = np.frombuffer(surface.read_screen(), np.uint8).reshape(SIZE[1], SIZE[0], 4)[::-1]
+    screen = surface.ctx.screen.read(viewport=(0, 0, *SIZE), components=4)
+    _ = surface.ctx.error  # moderngl reads a colour attachment that windows lack; this clears the error
+    pixels = np.frombuffer(screen, np.uint8).reshape(SIZE[1], SIZE[0], 4)[::-1]
     assert surface.ctx.error == "GL_NO_ERROR"
     return pixels.copy()
 

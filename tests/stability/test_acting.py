@@ -306,7 +306,7 @@ def test_the_wall_is_capped_for_the_period_that_was_measured():
     rows = bench.advance(1080)
     stalled = rows.copy()
     stalled["period_s"][1000:] = 4e-3
-    out = bench.engine.replay_ticks(stalled, bench.blocks, bench.row_blocks)
+    out = bench.replay(stalled)
     share = (OWN + WALL) / (2e-3 + 1e-3) / 1.2 / stiffness
     assert out["stiffness_share"][999] == rows["stiffness_share"][999]
     assert out["stiffness_share"][1001:] == pytest.approx(share, rel=1e-12)

@@ -173,12 +173,7 @@ def test_a_delay_the_device_measures_lowers_the_limit_and_is_recorded_for_replay
     ratio = out["stiffness_limit"] / out["stiffness_limit"][10]
     assert ratio[25] == pytest.approx((0.5e-3 + 4e-3) / (0.5e-3 + 9e-3), rel=1e-12)
     assert ratio[45] == 1.0
-    assert np.array_equal(
-        bench.engine.replay_ticks(out, bench.blocks, bench.row_blocks)["stiffness_limit"], out["stiffness_limit"]
-    )
+    assert np.array_equal(bench.replay(out)["stiffness_limit"], out["stiffness_limit"])
     changed = out.copy()
     changed["delay"][25] += 1e-3
-    assert (
-        bench.engine.replay_ticks(changed, bench.blocks, bench.row_blocks)["stiffness_limit"][25]
-        != out["stiffness_limit"][25]
-    )
+    assert bench.replay(changed)["stiffness_limit"][25] != out["stiffness_limit"][25]

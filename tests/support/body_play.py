@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
+from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
 from mimics_app.lab.haptic.body_worlds import FREE, BodyWorld, box_inertia
@@ -27,7 +30,22 @@ def _fly(rows: Any, work: Any, counts: Any, dt: float, ticks: int) -> None:
 
 
 class Play(BodyWorld):
-    """A world that can leave collisions out."""
+    """A world that also has rods, and can leave collisions out."""
+
+    def add_rod(
+        self,
+        kind: ShapeKind,
+        radius: float,
+        length: float,
+        mass: float = 0.2,
+        surface: dict[str, Any] | None = None,
+        **fields: object,
+    ) -> int:
+        """Add a body of one cylinder or capsule, with the inertia of a cylinder, and return its row."""
+        across = mass * (3.0 * radius**2 + length**2) / 12.0
+        k = self.add_body(mass, np.diag([across, 0.5 * mass * radius**2, across]), **fields)
+        self.add_shape(kind, (radius, length), k, **(surface or {}))
+        return k
 
     def fly(self, ticks: int) -> None:
         """Ticks without collisions."""

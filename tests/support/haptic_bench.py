@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts import ring
+from mimics_app.contracts.device_descriptor import Kinematics
 from mimics_app.contracts.haptic import INBOX, SAMPLE, Controller
 from mimics_app.contracts.kernel import kernel, typed_kernel
 from mimics_app.contracts.loop_ports import (
@@ -31,6 +33,7 @@ from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_hapticmaster import robot_delay, write_robot, write_robot_memory
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.kernels.robot import ROBOT_LENGTH, sense, step_robot
+from mimics_app.rendering.haptic.replay import replay_run
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel
 from mimics_app.world.components.robot import Patient, Robot
@@ -103,6 +106,8 @@ class Bench:
     blocks: dict[int, NDArray[Any]] = field(default_factory=dict)
     rows: Rows = field(default_factory=lambda: new_rows(ObjectCapacities()))
     row_blocks: dict[int, Rows] = field(default_factory=dict)
+    kinematics: Kinematics = HAPTICMASTER.kinematics
+    period_ns: int = 1_000_000
 
     @property
     def tunnel(self) -> Any:
@@ -136,6 +141,16 @@ class Bench:
         self.engine.advance(ticks)
         return self.samples()
 
+    def replay(
+        self,
+        samples: NDArray[Any],
+        blocks: Mapping[int, NDArray[Any]] | None = None,
+        rows: Mapping[int, Rows] | None = None,
+    ) -> NDArray[Any]:
+        """Simulate recorded samples again, with the blocks and rows that were published unless others are given."""
+        blocks, rows = self.blocks if blocks is None else blocks, self.row_blocks if rows is None else rows
+        return replay_run(samples, blocks, rows, kinematics=self.kinematics, period_ns=self.period_ns).samples
+
     def samples(self) -> NDArray[Any]:
         out = np.zeros(self.memory.samples.shape[0], SAMPLE)
         count = ring.drain(self.memory.sample_words, self.memory.samples, out)
@@ -147,7 +162,9 @@ def bench_of(
 ) -> Bench:
     """An engine over a plug-in. `straight`: radius of a straight tunnel along the world's x, None: no tunnel."""
     memory = SessionMemory(Capacities(samples=samples, **kwargs.pop("capacities", {})))
-    bench = Bench(memory, HapticEngine(memory, plugin, **kwargs), scene_from_components())
+    kinematics, period_ns = (plugin.descriptor or HAPTICMASTER).kinematics, 1_000_000_000 // kwargs.get("rate", 1000)
+    engine = HapticEngine(memory, plugin, **kwargs)
+    bench = Bench(memory, engine, scene_from_components(), kinematics=kinematics, period_ns=period_ns)
     bench.scene[0]["device_delay"] = plugin.delay
     record = bench.tunnel
     record["radius_scale"] = 1.0

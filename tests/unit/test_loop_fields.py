@@ -190,7 +190,7 @@ from tests.support.haptic_bench import patient_bench
 bench = patient_bench()
 samples = bench.advance(400)
 snapshot = bench.engine.snapshot()
-again = bench.engine.replay_ticks(samples, bench.blocks, bench.row_blocks)
+again = bench.replay(samples)
 same = snapshot.squeeze == 1.0 + 2.0 * snapshot.grasp
 kept = bool((samples["squeeze"] == 1.0 + 2.0 * samples["grasp"]).all())
 print(json.dumps([same, kept, bool((samples["squeeze"] == again["squeeze"]).all())]))

@@ -148,7 +148,7 @@ def test_two_tunnels_are_replayed_bit_for_bit():
     bench = scripted(ticks, straight=None, capacities=ROOM)
     put(bench, along_x(), along_y(stiffness=SOFT), controller=Controller.ADMITTANCE, own_tunnel=1)
     samples = bench.advance(1200)
-    again = bench.engine.replay_ticks(samples, bench.blocks, bench.row_blocks)
+    again = bench.replay(samples)
     assert same(samples, again, "lateness_ns", "duration_ns") == []
 
 

@@ -54,7 +54,7 @@ def test_the_seed_and_one_ulp_of_stiffness_change_the_run():
 def test_replay_of_recorded_inputs_is_bit_equal():
     bench, samples = _session([2200, 4000])
     assert np.any(samples["penetration"] > 0.0)
-    assert _bits(bench.engine.replay_ticks(samples, bench.blocks, bench.row_blocks)) == _bits(samples)
+    assert _bits(bench.replay(samples)) == _bits(samples)
 
 
 @pytest.mark.parametrize("name", ["q", "dq", "f_meas", "grasp"])
@@ -64,7 +64,7 @@ def test_one_flipped_bit_of_a_recorded_input_is_found(name: str):
     word = flipped[name][4400:4401].view(np.uint64).reshape(-1)
     word[0] ^= np.uint64(1 << 40)
     flipped[name][4400] = word.view(np.float64) if flipped[name].ndim == 2 else word.view(np.float64)[0]
-    replayed = bench.engine.replay_ticks(flipped, bench.blocks, bench.row_blocks)
+    replayed = bench.replay(flipped)
     outputs = [n for n in SAMPLE.names if n not in TIMING and n != name]
     assert any(not np.array_equal(replayed[n], samples[n], equal_nan=True) for n in outputs)
 
@@ -75,13 +75,13 @@ def test_one_tick_of_delay_is_found():
     late = samples.copy()
     for name in ("q", "dq", "f_meas", "grasp"):
         late[name][1:] = samples[name][:-1]
-    assert _bits(bench.engine.replay_ticks(late, bench.blocks, bench.row_blocks)) != _bits(samples)
+    assert _bits(bench.replay(late)) != _bits(samples)
 
 
 def test_a_missing_parameter_block_is_reported():
     bench, samples = _session([100])
     with pytest.raises(KeyError):
-        bench.engine.replay_ticks(samples, {7: bench.scene})
+        bench.replay(samples, {7: bench.scene}, {})
 
 
 def _live(bench: Bench, seconds: float) -> np.ndarray:
@@ -105,7 +105,7 @@ def test_live_thread_replays_bit_equal():
     samples = _live(bench, 1.5)
     assert samples.shape[0] > 500 and np.array_equal(samples["tick"], np.arange(samples.shape[0]))
     assert np.unique(samples["sequence"]).size > 5
-    assert _bits(bench.engine.replay_ticks(samples, bench.blocks, bench.row_blocks)) == _bits(samples)
+    assert _bits(bench.replay(samples)) == _bits(samples)
     assert bench.memory.control[ControlWord.TICKS] == samples.shape[0]
 
 
@@ -124,7 +124,7 @@ def test_live_and_virtual_loop_give_the_same_device_the_same_run():
     measured = ("period_s", "stiffness_limit", "margin")
     assert _bits(samples[:in_time], measured) == _bits(virtual.advance(in_time), measured)
     assert np.all(samples["period_s"] > 0.9e-3), "a live period is measured, its mean is nominal, its jitter adds"
-    replayed = live.engine.replay_ticks(samples, live.blocks, live.row_blocks)
+    replayed = live.replay(samples)
     assert _bits(replayed) == _bits(samples), "the measured period is an input of the replay"
 
 

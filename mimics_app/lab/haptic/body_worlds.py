@@ -119,21 +119,6 @@ class BodyWorld:
         self.add_shape(ShapeKind.SPHERE, radius, k, **(surface or {}))
         return k
 
-    def add_rod(
-        self,
-        kind: ShapeKind,
-        radius: float,
-        length: float,
-        mass: float = 0.2,
-        surface: Fields | None = None,
-        **fields: object,
-    ) -> int:
-        """Add a body of one cylinder or capsule, with the inertia of a cylinder, and return its row."""
-        across = mass * (3.0 * radius**2 + length**2) / 12.0
-        k = self.add_body(mass, np.diag([across, 0.5 * mass * radius**2, across]), **fields)
-        self.add_shape(kind, (radius, length), k, **(surface or {}))
-        return k
-
     def add_floor(self, height: float = 0.0, **fields: Any) -> int:
         """Add a wall with its normal +z upwards and return its row."""
         up = (-_HALF_TURN, 0.0, 0.0, _HALF_TURN)
@@ -154,28 +139,15 @@ def new_world(bodies: int = 8, shapes: int = 32, dt: float = 1e-3) -> BodyWorld:
     return BodyWorld(new_rows(capacities), new_object_work(capacities), dt=dt)
 
 
-def rest_on_floor(
-    bodies: int, kind: ShapeKind = ShapeKind.BOX, integrator: ObjectIntegrator = ObjectIntegrator.SEMI_IMPLICIT
-) -> BodyWorld:
-    """Return free bodies of 0.2 kg and 4 cm on a floor, 2 cm between neighbours.
-
-    Args:
-        bodies: Number of bodies.
-        kind: SPHERE, BOX, CYLINDER or CAPSULE.
-        integrator: Integrator of all of them.
-    """
+def rest_on_floor(bodies: int, integrator: ObjectIntegrator = ObjectIntegrator.SEMI_IMPLICIT) -> BodyWorld:
+    """Return free boxes of 0.2 kg and 4 cm on a floor, 2 cm between neighbours."""
     world = new_world(bodies, bodies + 1)
     world.add_floor(**_FIRM)
     side = math.ceil(math.sqrt(bodies))
     for i in range(bodies):
         x, z = 0.06 * (i % side - 0.5 * (side - 1)), 0.06 * (i // side - 0.5 * (side - 1))
         fields: dict[str, Any] = {"position": (x, 0.0199, z), "gravity": GRAVITY, "integrator": integrator}
-        if kind is ShapeKind.BOX:
-            world.add_box(surface=_FIRM, **fields)
-        elif kind is ShapeKind.SPHERE:
-            world.add_ball(surface=_FIRM, **fields)
-        else:
-            world.add_rod(kind, 0.02, 0.04, surface=_FIRM, **fields)
+        world.add_box(surface=_FIRM, **fields)
     return world
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 import sys
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -241,15 +241,6 @@ class HapticEngine:
     def stability(self) -> StabilityReport:
         """Return the results of the stability monitor so far."""
         return stability_of(self._work.state[: len(self._descriptor.contacts)], self._work.objects.margins)
-
-    def replay_ticks(
-        self, inputs: Records, scenes: Mapping[int, Records], rows: Mapping[int, Rows] | None = None
-    ) -> Records:
-        """Return the samples of `replay_run` at this engine's rate and with its device's kinematics."""
-        from mimics_app.rendering.haptic.replay import replay_run  # another compiled loop, loaded on demand
-
-        kinematics = self._descriptor.kinematics
-        return replay_run(inputs, scenes, rows, kinematics=kinematics, period_ns=self._period_ns).samples
 
     def _demote(self, *_: object) -> None:
         """Handle SIGXCPU: a runaway loop continues without SCHED_FIFO, and its late ticks stop it."""

@@ -133,12 +133,6 @@ class WindowSurface(Surface):
         self._draw_buffer(_BACK)
         self.framebuffer.use()
 
-    def read_screen(self) -> bytes:
-        """Return the window's back buffer: RGBA rows from the bottom up, 4 * width * height bytes."""
-        picture = self.ctx.screen.read(viewport=(0, 0, *self.size), components=4)
-        _ = self.ctx.error  # moderngl reads a colour attachment that windows lack; this clears the error
-        return picture
-
     @property
     def should_close(self) -> bool:
         return bool(self._glfw.window_should_close(self._window))
