@@ -126,14 +126,8 @@ class Frames:
             self._touch(vr, orders, snapshot)
             self._feel(orders, now_ns)
         with stage("scenario"):
-            core.trackers.see(core.inputs.frame)
-            core.trackers.poll(now_ns)
-            for problem in core.trackers.take_problems():
-                core.report(problem)
-            core.scenario.see_body(core.part_of_body, now_ns)
-            core.scenario.apply(orders, snapshot)
-            core.parameter_store.change(core.scenario.haptic_orders())
-            core.inputs.aim(core.scenario.aim(snapshot))
+            self._track(now_ns)
+            self._play(orders, snapshot)
         with stage("world update"):
             self._motion.step(orders, events, now_ns)
             core.world.update()
@@ -146,6 +140,22 @@ class Frames:
             core.tap.step(self.number, vr.signals, features, state)
             self._journal(vr, taken, snapshot, len(events), now_ns)
         self.number, self.orders, self.snapshot, self.events = self.number + 1, orders, snapshot, events
+
+    def _track(self, now_ns: int) -> None:
+        """Poll the trackers, and let the scenario see the body."""
+        core = self._core
+        core.trackers.see(core.inputs.frame)
+        core.trackers.poll(now_ns)
+        for problem in core.trackers.take_problems():
+            core.report(problem)
+        core.scenario.see_body(core.part_of_body, now_ns)
+
+    def _play(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
+        """Let the scenario move its entities, and pass on its parameters and the next action of the hand."""
+        core = self._core
+        core.scenario.apply(orders, snapshot)
+        core.parameter_store.change(core.scenario.haptic_orders())
+        core.inputs.aim(core.scenario.aim(snapshot))
 
     def _report_cords(self) -> None:
         for name, cord in self._core.world.cords.items():

@@ -54,7 +54,6 @@ def find_onsets(
         Number of onsets written.
     """
     w, m, count = max(int(_WINDOW * rate), 2), ring.shape[0], 0
-    least = _ONSET * rate
     for i in range(x.shape[0]):
         if not np.isnan(x[i]):
             state[HELD] = x[i]
@@ -70,25 +69,31 @@ def find_onsets(
         signal = rms > _STILL and not np.isnan(x[i])
         if state[LEARNT] < _LEARN * rate:
             _learn(rms, signal, state, rate)
-            continue
-        if rms > state[BASE] + _SPREADS * state[SPREAD] + _RISE * state[BASE]:
-            state[BELOW] = 0.0
-            if state[ABOVE] == 0.0:
-                state[SINCE] = n
-            state[ABOVE] += 1.0
-            if state[ACTIVE] == 0.0 and state[ABOVE] >= least:
-                state[ACTIVE] = 1.0
-                if count < out.shape[0]:
-                    out[count, 0], out[count, 1], out[count, 2] = state[SINCE] - _LAG * w, n, rms
-                    count += 1
-        else:
-            state[ABOVE] = 0.0
-            state[BELOW] += 1.0
-            if state[BELOW] > _RELEASE * rate:
-                state[ACTIVE] = 0.0
-                if signal:
-                    _adapt(rms, _FOLLOW / rate, state)
+        elif _begins(rms, signal, n, state, rate) and count < out.shape[0]:
+            out[count, 0], out[count, 1], out[count, 2] = state[SINCE] - _LAG * w, n, rms
+            count += 1
     return count
+
+
+@kernel
+def _begins(rms: float, signal: bool, n: int, state: Floats, rate: float) -> bool:
+    """Follow activity; return whether it begins: the envelope was above the threshold for long enough."""
+    if rms > state[BASE] + _SPREADS * state[SPREAD] + _RISE * state[BASE]:
+        state[BELOW] = 0.0
+        if state[ABOVE] == 0.0:
+            state[SINCE] = n
+        state[ABOVE] += 1.0
+        if state[ACTIVE] == 0.0 and state[ABOVE] >= _ONSET * rate:
+            state[ACTIVE] = 1.0
+            return True
+        return False
+    state[ABOVE] = 0.0
+    state[BELOW] += 1.0
+    if state[BELOW] > _RELEASE * rate:
+        state[ACTIVE] = 0.0
+        if signal:
+            _adapt(rms, _FOLLOW / rate, state)
+    return False
 
 
 @kernel
