@@ -16,28 +16,26 @@ _FIRST_VARIANCE = 36.0
 """Prior variance of the gain [1/min^2]."""
 _NOISE = 16.0
 """Variance of the heart rate that is not due to work [1/min^2]."""
+_FULL = 1.5
+"""Mechanical power that counts as full effort [W]."""
 
 
 class EffortModel:
     """Effort from mechanical power by first-order kinetics, and its gain on the heart rate by a scalar Kalman filter.
-
-    Args:
-        full_power: Mechanical power that counts as full effort [W].
 
     Attributes:
         effort: Present effort, 0 to 1.5.
         gain: Heart rate per unit of effort [1/min].
     """
 
-    def __init__(self, full_power: float = 1.5) -> None:
-        self._full = full_power
+    def __init__(self) -> None:
         self.effort = 0.0
         self.gain = _FIRST_GAIN
         self._variance = _FIRST_VARIANCE
 
     def step(self, power: float | None, seconds: float) -> float:
         """Advance by a time under a mechanical power [W] and return the effort; None: not measured, taken as 0."""
-        work = 0.0 if power is None else min(max(power / self._full, 0.0), 1.5)
+        work = 0.0 if power is None else min(max(power / _FULL, 0.0), 1.5)
         slow = _ON_S if work > self.effort else _OFF_S
         self.effort += -math.expm1(-seconds / slow) * (work - self.effort)
         return self.effort

@@ -69,8 +69,8 @@ class Policy(Protocol):
         ...
 
 
-def logit(share: F8, least: float = 0.05) -> F8:
-    """Return ln(p / (1 - p)) of shares limited to [least, 1 - least]."""
-    p = np.clip(share, least, 1.0 - least)
+def logit(share: F8) -> F8:
+    """Return ln(p / (1 - p)) of shares limited to [0.05, 0.95]."""
+    p = np.clip(share, 0.05, 0.95)
     result: F8 = np.log(p / (1.0 - p))
     return result

@@ -33,8 +33,6 @@ def compose(seed: int) -> dict[str, bytes]:
     pixels = dict.fromkeys(("apple", "bed", "crate", "fence"), PIXELS_OF_EDGES) | {"hand": PIXELS_OF_SKIN}
     files = {f"{name}.glb": pack_model(name, parts, pixels.get(name, PIXELS)) for name, parts in models.items()}
     trees = {"tree": build_tree(2 * seed - 2), "tree_round": build_tree(2 * seed - 1)}
-    files |= {
-        f"{name}.glb": pack_forms(name, "tree", {"tree": forms}, TREE_COVERAGES, 1.0) for name, forms in trees.items()
-    }
+    files |= {f"{name}.glb": pack_forms(name, "tree", {"tree": forms}, TREE_COVERAGES) for name, forms in trees.items()}
     tiles = {f"meadow_{number}": forms for number, forms in enumerate(build_meadow(seed))}
-    return files | {"meadow.glb": pack_forms("meadow", "meadow", tiles, MEADOW_COVERAGES, 1.0)}
+    return files | {"meadow.glb": pack_forms("meadow", "meadow", tiles, MEADOW_COVERAGES)}

@@ -110,15 +110,13 @@ def pack_model(model: str, parts: Mapping[str, tuple[Clay, float]], pixels: floa
     return add_levels(parse_gltf(writer.to_bytes(), Path(model), Path(), model), LEVELS, pixels)[0]
 
 
-def pack_forms(
-    model: str, name: str, tiles: Mapping[str, Sequence[Clay]], coverages: Sequence[float], roughness: float
-) -> bytes:
-    """Return a GLB file of one material whose nodes have levels of detail, each down to a share of the picture.
+def pack_forms(model: str, name: str, tiles: Mapping[str, Sequence[Clay]], coverages: Sequence[float]) -> bytes:
+    """Return a GLB file of one rough material whose nodes have levels of detail, each down to a share of the picture.
 
     Several nodes are tiles of one thing, of which those out of view are left out.
     """
     writer = GltfWriter("mimics market builder")
-    material = writer.add_material(f"{model}_{name}", roughness=roughness)
+    material = writer.add_material(f"{model}_{name}", roughness=1.0)
     for node, forms in tiles.items():
         finest, *coarser = [writer.add_mesh(node, [(writer.add_part(form.part()), material)]) for form in forms]
         writer.add_detail_levels(writer.add_node(node, mesh=finest), coarser, coverages)
@@ -260,15 +258,13 @@ def capsule_bar(points: F8, radius: float | F8, sides: int = 14, cap: int = 5) -
     )
 
 
-def planked(colour: Colour, axis: int, width: float, seed: int, spread: float = 0.16) -> Painter:
+def planked(colour: Colour, axis: int, width: float, seed: int) -> Painter:
     """Paint of planks side by side along an axis, grain along the longest side, darker towards the ground."""
 
     def paint(at: F8, normals: F8) -> F8:
-        plank = np.floor(at[:, axis] / width)
-        tone = 1.0 + spread * (2.0 * noise(np.stack([plank * 7.3, 0 * plank, 0 * plank], 1) + 0.5, 1.0, seed) - 1.0)
         grain = noise(at * np.where(np.arange(3) == axis, 1.0, 0.25), 0.006, seed + 1)
         damp = 0.72 + 0.28 * np.clip(at[:, 1] / 0.06, 0.0, 1.0)
-        return np.asarray(colour) * (tone * (0.90 + 0.16 * grain) * damp)[:, None]
+        return np.asarray(colour) * ((0.90 + 0.16 * grain) * damp)[:, None]
 
     return paint
 

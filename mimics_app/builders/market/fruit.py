@@ -24,11 +24,11 @@ __all__ = ["APPLE_RADIUS", "apple", "coarse_fruit", "fruit_paint"]
 APPLE_RADIUS = 0.032
 """[m]"""
 
+_RED, _YELLOW = (0.55, 0.012, 0.018), (0.72, 0.42, 0.06)
 
-def apple_body(
-    radius: float, colours: tuple[Colour, Colour] = ((0.55, 0.012, 0.018), (0.72, 0.42, 0.06))
-) -> tuple[MeshData, Painter]:
-    """The fruit alone, stalk end up, and its paint: two colours, the second about the stalk and in streaks."""
+
+def apple_body(radius: float) -> tuple[MeshData, Painter]:
+    """The fruit alone, stalk end up, and its paint: red, yellow about the stalk and in streaks."""
 
     def point(polar: F8, around: F8) -> F8:
         rho = 1.0 - 0.30 * np.exp(-((polar / 0.40) ** 2)) - 0.13 * np.exp(-(((math.pi - polar) / 0.42) ** 2))
@@ -44,7 +44,6 @@ def apple_body(
         )
 
     mesh = surface(point, np.linspace(0.0, math.pi, 27), np.linspace(0.0, 2.0 * math.pi, 57))
-    main_colour, second = colours
 
     def paint(at: F8, normals: F8) -> F8:
         local = at / radius
@@ -55,7 +54,7 @@ def apple_body(
         blush = (
             np.clip(1.25 * height - 0.62, 0.0, 1.0) + 0.42 * np.clip(streaks - 0.52, 0.0, 1.0) + 0.18 * cheek * streaks
         )
-        colour = mix(main_colour, second, np.clip(blush, 0.0, 0.85))
+        colour = mix(_RED, _YELLOW, np.clip(blush, 0.0, 0.85))
         specks = noise(local, 0.055, 9) > 0.86
         colour = np.where(specks[:, None], mix(colour, (0.85, 0.6, 0.25), 0.35), colour)
         hollow = np.clip((0.30 - np.hypot(local[:, 0], local[:, 2])) / 0.30, 0.0, 1.0) * (height > 0.0)

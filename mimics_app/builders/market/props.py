@@ -57,9 +57,9 @@ def crate(width: float, height: float, depth: float) -> Clay:
     return clay
 
 
-def barrel(radius: float = 0.036, height: float = 0.115) -> Clay:
+def barrel() -> Clay:
     """A barrel with three hoops, lid up; its middle at the origin."""
-    clay = Clay()
+    clay, radius, height = Clay(), 0.036, 0.115
 
     def point(around: F8, y: F8) -> F8:
         r = radius * (0.86 + 0.14 * (1.0 - (2.0 * y) ** 2)) * (1.0 - 0.012 * (np.abs(np.sin(9.0 * around)) < 0.12))
@@ -90,13 +90,13 @@ def bed() -> Clay:
     clay = Clay()
     (x0, z0), (x1, z1) = BED_LOW, BED_HIGH
     h, t = BED_HEIGHT, BED_BOARD
-    wood = planked((0.46, 0.25, 0.10), 1, 0.02, 101, 0.0)
+    wood = planked((0.46, 0.25, 0.10), 1, 0.02, 101)
     for z in (z0 - 0.5 * t, z1 + 0.5 * t):
         clay.add(rounded_box(x1 - x0 + 2 * t, h, t, 0.002, 1), wood, at=(0.5 * (x0 + x1), 0.5 * h, z))
     for x in (x0 - 0.5 * t, x1 + 0.5 * t):
         clay.add(rounded_box(t, h, z1 - z0, 0.002, 1), wood, at=(x, 0.5 * h, 0.5 * (z0 + z1)))
         for z in (z0 - 0.5 * t, z1 + 0.5 * t):
-            post = planked((0.40, 0.21, 0.085), 1, 0.02, 102, 0.0)
+            post = planked((0.40, 0.21, 0.085), 1, 0.02, 102)
             clay.add(rounded_box(0.013, 0.024, 0.013, 0.003, 1), post, at=(x, 0.012, z))
     return clay
 
@@ -117,7 +117,7 @@ def fence() -> Clay:
     for i in range(count):
         z = -0.5 * long + (i + 0.5) * step
         tone = 0.93 + 0.1 * chance(16, 9)[i]
-        paint = planked(tuple(tone * part for part in white), 2, step, 111 + i, 0.0)
+        paint = planked(tuple(tone * part for part in white), 2, step, 111 + i)
         clay.add(_picket(0.66 * step, high, 0.5 * thick), paint, at=(0.2 * thick, -0.5 * high, z))
     return clay
 

@@ -62,7 +62,7 @@ def _table_top(clay: Clay) -> None:
         tone = 0.92 + 0.16 * chance(8, 3)[i]
         clay.add(
             rounded_box(x1 - x0 + 0.014, 0.013, deep - 0.0012, 0.0022, 1),
-            planked(tuple(tone * part for part in PALE_WOOD), 2, deep, 20 + i, 0.0),
+            planked(tuple(tone * part for part in PALE_WOOD), 2, deep, 20 + i),
             at=(0.5 * (x0 + x1), TABLE - 0.0065, z0 - 0.004 + (i + 0.5) * deep),
         )
 
@@ -76,7 +76,7 @@ def _panels(clay: Clay) -> None:
         tone = 0.86 + 0.28 * chance(32, 5)[i]
         clay.add(
             rounded_box(wide - 0.0012, 0.140, 0.007, 0.0018, 1),
-            planked(tuple(tone * c for c in TEAL), 0, wide, 40 + i, 0.0),
+            planked(tuple(tone * c for c in TEAL), 0, wide, 40 + i),
             at=(x0 + 0.004 + (i + 0.5) * wide, 0.075, z1 - 0.010),
         )
     count = 7
@@ -86,7 +86,7 @@ def _panels(clay: Clay) -> None:
         for x in (x0 + 0.008, x1 - 0.008):
             clay.add(
                 rounded_box(0.007, 0.140, wide - 0.0012, 0.0018, 1),
-                planked(tuple(tone * c for c in TEAL), 2, wide, 60 + i, 0.0),
+                planked(tuple(tone * c for c in TEAL), 2, wide, 60 + i),
                 at=(x, 0.075, z0 + 0.004 + (i + 0.5) * wide),
             )
 

@@ -51,16 +51,15 @@ class VrpnServer:
 
     Args:
         tracker: Name of the tracker.
-        port: Port to listen at; 0: any.
-        host: Address to listen at, this machine alone by default.
+        port: Port to listen at on this machine; 0: any.
 
     Attributes:
         port: Number of the port.
     """
 
-    def __init__(self, tracker: str, port: int = 0, host: str = "127.0.0.1") -> None:
+    def __init__(self, tracker: str, port: int = 0) -> None:
         self._tracker = tracker
-        self._listening = socket.create_server((host, port))
+        self._listening = socket.create_server(("127.0.0.1", port))
         self.port = int(self._listening.getsockname()[1])
         self._clients: list[socket.socket] = []
         self._closing = threading.Event()
@@ -102,6 +101,6 @@ class VrpnServer:
                 continue
             client, _ = self._listening.accept()
             open_socket(client)
-            greeting = COOKIE + announcement(SENDER_DESCRIPTION, 0, self._tracker)
-            client.sendall(greeting + announcement(TYPE_DESCRIPTION, 0, POSE_TYPE))
+            greeting = COOKIE + announcement(SENDER_DESCRIPTION, self._tracker)
+            client.sendall(greeting + announcement(TYPE_DESCRIPTION, POSE_TYPE))
             self._clients.append(client)

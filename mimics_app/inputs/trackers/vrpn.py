@@ -47,8 +47,8 @@ class VrpnTracker(ThreadedTracker):
     def _open(self) -> None:
         try:
             self._line = open_socket(socket.create_connection(self._place, _PATIENCE_S))
-            greeting = COOKIE + announcement(SENDER_DESCRIPTION, 0, self._tracker)
-            self._line.sendall(greeting + announcement(TYPE_DESCRIPTION, 0, POSE_TYPE))
+            greeting = COOKIE + announcement(SENDER_DESCRIPTION, self._tracker)
+            self._line.sendall(greeting + announcement(TYPE_DESCRIPTION, POSE_TYPE))
         except OSError as error:
             what = f"no VRPN server at {self._place[0]}:{self._place[1]}: {error.strerror or error}"
             raise DeviceError(what, "start it, or correct the tracker's address") from None

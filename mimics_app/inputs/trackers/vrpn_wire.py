@@ -64,10 +64,10 @@ def pack(sender: int, kind: int, body: bytes, t_ns: int) -> bytes:
     return header + body + bytes(-len(body) % 8)
 
 
-def announcement(what: int, number: int, name: str) -> bytes:
-    """Return the message that announces the name of a sender or a type."""
+def announcement(what: int, name: str) -> bytes:
+    """Return the message that announces the name of the first sender or type."""
     text = name.encode() + b"\0"
-    return pack(number, what, struct.pack(">i", len(text)) + text, 0)
+    return pack(0, what, struct.pack(">i", len(text)) + text, 0)
 
 
 def pose_body(sensor: int, position: tuple[float, float, float], rotation: tuple[float, float, float, float]) -> bytes:

@@ -86,11 +86,11 @@ def _walk(number: int, ticks: int, steps: int, x: F8, v: F8) -> None:
                 x[i], v[i] = step_by(number, x[i], v[i], _PUSH, _MASS, _DAMPING, _STIFFNESS, dt)
 
 
-def _follow_contact(name: str, steps: int, ticks: int = _TICKS) -> F8:
+def _follow_contact(name: str, steps: int) -> F8:
     """Return the depth at every tick [m] by an integrator with a number of steps per tick, shape [ticks]."""
     x, v = np.zeros(1), np.full(1, _SPEED)
-    depth = np.empty(ticks)
-    for tick in range(ticks):
+    depth = np.empty(_TICKS)
+    for tick in range(_TICKS):
         _walk(_NUMBERS[name], 1, steps, x, v)
         depth[tick] = x[0]
     return depth

@@ -76,7 +76,8 @@ def _plate_world(slope: float) -> World:
     return world
 
 
-def _from_above(distance: float = 2.0) -> View:
+def _from_above() -> View:
+    distance = 2.0
     pose = compose_look_at((0.0, distance, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, -1.0))
     side = _HALF / distance
     up = side * _SIZE[1] / _SIZE[0]

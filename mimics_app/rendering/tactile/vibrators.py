@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Protocol
 
-from mimics_app.contracts.clock import SECOND_NS, Clock, MonotonicClock
+from mimics_app.contracts.clock import SECOND_NS, MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.messages import TactileEvent
 from mimics_app.rendering.tactile.wire import FRAME_BYTES, Command, command_bytes, read_answers
@@ -49,7 +49,6 @@ class SerialVibrators(Vibrators):
         port: Serial port.
         channels: Vibrator by place of the body.
         baud: [bit/s].
-        clock: Clock of the session.
 
     Raises:
         DeviceError: The line cannot be opened.
@@ -58,8 +57,8 @@ class SerialVibrators(Vibrators):
         answered: Numbers of the taps that the box acknowledged.
     """
 
-    def __init__(self, port: str, channels: Mapping[str, int], baud: int = 115200, clock: Clock | None = None) -> None:
-        self._channels, self._clock = dict(channels), clock or MonotonicClock()
+    def __init__(self, port: str, channels: Mapping[str, int], baud: int = 115200) -> None:
+        self._channels, self._clock = dict(channels), MonotonicClock()
         self._wire_ns = FRAME_BYTES * _BITS * SECOND_NS // baud
         self._waiting = bytearray()
         self._lost = ""

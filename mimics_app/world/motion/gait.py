@@ -80,9 +80,9 @@ class Pace:
         return stance_share(abs(self.speed))
 
 
-def natural_step(speed: float, leg: float = _LEG) -> float:
-    """Return the natural step [m] at a speed [m/s] for a leg length [m]: it grows with the root (Grieve 1968)."""
-    return _NATURAL_STEP * leg * math.sqrt(abs(speed) / _PREFERRED)
+def natural_step(speed: float) -> float:
+    """Return the natural step [m] at a speed [m/s]: it grows with the root (Grieve 1968)."""
+    return _NATURAL_STEP * _LEG * math.sqrt(abs(speed) / _PREFERRED)
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 from mimics_app.contracts.errors import DeviceError
 
-__all__ = ["DEFAULT_BAUD", "HAPTICMASTER_PORT", "DeviceAddress", "host_and_port", "port_and_baud", "split_device"]
+__all__ = ["DeviceAddress", "host_and_port", "port_and_baud", "split_device"]
 
 
-DEFAULT_BAUD = 921600
+_DEFAULT_BAUD = 921600
 """Default speed of a robot's serial line [baud]."""
 
-HAPTICMASTER_PORT = 7654
+_HAPTICMASTER_PORT = 7654
 """Default TCP port of a HapticMaster."""
 
 
@@ -38,19 +38,19 @@ def split_device(text: str) -> DeviceAddress:
     return DeviceAddress(name.strip(), address.strip())
 
 
-def port_and_baud(address: str, default: int) -> tuple[str, int]:
+def port_and_baud(address: str) -> tuple[str, int]:
     """Parse PORT[@BAUD] of a serial line.
 
     Raises:
         DeviceError: No port, or a speed that is not a positive integer.
     """
-    port, _, speed = address.rpartition("@") if "@" in address else (address, "", str(default))
+    port, _, speed = address.rpartition("@") if "@" in address else (address, "", str(_DEFAULT_BAUD))
     if not port or not speed.isdecimal() or int(speed) == 0:
         raise DeviceError(f'"{address}" is not a serial line', "write serial:PORT or serial:PORT@BAUD")
     return port, int(speed)
 
 
-def host_and_port(address: str, default: int) -> tuple[str, int]:
+def host_and_port(address: str) -> tuple[str, int]:
     """Parse HOST[:PORT] of a network device; an IPv6 host is in brackets.
 
     Raises:
@@ -61,7 +61,7 @@ def host_and_port(address: str, default: int) -> tuple[str, int]:
     if not bracketed:
         host, colon, tail = address.partition(":")
         rest = colon + tail
-    port = rest.removeprefix(":") if rest else str(default)
+    port = rest.removeprefix(":") if rest else str(_HAPTICMASTER_PORT)
     if not host or not port.isdecimal() or not 1 <= int(port) <= 65535:
         raise DeviceError(f'"{address}" is not a network address', "write hapticmaster:HOST or hapticmaster:HOST:PORT")
     return host, int(port)

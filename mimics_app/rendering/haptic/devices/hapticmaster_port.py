@@ -13,7 +13,7 @@ from mimics_app.contracts.errors import DeviceError, nearest
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic.descriptors.hapticmaster import axis_offset
 from mimics_app.rendering.haptic.devices import hapticmaster_loop as loop
-from mimics_app.rendering.haptic.devices.address import HAPTICMASTER_PORT, host_and_port
+from mimics_app.rendering.haptic.devices.address import host_and_port
 from mimics_app.rendering.haptic.devices.device_objects import DEFAULT_INERTIA, DeviceObject, hapticmaster_commands
 from mimics_app.rendering.haptic.devices.link import LinkKeeper
 from mimics_app.rendering.haptic.devices.looked_for import CONNECT_S, no_hapticmaster
@@ -105,7 +105,7 @@ def build_hapticmaster(request: DeviceRequest) -> DevicePlugin:
     Raises:
         DeviceError: Nothing answers there, the machine refuses, or a setting is wrong.
     """
-    host, port = host_and_port(request.address, HAPTICMASTER_PORT)
+    host, port = host_and_port(request.address)
     settings = _settings(request.robot.settings)
     memory = np.zeros(loop.HAPTICMASTER_LENGTH)
     memory[loop.TICK] = 1.0 / request.rate

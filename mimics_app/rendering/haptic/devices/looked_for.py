@@ -11,8 +11,6 @@ from collections.abc import Callable
 
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.rendering.haptic.devices.address import (
-    DEFAULT_BAUD,
-    HAPTICMASTER_PORT,
     host_and_port,
     port_and_baud,
     split_device,
@@ -39,11 +37,11 @@ def look_for_device(text: str, tell: Callable[[str], None]) -> None:
     """
     device = split_device(text)
     if device.name == "serial":
-        port, _ = port_and_baud(device.address, DEFAULT_BAUD)
+        port, _ = port_and_baud(device.address)
         if os.path.isabs(port) and not os.path.exists(port):
             raise no_port(port, "nothing is there")
     elif device.name == "hapticmaster":
-        host, number = host_and_port(device.address, HAPTICMASTER_PORT)
+        host, number = host_and_port(device.address)
         _knock(host, number, tell)
 
 

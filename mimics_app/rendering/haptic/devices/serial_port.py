@@ -15,7 +15,7 @@ from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic.devices import serial_robot
-from mimics_app.rendering.haptic.devices.address import DEFAULT_BAUD, port_and_baud
+from mimics_app.rendering.haptic.devices.address import port_and_baud
 from mimics_app.rendering.haptic.devices.link import LinkKeeper
 from mimics_app.rendering.haptic.devices.looked_for import no_port
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
@@ -85,7 +85,7 @@ def build_serial(request: DeviceRequest) -> DevicePlugin:
     Raises:
         DeviceError: No such port, or no robot of this protocol answers.
     """
-    port, baud = port_and_baud(request.address, DEFAULT_BAUD)
+    port, baud = port_and_baud(request.address)
     memory = np.zeros(serial_robot.SERIAL_LENGTH)
     memory[serial_robot.TICK] = 1.0 / request.rate
     memory[serial_robot.BYTES_PER_TICK] = baud / _BITS_PER_BYTE / request.rate

@@ -87,10 +87,9 @@ class SerialRobotEmulator:
         plugin: Simulated robot and person, at 1000 ticks per second.
         link: Symbolic link to the current terminal, which changes when the robot is plugged in again.
         seed: Seed of lost and random bytes.
-        wants_screen: Announce a simulated person to the program.
     """
 
-    def __init__(self, plugin: DevicePlugin, link: Path, seed: int = 0, *, wants_screen: bool = True) -> None:
+    def __init__(self, plugin: DevicePlugin, link: Path, seed: int = 0) -> None:
         self.faults = Faults()
         self.tick = 0
         self.commands = 0
@@ -98,7 +97,7 @@ class SerialRobotEmulator:
         self.plugin = plugin
         self._link = link
         self._random = np.random.default_rng(seed)
-        self._info = RobotInfo(plugin.name[:16], plugin.delay, wants_screen)
+        self._info = RobotInfo(plugin.name[:16], plugin.delay, wants_screen=True)
         self._data, self._inbox = np.zeros(DATA_LENGTH), np.zeros(INBOX_LENGTH)
         self._line, self._screens = np.zeros(LINE_LENGTH), np.zeros(LINE_LENGTH)
         self._buffer = np.zeros(_BUFFER, np.uint8)
