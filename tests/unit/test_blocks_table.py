@@ -130,6 +130,13 @@ def test_mask_of_4_2_8_2_is_complete():
         assert row[0].split(" of haptic")[0] in described, f"{row[0]}: the schema does not name it"
 
 
+def test_a_scene_beside_the_examples_has_a_scenario_of_its_name_or_says_that_it_has_none():
+    files = list((root() / "scenes").glob("*.json"))
+    looked_at = {file.stem for file in files if json.loads(file.read_text()).get("scenario") == ONLY_LOOKED_AT}
+    assert {file.stem for file in files} == looked_at | set(BUILT_IN)
+    assert looked_at == {"avatar_gallery"}
+
+
 @pytest.mark.parametrize("file", SCENES, ids=lambda file: file.stem)
 def test_examples_have_no_code_of_their_own(file):
     """No scenario is made for one of them: what plays it is found by its components, or it is only looked at."""
