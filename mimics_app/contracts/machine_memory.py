@@ -5,7 +5,6 @@ The file is replaced after every run. One that cannot be read or written is igno
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -51,7 +50,7 @@ class MachineMemory(Generic[T]):
         if self._file is None:
             return {}
         with suppress(OSError, ValueError, RecursionError):
-            return msgspec.convert(json.loads(self._file.read_bytes()), dict[str, self._kind])  # type: ignore[name-defined]
+            return msgspec.json.decode(self._file.read_bytes(), type=dict[str, self._kind])  # type: ignore[name-defined]
         return {}
 
 

@@ -271,6 +271,18 @@ def test_a_session_too_short_to_tell_keeps_nothing(tmp_path):
     assert known_needed_ms(memory) == 0.0
 
 
+@pytest.mark.parametrize("number", ["NaN", "Infinity", "1e999", "1e308", "-1.0", '"7"', "[7.0]", "1" + 400 * "0"])
+def test_a_need_that_no_queue_has_is_as_good_as_none(tmp_path, number):
+    """Not a number, and none that overflows: a session would start without sound."""
+    file = tmp_path / "sound.json"
+    file.write_text(f'{{"live": {{"ms": [{number}]}}}}')
+    memory = MachineMemory(QueueNeed, file)
+    assert Stage(needed_ms=known_needed_ms(memory)).queue.frames == Stage().queue.frames
+    assert known_needed_ms(memory) == 0.0
+    keep_needed_ms({"needed_ms": 7.0}, memory)
+    assert known_needed_ms(memory) == 7.0
+
+
 def test_what_is_left_of_a_longer_queue_does_not_shorten_a_limited_one():
     """A stall of 400 frames leaves 300 of 700; of the 500 that the limit allows then, it would leave 100."""
     queue = queue_length.QueueLength(288, 700, 80, 32, RATE)

@@ -6,6 +6,7 @@ A stall that comes every minute is seen in no start of a session: without this, 
 from __future__ import annotations
 
 import statistics
+from typing import Annotated
 
 import msgspec
 
@@ -17,13 +18,16 @@ __all__ = ["QueueNeed", "keep_needed_ms", "known_needed_ms"]
 _SESSIONS = 5
 """Number of sessions that count: of most of them, not of a single busy one, is the length taken."""
 
+_LONGEST_MS = 10_000.0
+"""Need above which a file is damaged: no queue is so long [ms]."""
+
 _NAME = "live"
 
 
 class QueueNeed(msgspec.Struct, frozen=True):
     """Needs of the last sessions, oldest first [ms]."""
 
-    ms: tuple[float, ...] = ()
+    ms: tuple[Annotated[float, msgspec.Meta(ge=0.0, le=_LONGEST_MS)], ...] = ()
 
 
 def known_needed_ms(memory: MachineMemory[QueueNeed] | None = None) -> float:
