@@ -138,3 +138,15 @@ def test_a_sound_of_2_gb_is_refused_before_it_is_read(tmp_path):
         file.truncate(2 << 30)
     with pytest.raises(SceneError, match=r"2\.1 GB"):
         read_sound(path, 48_000)
+
+
+def test_a_sound_that_says_it_lasts_for_days_is_refused_before_it_is_decoded(tmp_path):
+    """A few bytes of FLAC can say so, and a compressed silence can even be so; the memory for it is never requested."""
+    path = tmp_path / "days.flac"
+    soundfile.write(path, TONE, 48_000)
+    content = bytearray(path.read_bytes())
+    content[21] |= 0x0F  # 36 bits of STREAMINFO: the number of frames (RFC 9639, 8.2)
+    content[22:26] = b"\xff\xff\xff\xff"
+    path.write_bytes(content)
+    with pytest.raises(SceneError, match="lasts 1431656 s; 1800 s at most"):
+        read_sound(path, 48_000)

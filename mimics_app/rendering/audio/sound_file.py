@@ -39,23 +39,28 @@ def frames_of(path: Path, inside: int | None = None) -> tuple[NDArray[np.float64
     if size > _LARGEST_BYTES:
         raise _refused(path, f"has {size / 1e9:.1f} GB", "a sound has 1 GB at most: cut it, or save it as OGG")
     try:
-        frames, rate = _decode(read_regular(path) if inside is None else _taken_out(path, inside))
-    except (OSError, RuntimeError, ValueError) as error:
+        frames, rate = _decode(path, read_regular(path) if inside is None else _taken_out(path, inside))
+    except (MemoryError, OSError, RuntimeError, ValueError) as error:
         why = str(error).rpartition(": ")[2]
         raise _refused(path, f"cannot be read as a sound ({why[:80]})", "save it as WAV, FLAC or OGG") from error
     if len(frames) == 0 or rate not in _RATES or not np.isfinite(frames).all():
         raise _refused(path, f"holds no sound, or values that are not finite, at {rate} Hz")
-    if len(frames) > _LONGEST_S * rate:
-        raise _refused(path, f"lasts {len(frames) / rate:.0f} s", f"{_LONGEST_S:.0f} s at most")
     return frames, rate
 
 
-def _decode(raw: bytes) -> tuple[NDArray[np.float64], int]:
-    """Return samples, shape [n, channels], and their rate. RuntimeError: libsndfile does not know the format."""
+def _decode(path: Path, raw: bytes) -> tuple[NDArray[np.float64], int]:
+    """Return samples, shape [n, channels], and their rate; of a sound that is too long, none is decoded.
+
+    Raises:
+        SceneError: Its header says that it is too long.
+        RuntimeError: libsndfile does not know the format.
+    """
     import soundfile
 
-    samples, rate = soundfile.read(io.BytesIO(raw), dtype="float64", always_2d=True)
-    return samples, int(rate)
+    with soundfile.SoundFile(io.BytesIO(raw)) as sound:
+        if sound.frames > _LONGEST_S * sound.samplerate:
+            raise _refused(path, f"lasts {sound.frames / sound.samplerate:.0f} s", f"{_LONGEST_S:.0f} s at most")
+        return sound.read(dtype="float64", always_2d=True), sound.samplerate
 
 
 def _resample(samples: NDArray[np.float64], rate_in: int, rate_out: int) -> NDArray[np.float64]:
