@@ -88,6 +88,13 @@ def test_flat_points_have_no_hull():
         convex_hull(points)
 
 
+def test_points_too_far_away_to_tell_have_no_hull():
+    """A thin solid at 10,000 km: its height is lost in the digits of its place."""
+    points = np.random.default_rng(1).normal(size=(30, 3)) * [1e-2, 1e-2, 1e-8] + 1e7
+    with pytest.raises(ValueError, match="plane"):
+        convex_hull(points)
+
+
 def test_sphere_round_a_box_touches_its_corners():
     vertices = box(0.2, 0.4, 0.1).positions.astype(float) + [1.0, 2.0, 3.0]
     centre, radius = enclosing_sphere(vertices)

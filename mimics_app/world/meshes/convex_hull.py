@@ -23,9 +23,9 @@ def convex_hull(points: F8) -> tuple[F8, I4]:
         (vertices [m], shape [k, 3]; indices, counter-clockwise from outside, shape [m, 3]).
 
     Raises:
-        ValueError: all points lie in one plane.
+        ValueError: all points lie in one plane, as far as their precision tells.
     """
-    from scipy.spatial import ConvexHull
+    from scipy.spatial import ConvexHull, QhullError
 
     points = np.unique(np.asarray(points, np.float64), axis=0)
     if len(points) < 4:
@@ -34,7 +34,10 @@ def convex_hull(points: F8) -> tuple[F8, I4]:
     thinnest = np.linalg.svd(centred, full_matrices=False)[2][2]
     if np.ptp(centred @ thinnest) <= _FLAT * np.ptp(points, axis=0).max():
         raise ValueError("all points lie in one plane")
-    hull = ConvexHull(points)
+    try:
+        hull = ConvexHull(points)
+    except QhullError as error:  # so far from the origin that their digits do not tell
+        raise ValueError("all points lie in one plane") from error
     p, q, r = (points[hull.simplices[:, k]] for k in range(3))
     inward = np.einsum("ij,ij->i", np.cross(q - p, r - p), hull.equations[:, :3]) < 0.0
     faces = np.where(inward[:, None], hull.simplices[:, ::-1], hull.simplices)
