@@ -84,13 +84,16 @@ class PluginGroup:
 
 
 def fault_of_builder(port: type) -> Callable[[str, object], str]:
-    """Return the check of a group whose plug-ins make objects of a protocol: functions, or classes with its members."""
+    """Return the check of a group whose plug-ins make objects of a protocol: functions, or classes with its methods.
+
+    Attributes are not looked for: a class may set them when it makes an object.
+    """
 
     def fault_of(_: str, loaded: object) -> str:
         if not callable(loaded):
             return f"cannot be called to make a {port.__module__}.{port.__name__}"
-        members = [name for name in vars(port) if not name.startswith("_")] if isinstance(loaded, type) else []
-        lacking = [name for name in members if not hasattr(loaded, name)]
+        methods = [name for name, member in vars(port).items() if callable(member) and not name.startswith("_")]
+        lacking = [name for name in methods if isinstance(loaded, type) and not hasattr(loaded, name)]
         return f"lacks {', '.join(lacking)}, see {port.__module__}.{port.__name__}" if lacking else ""
 
     return fault_of

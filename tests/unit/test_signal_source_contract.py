@@ -29,10 +29,8 @@ RATE = 600.0
 
 
 class Box:
-    lost = ""
-
     def __init__(self, rest, seed):
-        self.begun_ns, self.taken = None, 0
+        self.begun_ns, self.taken, self.lost = None, 0, ""  # no attribute of the class
 
     def read(self, now_ns):
         self.begun_ns = now_ns if self.begun_ns is None else self.begun_ns
@@ -101,7 +99,9 @@ class Silent(Box):
 
 
 class Gone(Box):
-    lost = "the box is off"
+    def __init__(self, rest, seed):
+        super().__init__(rest, seed)
+        self.lost = "the box is off"
 
 
 def bare(rest, seed):
