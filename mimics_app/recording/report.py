@@ -245,7 +245,7 @@ def _head_line(run: Run) -> list[str]:
     whose = [f"participant {shown(known['participant'])}"] if known.get("participant") else []
     words = [*whose, _local_time(mapping(run.session.get("clock")).get("utc")), f"{seconds:.1f} s"]
     moved_by = mapping(run.session.get("moved_by"))
-    words += [f"simulated patient, {shown(moved_by['preset'])}"] if moved_by.get("person") == "simulated" else []
+    words += [f"simulated patient, {shown(moved_by.get('preset'))}"] if moved_by.get("person") == "simulated" else []
     words += [shown(known[key]) for key in ("device", "profile") if known.get(key)]
     words.append(f"seed {shown(run.session.get('seed'))}")
     return [word for word in words if word]

@@ -137,6 +137,14 @@ def test_a_simulated_person_is_not_compared_with_one_of_another_preset(tmp_path:
     assert front.trend is None and front.sentence == "2 of 3 trials finished."
 
 
+def test_a_simulated_person_whose_preset_is_lost_is_reported_without_it(tmp_path: Path) -> None:
+    """A damaged header, which a replay copies into its own."""
+    write_synthetic_run(tmp_path, 1.0)
+    header = tmp_path / "session.json"
+    header.write_text(json.dumps(json.loads(header.read_text()) | {"moved_by": {"person": "simulated"}}))
+    assert "simulated patient, –" in write_report(tmp_path, report_sections()).read_text(encoding="utf-8")
+
+
 def test_a_scene_is_shown_with_a_list_of_numbers_in_one_line() -> None:
     scene = {"points": [[0.5, -1.0], [2.0, 0.0]], "text": 'a "[" and\na {brace}', "empty": {}, "deep": [{"a": [1, {}]}]}
     text = indented_json(scene)
