@@ -5,6 +5,7 @@ The file is replaced after every run. One that cannot be read or written is igno
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -41,10 +42,13 @@ class MachineMemory(Generic[T]):
             return
         known = {other: was for other, was in self._read().items() if other != name}
         newest = dict(list(known.items())[-_MAX_KEPT + 1 :])
-        written = self._file.with_suffix(".part")
+        written = self._file.with_suffix(f".{os.getpid()}.part")  # another process may write at the same time
         with suppress(OSError):
-            written.write_bytes(msgspec.json.encode({**newest, name: entry}))
-            written.replace(self._file)
+            try:
+                written.write_bytes(msgspec.json.encode({**newest, name: entry}))
+                written.replace(self._file)
+            finally:
+                written.unlink(missing_ok=True)
 
     def _read(self) -> Mapping[str, T]:
         if self._file is None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import pytest
 
@@ -235,6 +237,24 @@ def test_a_damaged_file_of_held_qualities_is_as_good_as_none(tmp_path, damage):
     assert kept.find("tunnel") is None
     kept.keep("tunnel", Held(("shadows off",), (1.2,), (False,)))
     assert MachineMemory(Held, file).find("tunnel") == Held(("shadows off",), (1.2,), (False,))
+
+
+def test_two_processes_do_not_write_into_one_file(tmp_path, monkeypatch):
+    """The one that replaces the file last has its entry there, and readers never see a part of either."""
+    file, replace = tmp_path / "quality.json", Path.replace
+    mine, theirs = Held(("mine",), (), ()), Held(("theirs",), (), ())
+
+    def replace_after_another(written, target):
+        monkeypatch.setattr(Path, "replace", replace)
+        with monkeypatch.context() as other:
+            other.setattr(os, "getpid", lambda: -1)
+            MachineMemory(Held, file).keep("theirs", theirs)
+        return replace(written, target)
+
+    monkeypatch.setattr(Path, "replace", replace_after_another)
+    MachineMemory(Held, file).keep("mine", mine)
+    assert MachineMemory(Held, file).find("mine") == mine
+    assert [each.name for each in tmp_path.iterdir()] == ["quality.json"]
 
 
 def test_a_folder_that_cannot_be_written_is_no_fault(tmp_path):
