@@ -28,14 +28,14 @@ def _deferring(create: Callable[..., _Method]) -> Callable[..., _Method]:
             return create(name, *source, **scope)
         compiled: list[_Method] = []
 
-        def method(self: object, *given: object) -> object:
+        def method(self: object, *given: object, **named: object) -> object:
             if not compiled:
                 compiled.append(create(name, *source, **scope))
                 compiled[0].__qualname__ = method.__qualname__
                 for owner in type(self).__mro__:
                     if vars(owner).get(name) is method:
                         setattr(owner, name, compiled[0])
-            return compiled[0](self, *given)
+            return compiled[0](self, *given, **named)
 
         method.__name__ = name
         return method

@@ -61,6 +61,7 @@ def _behaviour(kind: Any) -> list[object]:
     a, b, c = kind(1.0), kind(1.0, near=(2,)), kind(2.0, "foot")
     calls = [
         lambda: repr(c),
+        lambda: kind.__eq__(a, other=b),
         lambda: a == b,
         lambda: a == c,
         lambda: a == 1.0,
