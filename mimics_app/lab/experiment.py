@@ -7,12 +7,17 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
+import numpy as np
+
 __all__ = ["Experiment", "Outcome", "Points", "Row", "curves_of", "largest_disagreement", "points_of"]
 
 Points = list[tuple[float, float]]
 
 Row = dict[str, Any]
 """Row of an experiment's table: values by name, with the unit in the name."""
+
+_OF_ROWS = -math.inf
+"""Disagreement that the rows or curves tell."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,15 +40,15 @@ class Outcome:
     simulated: Points
     exact: Points
     rules: dict[str, Points] = field(default_factory=dict)
-    disagreement: float = math.nan
+    disagreement: float = _OF_ROWS
     holds: bool = True
     note: str = ""
     passed: bool = False
 
     def __post_init__(self) -> None:
-        if math.isnan(self.disagreement):
+        if self.disagreement == _OF_ROWS:
             by_row = [row["difference"] for row in self.rows if "difference" in row]
-            found = max(by_row) if by_row else largest_disagreement(self.simulated, self.exact)
+            found = float(np.max(by_row)) if by_row else largest_disagreement(self.simulated, self.exact)
             object.__setattr__(self, "disagreement", found)
 
 
@@ -94,7 +99,7 @@ def curves_of(rows: Sequence[Mapping[str, Any]], x: str, simulated: str, exact: 
 
 
 def largest_disagreement(simulated: Points, exact: Points) -> float:
-    """Return the largest relative difference in y of two boundaries given at the same x.
+    """Return the largest relative difference in y of two boundaries given at the same x; NaN where one is none.
 
     Raises:
         ValueError: Different numbers of points, different x, or none.
@@ -103,4 +108,4 @@ def largest_disagreement(simulated: Points, exact: Points) -> float:
         raise ValueError(f"{len(simulated)} simulated against {len(exact)} exact points")
     if any(a[0] != b[0] for a, b in zip(simulated, exact, strict=True)):
         raise ValueError("simulated and exact points stand at different x")
-    return max(abs(a[1] - b[1]) / max(abs(b[1]), 1e-300) for a, b in zip(simulated, exact, strict=True))
+    return float(np.max([abs(a[1] - b[1]) / max(abs(b[1]), 1e-300) for a, b in zip(simulated, exact, strict=True)]))

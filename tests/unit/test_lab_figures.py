@@ -120,6 +120,20 @@ def test_curves_that_follow_or_take_turns_are_not_joined():
         assert len(re.findall(r'<path class="line s2 dashed"', svg)) == 2
 
 
+@pytest.mark.parametrize(
+    "outcome",
+    [
+        Outcome([{"difference": 0.0}], [(1.0, 1.0)], [(1.0, 1.0)], disagreement=math.nan),
+        Outcome([{"difference": 0.0}, {"difference": math.nan}], [], []),
+        Outcome([], [(1.0, 1.0), (2.0, math.nan)], [(1.0, 1.0), (2.0, 1.0)]),
+    ],
+    ids=["found", "of a row", "of a curve"],
+)
+def test_a_disagreement_that_is_no_number_passes_nowhere(outcome):
+    experiment = Experiment("S0", "Nothing", "It holds.", "x", "y", "boundary", lambda points: outcome, 0.1)
+    assert not experiment.run(4).passed
+
+
 def test_caption_says_the_disagreement_and_whether_it_is_allowed():
     assert "within the 2 % allowed" in draw_outcome(*outcome(1.01), 4).svg
     assert "OUTSIDE" in draw_outcome(*outcome(1.5), 4).svg
