@@ -113,7 +113,7 @@ def _measure_once(group: str, registry: Registry, step: Step, *, first: bool) ->
     for method in rivals:
         step(f"{group}: {method.name}")
         try:
-            cost = float(method.cost())
+            cost = _time_of(method.cost())
             error = _size_of(method.error()) if first else math.inf
             after = described.reference()
             growth = _growth(method, step)
@@ -146,6 +146,13 @@ def _least(rows: Sequence[Measured]) -> Measured:
     spread = (min(costs), max(costs)) if len(costs) > 1 else first.spread_us
     ratio = min(row.ratio for row in rows)
     return replace(first, cost_us=min(costs), ratio=ratio, growth=growth, spread_us=spread)
+
+
+def _time_of(cost: float) -> float:
+    """Return a cost; raises ValueError where it is no duration: the planner would choose it before all others."""
+    if not 0.0 < cost < math.inf:
+        raise ValueError(f"a cost of {cost} us")
+    return float(cost)
 
 
 def _size_of(error: float) -> float:

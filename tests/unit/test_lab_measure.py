@@ -128,6 +128,15 @@ def test_a_package_whose_probe_raises_anything_is_named_in_one_line_and_the_rest
     assert list(to_table([measured]).groups) == ([] if probe == "reference" else [GROUP])
 
 
+@pytest.mark.parametrize("cost", [-1.0, 0.0, math.nan, math.inf])
+def test_a_cost_that_is_no_duration_is_skipped(cost: float):
+    registry = planted(one=method("one", 1.0, 0.0))
+    registry.take(GROUP, lambda trial: trial.register(method("free", cost, 0.0)))
+    measured = measure(GROUP, registry)
+    assert [row.method.name for row in measured.rows] == ["one"]
+    assert measured.skipped["free"].endswith(f"a cost of {cost} us")
+
+
 def test_a_built_in_probe_that_raises_anything_is_not_hidden():
     def fail() -> float:
         raise ZeroDivisionError
