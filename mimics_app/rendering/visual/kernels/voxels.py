@@ -4,13 +4,32 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.contracts.arrays import F4, F8, I8, U4
+from mimics_app.contracts.arrays import F4, F8, I4, I8, U4
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["voxelise"]
+__all__ = ["bound_clusters", "voxelise"]
 
 _ROUNDING = 1e-6, 1e-15
 """Relative and absolute margin of a test in double precision."""
+
+
+@kernel
+def bound_clusters(vertices: F4, members: I4, starts: I4, boxes: F8) -> None:
+    """Compute the boxes of clusters of vertices.
+
+    Args:
+        vertices: Position [m] and more of each vertex, [n, >= 3].
+        members: Vertices of the first cluster, then those of the second, and so on.
+        starts: First member of each cluster, and the number of members, int32 [clusters + 1].
+        boxes: Written: least and greatest corner [m], [clusters, 2, 3].
+    """
+    for cluster in range(boxes.shape[0]):
+        boxes[cluster, 0], boxes[cluster, 1] = np.inf, -np.inf
+        for member in range(starts[cluster], starts[cluster + 1]):
+            for i in range(3):
+                place = vertices[members[member], i]
+                boxes[cluster, 0, i] = min(boxes[cluster, 0, i], place)
+                boxes[cluster, 1, i] = max(boxes[cluster, 1, i], place)
 
 
 @kernel

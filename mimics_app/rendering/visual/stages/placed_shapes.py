@@ -99,8 +99,7 @@ class PlacedShapes:
             if body.revision != revision:
                 first, end = self.spans[shape]
                 self._bent[shape] = body, body.revision
-                if not self._known.bend(body, self.boxes[first:end]):
-                    self._discard(shape)
+                self._known.bend(body, self._names_of(shape), self.boxes[first:end])
         count = int(np.count_nonzero(rewritten))
         if count > self._rewritten:
             self._rewritten = count
@@ -136,14 +135,17 @@ class PlacedShapes:
         """Compute the boxes that were missed: of a few shapes a frame, and of all that were computed before."""
         computed = 0
         for shape in np.flatnonzero(self.missed == MISSED).tolist():
-            meshes = self.items.meshes[self._order[self._firsts[shape] : self._firsts[shape + 1]]]
-            names = [self.items.mesh_names[mesh] for mesh in meshes.tolist()]
+            names = self._names_of(shape)
             computed += not self._known.has(names)
             if computed > _MOST_COMPUTED:
                 return
             self.missed[shape], boxes = KNOWN, self._known.of(names)
             if boxes is not None:
                 self._keep(shape, boxes, self._known.body_of(names))
+
+    def _names_of(self, shape: int) -> list[str]:
+        meshes = self.items.meshes[self._order[self._firsts[shape] : self._firsts[shape + 1]]]
+        return [self.items.mesh_names[mesh] for mesh in meshes.tolist()]
 
     def _keep(self, shape: int, boxes: F8, body: SkinnedBody | None) -> None:
         first = len(self.boxes)

@@ -7,17 +7,17 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from mimics_app.contracts.arrays import F8, I4
-from mimics_app.rendering.visual.kernels.voxels import voxelise
+from mimics_app.contracts.arrays import F4, F8, I4
+from mimics_app.rendering.visual.drawing.skinning import bend_mesh, make_source
+from mimics_app.rendering.visual.kernels.voxels import bound_clusters, voxelise
 from mimics_app.world.meshes.mesh import MeshData
-from mimics_app.world.motion.kernels.skinning_palette import bound_blends
 from mimics_app.world.motion.skinned_body import SkinnedBody
 from mimics_app.world.world import World
 
 __all__ = ["ShapeBoxes"]
 
 _DIVISIONS = 8
-"""Boxes along the longest side of a rigid shape."""
+"""Boxes along the longest side of a shape."""
 
 
 class ShapeBoxes:
@@ -33,13 +33,13 @@ class ShapeBoxes:
     def __init__(self, world: World) -> None:
         self.world = world
         self._rigid: dict[tuple[str, ...], tuple[list[tuple[int, MeshData]], F8]] = {}
-        self._sets = WeakKeyDictionary[SkinnedBody, tuple[I4, F8]]()
+        self._clusters = WeakKeyDictionary[SkinnedBody, dict[tuple[str, ...], _Clusters]]()
 
     def of(self, meshes: Sequence[str]) -> F8 | None:
         """Return boxes in the frame of the node that carries some meshes; None where they are not known.
 
         Args:
-            meshes: Keys of all meshes at the node.
+            meshes: Keys of meshes at the node.
 
         Returns:
             Least and greatest corner of each [m], [n, 2, 3].
@@ -48,32 +48,25 @@ class ShapeBoxes:
         if bodies == {None}:
             return self._of_rigid(tuple(meshes))
         body = self.body_of(meshes)
-        if body is None or not _is_plain(body):
+        if body is None:
             return None
-        bent = np.empty_like(self._sets_of(body)[1])
-        self.bend(body, bent)
-        return bent
+        boxes = np.empty((self._clusters_of(body, meshes).count, 2, 3))
+        self.bend(body, meshes, boxes)
+        return boxes
 
     def has(self, meshes: Sequence[str]) -> bool:
         """Whether boxes of some meshes were computed before; those of a mesh that was replaced take time again."""
-        return tuple(meshes) in self._rigid or self.body_of(meshes) in self._sets
+        names, body = tuple(meshes), self.body_of(meshes)
+        return names in (self._rigid if body is None else self._clusters.get(body, ()))
 
     def body_of(self, meshes: Sequence[str]) -> SkinnedBody | None:
         """Return the one deformable body that all of some meshes are of."""
         bodies = {self.world.motion.body_of.get(name) for name in meshes}
         return bodies.pop() if len(bodies) == 1 else None
 
-    def bend(self, body: SkinnedBody, boxes: F8) -> bool:
-        """Write the boxes of a body's sets of vertices with the same joints, as deformed [m], [n, 2, 3].
-
-        Returns:
-            False, and nothing is written, where dual quaternions may leave such boxes.
-        """
-        if not _is_plain(body):
-            return False
-        joints, modelled = self._sets_of(body)
-        bound_blends(body.rows, joints, modelled, body.margin, boxes)
-        return True
+    def bend(self, body: SkinnedBody, meshes: Sequence[str], boxes: F8) -> None:
+        """Write the boxes of some of a body's meshes as deformed, as many as `of` returned [m], [n, 2, 3]."""
+        self._clusters_of(body, meshes).bound(body, boxes)
 
     def _of_rigid(self, names: tuple[str, ...]) -> F8:
         meshes = [(self.world.mesh_revision(name), self.world.meshes[name]) for name in names]
@@ -81,15 +74,39 @@ class ShapeBoxes:
             self._rigid[names] = meshes, _divide([mesh for _, mesh in meshes])
         return self._rigid[names][1]
 
-    def _sets_of(self, body: SkinnedBody) -> tuple[I4, F8]:
-        if body not in self._sets:
-            self._sets[body] = _find_sets(list(body.meshes.values()))
-        return self._sets[body]
+    def _clusters_of(self, body: SkinnedBody, names: Sequence[str]) -> _Clusters:
+        known, meshes = self._clusters.setdefault(body, {}), [body.meshes[name] for name in names]
+        if tuple(names) not in known or known[tuple(names)].meshes != meshes:
+            known[tuple(names)] = _Clusters(meshes)
+        return known[tuple(names)]
 
 
-def _is_plain(body: SkinnedBody) -> bool:
-    """Whether each vertex of a body is a linear blend of what its joints do with it."""
-    return body.method == "linear" and all(mesh.weights is not None for mesh in body.meshes.values())
+class _Clusters:
+    """Triangles of a deformable body that follow the same joint and are in the same cell of a grid at rest.
+
+    Attributes:
+        meshes: Meshes of the body.
+        count: Number of clusters.
+
+    Args:
+        meshes: Meshes of the body.
+    """
+
+    def __init__(self, meshes: Sequence[MeshData]) -> None:
+        self.meshes = meshes
+        self._sources = [make_source(mesh) for mesh in meshes]
+        self._ends = np.cumsum([len(mesh.positions) for mesh in meshes]).tolist()
+        self._stream: F4 = np.zeros((self._ends[-1], 8), np.float32)
+        self._members, self._starts = _gather(meshes)
+        self.count = len(self._starts) - 1
+
+    def bound(self, body: SkinnedBody, boxes: F8) -> None:
+        """Write the box of each cluster of the body, as deformed in this frame [m], [n, 2, 3]."""
+        first = 0
+        for source, end in zip(self._sources, self._ends, strict=True):
+            bend_mesh(source, body, self._stream[first:end])
+            first = end
+        bound_clusters(self._stream, self._members, self._starts, boxes)
 
 
 def _divide(meshes: Sequence[MeshData]) -> F8:
@@ -109,24 +126,23 @@ def _divide(meshes: Sequence[MeshData]) -> F8:
     return np.ascontiguousarray(boxes[boxes[:, 0, 0] <= boxes[:, 1, 0]])
 
 
-def _find_sets(meshes: Sequence[MeshData]) -> tuple[I4, F8]:
-    """Return the sets of joints that move vertices, -1: fewer, [n, k], and boxes of their vertices, [n, 2, 3]."""
-    most = max(mesh.weights.influences for mesh in meshes if mesh.weights is not None)
-    joints, places = [], []
-    for mesh in meshes:
-        if mesh.weights is not None:
-            moving = np.where(mesh.weights.weights > 0.0, mesh.weights.joints.astype(np.int32), -1)
-            moving = np.pad(moving, ((0, 0), (0, most - moving.shape[1])), constant_values=-1)
-            joints.append(np.sort(moving, axis=1))
-            places.append(mesh.positions.astype(np.float64))
-    sets, numbers = np.unique(np.concatenate(joints), axis=0, return_inverse=True)
-    positions = np.concatenate(places)
-    return np.ascontiguousarray(sets), _gather(positions, positions, numbers.reshape(-1).astype(np.int32))
+def _gather(meshes: Sequence[MeshData]) -> tuple[I4, I4]:
+    """Return the vertices of each cluster, numbered through all meshes, and where each cluster begins and ends."""
+    positions = np.concatenate([mesh.positions for mesh in meshes])
+    least, greatest = positions.min(axis=0), positions.max(axis=0)
+    cell = max(float((greatest - least).max()) / _DIVISIONS, 1e-9)
+    keys = np.column_stack([np.concatenate([_leaders(mesh) for mesh in meshes]), (positions - least) // cell])
+    first = np.cumsum([0, *(len(mesh.positions) for mesh in meshes[:-1])])
+    triangles = np.concatenate([mesh.indices.reshape(-1, 3) + start for mesh, start in zip(meshes, first, strict=True)])
+    _, numbers = np.unique(keys[triangles[:, 0]], axis=0, return_inverse=True)
+    count = len(positions)
+    held = np.unique(numbers.reshape(-1, 1).astype(np.int64) * count + triangles)
+    starts = np.flatnonzero(np.diff(held // count, prepend=-1, append=-1))
+    return (held % count).astype(np.int32), starts.astype(np.int32)
 
 
-def _gather(low: F8, high: F8, numbers: I4) -> F8:
-    """Return the boxes around the boxes of the same number, in the order of the numbers, [n, 2, 3]."""
-    order = np.argsort(numbers, kind="stable")
-    starts = np.flatnonzero(np.diff(numbers[order], prepend=-1))
-    least, greatest = np.minimum.reduceat(low[order], starts), np.maximum.reduceat(high[order], starts)
-    return np.ascontiguousarray(np.stack([least, greatest], axis=1))
+def _leaders(mesh: MeshData) -> I4:
+    """Return the joint with the largest weight of each vertex, -1: none, [n]."""
+    if mesh.weights is None:
+        return np.full(len(mesh.positions), -1, np.int32)
+    return mesh.weights.joints[:, 0].astype(np.int32)

@@ -18,7 +18,7 @@ from mimics_app.maths.quat import (
     normalise,
 )
 
-__all__ = ["bound_blends", "bound_joints", "write_palette"]
+__all__ = ["bound_joints", "write_palette"]
 
 
 _FLAT = 1e-300
@@ -148,21 +148,3 @@ def bound_joints(rows: F4, boxes: F8, grown: F8, least: F8, greatest: F8) -> Non
         if boxes[j, 0, 0] > boxes[j, 1, 0]:
             continue
         _extend_by_box(rows[j], boxes[j], grown, least, greatest)
-
-
-@kernel
-def bound_blends(palette: F4, joints: I4, boxes: F8, grown: F8, out: F8) -> None:
-    """Compute the AABB of each set of vertices that linearly follow the same joints.
-
-    Args:
-        palette: Three rows of each joint's matrix, [joints, 3, 4].
-        joints: Joints of each set, -1: fewer, int32 [n, k].
-        boxes: Least and greatest corner of each set as modelled [m], [n, 2, 3].
-        grown: Margin for morph targets and rounding on each side [m], [3].
-        out: Written: least and greatest corner as deformed [m], [n, 2, 3].
-    """
-    for i in range(joints.shape[0]):
-        out[i, 0], out[i, 1] = math.inf, -math.inf
-        for joint in joints[i]:
-            if joint >= 0:
-                _extend_by_box(palette[joint], boxes[i], grown, out[i, 0], out[i, 1])
