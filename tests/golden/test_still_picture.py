@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -19,6 +20,7 @@ from mimics_app.rendering.visual.view import Rect, View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.components.effects import Billboard, Projector
 from mimics_app.world.cords import Cord
+from mimics_app.world.live_pictures import InsetView, ScreenSurface, show_mirror, show_screen
 from mimics_app.world.materials.material import Material
 from mimics_app.world.materials.technique import PassSpec, TechniqueSpec
 from mimics_app.world.meshes.primitives import box, icosphere, plane
@@ -201,6 +203,45 @@ def test_pictures_far_apart_are_drawn_in_parts_from_the_second_on(settings, draw
             assert len(drawn_parts) - before <= (step >= 1 and step not in WHOLE), step
             assert np.array_equal(ours, draw_whole(rare, seen)), step
     assert len(drawn_parts) >= 15
+
+
+def add_live_pictures(world: World) -> None:
+    """A mirror behind the boxes, a screen that is seen in it too, and an inset."""
+    facing = (math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))
+    world.meshes |= {"glass": plane(4.0, 1.6), "tube": plane(0.8, 0.5)}
+    for name, mesh, place in (("mirror", "glass", (0.0, 0.7, -1.7)), ("screen", "tube", (1.5, 0.5, -1.2))):
+        node = world.root.create_child(name, place, facing)
+        node.create_entity(mesh, "default").subentities[0].casts_shadow = False
+    world.find("screen").set_orientation((0.0, math.sqrt(0.5), -math.sqrt(0.5), 0.0))
+    world.root.create_child("eye", (-2.0, 1.5, 0.0)).create_camera(0.8, 0.05, 20.0)
+    world.find("eye").look_at((0.0, 0.3, 0.3))
+    show_mirror(world.find("mirror"))
+    show_screen(world.find("screen"), ScreenSurface("eye", (96, 64)))
+    world.insets["eye"] = InsetView("eye", (0.7, 0.7, 0.25, 0.25))
+    world.update()
+
+
+@pytest.mark.parametrize("sparse", [False, True], ids=["every frame", "sparse"])
+@pytest.mark.parametrize("settings", [PLAIN, replace(PLAIN, msaa=4, mirror_scale=0.5)], ids=["plain", "samples"])
+def test_mirrors_screens_and_insets_drawn_in_parts_are_those_drawn_as_a_whole(settings, sparse, drawn_parts):
+    world = make_world()
+    add_live_pictures(world)
+    if settings.msaa:
+        world.insets.clear()  # drawn over kept samples an inset would have another border
+    with create_surface("egl", SIZE) as surface:
+        steady = Renderer(surface, world, settings, sparse=sparse)
+        for step in range(22):
+            world.find("ball").set_position((0.6 * np.sin(0.3 * step), 0.9, 0.3))
+            CHANGES.get(step, lambda world: None)(world)
+            if step >= 18:
+                world.find("mirror").set_position((0.05 * (step - 17), 0.7, -1.7))
+            world.effects.time = step / 60.0
+            world.update()
+            steady.draw([view()])
+            ours = read_pixels(surface)
+            assert np.array_equal(ours, draw_whole(steady, view())), step
+        assert surface.ctx.error == "GL_NO_ERROR"
+    assert len(drawn_parts) >= 18, "not only of the view"
 
 
 def test_what_is_drawn_without_depth_is_added_once_beside_what_changed(monkeypatch):

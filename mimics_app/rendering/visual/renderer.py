@@ -56,8 +56,7 @@ class Renderer:
     """Draws a world on a surface.
 
     Stages of a frame: shadow maps, the world in every view, the heads-up display. Light is computed linearly and
-    encoded for the display by the shaders themselves, so that all backends agree; blending and multisampling mix
-    display values.
+    encoded for the display by the shaders, so that all backends agree; blending and multisampling mix display values.
 
     Attributes:
         world: The world to draw; may be exchanged between frames.
@@ -143,8 +142,7 @@ class Renderer:
 
         Args:
             views: One view per eye; at least one.
-            latch: Called after queueing, just before the world is drawn, for views of the newest head pose; None
-                without head tracking.
+            latch: Called just before the world is drawn, for views of the newest head pose; None without tracking.
 
         Raises:
             UsageError: `views` is empty.
@@ -248,7 +246,7 @@ class Renderer:
             draws += self._pictures.draw(self._world, scene, self._picture.samples)
         with self._timed("submit"):
             if latch is not None:
-                drawn = _latched(drawn, latch())
+                drawn = [each.latched(newer) for each, newer in zip(drawn, latch(), strict=True)]
             paint = self._world.draw if parts is None else self._world.draw_parts
             draws += paint(target, self._picture.samples, scene, drawn)
             self._picture.holds = self._picture.keep
@@ -277,25 +275,32 @@ class Renderer:
         place = self._picture.rectangle(views[0].rectangle if views else (0, 0, 0, 0))
         if (self._overlay and self._overlay.shows) or not (self._has.software and may_keep(scene, views, place)):
             self._still.forget()
+            self._pictures.forget()
             parts = None
         else:
-            hud = self.hud if self._sparse else None
-            parts = self._still.parts(capture_frame(scene, views[0], place, self._list, self._shaders.replaced, hud))
+            capture = partial(capture_frame, scene, self._list, self._shaders.replaced)
+            changes = self._pictures.find_changes(scene, self._list, views[0], place[2:], capture)
+            parts = self._still.parts(capture(views[0], place, *changes, self.hud if self._sparse else None))
         self._picture.keep = self._still.keeps
         return parts
 
     def _batch_parts(self, scene: FrameScene, view: View, parts: Sequence[ChangedPart]) -> list[ViewDraws]:
-        """Queue what is visible in parts of a view."""
-        x, y, *size = place = self._picture.rectangle(view.rectangle)
-        drawn = []
+        """Queue what is visible in parts of a view, and in what changed of the pictures within it."""
+        place = self._picture.rectangle(view.rectangle)
+        inside, within = partial(self._batch_inside, scene), partial(self._batch_within, scene)
+        return self._pictures.queue_parts(self.world, view, place, parts, inside, within)
+
+    def _batch_within(
+        self, scene: FrameScene, parts: Sequence[ChangedPart], view: View, place: Rect, key: Hashable
+    ) -> list[ViewDraws]:
+        """Queue what is visible in parts of a view in a rectangle of its target."""
+        drawn, frame, samples = [], self._frame, self._picture.samples
         for part in parts:
-            left, bottom, width, height = part.rectangle
-            seen = view.through((left - x, bottom - y, width, height), (size[0], size[1]))
-            opaque, blended, away = self._list.batch_views(
-                self._frame, [seen], view.eye_world, [(width, height)], self._picture.samples, 0
-            )
+            size, (left, bottom) = part.rectangle[2:], part.rectangle[:2]
+            seen = view.through((left - place[0], bottom - place[1], *size), place[2:])
+            opaque, blended, away = self._list.batch_views(frame, [seen], view.eye_world, [size], samples, key)
             projected = [] if scene.effects is None else scene.effects.meet([seen], self._list, self._frame)
-            mixed = blended if scene.effects is None else scene.effects.mix(seen, height, blended, away)
+            mixed = blended if scene.effects is None else scene.effects.mix(seen, size[1], blended, away)
             drawn.append(ViewDraws(view, place, opaque, mixed, projected=projected, part=part))
         return drawn
 
@@ -392,9 +397,3 @@ class Renderer:
             plane = plane_of_views(eyes, self.settings.hud_depth)
             draws += sum(self._hud_pass.draw(hud, view, plane) for view in eyes for hud in huds)
         return draws
-
-
-def _latched(drawn: list[ViewDraws], newer: Sequence[View]) -> list[ViewDraws]:
-    """Return the queued draws with the newest views; views with mirrors keep the pose they were queued with."""
-    pairs = zip(drawn, newer, strict=True)
-    return [each if each.mirrors else replace(each, view=each.view.latched(view)) for each, view in pairs]

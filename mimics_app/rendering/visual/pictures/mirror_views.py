@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
+from mimics_app.rendering.visual.changed_part import ChangedPart
 from mimics_app.rendering.visual.view import Rect, View
 from mimics_app.world.meshes.mesh import MeshData
 
@@ -31,6 +33,21 @@ class Reflection:
 
     view: View
     pixels: Rect
+
+    def places(self, parts: Sequence[ChangedPart] | None) -> F8:
+        """Return where parts of the reflection are seen in the view's picture [px]: left, right, bottom, top; [n, 4].
+
+        Args:
+            parts: The parts; None: all of it.
+        """
+        x, y, width, height = self.pixels
+        drawn = self.view.rectangle
+        pieces = [drawn] if parts is None else [piece for part in parts for piece in part.pieces]
+        left, bottom, wide, high = np.array(pieces, np.float64).reshape(-1, 4).T
+        across, along, end = width / drawn[2], height / drawn[3], x + width
+        # Flipped: the left edge of the reflection is the right one of the mirror.
+        edges = (end - (left + wide) * across, end - left * across, y + bottom * along, y + (bottom + high) * along)
+        return np.stack(edges, axis=1)
 
 
 def plane_of_sheet(mesh: MeshData) -> F8 | None:

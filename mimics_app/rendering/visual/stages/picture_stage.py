@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mimics_app.contracts.arrays import B1, F8
 from mimics_app.contracts.errors import Issue
+from mimics_app.rendering.visual.changed_part import ChangedPart
 from mimics_app.rendering.visual.displays.desktop import desktop_views
+from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.passes.hud import plane_of_views
 from mimics_app.rendering.visual.passes.inset import InsetPass, inset_pixels
 from mimics_app.rendering.visual.pictures.live_picture import LivePicture, MirrorPicture
 from mimics_app.rendering.visual.pictures.mirror_views import Reflection, plane_of_sheet, reflect_view
+from mimics_app.rendering.visual.stages.seen_frame import SeenFrame
+from mimics_app.rendering.visual.stages.still_picture import StillPicture
 from mimics_app.rendering.visual.stages.world_stage import FrameScene, ViewDraws, WorldStage
 from mimics_app.rendering.visual.surfaces.surface import Size
-from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view import Rect, View
 from mimics_app.world.live_pictures import MirrorSurface, body_of, live_key
 from mimics_app.world.world import World
 
@@ -30,14 +35,37 @@ __all__ = ["PictureStage"]
 Batch = Callable[[View, Hashable], ViewDraws]
 """Queues what is visible in a view whose rectangle starts at 0, 0."""
 
+BatchParts = Callable[[Sequence[ChangedPart], View, Rect, Hashable], list[ViewDraws]]
+"""Queues what is visible in parts of a view in a rectangle of its target."""
+
+Capture = Callable[[View, Rect, B1], SeenFrame]
+"""Captures what the picture of a view in a rectangle of its target depends on, given the items that are renewed."""
+
 
 @dataclass(frozen=True, eq=False)
 class _Job:
-    """A picture to draw: its target, the number of the view it belongs to (mirrors), and its draws."""
+    """A picture to draw: its target, the number of the view it belongs to (mirrors), and its draws, or one a part."""
 
     picture: LivePicture
     number: int
-    drawn: ViewDraws
+    drawn: list[ViewDraws]
+
+
+@dataclass(eq=False)
+class _Kept:
+    """A mirror's picture in the only view, from frame to frame.
+
+    Attributes:
+        still: Finds what changes in it.
+        held: True while its buffer has the picture of the last frame.
+        reflection: The reflection of this frame; None where the mirror is not visible.
+        parts: Parts of the picture that changed; None: all of it.
+    """
+
+    still: StillPicture = field(default_factory=StillPicture)
+    held: bool = False
+    reflection: Reflection | None = None
+    parts: list[ChangedPart] | None = None
 
 
 class PictureStage:
@@ -58,19 +86,69 @@ class PictureStage:
         self.issues: list[Issue] = []
         self._jobs: list[_Job] = []
         self._frames = 0
+        self._seen: set[str] = set()
+        self._kept: dict[str, _Kept] = {}
         self._reported: set[str] = set()
 
     def update(self, world: World) -> None:
-        """Create a picture for each mirror, screen and inset of the world, and free all others."""
+        """Begin a frame: create a picture for each mirror, screen and inset of the world, and free all others."""
+        self._frames += 1
         wanted: dict[str, Callable[[moderngl.Context], LivePicture]] = {}
         wanted |= dict.fromkeys(map(live_key, world.mirrors), MirrorPicture)
         wanted |= dict.fromkeys(map(live_key, world.screens), LivePicture)
         wanted |= dict.fromkeys(map(_inset_key, world.insets), partial(LivePicture, decoded=False))
         for key in [key for key in self.pictures if key not in wanted]:
             self.pictures.pop(key).release()
+            self._kept.pop(key, None)
         for key, make in wanted.items():
             if key not in self.pictures:
                 self.pictures[key] = make(self._ctx)
+
+    def forget(self) -> None:
+        """Discard what is known of the mirrors of the last frame."""
+        for kept in self._kept.values():
+            kept.still.forget()
+
+    def find_changes(
+        self, scene: FrameScene, listed: DrawList, view: View, size: Size, capture: Capture
+    ) -> tuple[B1, F8]:
+        """Find what differs from the last frame in the screens and reflections that the only view of a frame shows.
+
+        Args:
+            scene: World and settings of the frame.
+            listed: Its draw list.
+            view: The view.
+            size: Size of its picture [px].
+            capture: Captures a frame of a reflection.
+
+        Returns:
+            Items that show a screen whose picture is drawn in this frame, [n]; and where changed parts of reflections
+            are seen, as shares of the view's picture: left, right, bottom, top; [m, 4].
+        """
+        renewed, places, world = self._renewed(scene.world, listed), [np.zeros((0, 4))], scene.world
+        for name, mirror in world.mirrors.items():
+            kept = self._kept.setdefault(live_key(name), _Kept())
+            kept.reflection = found = self._reflect(world, name, mirror, view, size, scene.settings.mirror_scale)
+            if found is None:
+                kept.still.forget()
+                kept.held = False
+                continue
+            parts = kept.still.parts(capture(found.view, found.view.rectangle, renewed))
+            kept.parts = parts if kept.held else None
+            places.append(found.places(kept.parts) / np.repeat(size, 2))
+        return renewed, np.concatenate(places)
+
+    def _renewed(self, world: World, listed: DrawList) -> B1:
+        """Return the items that show a screen whose picture is drawn in this frame, [n]."""
+        items = listed.items
+        if not world.screens:
+            self._seen = set()
+            return np.zeros(len(items.rows), np.bool_)
+        names = np.array([state.look.material.name for state in items.of_state])
+        self._seen = set(names[items.states[listed.drawn]].tolist())
+        screens = ((live_key(name), screen) for name, screen in world.screens.items())
+        due = [key for key, screen in screens if key in self._seen and self._due(key, screen.every)]
+        return np.isin(names, due)[items.states]
 
     def queue(self, world: World, drawn: Sequence[ViewDraws], batch: Batch, resolution: float) -> list[ViewDraws]:
         """Choose the pictures of a frame and queue what is visible in them.
@@ -85,20 +163,47 @@ class PictureStage:
             The views, each with its mirrors.
         """
         self._jobs = []
-        self._frames += 1
         if not (world.mirrors or world.screens or world.insets):
             return list(drawn)
         reflected = [self._queue_mirrors(world, number, each, batch, resolution) for number, each in enumerate(drawn)]
-        mirrored = [job.drawn for job in self._jobs]
-        insets = self._queue_insets(world, drawn[0].view, batch)
-        screens = self._queue_screens(world, [*drawn, *mirrored, *insets], batch)
-        self._jobs = screens + self._jobs
+        self._queue_cameras(world, drawn[0].view, set().union(*(each.materials for each in drawn)), batch)
         return reflected
+
+    def queue_parts(
+        self, world: World, view: View, place: Rect, parts: Sequence[ChangedPart], batch: Batch, batch_parts: BatchParts
+    ) -> list[ViewDraws]:
+        """Queue what is visible in parts of the only view, in the changed parts of its mirrors, in screens and insets.
+
+        Args:
+            world: The world, updated.
+            view: The view.
+            place: Its rectangle in the target [px].
+            parts: The parts; `find_changes` has found those of the mirrors.
+            batch: Queues what is visible in a view.
+            batch_parts: Queues what is visible in parts of a view.
+
+        Returns:
+            The parts, each with the mirrors.
+        """
+        self._jobs, shown = [], []
+        drawn = batch_parts(parts, view, place, 0)
+        for key in map(live_key, world.mirrors):
+            picture, kept = self.pictures[key], self._kept[key]
+            assert isinstance(picture, MirrorPicture)
+            if kept.reflection is not None:
+                seen, name = kept.reflection.view, (key, 0)
+                whole = kept.parts is None
+                jobs = [batch(seen, name)] if whole else batch_parts(kept.parts or (), seen, seen.rectangle, name)
+                self._jobs += [_Job(picture, 0, jobs)] if jobs else []
+                kept.held = True
+            shown.append((picture, 0, kept.reflection))
+        self._queue_cameras(world, view, self._seen, batch)
+        return [replace(each, mirrors=shown) for each in drawn]
 
     @property
     def triangles(self) -> int:
         """Triangles of all pictures of the frame."""
-        return sum(job.drawn.triangles for job in self._jobs)
+        return sum(each.triangles for job in self._jobs for each in job.drawn)
 
     def draw(self, stage: WorldStage, scene: FrameScene, samples: int) -> int:
         """Draw the frame's pictures; return the draw calls."""
@@ -112,14 +217,16 @@ class PictureStage:
             if isinstance(picture, MirrorPicture):
                 picture.show(())
         for job in self._jobs:
-            size = job.drawn.rectangle[2:]
+            size = job.drawn[0].rectangle[2:]
+            parts = [each.part for each in job.drawn if each.part is not None]
             if isinstance(job.picture, MirrorPicture):
                 buffer = job.picture.begin_view(job.number, size, samples)
             else:
                 buffer = job.picture.begin(size, samples)
-            draws += stage.draw(buffer.framebuffer, samples, emitted if job.picture.decoded else scene, [job.drawn])
+            paint = stage.draw_parts if parts else stage.draw
+            draws += paint(buffer.framebuffer, samples, emitted if job.picture.decoded else scene, job.drawn)
             if isinstance(job.picture, MirrorPicture):
-                buffer.finish()
+                buffer.finish([piece for part in parts for piece in part.pieces] if parts else None)
             else:
                 job.picture.finish()
         return draws
@@ -154,17 +261,20 @@ class PictureStage:
         """Queue a picture for each visible mirror; return the view with its mirrors."""
         seen, shown = drawn.materials, []
         for name, mirror in world.mirrors.items():
-            picture = self.pictures[live_key(name)]
-            if live_key(name) not in seen or not isinstance(picture, MirrorPicture):
+            key = live_key(name)
+            picture, kept = self.pictures[key], self._kept.setdefault(key, _Kept())
+            kept.held = False
+            if key not in seen or not isinstance(picture, MirrorPicture):
                 continue
-            reflection = self._reflect(world, name, mirror, drawn, resolution)
+            reflection = self._reflect(world, name, mirror, drawn.view, drawn.rectangle[2:], resolution)
             if reflection is not None:
-                self._jobs.append(_Job(picture, number, batch(reflection.view, ("mirror", name, number))))
+                self._jobs.append(_Job(picture, number, [batch(reflection.view, (key, number))]))
+                kept.held = True
             shown.append((picture, number, reflection))
         return replace(drawn, mirrors=shown)
 
     def _reflect(
-        self, world: World, name: str, mirror: MirrorSurface, drawn: ViewDraws, resolution: float
+        self, world: World, name: str, mirror: MirrorSurface, view: View, size: Size, resolution: float
     ) -> Reflection | None:
         body = body_of(world.find(name)) if name in world else None
         if body is None:
@@ -182,35 +292,38 @@ class PictureStage:
         ends = np.stack(mesh.bounds).astype(np.float64)
         local = np.array([[ends[k >> axis & 1][axis] for axis in range(3)] for k in range(8)])
         corners = local @ world_from_body[:3, :3].T + world_from_body[:3, 3]
-        return reflect_view(drawn.view, drawn.rectangle[2:], of_world, corners, mirror.resolution * resolution)
+        return reflect_view(view, size, of_world, corners, mirror.resolution * resolution)
 
-    def _queue_insets(self, world: World, view: View, batch: Batch) -> list[ViewDraws]:
-        found = []
+    def _queue_cameras(self, world: World, view: View, seen: set[str], batch: Batch) -> None:
+        """Queue insets, and the screens visible with some materials, in mirrors, insets or other screens.
+
+        Screens are drawn before the mirrors that show them.
+        """
+        mirrored = self._jobs
+        self._jobs = []
         for name, inset in world.insets.items():
             if name in world and self._due(_inset_key(name), inset.every):
-                found += self._queue_camera(world, _inset_key(name), inset.camera, inset_pixels(inset, view)[2:], batch)
-        return found
-
-    def _queue_screens(self, world: World, views: Sequence[ViewDraws], batch: Batch) -> list[_Job]:
-        """Queue the screens visible in some views, and those visible on these screens; return the jobs."""
-        waiting, known, first = list(views), set[str](), len(self._jobs)
+                self._queue_camera(world, _inset_key(name), inset.camera, inset_pixels(inset, view)[2:], batch)
+        insets, self._jobs = self._jobs, []
+        waiting, known = [seen, *(each.materials for job in (*mirrored, *insets) for each in job.drawn)], set[str]()
         while waiting:
-            seen = waiting.pop().materials
+            seen = waiting.pop()
             for name, screen in world.screens.items():
-                if live_key(name) in seen and name not in known:
+                key = live_key(name)
+                if key in seen and name not in known:
                     known.add(name)
-                    if self._due(live_key(name), screen.every):
-                        waiting += self._queue_camera(world, live_key(name), screen.camera, screen.size, batch)
-        jobs, self._jobs = self._jobs[first:], self._jobs[:first]
-        return jobs
+                    if self._due(key, screen.every):
+                        waiting += self._queue_camera(world, key, screen.camera, screen.size, batch)
+        self._jobs += mirrored + insets
 
-    def _queue_camera(self, world: World, key: str, camera: str, size: Size, batch: Batch) -> list[ViewDraws]:
+    def _queue_camera(self, world: World, key: str, camera: str, size: Size, batch: Batch) -> list[set[str]]:
+        """Queue the picture of a camera; return the materials seen in it, as the only one."""
         eye = world.find(camera).camera if camera in world else None
         if eye is None:
             return []
         drawn = batch(desktop_views(eye, size)[0], key)
-        self._jobs.append(_Job(self.pictures[key], 0, drawn))
-        return [drawn]
+        self._jobs.append(_Job(self.pictures[key], 0, [drawn]))
+        return [drawn.materials]
 
     def _due(self, key: str, every: int) -> bool:
         return not self.pictures[key].drawn or self._frames % every == 0

@@ -27,7 +27,7 @@ __all__ = ["Overlaid", "SeenFrame", "capture_frame", "may_keep"]
 _MIN_PIXELS = 10_000
 """Number of pixels from which the search for changes costs less than drawing all of them."""
 
-_NO_SPRITES = np.zeros((0, 4))
+_NOWHERE = np.zeros((0, 4))
 
 _PIECES = 16
 """Pieces of a cord: rectangles around pieces cover fewer pixels than one around all of it."""
@@ -68,6 +68,8 @@ class SeenFrame:
         sun: Unit vector towards the sun, [3]; None where it has no shadow map.
         maps: Shadow maps of the sun.
         cones: True where spot lights have shadow maps.
+        renewed: Items that show a live picture which is drawn in this frame, [n].
+        redrawn: Where mirrors show another reflection, as shares of the picture: left, right, bottom, top; [m, 4].
         board: Rectangles of the heads-up display where it is drawn into the kept picture, as shares of the picture:
             left, right, bottom, top, float64 [m, 4].
     """
@@ -85,28 +87,39 @@ class SeenFrame:
     sun: F8 | None
     maps: list[ShadowMap]
     cones: bool
+    renewed: B1
+    redrawn: F8
     board: F8
 
 
 def may_keep(scene: FrameScene, views: Sequence[View], rectangle: Rect) -> bool:
     """Whether parts of the last picture may be reused: one large view, without content `capture_frame` leaves out."""
-    world = scene.world
-    living = world.mirrors or world.screens or world.insets
     plain = scene.settings.ambient_occlusion == 0.0 and not scene.by_stencil
-    return len(views) == 1 and rectangle[2] * rectangle[3] >= _MIN_PIXELS and plain and not living
+    # Over a kept picture an inset is drawn after the samples are resolved: its border would be another one.
+    sampled = bool(scene.world.insets) and scene.settings.msaa > 0
+    return len(views) == 1 and rectangle[2] * rectangle[3] >= _MIN_PIXELS and plain and not sampled
 
 
 def capture_frame(
-    scene: FrameScene, view: View, rectangle: Rect, listed: DrawList, shaders: int, hud: Hud | None
+    scene: FrameScene,
+    listed: DrawList,
+    shaders: int,
+    view: View,
+    rectangle: Rect,
+    renewed: B1,
+    redrawn: F8 = _NOWHERE,
+    hud: Hud | None = None,
 ) -> SeenFrame:
     """Capture what a frame's picture depends on.
 
     Args:
         scene: World, light and settings of the frame.
-        view: The view.
-        rectangle: Rectangle in the target [px].
         listed: Its draw list.
         shaders: Number of programs replaced by reloads so far.
+        view: The view.
+        rectangle: Rectangle in the target [px].
+        renewed: Items that show a live picture which is drawn in this frame, [n].
+        redrawn: Where mirrors show another reflection, see `SeenFrame`.
         hud: The heads-up display that is drawn into the kept picture, None where it is drawn over it.
     """
     plan, lighting, world = scene.plan, scene.lighting, scene.world
@@ -122,13 +135,15 @@ def capture_frame(
         rectangle=rectangle,
         listed=listed,
         subentities=world.subentities(),
-        sprites=_NO_SPRITES if scene.effects is None else scene.effects.sprites,
+        sprites=_NOWHERE if scene.effects is None else scene.effects.sprites,
         lit=np.zeros(0, np.bool_) if scene.effects is None else scene.effects.lit,
         overlaid=_overlaid(scene),
         sun=lighting.sun_direction if plan.sun else None,
         maps=plan.sun,
         cones=bool(plan.spots),
-        board=np.zeros((0, 4)) if hud is None else places_of(hud, view, scene.settings.hud_depth),
+        renewed=renewed,
+        redrawn=redrawn,
+        board=_NOWHERE if hud is None else places_of(hud, view, scene.settings.hud_depth),
     )
 
 

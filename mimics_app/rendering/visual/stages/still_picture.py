@@ -87,9 +87,9 @@ class StillPicture:
         shapes = self._before.shapes = self._shapes_of(before, seen)
         changed |= before.placed.shown != placed.shown
         hulls = self._find(before.placed, placed, shapes, seen, changed)
-        boards = [before.seen.board, seen.board]
+        places = [before.seen.board, seen.board, seen.redrawn]
         overlaid = _changed_overlaid(before.seen, seen)
-        return None if hulls is None else self._cover(seen, hulls, sprites, overlaid, boards)
+        return None if hulls is None else self._cover(seen, hulls, sprites, overlaid, places)
 
     def _shapes_of(self, before: _Before, seen: SeenFrame) -> PlacedShapes:
         """Return the shapes of a frame, placed as in the last one where they are the same."""
@@ -124,15 +124,15 @@ class StillPicture:
         return self._hulls[:count] if count <= len(self._hulls) else None
 
     def _cover(
-        self, seen: SeenFrame, hulls: F8, sprites: F8, overlaid: list[Overlaid], boards: list[F8]
+        self, seen: SeenFrame, hulls: F8, sprites: F8, overlaid: list[Overlaid], places: list[F8]
     ) -> list[ChangedPart] | None:
-        """Return parts around hulls of points, sprites (by spheres), what is overlaid, and rectangles of the board."""
+        """Return parts around hulls of points, sprites (by spheres), what is overlaid, and places in the picture."""
         view, (x, y, width, height) = seen.view, seen.rectangle
         bounds = [screen_bounds(view, hulls, self._points[: len(hulls)])]
         if len(sprites):
             bounds.append(screen_bounds(view, sprites[:, None, :3], sprites[:, 3].copy()))
         bounds += [screen_bounds(view, each.hulls, np.full(len(each.hulls), each.reach)) for each in overlaid]
-        parts = cover_of(np.concatenate([*bounds, *boards]), (width, height))
+        parts = cover_of(np.concatenate([*bounds, *places]), (width, height))
         drawn = [piece for part in parts for piece in part.pieces]
         if sum(wide * high for _, _, wide, high in drawn) > _WHOLE * width * height:
             return None
@@ -147,7 +147,7 @@ def _changed_items(before: _Before, seen: SeenFrame) -> B1 | None:
     if len(last.pictures) != len(seen.pictures) or not all(map(is_, last.pictures, seen.pictures)):
         return None
     was, now = last.subentities, seen.subentities
-    changed = listed.moved.copy()
+    changed = listed.moved | seen.renewed
     if was is now:
         return changed
     if not (np.array_equal(was.row, now.row) and np.array_equal(was.entity, now.entity)):

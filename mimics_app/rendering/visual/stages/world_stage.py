@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -92,6 +92,10 @@ class ViewDraws:
     projected: Sequence[BeamRuns] = ()
     passes: EyePasses = "alone"
     part: ChangedPart | None = None
+
+    def latched(self, newer: View) -> ViewDraws:
+        """Return these draws with a newer view; with mirrors they keep the pose they were queued with."""
+        return self if self.mirrors else replace(self, view=self.view.latched(newer))
 
     @property
     def blended(self) -> list[DrawRun]:
