@@ -196,13 +196,13 @@ def test_a_shape_that_changes_is_where_it_was_and_where_it_is():
 
         def place(room: np.ndarray = hulls) -> tuple[int, ...] | None:
             """Return how many hulls there are below and above the plane x = 10, before and after another frame."""
-            before = place_items(listed)
+            before = place_items(listed, listed.shown_in(view, (64, 64), 0))
             world.update()
             renderer.draw([view])
-            after = place_items(listed)
+            after = place_items(listed, listed.shown_in(view, (64, 64), 0))
             changed = listed.moved | (before.shown != after.shown)
             found = shapes.place(before, after, changed, room)
-            shapes.compute_missed()
+            shapes.compute_missed(after.shown)
             if found is None:
                 return None
             assert len(found.casting) == len(found.starts) - 1 == bool(len(found.corners))
@@ -228,3 +228,34 @@ def test_a_shape_that_changes_is_where_it_was_and_where_it_is():
         ring.set_position((0.0, 0.0, 0.0))
         assert place() == (fine, 1), "where too many were found they count as one again"
         renderer.release()
+
+
+def test_boxes_of_a_body_are_those_of_its_drawn_levels():
+    world = load_model_world(root() / "assets" / "models" / "avatars" / "player_white.glb")
+    (animator,) = world.motion.animators.values()
+    view = View(compose_look_at((0.0, 2.0, 3.0), (0.0, 0.0, 0.0)), (-1.0, 1.0, -1.0, 1.0), (0, 0, 64, 64))
+    with create_surface("egl", (64, 64)) as surface:
+        renderer = Renderer(surface, world, RenderSettings(msaa=0, shadow_size=0))
+        renderer.draw([view])
+        listed, sizes = renderer._list, []
+        items, shapes = listed.items, PlacedShapes(listed.items, ShapeBoxes(world))
+        levels = [items.levels == 0, items.levels == 1]
+        assert levels[1].any()
+        for step in range(8):
+            before, shown = place_items(listed, levels[(step - 1) // 2 % 2]), levels[step // 2 % 2]
+            animator.play("kick", at=0.1 + 0.1 * step, speed=0.0)
+            world.update()
+            renderer.draw([view])
+            after = place_items(listed, shown)
+            shapes.follow(shown, listed.rewritten)
+            found = shapes.place(before, after, before.shown | shown, np.empty((9999, 8, 3)))
+            assert found is not None
+            boxes = np.stack([found.corners.min(axis=1) - 1e-6, found.corners.max(axis=1) + 1e-6], axis=1)
+            for item in np.flatnonzero(shown).tolist():
+                name, pose = items.mesh_names[items.meshes[item]], after.world[items.rows[item]]
+                points = posed_positions(world.meshes[name], world.motion.body_of[name]) @ pose[:3, :3].T + pose[:3, 3]
+                assert _outside(points, boxes) == 0
+            shapes.compute_missed(shown)
+            sizes.append(len(shapes.boxes))
+        assert 0 < sizes[0] == sizes[1] < sizes[2] == sizes[7], "those of each level are kept"
+        assert len(found.corners) > 100, "not the items' own boxes"

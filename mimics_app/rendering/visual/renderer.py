@@ -280,7 +280,7 @@ class Renderer:
         else:
             capture = partial(capture_frame, scene, self._list, self._shaders.replaced)
             changes = self._pictures.find_changes(scene, self._list, views[0], place[2:], capture)
-            parts = self._still.parts(capture(views[0], place, *changes, self.hud if self._sparse else None))
+            parts = self._still.parts(capture(views[0], place, 0, *changes, self.hud if self._sparse else None))
         self._picture.keep = self._still.keeps
         return parts
 

@@ -151,10 +151,9 @@ class DrawList:
         self.fates = np.zeros(len(self.items.rows), np.uint8) if fates else None
         self.used[:] = False
 
-    @property
-    def shown(self) -> B1:
-        """Items that may be drawn at all, [n]; a copy."""
-        return self._shown != 0
+    def shown_in(self, view: View, size: Size, key: Hashable) -> B1:
+        """Return the items of the levels of detail that a view will be batched with, [n]; see `batch_views`."""
+        return self._levels.show(key, view, size, self._shown, self.centres, self.radii, self._detail) != 0
 
     @property
     def matrices(self) -> F8:

@@ -38,8 +38,8 @@ Batch = Callable[[View, Hashable], ViewDraws]
 BatchParts = Callable[[Sequence[ChangedPart], View, Rect, Hashable], list[ViewDraws]]
 """Queues what is visible in parts of a view in a rectangle of its target."""
 
-Capture = Callable[[View, Rect, B1], SeenFrame]
-"""Captures what the picture of a view in a rectangle of its target depends on, given the items that are renewed."""
+Capture = Callable[[View, Rect, Hashable, B1], SeenFrame]
+"""Captures what the picture of a view in a rectangle of its target depends on, given its key and what is renewed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +133,7 @@ class PictureStage:
                 kept.still.forget()
                 kept.held = False
                 continue
-            parts = kept.still.parts(capture(found.view, found.view.rectangle, renewed))
+            parts = kept.still.parts(capture(found.view, found.view.rectangle, (live_key(name), 0), renewed))
             kept.parts = parts if kept.held else None
             places.append(found.places(kept.parts) / np.repeat(size, 2))
         return renewed, np.concatenate(places)

@@ -28,7 +28,7 @@ class PlacedItems:
 
     Attributes:
         items: The items.
-        shown: Items that may be drawn, [n].
+        shown: Items of the levels of detail that are drawn, [n].
         boxes: Least and greatest corner of each in the node's frame [m], float64 [n, 2, 3].
         world: T_world_from_node per row, float64 [rows, 4, 4].
     """
@@ -54,18 +54,38 @@ class Shapes:
     casting: B1
 
 
-def place_items(listed: DrawList) -> PlacedItems:
-    """Copy where the items of a draw list are."""
+@dataclass(eq=False)
+class _Bent:
+    """Boxes of some meshes of a deformable body.
+
+    Attributes:
+        body: The body.
+        names: Keys of the meshes.
+        span: First and end of the boxes in `PlacedShapes.boxes`.
+        revision: Revision of the body as which the boxes are bent.
+    """
+
+    body: SkinnedBody
+    names: list[str]
+    span: tuple[int, int]
+    revision: int
+
+
+def place_items(listed: DrawList, shown: B1) -> PlacedItems:
+    """Copy where the items of a draw list are, some of which are shown."""
     items = listed.items
     middle = items.local[:, :3]
     boxes = np.empty((len(middle), 2, 3))
     np.subtract(middle, items.half, out=boxes[:, 0])
     np.add(middle, items.half, out=boxes[:, 1])
-    return PlacedItems(items, listed.shown, boxes, listed.matrices.copy())
+    return PlacedItems(items, shown, boxes, listed.matrices.copy())
 
 
 class PlacedShapes:
     """The shapes of some items: all items of a node are one shape.
+
+    Boxes of a deformable body are those of its drawn meshes: bending all levels of detail would cost more. Each choice
+    of meshes has a range of its own; in the frame of another choice a shape was where its items' boxes are.
 
     Attributes:
         items: The items.
@@ -90,16 +110,26 @@ class PlacedShapes:
         self.missed, self._placed = np.zeros(len(rows), np.uint8), np.zeros(len(rows), np.uint8)
         self.boxes, self._corners = np.zeros((0, 2, 3)), np.zeros((0, 8, 3))
         self._starts, self._casts = np.zeros(len(rows) + 1, np.int32), np.zeros(len(rows), np.bool_)
-        self._bent: dict[int, tuple[SkinnedBody, int]] = {}
+        self._drawn: dict[int, bytes] = {}
+        self._bent: dict[tuple[int, bytes], _Bent] = {}
         self._rewritten = 0
 
-    def follow(self, rewritten: B1) -> None:
-        """Bend the boxes of deformable bodies, and discard those of items whose meshes were ever rewritten, [n]."""
-        for shape, (body, revision) in list(self._bent.items()):
-            if body.revision != revision:
-                first, end = self.spans[shape]
-                self._bent[shape] = body, body.revision
-                self._known.bend(body, self._names_of(shape), self.boxes[first:end])
+    def follow(self, shown: B1, rewritten: B1) -> None:
+        """Bend the boxes of deformable bodies, those of their shown meshes, and discard others.
+
+        Args:
+            shown: Items of the levels of detail that are drawn, [n].
+            rewritten: Items whose meshes were ever rewritten: their boxes are discarded, [n].
+        """
+        for shape, before in self._drawn.items():
+            drawn = self._drawn[shape] = shown[self._items_of(shape)].tobytes()
+            bent = self._bent.get((shape, drawn))
+            if drawn != before:
+                self.spans[shape] = (0, 0) if bent is None else bent.span
+                self._placed[shape], self.missed[shape] = 0, 0 if bent is None else KNOWN
+            if bent is not None and bent.revision != bent.body.revision:
+                bent.revision = bent.body.revision
+                self._known.bend(bent.body, bent.names, self.boxes[slice(*bent.span)])
         count = int(np.count_nonzero(rewritten))
         if count > self._rewritten:
             self._rewritten = count
@@ -131,31 +161,41 @@ class PlacedShapes:
             return None
         return Shapes(hulls[:boxes], self._starts[: count + 1], self._casts[:count])
 
-    def compute_missed(self) -> None:
-        """Compute the boxes that were missed: of a few shapes a frame, and of all that were computed before."""
+    def compute_missed(self, shown: B1) -> None:
+        """Compute the boxes that were missed: of a few shapes a frame, and of all that were computed before.
+
+        Args:
+            shown: Items of the levels of detail that are drawn, [n].
+        """
         computed = 0
         for shape in np.flatnonzero(self.missed == MISSED).tolist():
-            names = self._names_of(shape)
+            items = self._items_of(shape)
+            body = self._known.body_of(self._names_of(items))
+            if body is not None:
+                self._drawn[shape] = shown[items].tobytes()
+                items = items[shown[items]]
+            names = self._names_of(items)
             computed += not self._known.has(names)
             if computed > _MOST_COMPUTED:
                 return
             self.missed[shape], boxes = KNOWN, self._known.of(names)
             if boxes is not None:
-                self._keep(shape, boxes, self._known.body_of(names))
+                self._keep(shape, names, boxes, body)
 
-    def _names_of(self, shape: int) -> list[str]:
-        meshes = self.items.meshes[self._order[self._firsts[shape] : self._firsts[shape + 1]]]
-        return [self.items.mesh_names[mesh] for mesh in meshes.tolist()]
+    def _items_of(self, shape: int) -> I4:
+        return self._order[self._firsts[shape] : self._firsts[shape + 1]]
 
-    def _keep(self, shape: int, boxes: F8, body: SkinnedBody | None) -> None:
-        first = len(self.boxes)
-        self.spans[shape] = first, first + len(boxes)
+    def _names_of(self, items: I4) -> list[str]:
+        return [self.items.mesh_names[mesh] for mesh in self.items.meshes[items].tolist()]
+
+    def _keep(self, shape: int, names: list[str], boxes: F8, body: SkinnedBody | None) -> None:
+        span = self.spans[shape] = len(self.boxes), len(self.boxes) + len(boxes)
         self.boxes = np.concatenate([self.boxes, boxes])
         self._corners = np.concatenate([self._corners, np.empty((len(boxes), 8, 3))])
         if body is not None:
-            self._bent[shape] = body, body.revision
+            self._bent[shape, self._drawn[shape]] = _Bent(body, names, span, body.revision)
 
     def _discard(self, shape: int) -> None:
         """Use the items' own boxes from now on."""
         self.spans[shape], self._placed[shape], self.missed[shape] = 0, 0, KNOWN
-        self._bent.pop(shape, None)
+        self._drawn.pop(shape, None)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,6 +61,7 @@ class SeenFrame:
         view: The view.
         rectangle: Rectangle in the target [px].
         listed: Its draw list.
+        shown: Items of the levels of detail that are drawn in the view or in shadow maps, [n].
         subentities: The world's render list that the draw list was built from.
         sprites: All fields of its sprites, one row each, float64 [n, m]; bounding spheres in the first four columns.
         lit: Sprites that are lit, [n].
@@ -80,6 +81,7 @@ class SeenFrame:
     view: View
     rectangle: Rect
     listed: DrawList
+    shown: B1
     subentities: RenderList
     sprites: F8
     lit: B1
@@ -106,6 +108,7 @@ def capture_frame(
     shaders: int,
     view: View,
     rectangle: Rect,
+    key: Hashable,
     renewed: B1,
     redrawn: F8 = _NOWHERE,
     hud: Hud | None = None,
@@ -118,6 +121,7 @@ def capture_frame(
         shaders: Number of programs replaced by reloads so far.
         view: The view.
         rectangle: Rectangle in the target [px].
+        key: Identifies the view from frame to frame, see `DrawList.batch_views`.
         renewed: Items that show a live picture which is drawn in this frame, [n].
         redrawn: Where mirrors show another reflection, see `SeenFrame`.
         hud: The heads-up display that is drawn into the kept picture, None where it is drawn over it.
@@ -127,6 +131,9 @@ def capture_frame(
         (world, scene.settings, shaders, world.environment, world.effects.revision, rectangle),
         (view.figures, lighting.figures, plan.figures),
     )
+    shown = listed.shown_in(view, rectangle[2:], key)
+    for shadow in plan.maps:
+        shown[shadow.casters.items] = True
     return SeenFrame(
         fixed=fixed,
         pictures=list(world.textures.values()),
@@ -134,6 +141,7 @@ def capture_frame(
         view=view,
         rectangle=rectangle,
         listed=listed,
+        shown=shown,
         subentities=world.subentities(),
         sprites=_NOWHERE if scene.effects is None else scene.effects.sprites,
         lit=np.zeros(0, np.bool_) if scene.effects is None else scene.effects.lit,

@@ -80,7 +80,7 @@ class StillPicture:
         if changed is None and not self.keeps:
             self._before = _Before(seen)
             return None
-        placed = place_items(listed)
+        placed = place_items(listed, seen.shown)
         self._before = _Before(seen, placed)
         if changed is None or before.seen is None or before.placed is None or not self.keeps:
             return None
@@ -98,7 +98,7 @@ class StillPicture:
         shapes = before.shapes
         if shapes is None or shapes.items is not seen.listed.items:
             shapes = PlacedShapes(seen.listed.items, self._boxes)
-        shapes.follow(seen.listed.rewritten)
+        shapes.follow(seen.shown, seen.listed.rewritten)
         return shapes
 
     def _count(self, *, alike: bool) -> None:
@@ -120,7 +120,7 @@ class StillPicture:
         count = len(found.corners)
         receiving = seen.listed.drawn & now.shown & ~changed
         count += find_shadow_places(seen, found, now, receiving, shapes, self._hulls[count:])
-        shapes.compute_missed()
+        shapes.compute_missed(now.shown)
         return self._hulls[:count] if count <= len(self._hulls) else None
 
     def _cover(
