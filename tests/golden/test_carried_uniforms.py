@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts import resources
+from mimics_app.contracts.errors import SceneError
 from mimics_app.rendering.visual import targets
 from mimics_app.rendering.visual.displays.desktop import desktop_views
 from mimics_app.rendering.visual.materials import shader_library
@@ -94,13 +95,55 @@ def test_no_pixel_changes(monkeypatch, settings):
     assert np.array_equal(*pictures)
 
 
+_PIXEL = "out vec4 colour;\nvoid main() { colour = vec4(k); }\n"
+
+
+@pytest.mark.parametrize(
+    ("vertex", "fragment"),
+    [
+        ("in float k;\nvoid main() { gl_Position = vec4(k); }\n", f"uniform float k;\n{_PIXEL}"),
+        ("uniform float j, k;\nvoid main() { gl_Position = vec4(j * k); }\n", f"uniform float k;\n{_PIXEL}"),
+        ("void main() {}\n", f"#ifdef MANY\nuniform vec4 k;\n#else\nuniform float k;\n#endif\n{_PIXEL}"),
+        ("void main() {}\n", f"struct One {{ float k; }};\nuniform float k;\n{_PIXEL.replace('k)', 'One(k).k)')}"),
+        ("void main() {}\n", f"uniform vec4 k;\nuniform float x;\n{_PIXEL.replace('k)', 'k.x * x)')}"),
+        (
+            "void main() {}\n",
+            "".join(f"uniform vec4 k{i};\n" for i in range(40))
+            + _PIXEL.replace("vec4(k)", " + ".join(f"k{i}" for i in range(40))),
+        ),
+    ],
+    ids=["name of an attribute", "two in a line", "two of a name", "member", "component", "too many"],
+)
+def test_shaders_that_cannot_be_rewritten_are_used_as_they_are(vertex, fragment, tmp_path):
+    (tmp_path / "a.vert").write_text(vertex)
+    (tmp_path / "a.frag").write_text(fragment)
+    with create_surface("egl", (16, 16)) as surface:
+        program = ShaderLibrary(surface.ctx, tmp_path).program("a.vert", "a.frag").program
+        assert any(name.startswith("k") for name in program)
+
+
+def test_an_error_is_told_in_the_words_of_the_file(tmp_path):
+    (tmp_path / "a.vert").write_text("void main() {}\n")
+    (tmp_path / "a.frag").write_text("uniform float k;\nout vec4 colour;\nvoid main() { k = 1.0; colour = vec4(k); }\n")
+    with create_surface("egl", (16, 16)) as surface, pytest.raises(SceneError) as raised:
+        ShaderLibrary(surface.ctx, tmp_path).program("a.vert", "a.frag")
+    (issue,) = raised.value.issues
+    assert "a.frag#line 3" in str(issue) and "k" in str(issue)
+    assert "carried_k" not in str(issue)
+
+
 @pytest.mark.parametrize("eyes", [(), ("EYES_BY_VIEWPORT",), ("EYES_BY_CLIPPING",)])
 def test_the_richest_variant_of_every_pass_links(eyes):
-    techniques = json.loads((resources.root() / "shaders" / "techniques.json").read_text())["techniques"]
+    folder = resources.root() / "shaders"
     with create_surface("egl", (16, 16)) as surface:
-        library = ShaderLibrary(surface.ctx)
+        techniques = json.loads((folder / "techniques.json").read_text())["techniques"]
         for each in (each for technique in techniques.values() for each in technique["passes"]):
             features = [_MOST.get(name, name) for name in each["features"] if name != FEW_PIXELS]
-            vertex = each.get("vertex", "common/mesh.vert")
-            library.program(vertex, each["fragment"], (*each.get("defines", ()), *features, *eyes))
+            defines = (*each.get("defines", ()), *features, *eyes)
+            vertex, fragment = (
+                ShaderSource(lambda name, by: read_shader_file(folder / name, by), name, defines)
+                for name in (each.get("vertex", "common/mesh.vert"), each["fragment"])
+            )
+            carry_uniforms(vertex, fragment)
+            surface.ctx.program(vertex_shader=vertex.text, fragment_shader=fragment.text)
         assert surface.ctx.error == "GL_NO_ERROR"

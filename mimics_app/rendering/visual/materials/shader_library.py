@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
@@ -164,14 +165,25 @@ class ShaderLibrary:
     def _compile(
         self, vertex: str, fragment: str, defines: tuple[str, ...], varyings: tuple[str, ...]
     ) -> tuple[moderngl.Program, dict[Path, int]]:
+        if fragment and self._carries and FEW_PIXELS not in defines:
+            sources = self._assemble(vertex, fragment, defines)
+            carry_uniforms(*sources)
+            # Not every valid pair of shaders can be rewritten, and messages are to be about what is in the files.
+            with suppress(SceneError):
+                return self._link(sources, varyings)
+        return self._link(self._assemble(vertex, fragment, defines), varyings)
+
+    def _assemble(self, vertex: str, fragment: str, defines: tuple[str, ...]) -> list[ShaderSource]:
+        return [ShaderSource(self._read, name, defines) for name in (vertex, fragment) if name]
+
+    def _link(self, sources: list[ShaderSource], varyings: tuple[str, ...]) -> tuple[moderngl.Program, dict[Path, int]]:
         import moderngl
 
-        sources = [ShaderSource(self._read, name, defines) for name in (vertex, fragment) if name]
-        if fragment and self._carries and FEW_PIXELS not in defines:
-            carry_uniforms(*sources)
-        pixels = sources[1].text if fragment else None
+        vertex, *pixels = (source.text for source in sources)
         try:
-            program = self._ctx.program(vertex_shader=sources[0].text, fragment_shader=pixels, varyings=varyings)
+            program = self._ctx.program(
+                vertex_shader=vertex, fragment_shader=pixels[0] if pixels else None, varyings=varyings
+            )
         except moderngl.Error as error:
             raise SceneError(_read_driver_log(str(error), sources)) from error
         _ = self._ctx.error
