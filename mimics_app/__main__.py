@@ -12,9 +12,6 @@ def main() -> int:
         The exit code.
     """
     try:
-        from mimics_app.contracts.deferred_methods import defer_methods
-
-        defer_methods()
         from mimics_app.app import cli
 
         return cli.main()
