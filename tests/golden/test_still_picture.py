@@ -205,6 +205,28 @@ def test_pictures_far_apart_are_drawn_in_parts_from_the_second_on(settings, draw
     assert len(drawn_parts) >= 15
 
 
+def test_of_surfaces_at_equal_depths_a_part_shows_the_one_that_the_whole_picture_shows(drawn_parts):
+    """The first one drawn is that of the state with the nearest item, which is not in the part."""
+    world = World()
+    world.set_material(Material("red", base_colour=(0.8, 0.1, 0.1, 1.0)))
+    world.set_material(Material("blue", base_colour=(0.1, 0.1, 0.8, 1.0)))
+    world.meshes |= {"box": box(0.3, 0.5, 0.3), "ball": icosphere(0.12, 2)}
+    places = {"near": (-0.9, 0.3, 2.0), "red": (0.9, 0.3, 0.0), "blue": (0.9, 0.3, 0.0)}
+    for name, place in places.items():
+        world.root.create_child(name, place).create_entity("box", "blue" if name == "blue" else "red")
+    world.root.create_child("ball", (0.9, 0.3, 0.6)).create_entity("ball", "blue")
+    world.update()
+    with create_surface("egl", SIZE) as surface:
+        steady = Renderer(surface, world, replace(PLAIN, shadow_size=0))
+        for step in range(6):
+            world.find("ball").set_position((0.9 + 0.02 * step, 0.3, 0.6))
+            world.update()
+            steady.draw([view()])
+            ours = read_pixels(surface)
+            assert np.array_equal(ours, draw_whole(steady, view())), step
+    assert len(drawn_parts) >= 3
+
+
 def add_live_pictures(world: World) -> None:
     """A mirror behind the boxes, a screen that is seen in it too, and an inset."""
     facing = (math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))

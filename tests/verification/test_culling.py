@@ -9,7 +9,7 @@ from mimics_app.lab.groups.culling import make_probe
 from mimics_app.maths.mat import compose, look_at
 from mimics_app.rendering.visual.drawing.culling import FlatCuller, TreeCuller, make_culler
 from mimics_app.rendering.visual.kernels.bounds import update_bounds
-from mimics_app.rendering.visual.kernels.order import make_keys, sort_by_key
+from mimics_app.rendering.visual.kernels.order import make_keys, rank_states, sort_by_key
 from mimics_app.rendering.visual.view import View, compute_frustum_planes
 from tests.support.boxes import as_items
 
@@ -135,8 +135,9 @@ def test_draw_order_is_state_then_distance_then_mesh(count):
     states, meshes = rng.integers(0, 5, count).astype(np.int32), rng.integers(0, 9, count).astype(np.int32)
     mirrored = rng.integers(0, 2, count).astype(np.uint8)
     picked, keys = np.arange(count, dtype=np.int32), np.zeros(count, np.uint64)
-    scratch = np.zeros(10), np.zeros(10, np.int32), np.zeros(count, np.float32)
-    make_keys(picked, count, np.zeros(3), centres, radii, states, mirrored, meshes, *scratch, keys)
+    spheres, ranks = (np.zeros(3), centres, radii), np.zeros(10, np.int32)
+    rank_states(picked, count, *spheres, states, mirrored, np.zeros(10), ranks)
+    make_keys(picked, count, *spheres, states, mirrored, meshes, ranks, np.zeros(count, np.float32), keys)
     wanted = keys.copy()
     sort_by_key(
         keys, picked, count, np.zeros(count, np.uint64), np.zeros(count, np.int32), np.zeros((8, 256), np.int32)

@@ -237,9 +237,19 @@ class DrawList:
         self._picked[:count] = casters.items
         return self._queue(frame, self._picked, count, origin, shadow=True)
 
-    def _queue(self, frame: FrameBuffers, picked: I4, count: int, origin: F8, *, shadow: bool = False) -> list[DrawRun]:
+    def _queue(
+        self,
+        frame: FrameBuffers,
+        picked: I4,
+        count: int,
+        origin: F8,
+        *,
+        shadow: bool = False,
+        ranks: I4 | None = None,
+    ) -> list[DrawRun]:
         """Sort the first `count` of some items, and queue them."""
-        self._order.sort(picked, count, origin, self.centres, self.radii, self._mirrored, shadow=shadow)
+        spheres = self.centres, self.radii
+        self._order.sort(picked, count, origin, *spheres, self._mirrored, shadow=shadow, ranks=ranks)
         return frame.add(picked, count, origin, self.items, self._world, self._mirrored, shadow=shadow)
 
     def batch_views(
@@ -250,6 +260,7 @@ class DrawList:
         sizes: Sequence[Size],
         samples: int,
         key: Hashable,
+        ranks: I4 | None = None,
     ) -> tuple[list[DrawRun], list[DrawRun], F8]:
         """Queue the items that are visible in at least one of some views.
 
@@ -260,6 +271,7 @@ class DrawList:
             sizes: Sizes of the views' pictures as drawn [px].
             samples: Samples per pixel.
             key: Identifies the views from frame to frame.
+            ranks: For a part of a view, ranks of the states as in all of it, see `rank_states`.
 
         Returns:
             Opaque runs, the state with the nearest item first, near to far within a state; blended runs of one item
@@ -276,7 +288,24 @@ class DrawList:
         blended = self._split(count)
         solid = count - len(blended)
         self._opaque = solid
-        return self._queue(frame, picked, solid, origin), *self._batch_blended(frame, blended, origin)
+        return self._queue(frame, picked, solid, origin, ranks=ranks), *self._batch_blended(frame, blended, origin)
+
+    def rank_states(self, view: View, size: Size, samples: int, key: Hashable) -> I4:
+        """Return the ranks of the states as all of a view is drawn: at equal depths its parts have the same pixels.
+
+        Args:
+            view: The view.
+            size: Size of its picture [px].
+            samples: Samples per pixel.
+            key: See `batch_views`.
+        """
+        tally, self.tally = self.tally, Tally()
+        shown = self._levels.show(key, view, size, self._shown, self.centres, self.radii, self._detail)
+        count = self._pick(view, shown, size, samples)
+        solid = count - len(self._split(count))
+        ranks = self._order.rank(self._picked, solid, view.eye_world, self.centres, self.radii, self._mirrored)
+        self.tally = tally
+        return ranks.copy()
 
     def _pick(self, view: View, shown: U1, size: Size, samples: int) -> int:
         """Pick the items that are visible in a view; return how many."""

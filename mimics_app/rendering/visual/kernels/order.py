@@ -8,7 +8,7 @@ from mimics_app.contracts.arrays import F4, F8, I4, U1, U8
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.visual.kernels.frustum import distance_key
 
-__all__ = ["make_keys", "sort_by_key"]
+__all__ = ["make_keys", "rank_states", "sort_by_key"]
 
 
 _FINE_COUNT = 4096
@@ -24,6 +24,41 @@ _DIGITS, _DIGIT_BITS, _DIGIT = 8, 8, 255
 
 
 @kernel
+def rank_states(
+    items: I4,
+    count: int,
+    eye: F8,
+    centres: F8,
+    radii: F8,
+    states: I4,
+    mirrored: U1,
+    nearest: F8,
+    ranks: I4,
+) -> None:
+    """Rank the states of items by the nearest item of each.
+
+    Args:
+        items: Numbers of items, [>= count].
+        count: Number of items.
+        eye: Position of the camera, world [m], [3].
+        centres: Centres of the spheres, world [m], [n, 3].
+        radii: Their radii [m], [n].
+        states: State of each item before mirroring, [n].
+        mirrored: 1 where the winding is reversed, [n].
+        nearest: Scratch, two per state.
+        ranks: Written, two per state: that of the state with the nearest item is 0.
+    """
+    nearest[:] = np.inf
+    for i in range(count):
+        item = items[i]
+        state = 2 * states[item] + mirrored[item]
+        nearest[state] = min(nearest[state], distance_key(eye, centres, radii, item))
+    order = np.argsort(nearest)
+    for place in range(order.shape[0]):
+        ranks[order[place]] = place
+
+
+@kernel
 def make_keys(
     items: I4,
     count: int,
@@ -33,7 +68,6 @@ def make_keys(
     states: I4,
     mirrored: U1,
     meshes: I4,
-    nearest: F8,
     ranks: I4,
     away: F4,
     keys: U8,
@@ -49,21 +83,12 @@ def make_keys(
         states: State of each item before mirroring, [n].
         mirrored: 1 where the winding is reversed, [n].
         meshes: Number of each item's mesh, [n].
-        nearest: Scratch, two per state.
-        ranks: Scratch, two per state: rank of the state by its nearest item.
+        ranks: Rank of each state, two per state, see `rank_states`.
         away: Scratch, [>= count].
         keys: Written, [>= count].
     """
-    nearest[:] = np.inf
     for i in range(count):
-        item = items[i]
-        key = distance_key(eye, centres, radii, item)
-        away[i] = key
-        state = 2 * states[item] + mirrored[item]
-        nearest[state] = min(nearest[state], key)
-    order = np.argsort(nearest)
-    for place in range(order.shape[0]):
-        ranks[order[place]] = place
+        away[i] = distance_key(eye, centres, radii, items[i])
     drop = np.uint64(_FINE_DROP if count <= _FINE_COUNT else _COARSE_DROP)
     raised = np.uint64(drop - np.uint64(_FINE_DROP) + np.uint64(_MESH_BITS))
     bits = away.view(np.uint32)
