@@ -155,12 +155,11 @@ def test_a_picture_that_is_lost_for_good_ends_the_run_in_order(tmp_path, capsys,
     def refuse(self: Surface) -> None:
         raise DeviceError("the driver gives no context any more")
 
-    def play_before(session, frames: Frames) -> list[Path]:
+    def play_before(session, frames: Frames) -> None:
         start_loop(session)
         session.picture = open_picture(session)
         monkeypatch.setattr(type(session.picture.surface), "renew", refuse)
         run_live(session, frames, lambda f: lose_once(session.picture.surface) if f.number == 3 else None)
-        return []
 
     monkeypatch.setattr("mimics_app.app.play.play._play_unseen", play_before)
     monkeypatch.setattr(

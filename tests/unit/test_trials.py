@@ -15,6 +15,7 @@ from mimics_app.tasks.task import BlockSpec, TaskSpec
 from mimics_app.tasks.trial_file import load_blocks, resolve_trials
 from mimics_app.tasks.trials import order_conditions, plan_trials, trial_blocks, williams_square
 from mimics_app.world.components.visible import Sound
+from mimics_app.world.scene.scene import Scene
 
 BLOCKS = msgspec.convert(
     [
@@ -165,6 +166,8 @@ def test_trial_file_that_is_no_text(tmp_path):
 
 class PaperScene:
     """As much of a scene as the check of its task needs."""
+
+    check_names = Scene.check_names
 
     def __init__(self, folder, sounds=("goal",)):
         self.file, self.root, self._sounds = str(folder / "scene.json"), folder, sounds
