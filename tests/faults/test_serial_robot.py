@@ -49,7 +49,11 @@ def test_at_921600_baud_every_tick_has_data_and_a_command(tmp_path: Path):
 
 
 def test_at_115200_the_loop_keeps_its_rate_and_the_delay_lowers_the_stiffness_limit(tmp_path: Path):
-    """36 bytes of a command take 3.1 ticks, 54 of a state 4.7, sampled every fifth."""
+    """36 bytes of a command take 3.1 ticks, 54 of a state 4.7, sampled every fifth.
+
+    A busy system may hand over bytes of the pseudo-terminal one command (3.1 ms) late; hence medians of the
+    measured delay and of the limit that follows from it.
+    """
     limits = {}
     for baud in (921600, 115200):
         folder = tmp_path / str(baud)
@@ -58,11 +62,11 @@ def test_at_115200_the_loop_keeps_its_rate_and_the_delay_lowers_the_stiffness_li
             bench = bench_of(rig.build(f"{rig.emulator.address}@{baud}"), samples=ROWS)
             samples = rig.advance(bench, 1000)
             assert len(samples) == 1000
-            limits[baud] = samples["stiffness_limit"][-1]
+            limits[baud] = np.median(samples["stiffness_limit"][-500:])
             if baud == 115200:
                 assert np.count_nonzero(samples["status"] == DeviceStatus.FRESH) == 199
                 assert rig.emulator.commands == pytest.approx(1000 * 11.52 / 36, abs=3)
-                assert 8e-3 < samples["delay"][-1] < 16e-3
+                assert 8e-3 < np.median(samples["delay"][-500:]) < 16e-3
                 assert samples["state"][-1] == SafetyState.ACTIVE and not np.any(samples["cause"])
                 assert np.array_equal(
                     bench.replay(samples)["stiffness_limit"],
