@@ -118,6 +118,14 @@ class Plot:
             self._parts.append(rect(f"fill {kind}", (a, _TOP, width, height), name))
         self._name("fill", kind, name)
 
+    def band(self, x: F8, low: F8, high: F8, kind: str, name: str = "") -> None:
+        """Fill the area between two curves over the same x, shape [n]; all values are finite."""
+        (forth, lower), (_, upper) = self._pixels(x, low), self._pixels(x, high)
+        outline = [*zip(forth, lower, strict=True), *zip(forth[::-1], upper[::-1], strict=True)]
+        d = "M" + "L".join(f"{px:.1f} {py:.1f}" for px, py in outline) + "Z"
+        self._parts.append(path(f"fill {kind}", d, name))
+        self._name("fill", kind, name)
+
     def bars(self, edges: F8, heights: F8, kind: str, name: str = "") -> None:
         """Draw a histogram: bar i from edges[i] to edges[i + 1]."""
         left, top = self._pixels(edges[:-1], heights)
@@ -166,10 +174,11 @@ class Plot:
             px = _LEFT + float(self.x.share(np.array([value]))[0]) * width
             parts.append(path("grid", f"M{px:.1f} {_TOP:g}v{height:g}"))
             parts.append(word(px, _TOP + height + 16, _number(value), "tick", "middle"))
-        for value in self.y.ticks() if self.y.label else []:
+        rows = self.y.ticks() if self.y.label else []
+        for value, text in zip(rows, self.y.words or map(_number, rows), strict=True):
             py = _TOP + (1.0 - float(self.y.share(np.array([value]))[0])) * height
             parts.append(path("grid", f"M{_LEFT:g} {py:.1f}h{width:g}"))
-            parts.append(word(_LEFT - 6, py + 4, _number(value), "tick", "end"))
+            parts.append(word(_LEFT - 6, py + 4, text, "tick", "end"))
         return parts
 
     def _frame(self) -> list[Markup]:

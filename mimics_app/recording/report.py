@@ -11,19 +11,18 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from mimics_app.contracts.report_section import ReportSection
 from mimics_app.contracts.trial_counts import COUNTED_TRIALS, count_trials
 from mimics_app.contracts.trips import TripReader
+from mimics_app.plotting.page_templates import load_templates
 from mimics_app.plotting.plot import Plot
 from mimics_app.recording.attempts import Attempt, find_attempts
 from mimics_app.recording.columns import row_norms
 from mimics_app.recording.json_text import indented_json
-from mimics_app.recording.report_figures import draw_lateness, draw_path, draw_states, draw_traces
+from mimics_app.recording.report_figures import draw_path, draw_states, draw_traces
 from mimics_app.recording.report_front import Front, front_of
-from mimics_app.recording.report_page import render_page
+from mimics_app.recording.report_person import Person, person_of
+from mimics_app.recording.report_real_time import RealTime, late_card, real_time_of
 from mimics_app.recording.report_stability import smallest_margin, stability_tables
 from mimics_app.recording.report_tables import (
     Contacts,
@@ -40,53 +39,20 @@ from mimics_app.recording.report_tables import (
     trip_table,
 )
 from mimics_app.recording.report_trips import MOST_DRAWN, Trip, trips_of
-from mimics_app.recording.report_values import NONE, mapping, number, one, scaled, shown, thousands
+from mimics_app.recording.report_values import NONE, mapping, number, one, scaled, shown
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import FILES, write_atomically
 from mimics_app.recording.session_totals import session_totals
 from mimics_app.recording.verdict import judge
 
-__all__ = ["Page", "Punctuality", "page_of", "punctuality", "write_report"]
+__all__ = ["Page", "page_of", "write_report"]
 
-_WARM_UP_TICKS = 1000
 _OWN_KEYS = ("format", "version", "versions", "machine", "clock", "plan")
+_TEMPLATES = Path(__file__).parent / "templates"
 _TRIPS = "{}. A stop is latched until a person resets it; a short hold, after a late tick, ends on its own."
 _BADGES = {"clean": "recording complete", "open": "recording not closed"}
 _UNREADABLE = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
 """Errors of a section on facts of a scene that are damaged or of another shape."""
-
-
-@dataclass(frozen=True, slots=True)
-class Punctuality:
-    """Lateness of the ticks from the recorded rows after the first second [us].
-
-    Attributes:
-        p50, p99, p99_9, max: Percentiles and maximum of the lateness [us].
-        missed: Number of ticks that ended more than 1 ms after their release.
-        ticks: Number of ticks evaluated.
-    """
-
-    p50: float
-    p99: float
-    p99_9: float
-    max: float
-    missed: int
-    ticks: int
-
-    def marks(self) -> dict[str, float]:
-        """Return the percentiles by their captions."""
-        return {"p50": self.p50, "p99": self.p99, "p99.9": self.p99_9, "max": self.max}
-
-
-def punctuality(samples: NDArray[Any]) -> Punctuality | None:
-    """Return the punctuality of a live run; None without any lateness, as on a virtual clock."""
-    late = samples[_WARM_UP_TICKS:] if len(samples) > 2 * _WARM_UP_TICKS else samples
-    lateness = late["lateness_ns"]
-    if len(late) == 0 or not (lateness > 0.0).any():
-        return None
-    p50, p99, p99_9 = (float(v) * 1e-3 for v in np.percentile(lateness, [50.0, 99.0, 99.9]))
-    missed = int((lateness + late["duration_ns"] > 1e6).sum())
-    return Punctuality(p50, p99, p99_9, float(lateness.max()) * 1e-3, missed, len(late))
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,14 +78,6 @@ class Safety:
     drawn: list[Trip]
     more_drawn: bool
     stability: dict[str, Table]
-
-
-@dataclass(frozen=True, slots=True)
-class RealTime:
-    """Punctuality of the ticks; both None on a virtual clock, where no tick can be late."""
-
-    plot: Plot | None
-    table: Table | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,6 +112,7 @@ class Page:
         trials: None where none ended.
         heading, colours: Of the movement.
         movement: Movement of each attempt.
+        person: Body signals and adaptation; None without body signals.
         contacts: None where nothing was touched.
         safety, real_time: None where no tick was recorded.
         picture: Tables of the frame governor by heading.
@@ -172,6 +131,7 @@ class Page:
     heading: str
     colours: str
     movement: list[Movement]
+    person: Person | None
     contacts: Contacts | None
     safety: Safety | None
     real_time: RealTime | None
@@ -191,10 +151,16 @@ def write_report(folder: Path, sections: Sequence[ReportSection]) -> Path:
         SceneError: It is no run folder.
         OSError: The folder cannot be written.
     """
-    page = render_page(page_of(Run.open(folder), sections))
+    page = _render(page_of(Run.open(folder), sections))
     path = folder / FILES["report"]
     write_atomically(path, page.encode())
     return path
+
+
+def _render(page: Page) -> str:
+    """Return a report as HTML, with automatic escaping; characters that UTF-8 cannot encode become question marks."""
+    text = load_templates(_TEMPLATES, shown=shown).get_template("report.html.j2").render(page=page)
+    return text.encode("utf-8", "replace").decode()
 
 
 def page_of(run: Run, sections: Sequence[ReportSection]) -> Page:
@@ -216,9 +182,10 @@ def page_of(run: Run, sections: Sequence[ReportSection]) -> Page:
         heading=section.heading if attempts else "Movement",
         colours=section.colours if attempts else "",
         movement=[_movement(run, attempt, (section, facts), opened=attempt is first) for attempt in attempts],
+        person=_person(run),
         contacts=contacts_of(run),
         safety=_safety(run) if recorded else None,
-        real_time=_real_time(run) if recorded else None,
+        real_time=real_time_of(run) if recorded else None,
         picture=governor_tables(run),
         settings=_settings(run),
         record=_record(run),
@@ -284,22 +251,9 @@ def _operators_cards(run: Run) -> dict[str, str]:
     """Return the figures of the machine, apart from those of the person."""
     return {
         "smallest stability margin": one(scaled(smallest_margin(run.haptic), 100.0), "%"),
-        **_late_card(run),
+        **late_card(run),
         "short holds": shown(_stops_and_holds(run)["short holds"]),
     }
-
-
-def _late_card(run: Run) -> dict[str, str]:
-    real_time = punctuality(run.haptic)
-    if real_time is None:
-        return {}
-    of = f"{thousands(real_time.ticks)}{_counted_after(real_time, run)}"
-    return {f"late control cycles of {of}": thousands(real_time.missed)}
-
-
-def _counted_after(result: Punctuality, run: Run) -> str:
-    """Return the remark that the first second was left out; "" for runs of up to two seconds."""
-    return " after the first second" if result.ticks < len(run.haptic) else ""
 
 
 def _trial_cards(run: Run) -> dict[str, str]:
@@ -338,6 +292,14 @@ def _movement(run: Run, attempt: Attempt, taken: tuple[ReportSection, Mapping[st
     return Movement(attempt.title, path, traces, opened)
 
 
+def _person(run: Run) -> Person | None:
+    """Return body signals and adaptation; None without, or where their lines are damaged."""
+    try:
+        return person_of(run)
+    except _UNREADABLE:
+        return None
+
+
 def _safety(run: Run) -> Safety:
     counts = _stops_and_holds(run)
     return Safety(
@@ -351,23 +313,6 @@ def _safety(run: Run) -> Safety:
         more_drawn=sum(counts.values()) > MOST_DRAWN,
         stability=stability_tables(run),
     )
-
-
-def _real_time(run: Run) -> RealTime:
-    result = punctuality(run.haptic)
-    if result is None:
-        return RealTime(None, None)
-    scheduler = run.lines_of("app", "scheduler")
-    after = _counted_after(result, run)
-    recipe = run.summary.get("recipe") or (scheduler[-1].get("recipe") if scheduler else None)
-    rows = [
-        ("scheduling recipe", recipe),
-        *((f"lateness {name} [µs]", number) for name, number in result.marks().items()),
-        (f"late control cycles{after} (ended more than 1 ms after their release)", result.missed),
-        ("share of late control cycles", result.missed / result.ticks),
-        (f"control cycles{after}", result.ticks),
-    ]
-    return RealTime(draw_lateness(run.haptic[_WARM_UP_TICKS:], result.marks()), Table(["", "value"], rows))
 
 
 def _settings(run: Run) -> Settings:

@@ -23,8 +23,9 @@ from mimics_app.plotting.plot import Plot, envelope
 from mimics_app.recording.attempts import find_attempts, tunnel_shape
 from mimics_app.recording.columns import column_names
 from mimics_app.recording.json_text import indented_json
-from mimics_app.recording.report import page_of, punctuality, write_report
+from mimics_app.recording.report import page_of, write_report
 from mimics_app.recording.report_figures import draw_path
+from mimics_app.recording.report_real_time import punctuality
 from mimics_app.recording.report_stability import stability_lines
 from mimics_app.recording.report_tables import contact_rows, governor_tables, plan_tables, trials_of
 from mimics_app.recording.report_values import Seconds, shown, thousands

@@ -1,0 +1,92 @@
+"""Real time in the report: lateness of the ticks and the control cycles that ended late."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.plotting.plot import Plot
+from mimics_app.recording.report_figures import draw_lateness
+from mimics_app.recording.report_tables import Table
+from mimics_app.recording.report_values import thousands
+from mimics_app.recording.run import Run
+
+__all__ = ["Punctuality", "RealTime", "late_card", "punctuality", "real_time_of"]
+
+_WARM_UP_TICKS = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class Punctuality:
+    """Lateness of the ticks from the recorded rows after the first second [us].
+
+    Attributes:
+        p50, p99, p99_9, max: Percentiles and maximum of the lateness [us].
+        missed: Number of ticks that ended more than 1 ms after their release.
+        ticks: Number of ticks evaluated.
+    """
+
+    p50: float
+    p99: float
+    p99_9: float
+    max: float
+    missed: int
+    ticks: int
+
+    def marks(self) -> dict[str, float]:
+        """Return the percentiles by their captions."""
+        return {"p50": self.p50, "p99": self.p99, "p99.9": self.p99_9, "max": self.max}
+
+
+def punctuality(samples: NDArray[Any]) -> Punctuality | None:
+    """Return the punctuality of a live run; None without any lateness, as on a virtual clock."""
+    late = samples[_WARM_UP_TICKS:] if len(samples) > 2 * _WARM_UP_TICKS else samples
+    lateness = late["lateness_ns"]
+    if len(late) == 0 or not (lateness > 0.0).any():
+        return None
+    p50, p99, p99_9 = (float(v) * 1e-3 for v in np.percentile(lateness, [50.0, 99.0, 99.9]))
+    missed = int((lateness + late["duration_ns"] > 1e6).sum())
+    return Punctuality(p50, p99, p99_9, float(lateness.max()) * 1e-3, missed, len(late))
+
+
+@dataclass(frozen=True, slots=True)
+class RealTime:
+    """Punctuality of the ticks; both None on a virtual clock, where no tick can be late."""
+
+    plot: Plot | None
+    table: Table | None
+
+
+def real_time_of(run: Run) -> RealTime:
+    """Return the section of a run that recorded ticks."""
+    result = punctuality(run.haptic)
+    if result is None:
+        return RealTime(None, None)
+    scheduler = run.lines_of("app", "scheduler")
+    after = _counted_after(result, run)
+    recipe = run.summary.get("recipe") or (scheduler[-1].get("recipe") if scheduler else None)
+    rows = [
+        ("scheduling recipe", recipe),
+        *((f"lateness {name} [µs]", number) for name, number in result.marks().items()),
+        (f"late control cycles{after} (ended more than 1 ms after their release)", result.missed),
+        ("share of late control cycles", result.missed / result.ticks),
+        (f"control cycles{after}", result.ticks),
+    ]
+    return RealTime(draw_lateness(run.haptic[_WARM_UP_TICKS:], result.marks()), Table(["", "value"], rows))
+
+
+def late_card(run: Run) -> dict[str, str]:
+    """Return the number of late control cycles by its caption; {} on a virtual clock."""
+    real_time = punctuality(run.haptic)
+    if real_time is None:
+        return {}
+    of = f"{thousands(real_time.ticks)}{_counted_after(real_time, run)}"
+    return {f"late control cycles of {of}": thousands(real_time.missed)}
+
+
+def _counted_after(result: Punctuality, run: Run) -> str:
+    """Return the remark that the first second was left out; "" for runs of up to two seconds."""
+    return " after the first second" if result.ticks < len(run.haptic) else ""
