@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from mimics_app.contracts.members import load_member, member_names
+from mimics_app.contracts.members import MemberError, load_member, member_names
 from mimics_app.contracts.resources import root
 from mimics_app.lab import groups
 from mimics_app.lab.catalogue import GROUPS, load_methods
@@ -99,9 +99,19 @@ def test_a_member_without_its_constant_is_named(tmp_path: Path, monkeypatch: pyt
     monkeypatch.setattr(built_in, "__path__", [str(tmp_path)])
     for name, text in {"bare_robot": "", "numbered_robot": "DEVICE = 7"}.items():
         (tmp_path / f"{name}.py").write_text(text)
-        with pytest.raises(ImportError, match=rf"built_in\.{name} has no DEVICE of type BuiltInDevice"):
+        with pytest.raises(MemberError, match=rf"{name}\.py: .*built_in\.{name} has no DEVICE of type BuiltInDevice"):
             load_member(built_in, name, "DEVICE", BuiltInDevice)
+    (tmp_path / "_notes.py").write_text("")
     assert member_names(built_in) == ("bare_robot", "numbered_robot")
+    with pytest.raises(MemberError, match=r"absent_robot\.py is missing"):
+        load_member(built_in, "absent_robot", "DEVICE", BuiltInDevice)
+
+
+def test_a_member_that_lacks_a_library_says_which(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(built_in, "__path__", [str(tmp_path)])
+    (tmp_path / "robot_of_a_library.py").write_text("import no_such_library")
+    with pytest.raises(ModuleNotFoundError, match="no_such_library"):
+        load_member(built_in, "robot_of_a_library", "DEVICE", BuiltInDevice)
 
 
 def test_a_module_that_registers_another_group_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
