@@ -202,10 +202,10 @@ def _steps(points: list[tuple[float, float]], panel: Panel) -> list[tuple[float,
     """Return the front as a staircase: what is above and right of it is dominated."""
     if not points:
         return []
-    stairs = [(points[0][0], panel.y.high)]
+    steps = [(points[0][0], panel.y.high)]
     for before, after in pairwise(points):
-        stairs += [before, (after[0], before[1])]
-    return [*stairs, points[-1], (panel.x.high, points[-1][1])]
+        steps += [before, (after[0], before[1])]
+    return [*steps, points[-1], (panel.x.high, points[-1][1])]
 
 
 def _mark(panel: Panel, row: Measured, unit: _Unit, label: str, *, on_front: bool) -> None:

@@ -198,7 +198,7 @@ def joints_of(kin: Kin, scene: SceneRecord, x: Vec, work: JointWorkRecord, q: Ve
         square = 0.0
         for row in range(3 * scene.contacts):
             square += work.place[row] * work.place[row]
-        if square > last:  # overshoot: take back half of the step
+        if square > last:  # overshoot: halve the step
             for j in range(scene.joints):
                 work.step[j] *= 0.5
                 q[j] -= work.step[j]
