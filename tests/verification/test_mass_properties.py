@@ -88,6 +88,14 @@ def test_flat_points_have_no_hull():
         convex_hull(points)
 
 
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_points_that_are_not_finite_have_no_hull(bad):
+    points = np.random.default_rng(1).normal(size=(30, 3))
+    points[7, 1] = bad
+    with pytest.raises(ValueError, match="not finite"):
+        convex_hull(points)
+
+
 def test_points_too_far_away_to_tell_have_no_hull():
     """A thin solid at 10,000 km: its height is lost in the digits of its place."""
     points = np.random.default_rng(1).normal(size=(30, 3)) * [1e-2, 1e-2, 1e-8] + 1e7

@@ -17,17 +17,19 @@ def convex_hull(points: F8) -> tuple[F8, I4]:
     """Return vertices and triangles of the convex hull (Barber, Dobkin & Huhdanpaa 1996, by Qhull).
 
     Args:
-        points: [m], shape [n, 3], finite.
+        points: [m], shape [n, 3].
 
     Returns:
         (vertices [m], shape [k, 3]; indices, counter-clockwise from outside, shape [m, 3]).
 
     Raises:
-        ValueError: all points lie in one plane, as far as their precision tells.
+        ValueError: A coordinate is not finite, or all points lie in one plane, as far as their precision tells.
     """
     from scipy.spatial import ConvexHull, QhullError
 
     points = np.unique(np.asarray(points, np.float64), axis=0)
+    if not np.isfinite(points).all():
+        raise ValueError("a coordinate of a point is not finite")
     if len(points) < 4:
         raise ValueError(f"{len(points)} different points do not span a solid")
     centred = points - points.mean(axis=0)
