@@ -9,6 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from mimics_app.app import cli
@@ -76,6 +77,16 @@ def test_stdout_on_a_full_disk_is_one_line(option: str) -> None:
     assert done.returncode == 3
     cure = "free some space, or name a file or folder on another disk"
     assert done.stderr.splitlines() == [f"mimics: No space left on device; {cure}"]
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
+def test_a_picture_that_fills_the_disk_is_named(tmp_path: Path) -> None:
+    from mimics_app.rendering.visual.surfaces.headless import write_png
+
+    (tmp_path / "frame.png").symlink_to("/dev/full")
+    with pytest.raises(OSError, match="No space left on device") as raised:
+        write_png(np.zeros((64, 64, 4), np.uint8), tmp_path / "frame.png")
+    assert raised.value.filename == str(tmp_path / "frame.png")
 
 
 def test_file_trouble_names_the_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -18,7 +18,7 @@ from mimics_app.rendering.visual.displays.desktop import compute_tangents
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.surfaces.headless import open_offscreen, read_pixels
+from mimics_app.rendering.visual.surfaces.headless import open_offscreen, read_pixels, write_png
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Sky
@@ -104,8 +104,6 @@ def draw_models(models: Sequence[Path], output: Path, *, sides: int = 1, backend
         UsageError: There are too many models for a sheet.
         DeviceError: The OpenGL context is not available.
     """
-    from PIL import Image
-
     if len(models) * sides > _MOST_TILES:
         raise UsageError(f"{len(models)} models do not go on a sheet of {_MOST_TILES}", "give a folder below it")
     output.parent.mkdir(parents=True, exist_ok=True)
@@ -120,7 +118,7 @@ def draw_models(models: Sequence[Path], output: Path, *, sides: int = 1, backend
     sheet = Sheet(output, tiles, surface.backend, surface.driver)
     renderer.release()
     surface.close()
-    Image.fromarray(_laid_out(pictures, sides)).save(output, optimize=True)
+    write_png(_laid_out(pictures, sides), output)
     return sheet
 
 

@@ -55,7 +55,16 @@ def save_png(surface: Surface, file: Path) -> None:
 
 
 def write_png(pixels: U1, file: Path) -> None:
-    """Save pixels, uint8 [height, width, 4], as an opaque PNG; compression runs without the GIL."""
+    """Save pixels, uint8 [height, width, 3 or 4], as an opaque PNG; compression runs without the GIL.
+
+    Raises:
+        OSError: The file cannot be written; its `filename` is the file also where the disk is full.
+    """
     from PIL import Image
 
-    Image.fromarray(pixels[:, :, :3]).save(file, compress_level=_PNG_LEVEL)
+    try:
+        Image.fromarray(pixels[:, :, :3]).save(file, compress_level=_PNG_LEVEL)
+    except OSError as error:
+        if error.errno:  # the system names a file that it cannot open, not one that it cannot fill
+            error.filename = str(file)
+        raise
