@@ -121,7 +121,7 @@ def store_poses(rows: I4, translation: F8, rotation: F8, into: F8, into_rotation
         rotation: Quaternions xyzw of any length, [n, 4].
         into: The table's translations, [rows, 3].
         into_rotation: The table's rotations, unit with w >= 0, [rows, 4].
-        dirty: 1 where stored, [rows].
+        dirty: 1 where the stored pose is another than before, [rows].
 
     Returns:
         -1, or the first pose with a number that is not finite or a quaternion of zero length.
@@ -137,9 +137,13 @@ def store_poses(rows: I4, translation: F8, rotation: F8, into: F8, into_rotation
         x, y, z, w = rotation[i, 0], rotation[i, 1], rotation[i, 2], rotation[i, 3]
         length = math.sqrt(x * x + y * y + z * z + w * w)
         shrink = 1.0 / length if w >= 0.0 else -1.0 / length
-        into_rotation[row, 0], into_rotation[row, 1] = x * shrink, y * shrink
-        into_rotation[row, 2], into_rotation[row, 3] = z * shrink, w * shrink
+        unit = (x * shrink, y * shrink, z * shrink, w * shrink)
+        for axis in range(len(unit)):
+            if into_rotation[row, axis] != unit[axis]:
+                into_rotation[row, axis] = unit[axis]
+                dirty[row] = 1
         for axis in range(3):
-            into[row, axis] = translation[i, axis]
-        dirty[row] = 1
+            if into[row, axis] != translation[i, axis]:
+                into[row, axis] = translation[i, axis]
+                dirty[row] = 1
     return -1

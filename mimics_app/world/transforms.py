@@ -147,7 +147,7 @@ class TransformTable:
     ) -> None:
         """Set local translations [m], [n, 3], and rotations, xyzw of any length, [n, 4], in one pass.
 
-        For many nodes every frame; nothing is set when a number is invalid.
+        For many nodes every frame: a pose that is set again is no change. Nothing is set when a number is invalid.
 
         Raises:
             ValueError: a number is not finite, a rotation is zero, or a shape does not fit.
@@ -173,8 +173,9 @@ class TransformTable:
         values = np.asarray(scales, np.float64).reshape(-1, 3)
         if len(rows) != len(values) or not np.isfinite(values).all():
             raise ValueError(f"{len(rows)} rows, {len(values)} scales, all of which must be finite")
+        places = np.asarray(rows, np.int32)
+        self._dirty[places[(self._scales[places] != values).any(axis=1)]] = 1
         self._scales[rows] = values
-        self._dirty[rows] = 1
         self._touched = True
 
     def set_visible(self, index: int, *, visible: bool) -> None:

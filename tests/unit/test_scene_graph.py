@@ -319,6 +319,21 @@ def test_bulk_setters_move_many_rows_and_normalise():
     assert nodes[7].orientation.tolist() == [0, 0, 0, 1]
 
 
+def test_poses_and_scales_that_are_set_again_are_no_change():
+    world = World()
+    nodes = [world.create_node() for _ in range(3)]
+    table = world.transforms
+    rows = table.rows(np.array([node.index for node in nodes]))
+    places, turns, scales = np.ones((3, 3)), np.tile([0.0, 0.6, 0.0, -1.6], (3, 1)), np.full((3, 3), 2.0)
+    for move, changed in ((None, 3), (None, 0), (places, 1), (turns, 1), (scales, 1)):
+        if move is not None:
+            move[1, 0] += 0.5
+        table.set_poses(rows, places, turns)
+        table.set_scales(rows, scales)
+        world.update()
+        assert table.changed[rows].sum() == changed and table.changed[rows[1]] == (changed > 0)
+
+
 def test_a_chain_of_fifty_thousand_nodes_is_updated_moved_and_removed_without_recursion():
     world = World()
     node = top = world.create_node("top")
