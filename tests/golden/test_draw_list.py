@@ -11,6 +11,7 @@ import pytest
 from mimics_app.app.bench.workload_opening import open_workload
 from mimics_app.app.cli import main
 from mimics_app.maths.mat import look_at
+from mimics_app.rendering.visual.drawing import frame_buffers
 from mimics_app.rendering.visual.kernels.commands import MAX_TRIANGLES
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
@@ -62,7 +63,8 @@ def make_crowd(count=300, seed=2) -> World:
     return world
 
 
-def test_a_large_frame_is_sent_in_pieces_which_nothing_shows(monkeypatch):
+@pytest.mark.parametrize(("size", "name"), [(SIZE, "MAX_TRIANGLES_OF_FEW_PIXELS"), ((640, 360), "MAX_TRIANGLES")])
+def test_a_large_frame_is_sent_in_pieces_which_nothing_shows(monkeypatch, size, name):
     """Of one mesh and of many: no pixel says in how many pieces a frame was sent."""
     world = World()
     world.set_material(Material("grey"))
@@ -76,16 +78,17 @@ def test_a_large_frame_is_sent_in_pieces_which_nothing_shows(monkeypatch):
     pieces: list[int] = []
     send = RawGL.flush
     monkeypatch.setattr(RawGL, "flush", lambda raw: (pieces.append(1), send(raw)))
-    views = [view_from((0, 0, 15), (0, 0, 0))]
-    with create_surface("egl", SIZE) as surface:
+    views = [view_from((0, 0, 15), (0, 0, 0), size)]
+    with create_surface("egl", size) as surface:
         drawn = Renderer(surface, world, PLAIN).draw(views)
         picture, sent = read_pixels(surface), len(pieces)
-        monkeypatch.setattr("mimics_app.rendering.visual.drawing.frame_buffers.MAX_TRIANGLES", 10 * drawn.triangles)
+        largest = getattr(frame_buffers, name)
+        monkeypatch.setattr(frame_buffers, name, 10 * drawn.triangles)
         pieces.clear()
         Renderer(surface, world, PLAIN).draw(views)
         np.testing.assert_array_equal(read_pixels(surface), picture)
     assert not pieces
-    assert drawn.triangles // MAX_TRIANGLES >= sent >= 1
+    assert drawn.triangles // largest >= sent >= 1
 
 
 def test_looks_that_differ_in_picture_and_colour_share_draw_calls():

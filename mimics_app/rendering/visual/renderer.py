@@ -22,7 +22,7 @@ from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.frame_stats import FrameStats
 from mimics_app.rendering.visual.lighting import gather_lighting
 from mimics_app.rendering.visual.materials.materials import MaterialStore
-from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.materials.shader_library import FEW_PIXELS, ShaderLibrary
 from mimics_app.rendering.visual.passes.eye_passes import AT_ONCE, EyePasses
 from mimics_app.rendering.visual.passes.hud import HudPass, plane_of_views
 from mimics_app.rendering.visual.settings import QualityChanges, RenderSettings
@@ -314,7 +314,7 @@ class Renderer:
         features = lights | self._picture.features | ({"AMBIENT_OCCLUSION"} if self._ambient else frozenset())
         fates = self._overlay is not None and self._overlay.needs_fates
         self._list.update(self.world, settings, light_features=features, fates=fates, sparse=self._sparse)
-        self._frame.begin()
+        self._frame.begin(few_pixels=FEW_PIXELS in features)
         sizes = [self._picture.rectangle(view.rectangle)[2:] for view in views]
         coarser = math.sqrt(min(map(fewer_pixels, views, sizes)))
         self._shadows.prepare(lighting, views, self._list, self._frame, settings, coarser)

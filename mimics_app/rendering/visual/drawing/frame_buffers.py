@@ -22,8 +22,10 @@ if TYPE_CHECKING:
     from mimics_app.rendering.visual.drawing.draw_items import DrawItems, DrawState
     from mimics_app.rendering.visual.materials.shader_library import ShaderProgram
 
-__all__ = ["DrawRun", "FrameBuffers"]
+__all__ = ["MAX_TRIANGLES_OF_FEW_PIXELS", "DrawRun", "FrameBuffers"]
 
+MAX_TRIANGLES_OF_FEW_PIXELS = 2_000
+"""Number of triangles after which a flush follows in a small picture, which one thread rasterises (decision 173)."""
 
 _INSTANCES = 1
 """Index of the instance count among the words of a command."""
@@ -71,11 +73,12 @@ class FrameBuffers:
         self._runs = np.zeros((256, 4), np.int64)
         self._buffer: moderngl.Buffer | None = None
         self._raw = RawGL(ctx) if read_capabilities(ctx).software else None
-        self._waiting = 0
+        self._waiting, self._most_waiting = 0, MAX_TRIANGLES
         self.instance_count = self.command_count = 0
 
-    def begin(self) -> None:
-        """Discard the last frame."""
+    def begin(self, *, few_pixels: bool) -> None:
+        """Discard the last frame; a picture of few pixels is flushed more often."""
+        self._most_waiting = MAX_TRIANGLES_OF_FEW_PIXELS if few_pixels else MAX_TRIANGLES
         self.instance_count = self.command_count = self._waiting = 0
 
     def add(
@@ -153,13 +156,13 @@ class FrameBuffers:
         self._ctx.front_face = "cw" if run.mirrored else "ccw"
         array = self._arena.arrays.of(shader, run.wide, run.eyes)
         waiting = self._waiting + run.eyes * run.triangles
-        if self._raw is None or waiting < MAX_TRIANGLES:
+        if self._raw is None or waiting < self._most_waiting:
             self._waiting = waiting
             array.render_indirect(self._buffer, moderngl.TRIANGLES, run.count, first=run.first)
             return
         for first, count in self._split(run):
             array.render_indirect(self._buffer, moderngl.TRIANGLES, count, first=first)
-            if self._waiting >= MAX_TRIANGLES:
+            if self._waiting >= self._most_waiting:
                 self._raw.flush()
                 self._waiting = 0
 
@@ -173,7 +176,7 @@ class FrameBuffers:
         begun = 0
         for number, triangles in enumerate((commands[:, 0] // 3 * commands[:, _INSTANCES]).tolist(), 1):
             self._waiting += triangles
-            if self._waiting >= MAX_TRIANGLES or number == run.count:
+            if self._waiting >= self._most_waiting or number == run.count:
                 yield run.first + begun, number - begun
                 begun = number
 
