@@ -12,7 +12,7 @@ from typing import TypeVar
 
 from mimics_app.contracts.errors import MimicsError
 
-__all__ = ["MemberError", "import_members", "load_member", "member_names"]
+__all__ = ["MemberError", "import_member", "import_members", "load_member", "member_names"]
 
 _Kind = TypeVar("_Kind")
 
@@ -30,7 +30,24 @@ def member_names(package: ModuleType, *, packages: bool = False) -> tuple[str, .
 def import_members(package: ModuleType) -> None:
     """Import all modules of a package, which register themselves."""
     for name in member_names(package):
-        import_module(f"{package.__name__}.{name}")
+        import_member(package, name)
+
+
+def import_member(package: ModuleType, name: str) -> ModuleType:
+    """Import a module of a package; a dot leads into a package of it.
+
+    Raises:
+        MemberError: There is no such module.
+        ImportError: The module itself cannot be imported.
+    """
+    full = f"{package.__name__}.{name}"
+    try:
+        return import_module(full)
+    except ModuleNotFoundError as error:
+        if error.name != full:
+            raise
+        place = f"{package.__path__[0]}/{name.replace('.', '/')}.py"
+        raise MemberError(f"{place} is missing", _fix(f"{name.partition('.')[0]}/")) from error
 
 
 def load_member(package: ModuleType, name: str, constant: str, kind: type[_Kind]) -> _Kind:
@@ -46,17 +63,10 @@ def load_member(package: ModuleType, name: str, constant: str, kind: type[_Kind]
         MemberError: There is no such module, or it has no such constant, or one of another type.
         ImportError: The module itself cannot be imported.
     """
-    full = f"{package.__name__}.{name}"
-    try:
-        module = import_module(full)
-    except ModuleNotFoundError as error:
-        if error.name != full:
-            raise
-        place = f"{package.__path__[0]}/{name.replace('.', '/')}.py"
-        raise MemberError(f"{place} is missing", _fix(f"{name.partition('.')[0]}/")) from error
+    module = import_member(package, name)
     found = getattr(module, constant, None)
     if not isinstance(found, kind):
-        what = f"{module.__file__}: {full} has no {constant} of type {kind.__name__}"
+        what = f"{module.__file__}: {module.__name__} has no {constant} of type {kind.__name__}"
         raise MemberError(what, _fix(f"{name.rpartition('.')[2]}.py"))
     return found
 

@@ -10,14 +10,15 @@ from collections.abc import Iterable
 from functools import cache
 
 from mimics_app.contracts.errors import require_choice, short_text
-from mimics_app.contracts.members import load_member, member_names
+from mimics_app.contracts.members import import_member, member_names
 from mimics_app.contracts.methods import Registry, registry
 from mimics_app.lab import groups
+from mimics_app.lab.rivals import group_of
 from mimics_app.world.scene.method_plugins import method_plugins
 
 __all__ = ["GROUPS", "all_groups", "load_methods"]
 
-GROUPS = {name.replace("_", " "): name for name in member_names(groups)}
+GROUPS = {group_of(name): name for name in member_names(groups)}
 """Module of the package `groups` that registers a group, by the group's name."""
 
 
@@ -45,10 +46,10 @@ def _register(group: str) -> None:
     """Import the module of a built-in group.
 
     Raises:
-        ImportError: It registers another group, or no method.
+        ImportError: It registers no method.
     """
-    named = load_member(groups, GROUPS[group], "GROUP", str)
-    if named != group or group not in registry.groups():
+    import_member(groups, GROUPS[group])
+    if group not in registry.groups():
         raise ImportError(f'{groups.__name__}.{GROUPS[group]} registers no method of "{group}"')
 
 

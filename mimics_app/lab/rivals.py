@@ -9,7 +9,7 @@ from functools import partial
 from mimics_app.contracts.methods import Group, Method, Settings, registry
 from mimics_app.contracts.probe import reference_us
 
-__all__ = ["Rival", "compare"]
+__all__ = ["Rival", "compare", "group_of"]
 
 Probe = Callable[..., float]
 
@@ -35,8 +35,13 @@ class Rival:
     error: Callable[[], float] | None = None
 
 
+def group_of(module: str) -> str:
+    """Return the group that a module of the package `groups` registers, by the name of the module."""
+    return module.rpartition(".")[2].replace("_", " ")
+
+
 def compare(
-    group: str,
+    module: str,
     what: str,
     unit: str,
     rivals: Iterable[Rival],
@@ -54,7 +59,7 @@ def compare(
     """Describe a group and register its rivals.
 
     Args:
-        group: Name of the group.
+        module: `__name__` of the group's module, which is named like the group.
         what: One line: task of the methods, and input of the measurement.
         unit: Unit of the error.
         rivals: The methods, in the order of the charts.
@@ -68,6 +73,7 @@ def compare(
         few: Reason for fewer than three rivals; "" otherwise.
         why_default: Reason for a default that a rival beats in cost at no larger error; "" otherwise.
     """
+    group = group_of(module)
     registry.describe(Group(group, what, unit, work, reference, few, why_default))
     for rival in rivals:
         probed, own = rival.probed or (rival.name,), sizes if rival.sizes is None else rival.sizes

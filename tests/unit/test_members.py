@@ -33,9 +33,8 @@ def build_zeros(request):
 SUMS = """
 from mimics_app.lab.rivals import Rival, compare
 
-GROUP = "sums of two"
 compare(
-    GROUP, "a sum of two numbers", "1",
+    __name__, "a sum of two numbers", "1",
     [Rival(name, "by hand", "any", {"by": name}) for name in ("one", "other")],
     cost=lambda name: 1.0, error=lambda name: 0.0, default="one", few="a planted group",
 )
@@ -114,9 +113,9 @@ def test_a_member_that_lacks_a_library_says_which(tmp_path: Path, monkeypatch: p
         load_member(built_in, "robot_of_a_library", "DEVICE", BuiltInDevice)
 
 
-def test_a_module_that_registers_another_group_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_module_that_registers_no_method_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(groups, "__path__", [str(tmp_path)])
     monkeypatch.setitem(GROUPS, "differences", "differences")
-    (tmp_path / "differences.py").write_text('GROUP = "sums"')
+    (tmp_path / "differences.py").write_text("")
     with pytest.raises(ImportError, match='registers no method of "differences"'):
         load_methods(["differences"])

@@ -8,7 +8,7 @@ import pytest
 
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.lab.catalogue import load_methods
-from mimics_app.lab.groups.anti_aliasing import ANGLES, GROUP, covered, edge_error
+from mimics_app.lab.groups.anti_aliasing import ANGLES, covered, edge_error
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 
@@ -25,7 +25,7 @@ def _a_driver_that_draws():
 
 def test_each_rival_lowers_the_error_of_edges():
     """All or nothing is wrong by sqrt(1/12) where coverage is spread evenly, by 1/2 along the pixels' diagonals."""
-    found = {method.name: method.error() for method in load_methods([GROUP]).rivals(GROUP)}
+    found = {method.name: method.error() for method in load_methods(["anti aliasing"]).rivals("anti aliasing")}
     assert 0.25 < found["none"] < 0.33
     assert found["filter"] < 0.1, "the tolerance of a training, within which the planner takes it"
     assert found["4 samples"] < 0.45 * found["none"]

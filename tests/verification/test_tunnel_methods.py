@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.contracts.methods import registry
-from mimics_app.lab.groups import tunnel_frame, tunnel_projection
+from mimics_app.lab.catalogue import load_methods
 from mimics_app.lab.groups.tunnel_projection import closest_by_roots
 from tests.support.tunnels import coil
+
+registry = load_methods(["tunnel projection", "tunnel frame"])
 
 
 def by_name(group):
@@ -16,18 +17,18 @@ def by_name(group):
 
 
 def test_both_groups_are_registered():
-    assert list(by_name(tunnel_projection.GROUP)) == ["newton warm", "newton one step", "brute force", "golden section"]
-    assert list(by_name(tunnel_frame.GROUP)) == ["double reflection", "frenet", "projected up"]
+    assert list(by_name("tunnel projection")) == ["newton warm", "newton one step", "brute force", "golden section"]
+    assert list(by_name("tunnel frame")) == ["double reflection", "frenet", "projected up"]
 
 
-@pytest.mark.parametrize("group", [tunnel_projection.GROUP, tunnel_frame.GROUP])
+@pytest.mark.parametrize("group", ["tunnel projection", "tunnel frame"])
 def test_costs_are_measured(group):
     for method in registry.rivals(group):
         assert 0.0 < method.cost() < 1e6, method.name
 
 
 def test_projection_errors_are_what_the_theory_says():
-    methods = by_name(tunnel_projection.GROUP)
+    methods = by_name("tunnel projection")
     # Newton to 1e-12 m, by an amount that the reference's own roots may add to.
     assert methods["newton warm"].error() < 1e-10
     # A tick moves the ball by 0.3 mm along and 0.12 mm around; Newton squares that over the bend's radius.
@@ -39,7 +40,7 @@ def test_projection_errors_are_what_the_theory_says():
 
 
 def test_frame_errors_are_what_the_theory_says():
-    methods = by_name(tunnel_frame.GROUP)
+    methods = by_name("tunnel frame")
     assert methods["double reflection"].error() < 1e-8
     rise = 0.08 / (2.0 * np.pi)
     torsion_angle = rise / (0.1**2 + rise**2) * 2.0 * 2.0 * np.pi * np.hypot(0.1, rise)

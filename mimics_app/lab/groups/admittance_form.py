@@ -17,9 +17,8 @@ from mimics_app.rendering.haptic.kernels.kinematics import apply_inverse_jacobia
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import Floats
 
-__all__ = ["GROUP", "false_force"]
+__all__ = ["false_force"]
 
-GROUP = "admittance form"
 
 _D1 = 0.46
 _MASS = 3.0
@@ -63,7 +62,7 @@ def _cost_us(form: AdmittanceForm) -> float:
 
 
 compare(
-    GROUP,
+    __name__,
     "a free virtual mass of 3 kg that moves and turns; error: the force a form invents on it",
     "N",
     [

@@ -19,9 +19,8 @@ from mimics_app.world.materials.material import Material
 from mimics_app.world.meshes.primitives import box, plane
 from mimics_app.world.world import World
 
-__all__ = ["GROUP"]
+__all__: list[str] = []
 
-GROUP = "ambient occlusion"
 
 _PROBE = (192, 108)
 _MIDDLE = slice(86, 106)
@@ -46,7 +45,7 @@ def _error(settings: RenderSettings) -> float:
 
 
 compare(
-    GROUP,
+    __name__,
     "a frame of a hall with 12 pillars, 640x360; error: of the half that a wall takes from its foot",
     "of the effect",
     [

@@ -27,10 +27,9 @@ from mimics_app.world.materials.material import Material
 from mimics_app.world.meshes.primitives import box, plane
 from mimics_app.world.world import World
 
-__all__ = ["ANGLES", "GROUP", "covered", "edge_error"]
+__all__ = ["ANGLES", "covered", "edge_error"]
 
 
-GROUP = "anti aliasing"
 ANGLES = (0.02, 0.06, 0.15, 0.3, 0.6, math.pi / 4.0, 1.0, 1.3, 1.52)
 """Angles of the edge to the rows of pixels [rad]."""
 _PLACES = (0.0, 0.2, 0.4, 0.6)
@@ -143,7 +142,7 @@ def _at(samples: int, *, fxaa: bool = False) -> tuple[dict[str, object], tuple[R
 
 _ANY = "any; samples as many as the driver has"
 compare(
-    GROUP,
+    __name__,
     "anti-aliasing: a frame of 300 lit boxes, 640x360; error: share of cut pixels, 36 straight edges",
     "px",
     [

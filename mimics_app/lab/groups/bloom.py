@@ -19,9 +19,8 @@ from mimics_app.world.materials.material import Material
 from mimics_app.world.meshes.primitives import box
 from mimics_app.world.world import World
 
-__all__ = ["GROUP"]
+__all__: list[str] = []
 
-GROUP = "bloom"
 
 _PROBE = (192, 108)
 _SHARE = 0.3
@@ -46,7 +45,7 @@ def _error(settings: RenderSettings) -> float:
 
 
 compare(
-    GROUP,
+    __name__,
     "a frame of a hall with 12 lamps, 640x360; error: light lost or made by spreading it, 1 without",
     "of the effect",
     [

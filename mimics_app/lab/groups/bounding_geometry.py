@@ -12,9 +12,8 @@ from mimics_app.lab.haptic.probe import reference_us
 from mimics_app.lab.haptic.touch_probe import RADIUS, STIFFNESS, slide_path, touch_scene
 from mimics_app.lab.rivals import Rival, compare
 
-__all__ = ["GROUP", "false_force"]
+__all__ = ["false_force"]
 
-GROUP = "bounding geometry"
 
 _FEW = (1, 10, 100)
 """Numbers of meshes at which the cost of a tick is measured, for large ones."""
@@ -36,7 +35,7 @@ def _cost_us(kind: ShapeKind, triangles: int, count: int) -> float:
 
 _FIT = "the shape of the object"
 compare(
-    GROUP,
+    __name__,
     "touching a round object with friction, whole; error: false force of a frictionless slide over a ball",
     "N",
     [

@@ -21,9 +21,8 @@ from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import ContactRecord, Table
 
-__all__ = ["GROUP", "false_force"]
+__all__ = ["false_force"]
 
-GROUP = "box face"
 
 _RIVALS = (
     Rival(
@@ -92,7 +91,7 @@ def _cost_us(rule: str) -> float:
 
 
 compare(
-    GROUP,
+    __name__,
     "depth and normal in a box of 4 cm; error: false force of a slide to the corner, 3 mm deep on 2 kN/m",
     "N",
     _RIVALS,

@@ -21,9 +21,8 @@ from mimics_app.lab.haptic.body_worlds import new_world, rest_on_floor
 from mimics_app.lab.haptic.probe import SIZES, reference_us
 from mimics_app.lab.rivals import Rival, compare
 
-__all__ = ["GROUP"]
+__all__: list[str] = []
 
-GROUP = "colliding bodies"
 
 _MASS, _STIFFNESS, _ZETA, _SPEED = 0.2, 2000.0, 0.3, 0.3
 _PHASES = 8
@@ -78,7 +77,7 @@ def _step_us(method: str, bodies: int) -> float:
 
 
 compare(
-    GROUP,
+    __name__,
     "a tick of boxes on a floor; error: restitution of a ball of 0.2 kg at zeta = 0.3, 2 kN/m and 1 ms",
     "restitution",
     [

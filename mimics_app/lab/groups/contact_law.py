@@ -19,14 +19,11 @@ from mimics_app.rendering.haptic.kernels.contact_law import hunt_crossley, sprin
 from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
 
 __all__ = [
-    "GROUP",
     "bounce",
     "restitution_hunt_crossley",
     "restitution_spring_damper",
 ]
 
-
-GROUP = "contact law"
 
 _RIVALS = (
     Rival("(9) printed", "spring and damper without clamp: pulls on the way out", "demonstration"),
@@ -148,7 +145,7 @@ def _cost_us(law: str, contacts: int) -> float:
 
 
 compare(
-    GROUP,
+    __name__,
     "normal force of a contact; error: restitution of 0.2 kg at 1 ms against a contact that only pushes",
     "restitution",
     _RIVALS,

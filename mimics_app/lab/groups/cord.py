@@ -16,10 +16,9 @@ from mimics_app.maths.cord import Catenary, Ripple, Ripples, hang
 from mimics_app.rendering.visual.passes.cord import CORD_BLOCK, RINGS, SIDES, fill_cord_block
 from mimics_app.world.cords import Cord
 
-__all__ = ["GROUP"]
+__all__: list[str] = []
 
 
-GROUP = "cord"
 _ENDS = np.array([[0.0, 1.2, 0.0], [0.0, 1.1, -1.0]])
 _LENGTH, _RADIUS = 1.2, 0.025
 _POINTS, _STEP_S, _SECONDS, _GRAVITY = 32, 1.0 / 60.0, 4.0, 9.81
@@ -102,7 +101,7 @@ def _mesh_cost() -> float:
 
 
 compare(
-    GROUP,
+    __name__,
     "a cord of 1.2 m, ends 1 m apart, two ripples: work of the processor a frame; error: of its length",
     "m",
     [

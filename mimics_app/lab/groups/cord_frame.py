@@ -23,12 +23,11 @@ from mimics_app.maths.frames import (
 )
 from mimics_app.rendering.visual.passes.cord import RINGS
 
-__all__ = ["FRAMES", "GROUP"]
+__all__ = ["FRAMES"]
 
 Frame = Callable[[F8, F8], F8]
 """Function of positions and unit tangents of rings, [n, 3] each, that returns unit normals, [n, 3]."""
 
-GROUP = "cord frame"
 _FINER = 32
 _UP = np.array([0.0, 1.0, 0.0])
 
@@ -109,7 +108,7 @@ def _cost_us(frame: Frame, curve: str) -> float:
 
 _RUNS = "constant binormal, hanging"
 compare(
-    GROUP,
+    __name__,
     f"a frame for each of {RINGS} rings of a cord; error: by which angle it twists the surface",
     "rad",
     [

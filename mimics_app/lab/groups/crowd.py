@@ -27,10 +27,9 @@ from mimics_app.world.gltf.prefab import ModelPrefab
 from mimics_app.world.scene.assets import ModelPart, SceneAsset
 from mimics_app.world.world import World
 
-__all__ = ["GROUP", "Crowd", "load_person"]
+__all__ = ["Crowd", "load_person"]
 
 
-GROUP = "crowd"
 _PEOPLE, _NEAREST, _FARTHEST = 40, 4.0, 60.0
 _KINDS = ("man_omar", "player_white", "woman_anna")
 _CLIP, _RATE = "walk", 30.0
@@ -135,7 +134,7 @@ _WHOLE = Crowd(levels=False, steps=False)
 
 _VALID = "people from 4 m away on"
 compare(
-    GROUP,
+    __name__,
     "a frame of forty people 4 to 60 m away; error: share of pixels that differ from all in full",
     "share of pixels",
     [

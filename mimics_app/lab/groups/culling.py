@@ -22,10 +22,9 @@ from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.view import View, compute_frustum_planes
 from mimics_app.rendering.visual.view_matrices import compose_look_at
 
-__all__ = ["GROUP", "CullingProbe", "make_probe"]
+__all__ = ["CullingProbe", "make_probe"]
 
 
-GROUP = "culling"
 SIZES = (100, 1000, 10_000, 100_000)
 _NODES = 10_000
 _SPACING = 10.0
@@ -122,7 +121,7 @@ def _error(make: Callable[[CullingProbe], Culler]) -> float:
 
 
 compare(
-    GROUP,
+    __name__,
     "nodes of a square world in a view; error: nodes left out though a corner of theirs is inside",
     "nodes",
     [

@@ -36,9 +36,8 @@ from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import Fields, ObjectCountsRecord, ObjectWork, Rows
 
-__all__ = ["GROUP"]
+__all__: list[str] = []
 
-GROUP = "effects"
 
 _DT, _TICKS, _RUNS = 1e-3, 3000, 20
 _STIFFNESS, _DAMPING, _FORCE = 300.0, 5.0, 4.0
@@ -207,7 +206,7 @@ def _effect_error(name: str) -> float:
 
 
 compare(
-    GROUP,
+    __name__,
     "one effect or force field in a tick of a hand on a circle; error: difference from its law",
     "N",
     [

@@ -18,9 +18,8 @@ from mimics_app.world.materials.material import Material
 from mimics_app.world.meshes.primitives import box
 from mimics_app.world.world import World
 
-__all__ = ["GROUP", "node_world"]
+__all__ = ["node_world"]
 
-GROUP = "frame of nodes"
 
 _COUNTS = (100, 1000, 10_000, 100_000)
 
@@ -55,7 +54,7 @@ def _culled(name: str, source: str, culling: Culling) -> Rival:
 
 _EACH_NODE = replace(PLAIN, culling="flat")
 compare(
-    GROUP,
+    __name__,
     "a frame of 10,000 cubes that all turn; error: share of pixels that differ from each node tested",
     "share of pixels",
     [

@@ -13,9 +13,8 @@ from mimics_app.lab.visual.small_frame import PLAIN, MovingWorld, changed_share,
 from mimics_app.world.meshes.primitives import icosphere
 from mimics_app.world.world import World
 
-__all__ = ["GROUP", "ball_world"]
+__all__ = ["ball_world"]
 
-GROUP = "frame of triangles"
 
 _COUNTS = (10_000, 100_000, 1_000_000, 10_000_000)
 _BALL = 1280
@@ -45,7 +44,7 @@ def _detailed(name: str, source: str, detail: float) -> Rival:
 
 _FINEST = replace(PLAIN, detail=4.0)
 compare(
-    GROUP,
+    __name__,
     "a frame of a million triangles in balls; error: share of pixels that differ from the finest forms",
     "share of pixels",
     [

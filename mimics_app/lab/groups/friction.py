@@ -32,10 +32,8 @@ from mimics_app.rendering.haptic.kernels.friction import (
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import FrictionRecord, Table
 
-__all__ = ["GROUP", "KARNOPP", "LAWS", "NUMBERS", "Hold", "friction_by", "hold"]
+__all__ = ["KARNOPP", "LAWS", "NUMBERS", "Hold", "friction_by", "hold"]
 
-
-GROUP = "friction"
 
 LAWS: dict[str, Callable[..., None]] = {
     "4.3.2 printed": regularised_printed,
@@ -198,7 +196,7 @@ def _cost_us(law: str, contacts: int) -> float:
 
 
 compare(
-    GROUP,
+    __name__,
     "friction of one contact in its plane; error: drift in 60 s of an object it should hold",
     "m",
     [

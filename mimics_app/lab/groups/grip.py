@@ -26,9 +26,8 @@ from mimics_app.rendering.haptic.objects import new_object_work
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import ObjectCountsRecord, ObjectWork, Rows
 
-__all__ = ["GROUP"]
+__all__: list[str] = []
 
-GROUP = "grip"
 
 _DT, _TICKS, _RUNS = 1e-3, 3000, 20
 _MASS, _BALL, _GRAVITY, _GRASP = 0.3, 0.03, 9.81, 9.0
@@ -101,7 +100,7 @@ def _grip_error(_: str) -> float:
 
 
 compare(
-    GROUP,
+    __name__,
     "a ball held between two fingers; error: difference of the force on the user from the weight at rest",
     "N",
     [Rival("two fingers", "kernels.objects.grip: friction cone of each finger and of its patch", "one body", {})],

@@ -22,10 +22,8 @@ from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import ContactRecord, ObserverRecord
 
-__all__ = ["DEPTH", "GROUP", "RATES", "SPEED", "STIFFNESS", "tap_leak"]
+__all__ = ["DEPTH", "RATES", "SPEED", "STIFFNESS", "tap_leak"]
 
-
-GROUP = "haptic rate"
 
 RATES = (60, 250, 500, 1000, 2500, 4000)
 """Ticks per second [Hz]: a picture, half the seed's limit, the seed's limit (4.3.1), ours, the HapticMaster, 4 kHz."""
@@ -71,7 +69,7 @@ def _cost_us(rate: int) -> float:
 
 
 compare(
-    GROUP,
+    __name__,
     f"a wall of {STIFFNESS:g} N/m tapped {DEPTH * 1e3:g} mm deep at {SPEED:g} m/s; cost per second of touch, "
     "error: energy it generates per tap (K T v d)",
     "J",

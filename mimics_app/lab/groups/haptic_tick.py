@@ -29,10 +29,9 @@ from mimics_app.rendering.haptic.scene_tunnel import PROJECTIONS
 from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve, build_tunnel
 from mimics_app.world.components.robot import Patient, Robot
 
-__all__ = ["GROUP", "reference_us", "tick_us"]
+__all__ = ["reference_us", "tick_us"]
 
 
-GROUP = "haptic tick"
 _NO_TUNNEL = "no tunnel"
 _REFERENCE_CALLS = 20_000
 
@@ -146,7 +145,7 @@ def _false_force(projection: Projection | None) -> float:
 _VALID = "one tunnel, one ball, the simulated robot"
 _PROJECTED = "kernels.tick with this projection of the tunnel"
 compare(
-    GROUP,
+    __name__,
     "one tick of the loop, simulated robot and patient in a wavy tunnel; error: false force on the same hand",
     "N",
     [

@@ -15,9 +15,8 @@ from mimics_app.inputs.trackers.track import Track
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.maths.poses import rotation_vector
 
-__all__ = ["GROUP"]
+__all__: list[str] = []
 
-GROUP = "head prediction"
 _RATE, _AMPLITUDE, _HZ = 120.0, math.radians(30.0), 1.0
 _CALLS = 50
 
@@ -76,7 +75,7 @@ def _ahead(ms: int) -> tuple[Rival, Rival]:
 
 
 compare(
-    GROUP,
+    __name__,
     "a head that turns +-30 degrees at 1 Hz, reported at 120 Hz; error: the largest angle off when it is seen",
     "rad",
     [rival for ms in (20, 30, 50, 100) for rival in _ahead(ms)],

@@ -27,10 +27,9 @@ from mimics_app.rendering.haptic.kernels.integrators import (
     step_semi_implicit,
 )
 
-__all__ = ["GROUP", "STEPS", "contact_error", "step_by"]
+__all__ = ["STEPS", "contact_error", "step_by"]
 
 
-GROUP = "integrator"
 _RATES_KHZ = (1, 4, 16)
 """Steps per tick of 1 ms."""
 
@@ -126,7 +125,7 @@ def _at_rates(name: str, source: str, valid: str, settings: Settings | None = No
 
 _LINEAR = "linear contact, b and k known"
 compare(
-    GROUP,
+    __name__,
     "a tick of 1 ms of a body of 0.2 kg pushed onto a wall of 2 kN/m and 4 N s/m, by 1, 4 or 16 steps",
     "m",
     [

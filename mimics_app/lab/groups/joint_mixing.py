@@ -16,9 +16,8 @@ from mimics_app.world.meshes.deform import VertexWeights
 from mimics_app.world.motion.posing import mix_duals, mix_matrices
 from mimics_app.world.motion.skinned_body import Skinning
 
-__all__ = ["GROUP"]
+__all__: list[str] = []
 
-GROUP = "joint mixing"
 
 _TWIST = math.radians(150.0)
 
@@ -45,7 +44,7 @@ def _ring_left(skinning: Skinning, twist: float) -> float:
 
 
 compare(
-    GROUP,
+    __name__,
     "vertices after four joints; error: radius lost half way along a tube that is twisted by 150 degrees",
     "of the radius",
     [

@@ -14,10 +14,9 @@ from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec
 from mimics_app.rendering.visual.displays.lens import distort
 
-__all__ = ["GROUP"]
+__all__: list[str] = []
 
 
-GROUP = "lens distortion"
 _PIXELS = 1080
 _COUNT = 541
 """Points along a side at which a mesh is compared."""
@@ -53,7 +52,7 @@ def _cost(count: int) -> float:
 
 
 compare(
-    GROUP,
+    __name__,
     "where a panel of 1080 pixels looks up an eye's picture, for three colours; error: on the panel",
     "px",
     [

@@ -10,9 +10,8 @@ from dataclasses import replace
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.lab.visual.city import PLAIN, city_error, city_us
 
-__all__ = ["GROUP"]
+__all__: list[str] = []
 
-GROUP = "level of detail"
 
 _FINEST = 4.0
 _FINE = replace(PLAIN, detail=_FINEST)
@@ -24,7 +23,7 @@ def _forms(name: str, source: str, detail: float) -> Rival:
 
 
 compare(
-    GROUP,
+    __name__,
     "a frame of the city from three places; error: share of pixels that differ from the finest forms",
     "share of pixels",
     [

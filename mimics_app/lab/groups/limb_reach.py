@@ -18,10 +18,9 @@ from mimics_app.lab.rivals import Rival, compare
 from mimics_app.world.motion.kernels.iterative import reach_by_descent, reach_by_fabrik
 from mimics_app.world.motion.kernels.two_bone import reach_two_bones
 
-__all__ = ["GROUP", "arms", "elbow_gain"]
+__all__ = ["arms", "elbow_gain"]
 
 
-GROUP = "limb reach"
 UPPER, LOWER, SOFT = 0.30, 0.27, 0.03
 _ARMS = 10_000
 _STEP = 1e-5
@@ -101,7 +100,7 @@ def _rival(name: str, source: str, valid: str, solve: Solve, settings: Settings 
 
 
 compare(
-    GROUP,
+    __name__,
     "an arm that reaches for a point within its reach; error: how far the hand stays away",
     "m",
     [

@@ -16,9 +16,8 @@ from mimics_app.estimation.registry import build_estimation
 from mimics_app.lab.physio.state_study import RIVALS, StateScore, state_study
 from mimics_app.lab.rivals import Rival, compare
 
-__all__ = ["GROUP"]
+__all__: list[str] = []
 
-GROUP = "load of the person"
 _FEATURES = {"heart_rate": 72.0, "scr_rate": 3.0, "scl": 6.0, "rmssd": 35.0, "breath_rate": 15.0}
 _BASELINE_S = 20.0
 
@@ -58,7 +57,7 @@ def _estimator(name: str, rival: str, estimator: str, source: str, valid: str) -
 
 
 compare(
-    GROUP,
+    __name__,
     "three classes of load, simulated people of unseen families (no clinical evidence); error: wrong",
     "share of trials",
     [

@@ -31,10 +31,8 @@ from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import ContactScratchRecord, MemoryRecord, MeshRecord, Table
 
-__all__ = ["GROUP", "false_slide"]
+__all__ = ["false_slide"]
 
-
-GROUP = "mesh finger"
 
 _SIZES = (100, 1000, 10_000, 100_000, 1_000_000)
 
@@ -113,7 +111,7 @@ def _finger_us(number: int, triangles: int) -> float:
 
 
 compare(
-    GROUP,
+    __name__,
     "where a point behind a mesh rests; error: false force of a slide to an edge, 3 mm deep on 2 kN/m",
     "N",
     [

@@ -17,9 +17,8 @@ from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.world.gltf.file import GltfDocument, load_gltf
 
-__all__ = ["GROUP", "KINDS", "count_parts"]
+__all__ = ["KINDS", "count_parts"]
 
-GROUP = "model reading"
 
 _TYPICAL = 1000
 _TRIANGLE = struct.pack("<9f", 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
@@ -96,7 +95,7 @@ def _lost(kind: str) -> float:
 
 
 compare(
-    GROUP,
+    __name__,
     "glTF files read, checked and decoded: cost of a file of 1000 parts, by what it has many of; "
     "error: share of the parts that are not there afterwards",
     "share of parts",

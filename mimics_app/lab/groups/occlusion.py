@@ -11,9 +11,8 @@ from mimics_app.lab.rivals import Rival, compare
 from mimics_app.lab.visual.city import PLAIN, city_error, city_us
 from mimics_app.rendering.visual.settings import Occlusion
 
-__all__ = ["GROUP"]
+__all__: list[str] = []
 
-GROUP = "occlusion"
 
 _OPEN = replace(PLAIN, occlusion="off")
 
@@ -24,7 +23,7 @@ def _boxes(name: Occlusion, source: str, valid: str = "any") -> Rival:
 
 
 compare(
-    GROUP,
+    __name__,
     "a frame of the city from three places; error: share of pixels that differ from nothing hidden",
     "share of pixels",
     [

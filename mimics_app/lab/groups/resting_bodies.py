@@ -13,9 +13,8 @@ from mimics_app.lab.haptic.body_worlds import BodyWorld, rest_on_floor
 from mimics_app.lab.haptic.probe import SIZES, reference_us
 from mimics_app.lab.rivals import Rival, compare
 
-__all__ = ["GROUP"]
+__all__: list[str] = []
 
-GROUP = "resting bodies"
 
 _SECOND, _TICKS = 1000, 20_000
 
@@ -45,7 +44,7 @@ def _rest_drift(sleeps: bool) -> float:
 
 
 compare(
-    GROUP,
+    __name__,
     "a tick of boxes that lie on a floor; error: how far one moves in a second",
     "m",
     [

@@ -14,11 +14,10 @@ from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 
-__all__ = ["BENDS", "GROUP", "crest_error", "midway", "straight"]
+__all__ = ["BENDS", "crest_error", "midway", "straight"]
 
 Distance = Callable[[F8, F8, float, float], F8]
 
-GROUP = "ripple distance"
 BENDS = (0.0, 0.1, 0.3, 0.6, 0.9)
 """Radius of the cord times curvature of its centre line; from 1 on the surface intersects itself."""
 _RADIUS = 0.025
@@ -95,7 +94,7 @@ def _bent(bend: float) -> list[Rival]:
 
 
 compare(
-    GROUP,
+    __name__,
     "distance of 3,200 vertices from a tap on a bent cord of 25 mm; error: of a crest after 50 mm",
     "m",
     [rival for bend in BENDS for rival in _bent(bend)],

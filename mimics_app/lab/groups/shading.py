@@ -24,9 +24,8 @@ from mimics_app.world.materials.material import Material
 from mimics_app.world.meshes.primitives import icosphere, plane
 from mimics_app.world.world import World
 
-__all__ = ["GROUP"]
+__all__: list[str] = []
 
-GROUP = "shading"
 
 _SIZE = (320, 180)
 _FULL = RenderSettings(msaa=0, shadow_size=0)
@@ -75,7 +74,7 @@ _FULL_SOURCE = "each material's own technique: diffuse, mirrored and lamps' ligh
 _MATT_SOURCE = "diffuse light of sun and sky alone per pixel, shadows and haze kept"
 _PLAIN_SOURCE = "light per vertex in display values (Gouraud 1971), and haze, without shadows"
 compare(
-    GROUP,
+    __name__,
     "a frame of the city from three places; error: root mean square of display values, there or of balls",
     "levels of 255",
     [

@@ -19,10 +19,8 @@ from mimics_app.lab.haptic.touch_probe import RADIUS
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.kernels.objects.cull import find_near, find_near_plain
 
-__all__ = ["GROUP", "misses"]
+__all__ = ["misses"]
 
-
-GROUP = "shape cull"
 
 _QUERIES = 2000
 _TYPICAL = 1000
@@ -92,7 +90,7 @@ def misses(number: int, count: int = _TYPICAL) -> float:
 
 
 compare(
-    GROUP,
+    __name__,
     "which of 1000 shapes a point may touch; error: of 2000 queries those with a shape too many or too few",
     "queries",
     [

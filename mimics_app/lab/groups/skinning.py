@@ -32,9 +32,7 @@ from mimics_app.world.motion.posing import mix_duals, mix_matrices
 from mimics_app.world.motion.skinned_body import SkinnedBody, Skinning
 from mimics_app.world.world import World
 
-__all__ = ["GROUP"]
-
-GROUP = "skinning"
+__all__: list[str] = []
 
 
 @cache
@@ -115,7 +113,7 @@ _BY_NUMPY: list[tuple[str, str, Bend]] = [
     ("weights in bytes", "as many files keep them, rounded one by one", _in_bytes),
 ]
 compare(
-    GROUP,
+    __name__,
     "vertices of a 2 m figure after four of 64 joints; error against double precision",
     "m",
     [

@@ -28,7 +28,6 @@ from mimics_app.rendering.audio.spectral.head_table import TAPS, build_head_tabl
 from mimics_app.rendering.audio.spherical_head import add_at_sphere
 
 __all__ = [
-    "GROUP",
     "KEMAR_DELAYS_US",
     "heard_around",
     "interaural_delay_us",
@@ -36,7 +35,6 @@ __all__ = [
     "own_head_errors",
 ]
 
-GROUP = "spatialiser"
 
 KEMAR_DELAYS_US = {5: 47.0, 15: 139.0, 30: 275.0, 45: 396.0, 60: 528.0, 90: 706.0}
 """Interaural time difference of the KEMAR dummy head by azimuth [degrees to us], below 1.5 kHz, from the responses of
@@ -171,7 +169,7 @@ def _mixed(
 _SPECTRAL = "own, blocks of spectra, minimum phase of {} taps and exact delay, compiled"
 _HEADPHONES = "headphones, any head in SOFA"
 compare(
-    GROUP,
+    __name__,
     f"a block of 5 ms with {_SOURCES} moving sources; error: delay between the ears against the head it "
     "renders (of OpenAL, which does not give its own, and of panning: against KEMAR)",
     "us of interaural delay",

@@ -33,9 +33,8 @@ from mimics_app.world.materials.material import Material
 from mimics_app.world.meshes.primitives import box, icosphere, plane
 from mimics_app.world.world import World
 
-__all__ = ["GROUP", "WORKLOADS", "body_world", "show_stereo", "turns"]
+__all__ = ["WORKLOADS", "body_world", "show_stereo", "turns"]
 
-GROUP = "stereo"
 
 WORKLOADS: dict[str, tuple[int, int, bool, Size]] = {
     "draws": (1000, 0, True, (64, 72)),
@@ -149,7 +148,7 @@ def _rival(passes: StereoPasses, name: str, source: str, valid: str) -> Rival:
 
 
 compare(
-    GROUP,
+    __name__,
     "three frames of both eyes: of 1000 bodies of as many materials, of 400 and of 200 of one; error: share "
     "of pixels that differ at all from two passes",
     "share of pixels",

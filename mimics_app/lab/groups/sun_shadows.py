@@ -21,10 +21,8 @@ from mimics_app.world.materials.material import Material
 from mimics_app.world.meshes.primitives import box, plane, sphere
 from mimics_app.world.world import World
 
-__all__ = ["GROUP", "edge_error"]
+__all__ = ["edge_error"]
 
-
-GROUP = "sun shadows"
 
 _PLAIN = RenderSettings(msaa=0, tone_map="none", fog_density=0.0)
 _SIZE = (640, 120)
@@ -127,7 +125,7 @@ def _yard_us(settings: RenderSettings, posts: int = _POSTS) -> float:
 
 
 compare(
-    GROUP,
+    __name__,
     "a frame of a yard of 144 posts, one turning; error: how far a shadow's edge lies from its ray's end",
     "m of a shadow's edge",
     [

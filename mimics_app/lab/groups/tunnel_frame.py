@@ -11,11 +11,10 @@ from mimics_app.contracts.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.maths import frames
 
-__all__ = ["GROUP", "Helix", "helix", "twist_between"]
+__all__ = ["Helix", "helix", "twist_between"]
 
 Helix = tuple[F8, F8, F8, F8, F8]
 
-GROUP = "tunnel frame"
 
 _POINTS = 385  # two turns of a tunnel of 24 pieces, 16 steps each
 _UP = np.array([0.0, 1.0, 0.0])
@@ -77,7 +76,7 @@ def _cost_us(normals_of: Callable[[Helix], F8]) -> float:
 
 
 compare(
-    GROUP,
+    __name__,
     f"normals along two turns of a helix at {_POINTS} points, against the closed form; cost per point",
     "rad",
     [

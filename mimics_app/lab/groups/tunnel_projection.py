@@ -25,9 +25,8 @@ from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve, build_tunne
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import Table, TunnelRecord, TunnelStateRecord
 
-__all__ = ["GROUP", "closest_by_roots"]
+__all__ = ["closest_by_roots"]
 
-GROUP = "tunnel projection"
 
 _PIECES = 16
 _SIZES = (6, 12, 24, 48, MAX_PIECES)
@@ -114,7 +113,7 @@ def _error(number: int) -> float:
 
 
 compare(
-    GROUP,
+    __name__,
     "closest point of a wavy tunnel's bisector for a ball that travels it at 0.3 m/s, tick by tick",
     "m",
     [
