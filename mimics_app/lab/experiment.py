@@ -57,7 +57,6 @@ class Experiment:
     """One mode of failure, swept over its parameters.
 
     Attributes:
-        name: "S1" to "S16", with a letter for a further experiment.
         title: The failure in a few words.
         claim: One falsifiable sentence.
         x_label, y_label: Axes of the map, with units.
@@ -65,18 +64,19 @@ class Experiment:
         simulate: Simulates its grid with a number of points along each axis.
         tolerance: Largest `Outcome.disagreement` that passes.
         log_x, log_y: Logarithmic axes.
+        name: "S1" to "S16", with a letter for a further experiment; given by the catalogue, from the name of its file.
     """
 
-    name: str
     title: str
     claim: str
     x_label: str
     y_label: str
     kind: Literal["boundary", "invariant"]
     simulate: Callable[[int], Outcome]
-    tolerance: float
+    tolerance: float = 0.02
     log_x: bool = False
     log_y: bool = False
+    name: str = ""
 
     def run(self, points: int) -> Outcome:
         """Simulate the grid and return the outcome with its verdict.

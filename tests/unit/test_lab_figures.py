@@ -58,7 +58,7 @@ def outcome(simulated: float = 1.0) -> tuple[Experiment, Outcome]:
     exact = [(0.1, 2.0), (1.0, 20.0), (0.1, 3.0), (1.0, 30.0)]
     rows = [{"rate_Hz": 60.0, "stable": True, "limit": None}, {"rate_Hz": 1000.0, "stable": False, "limit": 2.0}]
     found = Outcome(rows, points, exact, {"a < b": exact[:2]}, abs(simulated - 1.0), note="What is to be seen.")
-    made = Experiment("S99", "planted", "Claims.", "x", "y", "boundary", lambda _: found, 0.02, log_x=True, log_y=True)
+    made = Experiment("planted", "Claims.", "x", "y", "boundary", lambda _: found, 0.02, True, True, "S99")
     return made, made.run(4)
 
 
@@ -130,7 +130,7 @@ def test_curves_that_follow_or_take_turns_are_not_joined():
     ids=["found", "of a row", "of a curve"],
 )
 def test_a_disagreement_that_is_no_number_passes_nowhere(outcome):
-    experiment = Experiment("S0", "Nothing", "It holds.", "x", "y", "boundary", lambda points: outcome, 0.1)
+    experiment = Experiment("Nothing", "It holds.", "x", "y", "boundary", lambda points: outcome, 0.1, name="S0")
     assert not experiment.run(4).passed
 
 

@@ -6,6 +6,7 @@ Each holds one `EXPERIMENT`, named by the beginning of its file (`s03r_wall_rate
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 from mimics_app.contracts.errors import UsageError, nearest
 from mimics_app.contracts.members import load_member, member_names
@@ -33,7 +34,7 @@ def load_experiment(name: str) -> Experiment:
     key = name.upper()
     if key not in _MODULES:
         raise UsageError(f'there is no experiment "{name}"', nearest(key, NAMES))
-    return load_member(stability, _MODULES[key], "EXPERIMENT", Experiment)
+    return replace(load_member(stability, _MODULES[key], "EXPERIMENT", Experiment), name=key)
 
 
 def load_experiments(names: tuple[str, ...] = ()) -> list[Experiment]:

@@ -96,7 +96,6 @@ def _simulate_grid(points: int) -> Outcome:
 
 
 EXPERIMENT = Experiment(
-    name="S2",
     title="Sampled wall without damping: growth of a free mass",
     claim="A free mass on a sampled undamped wall grows by sqrt(1 + K T^2 / 2 m) per tick, at every rate.",
     x_label="rate of the wall [Hz]",

@@ -72,13 +72,11 @@ def _simulate_grid(points: int) -> Outcome:
 
 
 EXPERIMENT = Experiment(
-    name="S3",
     title="Stiffest stable wall (Z-width)",
     claim="A sampled, delayed wall is stable exactly up to the stiffness at which an eigenvalue of the loop reaches 1.",
     x_label="damping of the wall B [N s/m]",
     y_label="stiffest stable wall [N/m]",
     kind="boundary",
     simulate=_simulate_grid,
-    tolerance=0.02,
     log_y=True,
 )

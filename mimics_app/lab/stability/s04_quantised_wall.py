@@ -214,14 +214,12 @@ def _simulate_grid(points: int) -> Outcome:
 
 
 EXPERIMENT = Experiment(
-    name="S4",
     title="Quantised position: stiffest passive wall",
     claim="No motion draws energy from a sampled, quantised wall iff K <= min(2 b / T, 2 f_c / Delta).",
     x_label="step of the encoder [m]",
     y_label="stiffest passive wall [N/m]",
     kind="boundary",
     simulate=_simulate_grid,
-    tolerance=0.02,
     log_x=True,
     log_y=True,
 )

@@ -61,7 +61,6 @@ def _simulate_grid(points: int) -> Outcome:
 
 
 EXPERIMENT = Experiment(
-    name="S5",
     title="Energy leak of a sampled spring",
     claim="A tap draws K T v d - K (v T)^2 / 3 from a sampled spring, and the passivity observer counts all of it.",
     x_label="speed of the tap [m/s]",

@@ -118,7 +118,6 @@ _ROUNDING = 1e-15
 """Rounding error of a sum of a few hundred works [J]."""
 
 EXPERIMENT = Experiment(
-    name="S5B",
     title="Energy leak dissipated",
     claim="With the passivity controller a tap draws nothing from a sampled spring, whatever its speed and phase.",
     x_label="speed of the tap [m/s]",

@@ -49,12 +49,10 @@ def _simulate_grid(points: int) -> Outcome:
 
 
 EXPERIMENT = Experiment(
-    name="S6B",
     title="Admittance: damping that a stiff arm needs",
     claim="The total damping a stiff arm needs is where an eigenvalue reaches 1, below k_h (T + n T + 1/w_p).",
     x_label="delay of the command [ticks of 1 ms]",
     y_label="least total damping b_v + b_h [N s/m]",
     kind="boundary",
     simulate=_simulate_grid,
-    tolerance=0.02,
 )

@@ -141,7 +141,6 @@ def _simulate_grid(points: int) -> Outcome:
 
 
 EXPERIMENT = Experiment(
-    name="S9",
     title="Equations (6, 7) without coupling: a free mass turns a corner",
     claim=(
         "Printed, a free mass of 3 kg gains m phi'^2 (r^2 - r0^2)/2 and leaves its line as the closed form says, to "

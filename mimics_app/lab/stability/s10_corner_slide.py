@@ -134,7 +134,6 @@ def _simulate_grid(points: int) -> Outcome:
 
 
 EXPERIMENT = Experiment(
-    name="S10",
     title="Corner of a cube: the nearest face jumps",
     claim=(
         "Sliding out of a cube d deep, the nearest face turns the force by sqrt(2) k d in one tick (within 1 %, what a "

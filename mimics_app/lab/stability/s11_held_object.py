@@ -165,7 +165,6 @@ def _simulate_grid(points: int) -> Outcome:
 
 
 EXPERIMENT = Experiment(
-    name="S11",
     title="An object held by friction: who lets it creep",
     claim=(
         "Regularised friction creeps v_th F/(mu F_N) (to 0.5 %); Karnopp and Hayward-Armstrong hold within 1 um and "

@@ -130,7 +130,6 @@ def _simulate_grid(points: int) -> Outcome:
 
 
 EXPERIMENT = Experiment(
-    name="S12",
     title="Turning by axis rotations: drift",
     claim=(
         "At constant omega the axis product, and (12) as printed, drift as the power of their one-step matrix says, to "

@@ -153,7 +153,6 @@ def _simulate_grid(points: int) -> Outcome:
 
 
 EXPERIMENT = Experiment(
-    name="S12B",
     title="Free asymmetric top: when it turns over",
     claim=(
         "With omega of the half step the time between flips is Jacobi's within 1 % up to 2 ms, and the energy is kept "

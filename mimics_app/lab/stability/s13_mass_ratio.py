@@ -51,13 +51,11 @@ def _simulate_grid(points: int) -> Outcome:
 
 
 EXPERIMENT = Experiment(
-    name="S13",
     title="Heavy on light: the smallest mass that keeps still",
     claim="The pair law (17) keeps a stack of two still down to the mass that the eigenvalues of the stack give.",
     x_label="mass of the upper body / mass of the lower",
     y_label="smallest mass of the lighter one [g]",
     kind="boundary",
     simulate=_simulate_grid,
-    tolerance=0.02,
     log_x=True,
 )

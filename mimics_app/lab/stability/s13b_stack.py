@@ -43,12 +43,10 @@ def _simulate_grid(points: int) -> Outcome:
 
 
 EXPERIMENT = Experiment(
-    name="S13B",
     title="Stacked bodies: the smallest mass that keeps still",
     claim="The pair law (17) keeps N equal bodies still down to 4 sin^2((2N-1) pi/(4N+2)) (h^2 k + 2 h b)/4 each.",
     x_label="bodies in the stack",
     y_label="smallest mass of each [g]",
     kind="boundary",
     simulate=_simulate_grid,
-    tolerance=0.02,
 )

@@ -151,7 +151,6 @@ def _simulate_grid(points: int) -> Outcome:
 
 
 EXPERIMENT = Experiment(
-    name="S14",
     title="Wavy tunnel: Frenet's frame turns over at inflections",
     claim=(
         "Along Frenet's normal the force of one wall turns over at every inflection and nowhere else (place within "

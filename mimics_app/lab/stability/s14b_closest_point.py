@@ -157,7 +157,6 @@ def _simulate_grid(points: int) -> Outcome:
 
 
 EXPERIMENT = Experiment(
-    name="S14B",
     title="Closest point near the centre of a bend",
     claim=(
         "Newton without halving or search is lost exactly for 1 - r kappa < 0.758 v T/R; the tick's tracking stays "
@@ -167,7 +166,6 @@ EXPERIMENT = Experiment(
     y_label="1 - radius x curvature where Newton is lost",
     kind="boundary",
     simulate=_simulate_grid,
-    tolerance=0.02,
     log_x=True,
     log_y=True,
 )
