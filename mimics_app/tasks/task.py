@@ -5,11 +5,11 @@ On import, goals, conditions, score parts and sections of the kinds of task (`ta
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, Union
 
 from msgspec import Meta, defstruct, field
 
-from mimics_app.tasks.bounds import Steps, Table, Tolerance, Values
 from mimics_app.tasks.kinds.kind import Measure, ScorePartSpec
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.kinds.tunnel.kind import ProgressGoal
@@ -45,6 +45,11 @@ __all__ = [
     "TriggerSpec",
 ]
 
+_Steps = Annotated[float, Meta(ge=0.0, le=1e12)]
+_Tolerance = Annotated[float, Meta(gt=0.0, le=100.0)]
+_Values = Annotated[dict[str, Figure], Meta(max_length=1000)]
+_Table = Annotated[list[Figure | str], Meta(max_length=10_000)]
+
 Order = Literal["listed", "shuffled", "latin"]
 ActionKind = Literal["avatar", "complexity", "appearance", "flow", "sound", "difficulty", "duration"]
 StateName = Literal["approach", "ready", "travel", "finished", "timeout", "aborted", "stopped", "rest", "done"]
@@ -66,7 +71,7 @@ class MapSpec(Component, frozen=True):
     scale: Annotated[Figure, Meta(description="Target units per unit of the parameter.")] = 1.0
     offset: Annotated[Figure, Meta(description="Target units.")] = 0.0
     table: Annotated[
-        Table | None,
+        _Table | None,
         Meta(description="One entry per step from min to max. Numbers are interpolated; of words the nearest is used."),
     ] = None
 
@@ -81,9 +86,9 @@ class ParameterSpec(Component, frozen=True):
         Figure | None,
         Meta(description="Initial value; absent: the scene's value of the haptic field that it maps to."),
     ] = None
-    step: Annotated[Steps, Meta(description="Step between allowed values, counted from min; 0: any value.")] = 0.0
+    step: Annotated[_Steps, Meta(description="Step between allowed values, counted from min; 0: any value.")] = 0.0
     rate: Annotated[
-        Steps,
+        _Steps,
         Meta(description="Largest change per second [unit/s] inside a trial; 0: changes only between trials."),
     ] = 0.0
     unit: Annotated[str, Meta(description="Unit of the value; '-' for none.")] = "-"
@@ -178,7 +183,7 @@ class MessageDeed(Component, frozen=True, tag="message", tag_field="kind"):
 class ActionDeed(Component, frozen=True, tag="action", tag_field="kind"):
     """Adapt the task, as a learning policy would."""
 
-    values: Annotated[Values, Meta(description="New values by parameter name, each in that parameter's unit.")]
+    values: Annotated[_Values, Meta(description="New values by parameter name, each in that parameter's unit.")]
 
 
 Deed = SoundDeed | MessageDeed | ActionDeed
@@ -196,7 +201,7 @@ class TrialSpec(Component, frozen=True):
 
     label: Annotated[str, Meta(description="Name of the condition, for the results.")] = ""
     values: Annotated[
-        Values,
+        _Values,
         Meta(
             description="Parameter values set before the trial; others keep their default, or the value of an action."
         ),
@@ -231,7 +236,7 @@ class StartSpec(Component, frozen=True):
     """Approach of the robot to the start of a trial."""
 
     tolerance: Annotated[
-        Annotated[tuple[Tolerance, ...], Meta(min_length=1, max_length=8)],
+        Annotated[tuple[_Tolerance, ...], Meta(min_length=1, max_length=8)],
         Meta(description="Largest joint error at the start pose [m or rad]; the last one also for all further joints."),
     ] = (0.005, 0.02, 0.005)
     hold_s: Annotated[Seconds, Meta(description="Time for which the errors must stay below [s].")] = 0.2
@@ -287,6 +292,20 @@ class _ScoreBase(Component, frozen=True):
         return part
 
 
+def _with_fields(name: str, base: type[Component], fields: Sequence[tuple[str, object, object]]) -> type[Any]:
+    """Return a Struct that has the fields of a base and those that the kinds of task bring."""
+    return defstruct(
+        name,
+        fields,
+        bases=(base,),
+        namespace={"__doc__": base.__doc__},
+        module=__name__,
+        frozen=True,
+        kw_only=True,
+        forbid_unknown_fields=True,
+    )
+
+
 def _score_fields() -> list[tuple[str, Any, ScorePartSpec]]:
     return [(m.part, Annotated[ScorePartSpec, Meta(description=m.what)], m.default) for m in MEASURES]
 
@@ -294,16 +313,7 @@ def _score_fields() -> list[tuple[str, Any, ScorePartSpec]]:
 if TYPE_CHECKING:
     ScoreSpec = _ScoreBase
 else:
-    ScoreSpec = defstruct(
-        "ScoreSpec",
-        _score_fields(),
-        bases=(_ScoreBase,),
-        namespace={"__doc__": _ScoreBase.__doc__},
-        module=__name__,
-        frozen=True,
-        kw_only=True,
-        forbid_unknown_fields=True,
-    )
+    ScoreSpec = _with_fields("ScoreSpec", _ScoreBase, _score_fields())
 
 
 S = TypeVar("S", bound=Component)
@@ -369,13 +379,4 @@ def _optional(section: type[Component]) -> object:
 if TYPE_CHECKING:
     TaskSpec = _TaskBase
 else:
-    TaskSpec = defstruct(
-        "TaskSpec",
-        _section_fields(),
-        bases=(_TaskBase,),
-        namespace={"__doc__": _TaskBase.__doc__},
-        module=__name__,
-        frozen=True,
-        kw_only=True,
-        forbid_unknown_fields=True,
-    )
+    TaskSpec = _with_fields("TaskSpec", _TaskBase, _section_fields())
