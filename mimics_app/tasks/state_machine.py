@@ -18,6 +18,7 @@ __all__ = ["PAUSED", "Conditions", "Pause", "next_state"]
 
 _KEYS = frozenset({"p", "pad_start"})
 _NEVER_IN = (TrialState.STOPPED, TrialState.DONE)
+_SHOWS_RESULT = (TrialState.FINISHED, TrialState.TIMEOUT, TrialState.ABORTED)
 PAUSED = "Paused. P goes on"
 """Line shown during a pause."""
 
@@ -61,6 +62,8 @@ def next_state(state: TrialState, seen: Conditions) -> TrialState:
         return state
     if seen.latched:
         return TrialState.STOPPED
+    if state in _SHOWS_RESULT and seen.elapsed_s < seen.result_s:
+        return state
     return _FLOW[state](seen)
 
 
@@ -80,18 +83,6 @@ def _leave_travel(seen: Conditions) -> TrialState:
     if seen.goal:
         return TrialState.FINISHED
     return TrialState.TIMEOUT if seen.elapsed_s >= seen.time_limit_s else TrialState.TRAVEL
-
-
-def _leave_finished(seen: Conditions) -> TrialState:
-    return TrialState.FINISHED if seen.elapsed_s < seen.result_s else _follow_trial(seen)
-
-
-def _leave_timeout(seen: Conditions) -> TrialState:
-    return TrialState.TIMEOUT if seen.elapsed_s < seen.result_s else _follow_trial(seen)
-
-
-def _leave_aborted(seen: Conditions) -> TrialState:
-    return TrialState.ABORTED if seen.elapsed_s < seen.result_s else _follow_attempt(seen)
 
 
 def _leave_stopped(seen: Conditions) -> TrialState:
@@ -114,9 +105,9 @@ _FLOW = {
     TrialState.APPROACH: _leave_approach,
     TrialState.READY: _leave_ready,
     TrialState.TRAVEL: _leave_travel,
-    TrialState.FINISHED: _leave_finished,
-    TrialState.TIMEOUT: _leave_timeout,
-    TrialState.ABORTED: _leave_aborted,
+    TrialState.FINISHED: _follow_trial,
+    TrialState.TIMEOUT: _follow_trial,
+    TrialState.ABORTED: _follow_attempt,
     TrialState.STOPPED: _leave_stopped,
     TrialState.REST: _leave_rest,
 }
