@@ -6,10 +6,8 @@ from pathlib import Path
 
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.tasks.kinds.avatar_cord.spec import QuestionnaireSpec
-from mimics_app.world.components.struct_reader import FAILED, read_struct
-from mimics_app.world.scene.json_text import parse_json
 from mimics_app.world.scene.paths import PathFault, find_file
-from mimics_app.world.scene.scene_files import read_bytes
+from mimics_app.world.scene.struct_file import read_struct_file
 
 __all__ = ["check_questionnaire", "read_questionnaire"]
 
@@ -31,14 +29,7 @@ def read_questionnaire(name: str, folder: Path, root: Path) -> QuestionnaireSpec
         path = find_file(name, folder, root)
     except PathFault as fault:
         raise SceneError(Issue(name, "", fault.what, fault.fix or "check the name")) from fault
-    document, issues = parse_json(read_bytes(path, str(path), _MAX_BYTES), str(path))
-
-    def report(place: str, what: str, fix: str) -> None:
-        issues.append(Issue(str(path), place, what, fix))
-
-    read = FAILED if issues else read_struct(QuestionnaireSpec, document, report)
-    if issues or not isinstance(read, QuestionnaireSpec):
-        raise SceneError(issues)
+    read = read_struct_file(path, QuestionnaireSpec, _MAX_BYTES)
     faults = [Issue(str(path), place, what, fix) for place, what, fix in check_questionnaire(read)]
     if faults:
         raise SceneError(faults)
