@@ -32,19 +32,17 @@ class PhysioDsp:
 
     Args:
         on_event: Called with the name of a signal and each event detected in it.
+
+    Attributes:
+        channels: The channels of the signals received so far, by name.
     """
 
     def __init__(self, on_event: Callable[[str, Event], None] = lambda name, event: None) -> None:
         self._on_event = on_event
-        self._channels: dict[str, Channel] = {}
+        self.channels: dict[str, Channel] = {}
         self._heard: dict[str, int] = {}
         self._frame = FeatureFrame(0)
         self._second = -1
-
-    @property
-    def channels(self) -> dict[str, Channel]:
-        """The channels of the signals received so far, by name."""
-        return self._channels
 
     def process(self, signals: Sequence[SignalBlock], now_ns: int) -> FeatureFrame:
         """Process blocks and return the newest frame; there is a new one each second of the session.
@@ -62,23 +60,23 @@ class PhysioDsp:
     def save(self) -> dict[str, Any]:
         """Return the whole state."""
         rest = {"heard": dict(self._heard), "frame": self._frame, "second": self._second}
-        channels = {name: (channel.rate, channel.save()) for name, channel in self._channels.items()}
+        channels = {name: (channel.rate, channel.save()) for name, channel in self.channels.items()}
         return copy.deepcopy({"channels": channels, **rest})
 
     def restore(self, saved: dict[str, Any]) -> None:
         """Set the state to one that `save` returned; the processing continues from it bit for bit."""
-        self._channels = {}
+        self.channels = {}
         for name, (rate, state) in saved["channels"].items():
-            self._channels[name] = CHANNELS[name](rate)
-            self._channels[name].restore(state)
+            self.channels[name] = CHANNELS[name](rate)
+            self.channels[name].restore(state)
         self._heard, self._frame, self._second = dict(saved["heard"]), saved["frame"], saved["second"]
 
     def _take(self, block: SignalBlock, now_ns: int) -> None:
         if block.name not in CHANNELS or not len(block.values):
             return
-        channel = self._channels.get(block.name)
+        channel = self.channels.get(block.name)
         if channel is None:
-            channel = self._channels[block.name] = _open(block)
+            channel = self.channels[block.name] = _open(block)
         elif channel.rate != block.rate:
             raise DeviceError(
                 f'the rate of the signal "{block.name}" changed from {channel.rate:g} Hz to {block.rate:g} Hz',
@@ -91,7 +89,7 @@ class PhysioDsp:
     def _gather(self, now_ns: int) -> FeatureFrame:
         values: dict[str, float] = {}
         quality: dict[str, float] = {}
-        for name, channel in self._channels.items():
+        for name, channel in self.channels.items():
             silent = now_ns - self._heard[name] > _SILENT_NS
             quality[name] = 0.0 if silent else channel.found.quality
             if quality[name] > 0.0:
@@ -100,7 +98,7 @@ class PhysioDsp:
 
     def _of_two(self, values: dict[str, float]) -> dict[str, float]:
         """Return features of two signals: respiratory sinus arrhythmia (RSA, peak to trough) [ms]."""
-        ecg, resp = self._channels.get("ecg"), self._channels.get("resp")
+        ecg, resp = self.channels.get("ecg"), self.channels.get("resp")
         if not isinstance(ecg, Ecg) or not isinstance(resp, Resp) or "breath_rate" not in values:
             return {}
         swings = []

@@ -31,13 +31,14 @@ class Inputs:
 
     Attributes:
         frame: Events and gamepad of the last poll: the application reads close, resize and its hot keys here.
+        signals: The sources of body signals, for a stage that replaces this one.
     """
 
     def __init__(
         self, pointers: Sequence[PointerSource], signals: Sequence[SignalSource] = (), window: Window | None = None
     ) -> None:
         self._pointers = tuple(pointers)
-        self._signals = tuple(signals)
+        self.signals = tuple(signals)
         self._window = window
         self.frame = WindowFrame()
 
@@ -46,7 +47,7 @@ class Inputs:
         self.frame = self._read_window()
         pressed = _pressed_names(self.frame.events)
         states = [state for source in self._pointers if (state := source.read(self.frame, now_ns)) is not None]
-        blocks: list[SignalBlock] = [block for source in self._signals for block in source.read(now_ns)]
+        blocks: list[SignalBlock] = [block for source in self.signals for block in source.read(now_ns)]
         return VRInput(tuple(blocks), _one_pointer(states, stop=not _STOP_NAMES.isdisjoint(pressed)), pressed)
 
     def aim(self, aim: Aim | None) -> None:
@@ -56,18 +57,13 @@ class Inputs:
 
     def feel(self, experience: Experience) -> None:
         """Pass what the person experienced in this frame to every source of body signals."""
-        for source in self._signals:
+        for source in self.signals:
             source.feel(experience)
 
     def close(self) -> None:
         """Close the sources of body signals."""
-        for source in self._signals:
+        for source in self.signals:
             source.close()
-
-    @property
-    def signals(self) -> tuple[SignalSource, ...]:
-        """The sources of body signals, for a stage that replaces this one."""
-        return self._signals
 
     def hold_at(self, point_world: tuple[float, float, float]) -> None:
         """Hold all cursors at a point [m], where the robot is being driven to, until the person moves them."""

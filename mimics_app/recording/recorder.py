@@ -65,6 +65,7 @@ class Recorder:
 
     Attributes:
         folder: The run folder.
+        restarts: Number of times the process died and was replaced.
     """
 
     def __init__(self, memory: SessionMemory, folder: Path, header: Mapping[str, object]) -> None:
@@ -75,7 +76,7 @@ class Recorder:
         self._status = RecorderStatus()
         self._process: SpawnProcess | None = None
         self._clock: Clock = MonotonicClock()
-        self._restarts = 0
+        self.restarts = 0
         self._passes = 0
         self._looked_ns = self._still_ns = 0
         self._trials: list[bytes] = []
@@ -120,7 +121,7 @@ class Recorder:
 
     def _spawn(self) -> None:
         """Start the process; its target's module imports no compiler, which would double the start-up time."""
-        arguments = (self._memory, self._outbox.reader, self._status, self.folder, self._restarts)
+        arguments = (self._memory, self._outbox.reader, self._status, self.folder, self.restarts)
         self._process = get_context("spawn").Process(target=record, args=arguments, name="mimics recorder")
         with signals_blocked(*IGNORED):
             self._process.start()
@@ -138,7 +139,7 @@ class Recorder:
     @property
     def problem(self) -> str:
         """Message on what keeps it from recording, "" for none."""
-        if self._restarts > _MOST_RESTARTS:
+        if self.restarts > _MOST_RESTARTS:
             return PROBLEMS[Problem.NOT_RUNNING]
         return PROBLEMS[Problem(self._status[StatusWord.PROBLEM])]
 
@@ -146,11 +147,6 @@ class Recorder:
     def ready(self) -> bool:
         """Whether the present process has its files open."""
         return bool(self._status[StatusWord.READY])
-
-    @property
-    def restarts(self) -> int:
-        """Number of times the process died and was replaced."""
-        return self._restarts
 
     @property
     def holds_s(self) -> float:
@@ -169,11 +165,11 @@ class Recorder:
             PartialDataError: The first process did not start.
         """
         self._look_for_passes(replace=True)
-        if not self._closed and self._process is not None and not self.alive and self._restarts <= _MOST_RESTARTS:
-            if self._restarts == 0 and not self._status[StatusWord.READY]:
+        if not self._closed and self._process is not None and not self.alive and self.restarts <= _MOST_RESTARTS:
+            if self.restarts == 0 and not self._status[StatusWord.READY]:
                 self._give_up_start()
-            self._restarts += 1
-            if self._restarts <= _MOST_RESTARTS:
+            self.restarts += 1
+            if self.restarts <= _MOST_RESTARTS:
                 self._status[StatusWord.READY] = 0
                 self._spawn()
                 self._send_again()
@@ -274,7 +270,7 @@ class Recorder:
             or self._outbox.waiting_bytes > _BACKLOG
         ):
             self.supervise()
-            if self._clock.now_ns() > deadline or self._restarts > _MOST_RESTARTS:
+            if self._clock.now_ns() > deadline or self.restarts > _MOST_RESTARTS:
                 raise PartialDataError(f"the recorder of {self.folder} is stuck", "is its disk alive?")
             self._clock.sleep_until_ns(self._clock.now_ns() + _ROOM_STEP_NS)
 

@@ -53,13 +53,17 @@ class Tally:
     Args:
         first: First frame of the travel.
         plays: The task's kinds, with measures of their own.
+
+    Attributes:
+        begin_ns: Time at which the travel began [ns].
+        contacts: Contacts so far, see `Measures`.
     """
 
     def __init__(self, first: Observation, plays: Sequence[KindPlay] = ()) -> None:
         self._plays = tuple(plays)
-        self._begin_ns = self._last_ns = first.now_ns
+        self.begin_ns = self._last_ns = first.now_ns
         self._paused_ns = 0
-        self._contacts = int(first.touching)
+        self.contacts = int(first.touching)
         self._contact_ns = 0
         self._parted_ns = first.now_ns
         self._touching_since_ns = first.now_ns if first.touching else None
@@ -74,19 +78,9 @@ class Tally:
         self._speeds = [first.speed]
 
     @property
-    def begin_ns(self) -> int:
-        """Time at which the travel began [ns]."""
-        return self._begin_ns
-
-    @property
     def time_s(self) -> float:
         """Length of the travel so far [s]."""
-        return (self._last_ns - self._begin_ns - self._paused_ns) / 1e9
-
-    @property
-    def contacts(self) -> int:
-        """Contacts so far, see `Measures`."""
-        return self._contacts
+        return (self._last_ns - self.begin_ns - self._paused_ns) / 1e9
 
     def add(self, seen: Observation) -> None:
         """Take the next frame; of one that is not later than the last, only its contacts."""
@@ -104,7 +98,7 @@ class Tally:
         self._path += math.dist(seen.ball_world, self._last.ball_world)
         for play in self._plays:
             play.travel(seen, seconds)
-        self._times_s.append((seen.now_ns - self._begin_ns - self._paused_ns) / 1e9)
+        self._times_s.append((seen.now_ns - self.begin_ns - self._paused_ns) / 1e9)
         self._speeds.append(seen.speed)
         self._last, self._last_ns = seen, seen.now_ns
 
@@ -136,7 +130,7 @@ class Tally:
             time_s=seconds,
             path_error_rms_m=self._path_error(seconds),
             path_error_max_m=self._largest_distance,
-            contacts=self._contacts,
+            contacts=self.contacts,
             contact_time_s=(self._contact_ns + open_ns) / 1e9,
             smoothness=sparc(resample_speed(np.array(self._times_s), np.array(self._speeds)), RESAMPLE_HZ),
             force_mean_n=self._force_s / seconds if seconds > 0.0 else self._last.force,
@@ -151,12 +145,12 @@ class Tally:
         return math.sqrt(self._squared_distance_s / seconds) if seconds > 0.0 else self._last.distance
 
     def _take_contact(self, contact: Contact) -> None:
-        if contact.t_ns < self._begin_ns:
+        if contact.t_ns < self.begin_ns:
             return
         if not contact.begins:
             self._close_contact(contact.t_ns)
             return
-        self._contacts += 1
+        self.contacts += 1
         if self._touching_since_ns is None:  # one whose event comes a frame late counts from where the last ended
             self._touching_since_ns = max(contact.t_ns, self._parted_ns)
 

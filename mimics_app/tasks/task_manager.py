@@ -60,6 +60,9 @@ class TaskManager:
         on_event: Called with a kind ("state", "action", "clipped", "session_end") and its data, for the journal.
         first_trial: Trial to begin with, 0 first; those before it are left out.
 
+    Attributes:
+        state: State of the current trial.
+
     Raises:
         UsageError: The session has no such trial.
     """
@@ -97,7 +100,7 @@ class TaskManager:
         self._seen: Observation | None = None
         self._haptic, self._visual, self._audio = Changes(), Changes(), Changes()
         self._settings = Settings()
-        self._state = TrialState.APPROACH
+        self.state = TrialState.APPROACH
         self._entered_ns: int | None = None
         self._last_ns = 0
         self._cause = 0
@@ -107,11 +110,6 @@ class TaskManager:
     def values(self) -> Mapping[str, float]:
         """Present values of the adaptable parameters, each in its unit."""
         return dict(self._adaptation.values)
-
-    @property
-    def state(self) -> TrialState:
-        """State of the current trial."""
-        return self._state
 
     @property
     def plan(self) -> tuple[Trial, ...]:
@@ -126,7 +124,7 @@ class TaskManager:
     @property
     def done(self) -> bool:
         """True when the last trial is over."""
-        return self._state is TrialState.DONE
+        return self.state is TrialState.DONE
 
     def step(
         self,
@@ -147,7 +145,7 @@ class TaskManager:
             seen = play.see(seen, self._settings.task)
         self._seen = seen
         left, entered = self._advance(seen)
-        moment = Moment(self._state, entered, left, vr.pressed, seen)
+        moment = Moment(self.state, entered, left, vr.pressed, seen)
         sounds = [sound for deed in self._triggers.due(moment) for sound in self._do(deed, seen)]
         return self._orders(seen, tuple(sounds))
 
@@ -155,7 +153,7 @@ class TaskManager:
         """End the session before the task is done, with the row of an attempt under way."""
         self._on_event("session_end", {"t_ns": now_ns})
         self._attempts.end(ABORTED, SESSION_ENDED, self._adaptation.values, now_ns)
-        self._state = TrialState.DONE
+        self.state = TrialState.DONE
 
     def result(self) -> dict[str, Any]:
         """Totals under the keys of `mimics run --json`, see `Attempts.result`."""
@@ -163,7 +161,7 @@ class TaskManager:
 
     def _pauses(self, seen: Observation) -> bool:
         """Whether the task is halted in this frame; there is nothing to hold before the first one."""
-        if self._seen is not None and self._pause.switched(seen, self._state):
+        if self._seen is not None and self._pause.switched(seen, self.state):
             self._on_event("pause", {"t_ns": seen.now_ns, "on": self._pause.on})
             if self._pause.on:
                 self._control.pause(seen.q)
@@ -195,7 +193,7 @@ class TaskManager:
         self._adaptation.step(max(0, seen.now_ns - self._last_ns) / 1e9)
         self._settings = settings_for(self._spec, self._adaptation.values)
         self._last_ns = seen.now_ns
-        left, following = self._state, next_state(self._state, self._look(seen))
+        left, following = self.state, next_state(self.state, self._look(seen))
         if following is left:
             return None, None
         self._leave(left, following, seen)
@@ -206,14 +204,14 @@ class TaskManager:
         """Observe the robot in the present state and return the conditions of the next one."""
         elapsed = self._elapsed_s(seen.now_ns)
         goal = False
-        if self._state is TrialState.TRAVEL and self._attempts.tally is not None:
+        if self.state is TrialState.TRAVEL and self._attempts.tally is not None:
             self._attempts.tally.add(seen)
             goal = self._goals.met(seen, elapsed)
-        self._countdown.see(self._state, elapsed, seen.pressed)
+        self._countdown.see(self.state, elapsed, seen.pressed)
         return Conditions(
             elapsed_s=elapsed,
             latched=seen.latched,
-            arrived=self._state is TrialState.APPROACH and self._arrival.reached(seen),
+            arrived=self.state is TrialState.APPROACH and self._arrival.reached(seen),
             go=seen.soft_start_over and elapsed >= max(self._spec.start.ready_s, self._countdown.until_s),
             goal=goal,
             start_limit_s=self._spec.start.limit_s + self._countdown.until_s,
@@ -240,7 +238,7 @@ class TaskManager:
             self._result = self._attempts.trial_result(values, seen.now_ns)
 
     def _enter(self, state: TrialState, seen: Observation) -> None:
-        self._state, self._entered_ns = state, seen.now_ns
+        self.state, self._entered_ns = state, seen.now_ns
         self._control.enter(state, seen.q)
         if state is TrialState.APPROACH:
             self._begin_attempt(seen.now_ns)
@@ -304,7 +302,7 @@ class TaskManager:
             touches=tuple(touches),
             view=view,
             board=self._lay_out(seen, view),
-            person_may_act=self._state is TrialState.TRAVEL and not self._pause.on,
+            person_may_act=self.state is TrialState.TRAVEL and not self._pause.on,
             finished=self.done,
             result=self._result or self._step_result(seen.now_ns),
             demand=self._space.demand(self._adaptation.values),
@@ -312,7 +310,7 @@ class TaskManager:
 
     def _step_result(self, now_ns: int) -> TrialResult | None:
         """Return the result of a step inside the trial that ended in this frame, if the task's kind has steps."""
-        if self._state is not TrialState.TRAVEL:
+        if self.state is not TrialState.TRAVEL:
             return None
         for play in self._plays.values():
             step = play.step
@@ -322,12 +320,12 @@ class TaskManager:
         return None
 
     def _view(self, seen: Observation) -> TaskView:
-        attempts, travels = self._attempts, self._state is TrialState.TRAVEL
+        attempts, travels = self._attempts, self.state is TrialState.TRAVEL
         elapsed = self._elapsed_s(seen.now_ns)
         done = seen.progress if self._plays else elapsed / self._length_s() if travels else 0.0
         progress = min(max(done, 0.0), 1.0)
         which = attempts.number + 1, len(attempts.plan)
-        return TaskView(self._state, progress, *which, elapsed, self._pause.on, self._countdown.reading)
+        return TaskView(self.state, progress, *which, elapsed, self._pause.on, self._countdown.reading)
 
     def _lay_out(self, seen: Observation, view: TaskView) -> Board:
         attempts = self._attempts
@@ -345,7 +343,7 @@ class TaskManager:
             fields |= play.words
             prompt = play.prompt or prompt
         built_in = built_in_messages(with_score=self._has_score, by_pointer=self._by_pointer)
-        line = state_message(self._state, {**built_in, **self._spec.messages}, view.elapsed_s, fields, prompt)
+        line = state_message(self.state, {**built_in, **self._spec.messages}, view.elapsed_s, fields, prompt)
         cards = {
             "trial": trial_card(attempts.which),
             "state": state_card(view.state),
@@ -358,11 +356,11 @@ class TaskManager:
         for play in self._plays.values():
             cards |= play.cards(seen, attempts.finished)
         line = PAUSED if self._pause.on else self._announcement.line(seen.now_ns, line)
-        return Board(cards, line, alarm=self._state is TrialState.STOPPED, count=self._countdown.count)
+        return Board(cards, line, alarm=self.state is TrialState.STOPPED, count=self._countdown.count)
 
     def _left_s(self, view: TaskView) -> float | None:
         """Return the time left of the travel [s]; None outside of one."""
-        return max(0.0, self._length_s() - view.elapsed_s) if self._state is TrialState.TRAVEL else None
+        return max(0.0, self._length_s() - view.elapsed_s) if self.state is TrialState.TRAVEL else None
 
     def _play_of(self, part: object) -> KindPlay | None:
         """Return the kind of task of a goal or a condition; None for the task's own."""

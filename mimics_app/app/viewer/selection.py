@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +30,7 @@ class Selection:
     Attributes:
         chosen: The selected node, or None.
         axis: 0, 1 or 2: the node moves along x, y or z; None: along the floor, or across the view where that is flat.
+        unsaved: Entities that were moved and are not saved, by id.
     """
 
     def __init__(self, shown: Shown) -> None:
@@ -40,17 +40,12 @@ class Selection:
         self._handle: int | None = None
         self._grip: tuple[F8, F8] | None = None
         self._undo: list[tuple[SceneNode, F8]] = []
-        self._moved: dict[str, SceneNode] = {}
+        self.unsaved: dict[str, SceneNode] = {}
 
     @property
     def holding(self) -> bool:
         """Whether something is being dragged."""
         return self._grip is not None
-
-    @property
-    def unsaved(self) -> Mapping[str, SceneNode]:
-        """Entities that were moved and are not saved, by id."""
-        return self._moved
 
     def show(self, shown: Shown) -> None:
         """Switch to the reloaded file; the selection is kept where it still exists."""
@@ -58,7 +53,7 @@ class Selection:
         self._shown, self._grip = shown, None
         self._undo.clear()
         self.chosen = shown.world.find(name) if name and name in shown.world else None
-        self._moved = {name: node for name, node in self._moved.items() if name in shown.world}
+        self.unsaved = {name: node for name, node in self.unsaved.items() if name in shown.world}
 
     def choose(self, ray: Ray) -> SceneNode | None:
         """Select the first entity of the scene file, or part of the model, on a ray; None where there is none."""
@@ -105,7 +100,7 @@ class Selection:
         if np.array_equal(before, self.chosen.position):
             self._undo.pop()
         elif self._shown.scene is not None:
-            self._moved[self.chosen.name] = self.chosen
+            self.unsaved[self.chosen.name] = self.chosen
 
     def undo(self) -> bool:
         """Undo the last move; return False where there is none."""
@@ -114,7 +109,7 @@ class Selection:
         node, place = self._undo.pop()
         node.set_position(place)
         if self._shown.scene is not None:
-            self._moved[node.name] = node
+            self.unsaved[node.name] = node
         return True
 
     def save(self) -> list[Path]:
@@ -124,11 +119,11 @@ class Selection:
             SceneError: A file cannot be written; earlier ones are saved, the others are still unsaved.
         """
         scene, files = self._shown.scene, []
-        for name, node in list(self._moved.items()):
+        for name, node in list(self.unsaved.items()):
             if scene is not None:
                 x, y, z = node.position.tolist()
                 files.append(write_translation(scene, name, (x, y, z)))
-            del self._moved[name]
+            del self.unsaved[name]
         return list(dict.fromkeys(files))
 
     def _under(self, ray: Ray) -> SceneNode | None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -74,6 +73,7 @@ class Carried:
 
     Attributes:
         within: Largest horizontal distance from the mark that counts as placed [m].
+        orders: Haptic fields of the last place the object fell from; empty before the first.
     """
 
     def __init__(self, spec: CarrySpec, target: Vec3, seed: int) -> None:
@@ -82,7 +82,7 @@ class Carried:
         self._target = target
         self._source = random.Random(seed * 1_000_003 + 11)
         self._spawn = _FIRST_SPAWN - 1
-        self._orders: dict[str, object] = {}
+        self.orders: dict[str, object] = {}
         self._lost_since_ns: int | None = None
         self._restart()
 
@@ -93,11 +93,6 @@ class Carried:
         self._held = False
         self._picked_at: Vec3 | None = None
         self._reach = 0.0
-
-    @property
-    def orders(self) -> Mapping[str, object]:
-        """Haptic fields of the last place the object fell from; empty before the first."""
-        return self._orders
 
     def begin_attempt(self) -> None:
         """Reset the counts and let the object fall from a new place."""
@@ -188,14 +183,14 @@ class Carried:
         box = self._spec.falls_from
         name = f"bodies.{self._spec.body}"
         self._spawn += 1
-        self._orders = {f"{name}.spawn": self._spawn}
+        self.orders = {f"{name}.spawn": self._spawn}
         if box is not None:
             place = tuple(
                 low + self._source.random() * (high - low) for low, high in zip(box.low, box.high, strict=True)
             )
             turn = math.pi * self._source.random()
-            self._orders[f"{name}.position"] = place
-            self._orders[f"{name}.orientation"] = (0.0, math.sin(turn), 0.0, math.cos(turn))
+            self.orders[f"{name}.position"] = place
+            self.orders[f"{name}.orientation"] = (0.0, math.sin(turn), 0.0, math.cos(turn))
 
 
 def _level(a: Vec3, b: Vec3) -> float:
