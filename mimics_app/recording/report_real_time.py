@@ -17,6 +17,7 @@ from mimics_app.recording.run import Run
 __all__ = ["Punctuality", "RealTime", "late_card", "punctuality", "real_time_of"]
 
 _WARM_UP_TICKS = 1000
+_MARKS = {"p50": 50.0, "p99": 99.0, "p99.9": 99.9, "max": 100.0}
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,21 +25,14 @@ class Punctuality:
     """Lateness of the ticks from the recorded rows after the first second [us].
 
     Attributes:
-        p50, p99, p99_9, max: Percentiles and maximum of the lateness [us].
+        marks: Percentiles and maximum of the lateness [us], by their captions: "p50", "p99", "p99.9", "max".
         missed: Number of ticks that ended more than 1 ms after their release.
         ticks: Number of ticks evaluated.
     """
 
-    p50: float
-    p99: float
-    p99_9: float
-    max: float
+    marks: dict[str, float]
     missed: int
     ticks: int
-
-    def marks(self) -> dict[str, float]:
-        """Return the percentiles by their captions."""
-        return {"p50": self.p50, "p99": self.p99, "p99.9": self.p99_9, "max": self.max}
 
 
 def punctuality(samples: NDArray[Any]) -> Punctuality | None:
@@ -47,9 +41,8 @@ def punctuality(samples: NDArray[Any]) -> Punctuality | None:
     lateness = late["lateness_ns"]
     if len(late) == 0 or not (lateness > 0.0).any():
         return None
-    p50, p99, p99_9 = (float(v) * 1e-3 for v in np.percentile(lateness, [50.0, 99.0, 99.9]))
-    missed = int((lateness + late["duration_ns"] > 1e6).sum())
-    return Punctuality(p50, p99, p99_9, float(lateness.max()) * 1e-3, missed, len(late))
+    marks = {name: float(np.percentile(lateness, share)) * 1e-3 for name, share in _MARKS.items()}
+    return Punctuality(marks, int((lateness + late["duration_ns"] > 1e6).sum()), len(late))
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,12 +63,12 @@ def real_time_of(run: Run) -> RealTime:
     recipe = run.summary.get("recipe") or (scheduler[-1].get("recipe") if scheduler else None)
     rows = [
         ("scheduling recipe", recipe),
-        *((f"lateness {name} [µs]", number) for name, number in result.marks().items()),
+        *((f"lateness {name} [µs]", number) for name, number in result.marks.items()),
         (f"late control cycles{after} (ended more than 1 ms after their release)", result.missed),
         ("share of late control cycles", result.missed / result.ticks),
         (f"control cycles{after}", result.ticks),
     ]
-    return RealTime(draw_lateness(run.haptic[_WARM_UP_TICKS:], result.marks()), Table(["", "value"], rows))
+    return RealTime(draw_lateness(run.haptic[_WARM_UP_TICKS:], result.marks), Table(["", "value"], rows))
 
 
 def late_card(run: Run) -> dict[str, str]:

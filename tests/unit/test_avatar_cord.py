@@ -314,7 +314,9 @@ def test_tables_of_a_study_are_tidy(tmp_path: Path) -> None:
             "seconds": 1,
         },
     ]
-    (run / "events.jsonl").write_text("".join(json.dumps(event) + "\n" for event in events) + '{"kind": "ta')
+    (run / "events.jsonl").write_text(
+        "".join(json.dumps({"source": "app"} | event) + "\n" for event in events) + '{"kind": "ta'
+    )
     trials, taps, answers = read_study([SubjectRun(4, 9, run), SubjectRun(5, 10, None, "gone")])
     assert [row["subject"] for row in trials] == [4, 4]
     assert taps == [

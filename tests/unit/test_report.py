@@ -260,7 +260,7 @@ def test_lateness_comes_from_the_rows() -> None:
     result = punctuality(samples)
     assert result is not None
     late = samples[1000:]
-    assert result.max == pytest.approx(late["lateness_ns"].max() * 1e-3)
+    assert result.marks["max"] == pytest.approx(late["lateness_ns"].max() * 1e-3)
     assert result.missed == int((late["lateness_ns"] + late["duration_ns"] > 1e6).sum()) > 0
     assert punctuality(samples_of_session(2.0, live=False)) is None
 

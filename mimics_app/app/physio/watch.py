@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -96,9 +96,7 @@ class Watch:
                 "bad_share": float(np.mean(quality < _BAD)),
                 **({"faults": asdict(faults[name])} if name in faults else {}),
             }
-        counts: dict[str, int] = {}
-        for _, event in self.events:
-            counts[event.kind] = counts.get(event.kind, 0) + 1
+        counts = Counter(event.kind for _, event in self.events)
         newest = {k: v for k, v in (self.features[-1] if self.features else {}).items() if not k.startswith("quality_")}
         return {"signals": signals, "events": counts, "features": newest}
 

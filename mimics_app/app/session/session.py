@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.session.core import SessionCore
@@ -88,8 +87,6 @@ class Session(SessionCore):
         self.on_close.pop_all()
         return manifest
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Stop the processes and the robot of a run that failed before `finish`."""
         self.on_close.close()

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import csv
-import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from statistics import fmean, stdev
 from typing import Any
 
 from mimics_app.app.study.subjects import SubjectRun
+from mimics_app.recording.event_log import read_lines
+from mimics_app.recording.run_folder import FILES
 
 __all__ = ["ANSWER_COLUMNS", "TAP_COLUMNS", "read_study", "summarise_conditions", "write_table"]
 
@@ -29,7 +30,8 @@ def read_study(runs: Sequence[SubjectRun]) -> tuple[list[Row], list[Row], list[R
         if run.folder is None:
             continue
         trials += [{"subject": run.subject, "seed": run.seed, **row} for row in _rows(run.folder / "trials.csv")]
-        events = list(_events(run.folder / "events.jsonl"))
+        journal = run.folder / FILES["events"]
+        events = read_lines(journal)[0] if journal.exists() else []
         taps += _taps(run.subject, events)
         for event in events:
             if event.get("kind") == "answer":
@@ -86,15 +88,3 @@ def _rows(file: Path) -> list[Row]:
         return []
     with file.open(newline="", encoding="utf-8") as stream:
         return [dict(row) for row in csv.DictReader(stream)]
-
-
-def _events(file: Path) -> Iterator[Row]:
-    """Yield the lines of the journal; an incomplete one is skipped."""
-    if not file.exists():
-        return
-    with file.open(encoding="utf-8") as stream:
-        for line in stream:
-            try:
-                yield json.loads(line)
-            except (ValueError, RecursionError):
-                continue

@@ -8,6 +8,8 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
+from mimics_app.recording.run_folder import write_atomically
+
 __all__ = ["read_config", "write_config"]
 
 
@@ -34,8 +36,6 @@ def write_config(name: str, content: Mapping[str, object]) -> None:
     try:
         folder = _config_folder()
         folder.mkdir(parents=True, exist_ok=True)
-        part = folder / f".{name}.part"
-        part.write_text(json.dumps(content, indent=1), encoding="utf-8")
-        part.replace(folder / f"{name}.json")
+        write_atomically(folder / f"{name}.json", json.dumps(content, indent=1).encode())
     except (OSError, RuntimeError):
         return

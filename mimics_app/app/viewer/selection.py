@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -127,19 +128,17 @@ class Selection:
         return list(dict.fromkeys(files))
 
     def _under(self, ray: Ray) -> SceneNode | None:
-        for hit in cast_ray(self._shown.world, *ray):
-            node = self._owner(self._shown.world.node(hit.entity))
-            if node is not None:
-                return node
-        return None
+        return next((owner for owner, _ in self._hits(ray)), None)
 
     def _meets(self, ray: Ray, node: SceneNode) -> F8 | None:
         """Return the first intersection of a ray with a node's meshes; None where another node is in front."""
+        return next((point if owner == node else None for owner, point in self._hits(ray)), None)
+
+    def _hits(self, ray: Ray) -> Iterator[tuple[SceneNode, F8]]:
         for hit in cast_ray(self._shown.world, *ray):
             owner = self._owner(self._shown.world.node(hit.entity))
             if owner is not None:
-                return hit.point_world if owner == node else None
-        return None
+                yield owner, hit.point_world
 
     def _owner(self, node: SceneNode) -> SceneNode | None:
         """Return the entity of the scene file, or the part of the model, that a node belongs to."""

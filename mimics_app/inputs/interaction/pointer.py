@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.input_port import RayFromWindow, WindowFrame
@@ -12,6 +13,8 @@ from mimics_app.inputs.interaction.grasp import GraspControl
 from mimics_app.inputs.interaction.plane import FrontalPlane
 
 __all__ = ["Pointer", "PointerSettings", "StickResponse"]
+
+T = TypeVar("T")
 
 _ARROWS = {"left": (-1.0, 0.0), "right": (1.0, 0.0), "down": (0.0, -1.0), "up": (0.0, 1.0)}
 _SLOW_KEYS = ("left_shift", "right_shift")
@@ -118,24 +121,12 @@ class Pointer:
             if event.kind == "move":
                 place = (event.x, event.y)
             elif event.kind == "key" and (event.name in _ARROWS or event.name in _SLOW_KEYS):
-                self._hold_key(event.name, pressed=event.pressed)
+                _hold(self._keys, event.name, pressed=event.pressed)
             if (event.kind, event.name) in _STOP:
                 stop = stop or event.pressed
-                self._hold_stop((event.kind, event.name), pressed=event.pressed)
+                _hold(self._stop_held, (event.kind, event.name), pressed=event.pressed)
         self._aim(place)
         return stop or bool(self._stop_held)
-
-    def _hold_key(self, name: str, *, pressed: bool) -> None:
-        if pressed:
-            self._keys.add(name)
-        else:
-            self._keys.discard(name)
-
-    def _hold_stop(self, name: tuple[str, str], *, pressed: bool) -> None:
-        if pressed:
-            self._stop_held.add(name)
-        else:
-            self._stop_held.discard(name)
 
     def _aim(self, place: tuple[float, float] | None) -> None:
         """Move the cursor to the last mouse position of a frame, unless its ray misses the plane."""
@@ -159,3 +150,10 @@ class Pointer:
     def _frame_seconds(self, now_ns: int) -> float:
         last, self._last_ns = self._last_ns, now_ns
         return 0.0 if last is None else min(max(now_ns - last, 0) / 1e9, _LONGEST_FRAME_S)
+
+
+def _hold(held: set[T], name: T, *, pressed: bool) -> None:
+    if pressed:
+        held.add(name)
+    else:
+        held.discard(name)
