@@ -120,10 +120,11 @@ class PictureTarget:
         draws, surface = 0, self._surface
         if self._buffer is not None and self._shown is not None:
             self._buffer.finish(None if parts is None else [piece for part in parts for piece in part.pieces])
-            if filters := self._filters:
+            if (filters := self._filters) and not (self._filtered and parts == []):
                 own = surface.framebuffer if filters[-1] is self._edges else self._shown
-                target = self._filtered or own
-                draws += self._filter(self._buffer.texture, target, rectangles, parts if self._filtered else None)
+                # A light's bloom reaches beyond the parts.
+                changed = parts if self._filtered and self._bloom not in filters else None
+                draws += self._filter(self._buffer.texture, self._filtered or own, rectangles, changed)
         unfiltered = self._buffer.finished if self._buffer else self._multisampled
         finished = self._filtered if self._filters else unfiltered
         if self._shown is not None and finished is not None:
@@ -176,7 +177,7 @@ class PictureTarget:
         if self.filtered:
             self._buffer = DrawBuffer(ctx, size, samples, "f2" if self.settings.bloom > 0.0 else "f1")
             self._between = [self._make_target(step, size) for step in self._filters[:-1]]
-            if self.keep and self._filters and not self.settings.bloom:
+            if self.keep and self._filters:
                 self._filtered = self._make_target(self._filters[-1], self._surface.size)
         elif samples:
             colour = ctx.renderbuffer(size, 4, samples=samples)

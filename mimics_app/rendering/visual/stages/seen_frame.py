@@ -21,7 +21,7 @@ from mimics_app.world.materials.material import TextureData
 from mimics_app.world.render_list import RenderList
 from mimics_app.world.world import World
 
-__all__ = ["Overlaid", "SeenFrame", "capture_frame", "may_keep"]
+__all__ = ["Overlaid", "SeenFrame", "capture_frame", "may_keep", "may_redraw_parts"]
 
 
 _MIN_PIXELS = 10_000
@@ -95,11 +95,18 @@ class SeenFrame:
 
 
 def may_keep(scene: FrameScene, views: Sequence[View], rectangle: Rect) -> bool:
-    """Whether parts of the last picture may be reused: one large view, without content `capture_frame` leaves out."""
-    plain = scene.settings.ambient_occlusion == 0.0 and not scene.by_stencil
+    """Whether the last picture may be reused: one large view, without content `capture_frame` leaves out."""
     # Over a kept picture an inset is drawn after the samples are resolved: its border would be another one.
     sampled = bool(scene.world.insets) and scene.settings.msaa > 0
-    return len(views) == 1 and rectangle[2] * rectangle[3] >= _MIN_PIXELS and plain and not sampled
+    return len(views) == 1 and rectangle[2] * rectangle[3] >= _MIN_PIXELS and not sampled
+
+
+def may_redraw_parts(scene: FrameScene) -> bool:
+    """Whether a change is seen only in the places that `StillPicture` finds.
+
+    It darkens surfaces around it by ambient occlusion, and casts shadow volumes through all of the picture.
+    """
+    return scene.settings.ambient_occlusion == 0.0 and not scene.by_stencil
 
 
 def capture_frame(
