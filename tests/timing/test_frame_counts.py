@@ -7,7 +7,8 @@ from mimics_app.app.bench.frame_counts import count_cards, count_frame, count_no
 
 def test_nodes_cost_no_call():
     few, many = count_nodes(100), count_nodes(1500)  # 18,000 triangles: more of them are sent in pieces
-    assert many.calls == few.calls and 100 < few.calls < 1000
+    flush = 5  # of the driver, after 2,000 triangles in a small picture
+    assert many.calls - few.calls in (0, flush) and 100 < few.calls < 1000
     assert many.collections == 0.0 and many.blocks < 50.0, "a frame leaves nothing for the collector"
 
 

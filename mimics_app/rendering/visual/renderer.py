@@ -28,7 +28,7 @@ from mimics_app.rendering.visual.passes.hud import HudPass, plane_of_views
 from mimics_app.rendering.visual.settings import QualityChanges, RenderSettings
 from mimics_app.rendering.visual.stages.eye_pairs import eye_passes, group_views, see_from_between
 from mimics_app.rendering.visual.stages.picture_stage import PictureStage
-from mimics_app.rendering.visual.stages.seen_frame import capture_frame, may_keep, may_redraw_parts
+from mimics_app.rendering.visual.stages.seen_frame import capture_frame, may_keep
 from mimics_app.rendering.visual.stages.shadow_stage import ShadowStage, light_features
 from mimics_app.rendering.visual.stages.still_picture import StillPicture
 from mimics_app.rendering.visual.stages.world_stage import FrameScene, ViewDraws, WorldStage
@@ -281,7 +281,6 @@ class Renderer:
             capture = partial(capture_frame, scene, self._list, self._shaders.replaced)
             changes = self._pictures.find_changes(scene, self._list, views[0], place[2:], capture)
             parts = self._still.parts(capture(views[0], place, 0, *changes, self.hud if self._sparse else None))
-            parts = None if parts and not may_redraw_parts(scene) else parts
         self._picture.keep = self._still.keeps
         return parts
 

@@ -21,7 +21,7 @@ from mimics_app.world.materials.material import TextureData
 from mimics_app.world.render_list import RenderList
 from mimics_app.world.world import World
 
-__all__ = ["Overlaid", "SeenFrame", "capture_frame", "may_keep", "may_redraw_parts"]
+__all__ = ["Overlaid", "SeenFrame", "capture_frame", "may_keep"]
 
 
 _MIN_PIXELS = 10_000
@@ -71,6 +71,8 @@ class SeenFrame:
         cones: True where spot lights have shadow maps.
         renewed: Items that show a live picture which is drawn in this frame, [n].
         redrawn: Where mirrors show another reflection, as shares of the picture: left, right, bottom, top; [m, 4].
+        spreads: True where a change reaches beyond itself and its shadow map: ambient occlusion darkens what is around
+            it, and its shadow volume crosses the picture.
         board: Rectangles of the heads-up display where it is drawn into the kept picture, as shares of the picture:
             left, right, bottom, top, float64 [m, 4].
     """
@@ -91,6 +93,7 @@ class SeenFrame:
     cones: bool
     renewed: B1
     redrawn: F8
+    spreads: bool
     board: F8
 
 
@@ -99,14 +102,6 @@ def may_keep(scene: FrameScene, views: Sequence[View], rectangle: Rect) -> bool:
     # Over a kept picture an inset is drawn after the samples are resolved: its border would be another one.
     sampled = bool(scene.world.insets) and scene.settings.msaa > 0
     return len(views) == 1 and rectangle[2] * rectangle[3] >= _MIN_PIXELS and not sampled
-
-
-def may_redraw_parts(scene: FrameScene) -> bool:
-    """Whether a change is seen only in the places that `StillPicture` finds.
-
-    It darkens surfaces around it by ambient occlusion, and casts shadow volumes through all of the picture.
-    """
-    return scene.settings.ambient_occlusion == 0.0 and not scene.by_stencil
 
 
 def capture_frame(
@@ -158,6 +153,7 @@ def capture_frame(
         cones=bool(plan.spots),
         renewed=renewed,
         redrawn=redrawn,
+        spreads=scene.settings.ambient_occlusion > 0.0 or scene.by_stencil,
         board=_NOWHERE if hud is None else places_of(hud, view, scene.settings.hud_depth),
     )
 

@@ -134,7 +134,8 @@ class StillPicture:
         bounds += [screen_bounds(view, each.hulls, np.full(len(each.hulls), each.reach)) for each in overlaid]
         parts = cover_of(np.concatenate([*bounds, *places]), (width, height))
         drawn = [piece for part in parts for piece in part.pieces]
-        if sum(wide * high for _, _, wide, high in drawn) > _WHOLE * width * height:
+        most = 0.0 if seen.spreads else _WHOLE
+        if sum(wide * high for _, _, wide, high in drawn) > most * width * height:
             return None
         return [part.moved(x, y) for part in parts]
 
