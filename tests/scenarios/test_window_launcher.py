@@ -21,6 +21,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mimics_app.app.play.launching import launcher_settings
+from mimics_app.rendering.haptic.devices.device_names import SIMULATED
 from tests.support.xvfb import display
 
 pytestmark = pytest.mark.slow
@@ -110,11 +112,17 @@ def at_the_launcher(folder: Path) -> Iterator[Person]:
                 process.wait(timeout=40)
 
 
+def _on_to(device: str) -> list[str]:
+    """Return the keys from the person at the window to a device in who plays."""
+    players = launcher_settings()[0].choices
+    return ["Right"] * [choice.value for choice in players].index(device)
+
+
 def test_from_the_launcher_to_the_result_again_and_to_another_scene(tmp_path: Path) -> None:
     with at_the_launcher(tmp_path) as person:
         person.sees("1_launcher")
         person.do("type", "wavy")
-        person.keys("Right", "Right")  # to who plays, and on to the simulated patient
+        person.keys("Right", *_on_to(SIMULATED))  # to who plays, and on to the simulated patient
         person.keys("Down", "Down")
         person.do("type", "P1")
         person.keys("Down", "Down", "Right")  # one trial
@@ -162,7 +170,7 @@ def test_a_wrong_port_is_reported_and_repaired(tmp_path: Path) -> None:
     with at_the_launcher(tmp_path) as person:
         quiet = person.sees("1_launcher")
         person.do("type", "tower")
-        person.keys("Right", "Right", "Right", "Down")
+        person.keys("Right", *_on_to("serial"), "Down")
         person.do("type", "/dev/ttyNONE")
         person.sees("2_wrong_port")
         for _ in range(7):
@@ -176,7 +184,7 @@ def test_a_wrong_port_is_reported_and_repaired(tmp_path: Path) -> None:
         person.wait("word of what went wrong", reported)
         assert not person.begun, "nothing was recorded"
         person.do("type", "tower")
-        person.keys("Right", "Left", "Left")  # back to the mouse
+        person.keys("Right", *["Left"] * len(_on_to("serial")))  # back to the mouse
         person.sees("4_repaired")
         for _ in range(7):
             person.keys("Down")

@@ -73,8 +73,8 @@ def _person_settings() -> list[Setting]:
 
 
 def _players() -> dict[str, str]:
-    """Return the captions of the devices: the person at the window, the built-in devices, plug-ins by name."""
-    others = [name for name in device_names() if name not in (POINTER, REPLAY)]
+    """Return the captions of the devices: the person at the window first, what needs an address last."""
+    others = sorted((name for name in device_names() if name not in (POINTER, REPLAY)), key=_ADDRESSED.__contains__)
     captions = {name: load_built_in(name).caption if name in BUILT_IN else name for name in others}
     return {_AT_WINDOW: load_built_in(POINTER).caption, **captions}
 
