@@ -21,6 +21,8 @@ _SHRINKAGE = 0.1
 """Shrinkage of covariances to their diagonals: few people, many features (Ledoit & Wolf, 2004)."""
 _DRIFT = 0.01
 """Process noise of the class means per trial, as a share of the variance between people: fatigue and habituation."""
+_PEOPLE = 0.3
+"""Share of the fixed discriminant in the probability while the person has given no answer: bounds wrong certainty."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,13 +106,25 @@ class Lda:
 
 
 class AdaptiveLda(Lda):
-    """A linear discriminant whose class means are tracked by a Kalman filter, updated after each trial."""
+    """A linear discriminant whose class means are tracked by a Kalman filter, updated after each trial.
+
+    Learning from its own guesses alone, it would become certain of a wrong class in a long run of one class. Until the
+    person's first answer the probability is therefore a mixture with that of the fixed discriminant.
+    """
 
     def __init__(self, model: LoadModel) -> None:
         super().__init__(model)
+        self._people: Lda | None = Lda(model)
         self._covariance = model.between.copy()
         self._drift = _DRIFT * np.diag(np.diag(model.between))
         self._split()
+
+    def probabilities(self, features: F8) -> F8:
+        """Return the probability of each class, shape [3], see `Lda.probabilities`."""
+        own = super().probabilities(features)
+        if self._people is None:
+            return own
+        return (1.0 - _PEOPLE) * own + _PEOPLE * self._people.probabilities(features)
 
     def learn(self, features: F8, label: int | None) -> None:
         """Update by a trial: by its class if `label` is given, else by all classes weighted by probability."""
@@ -118,6 +132,8 @@ class AdaptiveLda(Lda):
         if not len(known):
             return
         weights = self.probabilities(features) if label is None else np.eye(_CLASSES)[label]
+        if label is not None:
+            self._people = None
         self._covariance += self._drift
         flat = self.means.ravel()
         updates = [self._updated(flat, features, known, k) for k in range(_CLASSES)]

@@ -89,6 +89,23 @@ def test_what_is_not_known_is_left_out() -> None:
         assert half.sum() == pytest.approx(1.0)
 
 
+def test_a_long_run_of_one_class_does_not_end_in_wrong_certainty() -> None:
+    """Unseen families, 40 trials of one class, nobody asked: at most 2 % of the last 20 are wrong above 0.99."""
+    people, rng = shipped_people(), np.random.default_rng(1)
+    wrong = []
+    for family in np.unique(people.family):
+        others = people.family != family
+        model = train_load(people.features[others], people.classes[others])
+        for features, classes in zip(people.features[~others], people.classes[~others], strict=True):
+            for k in range(3):
+                lda = AdaptiveLda(model)
+                for trial in rng.choice(np.flatnonzero(classes == k), 40):
+                    stated = lda.probabilities(features[trial])
+                    wrong.append(stated.argmax() != k and stated.max() > 0.99)
+                    lda.learn(features[trial], None)
+    assert np.reshape(wrong, (-1, 40))[:, 20:].mean() <= 0.02
+
+
 def test_too_few_people_are_refused() -> None:
     features, classes = planted(np.random.default_rng(1), 5)
     with pytest.raises(ValueError, match="three people"):
