@@ -57,6 +57,10 @@ def test_a_window_narrower_than_4_to_3_shows_as_much_to_the_sides_with_square_pi
         left, right, bottom, above = eye.tangents
         assert (right, above) == pytest.approx((wanted, wanted * size[1] / size[0]), rel=1e-15)
         assert (left, bottom) == (-right, -above)
+        for kind, shown in [("sbs-half", size), ("tb", size), ("sbs", (2 * size[0], size[1]))]:
+            for eye in StereoDisplay(kind).eyes(Viewpoint(np.eye(4), FOV), shown, 0):
+                left, right, _, above = eye.tangents
+                assert (0.5 * (right - left), above) == pytest.approx((wanted, wanted * size[1] / size[0]), rel=1e-15)
 
 
 def test_every_corner_of_a_wall_falls_on_the_picture_s_corner() -> None:

@@ -19,26 +19,28 @@ SIZE = (1280, 720)
 EXTENT = (np.array([-1.0, 0.0, -2.0]), np.array([1.0, 1.0, 2.0]))
 
 
-def project(orbit: OrbitCamera, point: np.ndarray) -> np.ndarray:
-    x, y, _, w = orbit.view(SIZE).clip_from_world @ [*point, 1.0]
+def project(orbit: OrbitCamera, point: np.ndarray, size: tuple[int, int] = SIZE) -> np.ndarray:
+    x, y, _, w = orbit.view(size).clip_from_world @ [*point, 1.0]
     return np.array([x, y]) / w
 
 
-def test_a_framed_box_is_seen_whole_from_every_side():
+@pytest.mark.parametrize("size", [SIZE, (300, 900)])
+def test_a_framed_box_is_seen_whole_from_every_side(size):
     orbit = OrbitCamera()
-    orbit.frame(EXTENT, SIZE)
+    orbit.frame(EXTENT, size)
     corners = [np.where(mask, EXTENT[0], EXTENT[1]) for mask in np.ndindex(2, 2, 2)]
     for _ in range(12):
-        assert np.abs([project(orbit, corner) for corner in corners]).max() < 1.0
+        assert np.abs([project(orbit, corner, size) for corner in corners]).max() < 1.0
         orbit.orbit(100.0, 7.0)
 
 
-def test_panning_keeps_the_target_under_the_pointer():
+@pytest.mark.parametrize("size", [SIZE, (300, 900)])
+def test_panning_keeps_the_target_under_the_pointer(size):
     orbit = OrbitCamera()
-    orbit.frame(EXTENT, SIZE)
+    orbit.frame(EXTENT, size)
     before = orbit.target.copy()
-    orbit.pan(64.0, -36.0, SIZE[1])
-    assert project(orbit, before) == pytest.approx([64.0 / 640.0, -36.0 / 360.0], abs=1e-9)
+    orbit.pan(64.0, -36.0, size)
+    assert project(orbit, before, size) == pytest.approx([128.0 / size[0], -72.0 / size[1]], abs=1e-9)
 
 
 def test_a_look_round_leaves_the_eye_where_it_is_and_never_tips_over():

@@ -146,7 +146,7 @@ class _TileRenderer:
             return Tile(file, nothing, empty=True)
         viewport = self._put_on(shown)
         viewport.orbit.yaw += rotation
-        viewport.orbit.pan(0.0, _RAISED * TILE[1], TILE[1])
+        viewport.orbit.pan(0.0, _RAISED * TILE[1], TILE)
         viewport.orbit.zoom(_BACK)
         hud = viewport.renderer.hud
         hud.clear()

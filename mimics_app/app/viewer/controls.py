@@ -97,18 +97,18 @@ class ViewerControls:
     def _move(self, event: InputEvent) -> None:
         if not self._button:
             return
-        width, height = self._viewport.surface.size
-        right, up = 0.5 * (event.x - self._last[0]) * width, 0.5 * (event.y - self._last[1]) * height
+        size = self._viewport.surface.size
+        right, up = 0.5 * (event.x - self._last[0]) * size[0], 0.5 * (event.y - self._last[1]) * size[1]
         self._last = (event.x, event.y)
         self._travelled += abs(right) + abs(up)
         orbit, shift = self._viewport.orbit, bool(self._held & _SHIFT)
         if self._selection.holding:
             if self._travelled >= _CLICK_PX:
-                self._selection.drag(self.ray(event.x, event.y), orbit.view(self._viewport.surface.size))
+                self._selection.drag(self.ray(event.x, event.y), orbit.view(size))
         elif self._button == "right":
             orbit.look_round(right, up)
         elif self._button == "middle" or shift:
-            orbit.pan(right, up, height)
+            orbit.pan(right, up, size)
         else:
             orbit.orbit(right, up)
 

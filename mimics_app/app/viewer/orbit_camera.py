@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.rendering.visual.displays.desktop import compute_tangents
+from mimics_app.rendering.visual.displays.desktop import compute_window_tangents
 from mimics_app.rendering.visual.surfaces.surface import Size
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
@@ -41,7 +41,7 @@ class OrbitCamera:
         distance: Distance from the target to the camera [m].
         yaw: Rotation about +y [rad]; at 0 the camera looks along -z.
         pitch: Elevation of the camera as seen from the target [rad].
-        fov: Vertical field of view [rad].
+        fov: Vertical field of view in a window of at least 4:3 [rad].
         reach: Radius of the scene about the target [m].
         near, far: Near and far plane of a camera of the scene [m]; 0: derived from distance and reach.
     """
@@ -72,7 +72,7 @@ class OrbitCamera:
         """Return the camera's view on a surface of a size [px]."""
         near = self.near or max(0.004 * min(self.distance, self.reach), 1e-6)
         far = self.far or 40.0 * (self.distance + self.reach)
-        return View(self.pose, compute_tangents(self.fov, size), (0, 0, *size), near, far)
+        return View(self.pose, compute_window_tangents(self.fov, size), (0, 0, *size), near, far)
 
     def frame(self, extent: Extent, size: Size, *, turn: bool = True) -> None:
         """Move so that a box fits into the picture.
@@ -87,8 +87,8 @@ class OrbitCamera:
         if turn:
             self.yaw, self.pitch = _FIRST_YAW, _FIRST_PITCH
         self.target = 0.5 * (least + greatest)
-        up = math.tan(0.5 * self.fov)
-        narrow = math.atan(min(up, up * size[0] / size[1]))
+        _, right, _, top = compute_window_tangents(self.fov, size)
+        narrow = math.atan(min(right, top))
         self.distance, self.reach = _MARGIN * radius / math.sin(narrow), radius
 
     def stand_at(self, camera: Camera, reach: float) -> None:
@@ -114,9 +114,9 @@ class OrbitCamera:
         self._tilt(-0.5 * up_px)
         self.target = here - self.distance * self.backward
 
-    def pan(self, right_px: float, up_px: float, height_px: int) -> None:
-        """Move camera and target so that the target follows the pointer, in a picture of a height [px]."""
-        per_px = 2.0 * self.distance * math.tan(0.5 * self.fov) / height_px
+    def pan(self, right_px: float, up_px: float, size: Size) -> None:
+        """Move camera and target so that the target follows the pointer, in a picture of a size [px]."""
+        per_px = 2.0 * self.distance * compute_window_tangents(self.fov, size)[3] / size[1]
         axes = self.pose[:3, :3]
         self.target = self.target - per_px * (right_px * axes[:, 0] + up_px * axes[:, 1])
 

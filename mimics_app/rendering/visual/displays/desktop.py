@@ -11,7 +11,7 @@ from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import Tangents
 from mimics_app.world.camera import Camera
 
-__all__ = ["DesktopDisplay", "compute_tangents", "desktop_views"]
+__all__ = ["DesktopDisplay", "compute_tangents", "compute_window_tangents", "desktop_views"]
 
 _LEAST_ASPECT = 4.0 / 3.0
 """Aspect ratio below which a window widens the view: what scenes show fits into a picture of 4:3."""
@@ -40,7 +40,7 @@ def compute_tangents(fov: float, size: Size) -> Tangents:
     return (-right, right, -top, top)
 
 
-def _window_tangents(fov: float, size: Size) -> Tangents:
+def compute_window_tangents(fov: float, size: Size) -> Tangents:
     """Return the frustum of a window: one narrower than 4:3 shows as much to the sides as one of 4:3, and more above.
 
     Args:
@@ -58,5 +58,5 @@ class DesktopDisplay(PlainDisplay):
     kind = "desktop"
 
     def eyes(self, viewpoint: Viewpoint, drawn: Size, display_ns: int) -> list[Eye]:
-        tangents = _window_tangents(viewpoint.vertical_fov, drawn)
+        tangents = compute_window_tangents(viewpoint.vertical_fov, drawn)
         return [Eye("", viewpoint.world_from_head, tangents, (0, 0, *drawn))]

@@ -6,7 +6,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.display_port import Composing, Eye, Rect, Size, Viewpoint
-from mimics_app.rendering.visual.displays.desktop import compute_tangents
+from mimics_app.rendering.visual.displays.desktop import compute_window_tangents
 from mimics_app.rendering.visual.displays.plain_display import PlainDisplay, eye_offset
 from mimics_app.rendering.visual.view_matrices import Tangents
 
@@ -51,7 +51,7 @@ class StereoDisplay(PlainDisplay):
     def eyes(self, viewpoint: Viewpoint, drawn: Size, display_ns: int) -> list[Eye]:
         first, second = self._rectangles(drawn)
         proportions = {"sbs-half": drawn, "tb": drawn}.get(self.kind, first[2:])
-        window = compute_tangents(viewpoint.vertical_fov, (proportions[0], proportions[1]))
+        window = compute_window_tangents(viewpoint.vertical_fov, (proportions[0], proportions[1]))
         places = (second, first) if self._swap else (first, second)
         named = zip(("left", "right"), (-0.5, 0.5), places, strict=True)
         return [self._eye(name, side * self._ipd, window, place, viewpoint) for name, side, place in named]
