@@ -84,9 +84,15 @@ def _words(run: Run) -> str:
     body, settings = mapping(run.session.get("body")), mapping(run.session.get("settings"))
     named = {"source of the signals": settings.get("physio"), "estimator of the load": body.get("estimator")}
     if body.get("learn"):
-        named |= {"policy": body["learn"], "its goal": body.get("goal")}
+        named |= {"policy": body["learn"], "its goal": _goal_in_words(str(body.get("goal", "")))}
     words = ", ".join(f"{name} {shown(value)}" for name, value in named.items() if value)
     return words[:1].upper() + words[1:]
+
+
+def _goal_in_words(goal: str) -> str:
+    """Return "success of 0.7" for "success:0.7", "arousal from -0.2 to 0.3" for "arousal:-0.2:0.3"."""
+    name, *numbers = goal.split(":")
+    return name if not numbers else f"{name} of {numbers[0]}" if len(numbers) == 1 else f"{name} from {' to '.join(numbers)}"
 
 
 def _spans(run: Run) -> list[tuple[float, float, str]]:
