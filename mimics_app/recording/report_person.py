@@ -92,7 +92,7 @@ def _words(run: Run) -> str:
 def _goal_in_words(goal: str) -> str:
     """Return "success of 0.7" for "success:0.7", "arousal from -0.2 to 0.3" for "arousal:-0.2:0.3"."""
     name, *numbers = goal.split(":")
-    return name if not numbers else f"{name} of {numbers[0]}" if len(numbers) == 1 else f"{name} from {' to '.join(numbers)}"
+    return " ".join([name, ("", "of", "from")[len(numbers)], " to ".join(numbers)]).strip()
 
 
 def _spans(run: Run) -> list[tuple[float, float, str]]:
