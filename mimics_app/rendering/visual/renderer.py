@@ -39,8 +39,6 @@ from mimics_app.rendering.visual.view import Rect, View
 from mimics_app.world.world import World
 
 if TYPE_CHECKING:
-    import moderngl
-
     from mimics_app.rendering.visual.overlay.layers import Layer
     from mimics_app.rendering.visual.overlay.overlay import Overlay
     from mimics_app.rendering.visual.overlay.stage_times import StageTimes
@@ -208,8 +206,7 @@ class Renderer:
             self._surface.ctx.finish()
         cpu_ms = (self._clock.now_ns() - started) * 1e-6
         tally = self._list.tally
-        bent = self._bending.skinning.vertices if self._bending.skinning is not None else 0
-        counts = (tally.items, tally.culled, tally.hidden, tally.tests, bent)
+        counts = (tally.items, tally.culled, tally.hidden, tally.tests, tally.bent)
         if self.times is not None:
             self.times.count(tally.items, tally.culled, tally.hidden)
         return FrameStats(cpu_ms, timer.elapsed * 1e-6 if timer else None, triangles, draws, *counts)
@@ -230,18 +227,19 @@ class Renderer:
         times = self.times
         if times is not None and not times.begun:
             times.begin()
-        with self._timed("cull"):
+        with self._timed("prepare"):
             scene = self._prepare(views)
+        with self._timed("shadows"):  # drawn by threads of a software driver while the views are culled
+            self._upload()
+            draws = self._shadows.draw(self._frame)
+        with self._timed("cull"):
             parts = self._changed_parts(scene, views if latch is None else ())
             target = self._picture.begin()
             parts = parts if self._picture.holds else None
             drawn = self._batch_all(scene, views) if parts is None else self._batch_parts(scene, views[0], parts)
-            self._bending.bend(self.world, self._list)
-            self._frame.upload()
+            self._upload()
             if scene.effects is not None:
                 scene.effects.upload()
-        with self._timed("shadows"):
-            draws = self._shadows.draw(self._frame)
         with self._timed("mirrors"):
             draws += self._pictures.draw(self._world, scene, self._picture.samples)
         with self._timed("submit"):
@@ -252,12 +250,17 @@ class Renderer:
             self._picture.holds = self._picture.keep
         if self._overlay is not None and self._overlay.shows:
             with self._timed("overlay"):
-                draws += self._draw_overlay(self._overlay, target, scene, drawn)
+                draws += self._overlay.draw_in_world(target, scene, self._list, drawn, self._world)
         with self._timed("post"):
             draws += self._draw_over(views, parts)
         if times is not None:
             times.begun = False
         return self._shadows.triangles + self._pictures.triangles + sum(each.triangles for each in drawn), draws
+
+    def _upload(self) -> None:
+        """Skin and upload what was queued since the last call."""
+        self._bending.bend(self.world, self._list)
+        self._frame.upload()
 
     def _batch_all(self, scene: FrameScene, views: Sequence[View]) -> list[ViewDraws]:
         """Queue what is visible in the views and in the mirrors, screens and insets within them."""
@@ -368,16 +371,6 @@ class Renderer:
     def _batch_inside(self, scene: FrameScene, view: View, key: Hashable) -> ViewDraws:
         """Queue what is visible in a mirror, screen or inset, in the view's own rectangle."""
         return self._batch(scene, [view], key, [view.rectangle])[0]
-
-    def _draw_overlay(
-        self, overlay: Overlay, target: moderngl.Framebuffer, scene: FrameScene, drawn: Sequence[ViewDraws]
-    ) -> int:
-        """Draw the lines and wires of the overlay; return the draw calls."""
-        draws = overlay.draw_lines(target, scene, self._list, drawn)
-        for each in drawn:
-            self._world.enter(scene, each)
-            draws += overlay.draw_wires(target, each)
-        return draws
 
     def _draw_over(self, views: Sequence[View], parts: list[ChangedPart] | None) -> int:
         """Filter and show the world's picture; draw insets and heads-up display over it at full resolution."""
