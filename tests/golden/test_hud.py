@@ -39,6 +39,25 @@ def draw_hud(fill, size=(1280, 720), tangents=None, msaa=0, views=None, depth=1.
         return read_pixels(surface)[..., :3].mean(axis=-1) / 255.0
 
 
+@pytest.mark.parametrize("sparse", [False, True])
+def test_a_display_that_is_filled_while_the_world_is_drawn_is_of_that_frame(sparse):
+    def fill() -> None:
+        renderer.hud.clear()
+        renderer.hud.box(5.0 * place, 0.0, 100.0, 100.0, WHITE)
+
+    world = World()
+    world.environment = BLACK
+    world.update()
+    view = View(np.eye(4), compute_tangents(0.8, (144, 144)), (0, 0, 144, 144))
+    with create_surface("egl", (144, 144)) as surface:
+        renderer = Renderer(surface, world, RenderSettings(msaa=4, shadow_size=0, tone_map="none"), sparse=sparse)
+        renderer.hud.width = 720.0
+        for place in (10.0, 10.0, 50.0, 90.0):
+            renderer.draw([view], None, fill)
+            shown = read_pixels(surface)[::-1][10, :, 0] > 128
+            assert np.flatnonzero(shown).tolist() == list(range(int(place), int(place) + 20))
+
+
 @pytest.mark.parametrize("tangents", [(-0.8, 0.8, -0.45, 0.45), (0.2, 1.0, -0.7, -0.25)], ids=["centred", "off-axis"])
 def test_a_box_lies_on_its_pixels(tangents):
     """At 1280 x 720 a canvas unit is a pixel: whole coordinates give sharp edges, whatever the frustum."""

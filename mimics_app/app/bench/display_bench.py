@@ -192,7 +192,7 @@ def _queueing_ms(renderer: Renderer, presenter: Presenter) -> float:
     presenter.skip()
     times = renderer.times
     assert times is not None
-    return times.frames[-1].cpu_ms["cull"]
+    return times.frames[-1].cpu_ms["prepare"] + times.frames[-1].cpu_ms["cull"]
 
 
 @contextmanager

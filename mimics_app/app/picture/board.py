@@ -74,12 +74,14 @@ class BoardLayout:
         if self._laid == (wanted, hud.revision):
             return
         hud.clear()
-        x, y = _MARGIN, hud.height - _MARGIN - _HEIGHT
+        x, y, rows = _MARGIN, hud.height - _MARGIN - _HEIGHT, []
         for name, card in cards:
             if x > _MARGIN and x + card.width > hud.width - _MARGIN:
                 x, y = _MARGIN, y - _HEIGHT - _GAP
-            hud.extend(self._rows(name, hud, card, (x, y), force_full))
+            rows.append(self._rows(name, hud, card, (x, y), force_full))
             x += card.width + _GAP
+        if rows:
+            hud.extend(_by_kind(np.concatenate(rows)))
         _draw_message(hud, board.message, alarm=board.alarm)
         if board.count:
             _draw_count(hud, board.count)
@@ -97,6 +99,11 @@ class BoardLayout:
             _draw_card(alone, card, corner, force_full)
             self._cards[name] = wanted, alone.rows()
         return self._cards[name][1]
+
+
+def _by_kind(rows: NDArray[np.void]) -> NDArray[np.void]:
+    """Return the rectangles of cards, which do not overlap, with the boxes of all of them first: two draws."""
+    return rows[np.argsort(rows["style"][:, 0], kind="stable")]
 
 
 def _draw_card(hud: Hud, card: Card, corner: tuple[float, float], force_full: float) -> None:

@@ -170,8 +170,8 @@ class Picture:
     def draw(self, board: Board, now_ns: int = 0) -> FrameStats:
         """Draw one frame with a board, for a session time [ns]."""
         timing = self.presenter.begin_seen(now_ns)
-        views = self._board_laid_out(board)
-        self.stats = self.renderer.draw(views, self._latch)
+        views = self.views
+        self.stats = self.renderer.draw(views, self._latch, partial(self.lay_out, board, views))
         if timing.render:
             self.presenter.present()
         else:
@@ -225,11 +225,9 @@ class Picture:
         self._software = draws_in_software(self.surface)
 
     def _show(self, board: Board, clock: Clock) -> int:
-        views = self._board_laid_out(board)
-        if self._software:
-            self.stats = self.renderer.draw(views, self._latch)
-        else:
-            self.stats = self.renderer.draw_finished(views, self._latch)
+        views = self.views
+        draw = self.renderer.draw if self._software else self.renderer.draw_finished
+        self.stats = draw(views, self._latch, partial(self.lay_out, board, views))
         self.presenter.present()
         waited_ns = clock.now_ns()
         with self.timer.stage("swap"):
@@ -247,15 +245,12 @@ class Picture:
         for fault in self.presenter.take_faults():
             sys.stderr.write(f"mimics: {fault}\n")
 
-    def _board_laid_out(self, board: Board) -> list[View]:
-        """Draw the board over the views of the display, and return the views."""
-        with self.timer.stage("board"):
-            views = self.views
-            self.lay_out(board, views)
-        return views
-
     def lay_out(self, board: Board, views: Sequence[View]) -> None:
         """Draw a board over the picture of these views."""
+        with self.timer.stage("board"):
+            self._lay_out(board, views)
+
+    def _lay_out(self, board: Board, views: Sequence[View]) -> None:
         hud = self.renderer.hud
         screen = [view for view in views if view.screen == views[0].screen]
         plane = plane_of_views(screen, self.renderer.settings.hud_depth)

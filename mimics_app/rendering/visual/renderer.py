@@ -15,10 +15,10 @@ from mimics_app.contracts.errors import Issue, UsageError
 from mimics_app.rendering.visual.changed_part import ChangedPart
 from mimics_app.rendering.visual.drawing.bending import Bending
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
-from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
+from mimics_app.rendering.visual.drawing.frame_buffers import FrameBuffers
 from mimics_app.rendering.visual.drawing.levels import fewer_pixels
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
-from mimics_app.rendering.visual.figures.hud import Hud
+from mimics_app.rendering.visual.figures.hud import Hud, LayOut
 from mimics_app.rendering.visual.frame_stats import FrameStats
 from mimics_app.rendering.visual.lighting import gather_lighting
 from mimics_app.rendering.visual.materials.materials import MaterialStore
@@ -39,8 +39,6 @@ from mimics_app.rendering.visual.view import Rect, View
 from mimics_app.world.world import World
 
 if TYPE_CHECKING:
-    import moderngl
-
     from mimics_app.rendering.visual.overlay.layers import Layer
     from mimics_app.rendering.visual.overlay.overlay import Overlay
     from mimics_app.rendering.visual.overlay.stage_times import StageTimes
@@ -137,22 +135,25 @@ class Renderer:
         if before is not None:
             self.overlay.take_over(before)
 
-    def draw(self, views: Sequence[View], latch: Latch | None = None) -> FrameStats:
+    def draw(self, views: Sequence[View], latch: Latch | None = None, lay_out: LayOut | None = None) -> FrameStats:
         """Draw one frame into the surface's framebuffer; `surface.swap()` shows it.
 
         Args:
             views: One view per eye; at least one.
             latch: Called just before the world is drawn, for views of the newest head pose; None without tracking.
+            lay_out: Called when the world is submitted, while a software driver draws it; None: `hud` is filled.
 
         Raises:
             UsageError: `views` is empty.
             SceneError: a shader does not compile.
         """
-        return self._measure(views, latch, finish=False)
+        return self._measure(views, latch, lay_out, finish=False)
 
-    def draw_finished(self, views: Sequence[View], latch: Latch | None = None) -> FrameStats:
+    def draw_finished(
+        self, views: Sequence[View], latch: Latch | None = None, lay_out: LayOut | None = None
+    ) -> FrameStats:
         """Draw one frame and wait until the driver has finished: `cpu_ms` is the frame's whole cost; see `draw`."""
-        return self._measure(views, latch, finish=True)
+        return self._measure(views, latch, lay_out, finish=True)
 
     def set_quality(self, **changes: Unpack[QualityChanges]) -> None:
         """Change some settings from the next frame on; the others stay as they are.
@@ -197,19 +198,20 @@ class Renderer:
         if self._effects is not None:
             self._effects.release()
 
-    def _measure(self, views: Sequence[View], latch: Latch | None, *, finish: bool) -> FrameStats:
+    def _measure(
+        self, views: Sequence[View], latch: Latch | None, lay_out: LayOut | None, *, finish: bool
+    ) -> FrameStats:
         if not views:
             raise UsageError("a frame without a view cannot be drawn", "give at least one View")
         started = self._clock.now_ns()
         timer = None if self.times is not None else self._timer  # timer queries cannot be nested
         with timer or nullcontext():
-            triangles, draws = self._draw(views, latch)
+            triangles, draws = self._draw(views, latch, lay_out)
         if finish:
             self._surface.ctx.finish()
         cpu_ms = (self._clock.now_ns() - started) * 1e-6
         tally = self._list.tally
-        bent = self._bending.skinning.vertices if self._bending.skinning is not None else 0
-        counts = (tally.items, tally.culled, tally.hidden, tally.tests, bent)
+        counts = (tally.items, tally.culled, tally.hidden, tally.tests, tally.bent)
         if self.times is not None:
             self.times.count(tally.items, tally.culled, tally.hidden)
         return FrameStats(cpu_ms, timer.elapsed * 1e-6 if timer else None, triangles, draws, *counts)
@@ -225,23 +227,26 @@ class Renderer:
     def _timed(self, stage: str) -> AbstractContextManager[None]:
         return nullcontext() if self.times is None else self.times.stage(stage)
 
-    def _draw(self, views: Sequence[View], latch: Latch | None) -> tuple[int, int]:
+    def _draw(self, views: Sequence[View], latch: Latch | None, lay_out: LayOut | None) -> tuple[int, int]:
         """Run the stages of a frame in order; return triangles and draw calls."""
         times = self.times
         if times is not None and not times.begun:
             times.begin()
-        with self._timed("cull"):
+        if lay_out is not None and self._sparse:  # it is drawn into the kept picture and compared with the last one
+            lay_out()
+        with self._timed("prepare"):
             scene = self._prepare(views)
+        with self._timed("shadows"):  # drawn by threads of a software driver while the views are culled
+            self._upload()
+            draws = self._shadows.draw(self._frame)
+        with self._timed("cull"):
             parts = self._changed_parts(scene, views if latch is None else ())
             target = self._picture.begin()
             parts = parts if self._picture.holds else None
             drawn = self._batch_all(scene, views) if parts is None else self._batch_parts(scene, views[0], parts)
-            self._bending.bend(self.world, self._list)
-            self._frame.upload()
+            self._upload()
             if scene.effects is not None:
                 scene.effects.upload()
-        with self._timed("shadows"):
-            draws = self._shadows.draw(self._frame)
         with self._timed("mirrors"):
             draws += self._pictures.draw(self._world, scene, self._picture.samples)
         with self._timed("submit"):
@@ -252,12 +257,20 @@ class Renderer:
             self._picture.holds = self._picture.keep
         if self._overlay is not None and self._overlay.shows:
             with self._timed("overlay"):
-                draws += self._draw_overlay(self._overlay, target, scene, drawn)
+                draws += self._overlay.draw_in_world(target, scene, self._list, drawn, self._world)
+        if lay_out is not None and not self._sparse:
+            self._frame.flush()
+            lay_out()
         with self._timed("post"):
             draws += self._draw_over(views, parts)
         if times is not None:
             times.begun = False
         return self._shadows.triangles + self._pictures.triangles + sum(each.triangles for each in drawn), draws
+
+    def _upload(self) -> None:
+        """Skin and upload what was queued since the last call."""
+        self._bending.bend(self.world, self._list)
+        self._frame.upload()
 
     def _batch_all(self, scene: FrameScene, views: Sequence[View]) -> list[ViewDraws]:
         """Queue what is visible in the views and in the mirrors, screens and insets within them."""
@@ -339,7 +352,8 @@ class Renderer:
         eyes = list(views) if len(views) == 1 else see_from_between(*views)
         sizes, samples = [place[2:] for place in places], self._picture.samples
         opaque, blended, away = self._list.batch_views(self._frame, views, eyes[0].eye_world, sizes, samples, key)
-        passes = self._pair_up([*opaque, *blended], places)
+        alone = len(places) != 2 or (self._overlay is not None and self._overlay.shows)
+        passes: EyePasses = "alone" if alone else eye_passes(self.settings, self._has, [*opaque, *blended], places)
         at_once = passes in AT_ONCE
         if at_once:
             self._frame.double(opaque)
@@ -359,25 +373,9 @@ class Renderer:
             for each in drawn
         ]
 
-    def _pair_up(self, runs: Sequence[DrawRun], places: Sequence[Rect]) -> EyePasses:
-        """Choose how two eyes are drawn: in one pass only without an overlay."""
-        if len(places) != 2 or (self._overlay is not None and self._overlay.shows):
-            return "alone"
-        return eye_passes(self.settings, self._has, runs, places)
-
     def _batch_inside(self, scene: FrameScene, view: View, key: Hashable) -> ViewDraws:
         """Queue what is visible in a mirror, screen or inset, in the view's own rectangle."""
         return self._batch(scene, [view], key, [view.rectangle])[0]
-
-    def _draw_overlay(
-        self, overlay: Overlay, target: moderngl.Framebuffer, scene: FrameScene, drawn: Sequence[ViewDraws]
-    ) -> int:
-        """Draw the lines and wires of the overlay; return the draw calls."""
-        draws = overlay.draw_lines(target, scene, self._list, drawn)
-        for each in drawn:
-            self._world.enter(scene, each)
-            draws += overlay.draw_wires(target, each)
-        return draws
 
     def _draw_over(self, views: Sequence[View], parts: list[ChangedPart] | None) -> int:
         """Filter and show the world's picture; draw insets and heads-up display over it at full resolution."""

@@ -31,7 +31,7 @@ class Bending:
         self.skinning: ProcessorSkinning | FeedbackSkinning | None = None
 
     def bend(self, world: World, listed: DrawList) -> None:
-        """Skin those of a world's meshes that are drawn in this frame."""
+        """Skin those of a world's meshes that are queued in this frame and not skinned yet; the tally counts them."""
         if not world.motion.bodies:
             return
         if self.skinning is None and self._by == "feedback":
@@ -42,7 +42,7 @@ class Bending:
             from mimics_app.rendering.visual.drawing.skinning import ProcessorSkinning
 
             self.skinning = ProcessorSkinning(self._arena)
-        self.skinning.bend(world, listed.drawn_meshes())
+        listed.tally.bent += self.skinning.bend(world, listed.drawn_meshes())
 
     def release(self) -> None:
         """Free the GPU objects."""

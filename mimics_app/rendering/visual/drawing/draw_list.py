@@ -53,12 +53,13 @@ class Casters:
 
 @dataclass(slots=True)
 class Tally:
-    """Counts of a frame, summed over the views: items, those outside, those occluded, frustum tests."""
+    """Counts of a frame, over all views: items, those outside, those occluded, frustum tests, skinned vertices."""
 
     items: int = 0
     culled: int = 0
     hidden: int = 0
     tests: int = 0
+    bent: int = 0
 
     def count(self, items: int, in_frustum: int, drawn: int, tests: int) -> None:
         """Add the counts of one view."""

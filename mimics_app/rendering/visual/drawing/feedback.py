@@ -55,11 +55,7 @@ class _Held:
 
 
 class FeedbackSkinning:
-    """Skins meshes by transform feedback.
-
-    Attributes:
-        vertices: Vertices skinned in the last frame.
-    """
+    """Skins meshes by transform feedback."""
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, arena: MeshArena) -> None:
         self._ctx, self._shaders, self._arena = ctx, shaders, arena
@@ -69,12 +65,10 @@ class FeedbackSkinning:
         self._palette = ctx.buffer(reserve=_PALETTE_BYTES)
         # Without a complete framebuffer a driver writes no feedback, and reports no error.
         self._dummy = ctx.framebuffer([ctx.renderbuffer((1, 1))])
-        self.vertices = 0
 
-    def bend(self, world: World, names: list[str]) -> None:
+    def bend(self, world: World, names: list[str]) -> int:
         """Skin the drawn meshes that changed; see `ProcessorSkinning.bend`."""
-        self.vertices = 0
-        bodies = world.motion.body_of
+        bodies, vertices = world.motion.body_of, 0
         if self._rebuilt != self._arena.rebuilt:
             self._rebuilt, self._done = self._arena.rebuilt, {}
             self._forget({id(mesh) for body in bodies.values() for mesh in body.meshes.values()})
@@ -83,7 +77,7 @@ class FeedbackSkinning:
             body = bodies.get(name)
             if body is None or self._done.get(name) == (id(body), body.revision):
                 continue
-            if not self.vertices:
+            if not vertices:
                 self._dummy.use()
             self._done[name] = id(body), body.revision
             mesh = body.meshes[name]
@@ -94,7 +88,8 @@ class FeedbackSkinning:
                     self._send_palette(body)
                     body_sent = body
                 self._feed_back(name, mesh, body)
-            self.vertices += len(mesh.positions)
+            vertices += len(mesh.positions)
+        return vertices
 
     def release(self) -> None:
         """Free all buffers."""

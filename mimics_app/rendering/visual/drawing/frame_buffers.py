@@ -1,4 +1,4 @@
-"""Instances and indirect draw commands of all passes of one frame: written by kernels, uploaded once."""
+"""Instances and indirect draw commands of all passes of one frame: written by kernels, uploaded in few calls."""
 
 from __future__ import annotations
 
@@ -75,11 +75,13 @@ class FrameBuffers:
         self._raw = RawGL(ctx) if read_capabilities(ctx).software else None
         self._waiting, self._most_waiting = 0, MAX_TRIANGLES
         self.instance_count = self.command_count = 0
+        self._sent = (0, 0)
 
     def begin(self, *, few_pixels: bool) -> None:
         """Discard the last frame; a picture of few pixels is flushed more often."""
         self._most_waiting = MAX_TRIANGLES_OF_FEW_PIXELS if few_pixels else MAX_TRIANGLES
         self.instance_count = self.command_count = self._waiting = 0
+        self._sent = (0, 0)
 
     def add(
         self,
@@ -137,16 +139,25 @@ class FrameBuffers:
             run.eyes = 2
 
     def upload(self) -> None:
-        """Send the frame to the GPU."""
-        if not self.command_count:
+        """Send what was added since the last upload of the frame to the GPU."""
+        instances, commands = self._sent
+        if self.command_count == commands:
             return
-        self._arena.write_instances(self._instances[: self.instance_count])
+        self._arena.write_instances(self._instances[: self.instance_count], instances)
         size = self.command_count * _COMMAND_BYTES
         if self._buffer is None or self._buffer.size < size:
             self.release()
-            self._buffer = self._ctx.buffer(reserve=2 * size)
-        self._buffer.orphan()
-        self._buffer.write(self._commands[: self.command_count])
+            self._buffer, commands = self._ctx.buffer(reserve=2 * size), 0
+        if commands == 0:
+            self._buffer.orphan()
+        self._buffer.write(self._commands[commands : self.command_count], offset=commands * _COMMAND_BYTES)
+        self._sent = self.instance_count, self.command_count
+
+    def flush(self) -> None:
+        """Let a software driver start the draws so far, while the caller prepares the next ones."""
+        if self._raw is not None:
+            self._raw.flush()
+            self._waiting = 0
 
     def draw(self, run: DrawRun, shader: ShaderProgram) -> None:
         """Draw one run with a shader of its look, which is bound already."""
@@ -163,8 +174,7 @@ class FrameBuffers:
         for first, count in self._split(run):
             array.render_indirect(self._buffer, moderngl.TRIANGLES, count, first=first)
             if self._waiting >= self._most_waiting:
-                self._raw.flush()
-                self._waiting = 0
+                self.flush()
 
     def _split(self, run: DrawRun) -> Iterator[tuple[int, int]]:
         """Yield first command and number of commands of each part of a run; counts the triangles since the last flush.

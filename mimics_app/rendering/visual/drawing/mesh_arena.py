@@ -133,15 +133,20 @@ class MeshArena:
             return False
         return all(map(is_, meshes, world.meshes.values())) and names == list(world.meshes)
 
-    def write_instances(self, rows: F4) -> None:
-        """Upload the instances of a frame, float32 [n, 4, 4], contiguous."""
+    def write_instances(self, rows: F4, first: int) -> None:
+        """Upload the instances of a frame from the first one on that was not uploaded yet.
+
+        Args:
+            rows: All instances, float32 [n, 4, 4], contiguous.
+            first: Number of the first new one.
+        """
         if rows.nbytes > self._instances.size:
             self.arrays.release()
             self._instances.release()
-            self._instances = self._ctx.buffer(reserve=2 * rows.nbytes)
-        if rows.nbytes:
+            self._instances, first = self._ctx.buffer(reserve=2 * rows.nbytes), 0
+        if first == 0:
             self._instances.orphan()
-            self._instances.write(rows)
+        self._instances.write(rows[first:], offset=first * _INSTANCE.itemsize)
 
     def write_bent(self, name: str, packed: F4) -> None:
         """Overwrite the vertices of a mesh with its skinned ones, float32 [n, 8]."""

@@ -46,30 +46,22 @@ class _Bent:
 
 
 class ProcessorSkinning:
-    """Skins meshes in compiled loops and uploads them.
-
-    Attributes:
-        vertices: Vertices skinned in the last frame.
-    """
+    """Skins meshes in compiled loops and uploads them."""
 
     def __init__(self, arena: MeshArena) -> None:
         self._arena = arena
         self._bent: dict[str, _Bent] = {}
         self._sources: dict[MeshData, BendSource] = {}
         self._rebuilt = -1
-        self.vertices = 0
 
-    def bend(self, world: World, names: list[str]) -> None:
-        """Skin the meshes whose pose changed since they were last drawn.
+    def bend(self, world: World, names: list[str]) -> int:
+        """Skin the meshes whose pose changed since they were last drawn; return the number of their vertices.
 
         Args:
             world: The world, updated.
             names: Keys of the drawn meshes; those without a skinned body are ignored.
         """
-        self.vertices = 0
-        bodies = world.motion.body_of
-        if not bodies:
-            return
+        bodies, vertices = world.motion.body_of, 0
         if self._rebuilt != self._arena.rebuilt:
             self._rebuilt, self._bent, self._sources = self._arena.rebuilt, {}, {}
         for name in names:
@@ -83,7 +75,8 @@ class ProcessorSkinning:
                 bent.revision = body.revision
                 bend_mesh(bent.source, body, bent.stream)
                 self._arena.write_bent(name, bent.stream)
-                self.vertices += len(bent.stream)
+                vertices += len(bent.stream)
+        return vertices
 
     def release(self) -> None:
         """Do nothing: no GPU object is owned."""

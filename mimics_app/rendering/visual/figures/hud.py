@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
@@ -10,12 +11,15 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import F4, U1
 from mimics_app.rendering.visual.figures.glyphs import GlyphAtlas, load_glyph_atlas
 
-__all__ = ["CANVAS_HEIGHT", "HUD_ROW", "Align", "Colour", "Hud"]
+__all__ = ["CANVAS_HEIGHT", "HUD_ROW", "Align", "Colour", "Hud", "LayOut"]
 
 Colour = tuple[float, float, float, float]
 """Display values 0-1 with straight alpha: as in a colour picker, not linear light."""
 
 Align = Literal["left", "centre", "right"]
+
+LayOut = Callable[[], None]
+"""Fills a display."""
 
 CANVAS_HEIGHT = 720.0
 """Height of the canvas for any picture; its width follows the picture's aspect ratio [hud px]."""

@@ -18,7 +18,7 @@ from mimics_app.rendering.visual.overlay.line_pass import LinePass
 from mimics_app.rendering.visual.overlay.line_set import LineSet
 from mimics_app.rendering.visual.overlay.stage_times import StageTimes
 from mimics_app.rendering.visual.stages.shadow_stage import ShadowStage
-from mimics_app.rendering.visual.stages.world_stage import FrameScene, ViewDraws
+from mimics_app.rendering.visual.stages.world_stage import FrameScene, ViewDraws, WorldStage
 from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
 
 if TYPE_CHECKING:
@@ -83,18 +83,22 @@ class Overlay:
         self.layers, self.arrows = other.layers, other.arrows
         self.chosen, self.handles = other.chosen, other.handles
 
-    def draw_wires(self, target: moderngl.Framebuffer, drawn: ViewDraws) -> int:
-        """Draw the wireframe of a view whose block is bound; return the draw calls."""
-        return self._wires.draw(target, drawn) if "wires" in self.layers else 0
-
-    def draw_lines(
-        self, target: moderngl.Framebuffer, scene: FrameScene, listed: DrawList, views: Sequence[ViewDraws]
+    def draw_in_world(
+        self,
+        target: moderngl.Framebuffer,
+        scene: FrameScene,
+        listed: DrawList,
+        views: Sequence[ViewDraws],
+        world: WorldStage,
     ) -> int:
-        """Draw all lines in every view of the world's target; return the draw calls."""
+        """Draw all lines, then the wireframe, in every view of the world's target; return the draw calls."""
         draws = 0
         for drawn in views:
             self._collect(scene, listed, drawn)
             draws += self._line_pass.draw(target, self._lines, drawn.view, drawn.rectangle)
+        for drawn in views if "wires" in self.layers else ():
+            world.enter(scene, drawn)
+            draws += self._wires.draw(target, drawn)
         return draws
 
     def lay_out(self, width: float, height: float) -> None:

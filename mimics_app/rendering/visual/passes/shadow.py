@@ -85,6 +85,7 @@ def draw_shadows(
             target.keep(shadow.tile, plan.grid)
         _draw(frame, each.moving, clip_from_origin)
     ctx.polygon_offset = (0.0, 0.0)
+    frame.flush()
     return sum(len(each.runs) for _, each in changed)
 
 
