@@ -25,7 +25,7 @@ from mimics_app.lab.visual.skinned_figure import (
 )
 from mimics_app.rendering.visual.drawing.feedback import FeedbackSkinning
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
-from mimics_app.rendering.visual.drawing.skinning import ProcessorSkinning
+from mimics_app.rendering.visual.drawing.skinning import BentMeshes, ProcessorSkinning
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 from mimics_app.world.motion.posing import mix_duals, mix_matrices
@@ -92,8 +92,9 @@ def _cost_with_driver(by: type[ProcessorSkinning] | type[FeedbackSkinning], skin
         ctx = surface.ctx
         arena = MeshArena(ctx)
         arena.update(world)
+        feedback = by is FeedbackSkinning
         bender = (
-            FeedbackSkinning(ctx, ShaderLibrary(ctx), arena) if by is FeedbackSkinning else ProcessorSkinning(arena)
+            FeedbackSkinning(ctx, ShaderLibrary(ctx), arena) if feedback else ProcessorSkinning(arena, BentMeshes())
         )
 
         def work() -> None:

@@ -85,10 +85,8 @@ def new_work(objects: ObjectWork) -> Work:
 def newest_snapshot(memory: SessionMemory, joints: int) -> HapticSnapshot:
     """Return the newest published state of a device with `joints` joints; its arrays are copies."""
     slot, _ = triple_buffer.acquire(memory.snapshot_words)
-    record = memory.snapshots[slot]
-    values: dict[str, Any] = {
-        name: np.array(record[name]) if record[name].ndim else record[name].item() for name in record.dtype.names
-    }
+    record = memory.snapshots[slot].copy()
+    values: dict[str, Any] = dict(zip(record.dtype.names, record.item(), strict=True))
     values["q"] = values["q"][:joints]
     values["others_seen"] = values["others_seen"].reshape(-1, 3)
     return HapticSnapshot(**values, poses=memory.poses[slot].copy())

@@ -41,7 +41,7 @@ class Bending:
         elif self.skinning is None:
             from mimics_app.rendering.visual.drawing.skinning import ProcessorSkinning
 
-            self.skinning = ProcessorSkinning(self._arena)
+            self.skinning = ProcessorSkinning(self._arena, listed.bent)
         listed.tally.bent += self.skinning.bend(world, listed.drawn_meshes())
 
     def release(self) -> None:

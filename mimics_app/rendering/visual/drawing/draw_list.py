@@ -16,6 +16,7 @@ from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuff
 from mimics_app.rendering.visual.drawing.levels import Levels
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.drawing.occlusion import MIN_ITEMS, OcclusionPass, gather_occluders
+from mimics_app.rendering.visual.drawing.skinning import BentMeshes
 from mimics_app.rendering.visual.kernels.bounds import gather_casters, update_bounds
 from mimics_app.rendering.visual.kernels.frustum import cull_flat
 from mimics_app.rendering.visual.kernels.levels import pick_levels
@@ -82,6 +83,7 @@ class DrawList:
         remade: True where looks, meshes, settings or the world changed in the last update.
         drawn: Items drawn in a view since they were last set to False; all where the structure changed, [n].
         used: Items drawn in this frame, in any view or shadow map, [n].
+        bent: The skinned meshes.
         fates: Fate of each item, 0 (in no view), `HIDDEN` or `DRAWN`, uint8 [n]; None unless requested.
     """
 
@@ -99,6 +101,7 @@ class DrawList:
         self._casters: dict[float, Casters] = {}
         self._coarser: dict[float, tuple[Casters, Casters]] = {}
         self._bent: dict[SkinnedBody, int] = {}
+        self.bent = BentMeshes()
         self.fates: U1 | None = None
 
     def update(

@@ -26,6 +26,8 @@ __all__ = ["MAX_TRIANGLES_OF_FEW_PIXELS", "DrawRun", "FrameBuffers"]
 
 MAX_TRIANGLES_OF_FEW_PIXELS = 2_000
 """Number of triangles after which a flush follows in a small picture, which one thread rasterises (decision 173)."""
+_MOST_PENDING = 32
+"""Number of flushes after which the driver is waited for: once 64 are pending, llvmpipe never draws ahead again."""
 
 _INSTANCES = 1
 """Index of the instance count among the words of a command."""
@@ -73,7 +75,7 @@ class FrameBuffers:
         self._runs = np.zeros((256, 4), np.int64)
         self._buffer: moderngl.Buffer | None = None
         self._raw = RawGL(ctx) if read_capabilities(ctx).software else None
-        self._waiting, self._most_waiting = 0, MAX_TRIANGLES
+        self._waiting, self._most_waiting, self._flushes = 0, MAX_TRIANGLES, 0
         self.instance_count = self.command_count = 0
         self._sent = (0, 0)
 
@@ -155,9 +157,13 @@ class FrameBuffers:
 
     def flush(self) -> None:
         """Let a software driver start the draws so far, while the caller prepares the next ones."""
-        if self._raw is not None:
-            self._raw.flush()
-            self._waiting = 0
+        if self._raw is None:
+            return
+        self._flushes = (self._flushes + 1) % _MOST_PENDING
+        self._raw.flush()
+        self._waiting = 0
+        if self._flushes == 0:
+            self._ctx.finish()
 
     def draw(self, run: DrawRun, shader: ShaderProgram) -> None:
         """Draw one run with a shader of its look, which is bound already."""

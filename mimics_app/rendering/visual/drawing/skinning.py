@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from mimics_app.world.meshes.mesh import MeshData
 from mimics_app.world.motion.skinned_body import SkinnedBody
 from mimics_app.world.world import World
 
-__all__ = ["BendSource", "ProcessorSkinning", "bend_mesh", "make_source"]
+__all__ = ["BendSource", "BentMeshes", "ProcessorSkinning", "bend_mesh", "make_source"]
 
 
 _FLOATS = 8
@@ -39,19 +40,43 @@ class BendSource:
 class _Bent:
     """A mesh of a body: constant input, skinned vertices [n, 8], and the revision of the body they are of."""
 
-    body: SkinnedBody
     source: BendSource
     stream: F4
     revision: int = -1
 
 
-class ProcessorSkinning:
-    """Skins meshes in compiled loops and uploads them."""
+class BentMeshes:
+    """Skinned meshes: each is skinned once a frame, for the first who asks."""
 
-    def __init__(self, arena: MeshArena) -> None:
-        self._arena = arena
-        self._bent: dict[str, _Bent] = {}
-        self._sources: dict[MeshData, BendSource] = {}
+    def __init__(self) -> None:
+        self._bent = WeakKeyDictionary[SkinnedBody, dict[str, _Bent]]()
+
+    def of(self, body: SkinnedBody, name: str) -> F4:
+        """Return the vertices of a body's mesh, skinned as the body is now: float32 [n, 8], kept until it bends."""
+        meshes, mesh = self._bent.setdefault(body, {}), body.meshes[name]
+        bent = meshes.get(name)
+        if bent is None or bent.source.mesh is not mesh:
+            stream = np.zeros((len(mesh.positions), _FLOATS), np.float32)
+            if mesh.uvs is not None:
+                stream[:, 6:] = mesh.uvs
+            bent = meshes[name] = _Bent(make_source(mesh), stream)
+        if bent.revision != body.revision:
+            bent.revision = body.revision
+            bend_mesh(bent.source, body, bent.stream)
+        return bent.stream
+
+
+class ProcessorSkinning:
+    """Skins meshes in compiled loops and uploads them.
+
+    Args:
+        arena: Buffers of the meshes.
+        bent: The skinned meshes.
+    """
+
+    def __init__(self, arena: MeshArena, bent: BentMeshes) -> None:
+        self._arena, self._bent = arena, bent
+        self._sent: dict[str, tuple[SkinnedBody, MeshData, int]] = {}
         self._rebuilt = -1
 
     def bend(self, world: World, names: list[str]) -> int:
@@ -63,31 +88,21 @@ class ProcessorSkinning:
         """
         bodies, vertices = world.motion.body_of, 0
         if self._rebuilt != self._arena.rebuilt:
-            self._rebuilt, self._bent, self._sources = self._arena.rebuilt, {}, {}
+            self._rebuilt, self._sent = self._arena.rebuilt, {}
         for name in names:
             body = bodies.get(name)
             if body is None:
                 continue
-            bent = self._bent.get(name)
-            if bent is None or bent.body is not body or bent.source.mesh is not body.meshes[name]:
-                bent = self._bent[name] = self._prepare(body, body.meshes[name])
-            if bent.revision != body.revision:
-                bent.revision = body.revision
-                bend_mesh(bent.source, body, bent.stream)
-                self._arena.write_bent(name, bent.stream)
-                vertices += len(bent.stream)
+            present = body, body.meshes[name], body.revision
+            if self._sent.get(name) != present:
+                self._sent[name] = present
+                stream = self._bent.of(body, name)
+                self._arena.write_bent(name, stream)
+                vertices += len(stream)
         return vertices
 
     def release(self) -> None:
         """Do nothing: no GPU object is owned."""
-
-    def _prepare(self, body: SkinnedBody, mesh: MeshData) -> _Bent:
-        if mesh not in self._sources:
-            self._sources[mesh] = make_source(mesh)
-        stream = np.zeros((len(mesh.positions), _FLOATS), np.float32)
-        if mesh.uvs is not None:
-            stream[:, 6:] = mesh.uvs
-        return _Bent(body, self._sources[mesh], stream)
 
 
 def make_source(mesh: MeshData) -> BendSource:

@@ -231,6 +231,7 @@ def _fields(shader: ShaderProgram) -> tuple[str, ...]:
     return f"{' '.join(layout)} /i", *read
 
 
+@lru_cache(maxsize=4)
 def clip_from_hud(view: View, plane: HudPlane) -> F8:
     """Return the projection of canvas coordinates [hud px] from its lower left corner (float64 [4, 4])."""
     eye_from_hud = np.zeros((4, 4))

@@ -8,7 +8,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from mimics_app.contracts.arrays import F4, F8, I4
-from mimics_app.rendering.visual.drawing.skinning import bend_mesh, make_source
+from mimics_app.rendering.visual.drawing.skinning import BentMeshes
 from mimics_app.rendering.visual.kernels.voxels import bound_clusters, voxelise
 from mimics_app.world.meshes.mesh import MeshData
 from mimics_app.world.motion.skinned_body import SkinnedBody
@@ -28,10 +28,11 @@ class ShapeBoxes:
 
     Args:
         world: The world.
+        bent: Its skinned meshes.
     """
 
-    def __init__(self, world: World) -> None:
-        self.world = world
+    def __init__(self, world: World, bent: BentMeshes) -> None:
+        self.world, self._bent = world, bent
         self._rigid: dict[tuple[str, ...], tuple[list[tuple[int, MeshData]], F8]] = {}
         self._clusters = WeakKeyDictionary[SkinnedBody, dict[tuple[str, ...], _Clusters]]()
 
@@ -66,7 +67,7 @@ class ShapeBoxes:
 
     def bend(self, body: SkinnedBody, meshes: Sequence[str], boxes: F8) -> None:
         """Write the boxes of some of a body's meshes as deformed, as many as `of` returned [m], [n, 2, 3]."""
-        self._clusters_of(body, meshes).bound(body, boxes)
+        self._clusters_of(body, meshes).bound([self._bent.of(body, name) for name in meshes], boxes)
 
     def _of_rigid(self, names: tuple[str, ...]) -> F8:
         meshes = [(self.world.mesh_revision(name), self.world.meshes[name]) for name in names]
@@ -94,19 +95,14 @@ class _Clusters:
 
     def __init__(self, meshes: Sequence[MeshData]) -> None:
         self.meshes = meshes
-        self._sources = [make_source(mesh) for mesh in meshes]
-        self._ends = np.cumsum([len(mesh.positions) for mesh in meshes]).tolist()
-        self._stream: F4 = np.zeros((self._ends[-1], 8), np.float32)
+        self._vertices: F4 = np.zeros((sum(len(mesh.positions) for mesh in meshes), 8), np.float32)
         self._members, self._starts = _gather(meshes)
         self.count = len(self._starts) - 1
 
-    def bound(self, body: SkinnedBody, boxes: F8) -> None:
-        """Write the box of each cluster of the body, as deformed in this frame [m], [n, 2, 3]."""
-        first = 0
-        for source, end in zip(self._sources, self._ends, strict=True):
-            bend_mesh(source, body, self._stream[first:end])
-            first = end
-        bound_clusters(self._stream, self._members, self._starts, boxes)
+    def bound(self, bent: Sequence[F4], boxes: F8) -> None:
+        """Write the box of each cluster [m], [n, 2, 3], of the skinned vertices of each mesh, [n, 8]."""
+        np.concatenate(bent, out=self._vertices)
+        bound_clusters(self._vertices, self._members, self._starts, boxes)
 
 
 def _divide(meshes: Sequence[MeshData]) -> F8:

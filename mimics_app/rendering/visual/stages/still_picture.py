@@ -94,7 +94,7 @@ class StillPicture:
     def _shapes_of(self, before: _Before, seen: SeenFrame) -> PlacedShapes:
         """Return the shapes of a frame, placed as in the last one where they are the same."""
         if self._boxes is None or self._boxes.world is not seen.world:
-            self._boxes = ShapeBoxes(seen.world)
+            self._boxes = ShapeBoxes(seen.world, seen.listed.bent)
         shapes = before.shapes
         if shapes is None or shapes.items is not seen.listed.items:
             shapes = PlacedShapes(seen.listed.items, self._boxes)
