@@ -13,9 +13,6 @@ from mimics_app.world.scene.scene import Scene, SceneEntity
 
 __all__ = ["check_meaning"]
 
-_QUATERNION_TOLERANCE = 1e-3
-"""Largest deviation of a quaternion's length from 1: four decimals pass, a mistyped number does not."""
-
 
 def check_meaning(scene: Scene) -> list[Issue]:
     """Return the faults of a decoded scene that its types do not exclude; the search ends after `MOST_SOUGHT`."""
@@ -69,13 +66,7 @@ def _check_id(scene: Scene, entity: SceneEntity, first: dict[str, SceneEntity]) 
 
 
 def _check_transform(scene: Scene, entity: SceneEntity) -> list[Issue]:
-    issues = []
-    length = math.hypot(*entity.transform.rotation)
-    if abs(length - 1.0) > _QUATERNION_TOLERANCE:
-        what = f"a quaternion of length {length:.4g} instead of 1"
-        issues.append(
-            scene.issue(f"{entity.pointer}/transform/rotation", what, "write x, y, z, w of a unit quaternion")
-        )
+    issues = scene.check_rotation(f"{entity.pointer}/transform/rotation", entity.transform.rotation)
     issues += [
         scene.issue(f"{entity.pointer}/transform/scale/{i}", "a scale of 0 flattens the entity", "hide it instead")
         for i, factor in enumerate(entity.transform.scale)
