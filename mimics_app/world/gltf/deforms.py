@@ -65,8 +65,7 @@ class GltfDeforms:
             self._source.fail(f"{place}/targets", f"{len(targets)} morph targets are more than {_MAX_MORPHS}")
         for number, target in enumerate(targets):
             here = f"{place}/targets/{number}"
-            if not isinstance(target, dict):
-                self._source.fail(here, "must be an object")
+            target = self._source.entry(target, here)
             positions = self._shift(target, "POSITION", here, vertices)
             if positions is None:
                 self._source.take(12 * vertices, here)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -75,32 +75,19 @@ class GltfMeshes:
 
     def read_all(self) -> list[GltfMesh]:
         """Read every mesh; faults are collected, and a faulty primitive is left out."""
-        result = []
-        for i, item in enumerate(self._source.table("meshes")):
-            mesh = GltfMesh("", [])
-            with self._source.collecting():
-                mesh = self._read(item, f"/meshes/{i}")
-            result.append(mesh)
-        return result
+        return self._source.read_each(self._source.table("meshes"), "/meshes", self._read, lambda: GltfMesh("", []))
 
     def _read(self, item: dict[str, Any], place: str) -> GltfMesh:
-        mesh = GltfMesh(self._source.text(item, "name", place), [])
+        name = self._source.text(item, "name", place)
         primitives = self._source.list(item, "primitives", place)
         if not primitives:
             self._source.fail(f"{place}/primitives", "has no primitive")
         self._primitives += len(primitives)
         if self._primitives > MAX_ITEMS:
             self._source.fail(f"{place}/primitives", f"the model has more than {MAX_ITEMS} primitives")
-        for i, primitive in enumerate(primitives):
-            with self._source.collecting():
-                here = f"{place}/primitives/{i}"
-                if not isinstance(primitive, dict):
-                    self._source.fail(here, "must be an object")
-                part = self._primitive(primitive, here)
-                if part is not None:
-                    mesh.primitives.append(part)
-        named = self._deforms.named(item, mesh.primitives, place)
-        return replace(mesh, primitives=named, morph_weights=self._deforms.weights(item, named, place))
+        parts = self._source.read_each(primitives, f"{place}/primitives", self._primitive, lambda: None)
+        named = self._deforms.named(item, [part for part in parts if part is not None], place)
+        return GltfMesh(name, named, self._deforms.weights(item, named, place))
 
     def _primitive(self, primitive: dict[str, Any], place: str) -> GltfPrimitive | None:
         source = self._source
