@@ -18,7 +18,7 @@ from mimics_app.world.components.visible import CameraComponent, Environment, Li
 from mimics_app.world.cords import Cord
 from mimics_app.world.environment import Backdrop, Fog, Sky
 from mimics_app.world.gltf.prefab import ModelPrefab
-from mimics_app.world.live_pictures import InsetView, ScreenSurface, show_mirror, show_screen
+from mimics_app.world.live_pictures import show_mirror, show_screen
 from mimics_app.world.meshes.primitives import build_shape
 from mimics_app.world.meshes.shape_levels import shape_levels
 from mimics_app.world.scene.assets import find_in_model
@@ -121,13 +121,11 @@ def show_live_pictures(world: World, entity: SceneEntity) -> None:
     node = world.find(entity.id)
     for component in entity.components.values():
         if isinstance(component, Mirror):
-            show_mirror(node, component.tint, component.resolution)
+            show_mirror(node, component)
         elif isinstance(component, Screen):
-            shown = ScreenSurface(component.camera, component.size, component.every)
-            show_screen(node, shown, shines=component.shows == "light", brightness=component.brightness)
+            show_screen(node, component)
         elif isinstance(component, Inset):
-            figures = (component.rectangle, component.mirrored, component.every, component.border)
-            world.insets[entity.id] = InsetView(component.camera, *figures)
+            world.insets[entity.id] = component
 
 
 def make_cord(component: CordComponent) -> Cord:
