@@ -113,9 +113,9 @@ class GltfMeshes:
         if farthest > FARTHEST:
             source.fail(f"{here}/POSITION", f"a vertex at {farthest:g} m lies beyond {FARTHEST:g} m")
         indices = self._triangles(primitive, len(positions), mode, place)
-        normals = self._optional(attributes, "NORMAL", here, len(positions), "VEC3")
+        normals = self._accessors.of_vertices(attributes, "NORMAL", here, len(positions), "VEC3")
         uvs = self._uvs(attributes, here, len(positions), material)
-        colours = self._optional(attributes, "COLOR_0", here, len(positions), "VEC3", "VEC4")
+        colours = self._accessors.of_vertices(attributes, "COLOR_0", here, len(positions), "VEC3", "VEC4")
         if colours is not None and colours.shape[1] == 3:
             source.take(16 * len(colours), place)
             colours = np.concatenate([colours, np.ones((len(colours), 1), np.float32)], axis=1)
@@ -153,18 +153,10 @@ class GltfMeshes:
             source.take(_STRIP_INDEX_BYTES * indices.size, where)
         return _as_list(indices, mode)
 
-    def _optional(self, attributes: dict[str, Any], name: str, place: str, vertices: int, *shapes: str) -> F4 | None:
-        if name not in attributes:
-            return None
-        values = self._accessors.floats(attributes[name], f"{place}/{name}", *shapes)
-        if len(values) != vertices:
-            self._source.fail(f"{place}/{name}", f"has {len(values)} elements, POSITION has {vertices}")
-        return values
-
     def _uvs(self, attributes: dict[str, Any], place: str, vertices: int, material: int | None) -> F4 | None:
         used = None if material is None else self._materials[material]
         name = "TEXCOORD_0" if used is None else f"TEXCOORD_{used.uv_set}"
-        uvs = self._optional(attributes, name, place, vertices, "VEC2")
+        uvs = self._accessors.of_vertices(attributes, name, place, vertices, "VEC2")
         if used is None or not used.material.textures:
             return uvs
         if uvs is None:

@@ -67,14 +67,13 @@ def _model_points(part: ModelPart, world_from_entity: F8) -> Iterator[F8]:
     if part.mesh is not None:
         yield from _corners(part, part.mesh, world_from_entity)
         return
-    matrices: dict[int, F8] = {}
-    for top in part.nodes if part.node is None else (part.node,):
-        for index in model.subtree(top):
-            node = model.nodes[index]
-            above = world_from_entity if index == top else matrices[node.parent if node.parent is not None else top]
-            matrices[index] = above if index == part.node else above @ node_matrix(node)
-            if node.mesh is not None and node.visible:
-                yield from _corners(part, node.mesh, matrices[index])
+    matrices: dict[int | None, F8] = {}
+    for index in part.members:
+        node = model.nodes[index]
+        above = matrices.get(node.parent, world_from_entity)
+        matrices[index] = above if index == part.node else above @ node_matrix(node)
+        if node.mesh is not None and node.visible:
+            yield from _corners(part, node.mesh, matrices[index])
 
 
 def _corners(part: ModelPart, mesh: int, matrix: F8) -> Iterator[F8]:
