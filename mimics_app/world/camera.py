@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.world.handle import Handle
+from mimics_app.world.handle import Column, Handle
 
 __all__ = ["Camera"]
 
@@ -15,32 +15,12 @@ class Camera(Handle):
 
     __slots__ = ()
 
-    @property
-    def vertical_fov(self) -> float:
-        """Full vertical angle of view [rad]."""
-        return self._get("vertical_fov")
-
-    @vertical_fov.setter
-    def vertical_fov(self, angle: float) -> None:
-        self._set("vertical_fov", angle)
-
-    @property
-    def near(self) -> float:
-        """Distance of the near plane [m]."""
-        return self._get("near")
-
-    @near.setter
-    def near(self, distance: float) -> None:
-        self._set("near", distance)
-
-    @property
-    def far(self) -> float:
-        """Distance of the far plane [m]; may be infinite."""
-        return self._get("far")
-
-    @far.setter
-    def far(self, distance: float) -> None:
-        self._set("far", distance)
+    vertical_fov = Column("cameras", float)
+    """Full vertical angle of view [rad]."""
+    near = Column("cameras", float)
+    """Distance of the near plane [m]."""
+    far = Column("cameras", float)
+    """Distance of the far plane [m]; may be infinite."""
 
     @property
     def world_from_eye(self) -> NDArray[np.float64]:
@@ -48,11 +28,3 @@ class Camera(Handle):
         matrix = self.node.world_matrix()
         matrix[:3, :3] /= np.linalg.norm(matrix[:3, :3], axis=0)
         return matrix
-
-    def _get(self, column: str) -> float:
-        table = self.world.content.cameras
-        return float(table.column(column)[table.row(self.index)])
-
-    def _set(self, column: str, value: float) -> None:
-        table = self.world.content.cameras
-        table.column(column)[table.row(self.index)] = value

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar, overload
 
 from mimics_app.world.entity_ids import EntityId
 
@@ -10,7 +11,9 @@ if TYPE_CHECKING:
     from mimics_app.world.scene_node import SceneNode
     from mimics_app.world.world import World
 
-__all__ = ["Handle"]
+__all__ = ["Column", "Handle"]
+
+T = TypeVar("T")
 
 
 class Handle:
@@ -56,3 +59,32 @@ class Handle:
             StaleHandleError: the entity was removed.
         """
         return self.world.node(self.index)
+
+
+class Column(Generic[T]):
+    """An attribute of a handle that is a column of a component table, of the same name.
+
+    Args:
+        table: Name of the table in `World.content`.
+        read: Conversion of a value of the column.
+    """
+
+    def __init__(self, table: str, read: Callable[[Any], T]) -> None:
+        self._table, self._read, self._name = table, read, ""
+
+    def __set_name__(self, owner: type[Handle], name: str) -> None:
+        self._name = name
+
+    @overload
+    def __get__(self, handle: None, owner: type[Handle]) -> Self: ...
+    @overload
+    def __get__(self, handle: Handle, owner: type[Handle]) -> T: ...
+    def __get__(self, handle: Handle | None, owner: type[Handle]) -> T | Self:
+        if handle is None:
+            return self
+        table = getattr(handle.world.content, self._table)
+        return self._read(table.column(self._name)[table.row(handle.index)])
+
+    def __set__(self, handle: Handle, value: T) -> None:
+        table = getattr(handle.world.content, self._table)
+        table.column(self._name)[table.row(handle.index)] = value

@@ -14,6 +14,8 @@ __all__ = ["Hierarchy"]
 
 _NONE = -1
 _FIRST_CAPACITY = 256
+_LINKS = ("_parent", "_first", "_last", "_next", "_previous")
+"""Arrays of links, by entity index."""
 
 
 class Hierarchy:
@@ -30,11 +32,8 @@ class Hierarchy:
         """Make room for indices below `capacity`."""
         if capacity <= self._parent.shape[0]:
             return
-        self._parent = grown(self._parent, capacity, _NONE)
-        self._first = grown(self._first, capacity, _NONE)
-        self._last = grown(self._last, capacity, _NONE)
-        self._next = grown(self._next, capacity, _NONE)
-        self._previous = grown(self._previous, capacity, _NONE)
+        for name in _LINKS:
+            setattr(self, name, grown(getattr(self, name), capacity, _NONE))
 
     @property
     def parents(self) -> NDArray[np.int32]:
@@ -92,5 +91,5 @@ class Hierarchy:
 
     def forget(self, indices: NDArray[np.int32]) -> None:
         """Clear all links of removed nodes."""
-        for links in (self._parent, self._first, self._last, self._next, self._previous):
-            links[indices] = _NONE
+        for name in _LINKS:
+            getattr(self, name)[indices] = _NONE

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.world.handle import Handle
+from mimics_app.world.handle import Column, Handle
 
 __all__ = ["LIGHT_KINDS", "Light", "LightKind"]
 
@@ -16,58 +16,34 @@ LIGHT_KINDS: tuple[LightKind, ...] = ("directional", "point", "spot", "ambient")
 """In the order of the numbers in the light table's `kind` column."""
 
 
+def _rgb(values: NDArray[np.float64]) -> tuple[float, float, float]:
+    red, green, blue = values.tolist()
+    return red, green, blue
+
+
 class Light(Handle):
     """Directional and spot lights shine along their node's -z."""
 
     __slots__ = ()
+
+    colour = Column("lights", _rgb)
+    """Linear RGB."""
+    intensity = Column("lights", float)
+    """Intensity factor; at 1 m for point and spot lights."""
+    range = Column("lights", float)
+    """Cut-off distance [m]; infinite where unlimited."""
+    inner_cone = Column("lights", float)
+    """Half angle of a spot's cone of full intensity [rad]."""
+    outer_cone = Column("lights", float)
+    """Half angle of a spot's cone [rad]."""
+    casts_shadow = Column("lights", bool)
+    """True when it casts shadows."""
 
     @property
     def kind(self) -> LightKind:
         """Directional, point, spot or ambient."""
         table = self.world.content.lights
         return LIGHT_KINDS[table.column("kind")[table.row(self.index)]]
-
-    @property
-    def colour(self) -> tuple[float, float, float]:
-        """Linear RGB."""
-        table = self.world.content.lights
-        red, green, blue = table.column("colour")[table.row(self.index)].tolist()
-        return red, green, blue
-
-    @colour.setter
-    def colour(self, colour: tuple[float, float, float]) -> None:
-        table = self.world.content.lights
-        table.column("colour")[table.row(self.index)] = colour
-
-    @property
-    def intensity(self) -> float:
-        """Intensity factor; at 1 m for point and spot lights."""
-        return self._get("intensity")
-
-    @intensity.setter
-    def intensity(self, intensity: float) -> None:
-        table = self.world.content.lights
-        table.column("intensity")[table.row(self.index)] = intensity
-
-    @property
-    def range(self) -> float:
-        """Cut-off distance [m]; infinite where unlimited."""
-        return self._get("range")
-
-    @property
-    def inner_cone(self) -> float:
-        """Half angle of a spot's cone of full intensity [rad]."""
-        return self._get("inner_cone")
-
-    @property
-    def outer_cone(self) -> float:
-        """Half angle of a spot's cone [rad]."""
-        return self._get("outer_cone")
-
-    @property
-    def casts_shadow(self) -> bool:
-        """True when it casts shadows."""
-        return bool(self._get("casts_shadow"))
 
     @property
     def position_world(self) -> NDArray[np.float64]:
@@ -80,7 +56,3 @@ class Light(Handle):
         axis = -self.node.world_matrix()[:3, 2]
         direction: NDArray[np.float64] = axis / np.linalg.norm(axis)
         return direction
-
-    def _get(self, column: str) -> float:
-        table = self.world.content.lights
-        return float(table.column(column)[table.row(self.index)])

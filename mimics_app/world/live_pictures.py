@@ -2,65 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mimics_app.world.components.pictures import Mirror, Screen
 from mimics_app.world.materials.material import Affine, Material, TextureData
 
 if TYPE_CHECKING:
     from mimics_app.world.entity import Entity
     from mimics_app.world.scene_node import SceneNode
 
-__all__ = ["InsetView", "MirrorSurface", "ScreenSurface", "body_of", "live_key", "show_mirror", "show_screen"]
-
-Colour = tuple[float, float, float]
-
-
-@dataclass(frozen=True)
-class MirrorSurface:
-    """Mirror on the flat body of a node.
-
-    Attributes:
-        resolution: Resolution of its texture over that of the view.
-    """
-
-    resolution: float = 1.0
-
-
-@dataclass(frozen=True)
-class ScreenSurface:
-    """Screen on the body of a node that shows the view of a camera.
-
-    Attributes:
-        camera: Name of the camera's node.
-        size: Size of its texture [px].
-        every: Rendered in one frame of this many.
-    """
-
-    camera: str
-    size: tuple[int, int] = (512, 288)
-    every: int = 1
-
-
-@dataclass(frozen=True)
-class InsetView:
-    """Rectangle over the display that shows the view of a camera.
-
-    Attributes:
-        camera: Name of the camera's node.
-        rectangle: Left, bottom, width and height as shares of the display.
-        mirrored: True: left and right are exchanged.
-        every: Rendered in one frame of this many.
-        border: Width of its border in a display of 720 lines [px].
-    """
-
-    camera: str
-    rectangle: tuple[float, float, float, float]
-    mirrored: bool = False
-    every: int = 1
-    border: float = 3.0
+__all__ = ["body_of", "live_key", "show_mirror", "show_screen"]
 
 
 def live_key(node: str) -> str:
@@ -75,36 +29,24 @@ def body_of(node: SceneNode) -> Entity | None:
     return next((body for child in node.children if (body := body_of(child)) is not None), None)
 
 
-def show_mirror(node: SceneNode, tint: Colour = (1.0, 1.0, 1.0), resolution: float = 1.0) -> None:
-    """Turn a node's flat body into a mirror, on the side its normals point to.
-
-    Args:
-        node: Node with a body and a name.
-        tint: Reflectance, linear RGB.
-        resolution: Resolution of its texture over that of the view.
-    """
-    _assign(node, Material(live_key(node.name), "mirror", (*tint, 1.0), base_texture=live_key(node.name)))
-    node.world.mirrors[node.name] = MirrorSurface(resolution)
+def show_mirror(node: SceneNode, mirror: Mirror) -> None:
+    """Turn a node's flat body into a mirror, on the side its normals point to; the node needs a body and a name."""
+    _assign(node, Material(live_key(node.name), "mirror", (*mirror.tint, 1.0), base_texture=live_key(node.name)))
+    node.world.mirrors[node.name] = mirror
 
 
-def show_screen(node: SceneNode, screen: ScreenSurface, *, shines: bool = True, brightness: float = 1.0) -> None:
-    """Turn a node's body into a screen that shows the view of a camera.
-
-    Args:
-        node: Node with a body and a name.
-        screen: Camera, texture size and rate.
-        shines: True: emissive; False: lit as its material is.
-        brightness: Factor on the view's radiance.
-    """
+def show_screen(node: SceneNode, screen: Screen) -> None:
+    """Turn a node's body into a screen that shows the view of a camera; the node needs a body and a name."""
     body = body_of(node)
     if body is None:
         return
     was = node.world.materials[body.subentities[0].material]
     key = live_key(node.name)
     transforms = (_flipped(was.uv_transforms[0]), *was.uv_transforms[1:])
-    paint = replace(was, name=key, base_texture=key, uv_transforms=transforms, base_colour=(brightness,) * 3 + (1.0,))
-    if shines:
-        paint = Material(key, "unlit", paint.base_colour, base_texture=key, uv_transforms=transforms)
+    colour = (*(screen.brightness,) * 3, 1.0)
+    paint = replace(was, name=key, base_texture=key, uv_transforms=transforms, base_colour=colour)
+    if screen.shows == "light":
+        paint = Material(key, "unlit", colour, base_texture=key, uv_transforms=transforms)
     _assign(node, paint)
     node.world.screens[node.name] = screen
 

@@ -18,6 +18,11 @@ __all__ = ["TransformTable"]
 _NONE = -1
 _FIRST_CAPACITY = 256
 _IDENTITY = np.eye(4)
+_BY_ROW = (
+    *("_entities", "_parent_rows", "_translations", "_rotations", "_scales"),
+    *("_visible", "_dirty", "_world", "_shown", "_changed"),
+)
+"""Arrays of the table whose first axis is the row."""
 
 
 class TransformTable:
@@ -225,7 +230,8 @@ class TransformTable:
         parent_rows = self._parent_rows[old]
         old_parents = np.where(parent_rows == _NONE, _NONE, self._entities[parent_rows])
         self._dirty[old[old_parents != parents[order]]] = 1
-        for array in self._by_row():
+        for name in _BY_ROW:
+            array = getattr(self, name)
             array[: order.size] = array[old]
         self._rows[:] = _NONE
         self._rows[order] = np.arange(order.size, dtype=np.int32)
@@ -262,33 +268,12 @@ class TransformTable:
         self._dirty[row] = 1
         self._touched = True
 
-    def _by_row(self) -> list[NDArray[Any]]:
-        return [
-            self._entities,
-            self._translations,
-            self._rotations,
-            self._scales,
-            self._visible,
-            self._dirty,
-            self._world,
-            self._shown,
-            self._changed,
-        ]
-
     def _reserve(self, rows: int, capacity: int) -> None:
         self._rows = grown(self._rows, capacity, _NONE)
         if rows <= self._entities.shape[0]:
             return
-        self._entities = grown(self._entities, rows)
-        self._parent_rows = grown(self._parent_rows, rows, _NONE)
-        self._translations = grown(self._translations, rows)
-        self._rotations = grown(self._rotations, rows)
-        self._scales = grown(self._scales, rows)
-        self._visible = grown(self._visible, rows)
-        self._dirty = grown(self._dirty, rows)
-        self._world = grown(self._world, rows)
-        self._shown = grown(self._shown, rows)
-        self._changed = grown(self._changed, rows)
+        for name in _BY_ROW:
+            setattr(self, name, grown(getattr(self, name), rows))
 
 
 def _finite(what: str, value: Sequence[float] | F8) -> tuple[float, float, float]:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import require_key
 from mimics_app.world.camera import Camera
+from mimics_app.world.components.pictures import Inset, Mirror, Screen
 from mimics_app.world.content import Content
 from mimics_app.world.cords import Cord
 from mimics_app.world.effects import Effects
@@ -16,7 +17,6 @@ from mimics_app.world.entity import Entity
 from mimics_app.world.environment import Sky
 from mimics_app.world.graph import SceneGraph
 from mimics_app.world.light import Light
-from mimics_app.world.live_pictures import InsetView, MirrorSurface, ScreenSurface
 from mimics_app.world.materials.material import Material, TextureData
 from mimics_app.world.materials.technique import TechniqueSpec
 from mimics_app.world.meshes.mesh import MeshData
@@ -61,9 +61,9 @@ class World:
         self.techniques: dict[str, TechniqueSpec] = {}
         self.environment = Sky()
         self.cords: dict[str, Cord] = {}
-        self.mirrors: dict[str, MirrorSurface] = {}
-        self.screens: dict[str, ScreenSurface] = {}
-        self.insets: dict[str, InsetView] = {}
+        self.mirrors: dict[str, Mirror] = {}
+        self.screens: dict[str, Screen] = {}
+        self.insets: dict[str, Inset] = {}
         self._mesh_revisions: dict[str, int] = {}
         self.meshes_published = 0
         self._mesh_buffers: dict[str, MeshBuffer] = {}

@@ -17,7 +17,8 @@ from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View, tilt_near_plane
 from mimics_app.rendering.visual.view_matrices import compose_clip_from_view, compose_look_at
-from mimics_app.world.live_pictures import InsetView, ScreenSurface, show_mirror, show_screen
+from mimics_app.world.components.pictures import Inset, Mirror, Screen
+from mimics_app.world.live_pictures import show_mirror, show_screen
 from mimics_app.world.meshes.primitives import box, plane, sphere
 from mimics_app.world.world import World
 from tests.golden.drawing import draw_world
@@ -38,7 +39,7 @@ def make_mirrored_room(width: float = 6.0, height: float = 4.0) -> World:
     world.meshes["mirror"] = plane(width, height)
     node = world.root.create_child("mirror", (0.0, 1.0, 2.0), AWAY)
     node.create_entity("mirror", "default").subentities[0].casts_shadow = False
-    show_mirror(node)
+    show_mirror(node, Mirror())
     world.update()
     return world
 
@@ -146,7 +147,7 @@ def test_a_mirror_in_a_mirror_shows_the_sky_and_ends_there():
     world = make_mirrored_room()
     node = world.root.create_child("opposite", (0.0, 1.0, -1.0), UPRIGHT)
     node.create_entity("mirror", "default").subentities[0].casts_shadow = False
-    show_mirror(node)
+    show_mirror(node, Mirror())
     world.update()
     with create_surface("egl", SIZE) as surface:
         renderer = Renderer(surface, world, PLAIN)
@@ -215,7 +216,7 @@ def test_an_inset_is_the_picture_drawn_by_itself(msaa, mirrored):
     add_second_camera(world)
     main = desktop_views(world.cameras[0], SIZE)
     without = draw(world, main, settings)
-    world.insets["second"] = InsetView("second", (0.5, 0.6, 0.4, 0.35), mirrored=mirrored, border=10.0)
+    world.insets["second"] = Inset(camera="second", rectangle=(0.5, 0.6, 0.4, 0.35), mirrored=mirrored, border=10.0)
     picture = draw(world, main, settings)
     x, y, wide, high = 96, round(0.6 * 108), round(0.4 * 192), round(0.35 * 108)
     top = SIZE[1] - y - high
@@ -234,7 +235,7 @@ def test_an_inset_is_sharp_over_a_picture_drawn_smaller():
     world = make_room()
     add_second_camera(world)
     main = desktop_views(world.cameras[0], SIZE)
-    world.insets["second"] = InsetView("second", (0.5, 0.5, 0.5, 0.5))
+    world.insets["second"] = Inset(camera="second", rectangle=(0.5, 0.5, 0.5, 0.5))
     full, half = (draw(world, main, replace(PLAIN, scale=scale))[:54, 96:] for scale in (1.0, 0.5))
     assert np.array_equal(full, half)
 
@@ -251,7 +252,7 @@ def test_two_eyes_see_an_inset_at_the_depth_of_the_figures(wanted, depth):
         eye = pose.copy()
         eye[:3, 3] += side * pose[:3, 0]
         views.append(View(eye, (-0.4, 0.4, -0.45, 0.45), (k * half[0], 0, *half)))
-    world.insets["second"] = InsetView("second", (0.3, 0.5, 0.4, 0.3), border=20.0)
+    world.insets["second"] = Inset(camera="second", rectangle=(0.3, 0.5, 0.4, 0.3), border=20.0)
     picture = draw(world, views, replace(PLAIN, hud_depth=wanted))
     row = picture[SIZE[1] - round(0.65 * SIZE[1])].max(axis=-1) < 25
     left, right = (int(np.argmax(row[k * half[0] : (k + 1) * half[0]])) for k in range(2))
@@ -264,7 +265,7 @@ def make_screen_room(shines: bool = True, every: int = 1) -> World:
     world.meshes["screen"] = plane(1.6, 0.9)
     node = world.root.create_child("screen", (0.0, 3.2, 1.0), UPRIGHT)
     node.create_entity("screen", "default").subentities[0].casts_shadow = False
-    show_screen(node, ScreenSurface("second", (192, 108), every), shines=shines)
+    show_screen(node, Screen(camera="second", size=(192, 108), every=every, shows="light" if shines else "paint"))
     world.update()
     return world
 
@@ -340,7 +341,7 @@ def test_pictures_come_and_go_with_what_shows_them():
         node.entity.set_material("default")
         world.update()
         assert not np.array_equal(picture(), mirrored)
-        show_mirror(node)
+        show_mirror(node, Mirror())
         world.update()
         assert np.array_equal(picture(), mirrored)
         renderer.world = make_room()

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import SceneError
+from mimics_app.world.components.animation import AnimationState, AnimationTransition
 from mimics_app.world.gltf.model_world import load_model_world
 from mimics_app.world.motion.animator import Animator, mask_of
 from mimics_app.world.motion.clip import ClipEvent, Interpolation, Track, TrackPath, pack_clip
 from mimics_app.world.motion.layer import Layer
 from mimics_app.world.motion.pose import Pose
 from mimics_app.world.motion.root_motion import RootMotion
-from mimics_app.world.motion.state_machine import State, StateMachine, Transition
+from mimics_app.world.motion.state_machine import StateMachine
 from mimics_app.world.scene.file import build_world, load_scene
 from tests.support.gltf_maker import GltfMaker, write_gltf
 from tests.support.skin_maker import add_clip, bar, turn
@@ -79,8 +80,11 @@ def test_a_cross_fade_never_shows_the_rest_pose(animator: Animator) -> None:
 
 
 def test_states_follow_what_happens_and_clips_that_end(animator: Animator) -> None:
-    states = {"still": State("stand"), "greet": State("bow", loop=False, following="still", fade=0.2)}
-    machine = StateMachine(animator, states, [Transition("greet", "goal", "still", 0.0)])
+    states = {
+        "still": AnimationState(clip="stand"),
+        "greet": AnimationState(clip="bow", loop=False, next="still", fade=0.2),
+    }
+    machine = StateMachine(animator, states, [AnimationTransition(target="greet", on="goal", source="still", fade=0.0)])
     assert not machine.trigger("contact") and machine.state == "still"
     assert machine.trigger("goal") and machine.state == "greet"
     assert not machine.trigger("goal")
@@ -90,7 +94,7 @@ def test_states_follow_what_happens_and_clips_that_end(animator: Animator) -> No
         seen.append(_angle(animator, 1))
     assert machine.state == "still" and max(seen) > 45.0 and seen[-1] == pytest.approx(0.0, abs=1e-4)
     with pytest.raises(KeyError, match="stil"):
-        StateMachine(animator, {"still": State("stand", following="stil")})
+        StateMachine(animator, {"still": AnimationState(clip="stand", next="stil")})
 
 
 def test_events_are_passed_once_each_time_round(animator: Animator) -> None:

@@ -6,7 +6,8 @@ import json
 
 import pytest
 
-from mimics_app.world.live_pictures import InsetView, ScreenSurface, live_key
+from mimics_app.world.components.pictures import Inset, Screen
+from mimics_app.world.live_pictures import live_key
 from mimics_app.world.scene.file import build_world, load_scene
 from mimics_app.world.scene.reload import apply_scene
 from tests.support.scenes import faults, scene, thing, write
@@ -56,8 +57,8 @@ def test_each_is_built_with_a_material_of_its_own(tmp_path):
     worn = {name: world.find(name).entity.subentities[0].material for name in ("glass", "monitor", "canvas")}
     assert worn == {name: live_key(name) for name in worn}
     assert world.mirrors["glass"].resolution == 0.5
-    assert world.screens["monitor"] == ScreenSurface("eye", (64, 32), 2)
-    assert world.insets["rear"] == InsetView("eye", (0.7, 0.7, 0.27, 0.27), mirrored=True)
+    assert world.screens["monitor"] == Screen(camera="eye", size=(64, 32), every=2, brightness=2.0)
+    assert world.insets["rear"] == Inset(camera="eye", mirrored=True)
     glass, monitor, canvas = (world.materials[live_key(name)] for name in worn)
     assert (glass.technique, glass.base_colour) == ("mirror", (0.9, 0.8, 0.7, 1.0))
     assert (monitor.technique, monitor.base_colour[0]) == ("unlit", 2.0)

@@ -258,7 +258,7 @@ def test_a_reference_is_not_led_to_an_entity_that_could_not_be_read(tmp_path):
 
 def test_a_second_environment_names_the_first(tmp_path):
     found = the_fault(tmp_path, scene(thing("a", environment={}), thing("b", environment={})))
-    assert "/entities/1/components/environment: a second environment" in found
+    assert '/entities/1/components/environment: a second "environment"' in found
     assert "/entities/0/components/environment" in found
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from mimics_app.builders.city.textures import TILE
 from mimics_app.builders.kit.facade import Opening, Zone, add_zone, wall_axes
 from mimics_app.builders.kit.sketch import Sketch, Uv
-from mimics_app.builders.kit.solids import Axes, Skin, add_column, add_prism
+from mimics_app.builders.kit.solids import ALONG_X, Skin, add_column, add_prism
 
 __all__ = ["HouseFront", "build_front"]
 
@@ -236,9 +236,8 @@ def _add_other_sides(sketch: Sketch, house: HouseFront, wall: Skin) -> None:
 def _add_roof(sketch: Sketch, house: HouseFront, wall: Skin) -> None:
     """A gable with its ridge along the alley."""
     low, high, o = house.eaves, house.eaves + _RISE, _OVERHANG
-    along = Axes(a=(0.0, 0.0, -1.0), b=(0.0, 1.0, 0.0), c=(1.0, 0.0, 0.0))
     outline = [(-o, low), (_DEPTH + o, low), (_DEPTH + o, low + 0.14), (0.5 * _DEPTH, high), (-o, low + 0.14)]
     cover = Skin("tiles", TILE["tiles"])
     sides = (_skin("beam", 0.6), _skin("beam"), cover, cover, _skin("beam"))
     half = 0.5 * house.width
-    add_prism(sketch, along, outline, -half, half, (wall, wall), sides)
+    add_prism(sketch, ALONG_X, outline, -half, half, (wall, wall), sides)

@@ -85,9 +85,6 @@ class _City:
             parts.append((self._parts[key], self._materials[(dyes or {}).get(material, material)]))
         self._meshes[name] = (self.writer.add_mesh(name, parts), sketch.triangle_count)
 
-    def _group(self, name: str) -> int:
-        return self.writer.add_node(name)
-
     def _place(self, parent: int, name: str, placed: Placed, extras: dict[str, Any] | None = None) -> int:
         mesh, triangles = self._meshes[placed.model]
         self._triangles += triangles
@@ -104,7 +101,7 @@ class _City:
 
     def add_ground(self) -> None:
         """Roads, blocks, land, hills and skyline."""
-        group = self._group("ground")
+        group = self.writer.add_node("ground")
         sketches: dict[str, Callable[[], Sketch]] = {
             "roads": streets.build_roads,
             "land": landmark.build_land,
@@ -126,7 +123,7 @@ class _City:
         for number, house in enumerate(houses.values()):
             for colour in range(_COLOURS):
                 self._add_colour(house, colour, number)
-        group = self._group("houses")
+        group = self.writer.add_node("houses")
         for number, placed in enumerate(layout.lay_houses(kinds, _COLOURS, Chance(self._seed, "rows"))):
             size, centre = houses[placed.model.split("/")[0]].solid
             extras = {"mimics": {"occluder": {"size": list(size), "centre": list(centre)}}}
@@ -152,10 +149,10 @@ class _City:
         self._mesh("planter", furniture.build_planter())
         names = [kind.name for kind in street_tree.TREES]
         chance = Chance(self._seed, "trees")
-        group = self._group("trees")
+        group = self.writer.add_node("trees")
         for number, placed in enumerate(layout.lay_street_trees(names, chance)):
             self._add_tree(group, f"tree{number}", placed)
-        square = self._group("square")
+        square = self.writer.add_node("square")
         for number, placed in enumerate(layout.lay_square(names, chance)):
             if placed.model in names:
                 self._add_tree(square, f"square_tree{number}", placed)
@@ -169,7 +166,7 @@ class _City:
     def add_yards(self) -> None:
         """Behind the houses: workshops, and trees of the coarse form, which nobody comes near."""
         self._mesh("workshop", landmark.build_workshop())
-        group = self._group("yards")
+        group = self.writer.add_node("yards")
         names = [kind.name for kind in street_tree.TREES]
         for number, placed in enumerate(layout.lay_yards(names, Chance(self._seed, "yards"))):
             self._place(group, f"yard{number}", placed)
@@ -183,7 +180,7 @@ class _City:
             ("sign", furniture.build_sign),
         ):
             self._mesh(name, make())
-        group = self._group("furniture")
+        group = self.writer.add_node("furniture")
         for number, placed in enumerate(layout.lay_furniture(Chance(self._seed, "street"))):
             self._place(group, f"{placed.model}{number}", placed)
 
@@ -195,7 +192,7 @@ class _City:
             for paint in _PALETTE.paints:
                 names.append(f"{kind}/{paint}")
                 self._mesh(names[-1], sketch, {"paint": f"paint_{paint}"}, shared=kind)
-        group = self._group("cars")
+        group = self.writer.add_node("cars")
         for number, placed in enumerate(layout.lay_cars(names, Chance(self._seed, "cars"))):
             if self._triangles + self._meshes[placed.model][1] > TRIANGLES:
                 break

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from mimics_app.builders.city.fittings import detail, plain
 from mimics_app.builders.kit.sketch import Point, Sketch, Uv
-from mimics_app.builders.kit.solids import Axes, Skin, add_column, add_prism, circle
+from mimics_app.builders.kit.solids import UPRIGHT, Axes, Skin, add_column, add_prism, circle, rectangle
 from mimics_app.contracts.table_file import read_table_file
 
 __all__ = [
@@ -20,12 +20,9 @@ __all__ = [
     "build_sign",
 ]
 
-_UP = Axes(a=(0.0, 0.0, 1.0), b=(1.0, 0.0, 0.0), c=(0.0, 1.0, 0.0))
-"""For outlines on the ground that are drawn upwards: a is z, b is x."""
-
 
 def _block(sketch: Sketch, low: Point, high: Point, skin: Skin) -> None:
-    outline = [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])]
+    outline = rectangle(low[0], high[0], low[1], high[1])
     under = Skin(skin.material, skin.tile, skin.cell, 0.55 * skin.shade)
     add_prism(sketch, Axes(), outline, low[2], high[2], (skin, skin), (under, skin, skin, skin))
 
@@ -37,7 +34,13 @@ def build_lamp() -> Sketch:
     add_column(sketch, (0.0, 0.0, 0.0), (0.0, 5.2, 0.0), (0.09, 0.045), 6, iron, open_foot=True)
     _block(sketch, (-0.03, 5.1, 0.0), (0.03, 5.16, 0.9), iron)
     add_prism(
-        sketch, _UP, [(a + 0.9, b) for a, b in circle(6, 0.2)], 4.98, 5.14, (plain("lamp"), iron), (plain("yellow"),)
+        sketch,
+        UPRIGHT,
+        [(a + 0.9, b) for a, b in circle(6, 0.2)],
+        4.98,
+        5.14,
+        (plain("lamp"), iron),
+        (plain("yellow"),),
     )
     return sketch
 
@@ -59,7 +62,7 @@ def build_bin() -> Sketch:
     """A litter bin."""
     sketch = Sketch()
     add_column(sketch, (0.0, 0.0, 0.0), (0.0, 0.85, 0.0), (0.22, 0.27), 8, plain("green", 0.8), open_foot=True)
-    add_prism(sketch, _UP, circle(8, 0.29), 0.85, 0.93, (plain("iron"), plain("iron")), (plain("iron"),))
+    add_prism(sketch, UPRIGHT, circle(8, 0.29), 0.85, 0.93, (plain("iron"), plain("iron")), (plain("iron"),))
     return sketch
 
 

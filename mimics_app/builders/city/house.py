@@ -10,7 +10,7 @@ from mimics_app.builders.city.house_roofs import add_chimneys, add_dormers, add_
 from mimics_app.builders.city.textures import TILE
 from mimics_app.builders.kit.facade import Opening, Zone, add_zone, wall_axes
 from mimics_app.builders.kit.sketch import Point, Sketch
-from mimics_app.builders.kit.solids import Axes, Skin, add_prism
+from mimics_app.builders.kit.solids import UPRIGHT, Axes, Skin, add_prism, rectangle
 
 __all__ = ["House", "build_house"]
 
@@ -184,7 +184,7 @@ def _add_courses(sketch: Sketch, kind: HouseKind, side: str) -> None:
         low, high = kind.ground + 0.16, kind.eaves - 0.42
         courses += [(left, left + 0.45, low, high, 0.05, plain("stone")) for left in (0.0, length - 0.45)]
     for left, right, low, high, out, skin in courses:
-        outline = [(left, low), (right, low), (right, high), (left, high)]
+        outline = rectangle(left, right, low, high)
         under = Skin(skin.material, cell=skin.cell, shade=0.55)
         add_prism(sketch, axes, outline, -0.02, out, (skin, skin), (under, skin, skin, skin))
 
@@ -193,7 +193,7 @@ def _add_shop_sign(sketch: Sketch, kind: HouseKind) -> None:
     """A board over the windows, and on some an awning."""
     half, low, high = 0.5 * kind.width - 0.3, kind.ground - 0.68, kind.ground - 0.16
     board = plain("wood", 0.7)
-    outline = [(-half, low), (half, low), (half, high), (-half, high)]
+    outline = rectangle(-half, half, low, high)
     add_prism(sketch, Axes(), outline, -0.02, 0.12, (board, detail("sign", kind.shop)), (board,))
     if kind.shop % 2:
         along = Axes(a=(0.0, 0.0, 1.0), b=(0.0, 1.0, 0.0), c=(-1.0, 0.0, 0.0))
@@ -206,12 +206,7 @@ def _add_shop_sign(sketch: Sketch, kind: HouseKind) -> None:
 def _add_balcony(sketch: Sketch, middle: float, floor: float, kind: HouseKind) -> None:
     """A slab on the floor's height with a railing that is seen from both sides."""
     half, out = 0.5 * kind.pane[0] + 0.4, 0.95
-    slab = [
-        (middle - half, floor - 0.04),
-        (middle + half, floor - 0.04),
-        (middle + half, floor + 0.12),
-        (middle - half, floor + 0.12),
-    ]
+    slab = rectangle(middle - half, middle + half, floor - 0.04, floor + 0.12)
     stone = plain("stone")
     add_prism(sketch, Axes(), slab, -0.02, out, (stone, stone), (plain("stone", 0.5), stone, stone, stone))
     low, high, edge = floor + 0.12, floor + 1.1, out - 0.05
@@ -228,20 +223,19 @@ def _add_balcony(sketch: Sketch, middle: float, floor: float, kind: HouseKind) -
 def _add_oriel(sketch: Sketch, kind: HouseKind) -> None:
     """A projecting window over all floors of the middle bay, closed storey by storey."""
     middle = _middles(kind.width, kind.bays)[kind.bays // 2] - 0.5 * kind.width
-    up = Axes(a=(0.0, 0.0, 1.0), b=(1.0, 0.0, 0.0), c=(0.0, 1.0, 0.0))
     outline = [(-0.05, middle - 1.25), (0.9, middle - 0.75), (0.9, middle + 0.75), (-0.05, middle + 1.25)]
     face, lead = detail("oriel", kind.door % 4), plain("lead")
     for floor in range(kind.floors):
         low = kind.ground + floor * kind.storey - (0.0 if floor else 0.1)
         high = kind.ground + (floor + 1) * kind.storey - (0.3 if floor == kind.floors - 1 else 0.0)
-        add_prism(sketch, up, outline, low, high, (plain("stone", 0.5), lead), (face,))
+        add_prism(sketch, UPRIGHT, outline, low, high, (plain("stone", 0.5), lead), (face,))
 
 
 def _add_coarse_body(sketch: Sketch, kind: HouseKind) -> None:
     """The body as a box that wears pictures of its storeys."""
     w, d, e = kind.width, kind.depth, kind.eaves
     storeys = Skin("bay", (w / kind.bays, e / (kind.floors + 1)))
-    outline = [(-0.5 * w, 0.0), (0.5 * w, 0.0), (0.5 * w, e), (-0.5 * w, e)]
+    outline = rectangle(-0.5 * w, 0.5 * w, 0.0, e)
     lead, wall = plain("lead"), _wall_skin(kind)
     sides = [lead, wall, lead, wall]
     for place, side in ((1, "right"), (3, "left")):

@@ -8,12 +8,10 @@ from mimics_app.builders.city.fittings import detail, plain, window
 from mimics_app.builders.city.house_kinds import HouseKind
 from mimics_app.builders.city.textures import TILE
 from mimics_app.builders.kit.sketch import Point, Sketch, Uv
-from mimics_app.builders.kit.solids import Axes, Skin, add_prism
+from mimics_app.builders.kit.solids import ALONG_X, Axes, Skin, add_prism, rectangle
 
 __all__ = ["add_chimneys", "add_dormers", "add_roof"]
 
-_ALONG = Axes(a=(0.0, 0.0, -1.0), b=(0.0, 1.0, 0.0), c=(1.0, 0.0, 0.0))
-"""For outlines in depth and height that are drawn along the street."""
 
 _OVERHANG = 0.4
 """How far roofs stand out over the street [m]."""
@@ -57,7 +55,7 @@ def _add_ridge_along(sketch: Sketch, kind: HouseKind) -> None:
     board, cover = plain("white", 0.9), _cover(kind)
     sides = [plain("soffit"), board, *([cover] * (len(outline) - 3)), board]
     half = 0.5 * kind.width
-    add_prism(sketch, _ALONG, outline, -half, half, (_gable(kind), _gable(kind)), sides)
+    add_prism(sketch, ALONG_X, outline, -half, half, (_gable(kind), _gable(kind)), sides)
 
 
 def _add_gabled_front(sketch: Sketch, kind: HouseKind) -> None:
@@ -74,7 +72,7 @@ def _add_gabled_front(sketch: Sketch, kind: HouseKind) -> None:
         for number in range(steps):
             wide = half * (steps - number) / steps
             base = low + number * step
-            block = [(-wide, base), (wide, base), (wide, base + step), (-wide, base + step)]
+            block = rectangle(-wide, wide, base, base + step)
             coping = plain("stone")
             add_prism(sketch, Axes(), block, -0.4, 0.0, (wall, wall), (coping, wall, coping, wall))
     _add_attic_window(sketch, low + 0.18 * kind.rise, kind)
@@ -82,7 +80,7 @@ def _add_gabled_front(sketch: Sketch, kind: HouseKind) -> None:
 
 def _add_attic_window(sketch: Sketch, bottom: float, kind: HouseKind) -> None:
     half, high = min(0.55, 0.1 * kind.width), 0.3 * kind.rise
-    outline = [(-half, bottom), (half, bottom), (half, bottom + high), (-half, bottom + high)]
+    outline = rectangle(-half, half, bottom, bottom + high)
     frame = plain("stone")
     add_prism(sketch, Axes(), outline, -0.05, 0.06, (frame, window(kind.window)), (frame,))
 
@@ -97,7 +95,7 @@ def _add_parapet(sketch: Sketch, kind: HouseKind) -> None:
         (-w, 0.3 - w, 0.3 - d, -0.3),
         (w - 0.3, w, 0.3 - d, -0.3),
     ):
-        outline = [(first, low), (last, low), (last, high), (first, high)]
+        outline = rectangle(first, last, low, high)
         add_prism(sketch, Axes(), outline, back, front, (wall, wall), (coping, wall, coping, wall))
 
 
@@ -173,7 +171,7 @@ def add_chimneys(sketch: Sketch, kind: HouseKind) -> None:
             low, high, z = kind.eaves + 0.3 * kind.rise, kind.eaves + kind.rise + 1.1, -0.5 * kind.depth
             if kind.roof == "hip" or (kind.roof == "mansard" and kind.corner):
                 x *= 0.55
-        outline = [(x - 0.4, low), (x + 0.4, low), (x + 0.4, high), (x - 0.4, high)]
+        outline = rectangle(x - 0.4, x + 0.4, low, high)
         clay, dark = plain("clay"), plain("soffit", 0.6)
         add_prism(sketch, Axes(), outline, z - 0.65, z + 0.65, (clay, clay), (clay, clay, dark, clay))
 

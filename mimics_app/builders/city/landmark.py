@@ -10,13 +10,12 @@ from mimics_app.builders.city.textures import TILE
 from mimics_app.builders.kit.chance import Chance
 from mimics_app.builders.kit.facade import Opening, Zone, add_zone, wall_axes
 from mimics_app.builders.kit.sketch import Point, Sketch
-from mimics_app.builders.kit.solids import Axes, Skin, add_column, add_prism, circle
+from mimics_app.builders.kit.solids import ALONG_X, UPRIGHT, Axes, Skin, add_column, add_prism, circle, rectangle
 
 __all__ = ["build_church", "build_hills", "build_land", "build_skyline", "build_workshop"]
 
 _BELT = 16.0
 """Width of the trees about a block of flats [m]."""
-_UP = Axes(a=(0.0, 0.0, 1.0), b=(1.0, 0.0, 0.0), c=(0.0, 1.0, 0.0))
 
 
 def build_church() -> Sketch:
@@ -35,15 +34,8 @@ def build_church() -> Sketch:
         lid: list[Point] = [(-6.5, y, 0.0), (6.5, y, 0.0), (6.5, y, -26.0), (-6.5, y, -26.0)]
         lid = lid if corners > 0 else lid[::-1]
         nave.fan(lead.material, lid, lead.lay([(x, z) for x, _, z in lid]))
-    add_prism(
-        nave,
-        Axes(),
-        [(-7.0, 10.5), (7.0, 10.5), (0.0, 18.0)],
-        -26.3,
-        0.3,
-        (stone, stone),
-        (plain("soffit"), slate, slate),
-    )
+    roof = [(-7.0, 10.5), (7.0, 10.5), (0.0, 18.0)]
+    add_prism(nave, Axes(), roof, -26.3, 0.3, (stone, stone), (plain("soffit"), slate, slate))
     for x in (-6.5, 6.5):
         for n in range(6):
             z = -0.6 - 5.0 * n
@@ -55,10 +47,10 @@ def build_church() -> Sketch:
 
 
 def _add_tower(sketch: Sketch, stone: Skin, slate: Skin) -> None:
-    body = [(-3.6, 0.0), (3.6, 0.0), (3.6, 25.0), (-3.6, 25.0)]
+    body = rectangle(-3.6, 3.6, 0.0, 25.0)
     add_prism(sketch, Axes(), body, -7.4, 0.0, (stone, stone), (stone,))
     for y in (8.5, 16.5, 24.6):
-        ledge = [(-3.8, y), (3.8, y), (3.8, y + 0.5), (-3.8, y + 0.5)]
+        ledge = rectangle(-3.8, 3.8, y, y + 0.5)
         add_prism(
             sketch, Axes(), ledge, -7.6, 0.2, (plain("stone"), plain("stone")), (plain("stone", 0.6), plain("stone"))
         )
@@ -69,26 +61,24 @@ def _add_tower(sketch: Sketch, stone: Skin, slate: Skin) -> None:
         dark = plain("glass", 0.5)
         for low, top in ((-0.05, 0.1), (-7.5, -7.35)):
             add_prism(sketch, Axes(), pane, low, top, (dark, dark), (plain("stone"),))
-        sideways = Axes(a=(0.0, 0.0, -1.0), b=(0.0, 1.0, 0.0), c=(1.0, 0.0, 0.0))
         shifted = [(a + 3.7, b) for a, b in pane]
         for low, top in ((-3.7, -3.55), (3.55, 3.7)):
-            add_prism(sketch, sideways, shifted, low, top, (dark, dark), (plain("stone"),))
+            add_prism(sketch, ALONG_X, shifted, low, top, (dark, dark), (plain("stone"),))
     add_column(sketch, (0.0, 25.0, -3.7), (0.0, 45.0, -3.7), (5.1, 0.0), 8, slate, bulge=math.pi / 8)
     for x in (-3.2, 3.2):
         for z in (-0.4, -7.0):
             add_column(sketch, (x, 25.1, z), (x, 29.0, z), (0.7, 0.0), 4, stone, bulge=math.pi / 4)
     gold = plain("yellow")
-    add_prism(sketch, _UP, [(a - 3.7, b) for a, b in circle(6, 0.12)], 44.6, 46.6, (gold, gold), (gold,))
+    add_prism(sketch, UPRIGHT, [(a - 3.7, b) for a, b in circle(6, 0.12)], 44.6, 46.6, (gold, gold), (gold,))
 
 
 def build_workshop() -> Sketch:
     """A long low building in a yard."""
     sketch = Sketch()
     walls, roof, lead = Skin("yard", (3.6, 3.4)), Skin("slate", TILE["slate"]), plain("lead")
-    body = [(-10.0, 0.0), (10.0, 0.0), (10.0, 3.8), (-10.0, 3.8)]
+    body = rectangle(-10.0, 10.0, 0.0, 3.8)
     add_prism(sketch, Axes(), body, -4.5, 4.5, (walls, walls), (lead, walls, lead, walls))
-    along = Axes(a=(0.0, 0.0, -1.0), b=(0.0, 1.0, 0.0), c=(1.0, 0.0, 0.0))
-    add_prism(sketch, along, [(-4.8, 3.8), (4.8, 3.8), (0.0, 6.4)], -10.2, 10.2, (lead, lead), (lead, roof, roof))
+    add_prism(sketch, ALONG_X, [(-4.8, 3.8), (4.8, 3.8), (0.0, 6.4)], -10.2, 10.2, (lead, lead), (lead, roof, roof))
     return sketch
 
 
@@ -110,18 +100,13 @@ def build_skyline(seed: int) -> Sketch:
             if tall > 30.0
             else (chance.between(14.0, 34.0), chance.between(7.0, 12.0))
         )
-        outline = [(z - deep, x - half), (z + deep, x - half), (z + deep, x + half), (z - deep, x + half)]
-        add_prism(sketch, _UP, outline, 0.0, tall, (lid, lid), (bay,))
+        outline = rectangle(z - deep, z + deep, x - half, x + half)
+        add_prism(sketch, UPRIGHT, outline, 0.0, tall, (lid, lid), (bay,))
         wood = [(a + _BELT * (1 if a > z else -1), b + _BELT * (1 if b > x else -1)) for a, b in outline]
-        add_prism(sketch, _UP, wood, -1.0, 5.5, (trees, trees), (trees,))
+        add_prism(sketch, UPRIGHT, wood, -1.0, 5.5, (trees, trees), (trees,))
         if tall > 60.0:
-            top = [
-                (z - 0.5 * deep, x - 0.5 * half),
-                (z + 0.5 * deep, x - 0.5 * half),
-                (z + 0.5 * deep, x + 0.5 * half),
-                (z - 0.5 * deep, x + 0.5 * half),
-            ]
-            add_prism(sketch, _UP, top, tall, tall + 8.0, (lid, lid), (bay,))
+            top = rectangle(z - 0.5 * deep, z + 0.5 * deep, x - 0.5 * half, x + 0.5 * half)
+            add_prism(sketch, UPRIGHT, top, tall, tall + 8.0, (lid, lid), (bay,))
     return sketch
 
 

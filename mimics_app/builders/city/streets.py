@@ -78,10 +78,8 @@ def city_blocks() -> list[Block]:
 
 def _gaps(streets: tuple[float, ...]) -> list[tuple[float, float, bool, bool]]:
     """(low, high, street at low, street at high) between streets and borders."""
-    lows = [-0.5 * SIDE, *(middle + LANE_HALF for middle in streets)]
-    highs = [*(middle - LANE_HALF for middle in streets), 0.5 * SIDE]
-    last = len(lows) - 1
-    return [(low, high, place > 0, place < last) for place, (low, high) in enumerate(zip(lows, highs, strict=True))]
+    gaps = _between(streets, LANE_HALF)
+    return [(low, high, place > 0, place < len(streets)) for place, (low, high) in enumerate(gaps)]
 
 
 def build_block(block: Block, *, square: bool = False) -> Sketch:
@@ -173,10 +171,10 @@ def build_roads() -> Sketch:
     for x in STREETS_X:
         for z in STREETS_Z:
             _add_crossing(sketch, x, z)
-        for low, high in _runs(STREETS_Z):
+        for low, high in _between(STREETS_Z, LANE_HALF + _ROUND):
             _add_run(sketch, low, high, partial(_along_z, x))
     for z in STREETS_Z:
-        for low, high in _runs(STREETS_X):
+        for low, high in _between(STREETS_X, LANE_HALF + _ROUND):
             _add_run(sketch, low, high, partial(_along_x, z))
     return sketch
 
@@ -189,10 +187,10 @@ def _along_x(street: float, across: float, along: float) -> Point:
     return along, 0.0, street - across
 
 
-def _runs(crossings: tuple[float, ...]) -> list[tuple[float, float]]:
-    reach = LANE_HALF + _ROUND
-    lows = [-0.5 * SIDE, *(middle + reach for middle in crossings)]
-    highs = [*(middle - reach for middle in crossings), 0.5 * SIDE]
+def _between(streets: tuple[float, ...], reach: float) -> list[tuple[float, float]]:
+    """(low, high) between borders and streets that reach so far from their middles [m]."""
+    lows = [-0.5 * SIDE, *(middle + reach for middle in streets)]
+    highs = [*(middle - reach for middle in streets), 0.5 * SIDE]
     return list(zip(lows, highs, strict=True))
 
 

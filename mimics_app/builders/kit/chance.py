@@ -7,9 +7,9 @@ from typing import TypeVar
 
 import numpy as np
 
-from mimics_app.contracts.arrays import F8, I8
+from mimics_app.contracts.arrays import F8, I8, U4
 
-__all__ = ["Chance", "hash_noise", "pixels", "smooth_noise", "smooth_step"]
+__all__ = ["Chance", "hash_noise", "mixed_bits", "pixels", "smooth_noise", "smooth_step"]
 
 Item = TypeVar("Item")
 
@@ -69,11 +69,14 @@ def hash_noise(x: I8, y: I8, seed: int) -> F8:
         seed: Seed of the noise.
     """
     value = (x.astype(np.uint32) * np.uint32(0x9E3779B1)) ^ (y.astype(np.uint32) * np.uint32(0x85EBCA77))
-    value = value ^ np.uint32((seed * 0xC2B2AE3D) & 0xFFFFFFFF)
-    for shift, factor in ((15, 0x2C1B3C6D), (12, 0x297A2D39)):  # the low-bias 32-bit hash of Wellons (2018)
+    return mixed_bits(value ^ np.uint32((seed * 0xC2B2AE3D) & 0xFFFFFFFF))
+
+
+def mixed_bits(value: U4) -> F8:
+    """Return numbers of [0, 1) in which every bit of a value counts: the low-bias 32-bit hash of Wellons (2018)."""
+    for shift, factor in ((15, 0x2C1B3C6D), (12, 0x297A2D39)):
         value = (value ^ (value >> np.uint32(shift))) * np.uint32(factor)
-    value = value ^ (value >> np.uint32(15))
-    return value / 4294967296.0
+    return (value ^ (value >> np.uint32(15))) / 4294967296.0
 
 
 def smooth_noise(height: int, width: int, cells_y: int, cells_x: int, seed: int) -> F8:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mimics_app.builders.kit.sketch import Point, Sketch, Uv
-from mimics_app.builders.kit.solids import Axes, Skin
+from mimics_app.builders.kit.solids import Axes, Skin, rectangle
 
 __all__ = ["Opening", "Zone", "add_zone", "wall_axes"]
 
@@ -34,7 +34,7 @@ class Opening:
     @property
     def corners(self) -> list[Uv]:
         """Counter-clockwise from the lower left."""
-        return _corners(self.left, self.right, self.bottom, self.top)
+        return rectangle(self.left, self.right, self.bottom, self.top)
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ def add_zone(sketch: Sketch, axes: Axes, zone: Zone) -> None:
         ValueError: the rows do not begin and end at the same edges.
     """
     if not zone.rows:
-        corners = _corners(zone.left, zone.right, zone.bottom, zone.top)
+        corners = rectangle(zone.left, zone.right, zone.bottom, zone.top)
         _face(sketch, axes, zone, zone.wall, corners)
         return
     if len({(row[0].left, row[-1].right) for row in zone.rows}) != 1:
@@ -130,7 +130,7 @@ def _add_opening(sketch: Sketch, axes: Axes, zone: Zone, opening: Opening) -> No
     """Draw the frame, the reveals and the panel of an opening."""
     outer = opening.corners
     s = opening.surround
-    inner = _corners(opening.left + s, opening.right - s, opening.bottom + s, opening.top - s) if s else outer
+    inner = rectangle(opening.left + s, opening.right - s, opening.bottom + s, opening.top - s) if s else outer
     deep = -opening.recess
     lining = zone.trim if s else zone.wall
     for number, shade in enumerate((0.95, 0.62, 0.45, 0.62)):  # sill, right jamb, head, left jamb
@@ -175,7 +175,3 @@ def _face(sketch: Sketch, axes: Axes, zone: Zone, skin: Skin, corners: list[Uv])
 def _weathered(corners: Sequence[Uv], shade: float, zone: Zone) -> list[float]:
     """Splashed and shaded at the foot, shaded under the eaves."""
     return [shade * (0.72 if v < 0.01 else zone.roofed if v == zone.top else 1.0) for _, v in corners]
-
-
-def _corners(left: float, right: float, bottom: float, top: float) -> list[Uv]:
-    return [(left, bottom), (right, bottom), (right, top), (left, top)]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.builders.kit.chance import hash_noise
+from mimics_app.builders.kit.chance import hash_noise, pixels
 from mimics_app.builders.kit.png_writer import write_indexed_png
 from mimics_app.contracts.arrays import F8
 
@@ -64,16 +64,12 @@ class Canvas:
 
     def grain(self, strength: float, seed: int) -> None:
         """Add white noise."""
-        width, height = self.size
-        x, y = np.meshgrid(np.arange(width), np.arange(height))
-        self.tone = self.tone + strength * (hash_noise(x, y, seed) - 0.5)
+        self.tone = self.tone + strength * (hash_noise(*pixels(*self.size), seed) - 0.5)
 
     def to_png(self) -> bytes:
         """Return the texture as a PNG file with a palette."""
         levels = self._levels
-        width, height = self.size
-        x, y = np.meshgrid(np.arange(width), np.arange(height))
-        dither = hash_noise(x, y, 1)
+        dither = hash_noise(*pixels(*self.size), 1)
         level = np.clip(np.floor(self.tone * (levels - 1) + dither), 0, levels - 1).astype(np.int64)
         index = self.ramp.astype(np.int64) * levels + level
         palette = np.zeros((len(self._ramps) * levels + 1, 4), np.uint8)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from mimics_app.builders.kit.sketch import Point, Sketch, Uv
 
-__all__ = ["Axes", "Skin", "add_column", "add_prism", "circle"]
+__all__ = ["ALONG_X", "UPRIGHT", "Axes", "Skin", "add_column", "add_prism", "circle", "rectangle"]
 
 Outline = Sequence[Uv]
 
@@ -105,6 +105,18 @@ def _side_places(axes: Axes, first: Uv, second: Uv, reach: Uv, length: float) ->
         return [(0.0, high), (0.0, low), (length, low), (length, high)]
     begin, end = (0.0, length) if second[1] >= first[1] else (length, 0.0)
     return [(high, begin), (low, begin), (low, end), (high, end)]
+
+
+ALONG_X = Axes(a=(0.0, 0.0, -1.0), b=(0.0, 1.0, 0.0), c=(1.0, 0.0, 0.0))
+"""For outlines in depth and height that are drawn along x."""
+
+UPRIGHT = Axes(a=(0.0, 0.0, 1.0), b=(1.0, 0.0, 0.0), c=(0.0, 1.0, 0.0))
+"""For outlines on the ground that are drawn upwards: a is z, b is x."""
+
+
+def rectangle(left: float, right: float, bottom: float, top: float) -> list[Uv]:
+    """An outline, counter-clockwise from the lower left [m]."""
+    return [(left, bottom), (right, bottom), (right, top), (left, top)]
 
 
 def circle(sides: int, radius: float) -> list[Uv]:

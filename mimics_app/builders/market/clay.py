@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.builders.kit.chance import mixed_bits
 from mimics_app.contracts.arrays import F8
 from mimics_app.world.gltf.gltf_document import parse_gltf
 from mimics_app.world.gltf.writer import GltfWriter, MeshPart
@@ -169,10 +170,7 @@ def chance(count: int, seed: int) -> F8:
 
 def _hash(cells: NDArray[np.int64], seed: int) -> F8:
     value = cells.astype(np.uint32) * np.array([0x9E3779B1, 0x85EBCA77, 0xC2B2AE3D], np.uint32)
-    mixed = value[:, 0] ^ value[:, 1] ^ value[:, 2] ^ np.uint32((seed * 0x27D4EB2F) & 0xFFFFFFFF)
-    for shift, factor in ((15, 0x2C1B3C6D), (12, 0x297A2D39)):
-        mixed = (mixed ^ (mixed >> np.uint32(shift))) * np.uint32(factor)
-    return (mixed ^ (mixed >> np.uint32(15))) / 4294967296.0
+    return mixed_bits(value[:, 0] ^ value[:, 1] ^ value[:, 2] ^ np.uint32((seed * 0x27D4EB2F) & 0xFFFFFFFF))
 
 
 def surface(point: Callable[[F8, F8], F8], us: F8, vs: F8, *, flip: bool = False) -> MeshData:
@@ -202,7 +200,7 @@ def _welded_normals(positions: F8, indices: NDArray[np.uint32]) -> NDArray[np.fl
 def rounded_box(width: float, height: float, depth: float, radius: float, steps: int = 3) -> MeshData:
     """A box with rounded edges about the origin [m]: a sphere's patches pushed apart."""
     half = 0.5 * np.array([width, height, depth]) - radius
-    lines = np.concatenate([np.linspace(-1.0, 1.0, 2 * steps + 2)])
+    lines = np.linspace(-1.0, 1.0, 2 * steps + 2)
     sheets = []
     for axis in range(3):
         for sign in (1.0, -1.0):

@@ -12,6 +12,7 @@ from mimics_app.builders.market.clay import (
     Colour,
     Painter,
     capsule_bar,
+    joined,
     mix,
     noise,
     surface,
@@ -91,16 +92,11 @@ def leaf(length: float) -> tuple[MeshData, Painter]:
     us, vs = np.linspace(0.0, 1.0, 13), np.linspace(-1.0, 1.0, 7)
     upper = surface(sheet(2e-4), us, vs)
     lower = surface(sheet(-2e-4), us, vs, flip=True)
-    both = MeshData(
-        np.concatenate([upper.positions, lower.positions]),
-        np.concatenate([upper.normals, lower.normals]),
-        np.concatenate([upper.indices, lower.indices + np.uint32(len(upper.positions))]),
-    )
 
     def paint(at: F8, normals: F8) -> F8:
         return mix((0.10, 0.30, 0.03), (0.20, 0.46, 0.06), noise(at, 0.004, 5))
 
-    return both, paint
+    return joined([upper, lower]), paint
 
 
 def coarse_fruit(radius: float) -> MeshData:

@@ -12,7 +12,7 @@ from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.world.components.bounds import Name, Seconds, Share
-from mimics_app.world.components.registry import Component, component, register_check, register_limit
+from mimics_app.world.components.registry import Component, component, register_check
 from mimics_app.world.components.visible import MeshComponent
 from mimics_app.world.scene.assets import find_in_model
 
@@ -73,7 +73,7 @@ class AnimationTransition(Component, frozen=True, rename={"source": "from", "tar
     fade: Annotated[Seconds, Meta(description="Duration of the cross-fade [s]")] = 0.25
 
 
-@component("animation")
+@component("animation", limit=1000)
 class Animation(Component, frozen=True):
     """Animation of the model of the same entity: layers of clips, and a state machine below them."""
 
@@ -119,7 +119,7 @@ class Reach(Component, frozen=True):
     ] = 0.03
 
 
-@component("avatar")
+@component("avatar", limit=1000)
 class Avatar(Component, frozen=True):
     """A person: the model of the same entity has a humanoid skeleton whose joint names can be mapped."""
 
@@ -178,8 +178,8 @@ def _check_avatar(avatar: Avatar, pointer: str, scene: Scene) -> list[Issue]:
     issues: list[Issue] = []
     if model_of(pointer, scene) is None:
         issues.append(scene.issue(pointer, "the entity shows no model", 'give it a "mesh" with a "source"'))
-    if avatar.look_at not in (None, "camera"):
-        issues += scene.check_entity(f"{pointer}/look_at", str(avatar.look_at))
+    if avatar.look_at != "camera":
+        issues += scene.check_entity(f"{pointer}/look_at", avatar.look_at)
     for i, reach in enumerate(avatar.reach):
         issues += scene.check_entity(f"{pointer}/reach/{i}/target", reach.target)
         if reach.ball and reach.limb.endswith("arm"):
@@ -187,7 +187,5 @@ def _check_avatar(avatar: Avatar, pointer: str, scene: Scene) -> list[Issue]:
     return issues
 
 
-register_limit("animation", 1000)
-register_limit("avatar", 1000)
 register_check("animation", _check_animation)
 register_check("avatar", _check_avatar)

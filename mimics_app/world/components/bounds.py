@@ -12,6 +12,7 @@ from typing import Annotated
 from msgspec import Meta
 
 __all__ = [
+    "NO_ROTATION",
     "Acceleration",
     "Angle",
     "Coordinate",
@@ -59,6 +60,7 @@ Extent = Annotated[float, Meta(ge=0, le=1e6)]
 _Part = Annotated[float, Meta(ge=-2, le=2)]
 Quaternion = tuple[_Part, _Part, _Part, _Part]
 """x, y, z, w; the check of each component requires length 1."""
+NO_ROTATION: Quaternion = (0.0, 0.0, 0.0, 1.0)
 
 Angle = Annotated[float, Meta(ge=-1e3, le=1e3)]
 """Angle [rad]."""

@@ -8,7 +8,7 @@ from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.world.components.bounds import Point, Share
-from mimics_app.world.components.registry import Component, component, register_check, register_limit
+from mimics_app.world.components.registry import Component, component, register_check
 
 if TYPE_CHECKING:
     from mimics_app.world.scene.scene import Scene
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 __all__ = ["CordComponent"]
 
 
-@component("cord")
+@component("cord", limit=16)
 class CordComponent(Component, frozen=True):
     """A cord from this entity to another one, which follows both."""
 
@@ -35,11 +35,7 @@ class CordComponent(Component, frozen=True):
 
 
 def _check(cord: CordComponent, pointer: str, scene: Scene) -> list[Issue]:
-    known = {entity.id for entity in scene.entities}
-    if cord.to in known:
-        return []
-    return [scene.issue(f"{pointer}/to", f'no entity is called "{cord.to}"', "give the id of another entity")]
+    return scene.check_entity(f"{pointer}/to", cord.to)
 
 
-register_limit("cord", 16)
 register_check("cord", _check)

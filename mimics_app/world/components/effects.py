@@ -21,7 +21,7 @@ from mimics_app.world.components.bounds import (
     Share,
     Vector,
 )
-from mimics_app.world.components.registry import Component, component, register_check, register_limit
+from mimics_app.world.components.registry import Component, component, register_check
 
 if TYPE_CHECKING:
     from mimics_app.world.scene.scene import Scene
@@ -68,7 +68,7 @@ class Billboard(Component, frozen=True):
     lit: Annotated[bool, Meta(description="Lit by sun, lights and sky, shaded like a ball; false: unlit")] = False
 
 
-@component("particles")
+@component("particles", limit=1000)
 class Particles(Component, frozen=True):
     """An emitter. The position of a particle is a function of its number and age, independent of the frame rate."""
 
@@ -129,7 +129,7 @@ class Particles(Component, frozen=True):
     ] = 10_000
 
 
-@component("projector")
+@component("projector", limit=1000)
 class Projector(Component, frozen=True):
     """A texture projected onto the surfaces in its volume along the entity's own -z, +y up."""
 
@@ -159,12 +159,8 @@ class Projector(Component, frozen=True):
     ] = ()
 
 
-def _check_texture(texture: str | None, pointer: str, scene: Scene) -> list[Issue]:
-    return [] if texture is None else scene.check_asset(f"{pointer}/texture", texture, "picture")
-
-
 def _check_billboard(billboard: Billboard, pointer: str, scene: Scene) -> list[Issue]:
-    issues = _check_texture(billboard.texture, pointer, scene)
+    issues = scene.check_asset(f"{pointer}/texture", billboard.texture, "picture")
     if billboard.text and billboard.texture is not None:
         issues.append(scene.issue(f"{pointer}/text", "has text and texture", "leave one of the two"))
     wide, high = billboard.size
@@ -175,7 +171,7 @@ def _check_billboard(billboard: Billboard, pointer: str, scene: Scene) -> list[I
 
 
 def _check_particles(particles: Particles, pointer: str, scene: Scene) -> list[Issue]:
-    issues = _check_texture(particles.texture, pointer, scene)
+    issues = scene.check_asset(f"{pointer}/texture", particles.texture, "picture")
     for name in ("lifetime", "speed", "size"):
         least, greatest = getattr(particles, name)
         if least > greatest:
@@ -188,7 +184,7 @@ def _check_particles(particles: Particles, pointer: str, scene: Scene) -> list[I
 
 
 def _check_projector(projector: Projector, pointer: str, scene: Scene) -> list[Issue]:
-    issues = _check_texture(projector.texture, pointer, scene)
+    issues = scene.check_asset(f"{pointer}/texture", projector.texture, "picture")
     if projector.last_angle <= projector.full_angle:
         what = f"{projector.last_angle:g} rad is not beyond full_angle, {projector.full_angle:g} rad"
         issues.append(scene.issue(f"{pointer}/last_angle", what))
@@ -200,8 +196,6 @@ def _check_projector(projector: Projector, pointer: str, scene: Scene) -> list[I
     return issues
 
 
-register_limit("particles", 1000)
-register_limit("projector", 1000)
 register_check("billboard", _check_billboard)
 register_check("particles", _check_particles)
 register_check("projector", _check_projector)

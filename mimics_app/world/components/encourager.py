@@ -9,7 +9,7 @@ from msgspec import Meta
 from mimics_app.contracts.errors import Issue
 from mimics_app.world.components.animation import model_of
 from mimics_app.world.components.bounds import Name
-from mimics_app.world.components.registry import Component, component, register_check, register_limit
+from mimics_app.world.components.registry import Component, component, register_check
 
 if TYPE_CHECKING:
     from mimics_app.world.scene.scene import Scene
@@ -19,7 +19,7 @@ __all__ = ["Encourager"]
 Clips = Annotated[tuple[Name, ...], Meta(min_length=1, max_length=20)]
 
 
-@component("encourager")
+@component("encourager", limit=100)
 class Encourager(Component, frozen=True):
     """The model of the same entity reacts to trials with its clips; the haptic loop is not affected."""
 
@@ -44,5 +44,4 @@ def _check(wanted: Encourager, pointer: str, scene: Scene) -> list[Issue]:
     return scene.check_names(named, "the model has no clip", clips, "it has none")
 
 
-register_limit("encourager", 100)
 register_check("encourager", _check)

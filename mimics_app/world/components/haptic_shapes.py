@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from msgspec import Meta
 
-from mimics_app.world.components.bounds import Factor, Point, Quaternion
+from mimics_app.world.components.bounds import NO_ROTATION, Factor, Point, Quaternion
 from mimics_app.world.components.registry import Component
 
 __all__ = [
@@ -105,12 +105,7 @@ class _Placed(TouchSurface, frozen=True):
     position: Annotated[Point, Meta(description="Position of its centre in the object's frame [m]")] = (0.0, 0.0, 0.0)
     rotation: Annotated[
         Quaternion, Meta(description="Orientation in the object's frame, unit quaternion x, y, z, w")
-    ] = (
-        0.0,
-        0.0,
-        0.0,
-        1.0,
-    )
+    ] = NO_ROTATION
 
 
 class CubeSolid(_Placed, frozen=True, kw_only=True, tag="cube", tag_field="shape"):

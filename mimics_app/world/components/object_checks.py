@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.haptic_objects import MAX_PIECES
 from mimics_app.world.components import haptic_effects as effects
 from mimics_app.world.components.block_signals import SignalFault, parse_source, parse_target
+from mimics_app.world.components.curves import check_curve
 from mimics_app.world.components.haptic_shapes import (
     CubeSolid,
     CylinderSolid,
@@ -31,7 +31,7 @@ from mimics_app.world.components.objects import (
     HapticWalls,
     InteractionPoints,
 )
-from mimics_app.world.components.registry import register_check, register_limit
+from mimics_app.world.components.registry import register_check
 from mimics_app.world.components.robot import Tunnel
 from mimics_app.world.scene.placing import pose_of, stands_somewhere
 
@@ -47,11 +47,6 @@ Layer = tuple[TouchSurface, str]
 """Surface properties, and the pointer of the struct that gives them."""
 
 _MAX_GAIN = 1e6
-
-_MIN_CONTROL_POINTS = 4
-"""Minimum number of control points of a cubic spline."""
-
-_UNIT_TOLERANCE = 1e-3
 _MAX_DISTANCE = 1e3
 """Maximum distance of an object from the world's origin [m]."""
 
@@ -110,7 +105,7 @@ def _check_body(spec: HapticObject, pointer: str, scene: Scene) -> list[Issue]:
 
 
 def _check_shape(shape: Solid, pointer: str, scene: Scene) -> list[Issue]:
-    issues = _check_rotation(shape.rotation, pointer, scene)
+    issues = scene.check_rotation(f"{pointer}/rotation", shape.rotation)
     if isinstance(shape, MeshSolid):
         issues += scene.check_model_reference(f"{pointer}/source", shape.source)
     smallest = _width(shape)
@@ -162,20 +157,13 @@ def _check_surface(layers: Sequence[Layer], scene: Scene) -> list[Issue]:
     return issues
 
 
-def _check_rotation(rotation: tuple[float, ...] | None, pointer: str, scene: Scene) -> list[Issue]:
-    if rotation is None or abs(math.hypot(*rotation) - 1.0) <= _UNIT_TOLERANCE:
-        return []
-    what = f"a quaternion of length {math.hypot(*rotation):.4g} instead of 1"
-    return [scene.issue(f"{pointer}/rotation", what, "write x, y, z, w of a unit quaternion")]
-
-
 def _check_walls(walls: HapticWalls, pointer: str, scene: Scene) -> list[Issue]:
     issues = _check_place(pointer, scene)
     sides = [(getattr(walls, side), f"{pointer}/{side}") for side in SIDES]
     issues += _check_surfaces([[side, (walls, pointer)] for side in sides], scene)
     for side in SIDES:
         wall = getattr(walls, side)
-        issues += _check_rotation(wall.rotation, f"{pointer}/{side}", scene)
+        issues += scene.check_rotation(f"{pointer}/{side}/rotation", wall.rotation)
         if wall.enabled and walls.size is None and wall.position is None:
             what = f'the wall "{side}" has no place'
             issues.append(scene.issue(pointer, what, f'give the walls a "size", {side} a position, or disable it'))
@@ -212,29 +200,13 @@ def _check_acting(acting: HapticEffect | ForceField, pointer: str, scene: Scene)
 
 def check_path(path: HapticPath, pointer: str, scene: Scene) -> list[Issue]:
     """Faults of the component itself; the haptic stage checks that a curve fits its points."""
-    if (path.control_points is None) == (path.path_file is None):
-        return [scene.issue(pointer, "needs either control_points or a path_file", "give exactly one of the two")]
-    issues = [] if path.material is None else scene.check_material(f"{pointer}/material", path.material)
-    points = path.control_points
-    if points is not None and not _MIN_CONTROL_POINTS <= len(points) <= MAX_PIECES + _MIN_CONTROL_POINTS - 1:
-        most = MAX_PIECES + _MIN_CONTROL_POINTS - 1
-        what = f"{len(points)} control points; a cubic takes {_MIN_CONTROL_POINTS} to {most}"
-        issues.append(scene.issue(f"{pointer}/control_points", what))
-    if path.path_file is not None:
-        issues += scene.check_file(f"{pointer}/path_file", path.path_file)
-    elif path.basis_functions is not None:
-        issues.append(
-            scene.issue(f"{pointer}/basis_functions", "applies to a path_file, and there is none", "leave it out")
-        )
-    return issues
+    material = scene.check_material(f"{pointer}/material", path.material)
+    return check_curve(path, pointer, scene) + material
 
 
 def _check_points(points: InteractionPoints, pointer: str, scene: Scene) -> list[Issue]:
-    first = scene.components(InteractionPoints)[0][2]
-    if pointer == first:
-        named = [(i, point.entity) for i, point in enumerate(points.points) if point.entity is not None]
-        return [issue for i, name in named for issue in scene.check_entity(f"{pointer}/points/{i}/entity", name)]
-    return [scene.issue(pointer, f"a second set of points; the first is {scene.place(first)}", "keep one")]
+    shown = {f"{pointer}/points/{i}/entity": point.entity for i, point in enumerate(points.points)}
+    return scene.check_names(shown, "no entity", scene.by_id)
 
 
 def _check_connections(connections: Connections, pointer: str, scene: Scene) -> list[Issue]:
@@ -257,10 +229,6 @@ def _check_connections(connections: Connections, pointer: str, scene: Scene) -> 
     return issues
 
 
-for _name in ("haptic_object", "haptic_effect", "force_field", "haptic_path"):
-    register_limit(_name, 1000)
-for _name in ("haptic_walls", "connections", "interaction_points"):
-    register_limit(_name, 100)
 register_check("haptic_object", _check_object)
 register_check("haptic_walls", _check_walls)
 register_check("haptic_effect", _check_effect)

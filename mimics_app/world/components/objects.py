@@ -13,6 +13,7 @@ from msgspec import Meta
 
 from mimics_app.contracts.haptic_objects import MAX_POINTS
 from mimics_app.world.components.bounds import Factor, Point, Positive, Quaternion, SignedFactor, Vector
+from mimics_app.world.components.curves import Curve
 from mimics_app.world.components.haptic_effects import Effect
 from mimics_app.world.components.haptic_shapes import Solid, TouchSurface
 from mimics_app.world.components.registry import Component, component
@@ -48,7 +49,7 @@ Rows = tuple[Row, Row, Row]
 Integrator = Literal["auto", "semi_implicit", "explicit", "exact_drag", "implicit_midpoint"]
 
 
-@component("haptic_object")
+@component("haptic_object", limit=1000)
 class HapticObject(TouchSurface, frozen=True):
     """A rigid body that can be touched and moved (4.2.8)."""
 
@@ -107,7 +108,7 @@ class Wall(TouchSurface, frozen=True):
 _EVERY_WALL = Wall()
 
 
-@component("haptic_walls")
+@component("haptic_walls", limit=100)
 class HapticWalls(TouchSurface, frozen=True):
     """Six walls that bound a room, fixed to the scene; each can be placed, changed and disabled (4.2.8.6)."""
 
@@ -145,14 +146,14 @@ class _Acting(Component, frozen=True):
     ] = "user"
 
 
-@component("haptic_effect")
+@component("haptic_effect", limit=1000)
 class HapticEffect(_Acting, frozen=True, kw_only=True):
     """A force without a surface, at the place of its entity, which moves with `object`."""
 
     effect: Annotated[Effect, Meta(description="Kind of force and its parameters")]
 
 
-@component("force_field")
+@component("force_field", limit=1000)
 class ForceField(_Acting, frozen=True, kw_only=True):
     """A force computed by a compiled function of the application, a scenario or a plug-in."""
 
@@ -167,20 +168,10 @@ class ForceField(_Acting, frozen=True, kw_only=True):
     largest_force: Annotated[Factor, Meta(description="Force limit [N]; 0: none")] = 0.0
 
 
-@component("haptic_path")
-class HapticPath(Component, frozen=True):
+@component("haptic_path", limit=1000)
+class HapticPath(Curve, frozen=True):
     """A path for effects: the cubic B-spline of D2.1 4.2.10 without its walls."""
 
-    control_points: Annotated[
-        Annotated[tuple[Point, ...], Meta(max_length=1000)] | None,
-        Meta(description="Control points, world [m]; at least 4"),
-    ] = None
-    path_file: Annotated[
-        str | None, Meta(description="Recorded path to fit instead: .csv (x,y,z columns) or .json, world [m]")
-    ] = None
-    basis_functions: Annotated[
-        Annotated[int, Meta(ge=4, le=99)] | None, Meta(description="Basis functions fitted to `path_file`")
-    ] = None
     material: Annotated[str | None, Meta(description="Material of the line that shows it; absent: not shown")] = None
     shown_radius: Annotated[float, Meta(gt=0, le=1, description="Radius of that line [m]")] = 0.0015
 
@@ -198,7 +189,7 @@ class InteractionPoint(Component, frozen=True):
     entity: Annotated[str | None, Meta(description="Id of the entity that shows it; absent: not shown")] = None
 
 
-@component("interaction_points")
+@component("interaction_points", limit=100, once=True)
 class InteractionPoints(Component, frozen=True):
     """Interaction points of the device, one component at most; by default each point of contact, as large as `ball`."""
 
@@ -228,7 +219,7 @@ class Wire(Component, frozen=True):
     offset: Annotated[Vector, Meta(description="Added after the gain, in the input's unit")] = (0.0, 0.0, 0.0)
 
 
-@component("connections")
+@component("connections", limit=100)
 class Connections(Component, frozen=True):
     """Wires between outputs and inputs of blocks (4.2.12); several into one input are added."""
 

@@ -8,7 +8,7 @@ from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.world.components.bounds import Share
-from mimics_app.world.components.registry import Component, component, register_check, register_limit
+from mimics_app.world.components.registry import Component, component, register_check
 from mimics_app.world.components.shapes import PlaneShape, RingShape
 from mimics_app.world.components.visible import CameraComponent, MeshComponent
 
@@ -21,7 +21,7 @@ Every = Annotated[int, Meta(ge=1, le=60, description="Rendered in one frame of t
 Side = Annotated[int, Meta(ge=16, le=4096)]
 
 
-@component("mirror")
+@component("mirror", limit=1000)
 class Mirror(Component, frozen=True):
     """The entity's flat mesh is a mirror on the side its normals point to; beside `mesh`.
 
@@ -38,7 +38,7 @@ class Mirror(Component, frozen=True):
     ] = 1.0
 
 
-@component("screen")
+@component("screen", limit=1000)
 class Screen(Component, frozen=True):
     """The entity's mesh shows the view of a camera; beside `mesh`. A screen in its own view shows the previous one."""
 
@@ -52,7 +52,7 @@ class Screen(Component, frozen=True):
     brightness: Annotated[float, Meta(gt=0, le=100, description="Factor on the view's radiance")] = 1.0
 
 
-@component("inset")
+@component("inset", limit=1000)
 class Inset(Component, frozen=True):
     """A rectangle over the display that shows the view of a second camera: picture in picture, rear view."""
 
@@ -103,8 +103,6 @@ def _needs_mesh(pointer: str, scene: Scene) -> Issue:
     return scene.issue(pointer, 'needs a "mesh" of the same entity to be seen on', 'give the entity a "mesh"')
 
 
-for _name in ("mirror", "screen", "inset"):
-    register_limit(_name, 1000)
 register_check("mirror", _check_mirror)
 register_check("screen", _check_screen)
 register_check("inset", _check_inset)

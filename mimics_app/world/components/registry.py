@@ -27,7 +27,6 @@ __all__ = [
     "limits",
     "register_check",
     "register_component",
-    "register_limit",
     "register_section",
     "register_system",
     "section_of",
@@ -68,11 +67,21 @@ def register_component(name: str, struct: type[msgspec.Struct]) -> None:
     _add(_components, "component", name, struct)
 
 
-def component(name: str) -> Callable[[S], S]:
-    """Class decorator: register a Struct as component type `name`."""
+def component(name: str, *, limit: int | None = None, once: bool = False) -> Callable[[S], S]:
+    """Class decorator: register a Struct as component type `name`.
+
+    Args:
+        name: Key in scene files.
+        limit: Maximum number of them in a scene, counted before any is decoded; None: no limit of its own.
+        once: True for a component that the application reads once: a second one, which would be ignored, is a fault.
+    """
 
     def decorate(struct: S) -> S:
         register_component(name, struct)
+        if limit is not None:
+            _limits[name] = limit
+        if once:
+            register_check(name, _check_once)
         return struct
 
     return decorate
@@ -94,11 +103,6 @@ def register_check(component_type: str, check: ComponentCheck) -> None:
     checks = _checks.setdefault(component_type, [])
     if check not in checks:
         checks.append(check)
-
-
-def register_limit(component_type: str, limit: int) -> None:
-    """Limit the number of components of this type in a scene; counted before any is decoded."""
-    _limits[component_type] = limit
 
 
 def limits() -> dict[str, int]:
@@ -129,6 +133,14 @@ def check_of_system(name: str) -> SectionCheck | None:
 def checks_of(component_type: str) -> list[ComponentCheck]:
     """Return the checks of one component type, in order of registration."""
     return list(_checks.get(component_type, ()))
+
+
+def _check_once(own: msgspec.Struct, pointer: str, scene: Scene) -> list[Issue]:
+    first = scene.components(type(own))[0][2]
+    if pointer == first:
+        return []
+    name = pointer.rpartition("/")[2]
+    return [scene.issue(pointer, f'a second "{name}"; the first is {scene.place(first)}', "keep one")]
 
 
 def _add(table: dict[str, type[msgspec.Struct]], kind: str, name: str, struct: type[msgspec.Struct]) -> None:

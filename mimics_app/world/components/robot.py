@@ -25,6 +25,7 @@ from mimics_app.world.components.bounds import (
     Speed,
     Stiffness,
 )
+from mimics_app.world.components.curves import Curve
 from mimics_app.world.components.registry import Component, component
 
 __all__ = [
@@ -56,25 +57,13 @@ _Cosine = Annotated[float, Meta(ge=-2, le=2)]
 Row = tuple[_Cosine, _Cosine, _Cosine]
 TunnelRadius = Annotated[float, Meta(ge=0, le=10)]
 Radii = Annotated[tuple[TunnelRadius, ...], Meta(max_length=1000)]
-ControlPoints = Annotated[tuple[Point, ...], Meta(max_length=1000)]
-"""Control points [m]; the check of the curve reports a tighter limit."""
 Visits = Annotated[tuple[str, ...], Meta(max_length=1000)]
 
 
-@component("tunnel")
-class Tunnel(Component, frozen=True):
+@component("tunnel", limit=100)
+class Tunnel(Curve, frozen=True):
     """The tunnel of D2.1 4.2.10: a B-spline bisector, a radius along it, and the forces of its wall."""
 
-    control_points: Annotated[
-        ControlPoints | None, Meta(description="Control points of the cubic B-spline bisector, world [m]; at least 4")
-    ] = None
-    path_file: Annotated[
-        str | None,
-        Meta(description="Recorded path to fit instead: .csv (x,y,z columns) or .json ([[x,y,z],..]), world [m]"),
-    ] = None
-    basis_functions: Annotated[
-        Annotated[int, Meta(ge=4, le=99)] | None, Meta(description="Basis functions fitted to `path_file`")
-    ] = None
     radius: Annotated[
         TunnelRadius | Radii, Meta(description="Radius [m]; or several, evenly spaced from start to end")
     ] = 0.04
@@ -104,7 +93,7 @@ class RobotToWorld(Component, frozen=True):
     translation: Annotated[Point, Meta(description="WCS origin in the world [m]")] = (0.0, 0.0, 0.0)
 
 
-@component("robot")
+@component("robot", limit=100, once=True)
 class Robot(Component, frozen=True):
     """The robot or its simulator. Workspace figures are the HapticMaster's vendor demo constants."""
 
@@ -148,7 +137,7 @@ class Robot(Component, frozen=True):
     ] = None
 
 
-@component("patient")
+@component("patient", limit=100, once=True)
 class Patient(Component, frozen=True):
     """The simulated person on the simulated robot; absent fields come from the preset."""
 
@@ -179,7 +168,7 @@ class NextMark(Component, frozen=True):
     within: Annotated[Reach, Meta(description="Distance to the body's outline that counts as reached [m]")] = 0.02
 
 
-@component("admittance")
+@component("admittance", limit=100, once=True)
 class Admittance(Component, frozen=True):
     """Admittance control (D2.1 equations 6, 7): the person moves a virtual mass, the robot follows it."""
 
@@ -206,7 +195,7 @@ class Admittance(Component, frozen=True):
     ] = "auto"
 
 
-@component("impedance")
+@component("impedance", limit=100, once=True)
 class Impedance(Component, frozen=True):
     """Impedance control: a device that takes forces renders the virtual force; inertia and gravity are its own."""
 
@@ -221,7 +210,7 @@ class Impedance(Component, frozen=True):
     drive_force: Annotated[PositiveForce, Meta(description="Force limit of that drive [N]")] = 10.0
 
 
-@component("joint_pd")
+@component("joint_pd", limit=100, once=True)
 class JointPd(Component, frozen=True):
     """PD control of the joints (D2.1 equation 5), drives the robot to a trial's start."""
 
@@ -229,7 +218,7 @@ class JointPd(Component, frozen=True):
     kd: Annotated[Gains, Meta(description="Gain per joint [-], below 1")] = (0.1, 0.1, 0.1)
 
 
-@component("world_pd")
+@component("world_pd", limit=100, once=True)
 class WorldPd(Component, frozen=True):
     """PD control to a position (D2.1 4.2.6): straight, or as printed by inverse kinematics and joint PD."""
 
@@ -241,7 +230,7 @@ class WorldPd(Component, frozen=True):
     ] = "straight"
 
 
-@component("ball")
+@component("ball", limit=100)
 class Ball(Component, frozen=True):
     """The ball that marks the hand; grasping makes it smaller."""
 
@@ -250,7 +239,7 @@ class Ball(Component, frozen=True):
     grasp_force_full: Annotated[PositiveForce, Meta(description="Grasp force that makes it smallest [N]")] = 20.0
 
 
-@component("safety")
+@component("safety", limit=100, once=True)
 class Safety(Component, frozen=True):
     """Limits and thresholds of the haptic loop. Research software: no substitute for an independent hardware stop."""
 

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import msgspec
 import numpy as np
 
 from mimics_app.contracts.errors import Issue
-from mimics_app.contracts.haptic_objects import MAX_PIECES
-from mimics_app.world.components.registry import ComponentCheck, register_check, register_limit
+from mimics_app.world.components.curves import check_curve
+from mimics_app.world.components.registry import register_check
 from mimics_app.world.components.robot import (
-    Admittance,
     Ball,
-    Impedance,
     JointPd,
     Patient,
     Robot,
@@ -27,53 +24,15 @@ if TYPE_CHECKING:
 
 __all__ = ["check_tunnel_component"]
 
-SINGLE: dict[str, type[msgspec.Struct]] = {
-    "robot": Robot,
-    "patient": Patient,
-    "admittance": Admittance,
-    "impedance": Impedance,
-    "joint_pd": JointPd,
-    "world_pd": WorldPd,
-    "safety": Safety,
-}
-"""Components that a scene has once at most."""
-
-_DEGREE = 3
 _ROTATION_TOLERANCE = 1e-6
 
 
 def check_tunnel_component(tunnel: Tunnel, pointer: str, scene: Scene) -> list[Issue]:
     """Faults of the component itself; the haptic stage checks that the tunnel is passable."""
-    if (tunnel.control_points is None) == (tunnel.path_file is None):
-        return [scene.issue(pointer, "needs either control_points or a path_file", "give exactly one of the two")]
-    issues = []
-    if tunnel.path_file is not None:
-        issues += scene.check_file(f"{pointer}/path_file", tunnel.path_file)
-    elif tunnel.basis_functions is not None:
-        issues.append(
-            scene.issue(f"{pointer}/basis_functions", "applies to a path_file, and there is none", "leave it out")
-        )
-    if tunnel.control_points is not None:
-        count = len(tunnel.control_points)
-        if not _DEGREE + 1 <= count <= MAX_PIECES + _DEGREE:
-            what = f"{count} control points; a cubic takes {_DEGREE + 1} to {MAX_PIECES + _DEGREE}"
-            issues.append(scene.issue(f"{pointer}/control_points", what))
+    issues = check_curve(tunnel, pointer, scene)
     if tunnel.radius == ():
         issues.append(scene.issue(f"{pointer}/radius", "an empty list", "give one number or more"))
     return issues
-
-
-def _check_single(component: type[msgspec.Struct]) -> ComponentCheck:
-    """Return the check of a component that the application reads once: a second one would be ignored."""
-
-    def check(_: msgspec.Struct, pointer: str, scene: Scene) -> list[Issue]:
-        first = scene.components(component)[0][2]
-        if pointer == first:
-            return []
-        name = pointer.rpartition("/")[2]
-        return [scene.issue(pointer, f'a second "{name}"; the first is {scene.place(first)}', "keep one")]
-
-    return check
 
 
 def _check_robot(robot: Robot, pointer: str, scene: Scene) -> list[Issue]:
@@ -121,10 +80,6 @@ def _check_safety(safety: Safety, pointer: str, scene: Scene) -> list[Issue]:
     ]
 
 
-for _name in (*SINGLE, "tunnel", "ball"):
-    register_limit(_name, 100)
-for _name, _type in SINGLE.items():
-    register_check(_name, _check_single(_type))
 register_check("tunnel", check_tunnel_component)
 register_check("robot", _check_robot)
 register_check("patient", _check_patient)

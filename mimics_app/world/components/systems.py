@@ -175,7 +175,7 @@ def _check_display(settings: DisplaySettings, scene: Scene) -> list[Issue]:
 
 def _check_audio(settings: AudioSettings, scene: Scene) -> list[Issue]:
     """Return the faults of a head that is no asset, and of loudspeakers or a mixer that would be ignored."""
-    issues = [] if settings.sofa is None else scene.check_asset("/systems/audio/sofa", settings.sofa, "head")
+    issues = scene.check_asset("/systems/audio/sofa", settings.sofa, "head")
     around = settings.speakers != "stereo"
     if around and settings.hrtf is not False:
         what = f"{settings.speakers} is not played with head-related filters"

@@ -8,7 +8,7 @@ from msgspec import Meta, field
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.tracker_port import TRACKER_KINDS, tracker_names
-from mimics_app.world.components.bounds import Point, Quaternion
+from mimics_app.world.components.bounds import NO_ROTATION, Point, Quaternion
 from mimics_app.world.components.registry import Component, register_system
 
 if TYPE_CHECKING:
@@ -62,12 +62,7 @@ class TrackerSpec(Component, frozen=True):
     offset: Annotated[Point, Meta(description="Position of the part of the body in the sensor's frame [m]")] = (0, 0, 0)
     turn: Annotated[
         Quaternion, Meta(description="Orientation of the part of the body in the sensor's frame, x y z w")
-    ] = (
-        0.0,
-        0.0,
-        0.0,
-        1.0,
-    )
+    ] = NO_ROTATION
 
 
 class TrackersSettings(Component, frozen=True):

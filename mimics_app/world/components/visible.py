@@ -13,7 +13,7 @@ from msgspec import Meta
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.sound_scene import MAX_EMITTERS
 from mimics_app.world.components.bounds import Extent, Factor, FarPoint, Figure, Length, Light, PositiveForce, Share
-from mimics_app.world.components.registry import Component, component, register_check, register_limit
+from mimics_app.world.components.registry import Component, component, register_check
 from mimics_app.world.components.shapes import RingShape, Shape
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ class MeshComponent(Component, frozen=True):
     casts_shadow: Annotated[bool, Meta(description="Drawn into shadow maps")] = True
 
 
-@component("light")
+@component("light", limit=1000)
 class LightComponent(Component, frozen=True):
     """A light; directional and spot shine along the entity's own -z."""
 
@@ -80,7 +80,7 @@ class LightComponent(Component, frozen=True):
     target: Annotated[FarPoint | None, Meta(description="World point it is aimed at [m]")] = None
 
 
-@component("camera")
+@component("camera", limit=1000)
 class CameraComponent(Component, frozen=True):
     """A camera; it looks along the entity's own -z, +y up."""
 
@@ -114,7 +114,7 @@ class BackdropSpec(Component, frozen=True):
     tile: Annotated[Length, Meta(description="Width of one texture tile on the plane [m]")] = 100.0
 
 
-@component("environment")
+@component("environment", limit=1000, once=True)
 class Environment(Component, frozen=True):
     """Sky, fog and ambient light; one per scene."""
 
@@ -133,7 +133,7 @@ class Environment(Component, frozen=True):
     ] = False
 
 
-@component("sound")
+@component("sound", limit=1000)
 class Sound(Component, frozen=True):
     """A sound, named by the entity's id. Either an `asset` or a `synth` recipe."""
 
@@ -175,7 +175,7 @@ class Sound(Component, frozen=True):
     ] = True
 
 
-@component("sound_emitter")
+@component("sound_emitter", limit=MAX_EMITTERS)
 class SoundEmitter(Component, frozen=True):
     """A sound that plays from this entity, with distance (inverse law, clamped)."""
 
@@ -200,7 +200,7 @@ class SoundEmitter(Component, frozen=True):
     )
 
 
-@component("walker")
+@component("walker", limit=1000)
 class Walker(Component, frozen=True):
     """Footsteps while the entity moves; each is a trigger "step" of this material."""
 
@@ -210,7 +210,7 @@ class Walker(Component, frozen=True):
     strength: Annotated[float, Meta(ge=0, le=4, description="Linear factor on the level of the steps")] = 1.0
 
 
-@component("sound_bus")
+@component("sound_bus", limit=16)
 class SoundBus(Component, frozen=True):
     """A group of sounds, named by the entity's id."""
 
@@ -221,7 +221,7 @@ class SoundBus(Component, frozen=True):
     duck_gain: Annotated[Share, Meta(description="Linear factor on those; 0.25: by 12 dB")] = 0.25
 
 
-@component("sound_room")
+@component("sound_room", limit=1000)
 class SoundRoom(Component, frozen=True):
     """A box about the entity with reverberation, which a listener outside does not hear."""
 
@@ -231,7 +231,7 @@ class SoundRoom(Component, frozen=True):
     border: Annotated[Length, Meta(description="Distance over which it fades in from the walls inwards [m]")] = 1.0
 
 
-@component("sound_obstacle")
+@component("sound_obstacle", limit=1000)
 class SoundObstacle(Component, frozen=True):
     """A box about the entity that attenuates sound (mass law), which is also diffracted at its edges."""
 
@@ -241,7 +241,7 @@ class SoundObstacle(Component, frozen=True):
     ] = 20.0
 
 
-@component("hud")
+@component("hud", limit=1000)
 class Hud(Component, frozen=True):
     """Figures and bars over the picture."""
 
@@ -257,7 +257,7 @@ class Hud(Component, frozen=True):
     force_full: Annotated[PositiveForce, Meta(description="Force that fills the force bar [N]")] = 30.0
 
 
-@component("tunnel_view")
+@component("tunnel_view", limit=1000)
 class TunnelView(Component, frozen=True):
     """Appearance of a tunnel; on the entity that has the `tunnel`."""
 
@@ -279,9 +279,7 @@ def _check_mesh(mesh: MeshComponent, pointer: str, scene: Scene) -> list[Issue]:
         issues.append(scene.issue(where, f"{mesh.primitive.inner_radius:g} m is not inside outer_radius"))
     if mesh.source is not None:
         issues += scene.check_model_reference(f"{pointer}/source", mesh.source)
-    if mesh.material is not None:
-        issues += scene.check_material(f"{pointer}/material", mesh.material)
-    return issues
+    return issues + scene.check_material(f"{pointer}/material", mesh.material)
 
 
 def _check_light(light: LightComponent, pointer: str, scene: Scene) -> list[Issue]:
@@ -298,9 +296,6 @@ def _check_camera(camera: CameraComponent, pointer: str, scene: Scene) -> list[I
 
 
 def _check_environment(environment: Environment, pointer: str, scene: Scene) -> list[Issue]:
-    first = scene.components(Environment)[0][2]
-    if pointer != first:
-        return [scene.issue(pointer, f"a second environment; the first is {scene.place(first)}", "keep one")]
     backdrop, issues = environment.backdrop, []
     if backdrop is not None:
         below = f"{pointer}/backdrop/textures"
@@ -318,8 +313,7 @@ def _check_sound(sound: Sound, pointer: str, scene: Scene) -> list[Issue]:
     issues = []
     if (sound.asset is None) == (sound.synth is None):
         issues.append(scene.issue(pointer, "needs either an asset or a synth recipe", "give exactly one of the two"))
-    if sound.asset is not None:
-        issues += scene.check_asset(f"{pointer}/asset", sound.asset, "sound")
+    issues += scene.check_asset(f"{pointer}/asset", sound.asset, "sound")
     if sound.bus != "main":
         issues += scene.check_entity_with(SoundBus, f"{pointer}/bus", sound.bus)
     return issues
@@ -343,16 +337,9 @@ def _check_sound_emitter(emitter: SoundEmitter, pointer: str, scene: Scene) -> l
 
 def _check_tunnel_view(view: TunnelView, pointer: str, scene: Scene) -> list[Issue]:
     issues = scene.check_material(f"{pointer}/material", view.material)
-    if view.bisector_material is not None:
-        issues += scene.check_material(f"{pointer}/bisector_material", view.bisector_material)
-    return issues
+    return issues + scene.check_material(f"{pointer}/bisector_material", view.bisector_material)
 
 
-_COUNTED = ("light", "camera", "sound", "hud", "tunnel_view", "environment", "sound_room", "sound_obstacle", "walker")
-for _name in _COUNTED:
-    register_limit(_name, 1000)
-register_limit("sound_emitter", MAX_EMITTERS)
-register_limit("sound_bus", 16)
 register_check("mesh", _check_mesh)
 register_check("light", _check_light)
 register_check("camera", _check_camera)

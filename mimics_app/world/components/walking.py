@@ -71,9 +71,7 @@ def _check_path(path: WalkingPath, pointer: str, scene: Scene) -> list[Issue]:
 
 def _check_walker(walker: PathWalker, pointer: str, scene: Scene) -> list[Issue]:
     issues = scene.check_entity_with(WalkingPath, f"{pointer}/path", walker.path)
-    if walker.beside is not None:
-        issues += scene.check_entity_with(PathWalker, f"{pointer}/beside", walker.beside)
-    return issues
+    return issues + scene.check_entity_with(PathWalker, f"{pointer}/beside", walker.beside)
 
 
 register_check("walking_path", _check_path)

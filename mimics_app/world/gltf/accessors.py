@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import Records
+from mimics_app.contracts.arrays import F4, Records
 from mimics_app.world.gltf.buffers import GltfBuffers
 from mimics_app.world.gltf.gltf_document import GltfSource
 
@@ -77,6 +77,19 @@ class GltfAccessors:
     def stored(self, index: object, pointer: str) -> Records:
         """Read an accessor of any type as stored, sparse values applied, [n, components]."""
         return self._read(self._require(index, pointer, tuple(_SIZES)), pointer)
+
+    def of_vertices(self, holder: dict[str, Any], name: str, place: str, vertices: int, *shapes: str) -> F4 | None:
+        """Read a member of attributes or of a morph target as `floats`, one element a vertex; None where absent."""
+        if name not in holder:
+            return None
+        values = self.floats(holder[name], f"{place}/{name}", *shapes)
+        self.check_count(len(values), vertices, f"{place}/{name}")
+        return values
+
+    def check_count(self, found: int, vertices: int, pointer: str) -> None:
+        """Report an attribute that has not one element for each vertex."""
+        if found != vertices:
+            self._source.fail(pointer, f"has {found} elements, POSITION has {vertices}")
 
     def count(self, index: object, pointer: str) -> int:
         """Return the number of elements of an accessor without decoding it."""

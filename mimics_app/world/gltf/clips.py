@@ -39,15 +39,11 @@ class GltfClips:
 
     def read_all(self) -> list[Clip]:
         """Read every animation that moves a node; faults are collected. An unnamed one is "clip" and its number."""
-        found: list[Clip] = []
-        for i, item in enumerate(self._source.table("animations")):
-            with self._source.collecting():
-                clip = self._read(item, f"/animations/{i}", f"clip {i}")
-                if clip is not None:
-                    found.append(clip)
-        return found
+        animations = self._source.table("animations")
+        clips = self._source.read_each(animations, "/animations", self._read, lambda: None)
+        return [clip for clip in clips if clip is not None]
 
-    def _read(self, item: dict[str, Any], place: str, number: str) -> Clip | None:
+    def _read(self, item: dict[str, Any], place: str) -> Clip | None:
         tracks: dict[tuple[int, TrackPath], Track] = {}
         for i, channel in enumerate(self._source.list(item, "channels", place)):
             with self._source.collecting():
@@ -60,30 +56,23 @@ class GltfClips:
                 tracks[track.target, track.path] = track
         if not tracks:
             return None
-        name = self._source.text(item, "name", place) or number
+        name = self._source.text(item, "name", place) or f"clip {place.rpartition('/')[2]}"
         return pack_clip(name, list(tracks.values()), self._events(item, place))
 
     def _channel(self, item: dict[str, Any], channel: object, place: str, here: str) -> Track | None:
         source = self._source
-        if not isinstance(channel, dict):
-            source.fail(here, "must be an object")
+        channel = source.entry(channel, here)
         target = source.object(channel, "target", here)
-        path = source.text(target, "path", f"{here}/target")
-        if "node" not in target or path == "pointer":
+        if "node" not in target or target.get("path") == "pointer":
             source.note(f"{here} left out: it moves no node")
             return None
         node = source.index(target["node"], len(self._nodes), "nodes", f"{here}/target/node")
-        if path not in _PATHS:
-            source.fail(f"{here}/target/path", f'"{path:.40}" is not one of {", ".join(_PATHS)}')
+        path = source.choice(target, "path", f"{here}/target", _PATHS)
         samplers = source.list(item, "samplers", place)
         number = source.index(channel.get("sampler"), len(samplers), "samplers", f"{here}/sampler")
         where = f"{place}/samplers/{number}"
-        sampler = samplers[number]
-        if not isinstance(sampler, dict):
-            source.fail(where, "must be an object")
-        kind = source.text(sampler, "interpolation", where, "LINEAR")
-        if kind not in _KINDS:
-            source.fail(f"{where}/interpolation", f'"{kind:.40}" is not one of {", ".join(_KINDS)}')
+        sampler = source.entry(samplers[number], where)
+        kind = source.choice(sampler, "interpolation", where, _KINDS, "LINEAR")
         width = self._width(node, path, here)
         if width == 0:
             source.note(f"{here} left out: node {node} has no morph targets")
@@ -131,8 +120,7 @@ class GltfClips:
         here, found = f"{place}/extras/mimics/events", []
         for i, event in enumerate(source.list(ours, "events", f"{place}/extras/mimics")):
             where = f"{here}/{i}"
-            if not isinstance(event, dict):
-                source.fail(where, "must be an object")
+            event = source.entry(event, where)
             kind = source.text(event, "kind", where)
             if not kind:
                 source.fail(where, 'the key "kind" is missing')

@@ -65,13 +65,13 @@ class GltfDeforms:
             self._source.fail(f"{place}/targets", f"{len(targets)} morph targets are more than {_MAX_MORPHS}")
         for number, target in enumerate(targets):
             here = f"{place}/targets/{number}"
-            if not isinstance(target, dict):
-                self._source.fail(here, "must be an object")
-            positions = self._shift(target, "POSITION", here, vertices)
+            target = self._source.entry(target, here)
+            positions = self._accessors.of_vertices(target, "POSITION", here, vertices, "VEC3")
             if positions is None:
                 self._source.take(12 * vertices, here)
                 positions = np.zeros((vertices, 3), np.float32)
-            found.append(MorphTarget("", positions, self._shift(target, "NORMAL", here, vertices)))
+            normals = self._accessors.of_vertices(target, "NORMAL", here, vertices, "VEC3")
+            found.append(MorphTarget("", positions, normals))
         return tuple(found)
 
     def weights(self, mesh: dict[str, Any], primitives: list[GltfPrimitive], place: str) -> tuple[float, ...]:
@@ -99,7 +99,7 @@ class GltfDeforms:
     def _joints(self, attributes: dict[str, Any], number: int, place: str, vertices: int) -> NDArray[np.uint16]:
         name = f"JOINTS_{number}"
         values = self._accessors.whole_numbers(attributes[name], f"{place}/{name}", "VEC4")
-        self._check_count(len(values), vertices, f"{place}/{name}")
+        self._accessors.check_count(len(values), vertices, f"{place}/{name}")
         return values
 
     def _weights(self, attributes: dict[str, Any], number: int, place: str, vertices: int) -> NDArray[np.float32]:
@@ -107,15 +107,11 @@ class GltfDeforms:
         if name not in attributes:
             self._source.fail(place, f"has JOINTS_{number} and no {name}")
         values = self._accessors.shares(attributes[name], f"{place}/{name}", "VEC4")
-        self._check_count(len(values), vertices, f"{place}/{name}")
+        self._accessors.check_count(len(values), vertices, f"{place}/{name}")
         if values.min(initial=0.0) < 0.0:
             vertex = int(np.flatnonzero((values < 0.0).any(axis=1))[0])
             self._source.fail(f"{place}/{name}", f"vertex {vertex} has a negative weight")
         return values
-
-    def _check_count(self, found: int, vertices: int, pointer: str) -> None:
-        if found != vertices:
-            self._source.fail(pointer, f"has {found} elements, POSITION has {vertices}")
 
     def _scaled(self, joints: NDArray[np.uint16], weights: NDArray[np.float64], pointer: str) -> VertexWeights:
         """Sort by falling weight, drop unused columns, and normalise each vertex's weights to a sum of 1."""
@@ -135,10 +131,3 @@ class GltfDeforms:
         scaled = np.take_along_axis(weights, order, axis=1) / sums[:, None]
         numbers = np.where(scaled > 0.0, np.take_along_axis(joints, order, axis=1), 0).astype(np.uint16)
         return VertexWeights(np.ascontiguousarray(numbers), np.ascontiguousarray(scaled, np.float32))
-
-    def _shift(self, target: dict[str, Any], name: str, place: str, vertices: int) -> NDArray[np.float32] | None:
-        if name not in target:
-            return None
-        values = self._accessors.floats(target[name], f"{place}/{name}", "VEC3")
-        self._check_count(len(values), vertices, f"{place}/{name}")
-        return values

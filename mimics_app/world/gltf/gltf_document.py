@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar
 
 from mimics_app.contracts.errors import Issue, SceneError, short_text
 from mimics_app.contracts.plural import counted, singular
@@ -20,6 +20,8 @@ from mimics_app.world.scene.paths import PathFault, find_file
 from mimics_app.world.scene.scene_files import read_bytes
 
 __all__ = ["MAX_ITEMS", "MAX_NOTES", "MAX_TOTAL_BYTES", "GltfError", "GltfSource", "open_gltf", "parse_gltf"]
+
+T = TypeVar("T")
 
 MAX_TOTAL_BYTES = 256 * 1024 * 1024
 """Maximum memory of one model [bytes]: buffers, decoded accessors, images, and the arrays of every primitive.
@@ -137,8 +139,33 @@ class GltfSource:
         if len(value) > limit:
             self.fail(f"/{name}", f"{len(value)} {name} are more than {limit}")
         for i, item in enumerate(value):
-            if not isinstance(item, dict):
-                self.fail(f"/{name}/{i}", "must be an object")
+            self.entry(item, f"/{name}/{i}")
+        return value
+
+    def read_each(
+        self, items: list[Any], pointer: str, read: Callable[[dict[str, Any], str], T], faulty: Callable[[], T]
+    ) -> list[T]:
+        """Read the items of a list, each from its object and pointer; a fault is collected and `faulty` called instead.
+
+        Args:
+            items: Items of the list, which must be objects.
+            pointer: Pointer of the list.
+            read: Reads one item.
+            faulty: Returns what stands for an item with a fault.
+        """
+        results = []
+        for i, item in enumerate(items):
+            place = f"{pointer}/{i}"
+            with self.collecting():
+                results.append(read(self.entry(item, place), place))
+            if len(results) == i:
+                results.append(faulty())
+        return results
+
+    def entry(self, value: object, pointer: str) -> dict[str, Any]:
+        """Return a value that must be an object."""
+        if not isinstance(value, dict):
+            self.fail(pointer, "must be an object")
         return value
 
     def item(self, name: str, index: object, pointer: str) -> dict[str, Any]:
@@ -156,10 +183,11 @@ class GltfSource:
 
     def object(self, holder: dict[str, Any], key: str, pointer: str) -> dict[str, Any]:
         """Return an object-valued property, {} where absent."""
-        value = holder.get(key, {})
-        if not isinstance(value, dict):
-            self.fail(f"{pointer}/{key}", "must be an object")
-        return value
+        return self.entry(holder.get(key, {}), f"{pointer}/{key}")
+
+    def extension(self, holder: dict[str, Any], name: str, pointer: str) -> dict[str, Any]:
+        """Return an extension of an object, {} where absent."""
+        return self.object(self.object(holder, "extensions", pointer), name, f"{pointer}/extensions")
 
     def list(self, holder: dict[str, Any], key: str, pointer: str) -> list[Any]:
         """Return a list-valued property, [] where absent."""
@@ -173,6 +201,15 @@ class GltfSource:
         value = holder.get(key, default)
         if not isinstance(value, str):
             self.fail(f"{pointer}/{key}", "must be a text")
+        return value
+
+    def choice(
+        self, holder: dict[str, Any], key: str, pointer: str, choices: Collection[str], default: str = ""
+    ) -> str:
+        """Return a string-valued property that must be one of some."""
+        value = self.text(holder, key, pointer, default)
+        if value not in choices:
+            self.fail(f"{pointer}/{key}", f'"{value:.40}" is not one of {", ".join(choices)}')
         return value
 
     def whole(self, holder: dict[str, Any], key: str, pointer: str, default: int | None = None, least: int = 0) -> int:

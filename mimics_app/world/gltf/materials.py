@@ -65,25 +65,17 @@ class GltfMaterials:
 
     def read_all(self) -> list[GltfMaterial]:
         """Read every material; faults are collected, and a faulty material is replaced by plain grey."""
-        result = []
-        for i, item in enumerate(self._source.table("materials")):
-            material = GltfMaterial(Material(f"material{i}"), 0, np.eye(3)[:2])
-            with self._source.collecting():
-                material = self._read(item, f"/materials/{i}", i)
-            result.append(material)
-        return result
+        items = self._source.table("materials")
+        return self._source.read_each(items, "/materials", self._read, lambda: GltfMaterial(Material(""), 0, _PLAIN))
 
-    def _read(self, item: dict[str, Any], place: str, number: int) -> GltfMaterial:
+    def _read(self, item: dict[str, Any], place: str) -> GltfMaterial:
         source = self._source
         shading = source.object(item, "pbrMetallicRoughness", place)
         below = f"{place}/pbrMetallicRoughness"
-        extensions = source.object(item, "extensions", place)
-        mode = source.text(item, "alphaMode", place, "OPAQUE")
-        if mode not in _ALPHA_MODES:
-            source.fail(f"{place}/alphaMode", f'"{mode[:40]}" is not one of {", ".join(_ALPHA_MODES)}')
-        name = self._unique(source.text(item, "name", place) or f"material{number}")
+        mode = source.choice(item, "alphaMode", place, _ALPHA_MODES, "OPAQUE")
+        name = self._unique(source.text(item, "name", place) or f"material{place.rpartition('/')[2]}")
         maps, uv_set, first = self._maps(item, place, name)
-        unlit = "KHR_materials_unlit" in extensions
+        unlit = "KHR_materials_unlit" in source.object(item, "extensions", place)
         keys: dict[str, Any] = {f"{which}_texture": used.key for which, used in maps.items()}
         material = Material(
             name=name,
@@ -139,10 +131,9 @@ class GltfMaterials:
 
     def _emission(self, item: dict[str, Any], place: str) -> tuple[float, float, float]:
         source = self._source
-        extensions = source.object(item, "extensions", place)
-        strength_place = f"{place}/extensions/KHR_materials_emissive_strength"
-        holder = source.object(extensions, "KHR_materials_emissive_strength", f"{place}/extensions")
-        strength = source.number(holder, "emissiveStrength", strength_place, 1.0, 0.0)
+        holder = source.extension(item, "KHR_materials_emissive_strength", place)
+        where = f"{place}/extensions/KHR_materials_emissive_strength"
+        strength = source.number(holder, "emissiveStrength", where, 1.0, 0.0)
         red, green, blue = source.vector(item, "emissiveFactor", place, (0.0, 0.0, 0.0))
         return red * strength, green * strength, blue * strength
 
@@ -150,10 +141,7 @@ class GltfMaterials:
         source = self._source
         key = self._images.texture(info.get("index"), f"{here}/index")
         uv_set = source.whole(info, "texCoord", here, 0)
-        extensions = source.object(info, "extensions", here)
-        if "KHR_texture_transform" not in extensions:
-            return _Placed(key, uv_set, _PLAIN)
-        shift = source.object(extensions, "KHR_texture_transform", f"{here}/extensions")
+        shift = source.extension(info, "KHR_texture_transform", here)
         there = f"{here}/extensions/KHR_texture_transform"
         return _Placed(key, source.whole(shift, "texCoord", there, uv_set), self._uv_transform(shift, there))
 

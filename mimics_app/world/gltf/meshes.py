@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -75,32 +75,19 @@ class GltfMeshes:
 
     def read_all(self) -> list[GltfMesh]:
         """Read every mesh; faults are collected, and a faulty primitive is left out."""
-        result = []
-        for i, item in enumerate(self._source.table("meshes")):
-            mesh = GltfMesh("", [])
-            with self._source.collecting():
-                mesh = self._read(item, f"/meshes/{i}")
-            result.append(mesh)
-        return result
+        return self._source.read_each(self._source.table("meshes"), "/meshes", self._read, lambda: GltfMesh("", []))
 
     def _read(self, item: dict[str, Any], place: str) -> GltfMesh:
-        mesh = GltfMesh(self._source.text(item, "name", place), [])
+        name = self._source.text(item, "name", place)
         primitives = self._source.list(item, "primitives", place)
         if not primitives:
             self._source.fail(f"{place}/primitives", "has no primitive")
         self._primitives += len(primitives)
         if self._primitives > MAX_ITEMS:
             self._source.fail(f"{place}/primitives", f"the model has more than {MAX_ITEMS} primitives")
-        for i, primitive in enumerate(primitives):
-            with self._source.collecting():
-                here = f"{place}/primitives/{i}"
-                if not isinstance(primitive, dict):
-                    self._source.fail(here, "must be an object")
-                part = self._primitive(primitive, here)
-                if part is not None:
-                    mesh.primitives.append(part)
-        named = self._deforms.named(item, mesh.primitives, place)
-        return replace(mesh, primitives=named, morph_weights=self._deforms.weights(item, named, place))
+        parts = self._source.read_each(primitives, f"{place}/primitives", self._primitive, lambda: None)
+        named = self._deforms.named(item, [part for part in parts if part is not None], place)
+        return GltfMesh(name, named, self._deforms.weights(item, named, place))
 
     def _primitive(self, primitive: dict[str, Any], place: str) -> GltfPrimitive | None:
         source = self._source
@@ -126,9 +113,9 @@ class GltfMeshes:
         if farthest > FARTHEST:
             source.fail(f"{here}/POSITION", f"a vertex at {farthest:g} m lies beyond {FARTHEST:g} m")
         indices = self._triangles(primitive, len(positions), mode, place)
-        normals = self._optional(attributes, "NORMAL", here, len(positions), "VEC3")
+        normals = self._accessors.of_vertices(attributes, "NORMAL", here, len(positions), "VEC3")
         uvs = self._uvs(attributes, here, len(positions), material)
-        colours = self._optional(attributes, "COLOR_0", here, len(positions), "VEC3", "VEC4")
+        colours = self._accessors.of_vertices(attributes, "COLOR_0", here, len(positions), "VEC3", "VEC4")
         if colours is not None and colours.shape[1] == 3:
             source.take(16 * len(colours), place)
             colours = np.concatenate([colours, np.ones((len(colours), 1), np.float32)], axis=1)
@@ -166,18 +153,10 @@ class GltfMeshes:
             source.take(_STRIP_INDEX_BYTES * indices.size, where)
         return _as_list(indices, mode)
 
-    def _optional(self, attributes: dict[str, Any], name: str, place: str, vertices: int, *shapes: str) -> F4 | None:
-        if name not in attributes:
-            return None
-        values = self._accessors.floats(attributes[name], f"{place}/{name}", *shapes)
-        if len(values) != vertices:
-            self._source.fail(f"{place}/{name}", f"has {len(values)} elements, POSITION has {vertices}")
-        return values
-
     def _uvs(self, attributes: dict[str, Any], place: str, vertices: int, material: int | None) -> F4 | None:
         used = None if material is None else self._materials[material]
         name = "TEXCOORD_0" if used is None else f"TEXCOORD_{used.uv_set}"
-        uvs = self._optional(attributes, name, place, vertices, "VEC2")
+        uvs = self._accessors.of_vertices(attributes, name, place, vertices, "VEC2")
         if used is None or not used.material.textures:
             return uvs
         if uvs is None:

@@ -6,7 +6,7 @@ import itertools
 import math
 from dataclasses import dataclass, field
 from types import NoneType
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -27,6 +27,7 @@ _QUATERNION_TOLERANCE = 1e-2
 """Deviation of a quaternion's length from 1 that is taken as rounding (normalised bytes) and corrected."""
 
 _LIGHT_KINDS: tuple[LightKind, ...] = ("directional", "point", "spot")
+_LIGHTS = "/extensions/KHR_lights_punctual"
 _IDENTITY = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
@@ -117,14 +118,10 @@ class GltfNodes:
     def read_all(self) -> None:
         """Fill `nodes`, `cameras` and `lights`; faults are collected."""
         source = self._source
-        table = source.table("nodes")
-        self._read_cameras()
-        self._read_lights()
-        for i, item in enumerate(table):
-            node = GltfNode()
-            with source.collecting():
-                node = self._node(item, f"/nodes/{i}")
-            self.nodes.append(node)
+        self.cameras = source.read_each(source.table("cameras"), "/cameras", self._camera, lambda: None)
+        lights = source.list(source.extension(source.json, "KHR_lights_punctual", ""), "lights", _LIGHTS)
+        self.lights = source.read_each(lights, f"{_LIGHTS}/lights", self._light, lambda: None)
+        self.nodes = source.read_each(source.table("nodes"), "/nodes", self._node, GltfNode)
         self._link()
         for node in self.nodes:
             self._check_levels(node)
@@ -151,8 +148,7 @@ class GltfNodes:
         source = self._source
         node = GltfNode(name=source.text(item, "name", place))
         self._place(node, item, place)
-        extensions = source.object(item, "extensions", place)
-        punctual = source.object(extensions, "KHR_lights_punctual", f"{place}/extensions")
+        punctual = source.extension(item, "KHR_lights_punctual", place)
         where = f"{place}/extensions/KHR_lights_punctual/light"
         if "mesh" in item:
             node.mesh = source.index(item["mesh"], len(self._farthest), "meshes", f"{place}/mesh")
@@ -165,9 +161,8 @@ class GltfNodes:
             node.camera = source.index(item["camera"], len(self.cameras), "cameras", f"{place}/camera")
         if "light" in punctual:
             node.light = source.index(punctual["light"], len(self.lights), "lights", where)
-        visibility = source.object(extensions, "KHR_node_visibility", f"{place}/extensions")
-        node.visible = visibility.get("visible") is not False
-        self._read_levels(node, source.object(extensions, "MSFT_lod", f"{place}/extensions"), item, place)
+        node.visible = source.extension(item, "KHR_node_visibility", place).get("visible") is not False
+        self._read_levels(node, source.extension(item, "MSFT_lod", place), item, place)
         extras = item.get("extras")
         if isinstance(extras, dict):
             node.extras = extras
@@ -282,14 +277,6 @@ class GltfNodes:
         if not max(farthest, factor) <= FARTHEST:
             self._source.fail(f"/nodes/{index}", f"it reaches {farthest:g} m, which is beyond {FARTHEST:g} m")
 
-    def _read_cameras(self) -> None:
-        source = self._source
-        for i, item in enumerate(source.table("cameras")):
-            camera = None
-            with source.collecting():
-                camera = self._camera(item, f"/cameras/{i}")
-            self.cameras.append(camera)
-
     def _camera(self, item: dict[str, Any], place: str) -> GltfCamera | None:
         source = self._source
         if source.text(item, "type", place) != "perspective":
@@ -306,25 +293,9 @@ class GltfNodes:
             source.fail(here, f"znear {near:g} is not between 0 and zfar {far:g}")
         return GltfCamera(source.text(item, "name", place), fov, near, far)
 
-    def _read_lights(self) -> None:
-        source = self._source
-        extensions = source.object(source.json, "extensions", "")
-        holder = source.object(extensions, "KHR_lights_punctual", "/extensions")
-        place = "/extensions/KHR_lights_punctual"
-        for i, item in enumerate(source.list(holder, "lights", place)):
-            light = None
-            with source.collecting():
-                if not isinstance(item, dict):
-                    source.fail(f"{place}/lights/{i}", "must be an object")
-                light = self._light(item, f"{place}/lights/{i}")
-            self.lights.append(light)
-
     def _light(self, item: dict[str, Any], place: str) -> GltfLight:
         source = self._source
-        named = source.text(item, "type", place)
-        kind = next((kind for kind in _LIGHT_KINDS if kind == named), None)
-        if kind is None:
-            source.fail(f"{place}/type", f'"{named[:40]}" is not one of {", ".join(_LIGHT_KINDS)}')
+        kind = cast(LightKind, source.choice(item, "type", place, _LIGHT_KINDS))
         spot = source.object(item, "spot", place)
         inner = source.number(spot, "innerConeAngle", f"{place}/spot", 0.0, 0.0)
         outer = source.number(spot, "outerConeAngle", f"{place}/spot", math.pi / 4, 0.0)

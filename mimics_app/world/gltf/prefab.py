@@ -55,10 +55,9 @@ class ModelPrefab:
         if part.node is not None:
             made[part.node] = node
             self._fill(world, node, part.node)
-        for top in part.nodes if part.node is None else (part.node,):
-            for index in model.subtree(top):
-                if index not in made:
-                    made[index] = self._create(world, self._above(made, node, index), node.name, index)
+        for index in part.members:
+            if index not in made:
+                made[index] = self._create(world, self._above(made, node, index), node.name, index)
         if model.moves:
             self._set_in_motion(world, node, made)
         return [node, *(each for each in made.values() if each != node)]

@@ -47,13 +47,8 @@ class GltfSkins:
 
     def read_all(self) -> list[GltfSkin]:
         """Read every skin; faults are collected, and a faulty skin has no joints."""
-        found = []
-        for i, item in enumerate(self._source.table("skins")):
-            skin = GltfSkin("", (), np.zeros((0, 4, 4)))
-            with self._source.collecting():
-                skin = self._read(item, f"/skins/{i}")
-            found.append(skin)
-        return found
+        skins = self._source.table("skins")
+        return self._source.read_each(skins, "/skins", self._read, lambda: GltfSkin("", (), np.zeros((0, 4, 4))))
 
     def _read(self, item: dict[str, Any], place: str) -> GltfSkin:
         source = self._source

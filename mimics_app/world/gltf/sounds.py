@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -74,15 +75,15 @@ class GltfSounds:
 
 def read_sounds(source: GltfSource, buffers: GltfBuffers) -> GltfSounds | None:
     """Read the sounds of a file, None where it has none; faults are collected."""
-    holder = source.object(source.object(source.json, "extensions", ""), EXTENSION, "/extensions")
+    holder = source.extension(source.json, EXTENSION, "")
     if not holder:
         return None
     reader = _Reader(source, buffers, holder)
-    audio = [reader.audio(item, f"{_PLACE}/audio/{i}") for i, item in enumerate(reader.table("audio"))]
-    played = [reader.source(i, item, len(audio)) for i, item in enumerate(reader.table("sources"))]
-    emitters = [
-        reader.emitter(item, f"{_PLACE}/emitters/{i}", played) for i, item in enumerate(reader.table("emitters"))
-    ]
+    audio = source.read_each(reader.table("audio"), f"{_PLACE}/audio", reader.audio, lambda: GltfAudio(None))
+    read = partial(reader.source, count=len(audio))
+    played = source.read_each(reader.table("sources"), f"{_PLACE}/sources", read, lambda: None)
+    emitter = partial(reader.emitter, played=played)
+    emitters = source.read_each(reader.table("emitters"), f"{_PLACE}/emitters", emitter, list[GltfEmitter])
     return GltfSounds(audio, emitters, reader.of_nodes(len(emitters)), reader.of_scene(len(emitters)))
 
 
@@ -93,7 +94,7 @@ def read_embedded_sound(path: Path, number: int) -> bytes:
         GltfError: The model cannot be read any more.
     """
     source = open_gltf(path, path.parent, str(path))
-    holder = source.object(source.object(source.json, "extensions", ""), EXTENSION, "/extensions")
+    holder = source.extension(source.json, EXTENSION, "")
     place = f"{_PLACE}/audio/{number}"
     table = source.list(holder, "audio", _PLACE)
     item = table[source.index(number, len(table), "audio", place)]
@@ -120,29 +121,15 @@ class _Reader:
         self._buffers = buffers
         self._holder = holder
 
-    def table(self, name: str) -> list[dict[str, Any]]:
-        """Return a list of objects of the extension; a faulty one is reported and taken as empty."""
-        table: list[dict[str, Any]] = []
+    def table(self, name: str) -> list[Any]:
+        """Return a list of the extension; a faulty one is reported and taken as empty."""
+        table: list[Any] = []
         with self._source.collecting():
-            table = self._checked(name)
-        return table
-
-    def _checked(self, name: str) -> list[dict[str, Any]]:
-        table = self._source.list(self._holder, name, _PLACE)
-        for i, item in enumerate(table):
-            if not isinstance(item, dict):
-                self._source.fail(f"{_PLACE}/{name}/{i}", "must be an object")
+            table = self._source.list(self._holder, name, _PLACE)
         return table
 
     def audio(self, item: dict[str, Any], place: str) -> GltfAudio:
         """Locate the data of a sound; embedded data must have a known signature, nothing is decoded."""
-        path: Path | None = None
-        with self._source.collecting():
-            path = self._outside(item, place)
-        return GltfAudio(path)
-
-    def _outside(self, item: dict[str, Any], place: str) -> Path | None:
-        """Return the file of a sound, None where it is embedded."""
         source = self._source
         if "bufferView" in item and item.get("mimeType") not in _TYPES:
             source.fail(f"{place}/mimeType", f"{item.get('mimeType')!r:.40} is not one of {', '.join(_TYPES)}")
@@ -150,33 +137,21 @@ class _Reader:
             source.fail(place, "has neither a uri nor a bufferView")
         uri = source.text(item, "uri", place)
         if "bufferView" not in item and uri[:5].lower() != "data:":
-            return source.external(uri, f"{place}/uri")
+            return GltfAudio(source.external(uri, f"{place}/uri"))
         if not _is_sound(_embedded(source, self._buffers, item, place)[:12]):
             source.fail(place, "is not a sound: neither WAV, MP3, OGG nor FLAC")
-        return None
+        return GltfAudio(None)
 
-    def source(self, number: int, item: dict[str, Any], count: int) -> GltfEmitter | None:
-        """Read a source that refers to one of `count` sounds; None for a faulty one."""
-        source, place = self._source, f"{_PLACE}/sources/{number}"
-        found: GltfEmitter | None = None
-        with source.collecting():
-            audio = source.index(item.get("audio"), count, "audio", f"{place}/audio")
-            loop, autoplay = self._flag(item, "loop", place), self._flag(item, "autoPlay", place)
-            gain = {"gain": self._gain(item, place)}
-            found = GltfEmitter(number, audio, gain, {"loop": loop, "autoplay": autoplay})
-        return found
+    def source(self, item: dict[str, Any], place: str, count: int) -> GltfEmitter:
+        """Read a source that refers to one of `count` sounds."""
+        audio = self._source.index(item.get("audio"), count, "audio", f"{place}/audio")
+        loop, autoplay = self._flag(item, "loop", place), self._flag(item, "autoPlay", place)
+        gain, number = {"gain": self._gain(item, place)}, int(place.rpartition("/")[2])
+        return GltfEmitter(number, audio, gain, {"loop": loop, "autoplay": autoplay})
 
     def emitter(self, item: dict[str, Any], place: str, played: list[GltfEmitter | None]) -> list[GltfEmitter]:
         """Read an emitter: one item for each of its sources."""
-        found: list[GltfEmitter] = []
-        with self._source.collecting():
-            found = self._played(item, place, played)
-        return found
-
-    def _played(self, item: dict[str, Any], place: str, played: list[GltfEmitter | None]) -> list[GltfEmitter]:
-        source, kind = self._source, self._source.text(item, "type", place)
-        if kind not in ("global", "positional"):
-            source.fail(f"{place}/type", f'"{kind[:40]}" is neither global nor positional')
+        source, kind = self._source, self._source.choice(item, "type", place, ("global", "positional"))
         if kind == "global" and "positional" in item:
             source.fail(f"{place}/positional", "a global emitter has no position")
         shape = self._shape(item, f"{place}/positional") if kind == "positional" else {}
@@ -193,9 +168,8 @@ class _Reader:
         """Return the values of `sound_emitter` for distance and direction."""
         source = self._source
         said = source.object(item, "positional", place.rpartition("/")[0])
-        shape, model = source.text(said, "shapeType", place, "omnidirectional"), _model(source, said, place)
-        if shape not in ("omnidirectional", "cone"):
-            source.fail(f"{place}/shapeType", f'"{shape[:40]}" is neither omnidirectional nor cone')
+        shape = source.choice(said, "shapeType", place, ("omnidirectional", "cone"), "omnidirectional")
+        model = source.choice(said, "distanceModel", place, _MODELS, "inverse")
         nearest = source.number(said, "refDistance", place, 1.0, 0.0)
         if not 0.0 < nearest <= _MAX_DISTANCE:
             source.fail(f"{place}/refDistance", f"{nearest:g} m is not between 0 and {_MAX_DISTANCE:g}")
@@ -238,7 +212,7 @@ class _Reader:
         for i, node in enumerate(self._source.table("nodes")):
             place = f"/nodes/{i}/extensions"
             with self._source.collecting():
-                said = self._source.object(self._source.object(node, "extensions", f"/nodes/{i}"), EXTENSION, place)
+                said = self._source.extension(node, EXTENSION, f"/nodes/{i}")
                 if "emitter" in said:
                     where = f"{place}/{EXTENSION}/emitter"
                     found[i] = self._source.index(said["emitter"], count, "emitters", where)
@@ -250,19 +224,12 @@ class _Reader:
         for i, scene in enumerate(self._source.table("scenes")):
             place = f"/scenes/{i}/extensions"
             with self._source.collecting():
-                said = self._source.object(self._source.object(scene, "extensions", f"/scenes/{i}"), EXTENSION, place)
+                said = self._source.extension(scene, EXTENSION, f"/scenes/{i}")
                 for k, value in enumerate(self._source.list(said, "emitters", f"{place}/{EXTENSION}")):
                     where = f"{place}/{EXTENSION}/emitters/{k}"
                     index = self._source.index(value, count, "emitters", where)
-                    if self.table("emitters")[index].get("type") != "global":
+                    if self._source.entry(self.table("emitters")[index], where).get("type") != "global":
                         self._source.fail(where, f"emitter {index} is positional: it belongs to a node")
                     found.setdefault(i, []).append(index)
         chosen = self._source.json.get("scene", 0)
         return found.get(chosen, []) if isinstance(chosen, int) else []
-
-
-def _model(source: GltfSource, said: dict[str, Any], place: str) -> str:
-    model = source.text(said, "distanceModel", place, "inverse")
-    if model not in _MODELS:
-        source.fail(f"{place}/distanceModel", f'"{model[:40]}" is not one of {", ".join(_MODELS)}')
-    return model

@@ -61,8 +61,7 @@ def _part(draft: EntityDraft, assets: dict[str, SceneAsset]) -> ModelPart | None
 def _layers(part: ModelPart) -> dict[str, Layer]:
     """Return the layers of all nodes below the one shown, or of the whole model, by name."""
     model = part.model
-    tops = part.nodes if part.node is None else (part.node,)
-    below = [index for top in tops for index in model.subtree(top) if index != part.node]
+    below = [index for index in part.members if index != part.node]
     return {model.nodes[index].name: _layer(part, index) for index in below if model.nodes[index].name}
 
 
@@ -80,8 +79,8 @@ def _add_emitters(draft: EntityDraft, part: ModelPart, document: SceneDocument) 
     if sounds is None or part.mesh is not None:
         return set()
     names = Counter(node.name for node in model.nodes)
-    tops, moving = part.nodes if part.node is None else (part.node,), set()
-    for index in (index for top in tops for index in model.subtree(top) if index in sounds.of_nodes):
+    moving = set()
+    for index in (index for index in part.members if index in sounds.of_nodes):
         name = model.nodes[index].name
         owner, transform = draft.id, {}
         if index != part.node and names[name] == 1 and name:

@@ -94,9 +94,7 @@ def sphere(radius: float = 0.5, segments: int = 32) -> MeshData:
     polar, around = math.pi * v.ravel(), 2.0 * math.pi * u.ravel()
     normals = np.stack([np.sin(polar) * np.cos(around), np.cos(polar), -np.sin(polar) * np.sin(around)], axis=1)
     indices = _grid_indices(segments, rings).reshape(-1, 3)
-    corners = normals[indices] * radius
-    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    kept = indices[areas > 1e-9 * radius * radius].ravel()  # half the triangles at the poles are degenerate
+    kept = _with_area(indices, normals * radius, 1e-9 * radius * radius)  # half of those at the poles are degenerate
     return _mesh(normals * radius, normals, kept, np.stack([u.ravel(), v.ravel()], axis=1))
 
 
@@ -159,9 +157,7 @@ def capsule(radius: float = 0.25, length: float = 0.5, *, segments: int = 32) ->
     up = np.array([0.0, 0.5 * length, 0.0])
     indices = _grid_indices(columns - 1, rings).reshape(-1, 3)
     corners = np.concatenate([positions[upper] + up, positions[lower] - up])
-    edges = corners[indices]
-    areas = np.linalg.norm(np.cross(edges[:, 1] - edges[:, 0], edges[:, 2] - edges[:, 0]), axis=1)
-    kept = indices[areas > 1e-9 * radius * radius].ravel()
+    kept = _with_area(indices, corners, 1e-9 * radius * radius)
     return _mesh(
         corners, np.concatenate([normals[upper], normals[lower]]), kept, np.concatenate([uvs[upper], uvs[lower]])
     )
@@ -248,6 +244,12 @@ def _grid_indices(columns: int, rows: int) -> NDArray[np.int64]:
     first = (np.arange(rows)[:, None] * (columns + 1) + np.arange(columns)[None, :]).ravel()
     below = first + columns + 1
     return np.stack([first, below, first + 1, first + 1, below, below + 1], axis=1).ravel()
+
+
+def _with_area(triangles: NDArray[np.int64], points: F8, least: float) -> NDArray[np.int64]:
+    """Return the indices of triangles of more than twice an area [m^2]."""
+    a, b, c = points[triangles].transpose(1, 0, 2)
+    return triangles[np.linalg.norm(np.cross(b - a, c - a), axis=1) > least].ravel()
 
 
 def _subdivided(points: F8, triangles: NDArray[np.int64]) -> tuple[F8, NDArray[np.int64]]:

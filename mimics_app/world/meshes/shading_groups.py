@@ -35,12 +35,12 @@ def shaded_mesh(vertices: F8, faces: I8, colours: NDArray[np.float32] | None = N
     kept = lengths > 0.0
     faces, welded, areas = faces[kept], welded[kept], areas[kept]
     labels = _smooth_corners(welded, areas / lengths[kept, None])
-    names, indices = np.unique(labels, return_inverse=True)
-    normals = np.zeros((len(names), 3))
+    _, first, indices = np.unique(labels, return_index=True, return_inverse=True)
+    normals = np.zeros((len(first), 3))
     np.add.at(normals, indices.reshape(-1), np.repeat(areas, 3, axis=0))
     sizes = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.where(sizes > 0.0, normals / np.where(sizes > 0.0, sizes, 1.0), (0.0, 1.0, 0.0))
-    source = faces.reshape(-1)[names]
+    source = faces.reshape(-1)[first]
     return MeshData(
         vertices[source].astype(np.float32),
         normals.astype(np.float32),
@@ -50,19 +50,14 @@ def shaded_mesh(vertices: F8, faces: I8, colours: NDArray[np.float32] | None = N
 
 
 def _smooth_corners(welded: I8, normals: F8) -> I8:
-    """Return the first face corner of each corner's smoothing group, [3 m]."""
-    count = len(welded)
-    labels = np.arange(3 * count)
-    joined = _smooth_pairs(welded, normals)
-    while len(joined):
-        lower = np.minimum(labels[joined[:, 0]], labels[joined[:, 1]])
-        before = labels.copy()
-        np.minimum.at(labels, joined[:, 0], lower)
-        np.minimum.at(labels, joined[:, 1], lower)
-        labels = labels[labels]
-        if np.array_equal(before, labels):
-            break
-    return labels
+    """Return the smoothing group of each face corner, [3 m]."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    joined, count = _smooth_pairs(welded, normals), welded.size
+    links = coo_array((np.ones(len(joined), np.bool_), (joined[:, 0], joined[:, 1])), (count, count))
+    groups: I8 = connected_components(links, directed=False)[1]
+    return groups
 
 
 def _smooth_pairs(welded: I8, normals: F8) -> I8:

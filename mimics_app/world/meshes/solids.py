@@ -120,12 +120,9 @@ def _gather(part: ModelPart) -> tuple[F8, I4]:
     placed: list[tuple[F8, int]] = []
     if part.mesh is not None:
         placed.append((np.eye(4), part.mesh))
-    for top in part.nodes if part.node is None else (part.node,):
-        placed += [
-            (model_matrix(part, index), mesh)
-            for index in model.subtree(top)
-            if (mesh := model.nodes[index].mesh) is not None
-        ]
+    placed += [
+        (model_matrix(part, index), mesh) for index in part.members if (mesh := model.nodes[index].mesh) is not None
+    ]
     vertices, triangles, count = [np.zeros((0, 3))], [np.zeros((0, 3), np.int32)], 0
     for matrix, mesh in placed:
         for primitive in model.meshes[mesh].primitives:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from mimics_app.world.components.animation import AnimationState
 from mimics_app.world.motion.animator import Animator
-from mimics_app.world.motion.state_machine import State, StateMachine
+from mimics_app.world.motion.state_machine import StateMachine
 
 __all__ = ["EncouragingMachine"]
 
@@ -45,8 +46,8 @@ class EncouragingMachine(StateMachine):
     ) -> None:
         once = {_GREET: greet, _CHEER: cheer, _CONSOLE: console, _FAREWELL: farewell}
         once |= {f"praise {k}": clip for k, clip in enumerate(praise)}
-        states = {_IDLE: State(idle)}
-        states |= {name: State(clip, 1.0, False, _IDLE, _FADE) for name, clip in once.items()}
+        states = {_IDLE: AnimationState(clip=idle)}
+        states |= {name: AnimationState(clip=clip, loop=False, next=_IDLE, fade=_FADE) for name, clip in once.items()}
         super().__init__(animator, states, (), _IDLE)
         self._praises, self._greeted = len(praise), False
         self._given, self._row, self._failed = 0, 0, False

@@ -3,48 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 from mimics_app.contracts.errors import require_key
+from mimics_app.world.components.animation import AnimationState, AnimationTransition
 from mimics_app.world.motion.animator import Animator
 
-__all__ = ["State", "StateMachine", "Transition"]
-
-
-@dataclass(frozen=True, slots=True)
-class State:
-    """A state: one clip.
-
-    Attributes:
-        clip: Name of the clip that plays.
-        speed: Seconds of it per second.
-        loop: True: it repeats from its start.
-        following: Next state after a clip that does not loop, or None.
-        fade: Duration of the cross-fade to that [s].
-    """
-
-    clip: str
-    speed: float = 1.0
-    loop: bool = True
-    following: str | None = None
-    fade: float = 0.25
-
-
-@dataclass(frozen=True, slots=True)
-class Transition:
-    """A transition on an event.
-
-    Attributes:
-        target: State that starts.
-        on: The event.
-        source: State in which the event counts; None: any.
-        fade: Duration of the cross-fade [s].
-    """
-
-    target: str
-    on: str
-    source: str | None = None
-    fade: float = 0.25
+__all__ = ["StateMachine"]
 
 
 class StateMachine:
@@ -67,15 +31,15 @@ class StateMachine:
     def __init__(
         self,
         animator: Animator,
-        states: Mapping[str, State],
-        transitions: Sequence[Transition] = (),
+        states: Mapping[str, AnimationState],
+        transitions: Sequence[AnimationTransition] = (),
         start: str = "",
     ) -> None:
         self._animator = animator
         self._states = states
         self.names = frozenset(states)
         self._transitions = transitions
-        named = [each.target for each in transitions] + [state.following for state in states.values()]
+        named = [each.target for each in transitions] + [state.next for state in states.values()]
         for name in (start or next(iter(states)), *(each for each in named if each is not None)):
             require_key(name, states, "state")
         self.state = start or next(iter(states))
@@ -93,10 +57,10 @@ class StateMachine:
     def step(self, seconds: float) -> None:
         """Enter the next state when the clip ends within this time step [s]."""
         state = self._states[self.state]
-        if state.following is not None and not state.loop:
+        if state.next is not None and not state.loop:
             left = self._layer.clip.duration - self._layer.at
             if left <= max(seconds, state.fade) * abs(state.speed):
-                self.enter(state.following, state.fade)
+                self.enter(state.next, state.fade)
 
     def enter(self, name: str, fade: float, share: float = 0.0) -> None:
         """Enter a state, independent of transitions.

@@ -87,6 +87,12 @@ class ModelPart:
     node: int | None = None
     mesh: int | None = None
 
+    @property
+    def members(self) -> list[int]:
+        """All its nodes, parents first; none for a mesh."""
+        tops = self.nodes if self.node is None else (self.node,)
+        return [index for top in tops for index in self.model.subtree(top)]
+
 
 def read_asset(name: str, layer: Layer, root: Path) -> SceneAsset | None:
     """Find and decode one asset.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Container, Mapping
 
 from mimics_app.contracts.errors import MOST_SOUGHT, Issue, nearest
 from mimics_app.world.components.registry import check_of_system, checks_of, limits, section_of
@@ -13,19 +14,15 @@ from mimics_app.world.scene.scene import Scene, SceneEntity
 
 __all__ = ["check_meaning"]
 
-_QUATERNION_TOLERANCE = 1e-3
-"""Largest deviation of a quaternion's length from 1: four decimals pass, a mistyped number does not."""
-
 
 def check_meaning(scene: Scene) -> list[Issue]:
     """Return the faults of a decoded scene that its types do not exclude; the search ends after `MOST_SOUGHT`."""
     issues: list[Issue] = []
-    first: dict[str, SceneEntity] = {}
     for entity in scene.entities:
-        issues += _check_id(scene, entity, first)
+        issues += _check_id(scene, entity)
         issues += _check_transform(scene, entity)
-    issues += _check_parents(scene, first)
-    unbounded = _check_numbers(scene) + _check_depth(scene, first)
+    issues += _check_parents(scene)
+    unbounded = _check_numbers(scene) + _check_depth(scene)
     if unbounded:
         return issues + unbounded
     for entity in scene.entities:
@@ -59,23 +56,16 @@ def _check_numbers(scene: Scene) -> list[Issue]:
     ]
 
 
-def _check_id(scene: Scene, entity: SceneEntity, first: dict[str, SceneEntity]) -> list[Issue]:
-    pointer = f"{entity.pointer}/id"
-    if entity.id in first:
-        earlier = scene.place(f"{first[entity.id].pointer}/id")
-        return [scene.issue(pointer, f'the id "{entity.id}" is taken by {earlier}', "choose another id")]
-    first[entity.id] = entity
-    return []
+def _check_id(scene: Scene, entity: SceneEntity) -> list[Issue]:
+    first = scene.by_id[entity.id]
+    if first is entity:
+        return []
+    what = f'the id "{entity.id}" is taken by {scene.place(f"{first.pointer}/id")}'
+    return [scene.issue(f"{entity.pointer}/id", what, "choose another id")]
 
 
 def _check_transform(scene: Scene, entity: SceneEntity) -> list[Issue]:
-    issues = []
-    length = math.hypot(*entity.transform.rotation)
-    if abs(length - 1.0) > _QUATERNION_TOLERANCE:
-        what = f"a quaternion of length {length:.4g} instead of 1"
-        issues.append(
-            scene.issue(f"{entity.pointer}/transform/rotation", what, "write x, y, z, w of a unit quaternion")
-        )
+    issues = scene.check_rotation(f"{entity.pointer}/transform/rotation", entity.transform.rotation)
     issues += [
         scene.issue(f"{entity.pointer}/transform/scale/{i}", "a scale of 0 flattens the entity", "hide it instead")
         for i, factor in enumerate(entity.transform.scale)
@@ -84,15 +74,11 @@ def _check_transform(scene: Scene, entity: SceneEntity) -> list[Issue]:
     return issues
 
 
-def _check_reach(scene: Scene, by_id: dict[str, SceneEntity]) -> list[Issue]:
+def _check_reach(scene: Scene) -> list[Issue]:
     """Return the first entity that its parents' scales make too large, or put too far away, to be drawn."""
-    reach: dict[str, tuple[float, float]] = {}
+    by_id, reach = scene.by_id, dict[str, tuple[float, float]]()
     for entity in scene.entities:
-        path: dict[str, None] = {}
-        name: str | None = entity.id
-        while name is not None and name in by_id and name not in reach and name not in path:
-            path[name] = None
-            name = by_id[name].parent
+        path, name = _upwards(entity.id, by_id, reach)
         away, factor = reach.get(name, (0.0, 1.0)) if name is not None else (0.0, 1.0)
         for each in reversed(path):
             transform = by_id[each].transform
@@ -105,41 +91,42 @@ def _check_reach(scene: Scene, by_id: dict[str, SceneEntity]) -> list[Issue]:
     return []
 
 
-def _check_parents(scene: Scene, by_id: dict[str, SceneEntity]) -> list[Issue]:
-    issues: list[Issue] = []
+def _check_parents(scene: Scene) -> list[Issue]:
+    issues, by_id = list[Issue](), scene.by_id
     for entity in scene.entities:
         if len(issues) >= MOST_SOUGHT:
             return issues
         if entity.parent is not None and entity.parent not in by_id:
             what, hint = f'no entity "{entity.parent}"', nearest(entity.parent, by_id)
             issues.append(scene.issue(f"{entity.pointer}/parent", what, hint))
-    issues += _check_reach(scene, by_id)
+    issues += _check_reach(scene)
     done: set[str] = set()
     for entity in scene.entities:
-        path: dict[str, None] = {}
-        name: str | None = entity.id
-        while name is not None and name in by_id and name not in done and name not in path:
-            path[name] = None
-            name = by_id[name].parent
+        path, name = _upwards(entity.id, by_id, done)
         if name in path:
-            loop = list(path)
-            chain = " -> ".join((*loop[loop.index(name) :], name))
+            chain = " -> ".join((*path[path.index(name) :], name))
             issues.append(
                 scene.issue(f"{by_id[name].pointer}/parent", f"hangs on itself: {chain}", "choose another parent")
             )
-        done |= path.keys()
+        done.update(path)
     return issues
 
 
-def _check_depth(scene: Scene, by_id: dict[str, SceneEntity]) -> list[Issue]:
+def _upwards(name: str, by_id: Mapping[str, SceneEntity], known: Container[str]) -> tuple[list[str], str | None]:
+    """Return an entity and its ancestors, and what ended the way: one of `known`, of the way (a loop), or nothing."""
+    path: dict[str, None] = {}
+    step: str | None = name
+    while step is not None and step in by_id and step not in known and step not in path:
+        path[step] = None
+        step = by_id[step].parent
+    return list(path), step
+
+
+def _check_depth(scene: Scene) -> list[Issue]:
     """Return the first entity with too many ancestors: other checks walk its parents once for each entity."""
-    depth: dict[str, int] = {}
+    by_id, depth = scene.by_id, dict[str, int]()
     for entity in scene.entities:
-        path: dict[str, None] = {}
-        name: str | None = entity.id
-        while name is not None and name in by_id and name not in depth and name not in path:
-            path[name] = None
-            name = by_id[name].parent
+        path, name = _upwards(entity.id, by_id, depth)
         above = depth.get(name, 0) if name is not None else 0
         depth |= {each: above + number for number, each in enumerate(reversed(path), start=1)}
         if above + len(path) > MAX_DEPTH:

@@ -57,15 +57,11 @@ def set_moving(world: World, scene: Scene, entity: SceneEntity) -> None:
 def _animate(world: World, node: SceneNode, animator: Animator, wanted: Animation) -> None:
     from mimics_app.world.motion.animator import mask_of
     from mimics_app.world.motion.root_motion import RootMotion
-    from mimics_app.world.motion.state_machine import State, StateMachine, Transition
+    from mimics_app.world.motion.state_machine import StateMachine
 
     if wanted.states:
-        states = {
-            name: State(state.clip, state.speed, state.loop, state.next, state.fade)
-            for name, state in wanted.states.items()
-        }
-        transitions = [Transition(each.target, each.on, each.source, each.fade) for each in wanted.transitions]
-        world.motion.machines[node.index] = StateMachine(animator, states, transitions, wanted.start or "")
+        machine = StateMachine(animator, wanted.states, wanted.transitions, wanted.start or "")
+        world.motion.machines[node.index] = machine
     for layer in wanted.layers:
         animator.play(
             layer.clip,

@@ -13,7 +13,7 @@ from mimics_app.world.scene.assets import ModelPart, find_in_model
 from mimics_app.world.scene.scene import Scene, SceneEntity
 from mimics_app.world.scene.spec import TransformSpec
 
-__all__ = ["local_matrix", "model_matrix", "node_matrix", "pose_of", "stands_somewhere", "world_matrix"]
+__all__ = ["model_matrix", "node_matrix", "pose_of", "stands_somewhere", "world_matrix"]
 
 
 _SCALE_TOLERANCE = 1e-6
@@ -66,11 +66,6 @@ def model_matrix(part: ModelPart, index: int) -> F8:
     return own if node.parent is None else model_matrix(part, node.parent) @ own
 
 
-def local_matrix(transform: TransformSpec) -> F8:
-    """Return T_parent_from_entity of a scene's transform, shape [4, 4]."""
-    return _compose(transform.translation, transform.rotation, transform.scale)
-
-
 def node_matrix(node: GltfNode) -> F8:
     """Return T_parent_from_node of a node of a model, shape [4, 4]."""
     return _compose(node.translation, node.rotation, node.scale)
@@ -82,7 +77,8 @@ def _local_matrix(scene: Scene, entity: SceneEntity) -> F8:
         if isinstance(mesh, MeshComponent) and mesh.source is not None:
             part = find_in_model(scene.assets, mesh.source)
             return model_matrix(part, part.model.find_node(entity.id.removeprefix(f"{entity.parent}/")))
-    return local_matrix(entity.transform)
+    own = entity.transform
+    return _compose(own.translation, own.rotation, own.scale)
 
 
 def _compose(translation: Vec3, rotation: tuple[float, ...], scale: Vec3) -> F8:

@@ -6,22 +6,18 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from mimics_app.world.components.cord import CordComponent
-from mimics_app.world.components.effects import Billboard, Particles, Projector
-from mimics_app.world.components.visible import CameraComponent, LightComponent, MeshComponent
+from mimics_app.world.components.visible import MeshComponent
 from mimics_app.world.scene.file import load_scene
 from mimics_app.world.scene.scene import Scene, SceneEntity
 from mimics_app.world.scene.world_construction import (
+    attach,
     build_entity,
     finish_model_node,
-    light_up,
     load_library,
-    make_cord,
     place,
     place_cords,
     set_in_motion,
     show_live_pictures,
-    show_mesh,
     turn_to_targets,
 )
 from mimics_app.world.world import World
@@ -31,6 +27,7 @@ __all__ = ["Changes", "apply_scene", "reload_scene"]
 _BODY = {"mesh", "model", "mirror", "screen"}
 """Components whose change rebuilds the body; "model" is a changed model file or override in it."""
 
+_EFFECTS = {"billboard", "particles", "projector"}
 _MOTION = {"animation", "avatar", "encourager"}
 
 
@@ -181,27 +178,28 @@ def _refresh(world: World, scene: Scene, entity: SceneEntity, types: set[str]) -
     index = np.array([node.index], np.int32)
     if "transform" in types:
         place(node, entity.transform)
+    stale = set(types)
     if types & _BODY:
         world.content.drop_bodies(index)
         world.forget_motion(node.index)
-        mesh = entity.components.get("mesh")
-        if isinstance(mesh, MeshComponent):
-            show_mesh(world, scene, node, mesh)
+        stale.add("mesh")
+    if types & _EFFECTS:
+        world.effects.remove([node.index])
+        stale |= _EFFECTS
     if "light" in types:
         world.content.lights.remove(node.index)
-        light = entity.components.get("light")
-        if isinstance(light, LightComponent):
-            light_up(node, light)
     if "camera" in types:
         world.content.cameras.remove(node.index)
-        camera = entity.components.get("camera")
-        if isinstance(camera, CameraComponent):
-            node.create_camera(camera.vertical_fov, camera.near, camera.far)
+    if "cord" in types:
+        world.cords.pop(entity.id, None)
+    for name, component in entity.components.items():
+        if name in stale:
+            attach(world, scene, node, component)
     _refresh_living(world, scene, entity, types)
 
 
 def _refresh_living(world: World, scene: Scene, entity: SceneEntity, types: set[str]) -> None:
-    """Apply changes of mirrors, screens, insets, animation, cords and effects."""
+    """Apply changes of mirrors, screens, insets and animation."""
     if types & {*_BODY, "inset"}:
         show_live_pictures(world, entity)
     node = world.find(entity.id)
@@ -212,20 +210,6 @@ def _refresh_living(world: World, scene: Scene, entity: SceneEntity, types: set[
         set_moving(world, scene, entity)
     elif types & _BODY:
         set_in_motion(world, scene, entity)
-    if "cord" in types:
-        world.cords.pop(entity.id, None)
-        cord = entity.components.get("cord")
-        if isinstance(cord, CordComponent):
-            world.cords[entity.id] = make_cord(cord)
-    if types & {"billboard", "particles", "projector"}:
-        _refresh_effects(world, entity, node.index)
-
-
-def _refresh_effects(world: World, entity: SceneEntity, index: int) -> None:
-    world.effects.remove([index])
-    for effect in entity.components.values():
-        if isinstance(effect, Billboard | Particles | Projector):
-            world.effects.add(index, effect)
 
 
 def _reparent(world: World, new: Scene, before: dict[str, SceneEntity]) -> None:

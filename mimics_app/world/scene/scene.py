@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Hashable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,6 +21,9 @@ from mimics_app.world.scene.provenance import Origins
 from mimics_app.world.scene.spec import TransformSpec
 
 __all__ = ["Scene", "SceneEntity"]
+
+_QUATERNION_TOLERANCE = 1e-3
+"""Largest deviation of a quaternion's length from 1: four decimals pass, a mistyped number does not."""
 
 S = TypeVar("S", bound=msgspec.Struct)
 D = TypeVar("D")
@@ -265,23 +269,23 @@ class Scene:
             return error.issues
         return []
 
-    def check_asset(self, pointer: str, name: str, kind: AssetKind) -> list[Issue]:
-        """Check an asset id at `pointer`."""
-        if name not in self.assets:
+    def check_asset(self, pointer: str, name: str | None, kind: AssetKind) -> list[Issue]:
+        """Check an asset id at `pointer`; None: there is none."""
+        if name is None or name not in self.assets:
             return self.check_names({pointer: name}, "no asset", self.document.get("assets", {}))
         found = self.assets[name].kind
         return [] if found == kind else [self.issue(pointer, f'asset "{name}" is a {found}, not a {kind}')]
 
-    def check_material(self, pointer: str, name: str) -> list[Issue]:
-        """Check a material id at `pointer`."""
+    def check_material(self, pointer: str, name: str | None) -> list[Issue]:
+        """Check a material id at `pointer`; None: there is none."""
         return self.check_names({pointer: name}, "no material", self.document.get("materials", {}))
 
-    def check_entity(self, pointer: str, name: str) -> list[Issue]:
-        """Check an entity id at `pointer`."""
+    def check_entity(self, pointer: str, name: str | None) -> list[Issue]:
+        """Check an entity id at `pointer`; None: there is none."""
         return self.check_names({pointer: name}, "no entity", self.by_id)
 
-    def check_entity_with(self, wanted: type[msgspec.Struct], pointer: str, name: str) -> list[Issue]:
-        """Check the id at `pointer` of an entity that must have a component of a type."""
+    def check_entity_with(self, wanted: type[msgspec.Struct], pointer: str, name: str | None) -> list[Issue]:
+        """Check the id at `pointer` of an entity that must have a component of a type; None: there is none."""
         if name in self.broken:
             return []
         known = [entity for entity, _, _ in self.components(wanted)]
@@ -301,6 +305,13 @@ class Scene:
         except KeyError as error:
             return [self.issue(pointer, str(error.args[0]))]
         return []
+
+    def check_rotation(self, pointer: str, rotation: tuple[float, ...] | None) -> list[Issue]:
+        """Check that a quaternion at `pointer` has length 1; None: there is none."""
+        if rotation is None or abs(math.hypot(*rotation) - 1.0) <= _QUATERNION_TOLERANCE:
+            return []
+        what = f"a quaternion of length {math.hypot(*rotation):.4g} instead of 1"
+        return [self.issue(pointer, what, "write x, y, z, w of a unit quaternion")]
 
     def check_names(
         self, names: Mapping[str, str | None], what: str, known: Collection[str], otherwise: str = "the scene has none"

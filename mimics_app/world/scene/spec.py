@@ -7,7 +7,17 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
-from mimics_app.world.components.bounds import Angle, Extent, FarPoint, Light, Quaternion, Share, SignedFactor, Vector
+from mimics_app.world.components.bounds import (
+    NO_ROTATION,
+    Angle,
+    Extent,
+    FarPoint,
+    Light,
+    Quaternion,
+    Share,
+    SignedFactor,
+    Vector,
+)
 from mimics_app.world.components.registry import Component
 from mimics_app.world.materials.material import AlphaMode, Filter, Wrap
 from mimics_app.world.materials.technique import TechniqueSpec
@@ -42,12 +52,7 @@ class TransformSpec(Component, frozen=True):
     """Translation, rotation and scale of an entity, relative to its parent."""
 
     translation: Annotated[FarPoint, Meta(description="Translation [m]")] = (0.0, 0.0, 0.0)
-    rotation: Annotated[Quaternion, Meta(description="Unit quaternion x, y, z, w")] = (
-        0.0,
-        0.0,
-        0.0,
-        1.0,
-    )
+    rotation: Annotated[Quaternion, Meta(description="Unit quaternion x, y, z, w")] = NO_ROTATION
     scale: Annotated[Vector, Meta(description="Factors, none of them 0")] = (1.0, 1.0, 1.0)
 
 

@@ -11,8 +11,8 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 from mimics_app.world.components.visible import MeshComponent
 from mimics_app.world.scene.assets import ModelPart, find_in_model
-from mimics_app.world.scene.placing import local_matrix, node_matrix
-from mimics_app.world.scene.scene import Scene, SceneEntity
+from mimics_app.world.scene.placing import node_matrix, world_matrix
+from mimics_app.world.scene.scene import Scene
 
 __all__ = ["ENOUGH", "spread_of_casters"]
 
@@ -50,31 +50,15 @@ def _measure(scene: Scene) -> float:
 
 def _points(scene: Scene) -> Iterator[F8]:
     """Yield corners of the boxes of shadow casters, world [m], [n, 3] each."""
-    by_id = {entity.id: entity for entity in scene.entities}
-    matrices: dict[str, F8] = {}
     for entity in scene.entities:
         mesh = entity.components.get("mesh")
         if entity.in_model or not isinstance(mesh, MeshComponent) or not (mesh.visible and mesh.casts_shadow):
             continue
-        matrix = _world_matrix(entity, by_id, matrices)
+        matrix = world_matrix(scene, entity)
         if mesh.source is None:
             yield matrix[None, :3, 3]
         else:
             yield from _model_points(find_in_model(scene.assets, mesh.source), matrix)
-
-
-def _world_matrix(entity: SceneEntity, by_id: dict[str, SceneEntity], matrices: dict[str, F8]) -> F8:
-    """Return T_world_from_entity, [4, 4]; `matrices` caches those of parents."""
-    chain = []
-    step: SceneEntity | None = entity
-    while step is not None and step.id not in matrices:
-        chain.append(step)
-        step = None if step.parent is None else by_id[step.parent]
-    above = np.eye(4) if step is None else matrices[step.id]
-    for each in reversed(chain):
-        above = above @ local_matrix(each.transform)
-        matrices[each.id] = above
-    return above
 
 
 def _model_points(part: ModelPart, world_from_entity: F8) -> Iterator[F8]:
@@ -83,14 +67,13 @@ def _model_points(part: ModelPart, world_from_entity: F8) -> Iterator[F8]:
     if part.mesh is not None:
         yield from _corners(part, part.mesh, world_from_entity)
         return
-    matrices: dict[int, F8] = {}
-    for top in part.nodes if part.node is None else (part.node,):
-        for index in model.subtree(top):
-            node = model.nodes[index]
-            above = world_from_entity if index == top else matrices[node.parent if node.parent is not None else top]
-            matrices[index] = above if index == part.node else above @ node_matrix(node)
-            if node.mesh is not None and node.visible:
-                yield from _corners(part, node.mesh, matrices[index])
+    matrices: dict[int | None, F8] = {}
+    for index in part.members:
+        node = model.nodes[index]
+        above = matrices.get(node.parent, world_from_entity)
+        matrices[index] = above if index == part.node else above @ node_matrix(node)
+        if node.mesh is not None and node.visible:
+            yield from _corners(part, node.mesh, matrices[index])
 
 
 def _corners(part: ModelPart, mesh: int, matrix: F8) -> Iterator[F8]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Container
 
+import msgspec
 import numpy as np
 
 from mimics_app.maths.cord import Ripples
@@ -18,7 +19,7 @@ from mimics_app.world.components.visible import CameraComponent, Environment, Li
 from mimics_app.world.cords import Cord
 from mimics_app.world.environment import Backdrop, Fog, Sky
 from mimics_app.world.gltf.prefab import ModelPrefab
-from mimics_app.world.live_pictures import InsetView, ScreenSurface, show_mirror, show_screen
+from mimics_app.world.live_pictures import show_mirror, show_screen
 from mimics_app.world.meshes.primitives import build_shape
 from mimics_app.world.meshes.shape_levels import shape_levels
 from mimics_app.world.scene.assets import find_in_model
@@ -93,25 +94,28 @@ def build_entity(world: World, scene: Scene, entity: SceneEntity) -> SceneNode:
     node = world.create_node(entity.id)
     place(node, entity.transform)
     for name, component in entity.components.items():
-        if isinstance(component, MeshComponent):
-            show_mesh(world, scene, node, component)
-        elif isinstance(component, LightComponent):
-            light_up(node, component)
-        elif isinstance(component, CameraComponent):
-            node.create_camera(component.vertical_fov, component.near, component.far)
-        elif isinstance(component, Billboard | Particles | Projector):
-            world.effects.add(node.index, component)
-        elif isinstance(component, CordComponent):
-            world.cords[entity.id] = make_cord(component)
-        elif not isinstance(component, _LIVE_PICTURES):
-            continue
-        scene.read.add(name)
+        if attach(world, scene, node, component) or isinstance(component, Mirror | Screen | Inset):
+            scene.read.add(name)
     show_live_pictures(world, entity)
     return node
 
 
-_LIVE_PICTURES = (Mirror, Screen, Inset)
-"""Component types that `show_live_pictures` handles."""
+def attach(world: World, scene: Scene, node: SceneNode, component: msgspec.Struct) -> bool:
+    """Put what a component describes on the node of its entity; False for a component that others handle."""
+    match component:
+        case MeshComponent():
+            show_mesh(world, scene, node, component)
+        case LightComponent():
+            light_up(node, component)
+        case CameraComponent():
+            node.create_camera(component.vertical_fov, component.near, component.far)
+        case Billboard() | Particles() | Projector():
+            world.effects.add(node.index, component)
+        case CordComponent():
+            world.cords[node.name] = make_cord(component)
+        case _:
+            return False
+    return True
 
 
 def show_live_pictures(world: World, entity: SceneEntity) -> None:
@@ -121,13 +125,11 @@ def show_live_pictures(world: World, entity: SceneEntity) -> None:
     node = world.find(entity.id)
     for component in entity.components.values():
         if isinstance(component, Mirror):
-            show_mirror(node, component.tint, component.resolution)
+            show_mirror(node, component)
         elif isinstance(component, Screen):
-            shown = ScreenSurface(component.camera, component.size, component.every)
-            show_screen(node, shown, shines=component.shows == "light", brightness=component.brightness)
+            show_screen(node, component)
         elif isinstance(component, Inset):
-            figures = (component.rectangle, component.mirrored, component.every, component.border)
-            world.insets[entity.id] = InsetView(component.camera, *figures)
+            world.insets[entity.id] = component
 
 
 def make_cord(component: CordComponent) -> Cord:

@@ -169,20 +169,18 @@ def _shared_corners(u: int, v: int, corners: I8, ring_u: I8, ring_v: I8) -> int:
     for i in range(ring_u.shape[0]):
         for k in range(3):
             w = corners[ring_u[i], k]
-            if w in (u, v):
-                continue
-            again = False
-            for j in range(i):
-                for m in range(3):
-                    again = again or corners[ring_u[j], m] == w
-            if again:
-                continue
-            found = False
-            for t in ring_v:
-                for m in range(3):
-                    found = found or corners[t, m] == w
-            shared += found
+            if w not in (u, v) and _uses(w, corners, ring_u[:i]) == 0:
+                shared += _uses(w, corners, ring_v) > 0
     return shared
+
+
+@kernel
+def _uses(corner: int, corners: I8, ring: I8) -> int:
+    """Return how many triangles of a ring have a corner."""
+    uses = 0
+    for t in ring:
+        uses += corner in (corners[t, 0], corners[t, 1], corners[t, 2])
+    return uses
 
 
 @kernel
@@ -271,14 +269,7 @@ def _on_border(u: int, corners: I8, ring: I8) -> bool:
     ends = 0
     for t in ring:
         for k in range(3):
-            w = corners[t, k]
-            if w == u:
-                continue
-            uses = 0
-            for other in ring:
-                for m in range(3):
-                    uses += corners[other, m] == w
-            ends += uses == 1
+            ends += corners[t, k] != u and _uses(corners[t, k], corners, ring) == 1
     return ends == 2
 
 

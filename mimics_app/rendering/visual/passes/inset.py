@@ -10,7 +10,7 @@ from mimics_app.rendering.visual.materials.vertex_arrays import bare_arrays
 from mimics_app.rendering.visual.passes.hud import HudPlane, clip_from_hud
 from mimics_app.rendering.visual.pictures.live_picture import LivePicture
 from mimics_app.rendering.visual.view import Rect, View
-from mimics_app.world.live_pictures import InsetView
+from mimics_app.world.components.pictures import Inset
 
 if TYPE_CHECKING:
     import moderngl
@@ -20,7 +20,7 @@ __all__ = ["InsetPass", "inset_pixels"]
 _BINDING = 22
 
 
-def inset_pixels(inset: InsetView, view: View) -> Rect:
+def inset_pixels(inset: Inset, view: View) -> Rect:
     """Return the rectangle of an inset relative to its view's corner [px]."""
     left, bottom, width, height = inset.rectangle
     wide, high = view.rectangle[2:]
@@ -35,7 +35,7 @@ class InsetPass:
         self._shaders = shaders
         self._arrays = bare_arrays(ctx)
 
-    def draw(self, inset: InsetView, picture: LivePicture, pixels: Rect, view: View, plane: HudPlane) -> int:
+    def draw(self, inset: Inset, picture: LivePicture, pixels: Rect, view: View, plane: HudPlane) -> int:
         """Draw an inset over a view; return the draw calls.
 
         Args:

@@ -24,7 +24,8 @@ from mimics_app.rendering.visual.stages.still_picture import StillPicture
 from mimics_app.rendering.visual.stages.world_stage import FrameScene, ViewDraws, WorldStage
 from mimics_app.rendering.visual.surfaces.surface import Size
 from mimics_app.rendering.visual.view import Rect, View
-from mimics_app.world.live_pictures import MirrorSurface, body_of, live_key
+from mimics_app.world.components.pictures import Mirror
+from mimics_app.world.live_pictures import body_of, live_key
 from mimics_app.world.world import World
 
 if TYPE_CHECKING:
@@ -274,7 +275,7 @@ class PictureStage:
         return replace(drawn, mirrors=shown)
 
     def _reflect(
-        self, world: World, name: str, mirror: MirrorSurface, view: View, size: Size, resolution: float
+        self, world: World, name: str, mirror: Mirror, view: View, size: Size, resolution: float
     ) -> Reflection | None:
         body = body_of(world.find(name)) if name in world else None
         if body is None:
