@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Protocol, TypedDict
 
 import numpy as np
@@ -307,31 +307,16 @@ class AudioReport:
 
     def summary(self) -> dict[str, Any]:
         """Return everything except the rows, for JSON."""
+        fields = asdict(replace(self, rows=()))
+        status = fields.pop("status")
+        del fields["rows"], fields["origin_ns"]
         return {
-            "device": self.status.device,
-            "sink": self.status.sink,
-            "hrtf": self.status.hrtf,
-            "mixer": self.status.mixer,
-            "channels": self.status.channels,
-            "rate": self.status.rate,
-            "notice": self.status.notice,
-            "file": self.file,
+            **status,
+            **fields,
             "latency_ms": dict(self.latency_ms()),
             "sounds": len(self.rows),
             "contacts": sum(row.cause == "contact" for row in self.rows),
             "late_sounds": sum(row.late for row in self.rows),
-            "merged": self.merged,
-            "stale": self.stale,
-            "dropped": self.dropped,
-            "orders_dropped": self.orders_dropped,
-            "refused": self.refused,
-            "blocks": self.blocks,
-            "late_blocks": self.late_blocks,
-            "underruns": self.underruns,
-            "queue": dict(self.queue),
-            "block_us": dict(self.block_us),
-            "clipped": self.clipped,
-            "crashed": self.crashed,
         }
 
 

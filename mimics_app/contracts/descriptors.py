@@ -1,15 +1,15 @@
 """Non-blocking input and output on open descriptors (serial line, socket) from compiled code, without errno.
 
 As in `contracts.atomics` every function has a Python implementation and a compiled one by the C library's symbol, so
-that callers can be cached on disk. The descriptor must be non-blocking. `poll` reports whether the other end is still
-there: the result of a read alone does not distinguish a quiet line from a dead one on every system.
+that callers can be cached on disk. The descriptor must be non-blocking. Python ignores SIGPIPE, so that a write to a
+closed socket fails like any other. `poll` reports whether the other end is still there: the result of a read alone does
+not distinguish a quiet line from a dead one on every system.
 """
 
 from __future__ import annotations
 
 import os
 import select
-import socket
 
 import numpy as np
 from numba import types
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import U1
 
-__all__ = ["HUNG_UP", "QUIET", "READABLE", "look_at", "read_bytes", "receive_bytes", "send_bytes", "write_bytes"]
+__all__ = ["HUNG_UP", "QUIET", "READABLE", "look_at", "read_bytes", "write_bytes"]
 
 
 QUIET, READABLE, HUNG_UP = 0, 1, 2
@@ -28,14 +28,9 @@ _IN = 0x001
 _GONE = 0x008 | 0x010 | 0x020
 """POLLERR, POLLHUP, POLLNVAL; equal on Linux and macOS."""
 
-_DONT_WAIT = int(getattr(socket, "MSG_DONTWAIT", 0))
-_NO_SIGNAL = int(getattr(socket, "MSG_NOSIGNAL", 0))
-
 _poll = types.ExternalFunction("poll", types.int32(types.uintp, types.uintp, types.int32))
 _read = types.ExternalFunction("read", types.intp(types.int32, types.uintp, types.uintp))
 _write = types.ExternalFunction("write", types.intp(types.int32, types.uintp, types.uintp))
-_recv = types.ExternalFunction("recv", types.intp(types.int32, types.uintp, types.uintp, types.int32))
-_send = types.ExternalFunction("send", types.intp(types.int32, types.uintp, types.uintp, types.int32))
 
 
 def look_at(fd: int, request: NDArray[np.int32]) -> int:
@@ -64,16 +59,6 @@ def write_bytes(fd: int, buffer: U1, start: int, count: int) -> int:
         return -1
 
 
-def receive_bytes(fd: int, buffer: U1, start: int, count: int) -> int:
-    """`read_bytes` of a socket: 0 means that the other side has closed it."""
-    return read_bytes(fd, buffer, start, count)
-
-
-def send_bytes(fd: int, buffer: U1, start: int, count: int) -> int:
-    """`write_bytes` of a socket; -1 for a closed one, without SIGPIPE."""
-    return write_bytes(fd, buffer, start, count)
-
-
 @overload(look_at)
 def _overload_look_at(fd, request):
     def machine(fd, request):
@@ -97,13 +82,3 @@ def _overload_read_bytes(fd, buffer, start, count):
 @overload(write_bytes)
 def _overload_write_bytes(fd, buffer, start, count):
     return lambda fd, buffer, start, count: _write(fd, buffer.ctypes.data + start, count)
-
-
-@overload(receive_bytes)
-def _overload_receive_bytes(fd, buffer, start, count):
-    return lambda fd, buffer, start, count: _recv(fd, buffer.ctypes.data + start, count, _DONT_WAIT)
-
-
-@overload(send_bytes)
-def _overload_send_bytes(fd, buffer, start, count):
-    return lambda fd, buffer, start, count: _send(fd, buffer.ctypes.data + start, count, _DONT_WAIT | _NO_SIGNAL)

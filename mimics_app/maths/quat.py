@@ -24,6 +24,7 @@ __all__ = [
     "multiply",
     "normalise",
     "normalise_rows",
+    "product",
     "rotate",
     "rotate_back",
     "slerp",
@@ -181,6 +182,13 @@ def about_axis(axis: object, angle: float) -> Quat:
     exp_map(unit(axis) * math.remainder(angle, 2.0 * math.pi), quaternion)
     normalise(quaternion, quaternion)
     return quaternion
+
+
+def product(a: Quat, b: Quat) -> Quat:
+    """A new quaternion: the rotation b followed by a."""
+    both = np.empty(4)
+    multiply(a, b, both)
+    return both
 
 
 def normalise_rows(quaternions: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -64,7 +64,7 @@ _DEVICES = "mimics_app.rendering.haptic.devices"
 
 DEVIATIONS: dict[str, tuple[tuple[str, ...], str]] = {
     "contracts/atomics.py": (("llvmlite.ir", "time"), "writes the instructions itself; the clock is the one of `time`"),
-    "contracts/descriptors.py": (("os", "select", "socket"), "numbers of the system's calls on descriptors"),
+    "contracts/descriptors.py": (("os", "select"), "numbers of the system's calls on descriptors"),
     "contracts/kernel.py": (
         ("mimics_app.contracts.kernel_cache", "mimics_app.contracts.kernel_callee", "warnings"),
         "makes the compiler of all others",

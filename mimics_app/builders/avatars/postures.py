@@ -8,7 +8,7 @@ import numpy as np
 
 from mimics_app.builders.avatars.fields import F8
 from mimics_app.builders.avatars.skeleton import FINGERS, Skeleton, arm_axes
-from mimics_app.maths.quat import about_axis, multiply, to_matrix
+from mimics_app.maths.quat import about_axis, product, to_matrix
 
 __all__ = ["SIDES", "Pose", "X", "Y", "Z"]
 
@@ -17,13 +17,6 @@ SIDES = ((1, "left"), (-1, "right"))
 
 _SOLE = ((0.0, -0.062), (0.0, 0.12), (0.02, 0.215))
 """Points of a sole of a foot 265 mm long: aside and ahead of the ankle [m]; the last one moves with the toes."""
-
-
-def _product(a: F8, b: F8) -> F8:
-    """Return the rotation b followed by a."""
-    out = np.empty(4)
-    multiply(a, b, out)
-    return out
 
 
 def _matrix(q: F8) -> F8:
@@ -60,7 +53,7 @@ class Pose:
         """Rotate a joint further about axes of its parent [degrees], one after the other."""
         index = self.bones.index(joint)
         for axis, degrees in turns:
-            self.turns[index] = _product(np.asarray(about_axis(axis, math.radians(degrees))), self.turns[index])
+            self.turns[index] = product(np.asarray(about_axis(axis, math.radians(degrees))), self.turns[index])
         return self
 
     def arm(
@@ -81,7 +74,7 @@ class Pose:
         collar = _matrix(self.turns[self.bones.index(f"{word}Shoulder")])
         self.turns[self.bones.index(f"{word}UpperArm")] = _of_matrix(collar.T @ new @ old.T)
         forearm = np.asarray(about_axis(rest, bend))
-        self.turns[self.bones.index(f"{word}LowerArm")] = _product(
+        self.turns[self.bones.index(f"{word}LowerArm")] = product(
             forearm, np.asarray(about_axis(along, math.radians(0.5 * roll)))
         )
         self.turns[self.bones.index(f"{word}Hand")] = np.asarray(about_axis(along, math.radians(0.5 * roll)))
@@ -102,7 +95,7 @@ class Pose:
                 )
             sideways = np.asarray(about_axis(back, math.radians(side * spread * (1.5 - number))))
             proximal = self.bones.index(f"{word}{finger}Proximal")
-            self.turns[proximal] = _product(sideways, self.turns[proximal])
+            self.turns[proximal] = product(sideways, self.turns[proximal])
         for kind, most in (("Proximal", 35.0), ("Distal", 55.0)):
             place = self.bones.place(f"{word}Thumb{kind}") - self.bones.place(f"{word}ThumbMetacarpal")
             axis = np.cross(place, -back)

@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.haptic_objects import STATIC, BodyFlag, ObjectIntegrator, ShapeKind
 from mimics_app.contracts.object_rows import Rows
-from mimics_app.maths import quat
 from mimics_app.rendering.haptic.kernels.objects.manifold import CORNER_SHARE
 from mimics_app.rendering.haptic.kernels.objects.pairs import join_surfaces
 from mimics_app.rendering.haptic.kernels.objects.records import PAIR
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 from mimics_app.rendering.haptic.row_checks import SIZE_COMPONENTS
+from mimics_app.world.components.object_bodies import rotation_of
 
 __all__ = ["BodyFault", "check_bodies", "contact_modes"]
 
@@ -116,13 +116,6 @@ def _check_shape(i: int, shape: np.void) -> list[BodyFault]:
     return []
 
 
-def _matrix(orientation: F8) -> F8:
-    unit, R = np.zeros(4), np.zeros((3, 3))
-    quat.normalise(np.array(orientation, np.float64), unit)
-    quat.to_matrix(unit, R)
-    return R
-
-
 def _hull_of(shape: np.void, meshes: MeshTable) -> F8:
     """Return the vertices of the convex hull of a mesh shape; none for other kinds."""
     if shape["kind"] != ShapeKind.MESH:
@@ -188,7 +181,7 @@ def contact_modes(shape: np.void, body: np.void, contacts: int, tangential: floa
         tangential: Stiffness of friction as a share of k; 0: frictionless.
         hull: Vertices of a mesh's convex hull, shape frame [m], shape [n, 3].
     """
-    R, offset = _matrix(shape["orientation"]), np.asarray(shape["position"]) - np.asarray(body["centre"])
+    R, offset = rotation_of(tuple(shape["orientation"])), np.asarray(shape["position"]) - np.asarray(body["centre"])
     free = np.repeat([bool(body["flags"] & 1), bool(body["flags"] & 2)], 3)
     mass = np.zeros((6, 6))
     mass[:3, :3], mass[3:, 3:] = np.eye(3), np.asarray(body["inertia"]) / body["mass"]

@@ -30,12 +30,8 @@ __all__ = [
 ]
 
 
-_FORMS = {
-    "auto": AdmittanceForm.CARTESIAN,  # unplanned: the form without errors of the coupling terms
-    "seed": AdmittanceForm.SEED,
-    "polar": AdmittanceForm.POLAR,
-    "cartesian": AdmittanceForm.CARTESIAN,
-}
+_FORMS = {each.name.lower(): each for each in AdmittanceForm}
+_FORMS["auto"] = AdmittanceForm.CARTESIAN  # unplanned: the form without errors of the coupling terms
 _CAP = {"cap": 1, "warn": 0}
 
 _SECONDS = {"ramp_time": "ramp_time_s"}

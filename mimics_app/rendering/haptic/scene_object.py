@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from mimics_app.contracts.arrays import F8, Records
 from mimics_app.contracts.haptic_objects import BODY, SHAPE, STATIC, BodyFlag, ForceLaw, ObjectIntegrator, ShapeKind
+from mimics_app.maths.quat import product
 from mimics_app.world.components.haptic_shapes import (
     CapsuleSolid,
     CubeSolid,
@@ -40,7 +40,13 @@ MeshKey = tuple[str, str, float]
 _INTEGRATORS = {each.name.lower(): each for each in ObjectIntegrator}
 """Integrators by the value of `haptic_object.integrator`."""
 
-_LAWS = {"spring_damper": ForceLaw.SPRING_DAMPER, "hunt_crossley": ForceLaw.HUNT_CROSSLEY}
+_LAWS = {each.name.lower(): each for each in ForceLaw}
+_SURFACE = (
+    *("stiffness", "damping", "exponent", "friction_static", "friction_dynamic", "friction_stiffness"),
+    *("texture_height", "texture_length"),
+)
+"""Fields with the same name in a surface and in its row."""
+
 _HALF = float(np.sqrt(0.5))
 _SIDE_TURNS = {
     "left": (0.0, _HALF, 0.0, _HALF),
@@ -124,7 +130,7 @@ def _make_object(scene: Scene, entity: str, spec: HapticObject, moves: bool, int
         if not moves:
             place, turn = pose_of(scene, entity)
             row["position"] = place + rotation_of(tuple(turn)) @ np.array(solid.position)
-            row["orientation"] = _product(turn, row["orientation"])
+            row["orientation"] = product(turn, row["orientation"][0])
         _size(row, solid)
         mesh = mesh_of(scene, solid) if isinstance(solid, MeshSolid) else None
         key = (solid.source, solid.fit, solid.scale) if isinstance(solid, MeshSolid) else None
@@ -144,7 +150,7 @@ def _make_walls(scene: Scene, entity: str, walls: HapticWalls) -> ObjectRows:
         size = np.array(walls.size or (0.0, 0.0, 0.0))
         own = _SIDE_PLACES[side] * size if wall.position is None else np.array(wall.position)
         row["position"] = place + R @ own
-        row["orientation"] = _product(turn, _unit(wall.rotation or _SIDE_TURNS[side]))
+        row["orientation"] = product(turn, _unit(wall.rotation or _SIDE_TURNS[side]))
         row["size"] = 1.0
         shapes.append(ShapeRow(row, surface.material or ""))
     return ObjectRows(None, tuple(shapes))
@@ -179,9 +185,7 @@ def _surface_row(surface: TouchSurface) -> Records:
     row = np.zeros(1, SHAPE)
     row["body"], row["enabled"], row["mesh"] = STATIC, 1, -1
     row["law"] = _LAWS[surface.law or "spring_damper"]
-    for key in ("stiffness", "damping", "exponent", "texture_height", "texture_length"):
-        row[key] = getattr(surface, key)
-    for key in ("friction_static", "friction_dynamic", "friction_stiffness"):
+    for key in _SURFACE:
         row[key] = getattr(surface, key)
     return row
 
@@ -204,16 +208,3 @@ def _size(row: Records, solid: Solid) -> None:
 def _unit(quaternion: tuple[float, ...]) -> F8:
     unit: F8 = np.array(quaternion) / np.linalg.norm(quaternion)
     return unit
-
-
-def _product(a: F8, b: ArrayLike) -> F8:
-    """Return the rotation b followed by a, both xyzw."""
-    (ax, ay, az, aw), (bx, by, bz, bw) = a, np.asarray(b).reshape(4)
-    return np.array(
-        [
-            aw * bx + ax * bw + ay * bz - az * by,
-            aw * by - ax * bz + ay * bw + az * bx,
-            aw * bz + ax * by - ay * bx + az * bw,
-            aw * bw - ax * bx - ay * by - az * bz,
-        ]
-    )

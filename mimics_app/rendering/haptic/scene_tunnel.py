@@ -21,12 +21,7 @@ from mimics_app.world.scene.scene import Scene
 __all__ = ["PROJECTIONS", "built_tunnel", "planned_projection", "tunnel_of_scene", "tunnel_rows"]
 
 
-PROJECTIONS: Mapping[str, Projection] = {
-    "newton warm": Projection.NEWTON_WARM,
-    "newton one step": Projection.NEWTON_ONE_STEP,
-    "golden section": Projection.GOLDEN_SECTION,
-    "brute force": Projection.BRUTE_FORCE,
-}
+PROJECTIONS: Mapping[str, Projection] = {each.name.lower().replace("_", " "): each for each in Projection}
 """Projection methods by the value of `systems.haptic.projection`."""
 
 

@@ -18,7 +18,7 @@ import math
 import numpy as np
 
 from mimics_app.contracts.arrays import U1, Vec
-from mimics_app.contracts.descriptors import HUNG_UP, READABLE, look_at, receive_bytes, send_bytes
+from mimics_app.contracts.descriptors import HUNG_UP, READABLE, look_at, read_bytes, write_bytes
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.kernel import kernel, typed_kernel
 from mimics_app.contracts.loop_ports import (
@@ -153,7 +153,7 @@ def _fill_buffer(memory: Vec, fd: int) -> bool:
     seen = look_at(fd, memory[_POLL : _POLL + 1].view(np.int32))
     if seen == READABLE:
         start = int(memory[_FILL])
-        got = receive_bytes(fd, buffer, start, buffer.shape[0] - start)
+        got = read_bytes(fd, buffer, start, buffer.shape[0] - start)
         if got == 0:
             return False
         memory[_FILL] = float(start + max(0, got))
@@ -281,7 +281,7 @@ def _send_rest(memory: Vec, fd: int) -> bool:
     """Send the rest of the last frame; return True when all of it was sent."""
     out = memory[_OUT : _OUT + _OUT_PLACES].view(np.uint8)
     if memory[_PENDING] > 0.0:
-        taken = max(0, send_bytes(fd, out, int(memory[_TAKEN]), int(memory[_PENDING])))
+        taken = max(0, write_bytes(fd, out, int(memory[_TAKEN]), int(memory[_PENDING])))
         memory[_TAKEN] += float(taken)
         memory[_PENDING] -= float(taken)
     return memory[_PENDING] == 0.0

@@ -18,10 +18,10 @@ from mimics_app.contracts.haptic import Controller, SafetyState, TripCause
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact_limits import common_share, is_pressed
 from mimics_app.rendering.haptic.kernels.limiter import limit_force, limit_held
-from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, limited_credit, middle_velocity
-from mimics_app.rendering.haptic.kernels.safety import HOLD, is_stopped, latch
+from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, middle_velocity
+from mimics_app.rendering.haptic.kernels.safety import HOLD, is_felt, is_stopped, latch
 from mimics_app.rendering.haptic.kernels.tunnels import share_in_touch
-from mimics_app.rendering.haptic.kernels.vectors import fill, norm, rotate, rotate_back, scale
+from mimics_app.rendering.haptic.kernels.vectors import copy, fill, norm, rotate, rotate_back, scale
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import SceneRecord, StateRecord, Table, TotalsRecord, TouchedRecord
@@ -154,9 +154,8 @@ def _store_shares(state: StateRecord) -> None:
     """Write this tick's shares of the force on the user to the delay line."""
     acting = state.acting
     slot = state.tick % _LINE
-    for i in range(3):
-        acting.contacts[slot, i] = acting.contact[i]
-        acting.actives[slot, i] = acting.active[i]
+    copy(acting.contact, acting.contacts[slot])
+    copy(acting.active, acting.actives[slot])
 
 
 @kernel
@@ -247,7 +246,7 @@ def _limit_credit(state: StateRecord, totals: TotalsRecord, dt: float) -> None:
     stored = acting.wall_share * state.tunnel.stiffness * depth * depth
     if totals.touching > 0:
         stored += acting.shape_share * totals.stiffness * totals.depth * totals.depth
-    acting.credit = limited_credit(acting.credit, stored)
+    acting.credit = min(acting.credit, stored)  # lost energy is no credit: it would hide energy generated later
     if acting.free_ticks * dt >= FREE_TIME:
         acting.credit = 0.0
 
@@ -257,8 +256,7 @@ def _passivity_factor(scene: SceneRecord, state: StateRecord, dt: float) -> floa
     """Factor >= 0 of the passivity controller on the contacts' force; contacts never pull."""
     acting = state.acting
     acting.passivity = 0.0
-    felt = state.safety == SafetyState.ACTIVE or state.safety == SafetyState.DEGRADED
-    if scene.passivity == 0 or not felt:
+    if scene.passivity == 0 or not is_felt(state):
         return 1.0
     most, v = scene.passivity_damping, acting.v
     if scene.controller == Controller.ADMITTANCE:

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING
 
 from mimics_app.contracts.arrays import Mat, Vec
 from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.vectors import copy, fill
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import ContactRecord
@@ -31,6 +32,7 @@ __all__ = [
     "cube_printed",
     "forget",
     "rate_of_depth",
+    "remember",
     "sphere",
     "sphere_nearest",
     "to_object",
@@ -54,17 +56,14 @@ def forget(contact: ContactRecord) -> None:
 @kernel
 def _leave(p: Vec, contact: ContactRecord) -> None:
     """Note that the point p is outside."""
-    contact.depth = 0.0
-    contact.feature = 0
-    contact.inside = 0
-    _remember(p, contact)
+    forget(contact)
+    remember(p, contact)
 
 
 @kernel
-def _remember(p: Vec, contact: ContactRecord) -> None:
+def remember(p: Vec, contact: ContactRecord) -> None:
     """Keep p as the previous point of the next tick."""
-    for i in range(3):
-        contact.previous[i] = p[i]
+    copy(p, contact.previous)
     contact.known = 1
 
 
@@ -106,14 +105,13 @@ def wall(p: Vec, contact: ContactRecord) -> None:
     contact.depth = -p[2]
     _flat(2, 1.0, contact)
     contact.feature = 1
-    _remember(p, contact)
+    remember(p, contact)
 
 
 @kernel
 def _flat(axis: int, sign: float, contact: ContactRecord) -> None:
     """Set the normal of a face, sign e_axis."""
-    for i in range(3):
-        contact.normal[i] = 0.0
+    fill(contact.normal, 0.0)
     contact.normal[axis] = sign
     contact.inside = 1
 
@@ -149,7 +147,7 @@ def sphere(p: Vec, v: Vec, radius: float, contact: ContactRecord) -> None:
         contact.depth = radius - distance
     contact.inside = 1
     contact.feature = 1
-    _remember(p, contact)
+    remember(p, contact)
 
 
 @kernel
@@ -175,7 +173,7 @@ def sphere_nearest(p: Vec, radius: float, contact: ContactRecord) -> None:
     contact.depth = radius - distance
     contact.inside = 1
     contact.feature = 1
-    _remember(p, contact)
+    remember(p, contact)
 
 
 @kernel
@@ -245,7 +243,7 @@ def _hold(p: Vec, dimensions: Vec, contact: ContactRecord) -> None:
     sign = 1.0 if face > 0 else -1.0
     contact.depth = 0.5 * dimensions[axis] - sign * p[axis]
     _flat(axis, sign, contact)
-    _remember(p, contact)
+    remember(p, contact)
 
 
 @kernel

@@ -12,6 +12,7 @@ from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic import SafetyState, TripCause
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.safety import latch
+from mimics_app.rendering.haptic.kernels.vectors import copy
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import SceneRecord, StateRecord, Table, TotalsRecord
@@ -48,11 +49,9 @@ def set_virtual_forces(
     """
     state = states[0]
     for i in range(3):
-        state.f_virt_world[i] = state.tunnel.force_world[i]
-        state.f_virt_world[i] += objects_force[i]
+        state.f_virt_world[i] = state.tunnel.force_world[i] + objects_force[i]
     for c in range(1, scene.contacts):
-        for i in range(3):
-            states[c].f_virt_world[i] = totals[c].shape_force[i]
+        copy(totals[c].shape_force, states[c].f_virt_world)
 
 
 @kernel

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.vectors import all_finite, fill, norm
+from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill, norm, scale
 
 __all__ = ["brake_at_limits", "limit_force", "limit_held", "limit_joints", "settle"]
 
@@ -82,8 +82,7 @@ def limit_force(
         magnitude = power_limit / along
     if magnitude < _SMALLEST_FORCE:
         magnitude = 0.0
-    for i in range(3):
-        f[i] *= magnitude
+    scale(f, magnitude)
     return True
 
 
@@ -94,8 +93,7 @@ def limit_held(v: Vec, power_limit: float, f: Vec) -> float:
     if power <= power_limit:
         return 1.0
     factor = power_limit / power if math.isfinite(power) and _usable(power_limit) else 0.0
-    for i in range(3):
-        f[i] *= factor
+    scale(f, factor)
     return factor
 
 
@@ -162,8 +160,7 @@ def limit_joints(last: Vec, velocity: Limits, acceleration: Limits, each: bool, 
         step[i] = limited
     if not after > _ROUNDING * before:
         return False
-    for i in range(size):
-        dq[i] = step[i]
+    copy(step, dq)
     return True
 
 

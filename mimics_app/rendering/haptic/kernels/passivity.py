@@ -12,6 +12,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.vectors import copy
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import ObserverRecord
@@ -55,8 +56,7 @@ def observe(observer: ObserverRecord, position: Vec, force_on_user: Vec) -> floa
             work -= observer.force[i] * (position[i] - observer.position[i])
         observer.energy += work
         observer.lowest = min(observer.lowest, observer.energy)
-    for i in range(3):
-        observer.position[i] = position[i]
-        observer.force[i] = force_on_user[i]
+    copy(position, observer.position)
+    copy(force_on_user, observer.force)
     observer.known = 1
     return observer.energy

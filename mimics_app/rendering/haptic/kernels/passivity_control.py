@@ -20,22 +20,7 @@ from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.vectors import norm
 
-__all__ = ["contact_scale", "limited_credit", "middle_velocity"]
-
-
-@kernel
-def limited_credit(credit: float, stored: float) -> float:
-    """Credit [J], limited to the energy stored in the contact's springs [J].
-
-    Energy lost in dampers or friction is no credit: it would hide energy that is generated later.
-    """
-    return min(credit, stored)
-
-
-@kernel
-def _overdraft(credit: float, force: Vec, v: Vec, dt: float) -> float:
-    """Energy [J] by which the coming tick would overdraw the credit: power given times tick, less credit."""
-    return (force[0] * v[0] + force[1] * v[1] + force[2] * v[2]) * dt - credit
+__all__ = ["contact_scale", "middle_velocity"]
 
 
 @kernel
@@ -71,7 +56,7 @@ def contact_scale(credit: float, force: Vec, v: Vec, dt: float, max_damping: flo
         max_damping: Largest alpha [N s/m].
     """
     size = norm(force)
-    overdraft = _overdraft(credit, force, v, dt)
+    overdraft = (force[0] * v[0] + force[1] * v[1] + force[2] * v[2]) * dt - credit  # [J] in the coming tick
     if not (overdraft > 0.0 and size > 0.0):
         return 1.0
     along = (force[0] * v[0] + force[1] * v[1] + force[2] * v[2]) / size

@@ -40,6 +40,7 @@ __all__ = [
     "LATE_DAMP",
     "LATE_STOP",
     "MISSED_STOP",
+    "is_felt",
     "is_stopped",
     "latch",
     "lets_feel",
@@ -63,6 +64,12 @@ _STOP_BUTTON = int(Button.STOP)
 def is_stopped(state: StateRecord) -> bool:
     """True in the two latched states."""
     return state.safety >= SafetyState.SAFE_STOP
+
+
+@kernel
+def is_felt(state: StateRecord) -> bool:
+    """Whether the virtual force acts on the user."""
+    return state.safety == SafetyState.ACTIVE or state.safety == SafetyState.DEGRADED
 
 
 @kernel

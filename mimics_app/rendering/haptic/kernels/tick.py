@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.device_descriptor import Kin
-from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.acting import account, act, device_delay, own_damping
 from mimics_app.rendering.haptic.kernels.contacts import (
@@ -27,7 +26,7 @@ from mimics_app.rendering.haptic.kernels.objects.object_inputs import write_obje
 from mimics_app.rendering.haptic.kernels.objects.published import sum_motions
 from mimics_app.rendering.haptic.kernels.objects.touches import follow_touch, follow_touches
 from mimics_app.rendering.haptic.kernels.rows import write_command, write_inputs, write_outputs
-from mimics_app.rendering.haptic.kernels.safety import step_safety
+from mimics_app.rendering.haptic.kernels.safety import is_felt, step_safety
 from mimics_app.rendering.haptic.kernels.sensing import find_motion, size_ball, take_data
 from mimics_app.rendering.haptic.kernels.tunnels import follow_tunnels, forget_tunnels
 from mimics_app.rendering.haptic.kernels.watch import watch_contact, watch_margin
@@ -101,7 +100,7 @@ def _act_on_user(
     for c in range(max(1, scene.contacts)):
         act(scene, states[c], objects.totals[c], objects.touched[c], held, period, dt)
     state = states[0]
-    felt = state.safety == SafetyState.ACTIVE or state.safety == SafetyState.DEGRADED
+    felt = is_felt(state)
     state.contact_change = follow_touch(state, felt and state.tunnel.wall_force > 0.0, felt, dt)
     follow_touches(objects.touches, objects.totals, objects.motions, scene.objects, felt, dt)
 

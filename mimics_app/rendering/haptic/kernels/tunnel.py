@@ -27,6 +27,7 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.tunnel_frame import arc_at, write_frame
 from mimics_app.rendering.haptic.kernels.tunnel_projection import axis, locate, project
 from mimics_app.rendering.haptic.kernels.tunnel_state import TunnelStatus
+from mimics_app.rendering.haptic.kernels.vectors import fill, norm
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import TunnelRecord, TunnelStateRecord
@@ -70,10 +71,9 @@ def _release(state: TunnelStateRecord, status: int) -> None:
     state.penetration = 0.0
     state.approach_speed = 0.0
     state.wall_force = 0.0
-    for i in range(3):
-        state.force_world[i] = 0.0
-        state.assist_world[i] = 0.0
-        state.force_tnb[i] = 0.0
+    fill(state.force_world, 0.0)
+    fill(state.assist_world, 0.0)
+    fill(state.force_tnb, 0.0)
 
 
 @kernel
@@ -150,9 +150,7 @@ def _wall(
     f = state.force_world
     rho = math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
     if rho <= clearance or rho < _SMALLEST_OFFSET:
-        f[0] = 0.0
-        f[1] = 0.0
-        f[2] = 0.0
+        fill(f, 0.0)
         return 0.0, 0.0
     dx = e[0] / rho - lean * state.tangent[0]
     dy = e[1] / rho - lean * state.tangent[1]
@@ -188,7 +186,7 @@ def _write_contact(wall: tuple[float, float], cap: tuple[float, float], state: T
     state.penetration = deeper[0]
     state.approach_speed = deeper[1]
     f = state.force_world
-    state.wall_force = math.sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2])
+    state.wall_force = norm(f)
     if state.wall_force > 0.0:
         for i in range(3):
             state.normal_world[i] = f[i] / state.wall_force

@@ -19,6 +19,7 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.stability import spring_share, stiffness_limit
 from mimics_app.rendering.haptic.kernels.tunnel import tunnel_force
 from mimics_app.rendering.haptic.kernels.tunnel_state import TunnelStatus, restart_tracking
+from mimics_app.rendering.haptic.kernels.vectors import copy, fill
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import (
@@ -147,10 +148,9 @@ def _hold(tunnel: TunnelRecord, memory: TunnelStateRecord, holding: HoldingRecor
     holding.penetration = memory.penetration
     holding.approach_speed = memory.approach_speed
     holding.wall_force = memory.wall_force
-    for i in range(3):
-        holding.force_world[i] = memory.force_world[i]
-        holding.assist_world[i] = memory.assist_world[i]
-        holding.normal_world[i] = memory.normal_world[i]
+    copy(memory.force_world, holding.force_world)
+    copy(memory.assist_world, holding.assist_world)
+    copy(memory.normal_world, holding.normal_world)
     holding.stiffness = tunnel.stiffness
     holding.damping = tunnel.damping
     holding.centring = tunnel.centring
@@ -164,9 +164,8 @@ def _hold_nothing(holding: HoldingRecord) -> None:
     holding.penetration = 0.0
     holding.approach_speed = 0.0
     holding.wall_force = 0.0
-    for i in range(3):
-        holding.force_world[i] = 0.0
-        holding.assist_world[i] = 0.0
+    fill(holding.force_world, 0.0)
+    fill(holding.assist_world, 0.0)
     holding.stiffness = 0.0
     holding.damping = 0.0
     holding.centring = 0.0
@@ -212,8 +211,7 @@ def follow_tunnels(
         state.acting.wall_share = 1.0
         _hold_nothing(state.tunnel)
         state.own_tunnel.penetration = 0.0
-        for i in range(3):
-            state.own_tunnel.force_tnb[i] = 0.0
+        fill(state.own_tunnel.force_tnb, 0.0)
         return
     for k in range(count):
         _follow_one(scene, rows[k], tunnels[k], state, own, delay, period, k == state.tunnel.row)

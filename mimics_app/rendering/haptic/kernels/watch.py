@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.acting import FREE_TIME, acting_contact, device_delay, own_damping
 from mimics_app.rendering.haptic.kernels.contact_limits import is_pressed, touched_margin
 from mimics_app.rendering.haptic.kernels.passivity import observe, reset_observer
+from mimics_app.rendering.haptic.kernels.safety import is_felt
 from mimics_app.rendering.haptic.kernels.stability import LARGEST_MARGIN, margin_of, stiffness_limit
 
 if TYPE_CHECKING:
@@ -19,11 +19,6 @@ __all__ = ["watch_contact", "watch_margin"]
 
 _CALM_MARGIN = 0.05
 """Margin above which a loss of stability may be reported again [-]."""
-
-
-@kernel
-def _is_felt(state: StateRecord) -> bool:
-    return state.safety == SafetyState.ACTIVE or state.safety == SafetyState.DEGRADED
 
 
 @kernel
@@ -66,7 +61,7 @@ def watch_margin(
         if state.span.margin < state.margin or tunnel.there == 0:
             state.margin = state.span.margin
             state.stiffness_limit = state.span.limit
-    lost = _is_felt(state) and state.margin < 0.0 and state.warned == 0
+    lost = is_felt(state) and state.margin < 0.0 and state.warned == 0
     state.margin_lost = 1 if lost else 0
     if lost:
         state.warned = 1
@@ -120,7 +115,7 @@ def watch_contact(
         margins: ObjectWork.margins, updated.
         dt: Tick [s].
     """
-    felt = _is_felt(state)
+    felt = is_felt(state)
     _follow_observer(scene, state, felt, dt)
     state.cap_began = 0
     if not (felt and (state.in_touch == 1 or totals.touching > 0)):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.vectors import norm
+from mimics_app.rendering.haptic.kernels.vectors import clamp_norm, copy, norm
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import EffectMemoryRecord, EffectRecord
@@ -43,10 +43,8 @@ def is_within(effect: EffectRecord, memory: EffectMemoryRecord) -> bool:
 @kernel
 def bound(force: Vec, limit: float) -> None:
     """Shorten a force to a limit [N]; 0: no limit."""
-    size = norm(force)
-    if limit > 0.0 and size > limit:
-        for i in range(3):
-            force[i] *= limit / size
+    if limit > 0.0:
+        clamp_norm(force, limit)
 
 
 @kernel
@@ -144,8 +142,7 @@ def stick_and_slip(effect: EffectRecord, local: Vec, memory: EffectMemoryRecord)
         gap = local[i] - memory.anchor[i]
         away += gap * gap
     if memory.sticking == 0 or away > effect.slip * effect.slip:
-        for i in range(3):
-            memory.anchor[i] = local[i]
+        copy(local, memory.anchor)
     memory.sticking = 1
     for i in range(3):
         memory.force[i] = -memory.stiffness * (local[i] - memory.anchor[i])

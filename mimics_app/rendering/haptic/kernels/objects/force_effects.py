@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic_objects import BodyFlag, EffectKind
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.loop_ports import FIELD_PARAMETERS, MAX_FIELDS
+from mimics_app.contracts.loop_ports import MAX_FIELDS
 from mimics_app.rendering.haptic.kernels.objects.effect_laws import (
     bound,
     brake,
@@ -28,6 +28,7 @@ from mimics_app.rendering.haptic.kernels.objects.effect_laws import (
 from mimics_app.rendering.haptic.kernels.objects.effect_paths import find_path, guide, pull_to_path
 from mimics_app.rendering.haptic.kernels.objects.object_inputs import INPUT_POSITION, INPUT_TIME, INPUT_VELOCITY
 from mimics_app.rendering.haptic.kernels.tunnel_state import restart_tracking
+from mimics_app.rendering.haptic.kernels.vectors import copy, fill, rotate, rotate_back
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import (
@@ -97,14 +98,11 @@ def _stick(effect: EffectRecord, work: ObjectWork, counts: ObjectCountsRecord, m
         stick_and_slip(effect, memory.p, memory)
         return
     R = work.motions[effect.body].rotation
-    local, p = memory.damper, memory.p
-    for i in range(3):
-        local[i] = R[0, i] * p[0] + R[1, i] * p[1] + R[2, i] * p[2]
+    local = memory.damper
+    rotate_back(R, memory.p, local)
     stick_and_slip(effect, local, memory)
-    for i in range(3):
-        local[i] = memory.force[i]
-    for i in range(3):
-        memory.force[i] = R[i, 0] * local[0] + R[i, 1] * local[1] + R[i, 2] * local[2]
+    copy(memory.force, local)
+    rotate(R, local, memory.force)
 
 
 @kernel
@@ -133,15 +131,12 @@ def _call_field(effect: EffectRecord, work: ObjectWork, fields: Fields, t: float
     if not (0 <= effect.field < MAX_FIELDS and is_within(effect, memory)):
         return
     p, v, out = work.field_vectors[0], work.field_vectors[1], work.field_vectors[2]
-    for i in range(FIELD_PARAMETERS):
-        work.field_parameters[i] = effect.parameters[i]
-    for i in range(3):
-        p[i] = memory.p[i]
-        v[i] = memory.v[i]
-        out[i] = 0.0
+    copy(effect.parameters, work.field_parameters)
+    copy(memory.p, p)
+    copy(memory.v, v)
+    fill(out, 0.0)
     fields[effect.field](work.field_parameters, p, v, t, out)
-    for i in range(3):
-        memory.force[i] = out[i]
+    copy(out, memory.force)
     bound(memory.force, memory.size)
 
 

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.contact import remember
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
     ANY_DIRECTION,
     FIRST_VERTEX,
@@ -25,7 +26,6 @@ from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
     first_crossing,
     triangle_normal,
 )
-from mimics_app.rendering.haptic.kernels.vectors import copy
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import ContactRecord, ContactScratchRecord, MeshRecord, MeshTable
@@ -170,5 +170,4 @@ def probe_mesh(meshes: MeshTable, row: int, scratch: ContactScratchRecord, conta
         t, region = _walk(meshes, start, scratch.p, scratch.a, scratch.b)
         _rest(meshes, scratch, t, region, contact)
     contact.inside = contact.depth > 0.0
-    copy(scratch.p, contact.previous)
-    contact.known = 1
+    remember(scratch.p, contact)

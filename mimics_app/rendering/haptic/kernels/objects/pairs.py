@@ -15,6 +15,7 @@ from mimics_app.contracts.arrays import I8
 from mimics_app.contracts.haptic_objects import ForceLaw
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact_law import pair_damping, pair_stiffness
+from mimics_app.rendering.haptic.kernels.vectors import fill
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import DynamicsRecord, PairRecord, ShapeRecord, Table
@@ -40,8 +41,7 @@ _PRIME_A, _PRIME_B, _FOLD = 73856093, 19349663, 15
 @kernel
 def forget_contact(pair: PairRecord) -> None:
     """Clear the state of a contact that ended."""
-    for i in range(3):
-        pair.stretch[i] = 0.0
+    fill(pair.stretch, 0.0)
     pair.twist = 0.0
     pair.share = 0.0
     pair.force = 0.0
@@ -53,8 +53,7 @@ def forget_contact(pair: PairRecord) -> None:
 def _forget(pair: PairRecord) -> None:
     """Set the initial state of a pair."""
     forget_contact(pair)
-    for i in range(3):
-        pair.normal[i] = 0.0
+    fill(pair.normal, 0.0)
     pair.rest_force = 0.0
     pair.feature = 0
     pair.ticks_apart = _LONG_APART

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.maths.quat import QUATERNION
+from mimics_app.rendering.haptic.kernels.vectors import copy
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import MotionRecord, Table
@@ -33,10 +33,8 @@ def write_poses(motions: Table[MotionRecord], bodies: int, poses: NDArray[np.flo
     """Fill poses, shape [capacity, 7], position [m] and quaternion xyzw; rows beyond `bodies` are not changed."""
     for k in range(bodies):
         motion = motions[k]
-        for i in range(3):
-            poses[k, i] = motion.position[i]
-        for i in range(QUATERNION):
-            poses[k, 3 + i] = motion.orientation[i]
+        copy(motion.position, poses[k, :3])
+        copy(motion.orientation, poses[k, 3:])
 
 
 @kernel

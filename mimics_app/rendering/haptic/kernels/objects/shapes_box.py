@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.contact import cube
-from mimics_app.rendering.haptic.kernels.vectors import copy
+from mimics_app.rendering.haptic.kernels.contact import cube, remember
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import ContactRecord
@@ -94,5 +93,4 @@ def box(p: Vec, v: Vec, core: Vec, reach: float, contact: ContactRecord) -> None
         contact.depth = 0.0
         contact.feature = 0
     contact.inside = contact.depth > 0.0
-    copy(p, contact.previous)
-    contact.known = 1
+    remember(p, contact)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.contact import sphere
+from mimics_app.rendering.haptic.kernels.contact import remember, sphere
 from mimics_app.rendering.haptic.kernels.objects.shapes_box import SHELL
 from mimics_app.rendering.haptic.kernels.vectors import copy
 
@@ -149,8 +149,7 @@ def cylinder(p: Vec, v: Vec, radius: float, length: float, reach: float, contact
     contact.inside = contact.depth > 0.0
     if contact.inside == 0:
         contact.feature = 0
-    copy(p, contact.previous)
-    contact.known = 1
+    remember(p, contact)
 
 
 @kernel

@@ -16,7 +16,7 @@ from mimics_app.contracts.haptic_objects import ForceLaw
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact_law import hunt_crossley, spring_damper
 from mimics_app.rendering.haptic.kernels.friction import hayward_armstrong
-from mimics_app.rendering.haptic.kernels.vectors import fill, norm
+from mimics_app.rendering.haptic.kernels.vectors import clamp_norm, fill
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import ContactRecord, MemoryRecord, ShapeRecord
@@ -96,10 +96,7 @@ def _damp(v: Vec, normal: Vec, damping: float, most: float, out: Vec) -> None:
     along = v[0] * normal[0] + v[1] * normal[1] + v[2] * normal[2]
     for i in range(3):
         out[i] -= damping * (v[i] - along * normal[i])
-    size = norm(out)
-    if size > most:
-        for i in range(3):
-            out[i] *= most / size
+    clamp_norm(out, most)
 
 
 @kernel

@@ -19,6 +19,7 @@ from mimics_app.rendering.haptic.kernels.objects.object_inputs import (
     INPUT_TIME,
     INPUT_VELOCITY,
 )
+from mimics_app.rendering.haptic.kernels.vectors import copy
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import MotionRecord, ObjectCountsRecord, ObjectWork, Rows, WireRecord
@@ -110,15 +111,13 @@ def carry_signals(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, inpu
         inputs: See kernels.objects.object_inputs, shape [INPUT_LENGTH].
     """
     for k in range(counts.bodies):
-        for i in range(3):
-            work.aux_forces[k, i] = rows.bodies[k].force_aux[i]
-            work.aux_torques[k, i] = rows.bodies[k].torque_aux[i]
+        copy(rows.bodies[k].force_aux, work.aux_forces[k])
+        copy(rows.bodies[k].torque_aux, work.aux_torques[k])
     for k in range(counts.effects):
         effect, memory = rows.effects[k], work.effects[k]
         memory.size = effect.force
         memory.stiffness = effect.stiffness
-        for i in range(3):
-            memory.position[i] = effect.position[i]
+        copy(effect.position, memory.position)
     for k in range(counts.wires):
         wire = rows.wires[k]
         of_body = wire.source > SignalSource.TIME and 0 <= wire.source_row < counts.bodies
