@@ -140,9 +140,9 @@ def test_a_mesh_that_is_changed_hides_nothing():
 
 
 def test_an_authored_box_hides_and_only_where_asked(tmp_path):
-    """Written into the model for a wall no box is found in: a single sheet of two triangles."""
+    """Written into the model for a wall no box is found in: a single bent sheet of two triangles."""
     maker = GltfMaker()
-    sheet = np.float32([[-20, -20, 0], [20, -20, 0], [20, 20, 0], [-20, 20, 0]])
+    sheet = np.float32([[-20, -20, 0], [20, -20, 0], [20, 20, 0], [-20, 20, -0.02]])
     position, indices = maker.array(sheet), maker.array(np.array([0, 1, 2, 0, 2, 3], np.uint16))
     occluder = {"centre": [0, 0, -0.05], "size": [39, 39, 0.05]}
     nodes = [{"mesh": 0, "translation": [0, 0, -5], "extras": {"mimics": {"occluder": occluder}}}]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mimics_app.maths.mat import compose, look_at
-from mimics_app.rendering.visual.drawing.occlusion import OcclusionPass
+from mimics_app.rendering.visual.drawing.occlusion import OcclusionPass, make_raster
 from mimics_app.rendering.visual.kernels.occlusion import MARGIN_PX
 from mimics_app.rendering.visual.view import View
 from tests.support.boxes import as_items, as_occluders, first_met
@@ -22,7 +22,7 @@ def drawn(world, half, view, samples=0):
     hide = OcclusionPass(as_occluders(half)).remove_hidden
     centres = np.ascontiguousarray(world[:, :3, 3])
     radii = np.linalg.norm(half, axis=1) * np.linalg.norm(world[:, :3, :3], axis=(1, 2))
-    kept = hide(picked, len(half), view, view.rectangle[2:], samples, items, world, centres, radii)
+    kept = hide(picked, len(half), view, make_raster(view, view.rectangle[2:], samples), items, world, centres, radii)
     return set(picked[:kept].tolist())
 
 
@@ -113,10 +113,10 @@ def _covered(edge_px, width=480):
     world = np.array([compose((shift, 0.0, 1e-6)), compose((0.0, 0.0, -50.0))])
     hide = OcclusionPass(as_occluders(half))
     hide.remove_hidden(
-        np.arange(2, dtype=np.int32), 2, view, view.rectangle[2:], 0, as_items(half), world,
+        np.arange(2, dtype=np.int32), 2, view, make_raster(view, view.rectangle[2:], 0), as_items(half), world,
         np.ascontiguousarray(world[:, :3, 3]), np.linalg.norm(half, axis=1),
     )  # fmt: skip
-    return np.flatnonzero(hide._nearness[45] > 0.0)
+    return np.flatnonzero(hide.nearness[45] > 0.0)
 
 
 @pytest.mark.parametrize("column", [70, 88])

@@ -89,11 +89,40 @@ def test_a_closed_mesh_holds_a_box_of_good_size(mesh, share):
         assert winding_number(triangles, point) == pytest.approx(1.0, abs=1e-5)
 
 
+@pytest.mark.parametrize("turn", [[0, 1, 2], [2, 0, 1], [1, 0, 2]])
+def test_a_flat_rectangle_is_a_box_without_thickness_for_those_in_front(turn):
+    """Of any number of triangles, in each plane; the last turn reverses the faces."""
+    grid = plane(4.0, 3.0, segments=5)
+    mesh = mesh_of(grid.positions[:, turn], grid.indices.reshape(-1, 3))
+    solid = find_solid(mesh)
+    assert solid is not None
+    assert (solid.upper - solid.lower).tolist() == (mesh.bounds[1] - mesh.bounds[0]).tolist()
+    corners = mesh.positions[mesh.indices[:3]].astype(np.float64)
+    normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+    front = corners[0] + normal / np.linalg.norm(normal)
+    (cap,) = solid.caps
+    assert cap[:3] @ front + cap[3] < 0.0 < cap[:3] @ (2.0 * corners[0] - front) + cap[3]
+
+
+@pytest.mark.parametrize("change", ["gap", "twice", "facing away", "corner"])
+def test_a_flat_mesh_that_does_not_fill_its_rectangle_once_hides_nothing(change):
+    grid = plane(4.0, 3.0, segments=5)
+    triangles, positions = grid.indices.reshape(-1, 3).copy(), grid.positions.copy()
+    if change == "gap":
+        triangles = np.delete(triangles, 9, axis=0)
+    elif change == "twice":
+        triangles[9] = triangles[20]  # as large as the gap that it leaves
+    elif change == "facing away":
+        triangles[9] = triangles[9, ::-1]
+    else:
+        positions[0] = 0.5 * (positions[0] + positions[1])
+    assert find_solid(mesh_of(positions, triangles)) is None
+
+
 def test_what_has_no_inside_has_no_box():
     inverted = box()
     inverted = mesh_of(inverted.positions, inverted.indices.reshape(-1, 3)[:, ::-1])
     bent = mesh_of(np.random.default_rng(0).normal(size=(30, 3)), np.arange(30))
-    assert find_solid(plane()) is None
     assert find_solid(inverted) is None, "a sky is seen from inside"
     assert find_solid(bent) is None
 

@@ -31,11 +31,13 @@ def box_items(rows: NDArray[np.int32], half: NDArray[np.float64]) -> DrawItems:
         drawable=np.ones(count, np.uint8),
         transparent=~yes,
         solid=yes,
+        one_sided=np.ones(count, np.uint8),
         casting=yes,
         levels=np.zeros(count, np.uint8),
         families=zeros - 1,
         mesh_names=["box"],
         ranges=np.array([[36, 0, 0]], np.int32),
+        still=np.zeros((1, 2), np.int32),
         of_state=[],
         of_shadow=[],
     )

@@ -75,7 +75,8 @@ class RenderSettings:
         shading: Techniques of opaque surfaces, see `Shading`.
         particle_light: Where the light of lit particles is computed, see `ParticleLight`.
         profile: Purpose of the picture; techniques that exclude it are replaced by their fallbacks.
-        occlusion: Occluder boxes in use; the picture is the same with derived ones and without any.
+        occlusion: Occluder boxes in use; the picture is the same with derived ones and without any. Where the processor
+            draws, "off" also draws the triangles that no pixel shows.
         culling: Method of frustum culling; the picture is the same.
         skinning: Where skinned meshes are deformed; the picture is the same.
         stereo: Passes of two eyes, see `StereoPasses`; two passes where the driver or a shader allows no other.

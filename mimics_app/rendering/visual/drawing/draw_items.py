@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import B1, F4, F8, I4, U1
-from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
+from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena, is_still
 from mimics_app.rendering.visual.materials.look import Look
 from mimics_app.rendering.visual.materials.materials import MaterialStore
 from mimics_app.world.world import World
@@ -50,11 +50,13 @@ class DrawItems:
         drawable: 1 where there is something to draw, uint8 [n].
         transparent: True where blended, [n].
         solid: True where opaque and without holes, [n].
+        one_sided: 1 where back faces are not drawn, uint8 [n].
         casting: True where it casts shadows, [n].
         levels: Level of detail it belongs to, uint8 [n].
         families: Number of its body in the table of levels, -1: a body without levels; int32 [n].
         mesh_names: Keys in `World.meshes`.
         ranges: Indices, first index and base vertex of each mesh, int32 [meshes, 3].
+        still: See `kernels.triangles.pick_triangles`, int32 [meshes, 2].
         of_state: The states.
         of_shadow: The states of the shadow pass.
     """
@@ -70,11 +72,13 @@ class DrawItems:
     drawable: U1
     transparent: B1
     solid: B1
+    one_sided: U1
     casting: B1
     levels: U1
     families: I4
     mesh_names: list[str]
     ranges: I4
+    still: I4
     of_state: list[DrawState]
     of_shadow: list[DrawState]
 
@@ -94,6 +98,7 @@ class DrawItems:
         known = self._numbers
         numbers = np.array([known[name] for name in names if name in known], np.int32)
         local, half = _bounds(world, [self.mesh_names[number] for number in numbers])
+        self.still[numbers] = 0
         line = np.full(len(self.mesh_names), -1, np.int32)
         line[numbers] = np.arange(len(numbers))
         lines = line[self.meshes]
@@ -151,6 +156,7 @@ def list_items(world: World, arena: MeshArena, materials: MaterialStore) -> Draw
         drawable=_spread(filled, mesh),
         transparent=_spread(np.array([look.transparent for look in looks], np.bool_), kind),
         solid=_spread(np.array([look.solid for look in looks], np.bool_), kind),
+        one_sided=_spread(np.array([look.one_sided for look in looks], np.uint8), kind),
         casting=np.asarray(listed.casts_shadow, np.bool_),
         levels=listed.level,
         families=_families(world),
@@ -158,9 +164,17 @@ def list_items(world: World, arena: MeshArena, materials: MaterialStore) -> Draw
         ranges=np.array([(p.count, p.first, p.base_vertex) if p else (0, 0, 0) for p in ranges], np.int32).reshape(
             -1, 3
         ),
+        still=np.array([_still(world, arena, name) for name in names], np.int32).reshape(-1, 2),
         of_state=states.found,
         of_shadow=shadows.found,
     )
+
+
+def _still(world: World, arena: MeshArena, name: str) -> tuple[int, int]:
+    """Return vertices and first group of a mesh whose triangles may be listed; zeros for another."""
+    if arena.seen is None or name not in arena.seen.groups or not is_still(world, name):
+        return 0, 0
+    return arena.ranges[name].vertices, arena.seen.groups[name]
 
 
 def _families(world: World) -> I4:

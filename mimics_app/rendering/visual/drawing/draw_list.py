@@ -15,7 +15,13 @@ from mimics_app.rendering.visual.drawing.draw_order import DrawOrder
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.drawing.levels import Levels
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
-from mimics_app.rendering.visual.drawing.occlusion import MIN_ITEMS, OcclusionPass, gather_occluders
+from mimics_app.rendering.visual.drawing.occlusion import (
+    MIN_ITEMS,
+    OcclusionPass,
+    Raster,
+    gather_occluders,
+    make_raster,
+)
 from mimics_app.rendering.visual.drawing.skinning import BentMeshes
 from mimics_app.rendering.visual.kernels.bounds import gather_casters, update_bounds
 from mimics_app.rendering.visual.kernels.frustum import cull_flat
@@ -143,6 +149,7 @@ class DrawList:
             occluders = gather_occluders(world, self.items, self._arena, wanted)
             self._occlusion = OcclusionPass(occluders) if len(occluders.inner_half) else None
         self._detail = settings.detail
+        self._by_triangle = settings.occlusion != "off"
         self.tally = Tally()
         self._world = world.transforms.world
         before = self._shown.copy()
@@ -249,12 +256,14 @@ class DrawList:
         origin: F8,
         *,
         shadow: bool = False,
+        seen: bool = False,
         ranks: I4 | None = None,
     ) -> list[DrawRun]:
         """Sort the first `count` of some items, and queue them."""
         spheres = self.centres, self.radii
         self._order.sort(picked, count, origin, *spheres, self._mirrored, shadow=shadow, ranks=ranks)
-        return frame.add(picked, count, origin, self.items, self._world, self._mirrored, shadow=shadow)
+        parts = self._whole if shadow or not seen else self._parts
+        return frame.add(picked, count, origin, self.items, self._world, self._mirrored, parts, shadow=shadow)
 
     def batch_views(
         self,
@@ -285,14 +294,18 @@ class DrawList:
         # One level for both eyes: two different levels of a body cannot be fused.
         between = views[0] if len(views) == 1 else replace(views[0], queued_at=origin)
         shown = self._levels.show(key, between, sizes[0], self._shown, self.centres, self.radii, self._detail)
-        count = self._pick(views[0], shown, sizes[0], samples)
+        raster = make_raster(views[0], sizes[0], samples)
+        count = self._pick(views[0], shown, raster)
         if len(views) > 1:
             count = self._pick_also(views[1:], count, shown, sizes[1:], samples)
         self.used[picked[:count]] = self.drawn[picked[:count]] = True
         blended = self._split(count)
         solid = count - len(blended)
         self._opaque = solid
-        return self._queue(frame, picked, solid, origin, ranks=ranks), *self._batch_blended(frame, blended, origin)
+        seen = len(views) == 1 and self._pick_triangles(views[0], solid, raster, samples)
+        return self._queue(frame, picked, solid, origin, seen=seen, ranks=ranks), *self._batch_blended(
+            frame, blended, origin
+        )
 
     def rank_states(self, view: View, size: Size, samples: int, key: Hashable) -> I4:
         """Return the ranks of the states as all of a view is drawn: at equal depths its parts have the same pixels.
@@ -305,13 +318,13 @@ class DrawList:
         """
         tally, self.tally = self.tally, Tally()
         shown = self._levels.show(key, view, size, self._shown, self.centres, self.radii, self._detail)
-        count = self._pick(view, shown, size, samples)
+        count = self._pick(view, shown, make_raster(view, size, samples))
         solid = count - len(self._split(count))
         ranks = self._order.rank(self._picked, solid, view.eye_world, self.centres, self.radii, self._mirrored)
         self.tally = tally
         return ranks.copy()
 
-    def _pick(self, view: View, shown: U1, size: Size, samples: int) -> int:
+    def _pick(self, view: View, shown: U1, raster: Raster) -> int:
         """Pick the items that are visible in a view; return how many."""
         items, picked = self.items, self._picked
         before = self._culler.tests
@@ -319,17 +332,27 @@ class DrawList:
         self._remember(seen, HIDDEN)
         if self._occlusion is not None:
             spheres = (self.centres, self.radii)
-            count = self._occlusion.remove_hidden(picked, seen, view, size, samples, items, self._world, *spheres)
+            count = self._occlusion.remove_hidden(picked, seen, view, raster, items, self._world, *spheres)
         self._remember(count, DRAWN)
         self.tally.count(int(np.count_nonzero(shown)), seen, count, self._culler.tests - before)
         return count
+
+    def _pick_triangles(self, view: View, count: int, raster: Raster, samples: int) -> bool:
+        """List the triangles of the picked items that a view shows; return False where all are drawn."""
+        triangles = self._arena.seen
+        if triangles is None or not self._by_triangle or view.clip_plane is not None:
+            return False
+        nearness = np.zeros(raster.shape) if self._occlusion is None else self._occlusion.nearness
+        bodies = (self.items, self._world, self.centres, self.radii)
+        triangles.pick(self._picked, count, *bodies, raster, samples, nearness, self._parts)
+        return True
 
     def _pick_also(self, views: Sequence[View], count: int, shown: U1, sizes: Sequence[Size], samples: int) -> int:
         """Add the items visible in other views to those picked already; return how many there are."""
         either = np.zeros(len(self.items.rows), np.bool_)
         either[self._picked[:count]] = True
         for view, size in zip(views, sizes, strict=True):
-            either[self._picked[: self._pick(view, shown, size, samples)]] = True
+            either[self._picked[: self._pick(view, shown, make_raster(view, size, samples))]] = True
         found = np.flatnonzero(either)
         self._picked[: len(found)] = found
         return len(found)
@@ -370,7 +393,7 @@ class DrawList:
         away = np.linalg.norm(self.centres[blended] - eye, axis=1)
         far_first = np.argsort(-away, kind="stable")
         order = np.ascontiguousarray(blended[far_first])
-        runs = frame.add(order, len(order), eye, self.items, self._world, self._mirrored, single=True)
+        runs = frame.add(order, len(order), eye, self.items, self._world, self._mirrored, self._whole, single=True)
         return runs, away[far_first]
 
     def _split(self, count: int) -> I4:
@@ -392,6 +415,7 @@ class DrawList:
         self.drawn = np.ones(count, np.bool_)
         self._mirrored = np.zeros(count, np.uint8)
         self._picked = np.zeros(count, np.int32)
+        self._whole, self._parts = (np.full((count, 2), -1, np.int32) for _ in range(2))
         self._opaque = 0
         self._order: DrawOrder = DrawOrder(items)
         self._any_transparent = bool(items.transparent.any())

@@ -84,6 +84,8 @@ class FrameBuffers:
         self._most_waiting = MAX_TRIANGLES_OF_FEW_PIXELS if few_pixels else MAX_TRIANGLES
         self.instance_count = self.command_count = self._waiting = 0
         self._sent = (0, 0)
+        if self._arena.seen is not None:
+            self._arena.seen.begin()
 
     def add(
         self,
@@ -93,6 +95,7 @@ class FrameBuffers:
         listed: DrawItems,
         world: F8,
         mirrored: U1,
+        parts: I4,
         *,
         shadow: bool = False,
         single: bool = False,
@@ -106,6 +109,7 @@ class FrameBuffers:
             listed: The draw items.
             world: T_world_from_node per row, [rows, 4, 4].
             mirrored: 1 where the winding of an item's faces is reversed, [n].
+            parts: First index and number of indices of each item's triangles, -1 for all of them; [n, 2].
             shadow: True to group by the states of the shadow pass.
             single: True for one run per item.
         """
@@ -124,6 +128,7 @@ class FrameBuffers:
             mirrored,
             listed.meshes,
             listed.ranges,
+            parts,
             single,
             self._commands,
             self._runs,
@@ -146,6 +151,7 @@ class FrameBuffers:
         if self.command_count == commands:
             return
         self._arena.write_instances(self._instances[: self.instance_count], instances)
+        self._arena.write_seen()
         size = self.command_count * _COMMAND_BYTES
         if self._buffer is None or self._buffer.size < size:
             self.release()

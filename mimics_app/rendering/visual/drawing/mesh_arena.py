@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F4
 from mimics_app.rendering.visual.drawing.occluder_boxes import Solid, find_solid
+from mimics_app.rendering.visual.drawing.seen_triangles import SeenTriangles
 from mimics_app.rendering.visual.materials.vertex_arrays import VertexArrays
+from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
 from mimics_app.rendering.visual.surfaces.raw_gl import RawGL
 from mimics_app.world.meshes.mesh import MeshData
 from mimics_app.world.meshes.mesh_buffer import MeshChange
@@ -24,7 +26,7 @@ if TYPE_CHECKING:
 
     from mimics_app.rendering.visual.materials.shader_library import ShaderProgram
 
-__all__ = ["COMMAND_WORDS", "MeshArena", "MeshRange"]
+__all__ = ["COMMAND_WORDS", "MeshArena", "MeshRange", "is_still"]
 
 _VERTEX, _COLOUR = VERTEX_DECLARATION.dtype, COLOUR_DECLARATION.dtype
 _INSTANCE = np.dtype(
@@ -70,6 +72,7 @@ class MeshArena:
     Attributes:
         ranges: Location of each mesh of the world.
         solids: Meshes with an occluder box inside.
+        seen: Lists of the triangles that pictures show; None where the processor does not draw.
         rewritten: Meshes whose vertices or indices were rewritten in place in the last update.
         uploaded: Bytes of vertices and indices uploaded in the last update.
         rebuilt: Number of times the buffers were rebuilt; skinned vertices are lost each time.
@@ -79,6 +82,8 @@ class MeshArena:
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
+        self._software = read_capabilities(ctx).software
+        self.seen: SeenTriangles | None = None
         self.ranges: dict[str, MeshRange] = {}
         self.solids: dict[str, Solid] = {}
         self.rewritten: list[str] = []
@@ -147,6 +152,12 @@ class MeshArena:
         if first == 0:
             self._instances.orphan()
         self._instances.write(rows[first:], offset=first * _INSTANCE.itemsize)
+
+    def write_seen(self) -> None:
+        """Upload the triangles listed for a frame."""
+        if self.seen is not None and len(self.seen.indices):
+            listed = self.seen.indices
+            self._indices[False].write(listed, offset=listed.itemsize * self.seen.first)
 
     def write_bent(self, name: str, packed: F4) -> None:
         """Overwrite the vertices of a mesh with its skinned ones, float32 [n, 8]."""
@@ -232,7 +243,10 @@ class MeshArena:
         self._colours = self._upload(self._colours, self._all_colours(meshes), _COLOUR.itemsize)
         for wide in (False, True):
             parts = [_indices(mesh) for name, mesh in meshes.items() if self.ranges[name].wide == wide]
-            self._indices[wide] = self._upload(self._indices[wide], parts, 4)
+            spare = [np.zeros(first[wide], np.uint16)] if self._software and not wide else []
+            self._indices[wide] = self._upload(self._indices[wide], [*parts, *spare], 4)
+        if self._software:
+            self.seen = SeenTriangles(meshes, self.ranges)
 
     def _all_colours(self, meshes: dict[str, MeshData]) -> Iterable[F4]:
         """Return a colour for every vertex of the arena; empty where no mesh has colours."""
@@ -252,14 +266,15 @@ class MeshArena:
         return self._ctx.buffer(data or bytes(min_bytes))
 
 
+def is_still(world: World, name: str) -> bool:
+    """Whether the vertices and indices of a mesh are those it came with."""
+    changed = world.mesh_revision(name) > 1 or world.opened_mesh(name) is not None
+    return not changed and name not in world.motion.body_of
+
+
 def _find_solids(world: World) -> dict[str, Solid]:
     """Return the occluder boxes inside the world's static meshes, the largest meshes first."""
-    bending = world.motion.body_of
-    still = [
-        name
-        for name in world.meshes
-        if world.mesh_revision(name) <= 1 and world.opened_mesh(name) is None and name not in bending
-    ]
+    still = [name for name in world.meshes if is_still(world, name)]
     largest = sorted(still, key=lambda name: -world.meshes[name].radius)[:_MAX_SOLIDS]
     found = {name: find_solid(world.meshes[name]) for name in largest}
     return {name: solid for name, solid in found.items() if solid is not None}

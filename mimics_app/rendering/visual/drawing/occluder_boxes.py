@@ -4,6 +4,8 @@ A mesh without T-junctions is a closed surface where every edge is used equally 
 such as the floor of a house, are closed by virtual caps. If no triangle and no cap touches a box and the winding number
 in it is at least 1, every ray from outside hits a front face before the box, as long as the camera is on the inner side
 of every cap's plane: a straight line that starts and ends there does not pass through the cap.
+
+A flat rectangle, such as a ground, is a box without thickness for cameras that see its front face.
 """
 
 from __future__ import annotations
@@ -63,6 +65,8 @@ def find_solid(mesh: MeshData) -> Solid | None:
 
 def _search(mesh: MeshData) -> Solid | None:
     size = mesh.bounds[1] - mesh.bounds[0]
+    if float(size.min()) < _FLAT * float(size.max()):
+        return _find_sheet(mesh)
     if not 4 <= mesh.triangle_count <= MAX_TRIANGLES or float(size.min()) < 1e-3 * float(size.max()):
         return None
     sealed = remove_t_junctions(mesh)
@@ -82,6 +86,33 @@ def _search(mesh: MeshData) -> Solid | None:
     if (box[1] <= box[0]).any() or not _behind(caps, box):
         return None
     return Solid(sealed.mesh, box[0], box[1], caps)
+
+
+def _find_sheet(mesh: MeshData) -> Solid | None:
+    """Return the box of a flat mesh whose triangles all face one way and fill its rectangle exactly once."""
+    lower, upper = mesh.bounds
+    axis = int(np.argmin(upper - lower))
+    across, along = (axis + 1) % 3, (axis + 2) % 3
+    corners = mesh.positions[mesh.indices].astype(np.float64).reshape(-1, 3, 3)[..., [across, along]]
+    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    areas = 0.5 * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+    facing = 1.0 if areas[:1].sum() > 0.0 else -1.0
+    whole = float((upper - lower)[across] * (upper - lower)[along])
+    if whole == 0.0 or not (facing * areas > 0.0).all() or abs(facing * areas.sum() / whole - 1.0) > _FLAT:
+        return None
+    # Only edges on the rectangle's sides are open, so that every point inside is covered equally often: once.
+    sealed = remove_t_junctions(mesh)
+    if sealed is None:
+        return None
+    ends = sealed.points[unmatched_edges(sealed.triangles)][..., [across, along]]
+    sides = np.stack([lower, upper])[:, [across, along]]
+    if not (ends[:, None] == sides[None, :, None]).all(axis=2).any(axis=(1, 2)).all():
+        return None
+    lower, upper = lower.copy(), upper.copy()
+    lower[axis] = upper[axis] = lower[axis] if facing > 0.0 else upper[axis]
+    front = np.zeros((1, 4))
+    front[0, axis], front[0, 3] = -facing, facing * lower[axis]
+    return Solid(sealed.mesh, lower, upper, front)
 
 
 def _close(points: F8, edges: I4, tolerance: float) -> tuple[F8, F8] | None:

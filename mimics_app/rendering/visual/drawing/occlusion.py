@@ -16,7 +16,7 @@ from mimics_app.rendering.visual.settings import Occlusion
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.world import World
 
-__all__ = ["MIN_ITEMS", "Occluders", "OcclusionPass", "gather_occluders"]
+__all__ = ["MIN_ITEMS", "Occluders", "OcclusionPass", "Raster", "gather_occluders", "make_raster"]
 
 
 MIN_ITEMS = 64
@@ -83,20 +83,23 @@ def gather_occluders(world: World, items: DrawItems, arena: MeshArena, wanted: O
 
 
 class OcclusionPass:
-    """Occlusion culling, with scratch memory kept from frame to frame."""
+    """Occlusion culling, with scratch memory kept from frame to frame.
+
+    Attributes:
+        nearness: 1/w of the nearest occluder per block of the last view, 0: none [1/m], [rows, columns].
+    """
 
     def __init__(self, occluders: Occluders) -> None:
         self._occluders = occluders
         self._chosen, self._score = np.zeros(_MAX_OCCLUDERS, np.int32), np.zeros(_MAX_OCCLUDERS)
-        self._nearness: F8 = np.zeros((1, 1))
+        self.nearness: F8 = np.zeros((1, 1))
 
     def remove_hidden(
         self,
         picked: I4,
         count: int,
         view: View,
-        size: tuple[int, int],
-        samples: int,
+        raster: Raster,
         items: DrawItems,
         world: F8,
         centres: F8,
@@ -108,8 +111,7 @@ class OcclusionPass:
             picked: Numbers of items in the frustum, [>= count], changed.
             count: Number of items.
             view: The view.
-            size: Size of the picture as drawn [px].
-            samples: Samples per pixel, 0 or 1: the pixel's centre.
+            raster: Its projection.
             items: The draw items.
             world: T_world_from_node per row, [rows, 4, 4].
             centres: Centres of the items' spheres, world [m], [n, 3].
@@ -120,14 +122,12 @@ class OcclusionPass:
         """
         able = picked[:count] if view.clip_plane is None else _before(picked[:count], view.clip_plane, centres, radii)
         chosen = self._choose(able, np.ascontiguousarray(view.eye_world), items, world, centres)
+        self._draw(chosen, raster, items, world)
         if not len(chosen):
             return count
-        raster = _raster(view, size, samples)
-        self._draw(chosen, raster, items, world)
-        eye, near, (width, height) = raster.eye, raster.near, size
-        raster_figures = (eye, raster.screen, near, raster.step, raster.block, raster.reach, width, height)
+        camera = (raster.eye, raster.screen, raster.near, raster.step, raster.block, raster.reach, *raster.size)
         bodies = (items.rows, world, items.local, items.half)
-        return remove_hidden(picked, count, *raster_figures, *bodies, self._nearness)
+        return remove_hidden(picked, count, *camera, *bodies, self.nearness)
 
     def _choose(self, able: I4, eye: F8, items: DrawItems, world: F8, centres: F8) -> I4:
         """Return the items whose boxes are the best occluders, at most `_MAX_OCCLUDERS`."""
@@ -135,19 +135,19 @@ class OcclusionPass:
         found = pick_occluders(able, len(able), eye, *box, items.rows, world, centres, self._chosen, self._score)
         return self._chosen[:found]
 
-    def _draw(self, chosen: I4, raster: _Raster, items: DrawItems, world: F8) -> None:
+    def _draw(self, chosen: I4, raster: Raster, items: DrawItems, world: F8) -> None:
         """Rasterise the chosen occluders into the coarse depth buffer."""
-        if self._nearness.shape != raster.shape:
-            self._nearness = np.zeros(raster.shape)
+        if self.nearness.shape != raster.shape:
+            self.nearness = np.zeros(raster.shape)
         known = self._occluders
         camera = (raster.eye, raster.window, raster.screen, raster.rays, raster.near, raster.block, raster.reach)
         boxes = (known.of_item, known.whole_centre, known.whole_half, known.inner_centre, known.inner_half)
         caps = (known.caps, known.caps_from)
-        draw_occluders(chosen, len(chosen), *camera, items.rows, world, *boxes, *caps, self._nearness)
+        draw_occluders(chosen, len(chosen), *camera, items.rows, world, *boxes, *caps, self.nearness)
 
 
 @dataclass(frozen=True, eq=False)
-class _Raster:
+class Raster:
     """Projection of a view to the coarse depth buffer.
 
     Attributes:
@@ -160,6 +160,8 @@ class _Raster:
         shape: Rows and columns of blocks.
         reach: Largest offset of a sample from its pixel's centre, with the margin [px].
         step: Difference of 1/w that the depth buffer resolves [1/m].
+        size: Size of the picture as drawn [px].
+        focal: Smaller number of pixels per unit of a slope.
     """
 
     eye: F8
@@ -171,13 +173,23 @@ class _Raster:
     shape: tuple[int, int]
     reach: float
     step: float
+    size: tuple[int, int]
+    focal: float
 
 
-def _raster(view: View, size: tuple[int, int], samples: int) -> _Raster:
+def make_raster(view: View, size: tuple[int, int], samples: int) -> Raster:
+    """Return the projection of a view.
+
+    Args:
+        view: The view.
+        size: Size of the picture as drawn [px].
+        samples: Samples per pixel, 0 or 1: the pixel's centre.
+    """
+    low_x, high_x, low_y, high_y = view.tangents
     block = max(1, -(-size[0] // _BLOCKS_ACROSS))
     # Depth is linear in 1/w with this factor, for an oblique near plane too.
     step = _DEPTH_STEPS * 2.0 / abs(float(view.clip_from_eye[2, 3]))
-    return _Raster(
+    return Raster(
         np.ascontiguousarray(view.eye_world),
         view.near,
         *_screen(view, size),
@@ -185,6 +197,8 @@ def _raster(view: View, size: tuple[int, int], samples: int) -> _Raster:
         (-(-size[1] // block), -(-size[0] // block)),
         MARGIN_PX + (0.5 if samples > 1 else 0.0),
         step,
+        size,
+        min(size[0] / (high_x - low_x), size[1] / (high_y - low_y)),
     )
 
 
@@ -195,7 +209,7 @@ def _before(picked: I4, plane: F8, centres: F8, radii: F8) -> I4:
 
 
 def _screen(view: View, size: tuple[int, int]) -> tuple[F8, F8, F8]:
-    """Return `screen`, `rays` and `window` of a `_Raster`."""
+    """Return `screen`, `rays` and `window` of a `Raster`."""
     right, up, back = view.world_from_eye[:3, :3].T
     low_x, high_x, low_y, high_y = view.tangents
     across, along = size[0] / (high_x - low_x), size[1] / (high_y - low_y)

@@ -46,6 +46,7 @@ def write_commands(
     mirrored: U1,
     meshes: I4,
     ranges: I4,
+    parts: I4,
     single: bool,
     commands: U4,
     runs: I8,
@@ -61,6 +62,7 @@ def write_commands(
         mirrored: 1 where the winding is reversed, [n].
         meshes: Number of each item's mesh, [n].
         ranges: Indices, first index and base vertex of each mesh, [meshes, 3].
+        parts: First index and number of indices of each item's triangles, -1 for all of them; [n, 2].
         single: True for one command and one run per item.
         commands: Written from `first_command` on: indices, instances, first index, base vertex, base instance.
         runs: Written: state (twice its number, plus 1 where mirrored), first command, commands, triangles.
@@ -73,17 +75,22 @@ def write_commands(
     for i in range(count):
         item = items[i]
         mesh, state = meshes[item], 2 * states[item] + mirrored[item]
+        partly = parts[item, 0] >= 0
+        size, start = (parts[item, 1], parts[item, 0]) if partly else (ranges[mesh, 0], ranges[mesh, 1])
+        if not size:
+            mesh_before = -1  # the instances of a command are consecutive
+            continue
         if single or state != state_before:
             run += 1
             runs[run, 0], runs[run, 1], runs[run, 2], runs[run, 3] = state, command + 1, 0, 0
             mesh_before = -1
-        if mesh != mesh_before or commands[command, 1] * (ranges[mesh, 0] // 3) >= MAX_TRIANGLES:
+        if partly or mesh != mesh_before or commands[command, 1] * (size // 3) >= MAX_TRIANGLES:
             command += 1
-            commands[command, 0], commands[command, 1] = ranges[mesh, 0], 0
-            commands[command, 2], commands[command, 3] = ranges[mesh, 1], ranges[mesh, 2]
+            commands[command, 0], commands[command, 1] = size, 0
+            commands[command, 2], commands[command, 3] = start, ranges[mesh, 2]
             commands[command, 4] = first + i
             runs[run, 2] += 1
         commands[command, 1] += 1
-        runs[run, 3] += ranges[mesh, 0] // 3
-        state_before, mesh_before = state, mesh
+        runs[run, 3] += size // 3
+        state_before, mesh_before = state, -1 if partly else mesh
     return command + 1 - first_command, run + 1

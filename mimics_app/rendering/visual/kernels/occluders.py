@@ -8,7 +8,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8, I4
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.visual.kernels.projection import project_box
+from mimics_app.rendering.visual.kernels.projection import project_box, to_node
 
 __all__ = ["draw_occluders", "pick_occluders"]
 
@@ -24,18 +24,6 @@ _MIN_DISTANCE2 = 1e-300
 
 _MAX_ROW_PX = 1e9
 """Largest row of a hull [px], so that it fits an integer."""
-
-
-@kernel
-def _to_local(world: F8, row: int, x: float, y: float, z: float, out: F8, place: int) -> None:
-    """Set out[place] to the node-frame coordinates of a world vector, by Cramer's rule; not finite if singular."""
-    for axis in range(3):
-        i, j = (axis + 1) % 3, (axis + 2) % 3
-        nx = world[row, 1, i] * world[row, 2, j] - world[row, 2, i] * world[row, 1, j]
-        ny = world[row, 2, i] * world[row, 0, j] - world[row, 0, i] * world[row, 2, j]
-        nz = world[row, 0, i] * world[row, 1, j] - world[row, 1, i] * world[row, 0, j]
-        volume = nx * world[row, 0, axis] + ny * world[row, 1, axis] + nz * world[row, 2, axis]
-        out[place, axis] = (nx * x + ny * y + nz * z) / volume
 
 
 @kernel
@@ -60,9 +48,9 @@ def _is_valid(
         last: End of its caps.
         out: Written: camera and corners in the node's frame, [5, 3].
     """
-    _to_local(world, row, eye[0] - world[row, 0, 3], eye[1] - world[row, 1, 3], eye[2] - world[row, 2, 3], out, 0)
+    to_node(world, row, eye[0] - world[row, 0, 3], eye[1] - world[row, 1, 3], eye[2] - world[row, 2, 3], out, 0)
     for corner in range(_WINDOW):
-        _to_local(world, row, window[corner, 0], window[corner, 1], window[corner, 2], out, corner + 1)
+        to_node(world, row, window[corner, 0], window[corner, 1], window[corner, 2], out, corner + 1)
     for k in range(3):
         for corner in range(1, _WINDOW + 1):
             out[corner, k] += out[0, k]
@@ -192,7 +180,7 @@ def _entry_planes(eye_local: F8, centre: F8, half: F8, box: int, world: F8, row:
     faces = 0
     rays_local = np.empty((3, 3))
     for k in range(3):
-        _to_local(world, row, rays[k, 0], rays[k, 1], rays[k, 2], rays_local, k)
+        to_node(world, row, rays[k, 0], rays[k, 1], rays[k, 2], rays_local, k)
     for axis in range(3):
         offset = eye_local[0, axis] - centre[box, axis]
         if abs(offset) <= half[box, axis]:

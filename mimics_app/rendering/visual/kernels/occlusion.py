@@ -21,7 +21,7 @@ from mimics_app.contracts.arrays import F8, I4
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.visual.kernels.projection import project_box
 
-__all__ = ["MARGIN_PX", "remove_hidden"]
+__all__ = ["MARGIN_PX", "hides", "is_hidden", "remove_hidden"]
 
 
 MARGIN_PX = 0.0625
@@ -35,9 +35,57 @@ _CORNERS = 8
 
 
 @kernel
-def _is_hidden(
+def hides(
+    nearness: F8,
+    left: float,
+    right: float,
+    bottom: float,
+    top: float,
+    block: int,
+    highest: float,
+    lowest: float,
+    depth_step: float,
+) -> bool:
+    """Return True where occluders are nearer than a body in every block of a rectangle.
+
+    Args:
+        nearness: 1/w of the nearest occluder per block [1/m], [rows, columns].
+        left: First column of pixels.
+        right: Last column.
+        bottom: First row.
+        top: Last row.
+        block: Width of a square block [px].
+        highest: Largest 1/w of the body [1/m].
+        lowest: Its smallest.
+        depth_step: Difference of 1/w that the depth buffer resolves for certain [1/m].
+    """
+    wanted = highest + depth_step + _DEPTH_SHARE * (highest - lowest)
+    # Half a pixel more, so that rounding leaves the block as it is; a division of integers takes longer.
+    of_pixel = 1.0 / block
+    first, last = int((left + 0.5) * of_pixel), int((right + 0.5) * of_pixel)
+    for row in range(int((bottom + 0.5) * of_pixel), int((top + 0.5) * of_pixel) + 1):
+        for column in range(first, last + 1):
+            if not nearness[row, column] > wanted:
+                return False
+    return True
+
+
+@kernel
+def is_hidden(
     corners: F8, near: float, depth_step: float, block: int, touch: float, width: int, height: int, nearness: F8
 ) -> bool:
+    """Return True where no sample of a picture shows a box.
+
+    Args:
+        corners: X w, Y w [px] and w [m] of its corners, [8, 3].
+        near: Distance of the near plane [m].
+        depth_step: Difference of 1/w that the depth buffer resolves for certain [1/m].
+        block: Width of a square block [px].
+        touch: Largest distance of a sample from the outer side of its pixel, with the margin [px].
+        width: Width of the picture [px].
+        height: Height of the picture [px].
+        nearness: 1/w of the nearest occluder per block [1/m], [rows, columns].
+    """
     x0, x1, y0, y1 = math.inf, -math.inf, math.inf, -math.inf
     nearest, farthest = math.inf, 0.0
     for corner in range(_CORNERS):
@@ -51,12 +99,7 @@ def _is_hidden(
     bottom, top = max(0.0, math.ceil(y0 - touch)), min(height - 1.0, math.floor(y1 + touch - 1.0))
     if left > right or bottom > top:
         return True
-    wanted = 1.0 / nearest + depth_step + _DEPTH_SHARE * (1.0 / nearest - 1.0 / farthest)
-    for row in range(int(bottom) // block, int(top) // block + 1):
-        for column in range(int(left) // block, int(right) // block + 1):
-            if not nearness[row, column] > wanted:
-                return False
-    return True
+    return hides(nearness, left, right, bottom, top, block, 1.0 / nearest, 1.0 / farthest, depth_step)
 
 
 @kernel
@@ -105,7 +148,7 @@ def remove_hidden(
     for i in range(count):
         item = items[i]
         project_box(screen, eye, world, rows[item], centre, half, item, corners)
-        if not _is_hidden(corners, near, depth_step, block, touch, width, height, nearness):
+        if not is_hidden(corners, near, depth_step, block, touch, width, height, nearness):
             items[kept] = item
             kept += 1
     return kept

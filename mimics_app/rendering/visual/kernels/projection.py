@@ -5,7 +5,7 @@ from __future__ import annotations
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["project_box"]
+__all__ = ["project_box", "to_node"]
 
 
 _CORNERS, _UP = 8, 4
@@ -31,3 +31,15 @@ def project_box(screen: F8, eye: F8, world: F8, row: int, centre: F8, half: F8, 
         py = world[row, 1, 0] * x + world[row, 1, 1] * y + world[row, 1, 2] * z + world[row, 1, 3]
         pz = world[row, 2, 0] * x + world[row, 2, 1] * y + world[row, 2, 2] * z + world[row, 2, 3]
         _project(screen, eye, px, py, pz, out, corner)
+
+
+@kernel
+def to_node(world: F8, row: int, x: float, y: float, z: float, out: F8, place: int) -> None:
+    """Set out[place] to the node-frame coordinates of a world vector, by Cramer's rule; not finite if singular."""
+    for axis in range(3):
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        nx = world[row, 1, i] * world[row, 2, j] - world[row, 2, i] * world[row, 1, j]
+        ny = world[row, 2, i] * world[row, 0, j] - world[row, 0, i] * world[row, 2, j]
+        nz = world[row, 0, i] * world[row, 1, j] - world[row, 1, i] * world[row, 0, j]
+        volume = nx * world[row, 0, axis] + ny * world[row, 1, axis] + nz * world[row, 2, axis]
+        out[place, axis] = (nx * x + ny * y + nz * z) / volume

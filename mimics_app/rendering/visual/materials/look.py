@@ -73,6 +73,11 @@ class Look:
         return any(each.blend != "none" for each in self.passes)
 
     @property
+    def one_sided(self) -> bool:
+        """Whether its back faces are never drawn."""
+        return all(each.cull == "back" for each in self.passes)
+
+    @property
     def solid(self) -> bool:
         """Whether it is opaque: no blending, no holes."""
         written = any(each.depth == "write" for each in self.passes)

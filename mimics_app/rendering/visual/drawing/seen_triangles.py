@@ -1,0 +1,117 @@
+"""Triangles that a picture shows, as lists of indices behind those of the meshes (decision 236)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mimics_app.contracts.arrays import F4, F8, I4, U2
+from mimics_app.rendering.visual.kernels.occlusion import MARGIN_PX
+from mimics_app.rendering.visual.kernels.triangles import GROUP, find_planes, pick_triangles
+
+if TYPE_CHECKING:
+    from mimics_app.rendering.visual.drawing.draw_items import DrawItems
+    from mimics_app.rendering.visual.drawing.mesh_arena import MeshRange
+    from mimics_app.rendering.visual.drawing.occlusion import Raster
+    from mimics_app.world.meshes.mesh import MeshData
+
+__all__ = ["SeenTriangles"]
+
+_CELLS = 4
+"""Columns and rows of the grid of llvmpipe's samples in a pixel, where there are several."""
+
+
+class SeenTriangles:
+    """Vertices and triangles of the meshes with 16-bit indices, and the lists of a frame.
+
+    Attributes:
+        first: Index at which the lists begin, after those of the meshes.
+        groups: Number of the first group of triangles of each of those meshes.
+
+    Args:
+        meshes: All meshes of the arena, in order.
+        ranges: Location of each.
+    """
+
+    def __init__(self, meshes: Mapping[str, MeshData], ranges: Mapping[str, MeshRange]) -> None:
+        narrow = [name for name in meshes if not ranges[name].wide]
+        places = np.concatenate([np.zeros((0, 3), np.float32), *(each.positions for each in meshes.values())])
+        self._places: F4 = np.ascontiguousarray(places.T)
+        self._triangles: U2 = _joined(meshes[name].indices for name in narrow).reshape(-1, 3)
+        self._planes: F4 = np.zeros((len(self._triangles), 4), np.float32)
+        for name in narrow:
+            place = ranges[name]
+            own = slice(place.first // 3, (place.first + place.count) // 3)
+            find_planes(self._places, self._triangles[own], place.base_vertex, self._planes[own])
+        self.first = self._triangles.size
+        self._out: U2 = np.zeros(self.first, np.uint16)
+        self._used = 0
+        boxes = [_boxes(meshes[name]) for name in narrow]
+        counts = [len(each) for each in boxes]
+        self.groups = dict(zip(narrow, np.cumsum([0, *counts]).tolist(), strict=False))
+        lower, upper = np.concatenate([np.zeros((0, 2, 3)), *boxes]).transpose(1, 0, 2)
+        self._group_centre: F8 = 0.5 * (lower + upper)
+        self._group_half: F8 = 0.5 * (upper - lower)
+        self._scratch = np.zeros((3, max((ranges[name].vertices for name in narrow), default=0)))
+
+    def begin(self) -> None:
+        """Discard the lists of the last frame."""
+        self._used = 0
+
+    @property
+    def indices(self) -> U2:
+        """The lists of this frame."""
+        return self._out[: self._used]
+
+    def pick(
+        self,
+        picked: I4,
+        count: int,
+        items: DrawItems,
+        world: F8,
+        centres: F8,
+        radii: F8,
+        raster: Raster,
+        samples: int,
+        nearness: F8,
+        parts: I4,
+    ) -> None:
+        """List the triangles of some items that a view may show.
+
+        Args:
+            picked: Numbers of the items, [>= count].
+            count: Number of items.
+            items: The draw items.
+            world: T_world_from_node per row, [rows, 4, 4].
+            centres: Centres of the items' spheres, world [m], [n, 3].
+            radii: Their radii [m], [n].
+            raster: Projection of the view.
+            samples: Samples per pixel.
+            nearness: 1/w of its nearest occluder per block [1/m], [rows, columns].
+            parts: Written: first index and number of indices of each item's triangles, -1 for all of them; [n, 2].
+        """
+        cells = _CELLS if samples > 1 else 1
+        screen: F8 = raster.screen * np.array([[cells], [cells], [1.0]])
+        width, height = raster.size
+        camera = (raster.eye, screen, raster.near, raster.step, cells * raster.block, cells * MARGIN_PX)
+        picture = (cells * width, cells * height, cells * raster.focal, nearness)
+        self._used = pick_triangles(
+            picked, count, *camera, *picture, items.rows, world, centres, radii, items.meshes, items.ranges,
+            items.still, items.one_sided, self._places, self._triangles, self._planes, self._group_centre,
+            self._group_half, self.first, self._used, self._out, parts, self._scratch,
+        )  # fmt: skip
+
+
+def _boxes(mesh: MeshData) -> F8:
+    """Return minimum and maximum corner of each group of triangles, [groups, 2, 3]."""
+    corners = mesh.positions[mesh.indices].astype(np.float64)
+    starts = np.arange(0, len(corners), 3 * GROUP)
+    if not len(starts):
+        return np.zeros((0, 2, 3))
+    return np.stack([np.minimum.reduceat(corners, starts), np.maximum.reduceat(corners, starts)], axis=1)
+
+
+def _joined(parts: Iterable[np.ndarray[tuple[int], np.dtype[np.uint32]]]) -> U2:
+    return np.concatenate([np.zeros(0, np.uint16), *(part.astype(np.uint16) for part in parts)])

@@ -1,0 +1,266 @@
+"""Triangles of drawn items that no sample of a picture shows: they face away, are outside, hidden or between samples.
+
+Conservative like `occlusion`, with the same margins: what is left out changes no pixel.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from mimics_app.contracts.arrays import F4, F8, I4, U1, U2
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.visual.kernels.occlusion import hides, is_hidden
+from mimics_app.rendering.visual.kernels.projection import project_box, to_node
+
+__all__ = ["GROUP", "find_planes", "pick_triangles"]
+
+
+GROUP = 32
+"""Triangles of a group, which is tested as a whole first."""
+
+
+_WHOLE = -1
+"""Part of an item that is drawn as a whole."""
+
+_NEAR_MARGIN = 0.999
+"""Factor on 1/w of the near plane, for single precision."""
+
+_LARGE = 4.0
+"""Area from which a triangle is tested on its own for occlusion [blocks]."""
+
+_CORNERS = 8
+"""Corners of a box."""
+
+_TRANSLATION = 3
+"""Column of a matrix."""
+
+_MIN_TRIANGLES = 32
+"""Number of triangles from which a mesh is worth a draw command of its own instead of one for many instances."""
+
+
+@kernel
+def find_planes(places: F4, triangles: U2, base: int, out: F4) -> None:
+    """Write plane, unit normal and offset [m], times the smallest height [m] of each triangle of a mesh.
+
+    Args:
+        places: Positions by axis [m], [3, vertices].
+        triangles: Numbers of vertices, [n, 3].
+        base: Number of the mesh's first vertex.
+        out: Written, [n, 4]; zeros for a triangle without an area.
+    """
+    a, b, normal = np.empty(3), np.empty(3), np.empty(3)
+    for t in range(triangles.shape[0]):
+        i, j, k = base + triangles[t, 0], base + triangles[t, 1], base + triangles[t, 2]
+        for axis in range(3):
+            a[axis], b[axis] = places[axis, j] - places[axis, i], places[axis, k] - places[axis, i]
+        normal[0] = a[1] * b[2] - a[2] * b[1]
+        normal[1] = a[2] * b[0] - a[0] * b[2]
+        normal[2] = a[0] * b[1] - a[1] * b[0]
+        side_a = a[0] ** 2 + a[1] ** 2 + a[2] ** 2
+        side_b = b[0] ** 2 + b[1] ** 2 + b[2] ** 2
+        side_c = (b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2 + (b[2] - a[2]) ** 2
+        longest2 = max(side_a, side_b, side_c)
+        # The normal is twice the area long, and so is the product of height and side.
+        scale = 1.0 / math.sqrt(longest2) if longest2 > 0.0 else 0.0
+        out[t, 3] = 0.0
+        for axis in range(3):
+            out[t, axis] = scale * normal[axis]
+            out[t, 3] -= scale * normal[axis] * places[axis, i]
+
+
+@kernel
+def _project_vertices(screen: F8, eye: F8, world: F8, row: int, places: F4, base: int, count: int, out: F8) -> None:
+    """Write X, Y [cells] and 1/w [1/m] of the vertices of a mesh, [3, >= count]."""
+    x, y, inverse = out[0], out[1], out[2]
+    m = np.empty((3, 4))
+    for k in range(3):
+        for column in range(4):
+            m[k, column] = 0.0
+            for axis in range(3):
+                moved = world[row, axis, column] - (eye[axis] if column == _TRANSLATION else 0.0)
+                m[k, column] += screen[k, axis] * moved
+    m00, m01, m02, m03 = m[0, 0], m[0, 1], m[0, 2], m[0, 3]
+    m10, m11, m12, m13 = m[1, 0], m[1, 1], m[1, 2], m[1, 3]
+    m20, m21, m22, m23 = m[2, 0], m[2, 1], m[2, 2], m[2, 3]
+    px, py, pz = places[0, base : base + count], places[1, base : base + count], places[2, base : base + count]
+    for v in range(count):
+        over = 1.0 / (m20 * px[v] + m21 * py[v] + m22 * pz[v] + m23)
+        x[v] = (m00 * px[v] + m01 * py[v] + m02 * pz[v] + m03) * over
+        y[v] = (m10 * px[v] + m11 * py[v] + m12 * pz[v] + m13) * over
+        inverse[v] = over
+
+
+@kernel
+def _is_seen(
+    a: int,
+    b: int,
+    c: int,
+    x: F8,
+    y: F8,
+    inverse: F8,
+    nearest: float,
+    depth_step: float,
+    block: int,
+    touch: float,
+    width: int,
+    height: int,
+    nearness: F8,
+) -> bool:
+    """Return True where a triangle may be cut by the near plane, or the rectangle around it has a sample.
+
+    The rectangle of a large one must not be hidden; small ones are hidden with their group.
+    """
+    lowest, highest = min(inverse[a], inverse[b], inverse[c]), max(inverse[a], inverse[b], inverse[c])
+    if not (lowest > 0.0 and highest < nearest):
+        return highest > 0.0
+    left, right = min(x[a], x[b], x[c]) - touch, max(x[a], x[b], x[c]) + touch - 1.0
+    bottom, top = min(y[a], y[b], y[c]) - touch, max(y[a], y[b], y[c]) + touch - 1.0
+    left, right, bottom, top = max(left, 0.0), min(right, width - 1.0), max(bottom, 0.0), min(top, height - 1.0)
+    if math.ceil(left) > math.floor(right) or math.ceil(bottom) > math.floor(top):
+        return False
+    if (right - left) * (top - bottom) < _LARGE * block * block:
+        return True
+    return not hides(nearness, left, right, bottom, top, block, highest, lowest, depth_step)
+
+
+@kernel
+def _list_group(
+    triangles: U2,
+    planes: F4,
+    eye: F8,
+    turned: float,
+    projected: F8,
+    near: float,
+    depth_step: float,
+    block: int,
+    margin: float,
+    width: int,
+    height: int,
+    nearness: F8,
+    used: int,
+    out: U2,
+) -> int:
+    """List the triangles of a group that may be seen; `turned` is the value of a plane at the eye below which none is.
+
+    Returns:
+        Indices in `out` that are in use.
+    """
+    x, y, inverse = projected[0], projected[1], projected[2]
+    touch, nearest = 0.5 + margin, _NEAR_MARGIN / near
+    for t in range(triangles.shape[0]):
+        if planes[t, 0] * eye[0] + planes[t, 1] * eye[1] + planes[t, 2] * eye[2] + planes[t, 3] < turned:
+            continue
+        a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        if _is_seen(a, b, c, x, y, inverse, nearest, depth_step, block, touch, width, height, nearness):
+            out[used], out[used + 1], out[used + 2] = a, b, c
+            used += 3
+    return used
+
+
+@kernel
+def pick_triangles(
+    items: I4,
+    count: int,
+    eye: F8,
+    screen: F8,
+    near: float,
+    depth_step: float,
+    block: int,
+    margin: float,
+    width: int,
+    height: int,
+    focal: float,
+    nearness: F8,
+    rows: I4,
+    world: F8,
+    centres: F8,
+    radii: F8,
+    meshes: I4,
+    ranges: I4,
+    still: I4,
+    one_sided: U1,
+    places: F4,
+    triangles: U2,
+    planes: F4,
+    group_centre: F8,
+    group_half: F8,
+    first: int,
+    used: int,
+    out: U2,
+    parts: I4,
+    scratch: F8,
+) -> int:
+    """Write the indices of the triangles that a picture may show, for the items that are worth it.
+
+    Lengths on the screen are in cells: pixels, or with several samples the cells of a grid in whose middles they are.
+
+    Args:
+        items: Items that may be visible, [>= count].
+        count: Number of items.
+        eye: Position of the camera, world [m], [3].
+        screen: Matrix from world vectors relative to the camera to X w, Y w [cells] and w [m], [3, 3].
+        near: Distance of the near plane [m].
+        depth_step: Difference of 1/w that the depth buffer resolves for certain [1/m].
+        block: Width of a square block [cells].
+        margin: Largest assumed error of a drawn vertex [cells].
+        width: Width of the picture [cells].
+        height: Height of the picture [cells].
+        focal: Smaller number of cells per unit of a slope.
+        nearness: 1/w of the nearest occluder per block [1/m], [rows, columns].
+        rows: Row of the node per item, [n].
+        world: T_world_from_node per row.
+        centres: Centres of the items' spheres, world [m], [n, 3].
+        radii: Their radii [m], [n].
+        meshes: Number of each item's mesh, [n].
+        ranges: Indices, first index and base vertex of each mesh, [meshes, 3].
+        still: Number of vertices, 0 for a mesh that is drawn as a whole, and first group of each mesh, [meshes, 2].
+        one_sided: 1 where the back faces of an item are not drawn, [n].
+        places: Positions of all vertices by axis, in their nodes' frames [m], [3, vertices].
+        triangles: Numbers of vertices within their meshes, [triangles, 3].
+        planes: See `find_planes`, [triangles, 4].
+        group_centre: Centres of the boxes around groups of `GROUP` consecutive triangles of a mesh [m], [groups, 3].
+        group_half: Their half extents [m], [groups, 3].
+        first: Index in the buffer at which `out` begins.
+        used: Indices in `out` that are in use.
+        out: Written from `used` on.
+        parts: Written: first index and number of indices of each item's triangles, -1 for all of them; [n, 2].
+        scratch: Scratch, [3, vertices of the largest mesh].
+
+    Returns:
+        Indices in `out` that are in use; an item that does not fit is drawn as a whole.
+    """
+    local, corners = np.empty((1, 3)), np.empty((_CORNERS, 3))
+    for n in range(count):
+        item = items[n]
+        mesh, row = meshes[item], rows[item]
+        size, start, base, vertices = ranges[mesh, 0] // 3, ranges[mesh, 1] // 3, ranges[mesh, 2], still[mesh, 0]
+        parts[item, 0] = _WHOLE
+        if vertices == 0 or size < _MIN_TRIANGLES or used + 3 * size > out.shape[0]:
+            continue
+        dx, dy, dz = eye[0] - world[row, 0, 3], eye[1] - world[row, 1, 3], eye[2] - world[row, 2, 3]
+        to_node(world, row, dx, dy, dz, local, 0)
+        away2 = 0.0
+        for k in range(3):
+            away2 += (centres[item, k] - eye[k]) ** 2
+        # Turned away by less than rounding can turn it back.
+        turned = -margin * (math.sqrt(away2) + radii[item]) ** 2 / focal if one_sided[item] else -math.inf
+        begun, projected = used, False
+        for group in range((size + GROUP - 1) // GROUP):
+            project_box(screen, eye, world, row, group_centre, group_half, still[mesh, 1] + group, corners)
+            if is_hidden(corners, near, depth_step, block, 0.5 + margin, width, height, nearness):
+                continue
+            if not projected:
+                projected = True
+                _project_vertices(screen, eye, world, row, places, base, vertices, scratch)
+            first_of, end = start + group * GROUP, start + min((group + 1) * GROUP, size)
+            used = _list_group(
+                triangles[first_of:end], planes[first_of:end], local[0], turned, scratch, near, depth_step, block,
+                margin, width, height, nearness, used, out,
+            )  # fmt: skip
+        if used - begun == 3 * size:
+            used = begun
+        else:
+            parts[item, 0], parts[item, 1] = first + begun, used - begun
+    return used
