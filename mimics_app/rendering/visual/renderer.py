@@ -243,7 +243,8 @@ class Renderer:
             parts = self._changed_parts(scene, views if latch is None else ())
             target = self._picture.begin()
             parts = parts if self._picture.holds else None
-            drawn = self._batch_all(scene, views) if parts is None else self._batch_parts(scene, views[0], parts)
+            split = self._world.backdrop.begin(same=self._still.only_sprites and not scene.by_stencil) and parts is None
+            drawn = self._batch_all(scene, views, split) if parts is None else self._batch_parts(scene, views[0], parts)
             self._upload()
             if scene.effects is not None:
                 scene.effects.upload()
@@ -272,14 +273,14 @@ class Renderer:
         self._bending.bend(self.world, self._list)
         self._frame.upload()
 
-    def _batch_all(self, scene: FrameScene, views: Sequence[View]) -> list[ViewDraws]:
+    def _batch_all(self, scene: FrameScene, views: Sequence[View], split: bool) -> list[ViewDraws]:
         """Queue what is visible in the views and in the mirrors, screens and insets within them."""
         places = [self._picture.rectangle(view.rectangle) for view in views]
         self._list.drawn[:] = False
         queued: dict[int, ViewDraws] = {}
         for numbers in group_views(views):
-            eyes = [views[number] for number in numbers]
-            queued |= zip(numbers, self._batch(scene, eyes, numbers[0], [places[k] for k in numbers]), strict=True)
+            eyes, within = zip(*((views[number], places[number]) for number in numbers), strict=True)
+            queued |= zip(numbers, self._batch(scene, eyes, numbers[0], within, split=split), strict=True)
         drawn = [queued[number] for number in range(len(views))]
         return self._pictures.queue(self.world, drawn, partial(self._batch_inside, scene), self.settings.mirror_scale)
 
@@ -314,7 +315,7 @@ class Renderer:
             seen = view.through((left - place[0], bottom - place[1], *size), place[2:])
             runs = self._list.batch_views(frame, [seen], view.eye_world, [size], samples, key, ranks)
             projected = [] if scene.effects is None else scene.effects.meet([seen], self._list, self._frame)
-            mixed = runs[1] if scene.effects is None else scene.effects.mix(seen, size[1], *runs[1:])
+            mixed = runs[1] if scene.effects is None else scene.effects.mix(seen, size[1], *runs[1:])[0]
             drawn.append(ViewDraws(view, place, runs[0], mixed, projected=projected, part=part))
         return drawn
 
@@ -346,9 +347,9 @@ class Renderer:
         return self._effects
 
     def _batch(
-        self, scene: FrameScene, views: Sequence[View], key: Hashable, places: Sequence[Rect]
+        self, scene: FrameScene, views: Sequence[View], key: Hashable, places: Sequence[Rect], *, split: bool = False
     ) -> list[ViewDraws]:
-        """Queue what is visible in a view, or in both views of a stereo pair."""
+        """Queue what is visible in a view, or in both views of a stereo pair; `split`: for and over a backdrop."""
         eyes = list(views) if len(views) == 1 else see_from_between(*views)
         sizes, samples = [place[2:] for place in places], self._picture.samples
         opaque, blended, away = self._list.batch_views(self._frame, views, eyes[0].eye_world, sizes, samples, key)
@@ -366,11 +367,11 @@ class Renderer:
         if at_once:
             for beam in projected:
                 self._frame.double(beam.runs)
+        mixed = [scene.effects.mix(each.view, each.rectangle[3], blended, away, split=split) for each in drawn]
+        opaque = [] if split and self._world.backdrop.use(scene.effects.behind) else opaque
         return [
-            replace(
-                each, transparent=scene.effects.mix(each.view, each.rectangle[3], blended, away), projected=projected
-            )
-            for each in drawn
+            replace(each, opaque=opaque, transparent=own, projected=projected, behind=behind)
+            for each, (own, behind) in zip(drawn, mixed, strict=True)
         ]
 
     def _batch_inside(self, scene: FrameScene, view: View, key: Hashable) -> ViewDraws:

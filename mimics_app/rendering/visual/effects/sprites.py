@@ -15,10 +15,12 @@ from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun
 from mimics_app.rendering.visual.effects.captions import caption_key, caption_picture
 from mimics_app.rendering.visual.effects.emitters import Emitter, SpriteRows
+from mimics_app.rendering.visual.effects.far_sprites import FarSprites
 from mimics_app.rendering.visual.effects.outlines import outline_of, whole_outline
 from mimics_app.rendering.visual.kernels.order import sort_by_key
 from mimics_app.rendering.visual.kernels.particles import SPRITE
 from mimics_app.rendering.visual.kernels.sprites import (
+    LEVEL,
     MIN_OUTLINED,
     SPRITE_VERTEX,
     cut_sprites,
@@ -38,8 +40,6 @@ __all__ = ["SpriteField", "SpriteRun", "SpriteState"]
 
 _FACINGS = ("free", "upright")
 """Facings in the order of their numbers in kernels/sprites.py."""
-_LEVEL = 3
-"""Facing of captions in kernels/sprites.py."""
 _DOT = "#dot"
 """Name of the texture for which the shader has a formula."""
 
@@ -84,12 +84,15 @@ class SpriteField:
         vertices: Vertices of all views, SPRITE_VERTEX [>= count, 4].
         count: Pieces of sprites written to it since the last update.
         cuts: Whether large sprites are cut along their outline, which changes pixels at its edge by two levels of 255.
+        behind: The SPRITE records that the last batch left out, for comparison with those of another frame.
         issues: Missing textures, each reported once; the caller removes what it reports.
     """
 
     def __init__(self, arrays: PictureArrays) -> None:
         self._arrays = arrays
         self.cuts = True
+        self.behind = b""
+        self._far = FarSprites()
         self._made_for: tuple[int, int, int] | None = None
         self._pictures: dict[str, TextureData | None] = {}
         self._states: list[SpriteState] = []
@@ -141,7 +144,9 @@ class SpriteField:
         of_state = np.array([state.lit for state in self._states], np.bool_)
         return of_state[self._rows.rows["state"][: self._rows.count]]
 
-    def batch(self, view: View, height: int, surfaces: Sequence[DrawRun], away: F8) -> list[DrawRun | SpriteRun]:
+    def batch(
+        self, view: View, height: int, surfaces: Sequence[DrawRun], away: F8, *, split: bool = False
+    ) -> tuple[list[DrawRun | SpriteRun], list[SpriteRun] | None]:
         """Queue the sprites in a view.
 
         Args:
@@ -149,22 +154,29 @@ class SpriteField:
             height: Height of its picture as drawn [px].
             surfaces: Blended runs of this view, one item each, far to near.
             away: Their distances [m], [surfaces].
+            split: True leaves out the sprites that are behind everything that changes.
 
         Returns:
-            Masked sprites; then blended sprites and surfaces together, far to near.
+            Masked sprites, then blended sprites and surfaces together, far to near; and the sprites left out, None
+            without `split`.
         """
         eye = np.ascontiguousarray(view.eye_world)
         solid, blended = self._pick(view, eye)
         if not (solid or blended):
-            return [*surfaces]
+            self.behind = b""
+            return [*surfaces], ([] if split else None)
         self._write(view, eye, height, solid + blended)
+        done, picked = solid, self._order[: solid + blended]
+        if split:
+            done += self._far.count(self._rows.rows[: self._rows.count], picked, solid, eye, away)
+        self.behind = self._rows.rows[self._order[solid:done]].tobytes()
+        behind = [*self._runs(solid, done)]
         runs: list[DrawRun | SpriteRun] = [*self._runs(0, solid)]
         cuts = self._cuts(blended, away) + solid
-        done = solid
         for surface, cut in zip(surfaces, cuts.tolist(), strict=True):
             runs += [*self._runs(done, cut), surface]
             done = cut
-        return [*runs, *self._runs(done, solid + blended)]
+        return [*runs, *self._runs(done, solid + blended)], (behind if split else None)
 
     def _write(self, view: View, eye: F8, height: int, count: int) -> None:
         """Write the vertices of the sprites in `_order`, and the first row of each into `_places`."""
@@ -257,6 +269,7 @@ class SpriteField:
         seen["place"] = matrices[:, :3, 3]
         seen["half"] *= np.linalg.norm(matrices[:, :3, :2], axis=1)
         seen["tint"][world.transforms.shown[rows] == 0, 3] = 0.0
+        self._far.follow(seen)
         self._rows.count += count
 
     def _state(self, world: World, spec: Billboard | Particles, text: str = "") -> tuple[int, int]:
@@ -288,4 +301,4 @@ class SpriteField:
 
 def _facing(spec: Billboard) -> int:
     """Return the number of a billboard's facing."""
-    return _LEVEL if spec.text else _FACINGS.index(spec.facing)
+    return LEVEL if spec.text else _FACINGS.index(spec.facing)

@@ -9,7 +9,16 @@ import numpy as np
 from mimics_app.contracts.arrays import F4, F8, I4, U1, Records
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["MAX_PIECES", "MIN_OUTLINED", "SPRITE_VERTEX", "cut_sprites", "see_sprites", "write_sprites"]
+__all__ = [
+    "LEVEL",
+    "MAX_PIECES",
+    "MIN_OUTLINED",
+    "SPRITE_VERTEX",
+    "UPRIGHT",
+    "cut_sprites",
+    "see_sprites",
+    "write_sprites",
+]
 
 
 SPRITE_VERTEX = np.dtype(
@@ -30,7 +39,8 @@ MIN_OUTLINED = 128.0
 
 _WHOLE, _HALF, _BYTE = 65535.0, 32767.0, 127.0
 
-_FREE, _UPRIGHT, _OWN, _LEVEL = 0, 1, 2, 3
+UPRIGHT, _OWN, LEVEL = 1, 2, 3
+"""Facings other than free, see `SPRITE`."""
 _STEEPEST = 1e-4
 """Sine of the angle to the vertical below which the camera's right axis is used."""
 
@@ -89,15 +99,15 @@ def _axes_before_eye(place: F8, eye: F8, right_of_eye: F8, facing: int, out: F8)
     x, y, z = eye[0] - place[0], eye[1] - place[1], eye[2] - place[2]
     length = math.sqrt(x * x + y * y + z * z)
     flat = math.sqrt(x * x + z * z)
-    if flat > _STEEPEST * length and facing != _LEVEL:
+    if flat > _STEEPEST * length and facing != LEVEL:
         out[0, 0], out[0, 1], out[0, 2] = z / flat, 0.0, -x / flat
     else:
         for k in range(3):
             out[0, k] = right_of_eye[k]
-    if facing == _UPRIGHT or length == 0.0:
+    if facing == UPRIGHT or length == 0.0:
         out[1, 0], out[1, 1], out[1, 2] = 0.0, 1.0, 0.0
         return
-    if facing == _LEVEL:
+    if facing == LEVEL:
         aside = x * out[0, 0] + y * out[0, 1] + z * out[0, 2]
         x, y, z = x - aside * out[0, 0], y - aside * out[0, 1], z - aside * out[0, 2]
         length = math.sqrt(x * x + y * y + z * z)
@@ -157,7 +167,7 @@ def cut_sprites(
         place, half = sprites[n]["place"], sprites[n]["half"]
         x, y, z = place[0] - eye[0], place[1] - eye[1], place[2] - eye[2]
         flat, away = x * x + z * z, math.sqrt(x * x + y * y + z * z)
-        upright = math.sqrt(flat) / away if sprites[n]["facing"] == _UPRIGHT and away > 0.0 else 1.0
+        upright = math.sqrt(flat) / away if sprites[n]["facing"] == UPRIGHT and away > 0.0 else 1.0
         if 2.0 * min(half[0], half[1] * upright) >= min_size * away:
             row += MAX_PIECES - 1
     rows[count] = row

@@ -66,9 +66,16 @@ class EffectStage:
         """The projectors that are shown, by the index of their node."""
         return self._projectors.beams
 
-    def mix(self, view: View, height: int, surfaces: Sequence[DrawRun], away: F8) -> list[DrawRun | SpriteRun]:
+    def mix(
+        self, view: View, height: int, surfaces: Sequence[DrawRun], away: F8, *, split: bool = False
+    ) -> tuple[list[DrawRun | SpriteRun], list[SpriteRun] | None]:
         """Queue the sprites of a view among its blended surfaces, see `SpriteField.batch`."""
-        return self._field.batch(view, height, surfaces, away)
+        return self._field.batch(view, height, surfaces, away, split=split)
+
+    @property
+    def behind(self) -> bytes:
+        """The records of the sprites that `mix` split off last, for comparison with those of another frame."""
+        return self._field.behind
 
     def meet(self, views: Sequence[View], listed: DrawList, frame: FrameBuffers) -> list[BeamRuns]:
         """Queue the opaque surfaces that projectors hit, of the views that were batched last."""

@@ -56,10 +56,11 @@ class StillPicture:
 
     Attributes:
         keeps: True while frames are kept: the camera does not move.
+        only_sprites: True where frames are kept, and nothing but sprites has changed since the last one.
     """
 
     def __init__(self, *, sparse: bool = False) -> None:
-        self.keeps = sparse
+        self.keeps, self.only_sprites = sparse, False
         self._steady = self._restless = 0
         self._boxes: ShapeBoxes | None = None
         self._hulls, self._points = np.empty((_MAX_HULLS, 8, 3)), np.zeros(_MAX_HULLS)
@@ -67,22 +68,27 @@ class StillPicture:
 
     def forget(self) -> None:
         """Discard the last frame."""
-        self.keeps, self._steady, self._before = False, 0, _Before()
+        self.keeps, self.only_sprites, self._steady, self._before = False, False, 0, _Before()
 
     def parts(self, seen: SeenFrame) -> list[ChangedPart] | None:
         """Return the parts in which a frame differs from the last one; None: redraw all of it."""
         before, listed = self._before, seen.listed
         sprites = _changed_sprites(before.seen, seen)
         at_rest = listed.moved is not None and not listed.moved.any()
-        few = (at_rest or len(listed.radii) <= _MAX_ITEMS) and len(sprites) <= _MAX_SPRITES
+        few = at_rest or len(listed.radii) <= _MAX_ITEMS
         changed = _changed_items(before, seen) if few else None
+        only_sprites = changed is not None and _differ_in_sprites(before.seen, seen, changed)
+        many = len(sprites) > _MAX_SPRITES
+        if many and not only_sprites:
+            changed = None
         self._count(alike=changed is not None)
+        self.only_sprites = only_sprites and self.keeps
         if changed is None and not self.keeps:
             self._before = _Before(seen)
             return None
         placed = place_items(listed, seen.shown)
         self._before = _Before(seen, placed)
-        if changed is None or before.seen is None or before.placed is None or not self.keeps:
+        if changed is None or many or before.seen is None or before.placed is None or not self.keeps:
             return None
         shapes = self._before.shapes = self._shapes_of(before, seen)
         changed |= before.placed.shown != placed.shown
@@ -157,6 +163,16 @@ def _changed_items(before: _Before, seen: SeenFrame) -> B1 | None:
     pairs = zip(was.mesh, was.material, now.mesh, now.material, strict=True)
     changed |= np.array([a != c or b != d for a, b, c, d in pairs], np.bool_)
     return changed
+
+
+def _differ_in_sprites(last: SeenFrame | None, seen: SeenFrame, changed: B1) -> bool:
+    """Whether a frame differs from a comparable one in nothing but sprites, given its changed items.
+
+    Mirrors show sprites, too.
+    """
+    if last is None or changed.any() or seen.world.mirrors:
+        return False
+    return np.array_equal(last.shown, seen.shown) and not _changed_overlaid(last, seen)
 
 
 def _changed_sprites(last: SeenFrame | None, seen: SeenFrame) -> F8:

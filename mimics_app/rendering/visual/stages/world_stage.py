@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from mimics_app.rendering.visual.backdrop import Backdrop
 from mimics_app.rendering.visual.changed_part import ChangedPart
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
@@ -82,6 +83,7 @@ class ViewDraws:
         projected: Projectors with the opaque surfaces they hit.
         passes: Passes of this eye and the other one of its pair.
         part: Part of the target that is drawn; None: all of it.
+        behind: Sprites that belong to the backdrop, not to the transparent ones; None: there is no backdrop.
     """
 
     view: View
@@ -92,6 +94,7 @@ class ViewDraws:
     projected: Sequence[BeamRuns] = ()
     passes: EyePasses = "alone"
     part: ChangedPart | None = None
+    behind: Sequence[SpriteRun] | None = None
 
     def latched(self, newer: View) -> ViewDraws:
         """Return these draws with a newer view; with mirrors they keep the pose they were queued with."""
@@ -139,6 +142,7 @@ class WorldStage:
         self._ambient = AmbientPass(ctx, shaders, frame)
         self._cords = CordPass(ctx, shaders)
         self.sky = SkyPass(ctx, shaders, max_size)
+        self.backdrop = Backdrop(ctx)
 
     def draw_parts(
         self, target: moderngl.Framebuffer, samples: int, scene: FrameScene, parts: Sequence[ViewDraws]
@@ -170,6 +174,8 @@ class WorldStage:
         Returns:
             Draw calls made.
         """
+        if views[0].behind is not None:
+            return self._draw_over_backdrop(target, samples, scene, views[0])
         if scene.by_stencil:
             self._volumes.gl.attach_stencil(target, samples)
         target.use()
@@ -182,6 +188,21 @@ class WorldStage:
             eyes = [views[number] for number in numbers]
             together = [[each] for each in eyes] if eyes[0].passes == "alone" else [eyes]
             draws += sum(self._draw_eyes(target, scene, each, sky=background is None) for each in together)
+        return draws
+
+    def _draw_over_backdrop(
+        self, target: moderngl.Framebuffer, samples: int, scene: FrameScene, drawn: ViewDraws
+    ) -> int:
+        draws = 0
+        if self.backdrop.kept:
+            self.backdrop.restore(target)
+        else:
+            draws += self.draw(target, samples, scene, [replace(drawn, transparent=drawn.behind or (), behind=None)])
+            self.backdrop.keep(target)
+        target.use()
+        self._fill(scene, [drawn], sun=True)
+        for _ in self._together(target, scene, [drawn]):
+            draws += self._draw_transparent(target, scene, [drawn])
         return draws
 
     def _draw_eyes(
@@ -328,7 +349,7 @@ class WorldStage:
 
     def release(self) -> None:
         """Free the passes and view blocks."""
-        for part in (self.sky, self._cords, *self._blocks, self._second, self._volumes, self._ambient):
+        for part in (self.sky, self.backdrop, self._cords, *self._blocks, self._second, self._volumes, self._ambient):
             part.release()
 
 
