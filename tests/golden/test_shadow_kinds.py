@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import DeviceError, UsageError
-from mimics_app.rendering.visual.drawing.draw_list import Casters
+from mimics_app.rendering.visual.drawing.shadow_casters import Casters
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.shadows.cascades import Cascades

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +12,7 @@ from mimics_app.contracts.arrays import B1, F8, I4, U1
 from mimics_app.rendering.visual.drawing.culling import make_culler
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems, list_items
 from mimics_app.rendering.visual.drawing.draw_order import DrawOrder
+from mimics_app.rendering.visual.drawing.draw_tally import Tally
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.drawing.levels import Levels
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
@@ -22,6 +23,7 @@ from mimics_app.rendering.visual.drawing.occlusion import (
     gather_occluders,
     make_raster,
 )
+from mimics_app.rendering.visual.drawing.shadow_casters import Casters
 from mimics_app.rendering.visual.drawing.skinning import BentMeshes
 from mimics_app.rendering.visual.kernels.bounds import gather_casters, update_bounds
 from mimics_app.rendering.visual.kernels.frustum import cull_flat
@@ -34,46 +36,13 @@ from mimics_app.world.world import World
 if TYPE_CHECKING:
     from mimics_app.world.motion.skinned_body import SkinnedBody
 
-__all__ = ["DRAWN", "HIDDEN", "Casters", "DrawList", "Tally"]
+__all__ = ["DRAWN", "HIDDEN", "DrawList"]
 
 Size = tuple[int, int]
 
 
 HIDDEN, DRAWN = 1, 2
 """Fates of an item in a view's frustum: occluded, or drawn."""
-
-
-@dataclass(frozen=True, eq=False)
-class Casters:
-    """Shadow casters, and the bounding spheres of those that a shadow map has to cover.
-
-    Attributes:
-        items: Numbers of items, int32 [n].
-        centres: Centres of the spheres, world [m], float64 [m, 3].
-        radii: Their radii [m], float64 [m].
-    """
-
-    items: I4
-    centres: F8
-    radii: F8
-
-
-@dataclass(slots=True)
-class Tally:
-    """Counts of a frame, over all views: items, those outside, those occluded, frustum tests, skinned vertices."""
-
-    items: int = 0
-    culled: int = 0
-    hidden: int = 0
-    tests: int = 0
-    bent: int = 0
-
-    def count(self, items: int, in_frustum: int, drawn: int, tests: int) -> None:
-        """Add the counts of one view."""
-        self.tests += tests
-        self.items += items
-        self.culled += items - in_frustum
-        self.hidden += in_frustum - drawn
 
 
 class DrawList:
@@ -148,8 +117,7 @@ class DrawList:
             self._revision = revision
             occluders = gather_occluders(world, self.items, self._arena, wanted)
             self._occlusion = OcclusionPass(occluders) if len(occluders.inner_half) else None
-        self._detail = settings.detail
-        self._by_triangle = settings.occlusion != "off"
+        self._detail, self._by_triangle = settings.detail, settings.occlusion != "off"
         self.tally = Tally()
         self._world = world.transforms.world
         before = self._shown.copy()

@@ -34,7 +34,7 @@ _CORNERS = 8
 """Corners of a box."""
 
 _TRANSLATION = 3
-"""Column of a matrix."""
+"""The last column of a matrix."""
 
 _MIN_TRIANGLES = 32
 """Number of triangles from which a mesh is worth a draw command of its own instead of one for many instances."""
@@ -74,9 +74,9 @@ def find_planes(places: F4, triangles: U2, base: int, out: F4) -> None:
 def _project_vertices(screen: F8, eye: F8, world: F8, row: int, places: F4, base: int, count: int, out: F8) -> None:
     """Write X, Y [cells] and 1/w [1/m] of the vertices of a mesh, [3, >= count]."""
     x, y, inverse = out[0], out[1], out[2]
-    m = np.empty((3, 4))
+    m = np.empty((3, _TRANSLATION + 1))
     for k in range(3):
-        for column in range(4):
+        for column in range(_TRANSLATION + 1):
             m[k, column] = 0.0
             for axis in range(3):
                 moved = world[row, axis, column] - (eye[axis] if column == _TRANSLATION else 0.0)

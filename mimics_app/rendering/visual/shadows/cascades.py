@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.rendering.visual.drawing.draw_list import Casters
+from mimics_app.rendering.visual.drawing.shadow_casters import Casters
 from mimics_app.rendering.visual.lighting import sun_axes
 from mimics_app.rendering.visual.shadows.shadow_maps import ShadowMap
 from mimics_app.rendering.visual.view import View

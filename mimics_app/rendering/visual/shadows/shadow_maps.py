@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.rendering.visual.drawing.draw_list import Casters
+from mimics_app.rendering.visual.drawing.shadow_casters import Casters
 from mimics_app.rendering.visual.lighting import ShadowFrustum
 from mimics_app.rendering.visual.view_matrices import TEXTURE_FROM_CLIP, compose_clip_from_view
 from mimics_app.world.light import Light
