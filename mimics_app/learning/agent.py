@@ -50,7 +50,7 @@ class Agent:
     def choose(
         self, state: UserState, result: TrialResult | None, reward: float | None, now_ns: int
     ) -> TaskAction | None:
-        """Return the action after a trial, or after a reward without one; None where nothing changes."""
+        """Return the action after a trial, with all values chosen so far, or after a reward; None without any."""
         if result is None and reward is None:
             return None
         held = self._values if result is None else result.values
@@ -68,6 +68,8 @@ class Agent:
         for name in values:
             self._changed_ns[name] = now_ns
         self._values |= values
+        if result is not None:  # a choice that stays is repeated: the trial list would set its own value again
+            values = {name: self._values[name] for name in self._changed_ns}
         if not values:
             return None
         return TaskAction(values, None if result is None else result.trial + 1, propensity)

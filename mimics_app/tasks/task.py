@@ -270,6 +270,7 @@ _OWN_MEASURES = (
         total="path_error_m",
     ),
     Measure.totalled("contacts", "contacts", "Number of contacts.", 0.0, 20.0, weight=0.25, sums=True),
+    Measure("contact_time_s", "contact_time", "Time in contact [s].", ScorePartSpec(weight=0.0, best=0.0, worst=20.0)),
     Measure(
         "smoothness",
         "smoothness",

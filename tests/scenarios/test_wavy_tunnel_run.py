@@ -64,6 +64,28 @@ def test_answer_has_the_keys_scripts_rely_on(answer):
     assert (answer["ticks"], answer["frames"], answer["unread"]) == (20_000, 1200, [])
 
 
+@pytest.mark.parametrize("patient", ["moderate", "severe"])
+def test_the_easiest_tunnel_earns_more_than_the_hardest(patient, tmp_path):
+    """A policy makes the task easier for who earns too little: were it the other way round, it would do so for ever."""
+
+    def points(difficulty: str, radius: float, assistance: float) -> float:
+        def change(document: dict[str, Any]) -> None:
+            trial = {"label": difficulty, "values": {"radius": radius, "assistance": assistance}}
+            document["task"]["trials"] = [{"name": difficulty, "trials": [trial]}]
+
+        folder = tmp_path / difficulty
+        folder.mkdir()
+        options = ("--patient", patient, "--seconds", 32, "--pictures", 0, "--sound", "off")
+        task = run(folder, *options, scene=changed_scene(folder, change))["task"]
+        assert task["completed"] == 1
+        return task["score"]
+
+    limits = json.loads(SCENE.read_text())["task"]["parameters"]
+    radius, assistance = limits["radius"], limits["assistance"]
+    easiest = points("easiest", radius["max"], assistance["max"])
+    assert easiest > points("hardest", radius["min"], assistance["min"])
+
+
 def test_the_patient_travels_the_tunnel(answer):
     assert answer["task"]["completed"] >= 1
     assert answer["safety"] == {"state": answer["safety"]["state"], "stops": 0, "holds": 0}

@@ -17,6 +17,7 @@ from mimics_app.learning.off_policy import evaluate
 from mimics_app.learning.policy import LEVELS, Outcome
 from mimics_app.learning.registry import EXPLORERS, POLICIES, build_policy
 from mimics_app.learning.stepwise import StepAgent
+from mimics_app.tasks.adaptation import Adaptation
 
 RADIUS = Parameter("radius", 1.0, 0.6, 1.2, harder=-1)
 LOOK = Parameter("look", 0.0, 0.0, 2.0, step=1.0, kind="appearance", dwell_s=30.0)
@@ -68,15 +69,31 @@ def test_the_agent_waits_for_the_next_trial_and_keeps_limits_and_steps() -> None
 
 def test_an_explorer_tries_the_looks_but_not_before_their_time() -> None:
     agent = Agent("random", SPACE, 3)
-    changed = []
+    changed, held = [], 0.0
     for trial in range(60):
         action = agent.choose(NOBODY, result(trial, 0.5, 1.0), 0.5, trial * 10 * 10**9)
-        if action is not None and "look" in action.values:
-            assert action.values["look"] in (0.0, 1.0, 2.0)
+        if action is not None and action.values.get("look", held) != held:
+            held = action.values["look"]
+            assert held in (0.0, 1.0, 2.0)
             assert 0.0 < action.propensity < 1.0
             changed.append(trial)
     assert len(changed) > 3
     assert (np.diff(changed) >= 3).all()
+
+
+def test_a_choice_that_stays_holds_against_the_trial_list() -> None:
+    """Levels are often chosen twice in a row; the condition of the next trial would replace what is not sent again."""
+    agent, adaptation = Agent("thompson", ActionSpace([RADIUS]), 1), Adaptation(ActionSpace([RADIUS]))
+    stayed = 0
+    for trial in range(40):
+        adaptation.begin_trial(trial, {"radius": 1.1})
+        wanted = agent._values["radius"]
+        assert trial == 0 or adaptation.values["radius"] == wanted
+        action = agent.choose(NOBODY, result(trial, 0.7, adaptation.values["radius"]), 1.0, trial * 10**9)
+        if action is not None:
+            adaptation.take(action)
+        stayed += agent._values["radius"] == wanted
+    assert stayed > 10
 
 
 def test_a_reward_is_of_the_value_that_held_not_of_one_that_was_chosen_too_early() -> None:
@@ -87,7 +104,7 @@ def test_a_reward_is_of_the_value_that_held_not_of_one_that_was_chosen_too_early
     seen = TrialResult(0, 0, "finished", 0.5, 0.5, values={"radius": 1.0, "look": 2.0})
     for trial in range(40):
         action = agent.choose(NOBODY, seen, 1.0, trial * 10**9)
-        assert action is None or "look" not in action.values
+        assert action is None or action.values["look"] == 2.0
     chosen = [agent._arms[0].act()[0] for _ in range(200)]
     assert np.mean(np.array(chosen) == 2.0) > 0.9
 
