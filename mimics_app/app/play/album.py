@@ -26,13 +26,16 @@ class Album:
 
     The duration of a trial is unknown, so a moment is a share of the trials, the present one counted by its progress,
     or a share of the run's length where that was requested, whichever comes first.
+
+    Attributes:
+        files: Files of the pictures; the last may still be written.
     """
 
     def __init__(self, session: Session) -> None:
         self._session = session
         self._folder = session.folder / "pictures"
         self._wanted = session.settings.pictures
-        self._files: list[Path] = []
+        self.files: list[Path] = []
         self._kept = 0
         self._first_trial: int | None = None
         self._writer: ThreadPoolExecutor | None = None
@@ -46,15 +49,19 @@ class Album:
 
     def finish(self, frames: Frames) -> None:
         """Draw the last frame where the run was too short for any other."""
-        if not self._files and self._wanted > 0 and frames.number > 0:
+        if not self.files and self._wanted > 0 and frames.number > 0:
             self._draw(frames, keep=True)
 
     def written(self) -> list[Path]:
-        """Return the files once they are written."""
+        """Return the files once they are written.
+
+        Raises:
+            OSError: The last one cannot be written; the others are.
+        """
         if self._writer is not None:
-            self._wait()
             self._writer.shutdown()
-        return self._files
+            self._wait()
+        return self.files
 
     def _is_due(self, frames: Frames) -> bool:
         run_s, share = self._session.settings.seconds, (self._kept + 0.5) / self._wanted
@@ -79,7 +86,7 @@ class Album:
             self._folder.mkdir(parents=True, exist_ok=True)
             file = self._folder / f"frame_{frames.number:06d}.png"
             self._kept += 1
-            self._files += picture.save(file, self._write)
+            self.files += picture.save(file, self._write)
 
     def _write(self, pixels: NDArray[np.uint8], file: Path) -> None:
         """Compress and write a picture in another thread; at most one is pending."""

@@ -52,7 +52,7 @@ def play(settings: RunSettings, *, as_json: bool, read: Scene | None = None) -> 
 
     Returns:
         0; 4 where the picture was lost for good; 5 where the run ended in a latched stop; 6 where ticks were not
-        recorded or the report could not be written.
+        recorded, or the report or the last picture could not be written.
     """
     started = MonotonicClock().now_ns()
     windowed = not settings.headless and has_display()
@@ -77,7 +77,7 @@ def play(settings: RunSettings, *, as_json: bool, read: Scene | None = None) -> 
         sound = session.end_stages()
         summary = summarise(session, frames, sound, (MonotonicClock().now_ns() - started) * 1e-9)
         manifest = session.finish(summary)
-        pictures = album.written() if album is not None else []
+    pictures, all_written = _pictures(album)
     report, whole = _report(session, manifest)
     answer = {**summary, "state_hash": manifest.state_hash, "report": str(report or ""), "pictures": pictures}
     if session.film is not None:
@@ -92,7 +92,18 @@ def play(settings: RunSettings, *, as_json: bool, read: Scene | None = None) -> 
         return SafetyStop.exit_code
     if session.trouble:
         return DeviceError.exit_code
-    return 0 if whole else PartialDataError.exit_code
+    return 0 if whole and all_written else PartialDataError.exit_code
+
+
+def _pictures(album: Album | None) -> tuple[list[Path], bool]:
+    """Return the saved pictures, and whether all could be saved. A loss is reported on stderr."""
+    if album is None:
+        return [], True
+    try:
+        return album.written(), True
+    except OSError as error:
+        sys.stderr.write(f"mimics: {error.filename}: {error.strerror}; the recording is complete without it\n")
+        return [file for file in album.files if file.exists()], False
 
 
 def _report(session: Session, manifest: Manifest) -> tuple[Path | None, bool]:

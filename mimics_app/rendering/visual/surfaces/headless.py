@@ -58,13 +58,17 @@ def write_png(pixels: U1, file: Path) -> None:
     """Save pixels, uint8 [height, width, 3 or 4], as an opaque PNG; compression runs without the GIL.
 
     Raises:
-        OSError: The file cannot be written; its `filename` is the file also where the disk is full.
+        OSError: The file cannot be written; its `filename` is the file also where the disk is full. What was written
+            of it is removed.
     """
     from PIL import Image
 
+    stream = file.open("wb")
     try:
-        Image.fromarray(pixels[:, :, :3]).save(file, compress_level=_PNG_LEVEL)
+        with stream:
+            Image.fromarray(pixels[:, :, :3]).save(stream, "PNG", compress_level=_PNG_LEVEL)
     except OSError as error:
+        file.unlink(missing_ok=True)
         if error.errno:  # the system names a file that it cannot open, not one that it cannot fill
             error.filename = str(file)
         raise
