@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Hashable, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import replace
+from dataclasses import astuple, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
@@ -193,10 +193,9 @@ class Renderer:
             self._overlay.release()
             self._overlay = None
         parts = (self._pictures, self._hud_pass, self._world, self._shadows, self._picture, self._frame)
-        for part in (*parts, self._materials, self._arena, self._bending):
+        effects = () if self._effects is None else (self._effects,)
+        for part in (*parts, *effects, self._materials, self._arena, self._bending):
             part.release()
-        if self._effects is not None:
-            self._effects.release()
 
     def _measure(
         self, views: Sequence[View], latch: Latch | None, lay_out: LayOut | None, *, finish: bool
@@ -209,12 +208,10 @@ class Renderer:
             triangles, draws = self._draw(views, latch, lay_out)
         if finish:
             self._surface.ctx.finish()
-        cpu_ms = (self._clock.now_ns() - started) * 1e-6
-        tally = self._list.tally
-        counts = (tally.items, tally.culled, tally.hidden, tally.tests, tally.bent)
+        cpu_ms, tally = (self._clock.now_ns() - started) * 1e-6, astuple(self._list.tally)
         if self.times is not None:
-            self.times.count(tally.items, tally.culled, tally.hidden)
-        return FrameStats(cpu_ms, timer.elapsed * 1e-6 if timer else None, triangles, draws, *counts)
+            self.times.count(*tally[:3])
+        return FrameStats(cpu_ms, timer.elapsed * 1e-6 if timer else None, triangles, draws, *tally)
 
     @property
     def times(self) -> StageTimes | None:
@@ -236,9 +233,7 @@ class Renderer:
             lay_out()
         with self._timed("prepare"):
             scene = self._prepare(views)
-        with self._timed("shadows"):  # drawn by threads of a software driver while the views are culled
-            self._upload()
-            draws = self._shadows.draw(self._frame)
+        draws = self._draw_shadows() if self._has.software else 0  # its threads do so while the views are culled
         with self._timed("cull"):
             parts = self._changed_parts(scene, views if latch is None else ())
             target = self._picture.begin()
@@ -248,6 +243,7 @@ class Renderer:
             self._upload()
             if scene.effects is not None:
                 scene.effects.upload()
+        draws += 0 if self._has.software else self._draw_shadows()
         with self._timed("mirrors"):
             draws += self._pictures.draw(self._world, scene, self._picture.samples)
         with self._timed("submit"):
@@ -272,6 +268,11 @@ class Renderer:
         """Skin and upload what was queued since the last call."""
         self._bending.bend(self.world, self._list)
         self._frame.upload()
+
+    def _draw_shadows(self) -> int:
+        with self._timed("shadows"):
+            self._upload()
+            return self._shadows.draw(self._frame)
 
     def _batch_all(self, scene: FrameScene, views: Sequence[View], split: bool) -> list[ViewDraws]:
         """Queue what is visible in the views and in the mirrors, screens and insets within them."""
