@@ -15,7 +15,8 @@ from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.world.components.effects import Billboard, Particles
-from mimics_app.world.live_pictures import InsetView, show_mirror
+from mimics_app.world.components.pictures import Inset, Mirror
+from mimics_app.world.live_pictures import show_mirror
 from mimics_app.world.meshes.primitives import plane
 from mimics_app.world.world import World
 from tests.golden.test_still_picture import PLAIN, SIZE, draw_whole, dress, make_world, view
@@ -138,7 +139,7 @@ def test_where_a_backdrop_would_be_another_one_the_picture_is_drawn_as_a_whole(k
         world.meshes["glass"] = plane(2.0, 1.0)
         mirror = world.root.create_child("mirror", (0.0, 0.7, -1.7), (0.5**0.5, 0.0, 0.0, 0.5**0.5))
         mirror.create_entity("glass", "default")
-        show_mirror(mirror)
+        show_mirror(mirror, Mirror())
     with create_surface("egl", SIZE) as surface:
         renderer = Renderer(surface, world, settings)
         for step in range(8):
@@ -157,7 +158,7 @@ def test_an_inset_over_a_backdrop_shows_the_sprites_of_its_frame(kept: list[int]
     world = make_cloudy_world()
     world.root.create_child("eye", (-2.0, 1.5, 0.0)).create_camera(0.8, 0.05, 20.0)
     world.find("eye").look_at((0.0, 0.3, 0.3))
-    world.insets["eye"] = InsetView("eye", (0.7, 0.7, 0.25, 0.25))
+    world.insets["eye"] = Inset("eye", (0.7, 0.7, 0.25, 0.25))
     with create_surface("egl", SIZE) as surface:
         renderer = Renderer(surface, world, PLAIN)
         for step in range(8):
