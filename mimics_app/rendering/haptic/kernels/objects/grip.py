@@ -17,9 +17,7 @@ from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic_objects import BodyFlag, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.friction import forget_friction, hayward_armstrong
-from mimics_app.rendering.haptic.kernels.objects.bodies import wake
 from mimics_app.rendering.haptic.kernels.objects.extents import half_extent, mesh_extent
-from mimics_app.rendering.haptic.kernels.objects.triples import to_local
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import (
@@ -130,11 +128,11 @@ def _measure(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, body: int
         middle = 0.0
         for i in range(3):
             middle += (work.shape_positions[k, i] - grip.centre[i]) * grip.axis[i]
-        along = to_local(work.solids[k], (grip.axis[0], grip.axis[1], grip.axis[2]))
         if shape.kind == ShapeKind.MESH:
-            low, high = mesh_extent(work.meshes.rows[shape.mesh], work.meshes.hulls, along)
+            mesh = work.meshes.rows[shape.mesh]
+            low, high = mesh_extent(mesh, work.meshes.hulls, work.shape_rotations[k], grip.axis)
         else:
-            high = half_extent(work.solids[k], along)
+            high = half_extent(shape, work.shape_rotations[k], grip.axis)
             low = -high
         if surface < 0:
             surface = k
@@ -368,7 +366,8 @@ def _hold_body(
     _hold_with(surface, motion, grip, grip.contact_b, grip.friction_b, press_b, 1.0, k)
     _add(body, motion, grip, totals)
     _hold_twist(surface, body, motion, grip, press_a + press_b, k, dt)
-    wake(motion)
+    motion.asleep = 0
+    motion.quiet_ticks = 0
     if body.crush_force > 0.0 and grasp > body.crush_force:
         grip.crushed = grip.body
     totals.stiffness += 2.0 * k

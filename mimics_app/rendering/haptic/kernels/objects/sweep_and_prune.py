@@ -15,7 +15,6 @@ from mimics_app.contracts.arrays import I8
 from mimics_app.contracts.haptic_objects import STATIC, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.bodies import is_free
-from mimics_app.rendering.haptic.kernels.objects.extents import half_extent
 from mimics_app.rendering.haptic.kernels.objects.pairs import add_pair, drop_pairs, forget_pairs, join_surfaces
 
 if TYPE_CHECKING:
@@ -68,11 +67,26 @@ def _may_come_near(a: SolidRecord, b: SolidRecord) -> bool:
 
 
 @kernel
+def _extent(solid: SolidRecord, k: int) -> float:
+    """Half of a shape's extent along world axis k [m]; inf for an unbounded one."""
+    size, R = solid.size, solid.rotation
+    if solid.kind == ShapeKind.BOX:
+        return 0.5 * (size[0] * abs(R[k, 0]) + size[1] * abs(R[k, 1]) + size[2] * abs(R[k, 2]))
+    if solid.kind == ShapeKind.SPHERE:
+        return size[0]
+    upright = abs(R[k, 1])
+    if solid.kind == ShapeKind.CAPSULE:
+        return 0.5 * size[1] * upright + size[0]
+    if solid.kind == ShapeKind.CYLINDER:
+        return 0.5 * size[1] * upright + size[0] * math.sqrt(max(0.0, 1.0 - upright * upright))
+    return math.inf
+
+
+@kernel
 def _bound(solid: SolidRecord) -> None:
     """Set the AABB of an analytic shape."""
-    R = solid.rotation
     for k in range(3):
-        reach = half_extent(solid, (R[k, 0], R[k, 1], R[k, 2]))
+        reach = _extent(solid, k)
         solid.low[k] = solid.position[k] - reach
         solid.high[k] = solid.position[k] + reach
 

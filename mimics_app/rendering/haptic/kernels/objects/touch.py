@@ -21,7 +21,7 @@ from mimics_app.rendering.haptic.kernels.objects.surface_force import (
     normal_force,
     rub,
 )
-from mimics_app.rendering.haptic.kernels.vectors import copy, fill, rotate
+from mimics_app.rendering.haptic.kernels.vectors import copy, rotate
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import (
@@ -50,9 +50,10 @@ _TORQUE_ON_OBJECT = int(BodyFlag.TORQUE_ON_OBJECT)
 @kernel
 def _take_point(scratch: ContactScratchRecord, point: int, rows: Rows, work: ObjectWork) -> None:
     """Copy a point to the scratch."""
-    fill(scratch.felt, 0.0)
-    copy(work.point_positions[point], scratch.point)
-    copy(work.point_velocities[point], scratch.point_velocity)
+    for i in range(3):
+        scratch.felt[i] = 0.0
+        scratch.point[i] = work.point_positions[point, i]
+        scratch.point_velocity[i] = work.point_velocities[point, i]
     scratch.radius = rows.points[point].radius
     scratch.contact = rows.points[point].contact
 
