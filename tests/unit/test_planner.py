@@ -253,6 +253,15 @@ def test_the_shipped_table_has_the_rivals_that_run_and_their_settings():
         assert {r.method: r.settings for r in rows} == runnable, group
 
 
+def test_people_are_lit_at_vertices_in_live_software_rendering_only(scene):
+    """By the shipped table; the stricter the profile, the smaller the triangles."""
+    shipped, live = Table.load_shipped(), 1280 * 720
+    limits = [plan_scene(scene, profile, shipped, pixels=live).settings["vertex light"] for profile in PROFILES]
+    draft, training, study = (each["vertex_light"] for each in limits)
+    assert draft >= training > study
+    assert plan_scene(scene, "training", shipped).settings["vertex light"] == {"vertex_light": 0.0}
+
+
 def test_without_a_plan_the_tunnel_runs_the_tracked_newton(scene):
     tunnel = objects_of_scene(scene).rows.tunnels[0]
     assert Projection(tunnel["projection"]) is Projection.NEWTON_WARM

@@ -20,6 +20,7 @@ _FIELDS: Mapping[str, tuple[str, ...]] = {
     "level of detail": ("detail",),
     "skinning": ("skinning",),
     "shading": ("shading",),
+    "vertex light": ("vertex_light",),
     "stereo": ("stereo",),
 }
 """Fields of the renderer's settings that the methods of a group set; the placement of cascades is the scene's."""

@@ -255,6 +255,11 @@ def _is_edge_filter(settings: Settings) -> bool:
     return settings == {"msaa": 0, "fxaa": True}
 
 
+def _at_vertices(settings: Settings) -> bool:
+    """Whether people are lit at vertices, which saves time where the processor draws."""
+    return settings != {"vertex_light": 0.0}
+
+
 def _bends(scene: Scene) -> bool:
     return scene.has(Animation) or scene.has(Avatar)
 
@@ -278,6 +283,8 @@ def _shows_models(scene: Scene) -> bool:
 
 _PROBE_PX = 640 * 360
 """Size of the picture in which the methods of the picture are measured [px]."""
+_PEOPLE_PX = 1280 * 720
+"""The same for the light on people."""
 
 WHOLE_TICK, TOUCH, _BODIES = "haptic tick", "touching a shape", "bodies, at rest"
 """Parts of `explain` that include others."""
@@ -319,6 +326,7 @@ USES: Mapping[str, Use] = {
     "shading": Use(
         "light on surfaces", _has(CameraComponent), _unless_auto("shading", lambda scene: visual_of(scene).shading)
     ),
+    "vertex light": Use("light on people", _bends, only_live=_at_vertices, pixels=_PEOPLE_PX),
     "stereo": Use(
         "the two eyes before a picture", _for_two_eyes, _unless_auto("stereo", lambda scene: _display_of(scene).passes)
     ),

@@ -23,6 +23,8 @@ def box_items(rows: NDArray[np.int32], half: NDArray[np.float64]) -> DrawItems:
         rows=rows,
         entities=rows,
         states=zeros,
+        small_states=zeros - 1,
+        sides=np.zeros(count),
         shadow_states=zeros,
         meshes=zeros,
         paint=np.ones((count, 4), np.float32),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -17,6 +18,9 @@ _SCALES = (1.0, 0.75, 0.5)
 """Factors on the resolution that the governor may use."""
 
 _SCALE = "resolution scale"
+
+_NO_SIDE = 1e-9
+"""Length [px] that no side of a triangle is below."""
 
 _UNIFORMS_ONLY = ("mirrors", "level of detail", "shadow size")
 """Steps whose levels need the same shader programs."""
@@ -118,9 +122,14 @@ def rehearse_steps(renderer: Renderer, views: Sequence[View]) -> None:
     """Compile the shaders of all steps before the first frame, by drawing a frame at each level.
 
     The order is the governor's, since drivers compile variants for sample count and format of the target too. Compiling
-    during a session would freeze a frame for a tenth of a second.
+    during a session would freeze a frame for a tenth of a second. First people are drawn lit at each pixel, and lit at
+    their vertices.
     """
-    steps = quality_steps(renderer)
+    steps, limit = quality_steps(renderer), renderer.settings.vertex_light
+    for each in (_NO_SIDE, math.inf) if limit > 0.0 else ():
+        renderer.set_quality(vertex_light=each)
+        renderer.draw_finished(views)
+    renderer.set_quality(vertex_light=limit)
     for step in steps:
         for level in range(1, len(step.levels)):
             step.apply(level)

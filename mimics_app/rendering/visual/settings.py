@@ -73,6 +73,8 @@ class RenderSettings:
         detail: Factor on the distances at which levels of detail change, 0.25 to 4.
         mirror_scale: Resolution of mirrors over that of the picture, 0.1 to 1.
         shading: Techniques of opaque surfaces, see `Shading`.
+        vertex_light: Length on the picture [px] up to which the sides of triangles are so short that their light is
+            computed at their vertices; 0: at each pixel, whatever their size.
         particle_light: Where the light of lit particles is computed, see `ParticleLight`.
         profile: Purpose of the picture; techniques that exclude it are replaced by their fallbacks.
         occlusion: Occluder boxes in use; the picture is the same with derived ones and without any. Where the processor
@@ -102,6 +104,7 @@ class RenderSettings:
     detail: float = 1.0
     mirror_scale: float = 1.0
     shading: Shading = "full"
+    vertex_light: float = 0.0
     particle_light: ParticleLight = "pixel"
     profile: Profile = "training"
     occlusion: Occlusion = "all"
@@ -117,6 +120,8 @@ class RenderSettings:
             raise UsageError(f"the resolution scale {self.scale} is out of range", "give 0.25 to 1")
         if not 0.25 <= self.detail <= 4.0:
             raise UsageError(f"the level-of-detail factor {self.detail} is out of range", "give 0.25 to 4")
+        if not self.vertex_light >= 0.0:
+            raise UsageError(f"light at vertices up to {self.vertex_light} px is out of range", "give 0 px or more")
         if not 0.1 <= self.mirror_scale <= 1.0:
             raise UsageError(f"the mirror scale {self.mirror_scale} is out of range", "give 0.1 to 1")
         if not 0.0 <= self.ambient_occlusion <= 4.0 or not self.ambient_radius > 0.0:
@@ -131,7 +136,7 @@ class RenderSettings:
 
 
 class QualityChanges(TypedDict, total=False):
-    """Fields of `RenderSettings` that may change between two frames; `shading` and `particle_light` compile shaders."""
+    """Fields of `RenderSettings` that may change between two frames; the last three compile shaders."""
 
     shadow_size: int
     scale: float
@@ -142,4 +147,5 @@ class QualityChanges(TypedDict, total=False):
     ambient_occlusion: float
     detail: float
     shading: Shading
+    vertex_light: float
     particle_light: ParticleLight

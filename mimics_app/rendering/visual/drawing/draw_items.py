@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import B1, F4, F8, I4, U1
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena, is_still
+from mimics_app.rendering.visual.kernels.sides import measure_sides
 from mimics_app.rendering.visual.materials.look import Look
 from mimics_app.rendering.visual.materials.materials import MaterialStore
 from mimics_app.world.world import World
@@ -42,6 +43,9 @@ class DrawItems:
         rows: Row of the node in the Transform table, int32 [n].
         entities: Entity index of the node, int32 [n].
         states: Number in `of_state`, int32 [n].
+        small_states: The same on small triangles, -1 where that is no other, int32 [n].
+        sides: Length of its triangles' sides in the node's frame [m], see `measure_sides`; 0 where it has no other
+            state on small ones, float64 [n].
         shadow_states: Number in `of_shadow`, int32 [n].
         meshes: Number in `ranges`, int32 [n].
         paint: Instance parameters from the look, float32 [n, 4]; see `Look.paint`.
@@ -64,6 +68,8 @@ class DrawItems:
     rows: I4
     entities: I4
     states: I4
+    small_states: I4
+    sides: F8
     shadow_states: I4
     meshes: I4
     paint: F4
@@ -131,15 +137,19 @@ def list_items(world: World, arena: MeshArena, materials: MaterialStore) -> Draw
     kind = np.array([kind_of[pair] for pair in pairs], np.int32)
     mesh = np.array([mesh_of[name] for name in listed.mesh], np.int32)
     ranges = [arena.ranges.get(name) for name in names]
-    looks = [
-        materials.look(material, coloured=bool((place := ranges[mesh_of[name]]) and place.coloured))
-        for name, material in kinds
-    ]
-    wide = [bool((place := ranges[mesh_of[name]]) and place.wide) for name, _ in kinds]
+    places = [ranges[mesh_of[name]] for name, _ in kinds]
+    coloured, wide = ([bool(place and getattr(place, what)) for place in places] for what in ("coloured", "wide"))
+    looks = [materials.look(material, coloured=each) for (_, material), each in zip(kinds, coloured, strict=True)]
     states = _States()
     of_kind = np.array(
         [states.number(look.state, look, flag) for look, flag in zip(looks, wide, strict=True)], np.int32
     )
+    small, sides = np.full(len(kinds), -1, np.int32), np.zeros(len(kinds))
+    for i, (name, material) in enumerate(kinds):
+        look = materials.small_look(material, coloured=coloured[i]) if name in world.motion.body_of else None
+        if look is not None:
+            small[i] = states.number(look.state, look, wide[i])
+            sides[i] = measure_sides(world.meshes[name].positions, world.meshes[name].indices)
     shadows = _States()
     of_shadow = [shadows.number(look.shadow_state, look, flag) for look, flag in zip(looks, wide, strict=True)]
     local, half = _bounds(world, names)
@@ -148,6 +158,8 @@ def list_items(world: World, arena: MeshArena, materials: MaterialStore) -> Draw
         rows=np.asarray(listed.row, np.int32),
         entities=listed.entity,
         states=_spread(of_kind, kind),
+        small_states=_spread(small, kind),
+        sides=_spread(sides, kind),
         shadow_states=_spread(np.array(of_shadow, np.int32), kind),
         meshes=mesh,
         paint=_spread(np.array([look.paint for look in looks], np.float32).reshape(-1, 4), kind),

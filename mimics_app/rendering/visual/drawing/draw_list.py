@@ -25,6 +25,7 @@ from mimics_app.rendering.visual.drawing.occlusion import (
 )
 from mimics_app.rendering.visual.drawing.shadow_casters import Casters
 from mimics_app.rendering.visual.drawing.skinning import BentMeshes
+from mimics_app.rendering.visual.drawing.small_triangles import SmallTriangles
 from mimics_app.rendering.visual.kernels.bounds import gather_casters, update_bounds
 from mimics_app.rendering.visual.kernels.frustum import cull_flat
 from mimics_app.rendering.visual.kernels.levels import pick_levels
@@ -102,7 +103,11 @@ class DrawList:
         worth = len(listed.row) >= MIN_ITEMS
         meshes = self._arena.update(world, solid=worth)
         materials = self._materials.update(
-            world, light_features=light_features, shading=settings.shading, profile=settings.profile
+            world,
+            light_features=light_features,
+            shading=settings.shading,
+            profile=settings.profile,
+            vertex_light=settings.vertex_light > 0.0,
         )
         wanted = settings.occlusion if worth else "off"
         revision = (id(world), listed.revision, wanted, settings.culling)
@@ -118,6 +123,7 @@ class DrawList:
             occluders = gather_occluders(world, self.items, self._arena, wanted)
             self._occlusion = OcclusionPass(occluders) if len(occluders.inner_half) else None
         self._detail, self._by_triangle = settings.detail, settings.occlusion != "off"
+        self._small.limit = settings.vertex_light
         self.tally = Tally()
         self._world = world.transforms.world
         before = self._shown.copy()
@@ -228,10 +234,10 @@ class DrawList:
         ranks: I4 | None = None,
     ) -> list[DrawRun]:
         """Sort the first `count` of some items, and queue them."""
-        spheres = self.centres, self.radii
-        self._order.sort(picked, count, origin, *spheres, self._mirrored, shadow=shadow, ranks=ranks)
+        states = self.items.shadow_states if shadow else self._small.states
+        self._order.sort(picked, count, origin, self.centres, self.radii, states, self._mirrored, ranks)
         parts = self._whole if shadow or not seen else self._parts
-        return frame.add(picked, count, origin, self.items, self._world, self._mirrored, parts, shadow=shadow)
+        return frame.add(picked, count, origin, self.items, self._world, states, self._mirrored, parts, shadow=shadow)
 
     def batch_views(
         self,
@@ -266,6 +272,7 @@ class DrawList:
         count = self._pick(views[0], shown, raster)
         if len(views) > 1:
             count = self._pick_also(views[1:], count, shown, sizes[1:], samples)
+        self._small.choose(key, between, sizes[0], picked, count, self.centres, self.radii)
         self.used[picked[:count]] = self.drawn[picked[:count]] = True
         blended = self._split(count)
         solid = count - len(blended)
@@ -287,8 +294,10 @@ class DrawList:
         tally, self.tally = self.tally, Tally()
         shown = self._levels.show(key, view, size, self._shown, self.centres, self.radii, self._detail)
         count = self._pick(view, shown, make_raster(view, size, samples))
+        spheres = self.centres, self.radii
+        states = self._small.choose(key, view, size, self._picked, count, *spheres)
         solid = count - len(self._split(count))
-        ranks = self._order.rank(self._picked, solid, view.eye_world, self.centres, self.radii, self._mirrored)
+        ranks = self._order.rank(self._picked, solid, view.eye_world, *spheres, states, self._mirrored)
         self.tally = tally
         return ranks.copy()
 
@@ -361,7 +370,8 @@ class DrawList:
         away = np.linalg.norm(self.centres[blended] - eye, axis=1)
         far_first = np.argsort(-away, kind="stable")
         order = np.ascontiguousarray(blended[far_first])
-        runs = frame.add(order, len(order), eye, self.items, self._world, self._mirrored, self._whole, single=True)
+        state = self._small.states, self._mirrored
+        runs = frame.add(order, len(order), eye, self.items, self._world, *state, self._whole, single=True)
         return runs, away[far_first]
 
     def _split(self, count: int) -> I4:
@@ -386,4 +396,5 @@ class DrawList:
         self._whole, self._parts = (np.full((count, 2), -1, np.int32) for _ in range(2))
         self._opaque = 0
         self._order: DrawOrder = DrawOrder(items)
+        self._small: SmallTriangles = SmallTriangles(items)
         self._any_transparent = bool(items.transparent.any())

@@ -34,9 +34,8 @@ class DrawOrder:
         eye: F8,
         centres: F8,
         radii: F8,
+        states: I4,
         mirrored: U1,
-        *,
-        shadow: bool = False,
         ranks: I4 | None = None,
     ) -> None:
         """Sort the first `count` of `picked` in place.
@@ -47,32 +46,28 @@ class DrawOrder:
             eye: Origin of the distances, world [m], [3].
             centres: Centres of all items' spheres, world [m], [n, 3].
             radii: Their radii [m], [n].
+            states: State of each item before mirroring, [n].
             mirrored: 1 where the winding of an item's faces is reversed, [n].
-            shadow: True to sort by the states of the shadow pass.
             ranks: Ranks of the states, see `rank`; None: those by these items.
         """
-        items = self._items
         if ranks is None:
-            ranks = self.rank(picked, count, eye, centres, radii, mirrored, shadow=shadow)
+            ranks = self.rank(picked, count, eye, centres, radii, states, mirrored)
         make_keys(
             picked,
             count,
             eye,
             centres,
             radii,
-            items.shadow_states if shadow else items.states,
+            states,
             mirrored,
-            items.meshes,
+            self._items.meshes,
             ranks,
             self._away,
             self._keys,
         )
         sort_by_key(self._keys, picked, count, self._spare_keys, self._spare_items, self._digits)
 
-    def rank(
-        self, picked: I4, count: int, eye: F8, centres: F8, radii: F8, mirrored: U1, *, shadow: bool = False
-    ) -> I4:
+    def rank(self, picked: I4, count: int, eye: F8, centres: F8, radii: F8, states: I4, mirrored: U1) -> I4:
         """Return the ranks of the states by the nearest of some items, see `sort`; valid until the next call."""
-        states = self._items.shadow_states if shadow else self._items.states
         rank_states(picked, count, eye, centres, radii, states, mirrored, self._nearest, self._ranks)
         return self._ranks

@@ -94,6 +94,7 @@ class FrameBuffers:
         origin: F8,
         listed: DrawItems,
         world: F8,
+        states: I4,
         mirrored: U1,
         parts: I4,
         *,
@@ -108,15 +109,15 @@ class FrameBuffers:
             origin: Origin of the shaders' frame, world [m], [3].
             listed: The draw items.
             world: T_world_from_node per row, [rows, 4, 4].
+            states: State of each item before mirroring, [n].
             mirrored: 1 where the winding of an item's faces is reversed, [n].
             parts: First index and number of indices of each item's triangles, -1 for all of them; [n, 2].
-            shadow: True to group by the states of the shadow pass.
+            shadow: True where they are states of the shadow pass.
             single: True for one run per item.
         """
         if not count:
             return []
         self._reserve(self.instance_count + count, self.command_count + count, count)
-        states = listed.shadow_states if shadow else listed.states
         first, first_command = self.instance_count, self.command_count
         write_instances(items, count, first, origin, listed.rows, world, listed.paint, self._instances)
         commands, runs = write_commands(

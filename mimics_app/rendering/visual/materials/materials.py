@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from operator import is_
 from typing import TYPE_CHECKING
 
@@ -38,6 +38,13 @@ _PLAIN = "plain"
 _SIMPLER: Mapping[Shading, str] = {"matt": "lit_matt", "plain": _PLAIN}
 """Simpler technique by shading, for materials that allow it."""
 
+_AT_VERTICES = "lit_at_vertices"
+_PER_PIXEL = ("pbr", "lit")
+"""Techniques that it replaces for small triangles."""
+
+_FINE_MAPS = ("surface", "occlusion", "emission")
+"""Maps without which a surface looks different however far away it is; a normal map becomes flat with the distance."""
+
 _KEPT = ("glass", "mirror")
 """Techniques that are never simplified."""
 
@@ -55,6 +62,7 @@ class _Variant:
     light_features: frozenset[str] = frozenset()
     shading: Shading = "full"
     profile: Profile = "training"
+    vertex_light: bool = False
 
 
 class MaterialStore:
@@ -70,6 +78,7 @@ class MaterialStore:
         self._shaders = shaders
         self._has = has
         self._looks: dict[tuple[str, bool], Look] = {}
+        self._small: dict[tuple[str, bool], Look | None] = {}
         self._known: dict[str, tuple[Material, _Pictures]] = {}
         self._techniques: dict[str, TechniqueSpec] = dict(built_in_techniques())
         self._broken: dict[str, str] = {}
@@ -82,7 +91,13 @@ class MaterialStore:
         self.live: Mapping[str, LivePicture] = {}
 
     def update(
-        self, world: World, *, light_features: frozenset[str], shading: Shading = "full", profile: Profile = "training"
+        self,
+        world: World,
+        *,
+        light_features: frozenset[str],
+        shading: Shading = "full",
+        profile: Profile = "training",
+        vertex_light: bool = False,
     ) -> bool:
         """Discard the looks of materials that changed.
 
@@ -91,11 +106,12 @@ class MaterialStore:
             light_features: Features that the frame's light needs, see `light_features`; shaders leave out the rest.
             shading: Techniques of opaque surfaces.
             profile: Purpose of the picture, which techniques may exclude.
+            vertex_light: True where small triangles are lit at their vertices.
 
         Returns:
             True when a material came, went or changed.
         """
-        variant = _Variant(light_features, shading, profile)
+        variant = _Variant(light_features, shading, profile, vertex_light)
         techniques = {**built_in_techniques(), **world.techniques}
         if self._is_unchanged(world) and variant == self._variant and techniques == self._techniques:
             return False
@@ -108,8 +124,9 @@ class MaterialStore:
         else:
             stale = {name for name, was in self._known.items() if not _same(was, known.get(name))}
         changed = bool(stale) or known.keys() != self._known.keys()
-        for key in [key for key in self._looks if key[0] in stale]:
-            self._looks.pop(key).block.release()
+        for looks in (self._looks, self._small):
+            for key in [key for key in looks if key[0] in stale]:
+                _release(looks.pop(key))
         self._known = known
         return changed
 
@@ -133,13 +150,40 @@ class MaterialStore:
             self._looks[name, coloured] = self._make(name, *self._known.get(name, (_FALLBACK, {})), coloured)
         return self._looks[name, coloured]
 
+    def small_look(self, name: str, *, coloured: bool = False) -> Look | None:
+        """Return the look of a material on small triangles; None where it is that of large ones.
+
+        Args:
+            name: Name of the material.
+            coloured: True for a mesh with vertex colours.
+        """
+        key = (name, coloured)
+        if not self._variant.vertex_light or name not in self._known:
+            return None
+        if key not in self._small:
+            material, pictures = self._known[name]
+            simpler = replace(material, technique=_AT_VERTICES)
+            fits = self._fits_vertices(material, pictures)
+            self._small[key] = self._make(name, simpler, pictures, coloured) if fits else None
+        return self._small[key]
+
+    def _fits_vertices(self, material: Material, pictures: _Pictures) -> bool:
+        """Whether light at the vertices shows all of a material that is visible on triangles of a few pixels."""
+        drawn = self._wanted(material)
+        if drawn not in _PER_PIXEL or self._techniques[drawn] != built_in_techniques()[drawn]:
+            return False
+        separable = material.metallic == 0.0 or "base" not in pictures
+        whole = material.grid == 0.0 and not material.double_sided and not any(each in pictures for each in _FINE_MAPS)
+        return separable and whole and "AMBIENT_OCCLUSION" not in self._variant.light_features
+
     def release(self) -> None:
         """Free all buffers and textures."""
-        for look in self._looks.values():
-            look.block.release()
+        for look in (*self._looks.values(), *self._small.values()):
+            _release(look)
         self._textures.release()
         self._arrays.release()
         self._looks.clear()
+        self._small.clear()
 
     def _make(self, name: str, material: Material, pictures: _Pictures, coloured: bool) -> Look:
         self._report_textures(material, pictures)
@@ -172,9 +216,10 @@ class MaterialStore:
         )
         block = self._ctx.buffer(pack_material(material, pictures).tobytes())
         shadow_shader = self._shadow_shader(material, pictures, blended=any(each.blend != "none" for each in passes))
-        look = Look(material, tuple(passes), shadow_shader, block, textures, (name, coloured), (name, coloured))
+        state = (name, coloured, choice.name)
+        look = Look(material, tuple(passes), shadow_shader, block, textures, state, state)
         # The depth of an opaque surface does not depend on its material.
-        look.shadow_state = "solid" if look.solid else (name, coloured)
+        look.shadow_state = "solid" if look.solid else state
         return look
 
     def _texture(self, key: str, picture: TextureData, *, linear: bool) -> moderngl.Texture | LivePicture:
@@ -256,6 +301,11 @@ class MaterialStore:
         if issue not in self._reported:
             self._reported.add(issue)
             self.issues.append(issue)
+
+
+def _release(look: Look | None) -> None:
+    if look is not None:
+        look.block.release()
 
 
 def _name_of(feature: str) -> str:

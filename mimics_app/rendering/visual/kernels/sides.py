@@ -1,0 +1,83 @@
+"""Sides of triangles: their length in a mesh and on the picture."""
+
+from __future__ import annotations
+
+import math
+
+from mimics_app.contracts.arrays import F4, F8, I4, U1, U4
+from mimics_app.contracts.kernel import kernel
+
+__all__ = ["choose_states", "measure_sides"]
+
+_CORNERS = 3
+_HYSTERESIS = 0.05
+"""Relative distance from the limit at which a state changes."""
+
+
+@kernel
+def measure_sides(positions: F4, indices: U4) -> float:
+    """Return the mean length of the longest side of each triangle, weighted by the areas [m]; 0 without any area.
+
+    Args:
+        positions: Vertices [m], [n, 3].
+        indices: Three vertices per triangle, [3 k].
+    """
+    total, area = 0.0, 0.0
+    for triangle in range(indices.shape[0] // _CORNERS):
+        a, b, c = indices[_CORNERS * triangle], indices[_CORNERS * triangle + 1], indices[_CORNERS * triangle + 2]
+        ab2, ac2, bc2, along = 0.0, 0.0, 0.0, 0.0
+        for k in range(3):
+            ab, ac = positions[b, k] - positions[a, k], positions[c, k] - positions[a, k]
+            ab2 += ab**2
+            ac2 += ac**2
+            bc2 += (ac - ab) ** 2
+            along += ab * ac
+        twice = math.sqrt(max(0.0, ab2 * ac2 - along**2))
+        total += twice * math.sqrt(max(ab2, ac2, bc2))
+        area += twice
+    return total / area if area > 0.0 else 0.0
+
+
+@kernel
+def choose_states(
+    items: I4,
+    count: int,
+    centres: F8,
+    radii: F8,
+    local: F8,
+    sides: F8,
+    states: I4,
+    small_states: I4,
+    eye: F8,
+    limit: float,
+    small: U1,
+    chosen: I4,
+) -> None:
+    """Choose the state of each item by the size of its triangles on the picture, at the distance of its centre.
+
+    Args:
+        items: Numbers of items, [>= count].
+        count: Number of items.
+        centres: Centres of the items' spheres, world [m], [n, 3].
+        radii: Their radii [m], [n].
+        local: Centres and radii of the spheres in the nodes' frames [m], [n, 4].
+        sides: Sides of an item's triangles in its node's frame [m], [n]; 0: it has one state only.
+        states: State on large triangles, [n].
+        small_states: State on small triangles, [n].
+        eye: Position of the camera, world [m], [3].
+        limit: Length of a side at distance 1 up to which triangles are small [m].
+        small: 1 where an item's triangles counted as small before; written, [n].
+        chosen: Written: the states, [n].
+    """
+    for i in range(count):
+        item = items[i]
+        chosen[item] = states[item]
+        if sides[item] <= 0.0 or local[item, 3] <= 0.0:
+            continue
+        away2 = 0.0
+        for k in range(3):
+            away2 += (centres[item, k] - eye[k]) ** 2
+        wide = sides[item] * radii[item] / local[item, 3]
+        small[item] = wide <= math.sqrt(away2) * limit * (1.0 + _HYSTERESIS if small[item] else 1.0 - _HYSTERESIS)
+        if small[item]:
+            chosen[item] = small_states[item]
