@@ -155,6 +155,23 @@ def test_it_fits_small_and_odd_windows():
                 assert spot.box[2] > 0.0
 
 
+@pytest.mark.parametrize("size", [(640, 480), (960, 1080), (500, 900), (300, 1200)])
+def test_nothing_overlaps_in_narrow_windows(size):
+    groups = ("Tasks", "Examples", "Places", "Recent")
+    cards = [ScenarioCard(group, "Words. ", None, Path(f"{group}.json"), group) for group in groups]
+    with create_surface("egl", size) as surface:
+        launcher = Launcher(surface, cards, OPTIONS)
+        launcher.draw()
+        boxes = [spot.box for spot in launcher._page.spots()]
+        right, top = launcher._hud.width, launcher._hud.height
+        assert all(0.0 <= x and x + w <= right and y + h <= top for x, y, w, h in boxes)
+        for number, (x, y, w, h) in enumerate(boxes):
+            for u, v, wide, high in boxes[number + 1 :]:
+                assert not (x + 1e-6 < u + wide and u + 1e-6 < x + w and y + 1e-6 < v + high and v + 1e-6 < y + h)
+        tabs = [spot.box for spot in launcher._page.spots() if spot.kind == "tab"]
+        assert max(x + w for x, _, w, _ in tabs) < launcher._page._side_x, "the words over the settings stay free"
+
+
 def test_what_a_shipped_scene_takes_is_read_whole(monkeypatch, tmp_path):
     cards, cut = launcher_cards(tmp_path), []
     whole = Hud.text

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Hud
+from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.figures.palette import (
     ACCENT,
     ALARM,
@@ -31,7 +31,7 @@ _SIDE, _SIDE_SHARE = 340.0, 0.42
 _FOOT = 56.0
 _ROW, _ROW_GAP = 44.0, 7.0
 _START, _LINE = 54.0, 18.0
-_TAB_HEIGHT = 34.0
+_TAB_HEIGHT, _TAB_TEXT = 34.0, 16.0
 _MIN_CARD = 250.0
 _PICTURE_SHAPE = 16.0 / 9.0
 _TEXT_HEIGHT = 112.0
@@ -129,13 +129,13 @@ class LauncherPage:
         """Largest scroll position of the cards [hud px]."""
         rows = -(-len(self.state.cards) // self.columns)
         content = rows * (self._card_size[1] + _GAP) - _GAP
-        return max(0.0, content - (CANVAS_HEIGHT - _HEAD - _FOOT))
+        return max(0.0, content - (self._hud.height - _HEAD - _FOOT))
 
     def card_box(self, index: int, scroll: float) -> Box:
         """Return the box of a card."""
         width, height = self._card_size
         row, column = divmod(index, self.columns)
-        top = CANVAS_HEIGHT - _HEAD + scroll - row * (height + _GAP)
+        top = self._hud.height - _HEAD + scroll - row * (height + _GAP)
         return (_MARGIN + column * (width + _GAP), top - height, width, height)
 
     def spots(self) -> list[Spot]:
@@ -148,19 +148,19 @@ class LauncherPage:
             spots.append(Spot((x + 0.5 * width, y, 0.5 * width, height), "option", index, 1))
         spots += [Spot(self._tab_box(index), "tab", index) for index in range(len(state.tabs))]
         cards = (Spot(self.card_box(index, state.scroll), "card", index) for index in range(len(state.cards)))
-        return spots + [spot for spot in cards if spot.box[1] < CANVAS_HEIGHT - _HEAD]
+        return spots + [spot for spot in cards if spot.box[1] < self._hud.height - _HEAD]
 
     def draw(self) -> None:
         """Draw the page on the canvas."""
         hud, state = self._hud, self.state
         hud.clear()
-        hud.box(0.0, 0.0, hud.width, CANVAS_HEIGHT, BACK)
+        hud.box(0.0, 0.0, hud.width, hud.height, BACK)
         for index in range(len(state.cards)):
             self._draw_card(index)
         if not state.cards:
-            hud.text(_MARGIN, CANVAS_HEIGHT - _HEAD - 40.0, "No scene has these words", 20.0, FAINT)
+            hud.text(_MARGIN, hud.height - _HEAD - 40.0, "No scene has these words", 20.0, FAINT)
         # Cards that scroll under head and foot are covered again, which replaces clipping in the one draw call.
-        hud.box(0.0, CANVAS_HEIGHT - _HEAD + 8.0, hud.width, _HEAD - 8.0, BACK)
+        hud.box(0.0, hud.height - _HEAD + 8.0, hud.width, _HEAD - 8.0, BACK)
         hud.box(0.0, 0.0, hud.width, _FOOT - 8.0, BACK)
         self._draw_head()
         self._draw_settings()
@@ -192,16 +192,19 @@ class LauncherPage:
         return (self._side_x, _FOOT, self._side_width, _START)
 
     def _option_box(self, index: int) -> Box:
-        top = CANVAS_HEIGHT - _HEAD - index * (_ROW + _ROW_GAP)
+        top = self._hud.height - _HEAD - index * (_ROW + _ROW_GAP)
         return (self._side_x, top - _ROW, self._side_width, _ROW)
 
     def _tab_box(self, index: int) -> Box:
-        widths = [self._hud.measure(name, 16.0, bold=True) + 28.0 for name in self.state.tabs]
-        x = _MARGIN + sum(widths[:index]) + 8.0 * index
-        return (x, CANVAS_HEIGHT - _HEAD + 18.0, widths[index], _TAB_HEIGHT)
+        """Return the box of a tab; tabs that are wider than the cards together are narrowed."""
+        widths = [self._hud.measure(name, _TAB_TEXT, bold=True) + 28.0 for name in self.state.tabs]
+        gap = 8.0
+        fits = min(1.0, self._cards_width / (sum(widths) + gap * (len(widths) - 1)))
+        x = _MARGIN + fits * (sum(widths[:index]) + gap * index)
+        return (x, self._hud.height - _HEAD + 18.0, fits * widths[index], _TAB_HEIGHT)
 
     def _draw_head(self) -> None:
-        hud, state, y = self._hud, self.state, CANVAS_HEIGHT - 62.0
+        hud, state, y = self._hud, self.state, self._hud.height - 62.0
         hud.text(_MARGIN, y, "mimics", 38.0, INK, bold=True)
         beside = _MARGIN + hud.measure("mimics", 38.0, bold=True) + 16.0
         hud.text(beside, y, "Choose a scene", 20.0, FAINT, width=max(0.0, self._side_x - beside))
@@ -209,23 +212,23 @@ class LauncherPage:
             box = self._tab_box(index)
             here, focused = index == state.tab and not state.search, state.focus == ("tab", index)
             hud.box(*box, PANEL_LIT if here or focused else PANEL, radius=0.5 * _TAB_HEIGHT)
-            hud.text(
-                box[0] + 0.5 * box[2], box[1] + 11.0, name, 16.0, INK if here else FAINT, bold=True, align="centre"
-            )
+            size = min(_TAB_TEXT, _TAB_TEXT * (box[2] - 12.0) / hud.measure(name, _TAB_TEXT, bold=True))
+            ink = INK if here else FAINT
+            hud.text(box[0] + 0.5 * box[2], box[1] + 11.0, name, size, ink, bold=True, align="centre")
             if focused:
                 hud.box(*box, ACCENT, radius=0.5 * _TAB_HEIGHT, border=2.5)
         x, width = self._side_x, self._side_width
-        hud.box(x, CANVAS_HEIGHT - 80.0, width, 40.0, PANEL_LIT if state.search else PANEL, radius=12.0)
+        hud.box(x, hud.height - 80.0, width, 40.0, PANEL_LIT if state.search else PANEL, radius=12.0)
         caret = "" if state.is_filling_field else "|"
         text = f"{state.search}{caret}" if state.search else "Type to search"
-        hud.text(x + 18.0, CANVAS_HEIGHT - 66.0, text, 17.0, INK if state.search else FAINT, width=width - 36.0)
-        hud.text(x, CANVAS_HEIGHT - _HEAD + 12.0, "Settings", 16.0, FAINT, bold=True)
+        hud.text(x + 18.0, hud.height - 66.0, text, 17.0, INK if state.search else FAINT, width=width - 36.0)
+        hud.text(x, hud.height - _HEAD + 12.0, "Settings", 16.0, FAINT, bold=True)
 
     def _draw_card(self, index: int) -> None:
         hud, state = self._hud, self.state
         card, layer = state.cards[index]
         x, y, width, height = box = self.card_box(index, state.scroll)
-        if y > CANVAS_HEIGHT or y + height < 0.0:
+        if y > hud.height or y + height < 0.0:
             return
         chosen, focused = index == state.chosen, state.focus == ("card", index)
         hud.box(*box, PANEL_LIT if chosen or focused else PANEL, radius=14.0)
@@ -253,7 +256,7 @@ class LauncherPage:
         for index in range(len(state.settings)):
             self._draw_option(index)
         x, y, width, height = self._start_box
-        room = int((CANVAS_HEIGHT - _HEAD - len(state.settings) * (_ROW + _ROW_GAP) - y - height - 14.0) // _LINE)
+        room = int((hud.height - _HEAD - len(state.settings) * (_ROW + _ROW_GAP) - y - height - 14.0) // _LINE)
         lines = hud.wrap(self._explanation(), 14.0, width, room) if room > 0 else []
         for number, line in enumerate(reversed(lines)):
             hud.text(x, y + height + 14.0 + _LINE * number, line, 14.0, FAINT)

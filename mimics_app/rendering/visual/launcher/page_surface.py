@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from mimics_app.contracts.window_input import InputEvent
@@ -35,9 +37,10 @@ class PageSurface:
         self.fit()
 
     def fit(self) -> None:
-        """Set the canvas to the aspect ratio of the surface."""
+        """Set the canvas to the aspect ratio of the surface; its shorter side has `CANVAS_HEIGHT`."""
         width, height = self._surface.size
-        self.hud.width = CANVAS_HEIGHT * width / height
+        scale = CANVAS_HEIGHT / min(width, height)
+        self.hud.width, self.hud.height = scale * width, scale * height
 
     def draw(self) -> None:
         """Draw the canvas into the surface's framebuffer."""
@@ -45,11 +48,11 @@ class PageSurface:
         surface.framebuffer.use()
         surface.framebuffer.clear(0.0, 0.0, 0.0, 1.0)
         view = View(np.eye(4), compute_tangents(0.7, surface.size), (0, 0, *surface.size))
-        self._pass.draw(self.hud, view, plane_of_views([view], 1.0))
+        self._pass.draw(self.hud, view, replace(plane_of_views([view], 1.0), canvas_height=self.hud.height))
 
     def place(self, event: InputEvent) -> tuple[float, float]:
         """Return the position of a pointer event on the canvas [hud px]."""
-        return 0.5 * (event.x + 1.0) * self.hud.width, 0.5 * (event.y + 1.0) * CANVAS_HEIGHT
+        return 0.5 * (event.x + 1.0) * self.hud.width, 0.5 * (event.y + 1.0) * self.hud.height
 
     def release(self) -> None:
         """Free everything but the surface."""

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mimics_app.contracts.window_input import InputEvent
-from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Hud
+from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.figures.key_page import Keys, draw_keys
 from mimics_app.rendering.visual.figures.palette import ACCENT, BACK, FAINT, INK, ON_ACCENT, PANEL, PANEL_LIT, QUIET
 from mimics_app.rendering.visual.launcher.page_surface import Box, PageSurface, is_within
@@ -94,11 +94,11 @@ class ResultPage:
         self._canvas.fit()
         hud, content = self._canvas.hud, self._content
         hud.clear()
-        hud.box(0.0, 0.0, hud.width, CANVAS_HEIGHT, BACK)
+        hud.box(0.0, 0.0, hud.width, hud.height, BACK)
         wide = hud.width - 2.0 * _MARGIN
-        hud.text(_MARGIN, CANVAS_HEIGHT - 84.0, content.title, 34.0, INK, bold=True, width=wide)
+        hud.text(_MARGIN, hud.height - 84.0, content.title, 34.0, INK, bold=True, width=wide)
         for number, line in enumerate(hud.wrap(content.sentence, 20.0, wide, 2)):
-            hud.text(_MARGIN, CANVAS_HEIGHT - 122.0 - 26.0 * number, line, 20.0, FAINT)
+            hud.text(_MARGIN, hud.height - 122.0 - 26.0 * number, line, 20.0, FAINT)
         self._draw_tiles(hud, wide)
         self._draw_table(hud, wide)
         for number, button in enumerate(content.buttons):
@@ -137,7 +137,7 @@ class ResultPage:
                     self._choose(button.name)
 
     def _draw_tiles(self, hud: Hud, wide: float) -> None:
-        tiles, top = self._content.tiles, CANVAS_HEIGHT - 182.0
+        tiles, top = self._content.tiles, hud.height - 182.0
         width = min(220.0, (wide - _GAP * (len(tiles) - 1)) / max(1, len(tiles)))
         for number, (caption, figure) in enumerate(tiles):
             x = _MARGIN + number * (width + _GAP)
@@ -151,7 +151,7 @@ class ResultPage:
         if not rows:
             return
         left_out, rows = len(rows) - _MAX_ROWS, rows[-_MAX_ROWS:]
-        top = CANVAS_HEIGHT - 182.0 - (_TILE_HEIGHT + 44.0 if self._content.tiles else 20.0)
+        top = hud.height - 182.0 - (_TILE_HEIGHT + 44.0 if self._content.tiles else 20.0)
         columns = self._columns(hud, wide, rows)
         for (x, width), caption in zip(columns, head, strict=True):
             hud.text(x, top, caption, 15.0, FAINT, width=width)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
-from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT
 from mimics_app.rendering.visual.figures.palette import ACCENT, BACK, FAINT, INK, PANEL_LIT
 from mimics_app.rendering.visual.launcher.page_surface import PageSurface
 from mimics_app.rendering.visual.surfaces.surface import Surface
@@ -34,10 +33,10 @@ class WaitingPage:
     def draw(self, doing: str) -> None:
         """Draw one frame with a description of the present step."""
         self._canvas.fit()
-        hud, centre = self._canvas.hud, 0.5 * CANVAS_HEIGHT
+        hud, centre = self._canvas.hud, 0.5 * self._canvas.hud.height
         x = 0.5 * (hud.width - _BAR)
         hud.clear()
-        hud.box(0.0, 0.0, hud.width, CANVAS_HEIGHT, BACK)
+        hud.box(0.0, 0.0, hud.width, hud.height, BACK)
         hud.text(0.5 * hud.width, centre + 44.0, self._title, 30.0, INK, bold=True, align="centre")
         hud.box(x, centre, _BAR, 8.0, PANEL_LIT, radius=4.0)
         swing = 0.5 - 0.5 * math.cos(2.0 * math.pi * self._frames / (_PERIOD_S * FRAMES_PER_SECOND))
