@@ -27,6 +27,7 @@ from mimics_app.world.components.registry import component_types, system_types
 from mimics_app.world.gltf.file import load_gltf
 from mimics_app.world.meshes.mesh_file import add_mesh_file
 from mimics_app.world.scene import scene_files
+from mimics_app.world.scene.file import load_scene
 from mimics_app.world.scene.spec import MAX_ENTITIES, SceneSpec
 from mimics_app.world.world import World
 from tests.support.scenes import faults, scene, thing, write
@@ -171,6 +172,36 @@ def test_long_values_are_reported_by_their_beginning_and_end(tmp_path):
 def test_half_a_character_is_reported_where_it_stands_once(tmp_path, document, pointer):
     found = reported(tmp_path, document)
     assert found == [f"scene.json#{pointer}: holds half of a character (a lone surrogate); write the character"]
+
+
+@pytest.mark.parametrize(
+    ("document", "pointer", "code"),
+    [
+        (scene(title="a\0b"), "/title", "0000"),
+        (scene(description="a \x1b[31mred"), "/description", "001B"),
+        (scene(picture="a\0.png"), "/picture", "0000"),
+        (
+            scene(thing("a", billboard={"text": "\x9b31m", "size": [1, 1]})),
+            "/entities/0/components/billboard/text",
+            "009B",
+        ),
+        (scene(**{"x-\x7f": "comment"}), "", "007F"),
+    ],
+)
+@pytest.mark.parametrize("escaped", [True, False])
+def test_a_control_character_is_reported_where_it_stands_once(tmp_path, document, pointer, code, escaped):
+    (tmp_path / "scene.json").write_text(json.dumps(document, ensure_ascii=escaped))
+    with pytest.raises(SceneError) as raised:
+        load_scene(tmp_path / "scene.json")
+    (issue,) = raised.value.issues
+    assert (issue.pointer, issue.what) == (pointer, f"holds the control character U+{code}")
+
+
+def test_lines_and_tabs_are_no_control_characters(tmp_path):
+    (tmp_path / "scene.json").write_text(
+        json.dumps(scene(title="a\tb", description="two\nlines, a \\backslash\\u0000"))
+    )
+    assert load_scene(tmp_path / "scene.json").description.startswith("two\nlines")
 
 
 @pytest.mark.parametrize("number", [10**400, -(10**400), 10**309])

@@ -17,7 +17,7 @@ from mimics_app.world import components
 from mimics_app.world.components.plugins import register_plugins
 from mimics_app.world.components.struct_reader import is_comment
 from mimics_app.world.scene.checks import check_meaning
-from mimics_app.world.scene.json_text import NOT_FINITE, TOO_LARGE, TORN
+from mimics_app.world.scene.json_text import CONTROL, NOT_FINITE, TOO_LARGE, TORN
 from mimics_app.world.scene.loader import SceneLoader
 from mimics_app.world.scene.paths import find_root
 from mimics_app.world.scene.scene import Scene
@@ -52,7 +52,7 @@ def load_scene(path: Path | str, root: Path | None = None, before: Scene | None 
     if before is not None:
         scene.take_over(before)
     _stop_after_many(issues, path)
-    unusable = [issue for issue in issues if any(what in issue.what for what in (NOT_FINITE, TOO_LARGE, TORN))]
+    unusable = [issue for issue in issues if any(what in issue.what for what in (CONTROL, NOT_FINITE, TOO_LARGE, TORN))]
     above = _with_all_above(unusable)
     if sources[0].whole:
         issues += [issue for issue in check_meaning(scene) if (issue.file, issue.pointer) not in above]

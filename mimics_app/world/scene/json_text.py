@@ -7,13 +7,14 @@ import math
 import re
 import sys
 from collections import Counter
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from mimics_app.contracts.errors import Issue, SceneError
 
-__all__ = ["MAX_DEPTH", "NOT_FINITE", "TOO_LARGE", "TORN", "escape", "parse_json"]
+__all__ = ["CONTROL", "MAX_DEPTH", "NOT_FINITE", "TOO_LARGE", "TORN", "escape", "find_controls", "parse_json"]
 
 MAX_DEPTH = 128
 """Maximum nesting of lists and objects; scene and glTF files need about ten."""
@@ -28,11 +29,20 @@ TOO_LARGE = f"is too large; at most {sys.float_info.max:.4g} may be"
 TORN = "holds half of a character (a lone surrogate)"
 """Message on a string that cannot be encoded."""
 
+CONTROL = "holds the control character"
+"""Begin of the message on a text with a character that is none to read, which terminals obey and pages refuse."""
+
 _HUGE = re.compile(rb"[0-9.][eE]\+?\d{3}|\d{300}")
 """Numbers that may exceed the largest float, 1.8e308."""
 
 _HALF = re.compile(rb"\\u[dD][89a-fA-F]")
 """Escapes of surrogates; two in a row are one character."""
+
+_CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
+"""Control characters other than tab, new line and carriage return."""
+
+_CONTROL_TEXT = re.compile(rb"\\u00[0189][0-9a-f]|\\u007f|\\[bf]|\x7f|\xc2[\x80-\x9f]", re.IGNORECASE)
+"""Text of JSON that may have one of them."""
 
 _ADVICE = {
     "Expecting ',' delimiter": "a comma or a closing bracket is missing before it",
@@ -92,9 +102,36 @@ def parse_json(text: bytes, file: str) -> tuple[Any, list[Issue]]:
     return _without_faults(document, file) if suspicious.found else (document, [])
 
 
+def find_controls(document: object, text: bytes, file: str) -> list[Issue]:
+    """Return the faults of values and keys of a document that have control characters, which XML excludes too.
+
+    Args:
+        document: What `parse_json` returned.
+        text: The text that it was decoded from.
+        file: Name in messages.
+    """
+    if _CONTROL_TEXT.search(text) is None:
+        return []
+    controls = ((pointer, _CONTROL.search(words)) for words, pointer in _texts_of(document, ""))
+    return [
+        Issue(file, pointer, f"{CONTROL} U+{ord(found[0]):04X}", "remove it") for pointer, found in controls if found
+    ]
+
+
 def escape(name: str) -> str:
     """Return a name as one step of a JSON pointer (RFC 6901)."""
     return name.replace("~", "~0").replace("/", "~1")
+
+
+def _texts_of(value: object, pointer: str) -> Iterator[tuple[str, str]]:
+    """Yield every text of a document with its pointer, keys with that of their object."""
+    if isinstance(value, str):
+        yield value, pointer
+    for key, each in value.items() if isinstance(value, dict) else ():
+        yield key, pointer
+        yield from _texts_of(each, f"{pointer}/{escape(key)}")
+    for i, each in enumerate(value) if isinstance(value, list) else ():
+        yield from _texts_of(each, f"{pointer}/{i}")
 
 
 def _advice(error: json.JSONDecodeError) -> str:

@@ -12,7 +12,7 @@ from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.regular_file import read_regular
 from mimics_app.world.components.registry import section_of
 from mimics_app.world.components.struct_reader import is_comment, read_struct
-from mimics_app.world.scene.json_text import parse_json
+from mimics_app.world.scene.json_text import find_controls, parse_json
 from mimics_app.world.scene.paths import SHIPPED, PathFault, find_file
 from mimics_app.world.scene.provenance import Layer
 from mimics_app.world.scene.spec import FORMAT, MAX_ENTITIES, VERSION, SceneSpec
@@ -93,8 +93,9 @@ class _Reader:
     def read(self, path: Path, file: str) -> SceneSource:
         """Decode one file and check its shape."""
         self._seen.add(path.resolve())
-        document, issues = parse_json(read_bytes(path, file), file)
-        self._issues += issues
+        text = read_bytes(path, file)
+        document, issues = parse_json(text, file)
+        self._issues += issues + find_controls(document, text, file)
         if not isinstance(document, dict) or document.get("format") != FORMAT:
             what = f'is not a scene: it must be an object with "format": "{FORMAT}"'
             raise SceneError([*issues, Issue(file, "/format", what)])
