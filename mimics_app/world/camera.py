@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.world.handle import Column, Handle
+from mimics_app.world.handle import Handle, WritableColumn
 
 __all__ = ["Camera"]
 
@@ -15,11 +15,11 @@ class Camera(Handle):
 
     __slots__ = ()
 
-    vertical_fov = Column("cameras", float)
+    vertical_fov = WritableColumn("cameras", float)
     """Full vertical angle of view [rad]."""
-    near = Column("cameras", float)
+    near = WritableColumn("cameras", float)
     """Distance of the near plane [m]."""
-    far = Column("cameras", float)
+    far = WritableColumn("cameras", float)
     """Distance of the far plane [m]; may be infinite."""
 
     @property

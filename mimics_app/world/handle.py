@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from mimics_app.world.scene_node import SceneNode
     from mimics_app.world.world import World
 
-__all__ = ["Column", "Handle"]
+__all__ = ["Column", "Handle", "WritableColumn"]
 
 T = TypeVar("T")
 
@@ -62,7 +62,7 @@ class Handle:
 
 
 class Column(Generic[T]):
-    """An attribute of a handle that is a column of a component table, of the same name.
+    """A read-only attribute of a handle that is a column of a component table, of the same name.
 
     Args:
         table: Name of the table in `World.content`.
@@ -84,6 +84,10 @@ class Column(Generic[T]):
             return self
         table = getattr(handle.world.content, self._table)
         return self._read(table.column(self._name)[table.row(handle.index)])
+
+
+class WritableColumn(Column[T]):
+    """A column that may be changed while the scene runs."""
 
     def __set__(self, handle: Handle, value: T) -> None:
         table = getattr(handle.world.content, self._table)

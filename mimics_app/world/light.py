@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.world.handle import Column, Handle
+from mimics_app.world.handle import Column, Handle, WritableColumn
 
 __all__ = ["LIGHT_KINDS", "Light", "LightKind"]
 
@@ -26,9 +26,9 @@ class Light(Handle):
 
     __slots__ = ()
 
-    colour = Column("lights", _rgb)
+    colour = WritableColumn("lights", _rgb)
     """Linear RGB."""
-    intensity = Column("lights", float)
+    intensity = WritableColumn("lights", float)
     """Intensity factor; at 1 m for point and spot lights."""
     range = Column("lights", float)
     """Cut-off distance [m]; infinite where unlimited."""
@@ -36,7 +36,7 @@ class Light(Handle):
     """Half angle of a spot's cone of full intensity [rad]."""
     outer_cone = Column("lights", float)
     """Half angle of a spot's cone [rad]."""
-    casts_shadow = Column("lights", bool)
+    casts_shadow = WritableColumn("lights", bool)
     """True when it casts shadows."""
 
     @property

@@ -426,3 +426,14 @@ def test_updates_are_counted_so_that_a_reader_knows_what_it_missed():
     world.update()
     world.update()
     assert world.transforms.updates == before + 2
+
+
+def test_what_a_light_gives_may_change_and_its_shape_may_not():
+    light = World().create_node("lamp").create_light("spot")
+    light.colour, light.intensity, light.casts_shadow = (1.0, 0.5, 0.25), 4.0, True
+    assert (light.colour, light.intensity, light.casts_shadow) == ((1.0, 0.5, 0.25), 4.0, True)
+    for name in ("range", "inner_cone", "outer_cone"):
+        before = getattr(light, name)
+        with pytest.raises(AttributeError):
+            setattr(light, name, 0.5)
+        assert getattr(light, name) == before

@@ -68,7 +68,10 @@ class Motion:
         self.body_of |= dict.fromkeys(body.meshes, body)
 
     def remove(self, indices: Iterable[int]) -> list[str]:
-        """Remove the animators and bodies of these nodes; return the meshes that were theirs alone."""
+        """Remove the animators and bodies of these nodes; return the meshes that were theirs alone.
+
+        The caller drops these meshes, as `World.forget_motion` does: a picture shows them as they were last bent.
+        """
         gone: list[str] = []
         for index in indices:
             self.animators.pop(index, None)
