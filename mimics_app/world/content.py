@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.errors import require_key
 from mimics_app.world.levels import MAX_LEVELS
 from mimics_app.world.light import LIGHT_KINDS, LightKind
 from mimics_app.world.render_list import RenderList, SubEntityTable
@@ -89,9 +90,10 @@ class Content:
         """Put a light on a node.
 
         Raises:
-            ValueError: the node has a light already.
-            KeyError: a setting is not a column of the table.
+            ValueError: the node has a light already, or a setting is not a number.
+            KeyError: there is no such kind, or a setting is not a column of the table.
         """
+        require_key(kind, LIGHT_KINDS, "kind of light")
         values: dict[str, object] = {"colour": (1.0, 1.0, 1.0), "intensity": 1.0, "range": np.inf}
         values |= {"inner_cone": 0.0, "outer_cone": np.pi / 4}
         self.lights.add(index, kind=LIGHT_KINDS.index(kind), **(values | settings))

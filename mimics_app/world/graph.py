@@ -43,8 +43,11 @@ class SceneGraph:
         """Create a node below `parent` and return its index; it can be moved at once.
 
         Raises:
+            TypeError: the name is not a text.
             ValueError: another node has that name.
         """
+        if not isinstance(name, str):
+            raise TypeError(f"the name of a node is a text, not {name!r}")
         if name in self._by_name:
             raise ValueError(f'a node named "{name}" is in the world already')
         index = self.store.create().index

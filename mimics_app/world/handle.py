@@ -90,5 +90,4 @@ class WritableColumn(Column[T]):
     """A column that may be changed while the scene runs."""
 
     def __set__(self, handle: Handle, value: T) -> None:
-        table = getattr(handle.world.content, self._table)
-        table.column(self._name)[table.row(handle.index)] = value
+        getattr(handle.world.content, self._table).set(handle.index, self._name, value)

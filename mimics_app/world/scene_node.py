@@ -109,8 +109,8 @@ class SceneNode(Handle):
         """Put a light here; settings are columns of `Content.lights`.
 
         Raises:
-            ValueError: the node has a light already.
-            KeyError: a setting is not a column of the table.
+            ValueError: the node has a light already, or a setting is not a number.
+            KeyError: there is no such kind, or a setting is not a column of the table.
         """
         self.world.content.add_light(self.index, kind, settings)
         return Light(self.world, self.id)
@@ -119,7 +119,7 @@ class SceneNode(Handle):
         """Put a camera here: vertical angle of view [rad], distances of the near and far planes [m].
 
         Raises:
-            ValueError: the node has a camera already.
+            ValueError: the node has a camera already, or a setting is not a number.
         """
         self.world.content.cameras.add(self.index, vertical_fov=vertical_fov, near=near, far=far)
         return Camera(self.world, self.id)

@@ -63,17 +63,28 @@ class ComponentTable:
             raise KeyError(f"entity {index} has no such component")
         return int(self._rows[index])
 
+    def set(self, index: int, name: str, value: object) -> None:
+        """Change the value of an entity in one column.
+
+        Raises:
+            KeyError: the entity has no row, or the table no such column.
+            ValueError: the value is not a number.
+        """
+        _require_numbers(name, value)
+        self._columns[name][self.row(index)] = value
+
     def add(self, index: int, **values: object) -> int:
         """Append a row for an entity, zero in columns not named, and return its number.
 
         Raises:
-            ValueError: it has one already.
+            ValueError: it has one already, or a value is not a number.
             KeyError: a name is not a column of the table.
         """
         if index in self:
             raise ValueError(f"entity {index} has that component already")
-        for name in values.keys() - self._columns.keys():
+        for name, value in values.items():
             require_key(name, self._columns, "column")
+            _require_numbers(name, value)
         row = self._count
         self._entities = grown(self._entities, row + 1, _NONE)
         self._rows = grown(self._rows, index + 1, _NONE)
@@ -112,3 +123,9 @@ class ComponentTable:
         self._entities[row] = target
         self._rows[source] = _NONE
         self._rows[target] = row
+
+
+def _require_numbers(name: str, value: object) -> None:
+    """Refuse NaN: it would only be noticed in what is drawn or computed with it."""
+    if np.isnan(np.asarray(value, np.float64)).any():
+        raise ValueError(f"{name} is not a number: {value}")

@@ -437,3 +437,26 @@ def test_what_a_light_gives_may_change_and_its_shape_may_not():
         with pytest.raises(AttributeError):
             setattr(light, name, 0.5)
         assert getattr(light, name) == before
+
+
+@pytest.mark.parametrize(
+    ("setting", "value"), [("colour", (1.0, math.nan, 1.0)), ("intensity", math.nan), ("range", math.nan)]
+)
+def test_a_light_takes_numbers_only(setting, value):
+    node = World().create_node("lamp")
+    with pytest.raises(ValueError, match=f"{setting} is not a number"):
+        node.create_light("spot", **{setting: value})
+    assert node.light is None
+    light = node.create_light("spot", range=math.inf)
+    if setting != "range":
+        with pytest.raises(ValueError, match=f"{setting} is not a number"):
+            setattr(light, setting, value)
+    assert (light.colour, light.intensity, light.range) == ((1.0, 1.0, 1.0), 1.0, math.inf)
+
+
+def test_a_kind_of_light_and_the_type_of_a_name_are_checked():
+    world = World()
+    with pytest.raises(KeyError, match='no kind of light "sopt"; did you mean "spot"'):
+        world.create_node("lamp").create_light("sopt")
+    with pytest.raises(TypeError, match="a text, not 5"):
+        world.create_node(5)
