@@ -12,6 +12,7 @@ from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.messages import Aim, HapticSnapshot, TaskOrders
 from mimics_app.contracts.scenario_port import Scenario, TaskContext
+from mimics_app.contracts.trial_state import TrialState
 from mimics_app.rendering.haptic.scene_objects import SceneObjects, objects_of_scene
 from mimics_app.scenarios.parts.body_nodes import BodyNodes
 from mimics_app.scenarios.parts.pick_plan import Picker, Sight
@@ -109,16 +110,25 @@ class PickAndPlace(Scenario):
         return {} if self._guided_to is None else {f"effects.{_HELP}.position": triple(self._guided_to)}
 
     def _guide(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
-        """Let the guiding effect pull to the object, then above the mark; while it is off its target is unchanged."""
+        """Let the guiding effect pull to the object, then above the mark; while it is off its target is unchanged.
+
+        Before the go it rests at the start: the soft start waits for small forces.
+        """
         stiffness = orders.haptic.get(_HELP_STIFFNESS)
         if isinstance(stiffness, int | float):
             self._helps = float(stiffness) > 0.0
         if not self._helps or _HELP not in self._objects.effect_entities:
             return
-        carried = np.array(self._mark) + [0.0, 2.0 * self._half_height, 0.0]
-        target = carried if snapshot.held_body == self._row else snapshot.poses[self._row, :3].copy()
+        target = self._goal_of_help(orders, snapshot)
         if self._guided_to is None or np.linalg.norm(target - self._guided_to) >= _HELP_STEP:
             self._guided_to = target
+
+    def _goal_of_help(self, orders: TaskOrders, snapshot: HapticSnapshot) -> NDArray[np.float64]:
+        if orders.view.state is not TrialState.TRAVEL:
+            return self._start
+        if snapshot.held_body == self._row:
+            return np.array(self._mark) + [0.0, 2.0 * self._half_height, 0.0]
+        return snapshot.poses[self._row, :3].copy()
 
     def _row_of_body(self) -> int:
         if self._carry.body not in self._objects.body_entities:

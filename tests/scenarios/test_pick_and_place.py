@@ -100,6 +100,14 @@ def test_without_a_grip_nothing_is_lifted():
     assert highest(play.heights) < 0.05, "no more than a nudge"
 
 
+def test_assistance_lets_the_soft_start_end():
+    """The easier task helps with up to 6 N, more than a soft start waits for: before the go it must not pull."""
+    play = MarketPlay("severe", 1, 5.0, difficulty="easier", keep=("ramp", "f_effects"))
+    ramp, help_n = play.kept["ramp"], np.linalg.norm(play.kept["f_effects"], axis=1)
+    assert ramp.max() == 1.0
+    assert help_n[ramp == 1.0].max() > 3.0
+
+
 def test_a_person_at_a_pointer_places_apples_too():
     play = MarketPlay("healthy", 6, 20.0, pointer=9.0)
     assert play.result["placed"] >= 1

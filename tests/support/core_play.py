@@ -62,9 +62,9 @@ class CorePlay:
         self._kept: list[Any] = []
 
     @classmethod
-    def of(cls, scene: Scene, seed: int) -> CorePlay:
-        """A scene as `mimics run --seed` has it."""
-        return cls(open_core(prepare_scene(scene, RunSettings(scene.path, seed=seed)), KeepingRecorder))
+    def of(cls, scene: Scene, seed: int, **settings: Any) -> CorePlay:
+        """A scene as `mimics run --seed` has it, and with more of its options."""
+        return cls(open_core(prepare_scene(scene, RunSettings(scene.path, seed=seed, **settings)), KeepingRecorder))
 
     def step(self) -> None:
         """Play one frame."""

@@ -57,13 +57,14 @@ class MarketPlay:
         *,
         pointer: float | None = None,
         keep: tuple[str, ...] = (),
+        difficulty: str = "usual",
         **patient: Any,
     ) -> None:
         scene = load_checked_scene(SCENE)
         change_component(scene, "patient", preset=preset, **patient)
         if pointer is not None:
             change_component(scene, "robot", device="pointer")
-        play = CorePlay.of(scene, seed)
+        play = CorePlay.of(scene, seed, difficulty=difficulty)
         core = play.core
         if pointer is not None:
             core.inputs = Inputs([SteadyHand(pointer)])

@@ -14,7 +14,7 @@ from mimics_app.tasks.observation import Observation
 __all__ = ["Carried", "CarriedFrame", "Stage"]
 
 _LOST_S = 2.0
-"""Time outside the permitted box after which the object falls again [s]."""
+"""Time out of reach after which the object falls again [s]."""
 _NEAR = 0.02
 """Distance from the object's centre at which the hand may close [m]."""
 _SHARE_OF_REACH = 0.3
@@ -169,8 +169,7 @@ class Carried:
         return max(grip.least - grasp, grasp - grip.most, 0.0)
 
     def _watch_lost(self, place: Vec3, *, held: bool, now_ns: int) -> None:
-        box = self._spec.lost_outside
-        if box is None or held or _inside(box, place):
+        if held or not self._is_out_of_reach(place):
             self._lost_since_ns = None
             return
         if self._lost_since_ns is None:
@@ -178,6 +177,10 @@ class Carried:
         elif (now_ns - self._lost_since_ns) / 1e9 >= _LOST_S:
             self._lost_since_ns = None
             self._fall()
+
+    def _is_out_of_reach(self, place: Vec3) -> bool:
+        outside, inside = self._spec.lost_outside, self._spec.lost_inside
+        return (outside is not None and not _inside(outside, place)) or (inside is not None and _inside(inside, place))
 
     def _fall(self) -> None:
         box = self._spec.falls_from

@@ -42,4 +42,8 @@ class CarrySpec(Component, frozen=True):
     lost_outside: Annotated[
         BoxSpec | None, Meta(description="Out of here for two seconds and not held: it falls again; absent: nowhere")
     ] = None
+    lost_inside: Annotated[
+        BoxSpec | None,
+        Meta(description="A place that no hand can reach: in here for two seconds and not held, it falls again"),
+    ] = None
     grip: Annotated[GripSpec, Meta(description="Right grasp forces")] = GripSpec()
