@@ -116,16 +116,18 @@ class ParameterStream:
     def __init__(self, folder: Path, *, resume: bool = False) -> None:
         path = folder / FILES["parameters"]
         self.count = 0
+        self._newest = -1
         end = 0 if resume else None
         if resume and (last := last_block(path, decode_parameters, parameters_schema())) is not None:
             self.count = last.block.seq + 1
+            self._newest = int(last.block.records[0]["sequence"])
             end = last.offset + last.length
         self._file = AppendFile(path, resume_at=end)
         if not end:
             self._file.append(schema_bytes(parameters_schema()))
 
     def append(self, block: bytes) -> None:
-        """Write the bytes of one SCENE record and of the rows it counts.
+        """Write the bytes of one SCENE record and of the rows it counts; one that was sent twice is written once.
 
         Raises:
             OSError: The disk is full or failed; the file ends with the block before.
@@ -133,9 +135,12 @@ class ParameterStream:
         """
         if len(block) < SCENE.itemsize:
             raise ValueError(f"a parameter block has at least {SCENE.itemsize} bytes, this one {len(block)}")
-        unpack_rows(block[SCENE.itemsize :], np.frombuffer(block, SCENE, 1)[0]["objects"])
+        record = np.frombuffer(block, SCENE, 1)[0]
+        unpack_rows(block[SCENE.itemsize :], record["objects"])
+        if record["sequence"] == self._newest:
+            return
         self._file.append(encode_parameters(block, self.count))
-        self.count += 1
+        self.count, self._newest = self.count + 1, int(record["sequence"])
 
     def sync(self) -> None:
         """Flush the file to the medium."""

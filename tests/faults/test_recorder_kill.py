@@ -237,6 +237,7 @@ def test_recorder_killed_is_replaced_and_says_so(tmp_path: Path, sign: int) -> N
         assert [row["trial"] for row in run.trials] == list(range(20))
         assert not run.gaps and run.haptic["tick"][-1] == app.words[TICK]
         assert run.state_hash() == run.manifest.state_hash and not run.disagreements()
+        assert run.manifest.parameters == len(run.parameters) and not run.losses()
         _assert_rows_are_those_pushed(run)
     finally:
         app.end()
