@@ -27,6 +27,7 @@ from mimics_app.rendering.visual.passes.eye_passes import AT_ONCE, EyePasses
 from mimics_app.rendering.visual.passes.hud import HudPass, plane_of_views
 from mimics_app.rendering.visual.settings import QualityChanges, RenderSettings
 from mimics_app.rendering.visual.stages.eye_pairs import eye_passes, group_views, see_from_between
+from mimics_app.rendering.visual.stages.kept_board import KeptBoard
 from mimics_app.rendering.visual.stages.picture_stage import PictureStage
 from mimics_app.rendering.visual.stages.seen_frame import capture_frame, may_keep
 from mimics_app.rendering.visual.stages.shadow_stage import ShadowStage, light_features
@@ -105,6 +106,7 @@ class Renderer:
         self._world = WorldStage(ctx, self._shaders, self._frame, self.settings, has.texture_size)
         self._effects: EffectStage | None = None
         self._hud_pass = HudPass(ctx, self._shaders)
+        self._kept_board = KeptBoard(surface, self._hud_pass)
         self._pictures = PictureStage(ctx, self._shaders)
         self._still = StillPicture(sparse=self._sparse)
         self._materials.live = self._pictures.pictures
@@ -381,8 +383,25 @@ class Renderer:
 
     def _draw_over(self, views: Sequence[View], parts: list[ChangedPart] | None) -> int:
         """Filter and show the world's picture; draw insets and heads-up display over it at full resolution."""
-        end = partial(self._picture.end, [view.rectangle for view in views], parts)
-        return self._draw_hud(views) + end() if self._picture.takes_board else end() + self._draw_hud(views)
+        picture, within = self._picture, self._picture.takes_board
+        draws = self._draw_hud(views) if within else 0
+        filtered, written = picture.finish([view.rectangle for view in views], parts)
+        draws, kept = draws + filtered, picture.finished
+        drawn: int | None = None
+        if within or written is None or kept is None or not self._keeps_board:
+            self._kept_board.forget()
+        else:
+            plane = plane_of_views(views, self.settings.hud_depth)
+            drawn = self._kept_board.draw(kept, written, self.hud, views[0], plane)
+        if drawn is not None:
+            return draws + drawn
+        picture.show(kept)
+        return draws if within else draws + self._draw_hud(views)
+
+    @property
+    def _keeps_board(self) -> bool:
+        """Whether the heads-up display is all that is drawn over a kept picture."""
+        return not (self.hud.empty or self.world.insets or (self._overlay is not None and self._overlay.layers))
 
     def _draw_hud(self, views: Sequence[View]) -> int:
         draws = self._pictures.draw_insets(self.world, views, self.settings.hud_depth)
