@@ -253,6 +253,14 @@ def test_the_shipped_table_has_the_rivals_that_run_and_their_settings():
         assert {r.method: r.settings for r in rows} == runnable, group
 
 
+def test_smoke_is_lit_at_vertices_in_live_software_rendering_but_of_a_study():
+    """By the shipped table."""
+    fire, table = load_checked_scene(root() / "scenes/examples/billboards_and_particles.json"), Table.load_shipped()
+    live = [plan_scene(fire, profile, table, pixels=1280 * 720).methods["particle light"] for profile in PROFILES]
+    assert live == ["vertex", "vertex", "pixel"]
+    assert plan_scene(fire, "training", table).methods["particle light"] == "pixel"
+
+
 def test_people_are_lit_at_vertices_in_live_software_rendering_only(scene):
     """By the shipped table; the stricter the profile, the smaller the triangles."""
     shipped, live = Table.load_shipped(), 1280 * 720

@@ -21,6 +21,7 @@ _FIELDS: Mapping[str, tuple[str, ...]] = {
     "skinning": ("skinning",),
     "shading": ("shading",),
     "vertex light": ("vertex_light",),
+    "particle light": ("particle_light",),
     "stereo": ("stereo",),
 }
 """Fields of the renderer's settings that the methods of a group set; the placement of cascades is the scene's."""

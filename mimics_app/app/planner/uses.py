@@ -9,6 +9,7 @@ import msgspec
 
 from mimics_app.contracts.methods import Settings
 from mimics_app.world.components.animation import Animation, Avatar
+from mimics_app.world.components.effects import Particles
 from mimics_app.world.components.haptic_shapes import TouchSurface, surface_of
 from mimics_app.world.components.objects import HapticObject, HapticWalls, InteractionPoints
 from mimics_app.world.components.robot import Admittance, Robot, Tunnel
@@ -256,8 +257,12 @@ def _is_edge_filter(settings: Settings) -> bool:
 
 
 def _at_vertices(settings: Settings) -> bool:
-    """Whether people are lit at vertices, which saves time where the processor draws."""
-    return settings != {"vertex_light": 0.0}
+    """Whether people or particles are lit at vertices, which saves time where the processor draws."""
+    return settings not in ({"vertex_light": 0.0}, {"particle_light": "pixel"})
+
+
+def _has_lit_particles(scene: Scene) -> bool:
+    return any(particles.lit for _, particles, _ in scene.components(Particles))
 
 
 def _bends(scene: Scene) -> bool:
@@ -283,8 +288,8 @@ def _shows_models(scene: Scene) -> bool:
 
 _PROBE_PX = 640 * 360
 """Size of the picture in which the methods of the picture are measured [px]."""
-_PEOPLE_PX = 1280 * 720
-"""The same for the light on people."""
+_LIGHT_PX = 1280 * 720
+"""The same for the light on people and on particles."""
 
 WHOLE_TICK, TOUCH, _BODIES = "haptic tick", "touching a shape", "bodies, at rest"
 """Parts of `explain` that include others."""
@@ -326,7 +331,8 @@ USES: Mapping[str, Use] = {
     "shading": Use(
         "light on surfaces", _has(CameraComponent), _unless_auto("shading", lambda scene: visual_of(scene).shading)
     ),
-    "vertex light": Use("light on people", _bends, only_live=_at_vertices, pixels=_PEOPLE_PX),
+    "vertex light": Use("light on people", _bends, only_live=_at_vertices, pixels=_LIGHT_PX),
+    "particle light": Use("light on particles", _has_lit_particles, only_live=_at_vertices, pixels=_LIGHT_PX),
     "stereo": Use(
         "the two eyes before a picture", _for_two_eyes, _unless_auto("stereo", lambda scene: _display_of(scene).passes)
     ),
