@@ -6,25 +6,24 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8, I4, U1
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
-from mimics_app.rendering.visual.kernels.order import make_keys, rank_states, sort_by_key
+from mimics_app.rendering.visual.kernels.order import make_keys, sort_by_key
 
 __all__ = ["DrawOrder"]
 
 
 class DrawOrder:
-    """Sorts by state, then from near to far, then by mesh.
+    """Sorts by layer of distance, state, distance from near to far, and mesh; the shadow pass has one layer.
 
     Args:
         items: The draw items.
     """
 
     def __init__(self, items: DrawItems) -> None:
-        count, states = len(items.rows), 2 * max(len(items.of_state), len(items.of_shadow))
+        count = len(items.rows)
         self._items = items
         self._keys, self._spare_keys = np.zeros(count, np.uint64), np.zeros(count, np.uint64)
         self._spare_items = np.zeros(count, np.int32)
         self._away = np.zeros(count, np.float32)
-        self._nearest, self._ranks = np.zeros(states), np.zeros(states, np.int32)
         self._digits = np.zeros((8, 256), np.int32)
 
     def sort(
@@ -37,7 +36,6 @@ class DrawOrder:
         mirrored: U1,
         *,
         shadow: bool = False,
-        ranks: I4 | None = None,
     ) -> None:
         """Sort the first `count` of `picked` in place.
 
@@ -49,11 +47,8 @@ class DrawOrder:
             radii: Their radii [m], [n].
             mirrored: 1 where the winding of an item's faces is reversed, [n].
             shadow: True to sort by the states of the shadow pass.
-            ranks: Ranks of the states, see `rank`; None: those by these items.
         """
         items = self._items
-        if ranks is None:
-            ranks = self.rank(picked, count, eye, centres, radii, mirrored, shadow=shadow)
         make_keys(
             picked,
             count,
@@ -63,16 +58,8 @@ class DrawOrder:
             items.shadow_states if shadow else items.states,
             mirrored,
             items.meshes,
-            ranks,
+            not shadow,
             self._away,
             self._keys,
         )
         sort_by_key(self._keys, picked, count, self._spare_keys, self._spare_items, self._digits)
-
-    def rank(
-        self, picked: I4, count: int, eye: F8, centres: F8, radii: F8, mirrored: U1, *, shadow: bool = False
-    ) -> I4:
-        """Return the ranks of the states by the nearest of some items, see `sort`; valid until the next call."""
-        states = self._items.shadow_states if shadow else self._items.states
-        rank_states(picked, count, eye, centres, radii, states, mirrored, self._nearest, self._ranks)
-        return self._ranks
