@@ -9,7 +9,7 @@ from mimics_app.lab.groups.culling import make_probe
 from mimics_app.maths.mat import compose, look_at
 from mimics_app.rendering.visual.drawing.culling import FlatCuller, TreeCuller, make_culler
 from mimics_app.rendering.visual.kernels.bounds import update_bounds
-from mimics_app.rendering.visual.kernels.order import make_keys, rank_states, sort_by_key
+from mimics_app.rendering.visual.kernels.order import make_keys, sort_by_key
 from mimics_app.rendering.visual.view import View, compute_frustum_planes
 from tests.support.boxes import as_items
 
@@ -127,28 +127,30 @@ def test_what_did_not_move_is_not_fitted_again_and_what_did_is():
     assert isinstance(make_culler("auto", probe.items, probe.parents, probe.world[:, :3, 3]), FlatCuller)
 
 
+@pytest.mark.parametrize("layered", [False, True])
 @pytest.mark.parametrize("count", [0, 1, 300, 6000])
-def test_draw_order_is_state_then_distance_then_mesh(count):
+def test_draw_order_is_layer_then_state_then_distance_then_mesh(count, layered):
     """Against a plain sort; of many items a quarter of an octave of distance shares a place."""
     rng = np.random.default_rng(count)
     centres, radii = 50 * rng.normal(size=(count, 3)), rng.uniform(0.1, 3.0, count)
     states, meshes = rng.integers(0, 5, count).astype(np.int32), rng.integers(0, 9, count).astype(np.int32)
     mirrored = rng.integers(0, 2, count).astype(np.uint8)
     picked, keys = np.arange(count, dtype=np.int32), np.zeros(count, np.uint64)
-    spheres, ranks = (np.zeros(3), centres, radii), np.zeros(10, np.int32)
-    rank_states(picked, count, *spheres, states, mirrored, np.zeros(10), ranks)
-    make_keys(picked, count, *spheres, states, mirrored, meshes, ranks, np.zeros(count, np.float32), keys)
+    scratch = np.zeros(count, np.float32)
+    make_keys(picked, count, np.zeros(3), centres, radii, states, mirrored, meshes, layered, scratch, keys)
     wanted = keys.copy()
     sort_by_key(
         keys, picked, count, np.zeros(count, np.uint64), np.zeros(count, np.int32), np.zeros((8, 256), np.int32)
     )
     assert np.array_equal(picked, np.argsort(wanted, kind="stable"))
     away = np.linalg.norm(centres, axis=1)
-    away = np.where(away > radii, away, away + radii)[picked]
+    away = np.where(away > radii, away, away + radii)[picked].astype(np.float32)
+    mantissa, octave = np.frexp(np.minimum(away, 64.0))
+    layer = (4 * octave + np.floor(8.0 * mantissa)) * layered
     state = (2 * states + mirrored)[picked]
+    places = list(zip(layer.tolist(), state.tolist(), strict=True))
+    assert places == sorted(places)
     slack = 2.0**-12 if count <= 4096 else 0.25
-    for one in range(10):
-        row = away[state == one]
+    for one in dict.fromkeys(places):
+        row = away[[place == one for place in places]]
         assert (row[1:] >= row[:-1] / (1.0 + slack) - 1e-9).all()
-    starts = [away[state == one].min() for one in dict.fromkeys(state.tolist())]
-    assert starts == sorted(starts), "the state with the nearest item comes first"

@@ -312,11 +312,10 @@ class Renderer:
     ) -> list[ViewDraws]:
         """Queue what is visible in parts of a view in a rectangle of its target."""
         drawn, frame, samples = [], self._frame, self._picture.samples
-        ranks = self._list.rank_states(view, place[2:], samples, key)
         for part in parts:
             size, (left, bottom) = part.rectangle[2:], part.rectangle[:2]
             seen = view.through((left - place[0], bottom - place[1], *size), place[2:])
-            runs = self._list.batch_views(frame, [seen], view.eye_world, [size], samples, key, ranks)
+            runs = self._list.batch_views(frame, [seen], view.eye_world, [size], samples, key)
             projected = [] if scene.effects is None else scene.effects.meet([seen], self._list, self._frame)
             mixed = runs[1] if scene.effects is None else scene.effects.mix(seen, size[1], *runs[1:])[0]
             drawn.append(ViewDraws(view, place, runs[0], mixed, projected=projected, part=part))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +12,6 @@ from mimics_app.contracts.arrays import B1, F8, I4, U1
 from mimics_app.rendering.visual.drawing.culling import make_culler
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems, list_items
 from mimics_app.rendering.visual.drawing.draw_order import DrawOrder
-from mimics_app.rendering.visual.drawing.draw_tally import Tally
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.drawing.levels import Levels
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
@@ -44,6 +43,24 @@ Size = tuple[int, int]
 
 HIDDEN, DRAWN = 1, 2
 """Fates of an item in a view's frustum: occluded, or drawn."""
+
+
+@dataclass(slots=True)
+class Tally:
+    """Counts of a frame, over all views: items, those outside, those occluded, frustum tests, skinned vertices."""
+
+    items: int = 0
+    culled: int = 0
+    hidden: int = 0
+    tests: int = 0
+    bent: int = 0
+
+    def count(self, items: int, in_frustum: int, drawn: int, tests: int) -> None:
+        """Add the counts of one view."""
+        self.tests += tests
+        self.items += items
+        self.culled += items - in_frustum
+        self.hidden += in_frustum - drawn
 
 
 class DrawList:
@@ -231,11 +248,10 @@ class DrawList:
         *,
         shadow: bool = False,
         seen: bool = False,
-        ranks: I4 | None = None,
     ) -> list[DrawRun]:
         """Sort the first `count` of some items, and queue them."""
         states = self.items.shadow_states if shadow else self._small.states
-        self._order.sort(picked, count, origin, self.centres, self.radii, states, self._mirrored, ranks)
+        self._order.sort(picked, count, origin, self.centres, self.radii, states, self._mirrored, shadow=shadow)
         parts = self._whole if shadow or not seen else self._parts
         return frame.add(picked, count, origin, self.items, self._world, states, self._mirrored, parts, shadow=shadow)
 
@@ -247,7 +263,6 @@ class DrawList:
         sizes: Sequence[Size],
         samples: int,
         key: Hashable,
-        ranks: I4 | None = None,
     ) -> tuple[list[DrawRun], list[DrawRun], F8]:
         """Queue the items that are visible in at least one of some views.
 
@@ -258,11 +273,10 @@ class DrawList:
             sizes: Sizes of the views' pictures as drawn [px].
             samples: Samples per pixel.
             key: Identifies the views from frame to frame.
-            ranks: For a part of a view, ranks of the states as in all of it, see `rank_states`.
 
         Returns:
-            Opaque runs, the state with the nearest item first, near to far within a state; blended runs of one item
-            each, far to near; and the distances of the blended items from the origin [m].
+            Opaque runs, by layers of distance, near to far within a state; blended runs of one item each, far to near;
+            and the distances of the blended items from the origin [m].
         """
         picked = self._picked
         # One level for both eyes: two different levels of a body cannot be fused.
@@ -278,28 +292,7 @@ class DrawList:
         solid = count - len(blended)
         self._opaque = solid
         seen = len(views) == 1 and self._pick_triangles(views[0], solid, raster, samples)
-        return self._queue(frame, picked, solid, origin, seen=seen, ranks=ranks), *self._batch_blended(
-            frame, blended, origin
-        )
-
-    def rank_states(self, view: View, size: Size, samples: int, key: Hashable) -> I4:
-        """Return the ranks of the states as all of a view is drawn: at equal depths its parts have the same pixels.
-
-        Args:
-            view: The view.
-            size: Size of its picture [px].
-            samples: Samples per pixel.
-            key: See `batch_views`.
-        """
-        tally, self.tally = self.tally, Tally()
-        shown = self._levels.show(key, view, size, self._shown, self.centres, self.radii, self._detail)
-        count = self._pick(view, shown, make_raster(view, size, samples))
-        spheres = self.centres, self.radii
-        states = self._small.choose(key, view, size, self._picked, count, *spheres)
-        solid = count - len(self._split(count))
-        ranks = self._order.rank(self._picked, solid, view.eye_world, *spheres, states, self._mirrored)
-        self.tally = tally
-        return ranks.copy()
+        return self._queue(frame, picked, solid, origin, seen=seen), *self._batch_blended(frame, blended, origin)
 
     def _pick(self, view: View, shown: U1, raster: Raster) -> int:
         """Pick the items that are visible in a view; return how many."""

@@ -1,4 +1,4 @@
-"""Draw order by radix sort: by state, near to far within a state, equal meshes side by side."""
+"""Draw order by radix sort: by layer of distance and state, near to far within a state, equal meshes side by side."""
 
 from __future__ import annotations
 
@@ -8,54 +8,22 @@ from mimics_app.contracts.arrays import F4, F8, I4, U1, U8
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.visual.kernels.frustum import distance_key
 
-__all__ = ["make_keys", "rank_states", "sort_by_key"]
+__all__ = ["make_keys", "sort_by_key"]
 
 
 _FINE_COUNT = 4096
 """Number of items up to which each is sorted by its own distance; of more, those within a quarter of an octave share a
 key, so that equal meshes become one command."""
 
-_RANK_SHIFT, _MESH_BITS = 44, 24
+_LAYER_SHIFT, _STATE_SHIFT, _MESH_BITS = 58, 40, 20
 _FINE_DROP, _COARSE_DROP = 11, 21
 """Low bits of a float32 distance that are dropped: 12 or 2 bits of mantissa remain."""
 
+_LAST_LAYER, _LAYERS = 532, 64
+"""Bits that remain of 64 m, from which on all is one layer, and number of layers, each a quarter of an octave."""
+
 _DIGITS, _DIGIT_BITS, _DIGIT = 8, 8, 255
 """Digits of a 64-bit key: their number, bits per digit, and mask."""
-
-
-@kernel
-def rank_states(
-    items: I4,
-    count: int,
-    eye: F8,
-    centres: F8,
-    radii: F8,
-    states: I4,
-    mirrored: U1,
-    nearest: F8,
-    ranks: I4,
-) -> None:
-    """Rank the states of items by the nearest item of each.
-
-    Args:
-        items: Numbers of items, [>= count].
-        count: Number of items.
-        eye: Position of the camera, world [m], [3].
-        centres: Centres of the spheres, world [m], [n, 3].
-        radii: Their radii [m], [n].
-        states: State of each item before mirroring, [n].
-        mirrored: 1 where the winding is reversed, [n].
-        nearest: Scratch, two per state.
-        ranks: Written, two per state: that of the state with the nearest item is 0.
-    """
-    nearest[:] = np.inf
-    for i in range(count):
-        item = items[i]
-        state = 2 * states[item] + mirrored[item]
-        nearest[state] = min(nearest[state], distance_key(eye, centres, radii, item))
-    order = np.argsort(nearest)
-    for place in range(order.shape[0]):
-        ranks[order[place]] = place
 
 
 @kernel
@@ -68,11 +36,13 @@ def make_keys(
     states: I4,
     mirrored: U1,
     meshes: I4,
-    ranks: I4,
+    layered: bool,
     away: F4,
     keys: U8,
 ) -> None:
-    """Write the sort keys of items: rank of the state (20 bits), distance (20), mesh (24).
+    """Write the sort keys of items: layer of distance (6 bits), state (18), distance (20), mesh (20).
+
+    The order of two items does not depend on the others: where they have equal depths, one is seen in any view.
 
     Args:
         items: Numbers of items, [>= count].
@@ -83,7 +53,7 @@ def make_keys(
         states: State of each item before mirroring, [n].
         mirrored: 1 where the winding is reversed, [n].
         meshes: Number of each item's mesh, [n].
-        ranks: Rank of each state, two per state, see `rank_states`.
+        layered: False to sort by state first.
         away: Scratch, [>= count].
         keys: Written, [>= count].
     """
@@ -94,8 +64,10 @@ def make_keys(
     bits = away.view(np.uint32)
     for i in range(count):
         item = items[i]
-        rank = np.uint64(ranks[2 * states[item] + mirrored[item]]) << np.uint64(_RANK_SHIFT)
-        keys[i] = rank | ((np.uint64(bits[i]) >> drop) << raised) | np.uint64(meshes[item])
+        layer = max(min(int(bits[i] >> _COARSE_DROP), _LAST_LAYER) - _LAST_LAYER + _LAYERS - 1, 0)
+        key = np.uint64(layer if layered else 0) << np.uint64(_LAYER_SHIFT)
+        key |= np.uint64(2 * states[item] + mirrored[item]) << np.uint64(_STATE_SHIFT)
+        keys[i] = key | ((np.uint64(bits[i]) >> drop) << raised) | np.uint64(meshes[item])
 
 
 @kernel

@@ -245,10 +245,9 @@ class MaterialStore:
         red, green, blue = encode_srgb(np.array(material.base_colour[:3])).tolist()
         number = layer + 1.0 if SAFE not in self._chain(material) else -(layer + 1.0)
         block = self._ctx.buffer(pack_material(material, pictures).tobytes())
-        shadow_shader = self._shadow_shader(material, pictures, blended=False)
-        shadow_state = "solid" if material.alpha_mode == "opaque" else (name, coloured)
+        shadow_shader = self._shadow_shader(material, {}, blended=False)  # it shows no holes, and its shadow has none
         paint = (red, green, blue, number)
-        return Look(material, (drawn,), shadow_shader, block, textures, state, shadow_state, paint)  # type: ignore[arg-type]
+        return Look(material, (drawn,), shadow_shader, block, textures, state, "solid", paint)  # type: ignore[arg-type]
 
     def _wanted(self, material: Material) -> str:
         """Return the material's own technique, or a simpler one of its chain that loses nothing visible."""
