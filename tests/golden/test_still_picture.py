@@ -10,8 +10,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from mimics_app.rendering.visual.figures.hud import Hud
+from mimics_app.rendering.visual.launcher.page_surface import PageSurface
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.stages.kept_board import KeptBoard
 from mimics_app.rendering.visual.stages.screen_places import cover_of, screen_bounds
 from mimics_app.rendering.visual.stages.world_stage import ViewDraws, WorldStage
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
@@ -205,6 +208,63 @@ def test_pictures_far_apart_are_drawn_in_parts_from_the_second_on(settings, draw
             assert len(drawn_parts) - before <= (step >= 1 and step not in WHOLE), step
             assert np.array_equal(ours, draw_whole(rare, seen)), step
     assert len(drawn_parts) >= 15
+
+
+def lay_board(hud: Hud, step: int) -> None:
+    """Two cards, of which one changes and crosses the other; a disc over a box; an image; nothing in some frames."""
+    hud.clear()
+    if step in (12, 13):
+        return
+    crossing = step // 3
+    cards = [(40.0, f"time {step // 2}"), (420.0 - 25.0 * crossing, "still"), (700.0, "" if step % 7 == 6 else "force")]
+    for x, text in cards if step < 20 else reversed(cards):
+        hud.box(x, 600.3, 250.0, 80.0, (0.1, 0.1, 0.1, 0.6), radius=12.0)
+        hud.text(x + 9.0, 630.0, text, 40.0)
+    if step > 8:
+        hud.image((20.0, 30.7, 60.0, 90.0), 0, radius=20.0)
+    hud.images = IMAGES[step >= 18]
+
+
+IMAGES = [np.full((1, 2, 2, 4), value, np.uint8) for value in (90, 200)]
+
+
+def board_pictures(settings: RenderSettings, seen: View) -> list[np.ndarray]:
+    """Draw a moving ball under a changing display, one page of another painter and one other view in between."""
+    world, pictures = make_world(), []
+    with create_surface("egl", SIZE) as surface:
+        steady, page = Renderer(surface, world, settings), PageSurface(surface)
+        for step in range(30):
+            if not 4 < step < 8:
+                world.find("ball").set_position((0.6 * np.sin(0.3 * step), 1.5, 0.3))
+            world.update()
+            lay_board(steady.hud, step)
+            if step == 23:
+                page.draw()
+            steady.draw([seen if step != 26 else view(0.1)])
+            pictures.append(read_pixels(surface))
+        page.release()
+    return pictures
+
+
+@pytest.mark.parametrize("seen", [view(), replace(view(), rectangle=(20, 10, 290, 180))], ids=["all", "within"])
+@pytest.mark.parametrize(
+    "settings",
+    [PLAIN, replace(PLAIN, msaa=4), replace(PLAIN, scale=0.5), replace(PLAIN, fxaa=True), replace(PLAIN, bloom=0.5)],
+    ids=["plain", "samples", "small", "filtered", "bloom"],
+)
+def test_a_display_drawn_where_it_or_the_picture_changed_is_the_one_drawn_as_a_whole(settings, seen, monkeypatch):
+    drawn, before = [], KeptBoard.draw
+
+    def draw(board, *what):
+        drawn.append(before(board, *what))
+        return drawn[-1]
+
+    monkeypatch.setattr(KeptBoard, "draw", draw)
+    in_parts = board_pictures(settings, seen)
+    assert len([draws for draws in drawn if draws is not None]) >= (0 if settings.bloom else 12)
+    monkeypatch.setattr(KeptBoard, "draw", lambda *_: None)
+    for step, (ours, whole) in enumerate(zip(in_parts, board_pictures(settings, seen), strict=True)):
+        assert np.array_equal(ours, whole), step
 
 
 def test_of_surfaces_at_equal_depths_a_part_shows_the_one_that_the_whole_picture_shows(drawn_parts):

@@ -24,9 +24,10 @@ from mimics_app.rendering.visual.lighting import gather_lighting
 from mimics_app.rendering.visual.materials.materials import MaterialStore
 from mimics_app.rendering.visual.materials.shader_library import FEW_PIXELS, ShaderLibrary
 from mimics_app.rendering.visual.passes.eye_passes import AT_ONCE, EyePasses
-from mimics_app.rendering.visual.passes.hud import HudPass, plane_of_views
+from mimics_app.rendering.visual.passes.hud import HudPass
 from mimics_app.rendering.visual.settings import QualityChanges, RenderSettings
 from mimics_app.rendering.visual.stages.eye_pairs import eye_passes, group_views, see_from_between
+from mimics_app.rendering.visual.stages.kept_board import KeptBoard
 from mimics_app.rendering.visual.stages.picture_stage import PictureStage
 from mimics_app.rendering.visual.stages.seen_frame import capture_frame, may_keep
 from mimics_app.rendering.visual.stages.shadow_stage import ShadowStage, light_features
@@ -81,10 +82,8 @@ class Renderer:
         shader_folder: Path | None = None,
         sparse: bool = False,
     ) -> None:
-        self.world = world
-        self.settings = settings or RenderSettings()
-        self._surface = surface
-        self._clock = clock or MonotonicClock()
+        self.world, self.settings = world, settings or RenderSettings()
+        self._surface, self._clock = surface, clock or MonotonicClock()
         self._shader_folder, self._sparse = shader_folder, sparse
         self.hud, self.timing = Hud(), False
         self._overlay: Overlay | None = None
@@ -105,6 +104,7 @@ class Renderer:
         self._world = WorldStage(ctx, self._shaders, self._frame, self.settings, has.texture_size)
         self._effects: EffectStage | None = None
         self._hud_pass = HudPass(ctx, self._shaders)
+        self._kept_board = KeptBoard(surface, self._hud_pass)
         self._pictures = PictureStage(ctx, self._shaders)
         self._still = StillPicture(sparse=self._sparse)
         self._materials.live = self._pictures.pictures
@@ -381,20 +381,20 @@ class Renderer:
 
     def _draw_over(self, views: Sequence[View], parts: list[ChangedPart] | None) -> int:
         """Filter and show the world's picture; draw insets and heads-up display over it at full resolution."""
-        end = partial(self._picture.end, [view.rectangle for view in views], parts)
-        return self._draw_hud(views) + end() if self._picture.takes_board else end() + self._draw_hud(views)
+        picture, within = self._picture, self._picture.takes_board
+        draws = self._draw_hud(views) if within else 0
+        filtered, written = picture.finish([view.rectangle for view in views], parts)
+        alone = not (within or self.world.insets or (self._overlay is not None and self._overlay.layers))
+        over = (self.hud, views[0], self.settings.hud_depth)
+        if (drawn := self._kept_board.draw(picture.finished, written if alone else None, *over)) is None:
+            picture.show(picture.finished)
+            drawn = 0 if within else self._draw_hud(views)
+        return draws + filtered + drawn
 
     def _draw_hud(self, views: Sequence[View]) -> int:
-        draws = self._pictures.draw_insets(self.world, views, self.settings.hud_depth)
-        huds = [self.hud]
+        draws, huds = self._pictures.draw_insets(self.world, views, self.settings.hud_depth), [self.hud]
         if self._overlay is not None and self._overlay.layers:
             draws += self._overlay.draw_atlas(self._surface.framebuffer, self._shadows)
             self._overlay.lay_out(self.hud.width, self.hud.height)
             huds.append(self._overlay.hud)
-        if all(hud.empty for hud in huds):
-            return draws
-        for screen in dict.fromkeys(view.screen for view in views if view.screen >= 0):
-            eyes = [view for view in views if view.screen == screen]
-            plane = plane_of_views(eyes, self.settings.hud_depth)
-            draws += sum(self._hud_pass.draw(hud, view, plane) for view in eyes for hud in huds)
-        return draws
+        return draws + self._hud_pass.draw_over(huds, views, self.settings.hud_depth)

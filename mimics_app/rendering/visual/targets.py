@@ -107,15 +107,17 @@ class PictureTarget:
         drawn = self._buffer.framebuffer if self._buffer else self._multisampled
         return drawn or self._surface.framebuffer
 
-    def end(self, rectangles: Sequence[Rect], parts: Sequence[ChangedPart] | None = None) -> int:
-        """Resolve the picture, filter it and copy it to the surface's framebuffer.
+    def finish(
+        self, rectangles: Sequence[Rect], parts: Sequence[ChangedPart] | None = None
+    ) -> tuple[int, Sequence[ChangedPart] | None]:
+        """Resolve the picture and filter it.
 
         Args:
             rectangles: Rectangles of the views on the surface [px].
             parts: Parts that were redrawn; None: all of it.
 
         Returns:
-            Draw calls made.
+            Draw calls made, and the parts of `finished` that were written; None: all of it.
         """
         draws, surface = 0, self._surface
         if self._buffer is not None and self._shown is not None:
@@ -124,13 +126,21 @@ class PictureTarget:
                 own = surface.framebuffer if filters[-1] is self._edges else self._shown
                 # A light's bloom reaches beyond the parts.
                 changed = parts if self._filtered and self._bloom not in filters else None
-                draws += self._filter(self._buffer.texture, self._filtered or own, rectangles, changed)
-        unfiltered = self._buffer.finished if self._buffer else self._multisampled
-        finished = self._filtered if self._filters else unfiltered
+                draws, parts = self._filter(self._buffer.texture, self._filtered or own, rectangles, changed)
+        return draws, parts
+
+    @property
+    def finished(self) -> moderngl.Framebuffer | None:
+        """Framebuffer with the finished picture; None where that is the surface's already."""
+        if self._filters:
+            return self._filtered
+        return self._buffer.finished if self._buffer else self._multisampled
+
+    def show(self, finished: moderngl.Framebuffer | None) -> None:
+        """Copy a finished picture to the surface's framebuffer, and use that."""
         if self._shown is not None and finished is not None:
-            surface.ctx.copy_framebuffer(self._shown, finished)
-        surface.framebuffer.use()
-        return draws
+            self._surface.ctx.copy_framebuffer(self._shown, finished)
+        self._surface.framebuffer.use()
 
     def _filter(
         self,
@@ -138,8 +148,12 @@ class PictureTarget:
         target: moderngl.Framebuffer,
         rectangles: Sequence[Rect],
         parts: Sequence[ChangedPart] | None,
-    ) -> int:
-        """Draw a filtered picture into a target; only in parts where the target holds the last frame's."""
+    ) -> tuple[int, Sequence[ChangedPart] | None]:
+        """Draw a filtered picture into a target; only in parts where the target holds the last frame's.
+
+        Returns:
+            Draw calls made, and the parts that were written; None: all of it.
+        """
         drawn = [self.rectangle(each) for each in rectangles]
         if parts is None and sum(width * height for _, _, width, height in rectangles) < math.prod(self._surface.size):
             target.clear(alpha=1.0)
@@ -153,7 +167,7 @@ class PictureTarget:
                 calls, parts = step.draw_parts(picture, into, drawn[0], where[0], parts)
                 draws += calls
             picture = texture_of(into)
-        return draws
+        return draws, parts
 
     def release(self) -> None:
         """Free buffers and filters."""

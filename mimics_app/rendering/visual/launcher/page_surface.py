@@ -42,6 +42,7 @@ class PageSurface:
     def draw(self) -> None:
         """Draw the canvas into the surface's framebuffer."""
         surface = self._surface
+        surface.painter = self
         surface.framebuffer.use()
         surface.framebuffer.clear(0.0, 0.0, 0.0, 1.0)
         view = View(np.eye(4), compute_tangents(0.7, surface.size), (0, 0, *surface.size))

@@ -14,7 +14,7 @@ from mimics_app.contracts.arrays import F8, U1
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, HUD_ROW, Hud
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
 from mimics_app.rendering.visual.materials.vertex_arrays import VertexArrays
-from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view import Rect, View
 
 if TYPE_CHECKING:
     import moderngl
@@ -77,10 +77,9 @@ def plane_of_views(views: Sequence[View], depth: float) -> HudPlane:
     return _plane_of(tuple(views), depth)
 
 
-def places_of(hud: Hud, view: View, depth: float) -> F8:
-    """Return the rectangles of the content on the only view, as shares of it: left, right, bottom, top, [n, 4]."""
-    plane = plane_of_views([view], depth)
-    left, bottom, width, height = np.asarray(hud.rows()["box"], np.float64).T
+def places_of(rows: NDArray[np.void], plane: HudPlane) -> F8:
+    """Return where HUD_ROW [n] are on the only view of a plane, as shares of it: left, right, bottom, top, [n, 4]."""
+    left, bottom, width, height = np.asarray(rows["box"], np.float64).T
     edges = (left / plane.canvas_width, (left + width) / plane.canvas_width)
     return np.column_stack([*edges, bottom / plane.canvas_height, (bottom + height) / plane.canvas_height])
 
@@ -136,8 +135,14 @@ class HudPass:
         self._images: moderngl.TextureArray | None = None
         self._image_source: U1 | None = None
 
-    def draw(self, hud: Hud, view: View, plane: HudPlane) -> int:
+    def draw(self, hud: Hud, view: View, plane: HudPlane, within: Sequence[Rect | None] = (None,)) -> int:
         """Draw the display over one view; sets the viewport to the view's rectangle.
+
+        Args:
+            hud: The display.
+            view: The view.
+            plane: Plane of the display.
+            within: Disjoint rectangles of the framebuffer in use to draw within [px]; None: all of it.
 
         Returns:
             Draw calls made.
@@ -158,10 +163,22 @@ class HudPass:
         ctx.enable_only(moderngl.BLEND)
         ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
         self._bind(hud)
-        for number, kind in enumerate(self._kinds):
-            array = self._arrays.of(self._shaders[kind])
-            array.render_indirect(self._commands, moderngl.TRIANGLE_STRIP, 1, first=number)
-        return len(self._kinds)
+        for rectangle in within:
+            ctx.fbo.scissor = rectangle  # type: ignore[assignment]  # None disables it
+            for number, kind in enumerate(self._kinds):
+                array = self._arrays.of(self._shaders[kind])
+                array.render_indirect(self._commands, moderngl.TRIANGLE_STRIP, 1, first=number)
+        ctx.fbo.scissor = None  # type: ignore[assignment]
+        return len(within) * len(self._kinds)
+
+    def draw_over(self, huds: Sequence[Hud], views: Sequence[View], depth: float) -> int:
+        """Draw displays over all views that are on a screen, at a depth [m]; return the draw calls."""
+        draws, huds = 0, [hud for hud in huds if not hud.empty]
+        for screen in dict.fromkeys(view.screen for view in views if huds and view.screen >= 0):
+            eyes = [view for view in views if view.screen == screen]
+            plane = plane_of_views(eyes, depth)
+            draws += sum(self.draw(hud, view, plane) for view in eyes for hud in huds)
+        return draws
 
     def release(self) -> None:
         """Free buffers and textures."""

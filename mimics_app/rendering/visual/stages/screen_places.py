@@ -10,7 +10,7 @@ from mimics_app.rendering.visual.kernels.screen_bounds import bound_balls
 from mimics_app.rendering.visual.kernels.screen_cover import cover_marks, mark_cells
 from mimics_app.rendering.visual.view import Rect, View
 
-__all__ = ["cell_tangent", "cover_of", "parts_of", "screen_bounds"]
+__all__ = ["cell_tangent", "cover_of", "mark_cells_of", "parts_of", "pieces_of", "screen_bounds"]
 
 
 _CELL = 16
@@ -56,20 +56,24 @@ def cover_of(bounds: F8, size: tuple[int, int]) -> list[ChangedPart]:
         bounds: Rectangles as shares of the picture: left, right, bottom, top; [n, 4].
         size: Size of the picture [px].
     """
-    marked = _mark(bounds, size)
-    parts = _cover(marked, _MAX_PARTS, _WORTH, size)
-    pieces = _cover(marked, _MAX_PIECES, _WORTH_OF_PIECE, size)
+    marked = mark_cells_of(bounds, size)
+    parts, pieces = _cover(marked, _MAX_PARTS, _WORTH, size), pieces_of(marked, size)
     # Pieces are cut out of the parts: the cuts that save most come first.
     return [ChangedPart(part, [piece for piece in pieces if _holds(part, piece)]) for part in parts]
 
 
 def parts_of(bounds: F8, size: tuple[int, int]) -> list[Rect]:
     """Return the rectangles of `cover_of` alone."""
-    return _cover(_mark(bounds, size), _MAX_PARTS, _WORTH, size)
+    return _cover(mark_cells_of(bounds, size), _MAX_PARTS, _WORTH, size)
 
 
-def _mark(bounds: F8, size: tuple[int, int]) -> U1:
-    """Return 1 for each cell that rectangles overlap, [rows, columns]."""
+def pieces_of(marked: U1, size: tuple[int, int]) -> list[Rect]:
+    """Return the pieces of `cover_of` alone, given the cells that they cover."""
+    return _cover(marked, _MAX_PIECES, _WORTH_OF_PIECE, size)
+
+
+def mark_cells_of(bounds: F8, size: tuple[int, int]) -> U1:
+    """Return 1 for each cell that rectangles overlap, see `cover_of`; uint8 [rows, columns]."""
     width, height = size
     marked = np.zeros((-(-height // _CELL), -(-width // _CELL)), np.uint8)
     mark_cells(bounds, width, height, _MARGIN_PX, _CELL, marked)

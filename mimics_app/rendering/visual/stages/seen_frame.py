@@ -12,7 +12,7 @@ from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.effects.projectors import Beam
 from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.passes.cord import CORD_BLOCK, fill_cord_block
-from mimics_app.rendering.visual.passes.hud import places_of
+from mimics_app.rendering.visual.passes.hud import places_of, plane_of_views
 from mimics_app.rendering.visual.shadows.shadow_maps import ShadowMap
 from mimics_app.rendering.visual.stages.world_stage import FrameScene
 from mimics_app.rendering.visual.view import Rect, View
@@ -154,7 +154,7 @@ def capture_frame(
         renewed=renewed,
         redrawn=redrawn,
         spreads=scene.settings.ambient_occlusion > 0.0 or scene.by_stencil,
-        board=_NOWHERE if hud is None else places_of(hud, view, scene.settings.hud_depth),
+        board=_NOWHERE if hud is None else places_of(hud.rows(), plane_of_views([view], scene.settings.hud_depth)),
     )
 
 

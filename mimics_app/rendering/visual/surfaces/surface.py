@@ -61,6 +61,7 @@ class Surface:
         keys: Names of the keys held.
         buttons: Names of the mouse buttons held.
         gamepad: The first gamepad as of the last `poll`.
+        painter: Who drew the picture and updates it in parts, unless another has drawn since; else None.
         both_eyes: Both eyes' pictures side by side, for a quad-buffered window; None elsewhere.
         reset_status: Returns why the context was lost, in words; "" while it works.
     """
@@ -70,6 +71,7 @@ class Surface:
         self.size = size
         self.framebuffer: moderngl.Framebuffer
         self._take(ctx)
+        self.painter: object = None
         self.both_eyes: moderngl.Framebuffer | None = None
         self.keys: frozenset[str] = frozenset()
         self.buttons: frozenset[str] = frozenset()
