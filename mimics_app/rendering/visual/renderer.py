@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Hashable, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import astuple, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
@@ -208,7 +208,7 @@ class Renderer:
             triangles, draws = self._draw(views, latch, lay_out)
         if finish:
             self._surface.ctx.finish()
-        cpu_ms, tally = (self._clock.now_ns() - started) * 1e-6, astuple(self._list.tally)
+        cpu_ms, tally = (self._clock.now_ns() - started) * 1e-6, self._list.tally.figures
         if self.times is not None:
             self.times.count(*tally[:3])
         return FrameStats(cpu_ms, timer.elapsed * 1e-6 if timer else None, triangles, draws, *tally)
