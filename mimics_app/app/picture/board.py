@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.board import Bar, Board, Card, Tone
 from mimics_app.contracts.messages import HapticSnapshot
-from mimics_app.rendering.visual.figures.hud import Colour, Hud
+from mimics_app.rendering.visual.figures.hud import HUD_ROW, Colour, Hud
 from mimics_app.rendering.visual.figures.key_page import Keys, draw_keys
 from mimics_app.rendering.visual.figures.palette import ACCENT, FAINT, INK
 
@@ -81,7 +81,7 @@ class BoardLayout:
             rows.append(self._rows(name, hud, card, (x, y), force_full))
             x += card.width + _GAP
         if rows:
-            hud.extend(_by_kind(np.concatenate(rows)))
+            hud.extend(_by_kind(np.concatenate(rows, dtype=HUD_ROW)))
         _draw_message(hud, board.message, alarm=board.alarm)
         if board.count:
             _draw_count(hud, board.count)

@@ -199,4 +199,5 @@ def _axes(sun_direction: tuple[float, ...]) -> F8:
 
 
 def _strongest(lights: list[Light]) -> list[Light]:
-    return sorted(lights, key=lambda light: -light.intensity)[:MAX_LIGHTS]
+    """Return at most `MAX_LIGHTS` lights, the strongest first."""
+    return sorted(lights, key=lambda light: -light.intensity)[:MAX_LIGHTS] if len(lights) > 1 else lights

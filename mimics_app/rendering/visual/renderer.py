@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Hashable, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import astuple, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
@@ -24,7 +24,7 @@ from mimics_app.rendering.visual.lighting import gather_lighting
 from mimics_app.rendering.visual.materials.materials import MaterialStore
 from mimics_app.rendering.visual.materials.shader_library import FEW_PIXELS, ShaderLibrary
 from mimics_app.rendering.visual.passes.eye_passes import AT_ONCE, EyePasses
-from mimics_app.rendering.visual.passes.hud import HudPass, plane_of_views
+from mimics_app.rendering.visual.passes.hud import HudPass
 from mimics_app.rendering.visual.settings import QualityChanges, RenderSettings
 from mimics_app.rendering.visual.stages.eye_pairs import eye_passes, group_views, see_from_between
 from mimics_app.rendering.visual.stages.kept_board import KeptBoard
@@ -82,10 +82,8 @@ class Renderer:
         shader_folder: Path | None = None,
         sparse: bool = False,
     ) -> None:
-        self.world = world
-        self.settings = settings or RenderSettings()
-        self._surface = surface
-        self._clock = clock or MonotonicClock()
+        self.world, self.settings = world, settings or RenderSettings()
+        self._surface, self._clock = surface, clock or MonotonicClock()
         self._shader_folder, self._sparse = shader_folder, sparse
         self.hud, self.timing = Hud(), False
         self._overlay: Overlay | None = None
@@ -210,7 +208,7 @@ class Renderer:
             triangles, draws = self._draw(views, latch, lay_out)
         if finish:
             self._surface.ctx.finish()
-        cpu_ms, tally = (self._clock.now_ns() - started) * 1e-6, astuple(self._list.tally)
+        cpu_ms, tally = (self._clock.now_ns() - started) * 1e-6, self._list.tally.figures
         if self.times is not None:
             self.times.count(*tally[:3])
         return FrameStats(cpu_ms, timer.elapsed * 1e-6 if timer else None, triangles, draws, *tally)
@@ -385,34 +383,17 @@ class Renderer:
         picture, within = self._picture, self._picture.takes_board
         draws = self._draw_hud(views) if within else 0
         filtered, written = picture.finish([view.rectangle for view in views], parts)
-        draws, kept = draws + filtered, picture.finished
-        drawn: int | None = None
-        if within or written is None or kept is None or not self._keeps_board:
-            self._kept_board.forget()
-        else:
-            plane = plane_of_views(views, self.settings.hud_depth)
-            drawn = self._kept_board.draw(kept, written, self.hud, views[0], plane)
-        if drawn is not None:
-            return draws + drawn
-        picture.show(kept)
-        return draws if within else draws + self._draw_hud(views)
-
-    @property
-    def _keeps_board(self) -> bool:
-        """Whether the heads-up display is all that is drawn over a kept picture."""
-        return not (self.hud.empty or self.world.insets or (self._overlay is not None and self._overlay.layers))
+        alone = not (within or self.world.insets or (self._overlay is not None and self._overlay.layers))
+        over = (self.hud, views[0], self.settings.hud_depth)
+        if (drawn := self._kept_board.draw(picture.finished, written if alone else None, *over)) is None:
+            picture.show(picture.finished)
+            drawn = 0 if within else self._draw_hud(views)
+        return draws + filtered + drawn
 
     def _draw_hud(self, views: Sequence[View]) -> int:
-        draws = self._pictures.draw_insets(self.world, views, self.settings.hud_depth)
-        huds = [self.hud]
+        draws, huds = self._pictures.draw_insets(self.world, views, self.settings.hud_depth), [self.hud]
         if self._overlay is not None and self._overlay.layers:
             draws += self._overlay.draw_atlas(self._surface.framebuffer, self._shadows)
             self._overlay.lay_out(self.hud.width, self.hud.height)
             huds.append(self._overlay.hud)
-        if all(hud.empty for hud in huds):
-            return draws
-        for screen in dict.fromkeys(view.screen for view in views if view.screen >= 0):
-            eyes = [view for view in views if view.screen == screen]
-            plane = plane_of_views(eyes, self.settings.hud_depth)
-            draws += sum(self._hud_pass.draw(hud, view, plane) for view in eyes for hud in huds)
-        return draws
+        return draws + self._hud_pass.draw_over(huds, views, self.settings.hud_depth)

@@ -73,6 +73,7 @@ class SkinnedBody:
         weights: Weights of its morph targets in this frame, float32 [targets].
         morphed: True when any of these is not zero.
         stretched: True when a joint is stretched in this frame.
+        margin: Margin of its morph targets in this frame, with rounding, on each side [m], [3].
         bounds: Bounding box in the frame of the node: minimum and maximum [m].
         revision: Changes with every deformation.
     """
@@ -91,7 +92,7 @@ class SkinnedBody:
         self.morphed = self.stretched = False
         self.revision = 0
         self._morphs = morphs
-        self._grown = _growth(list(meshes.values()))
+        self.margin = self._grown = _growth(list(meshes.values()))
         self._least, self._greatest = np.zeros(3), np.zeros(3)
         self._order = -1
         self._joint_rows: I4 = np.zeros(joints, np.int32)
@@ -106,11 +107,6 @@ class SkinnedBody:
         """Bounding box in the frame of its node: minimum and maximum [m], [3] each."""
         return self._least, self._greatest
 
-    @property
-    def margin(self) -> F8:
-        """Margin of its morph targets in this frame, with rounding, on each side [m], [3]."""
-        return np.asarray(self._grown * max(1.0, float(np.abs(self.weights).max(initial=0.0))))
-
     def follow(self, transforms: TransformTable) -> None:
         """Update the palette, morph weights and bounds from the present transforms."""
         bent = self.revision == 0
@@ -122,9 +118,11 @@ class SkinnedBody:
             bent = bent or bool(transforms.changed[row]) or bool(transforms.changed[self._joint_rows].any())
             if bent:
                 self._write(row, transforms.world)
-        if bent or not np.array_equal(self.weights, self._morphs.astype(np.float32)):
-            self.weights[:] = self._morphs
-            self.morphed = bool(self.weights.any())
+        if len(self._morphs) and not np.array_equal(self.weights, morphs := self._morphs.astype(np.float32)):
+            self.weights[:], bent = morphs, True
+            self.morphed = bool(morphs.any())
+            self.margin = self._grown * max(1.0, float(np.abs(morphs).max()))
+        if bent:
             self._bound()
             self.revision += 1
 

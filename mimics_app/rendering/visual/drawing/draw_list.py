@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +12,7 @@ from mimics_app.contracts.arrays import B1, F8, I4, U1
 from mimics_app.rendering.visual.drawing.culling import make_culler
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems, list_items
 from mimics_app.rendering.visual.drawing.draw_order import DrawOrder
+from mimics_app.rendering.visual.drawing.draw_tally import Tally
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.drawing.levels import Levels
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
@@ -43,24 +44,6 @@ Size = tuple[int, int]
 
 HIDDEN, DRAWN = 1, 2
 """Fates of an item in a view's frustum: occluded, or drawn."""
-
-
-@dataclass(slots=True)
-class Tally:
-    """Counts of a frame, over all views: items, those outside, those occluded, frustum tests, skinned vertices."""
-
-    items: int = 0
-    culled: int = 0
-    hidden: int = 0
-    tests: int = 0
-    bent: int = 0
-
-    def count(self, items: int, in_frustum: int, drawn: int, tests: int) -> None:
-        """Add the counts of one view."""
-        self.tests += tests
-        self.items += items
-        self.culled += items - in_frustum
-        self.hidden += in_frustum - drawn
 
 
 class DrawList:

@@ -210,13 +210,15 @@ def _before(picked: I4, plane: F8, centres: F8, radii: F8) -> I4:
 
 def _screen(view: View, size: tuple[int, int]) -> tuple[F8, F8, F8]:
     """Return `screen`, `rays` and `window` of a `Raster`."""
-    right, up, back = view.world_from_eye[:3, :3].T
     low_x, high_x, low_y, high_y = view.tangents
     across, along = size[0] / (high_x - low_x), size[1] / (high_y - low_y)
-    screen = np.stack([(right + low_x * back) * across, (up + low_y * back) * along, -back])
-    rays = np.stack([right / across, up / along, low_x * right + low_y * up - back])
-    corners = [x * right + y * up - back for x in (low_x, high_x) for y in (low_y, high_y)]
-    return screen, rays, _NEAR_MARGIN * view.near * np.stack(corners)
+    near = _NEAR_MARGIN * view.near
+    screen = ((across, 0.0, low_x * across), (0.0, along, low_y * along), (0.0, 0.0, -1.0))
+    rays = ((1.0 / across, 0.0, 0.0), (0.0, 1.0 / along, 0.0), (low_x, low_y, -1.0))
+    corners = [(x * near, y * near, -near) for x in (low_x, high_x) for y in (low_y, high_y)]
+    # Of right, up and back in one product: a frame has four of these, and each small array costs as much as all.
+    found = np.array([*screen, *rays, *corners]) @ view.world_from_eye[:3, :3].T
+    return found[:3], found[3:6], found[6:]
 
 
 def _add_authored(world: World, items: DrawItems, of_item: I4, boxes: list[tuple[F8, F8, F8, F8, F8]]) -> None:

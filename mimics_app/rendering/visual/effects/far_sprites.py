@@ -32,6 +32,10 @@ class FarSprites:
         self._rest = self._before == billboards if alike else np.zeros(len(billboards), np.bool_)
         self._before = billboards.copy()
 
+    def rest(self) -> None:
+        """Note that all billboards are as in the last frame."""
+        self._rest[:] = True
+
     def count(self, sprites: NDArray[np.void], numbers: NDArray[np.int32], solid: int, eye: F8, away: F8) -> int:
         """Return how many blended sprites of a view are behind what changes.
 

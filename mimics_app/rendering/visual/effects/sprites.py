@@ -99,7 +99,7 @@ class SpriteField:
         self._shown: dict[SpriteState, set[str]] = {}
         self._cut: dict[tuple[int, int], F8 | None] = {}
         self._rows = SpriteRows()
-        self._billboards = np.zeros(0, SPRITE)
+        self._billboards, self._carried = np.zeros(0, SPRITE), b""
         self._emitters: dict[int, Emitter] = {}
         self._reported: set[Issue] = set()
         self._scratch(0)
@@ -233,7 +233,7 @@ class SpriteField:
         self._away, self._digits = np.zeros(size), np.zeros((8, 256), np.int32)
 
     def _take_structure(self, world: World) -> None:
-        effects = world.effects
+        effects, self._carried = world.effects, b""
         self._shown, self._pictures, self._cut = dict[SpriteState, set[str]](), {}, {}
         self._billboards = np.zeros(len(effects.billboards), SPRITE)
         for row, spec in zip(self._billboards, effects.billboards.values(), strict=True):
@@ -262,15 +262,19 @@ class SpriteField:
         if not count:
             return
         self._rows.reserve(count)
-        seen = self._rows.rows[self._rows.count : self._rows.count + count]
-        seen[:] = self._billboards
+        self._rows.count += count
         rows = world.transforms.rows(self._carriers)
-        matrices = world.transforms.world[rows]
+        matrices, shown = world.transforms.world[rows], world.transforms.shown[rows]
+        carried = matrices.tobytes() + shown.tobytes()
+        if carried == self._carried:  # the first rows are those of the last frame
+            self._far.rest()
+            return
+        self._carried, seen = carried, self._rows.rows[:count]
+        seen[:] = self._billboards
         seen["place"] = matrices[:, :3, 3]
         seen["half"] *= np.linalg.norm(matrices[:, :3, :2], axis=1)
-        seen["tint"][world.transforms.shown[rows] == 0, 3] = 0.0
+        seen["tint"][shown == 0, 3] = 0.0
         self._far.follow(seen)
-        self._rows.count += count
 
     def _state(self, world: World, spec: Billboard | Particles, text: str = "") -> tuple[int, int]:
         """Return the number of a state, and the layer of the texture."""

@@ -171,6 +171,15 @@ class HudPass:
         ctx.fbo.scissor = None  # type: ignore[assignment]
         return len(within) * len(self._kinds)
 
+    def draw_over(self, huds: Sequence[Hud], views: Sequence[View], depth: float) -> int:
+        """Draw displays over all views that are on a screen, at a depth [m]; return the draw calls."""
+        draws, huds = 0, [hud for hud in huds if not hud.empty]
+        for screen in dict.fromkeys(view.screen for view in views if huds and view.screen >= 0):
+            eyes = [view for view in views if view.screen == screen]
+            plane = plane_of_views(eyes, depth)
+            draws += sum(self.draw(hud, view, plane) for view in eyes for hud in huds)
+        return draws
+
     def release(self) -> None:
         """Free buffers and textures."""
         self._arrays.release()

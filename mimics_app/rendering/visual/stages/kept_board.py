@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import F8, U1
 from mimics_app.rendering.visual.changed_part import ChangedPart
 from mimics_app.rendering.visual.figures.hud import HUD_ROW, Hud
-from mimics_app.rendering.visual.passes.hud import HudPass, HudPlane, clip_from_hud, places_of
+from mimics_app.rendering.visual.passes.hud import HudPass, clip_from_hud, places_of, plane_of_views
 from mimics_app.rendering.visual.stages.screen_places import mark_cells_of, pieces_of
 from mimics_app.rendering.visual.surfaces.raw_gl import RawGL
 from mimics_app.rendering.visual.surfaces.surface import Surface
@@ -81,27 +81,31 @@ class KeptBoard:
         self._surface, self._gl, self._hud_pass = surface, RawGL(surface.ctx), hud_pass
         self._drawn: _Drawn | None = None
 
-    def forget(self) -> None:
-        """Take nothing of the last frame for what the surface shows."""
-        self._surface.painter = self._drawn = None
-
     def draw(
-        self, finished: moderngl.Framebuffer, parts: Sequence[ChangedPart], hud: Hud, view: View, plane: HudPlane
+        self,
+        finished: moderngl.Framebuffer | None,
+        parts: Sequence[ChangedPart] | None,
+        hud: Hud,
+        view: View,
+        depth: float,
     ) -> int | None:
         """Copy what changed of a picture to the surface, and draw the display over that and where it changed itself.
 
         Args:
-            finished: The picture without the display.
-            parts: Parts of it that changed since the last frame.
+            finished: The picture without the display; None where that is the surface's already.
+            parts: Parts of it that changed since the last frame; None: all of it, or it is not for this class to draw.
             hud: The display.
             view: The only view of the picture.
-            plane: Plane of the display.
+            depth: Distance of the display [m].
 
         Returns:
-            Draw calls made; None where all of it has to be copied and drawn, as the surface shows something else.
+            Draw calls made; None where all of it has to be copied and drawn.
         """
-        before, clip, target = self._drawn, clip_from_hud(view, plane), self._surface.framebuffer
-        place = view.rectangle
+        if finished is None or parts is None or hud.empty:
+            self._surface.painter = self._drawn = None
+            return None
+        plane = plane_of_views([view], depth)
+        before, clip, place = self._drawn, clip_from_hud(view, plane), view.rectangle
         kept = before is not None and self._surface.painter is self and before.has_place_of(hud, clip, place)
         if before is None or not kept or before.revision != hud.revision:
             rows = hud.rows()
@@ -114,8 +118,8 @@ class KeptBoard:
         renewed = pieces_of(marked, place[2:])
         renewed = [(place[0] + x, place[1] + y, width, height) for x, y, width, height in renewed]
         if pieces or renewed:
-            self._gl.copy_colours(finished, target, [*pieces, *renewed])
-        target.use()
+            self._gl.copy_colours(finished, self._surface.framebuffer, [*pieces, *renewed])
+        self._surface.framebuffer.use()
         return self._hud_pass.draw(hud, view, plane, renewed) if renewed else 0
 
 
