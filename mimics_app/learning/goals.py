@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Literal
 
 import numpy as np
@@ -80,7 +81,10 @@ def build_goal(words: str) -> Goal:
         ValueError: There is no such goal, or its numbers are out of range.
     """
     name, *numbers = words.split(":")
-    values = [float(number) for number in numbers]
+    try:
+        values = [float(number) for number in numbers]
+    except ValueError:
+        values = [math.nan]
     if name == "task" and not values:
         return TaskGoal()
     if name == "success" and len(values) <= 1 and all(0.0 < value < 1.0 for value in values):

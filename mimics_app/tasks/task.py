@@ -227,9 +227,9 @@ class BlockSpec(Component, frozen=True):
             "(repetition r takes row r of a Williams square: every condition follows every other equally often)."
         ),
     ] = "listed"
-    practice: Annotated[bool, Meta(description="True: recorded and shown, but left out of the session's score.")] = (
-        False
-    )
+    practice: Annotated[
+        bool, Meta(description="True: recorded, shown and learned from by a policy, but in neither score nor goal.")
+    ] = False
 
 
 class StartSpec(Component, frozen=True):

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import serial
 
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import Button, DeviceStatus, SafetyState, TripCause
@@ -206,6 +207,17 @@ def test_a_robot_without_commands_lets_go_by_itself(tmp_path: Path):
             rig.step()
         assert rig.emulator.is_limp
         bench.engine.stop()
+
+
+def test_a_line_that_another_program_uses_is_named_so(tmp_path: Path):
+    master, slave = os.openpty()
+    try:
+        with serial.Serial(os.ttyname(slave), exclusive=True):
+            with pytest.raises(DeviceError, match="another program uses it"):
+                build_device(Robot(device=f"serial:{os.ttyname(slave)}"))
+    finally:
+        os.close(master)
+        os.close(slave)
 
 
 def test_what_is_not_there_or_does_not_answer_is_a_device_error(tmp_path: Path):

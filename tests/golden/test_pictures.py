@@ -11,8 +11,10 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import DeviceError, UsageError
+from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen, read_pixels, save_png
+from mimics_app.rendering.visual.view import View
 from tests.golden.conftest import compare_pictures
 from tests.golden.drawing import SIZE, draw_tunnel
 from tests.support.xvfb import display
@@ -110,3 +112,24 @@ def test_a_window_without_a_display_says_what_to_do(monkeypatch):
 def test_an_impossible_surface_is_refused(backend, size):
     with pytest.raises(UsageError):
         create_surface(backend, size)
+
+
+@pytest.mark.parametrize(
+    ("setting", "value"),
+    [
+        ("tone_map", "filmic"),
+        ("skinning", "gpu"),
+        ("shadows", "texture"),
+        ("fog_density", np.nan),
+        ("exposure", np.nan),
+    ],
+)
+def test_impossible_settings_are_refused(setting, value):
+    with pytest.raises(UsageError, match=setting):
+        RenderSettings(**{setting: value})
+
+
+@pytest.mark.parametrize("pose", [np.full((4, 4), np.nan), np.eye(3), np.diag([1.0, 1.0, np.inf, 1.0])])
+def test_a_view_from_nowhere_is_refused(pose):
+    with pytest.raises(UsageError, match="pose of a view"):
+        View(pose, (-0.5, 0.5, -0.5, 0.5), (0, 0, 64, 36))

@@ -68,6 +68,16 @@ def test_loops_begin_again_and_others_hold_their_end(animator: Animator) -> None
     assert looping.at == pytest.approx(0.25) and held.at == 1.0 and held.ended and not looping.ended
 
 
+@pytest.mark.parametrize("number", ["at", "speed", "weight", "fade"])
+def test_a_number_that_is_none_is_refused_and_leaves_the_pose_alone(animator: Animator, number: str) -> None:
+    with pytest.raises(ValueError, match="cannot play at"):
+        animator.play("bow", **{number: float("nan")})
+    assert not animator.layers
+    animator.play("bow", at=1.0, speed=0.0)
+    animator.step(0.1)
+    assert _angle(animator, 1) == pytest.approx(60.0, abs=1e-4)
+
+
 def test_a_cross_fade_never_shows_the_rest_pose(animator: Animator) -> None:
     """Half way between two poses of 60 degrees about one axis lies 60 degrees, not a share of it."""
     animator.change("bow", 0.0, 0.0).at = 1.0

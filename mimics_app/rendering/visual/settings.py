@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import Literal, TypedDict
+from functools import cache
+from typing import Any, Literal, TypedDict, get_args, get_origin, get_type_hints
 
-from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.errors import UsageError, require_choice
 from mimics_app.world.materials.technique import Profile
 
 __all__ = [
@@ -114,6 +116,7 @@ class RenderSettings:
     timer: bool = False
 
     def __post_init__(self) -> None:
+        _check_types(self)
         if self.msaa not in (0, 2, 4, 8):
             raise UsageError(f"{self.msaa} samples per pixel are not supported", "give 0, 2, 4 or 8")
         if not 0.25 <= self.scale <= 1.0:
@@ -133,6 +136,21 @@ class RenderSettings:
             raise UsageError(f"{self.cascades} shadow maps of the sun are not supported", "give 1 to 4")
         if not 0 <= self.shadow_size <= 8192:
             raise UsageError(f"a shadow map of {self.shadow_size} texels is not supported", "give 0 to 8192")
+
+
+def _check_types(settings: RenderSettings) -> None:
+    """Refuse words that are no choice of a setting, and NaN."""
+    for name, hint in _hints().items():
+        value = getattr(settings, name)
+        if get_origin(hint) is Literal:
+            require_choice(value, get_args(hint), f"setting of {name}")
+        elif hint is float and math.isnan(value):
+            raise UsageError(f"{name} is not a number", "give a number")
+
+
+@cache
+def _hints() -> dict[str, Any]:
+    return get_type_hints(RenderSettings)
 
 
 class QualityChanges(TypedDict, total=False):

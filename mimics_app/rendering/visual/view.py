@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -54,6 +55,8 @@ class View:
                 f"a frustum of tangents {self.tangents} from {self.near} m to {self.far} m is empty",
                 "give left < right, bottom < top and 0 < near < far",
             )
+        if np.shape(self.world_from_eye) != (4, 4) or not math.isfinite(self.world_from_eye.sum()):
+            raise UsageError("the pose of a view is not a matrix of 4 x 4 finite numbers", "look at the eye's pose")
 
     @property
     def eye_world(self) -> F8:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -124,10 +125,13 @@ class Animator:
 
         Raises:
             KeyError: there is no such clip; the message names the nearest.
+            ValueError: a number is not finite; it would stay in the pose of every later frame.
         """
         if name not in self.clips:
             known = nearest(name, self.clips) if self.clips else "the model has no clips"
             raise KeyError(f'no clip "{name}"; {known}')
+        if not all(map(math.isfinite, (at, speed, weight, fade))):
+            raise ValueError(f"a clip cannot play at {at} s with speed {speed}, weight {weight} and a fade of {fade} s")
         layer = Layer(
             self.clips[name],
             self.rig.rest,
@@ -158,6 +162,7 @@ class Animator:
 
         Raises:
             KeyError: there is no such clip.
+            ValueError: a number is not finite.
         """
         self._ground = [layer for layer in self._ground if layer in self.layers]
         for layer in self._ground:

@@ -114,6 +114,10 @@ def build_serial(request: DeviceRequest) -> DevicePlugin:
     )
 
 
+_REASONS = {errno.ENOENT: "nothing is there", errno.EAGAIN: "another program uses it"}
+"""Why a line cannot be opened, by the number of the error."""
+
+
 def _open_port(port: str, baud: int) -> Any:
     """Open the line, raw and non-blocking."""
     import serial
@@ -121,8 +125,7 @@ def _open_port(port: str, baud: int) -> Any:
     try:
         line = serial.Serial(port, baud, timeout=0, exclusive=True)
     except (OSError, ValueError) as failure:  # SerialException is an OSError
-        why = "nothing is there" if getattr(failure, "errno", None) == errno.ENOENT else str(failure)
-        raise no_port(port, why) from failure
+        raise no_port(port, _REASONS.get(getattr(failure, "errno", None) or 0, str(failure))) from failure
     os.set_blocking(line.fileno(), False)
     return line
 
