@@ -132,7 +132,7 @@ def test_a_redrawn_part_has_the_pixels_of_the_whole():
 
 @pytest.mark.parametrize("limit", [-1.0, math.nan])
 def test_a_limit_that_cannot_be_is_refused(limit):
-    with pytest.raises(UsageError, match="vertices"):
+    with pytest.raises(UsageError, match="vert"):
         RenderSettings(vertex_light=limit)
 
 
