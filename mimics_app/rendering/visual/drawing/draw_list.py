@@ -122,6 +122,7 @@ class DrawList:
             self._revision = revision
             occluders = gather_occluders(world, self.items, self._arena, wanted)
             self._occlusion = OcclusionPass(occluders) if len(occluders.inner_half) else None
+        self._levels.begin()
         self._detail, self._by_triangle = settings.detail, settings.occlusion != "off"
         self._small.limit = settings.vertex_light
         self.tally = Tally()

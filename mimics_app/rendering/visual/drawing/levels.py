@@ -53,6 +53,11 @@ class Levels:
         bends = np.array([name in world.motion.body_of for name in items.mesh_names], np.bool_)[items.meshes]
         self._bends = np.isin(np.arange(len(self._counts)), items.families[bends])
         self._shown = np.zeros(len(items.rows), np.uint8)
+        self._shown_in: Hashable = None
+
+    def begin(self) -> None:
+        """Begin a frame: bodies and eyes may have moved."""
+        self._shown_in = None
 
     @property
     def bodies(self) -> int:
@@ -65,8 +70,8 @@ class Levels:
         """Return 1 for each item of the chosen levels that may be drawn, [n]; valid until the next call.
 
         Args:
-            key: Identifies the view from frame to frame.
-            view: The view; a part of a picture has the levels of the whole picture.
+            key: Identifies the view from frame to frame; one view has one choice in a frame, in all of its parts.
+            view: The view, or a part of it.
             size: Size as drawn [px].
             shown: 1 where an item may be drawn at all, [n].
             centres: Centres of the items' spheres, world [m], [n, 3].
@@ -75,13 +80,14 @@ class Levels:
         """
         if not self.bodies:
             return shown
+        if self._shown_in == key:
+            return self._shown
         chosen = self._chosen.setdefault(key, np.full(len(self._counts), -1, np.int32))
         eye = np.ascontiguousarray(view.eye_world)
         window = view.window / detail**2
         smaller = fewer_pixels(view, size)
         choose_levels(self._leads, centres, radii, self._counts, self._coverages, eye, window, smaller, chosen)
-        show_levels(shown, self._items.levels, self._items.families, chosen, self._shown)
-        return self._shown
+        return self._show(shown, chosen, key)
 
     def show_for_texels(self, shown: U1, radii: F8, texel: float) -> U1:
         """Return 1 for each item of the coarsest levels that suffice for a shadow map of a texel width [m], [n].
@@ -94,8 +100,7 @@ class Levels:
         chosen = np.empty(len(self._counts), np.int32)
         window = (_FILTER * texel) ** 2 * COVERED_PICTURE[0] * COVERED_PICTURE[1]
         choose_for_texels(self._leads, radii, self._counts, self._coverages, window, chosen)
-        show_levels(shown, self._items.levels, self._items.families, chosen, self._shown)
-        return self._shown
+        return self._show(shown, chosen)
 
     def show_finest(self, shown: U1) -> U1:
         """Return 1 for each item of the finest levels that may be drawn, [n]; valid until the next call.
@@ -108,5 +113,9 @@ class Levels:
         if self._chosen and self._bends.any():
             seen = np.minimum.reduce([np.where(each < 0, 0, each) for each in self._chosen.values()])
             finest[self._bends] = np.minimum(seen, self._counts - 1)[self._bends]
-        show_levels(shown, self._items.levels, self._items.families, finest, self._shown)
+        return self._show(shown, finest)
+
+    def _show(self, shown: U1, chosen: I4, key: Hashable = None) -> U1:
+        show_levels(shown, self._items.levels, self._items.families, chosen, self._shown)
+        self._shown_in = key
         return self._shown

@@ -101,7 +101,7 @@ class KeptBoard:
         Returns:
             Draw calls made; None where all of it has to be copied and drawn.
         """
-        if finished is None or parts is None or hud.empty:
+        if finished is None or parts is None or hud.empty or view.screen < 0:
             self._surface.painter = self._drawn = None
             return None
         plane = plane_of_views([view], depth)
