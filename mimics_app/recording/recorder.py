@@ -81,7 +81,7 @@ class Recorder:
         self._looked_ns = self._still_ns = 0
         self._trials: list[bytes] = []
         self._last_parameters = b""
-        self._closed = False
+        self._closed = self._given_up = False
         # At an exit without `close` the channel must end before the process is joined, or both would wait forever.
         self._finalize = Finalize(self, self._outbox.close, exitpriority=100)
 
@@ -139,7 +139,7 @@ class Recorder:
     @property
     def problem(self) -> str:
         """Message on what keeps it from recording, "" for none."""
-        if self.restarts > _MOST_RESTARTS:
+        if self._given_up:
             return PROBLEMS[Problem.NOT_RUNNING]
         return PROBLEMS[Problem(self._status[StatusWord.PROBLEM])]
 
@@ -165,11 +165,12 @@ class Recorder:
             PartialDataError: The first process did not start.
         """
         self._look_for_passes(replace=True)
-        if not self._closed and self._process is not None and not self.alive and self.restarts <= _MOST_RESTARTS:
+        if not (self._closed or self._given_up or self._process is None or self.alive):
             if self.restarts == 0 and not self._status[StatusWord.READY]:
                 self._give_up_start()
-            self.restarts += 1
-            if self.restarts <= _MOST_RESTARTS:
+            self._given_up = self.restarts == _MOST_RESTARTS
+            if not self._given_up:
+                self.restarts += 1
                 self._status[StatusWord.READY] = 0
                 self._spawn()
                 self._send_again()
@@ -270,7 +271,7 @@ class Recorder:
             or self._outbox.waiting_bytes > _BACKLOG
         ):
             self.supervise()
-            if self._clock.now_ns() > deadline or self.restarts > _MOST_RESTARTS:
+            if self._clock.now_ns() > deadline or self._given_up:
                 raise PartialDataError(f"the recorder of {self.folder} is stuck", "is its disk alive?")
             self._clock.sleep_until_ns(self._clock.now_ns() + _ROOM_STEP_NS)
 

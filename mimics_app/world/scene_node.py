@@ -55,12 +55,17 @@ class SceneNode(Handle):
         """Create a child node: position [m], orientation xyzw, scale.
 
         Raises:
-            ValueError: the name is taken, or a number is not finite.
+            TypeError: the name is not a text, or something in the place of a vector is none.
+            ValueError: the name is taken, or a number is not finite. The node is removed at the frame's end.
         """
         child = self.world.create_node(name, self)
-        child.set_position(position)
-        child.set_orientation(orientation)
-        child.set_scale(scale)
+        try:
+            child.set_position(position)
+            child.set_orientation(orientation)
+            child.set_scale(scale)
+        except (TypeError, ValueError):
+            child.remove()
+            raise
         return child
 
     def attach(self, what: SceneNode | Entity | Light | Camera) -> None:

@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import SceneError
+from mimics_app.contracts.resources import root
 from mimics_app.rendering.visual.effects.captions import caption_key, caption_picture
 from mimics_app.rendering.visual.kernels.particles import SPRITE
 from mimics_app.rendering.visual.kernels.sprites import MAX_PIECES, SPRITE_VERTEX, write_sprites
 from mimics_app.scenarios.parts.next_station import NextStation
+from mimics_app.world.components.shapes import SphereShape
 from mimics_app.world.scene.file import build_world, load_scene
 
 PLATE = (0.10, 0.02)
@@ -93,3 +95,21 @@ def test_the_mark_hovers_over_what_is_next_and_goes_on_when_it_is_reached(tmp_pa
     np.testing.assert_allclose(mark.position, (0.1, 0.58, 0.0), atol=1e-9)
     NextStation(scene, world, (), "ball")
     assert not mark.visible
+
+
+@pytest.mark.parametrize("name", ["springs_and_magnets", "shaking_and_sticking"])
+def test_no_glass_that_bounds_the_hand_lies_before_a_caption(name):
+    scene = load_scene(root() / "scenes" / "examples" / f"{name}.json")
+    world = build_world(scene)
+    eye, bounds = world.find("patient_eye").world_matrix()[:3, 3], world.find("bounds")
+    shape = scene.by_id["bounds"].components["mesh"].primitive
+    centre = bounds.world_matrix()[:3, 3]
+    captions = [entity.id for entity in scene.entities if entity.id.startswith("caption_")]
+    assert len(captions) >= 2
+    for caption in captions:
+        way = eye + np.linspace(0.0, 1.0, 200)[:, None] * (world.find(caption).world_matrix()[:3, 3] - eye) - centre
+        if isinstance(shape, SphereShape):
+            inside = np.linalg.norm(way, axis=1) < shape.radius
+        else:
+            inside = (np.abs(way) < 0.5 * np.array(shape.size)).all(axis=1)
+        assert not inside.any(), caption

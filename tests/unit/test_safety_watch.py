@@ -11,7 +11,10 @@ import pytest
 from mimics_app.app.session.safety_watch import SafetyWatch, hold_message
 from mimics_app.app.session.watches import RecorderWatch
 from mimics_app.contracts.haptic import EVENT, EventKind, SafetyState, TripCause
+from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.contracts.trips import Trip, TripReader
+from mimics_app.recording.recorder import Recorder
+from mimics_app.recording.recorder_status import StatusWord
 
 
 def reported(*trips: tuple[int, SafetyState, TripCause]) -> np.ndarray:
@@ -110,3 +113,18 @@ def test_a_recorder_that_died_and_is_back_is_reported_on_the_terminal(capsys):
         capsys.readouterr().err
         == "mimics: the disk is full\nmimics: the disk can be written again: the recording goes on, with a gap\n"
     )
+
+
+def test_a_recorder_that_dies_each_time_is_given_up_in_one_line(tmp_path, monkeypatch, capsys):
+    recorder = Recorder(SessionMemory(), tmp_path, {})
+    dead: Any = SimpleNamespace(is_alive=lambda: False, pid=0)
+    recorder._process, recorder._status[StatusWord.READY] = dead, 1
+    monkeypatch.setattr(recorder, "_spawn", lambda: recorder._status.__setitem__(StatusWord.READY, 1))
+    watch = RecorderWatch(recorder)
+    for _ in range(10):
+        recorder.supervise()
+        watch.look()
+    lines = capsys.readouterr().err.splitlines()
+    assert recorder.restarts == sum("is replaced" in line for line in lines) == 5
+    assert lines[-1] == "mimics: the recorder process does not stay alive: nothing is recorded"
+    assert lines[-2] == "mimics: the recorder is back", "of the fifth"

@@ -460,3 +460,14 @@ def test_a_kind_of_light_and_the_type_of_a_name_are_checked():
         world.create_node("lamp").create_light("sopt")
     with pytest.raises(TypeError, match="a text, not 5"):
         world.create_node(5)
+
+
+@pytest.mark.parametrize("where", [{"position": (math.nan, 0, 0)}, {"orientation": (0, 0, 0, 0)}, {"scale": None}])
+def test_a_child_with_an_impossible_pose_does_not_stay(where):
+    world = World()
+    world.update()
+    with pytest.raises((TypeError, ValueError)):
+        world.root.create_child("hand", **where)
+    world.update()
+    assert "hand" not in world
+    assert world.root.create_child("hand").name == "hand"
