@@ -13,6 +13,15 @@
 out vec4 colour;
 
 void main() {
+    vec3 sight = line_of_sight();
+    float distance = length(sight);
+    vec3 n = normalize(gl_FrontFacing ? normal : -normal);
+    // Before the textures are read: fewer values have to outlast the loop of the shadow's filter.
+#ifdef SOFT
+    vec2 sun = sun_and_tone(position_eye + CREEP_DEPTH * map_strength.z * sun_direction.xyz, n);
+#else
+    vec2 sun = sun_and_tone(position_eye, n);
+#endif
     vec4 base = material_colour(tint, uv);
 #ifdef MASKED
     if (base.a < emission.w) discard;
@@ -21,15 +30,7 @@ void main() {
     vec2 cells = (position_eye + eye_position_world()).xz / finish.z;
     base.rgb = mix(base.rgb, sqrt(base.rgb), 0.5 * grid_coverage(cells));
 #endif
-    vec3 sight = line_of_sight();
-    float distance = length(sight);
-    vec3 n = normalize(gl_FrontFacing ? normal : -normal);
     vec2 figures = material_finish(uv);
-#ifdef SOFT
-    vec2 sun = sun_and_tone(position_eye + CREEP_DEPTH * map_strength.z * sun_direction.xyz, n);
-#else
-    vec2 sun = sun_and_tone(position_eye, n);
-#endif
 #ifdef NORMAL_MAP
     n = material_normal(n, position_eye, uv);
 #endif

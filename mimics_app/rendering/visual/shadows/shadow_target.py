@@ -29,7 +29,7 @@ class ShadowTarget:
 
         self.size = size
         self._ctx = ctx
-        self._texture = ctx.depth_texture((max(size, 1),) * 2)
+        self._texture = self._make()
         self._texture.compare_func = ""
         self._texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._texture.repeat_x = self._texture.repeat_y = False
@@ -65,7 +65,13 @@ class ShadowTarget:
     @cached_property
     def _layer(self) -> moderngl.Texture:
         """Copies of the kept depths."""
-        return self._ctx.depth_texture(self._texture.size)
+        return self._make()
+
+    def _make(self) -> moderngl.Texture:
+        """Return a texture of depths in single precision, which a software driver samples without converting them."""
+        texture = self._ctx.depth_texture((max(self.size, 1),) * 2)
+        self._raw.store_as_float(texture)
+        return texture
 
     @cached_property
     def _raw(self) -> RawGL:

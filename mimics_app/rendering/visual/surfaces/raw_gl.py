@@ -39,6 +39,7 @@ _RENDERBUFFER, _FRAMEBUFFER, _DEPTH_STENCIL_ATTACHMENT, _DEPTH24_STENCIL8 = 0x8D
 _TEXTURE_2D, _READ_FRAMEBUFFER, _DRAW_FRAMEBUFFER, _COLOUR_BUFFER_BIT, _NEAREST = 0x0DE1, 0x8CA8, 0x8CA9, 0x4000, 0x2600
 
 _RGBA, _BGRA, _UNSIGNED_BYTE = 0x1908, 0x80E1, 0x1401
+_DEPTH_COMPONENT32F, _DEPTH_COMPONENT, _GL_FLOAT = 0x8CAC, 0x1902, 0x1406
 
 _UINT, _INT, _BYTE, _FLOAT = ctypes.c_uint, ctypes.c_int, ctypes.c_ubyte, ctypes.c_float
 _ARGUMENTS: dict[str, tuple[Any, ...]] = {
@@ -118,6 +119,12 @@ class RawGL:
         """Store the bytes of a texture as blue, green, red, alpha; its content is undefined afterwards."""
         self._calls["glBindTexture"](_TEXTURE_2D, texture.glo)
         form = (_RGBA, *texture.size, 0, _BGRA, _UNSIGNED_BYTE)  # drivers choose the order of the pixels given
+        self._calls["glTexImage2D"](_TEXTURE_2D, 0, *form, None)
+
+    def store_as_float(self, texture: moderngl.Texture) -> None:
+        """Store the depths of a texture in single precision; its content is undefined afterwards."""
+        self._calls["glBindTexture"](_TEXTURE_2D, texture.glo)
+        form = (_DEPTH_COMPONENT32F, *texture.size, 0, _DEPTH_COMPONENT, _GL_FLOAT)
         self._calls["glTexImage2D"](_TEXTURE_2D, 0, *form, None)
 
     def copy_texels(self, source: moderngl.Texture, target: moderngl.Texture, place: tuple[int, int, int, int]) -> None:
