@@ -82,6 +82,7 @@ class TripCause(IntEnum):
     DEVICE_FAULT = 9
     JUMP = 10
     ENERGY = 11
+    SENSOR = 12
 
 
 class Controller(IntEnum):
@@ -139,6 +140,7 @@ LIMITS: list[tuple[Any, ...]] = [
     ("power_limit", "f8"),  # [W] of the virtual force on the user, given or taken
     ("energy_limit", "f8"),  # [J] one contact may give to the user before SAFE_STOP
     ("velocity_limit", "f8"),  # [m/s] measured: beyond it SAFE_STOP
+    ("measured_force_limit", "f8"),  # [N] beyond it for longer than stale_stop_ns SAFE_STOP
     ("position_jump", "f8"),  # [m] a position may move more than velocity_limit allows before SAFE_STOP
     ("max_acceleration", "f8"),  # [m/s^2] of the virtual mass
     ("max_velocity", "f8"),  # [m/s] of the command

@@ -229,6 +229,7 @@ class SceneRecord:
     power_limit: float
     energy_limit: float
     velocity_limit: float
+    measured_force_limit: float
     position_jump: float
     max_acceleration: float
     max_velocity: float
@@ -828,6 +829,7 @@ class StateRecord:
     resets: int
     sequence: int
     trial: int
+    strained_ticks: int
     quiet_ticks: int
     answered: int
     readable: int

@@ -30,6 +30,7 @@ _WORDS: Mapping[TripCause, tuple[str, str]] = {
     TripCause.VELOCITY: ("the hand was faster than velocity_limit", "move more slowly, or look at the device"),
     TripCause.DEVICE_FAULT: ("the device reports a fault, or is gone", "look at its display, its line and its power"),
     TripCause.JUMP: ("the position jumped further than a hand can move", "look at the device's sensors and its line"),
+    TripCause.SENSOR: ("the measured force stayed beyond measured_force_limit", "look at the device's force sensor"),
     TripCause.ENERGY: ("a contact gave more energy than energy_limit", "make what was touched softer or more damped"),
 }
 """What happened and what to do, by cause."""

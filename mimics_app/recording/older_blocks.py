@@ -36,8 +36,8 @@ _OF_DEVICES = {
 }
 """Values that such a block implies."""
 
-_WITHOUT = {"late_latches": 1}
-"""Parameters that earlier versions lack, with the value of their behaviour: late ticks always latched."""
+_WITHOUT = {"late_latches": 1, "measured_force_limit": 1e9}
+"""Parameters that earlier versions lack, with the value of their behaviour: late ticks always latched, forces never."""
 
 _WIDER = {"target", "kp", "kd", "joint_min", "joint_max"}
 """Vectors that had three joints, or one point."""

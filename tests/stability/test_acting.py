@@ -15,7 +15,7 @@ from mimics_app.rendering.haptic.kernels.acting import payable_share, settle_acc
 from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, middle_velocity
 from mimics_app.rendering.haptic.kernels.stability import contact_share, spring_share
 from mimics_app.world.components.robot import Robot
-from tests.support.haptic_bench import PUSH, Bench, glide, patient_bench, pushed_bench, script, scripted
+from tests.support.haptic_bench import FORCE, PUSH, Bench, glide, patient_bench, pushed_bench, script, scripted
 
 T = 1e-3
 OWN, WALL = 8.0, 20.0  # damping [N s/m] of the virtual mass and of the wall
@@ -215,6 +215,20 @@ def test_a_position_that_jumps_stops_the_loop_although_the_reported_velocity_sta
 def test_after_a_silence_the_position_may_be_further_away():
     assert _jumping(0.0101, silent=5)["state"][-1] == SafetyState.ACTIVE
     assert _jumping(0.0107, silent=5)["cause"][-1] == TripCause.JUMP
+
+
+@pytest.mark.parametrize(("force", "ticks", "stops"), [(300.0, 21, True), (300.0, 20, False), (249.0, 200, False)])
+def test_a_force_sensor_that_sticks_beyond_its_limit_stops_the_loop(force: float, ticks: int, stops: bool):
+    """The limit is 250 N for 20 ms: a spike passes, and what a hand can do."""
+    rows = script(700)
+    rows[400 : 400 + ticks, FORCE + 2] = force
+    rows = scripted(rows, straight=None).advance(700)
+    if not stops:
+        assert (rows["state"][400:] == SafetyState.ACTIVE).all()
+        return
+    assert (rows["state"][400:420] == SafetyState.ACTIVE).all()
+    assert rows["state"][420] == SafetyState.SAFE_STOP and rows["cause"][420] == TripCause.SENSOR
+    assert (rows["f_user_world"][420:] == 0.0).all()
 
 
 def test_one_contact_that_gives_too_much_stops_the_loop():

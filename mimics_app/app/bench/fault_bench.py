@@ -58,6 +58,7 @@ _FAULTS = (
     Fault("drive fault", TripCause.DEVICE_FAULT, 1.0, _of_device(DeviceFault.DRIVE_FAULT)),
     Fault("position jumps by 10 mm", TripCause.JUMP, 1.0, _of_device(DeviceFault.JUMP)),
     Fault("velocity of 3 m/s", TripCause.VELOCITY, 1.0, _of_device(DeviceFault.TOO_FAST)),
+    Fault("sensor sticks at 300 N", TripCause.SENSOR, 22.0, _of_device(DeviceFault.SENSOR_STUCK)),
     Fault("spike of 400 N at the sensor", TripCause.NONE, 0.0, _of_device(DeviceFault.SENSOR_SPIKE)),
 )
 

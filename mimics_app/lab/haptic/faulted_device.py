@@ -37,6 +37,7 @@ class DeviceFault(IntEnum):
     JUMP = 6  # the position leaps by a centimetre, as after a lost encoder pulse
     TOO_FAST = 7  # the vertical axis reports 3 m/s
     SENSOR_SPIKE = 8  # one tick of 400 N at the force sensor
+    SENSOR_STUCK = 9  # 300 N at the force sensor in every tick
 
 
 _KIND, _AT, _HEAD = 0, 1, 2
@@ -49,7 +50,7 @@ _LEAP = 0.01
 """[m]"""
 _FAST = 3.0
 """[m/s]"""
-_SPIKE = 400.0
+_SPIKE, _STUCK = 400.0, 300.0
 """[N]"""
 _TICK_S = 1e-3
 
@@ -79,6 +80,8 @@ def read_faulted(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
         data[DATA_DQ + _VERTICAL] = _FAST
     elif kind == DeviceFault.SENSOR_SPIKE and since == 0:
         data[DATA_FORCE + _VERTICAL] += _SPIKE
+    elif kind == DeviceFault.SENSOR_STUCK:
+        data[DATA_FORCE + _VERTICAL] = _STUCK
     return _FAULT if kind == DeviceFault.DRIVE_FAULT else status
 
 

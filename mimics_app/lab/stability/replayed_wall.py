@@ -251,7 +251,7 @@ def _scene() -> NDArray[Any]:
     record["objects"]["tunnels"] = 1
     record["ball_radius_min"] = record["ball_radius_max"] = _BALL
     record["force_limit"] = record["force_rate_limit"] = record["power_limit"] = _UNLIMITED
-    record["energy_limit"] = record["position_jump"] = _UNLIMITED
+    record["energy_limit"] = record["position_jump"] = record["measured_force_limit"] = _UNLIMITED
     record["cap"] = record["passivity"] = 0
     record["ramp_force"], record["ramp_time"] = 0.1, PERIOD
     return scene

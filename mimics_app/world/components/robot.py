@@ -250,6 +250,10 @@ class Safety(Component, frozen=True):
     velocity_limit: Annotated[
         float, Meta(gt=0, le=10, description="Measured velocity beyond which SAFE_STOP follows [m/s]")
     ] = 1.2
+    measured_force_limit: Annotated[
+        float,
+        Meta(gt=0, le=1e4, description="Measured force beyond which SAFE_STOP follows after stale_stop_s [N]"),
+    ] = 250.0
     workspace_margin: Annotated[Share, Meta(description="Margin beyond the joint limits before SAFE_STOP [m, rad]")] = (
         0.01
     )

@@ -151,13 +151,22 @@ def _largest_force(scene: SceneRecord, states: Table[StateRecord]) -> float:
 
 
 @kernel
+def _is_strained(scene: SceneRecord, states: Table[StateRecord]) -> bool:
+    """Whether the measured force at any point of contact is beyond its limit; NaN counts as beyond."""
+    for c in range(scene.contacts):
+        if not norm(states[c].f_meas) <= scene.measured_force_limit:
+            return True
+    return False
+
+
+@kernel
 def _late_cause(held: int) -> TripCause:
     """Cause of a late-tick class beyond HOLD."""
     return TripCause.MISSED_IN_ROW if held == MISSED_STOP else TripCause.LATE_TICK
 
 
 @kernel
-def _find_trip(scene: SceneRecord, states: Table[StateRecord], status: int, held: int) -> TripCause:
+def _find_trip(scene: SceneRecord, states: Table[StateRecord], status: int, held: int, dt: float) -> TripCause:
     """Cause that latches SAFE_STOP in this tick, or NONE."""
     cause, state = TripCause.NONE, states[0]
     if state.readable == 0 or state.tunnel.status == TunnelStatus.NOT_FINITE or state.objects_failed == 1:
@@ -176,6 +185,8 @@ def _find_trip(scene: SceneRecord, states: Table[StateRecord], status: int, held
         cause = TripCause.JUMP
     elif _point_trips(scene, states, TripCause.ENERGY):
         cause = TripCause.ENERGY
+    elif state.safety >= SafetyState.HOMED and state.strained_ticks * dt * SECOND_NS > scene.stale_stop_ns:
+        cause = TripCause.SENSOR
     return cause
 
 
@@ -243,7 +254,8 @@ def step_safety(
         latch(state, SafetyState.E_STOP, TripCause.STOP_KEY)
     elif state.buttons & _STOP_BUTTON != 0:
         latch(state, SafetyState.E_STOP, TripCause.DEVICE_BUTTON)
-    cause = _find_trip(scene, states, status, held)
+    state.strained_ticks = state.strained_ticks + 1 if _is_strained(scene, states) else 0
+    cause = _find_trip(scene, states, status, held, dt)
     if cause != TripCause.NONE:
         latch(state, SafetyState.SAFE_STOP, cause)
     calm = held < LATE_DAMP and _largest_force(scene, states) < scene.ramp_force

@@ -26,6 +26,7 @@ STATE = np.dtype(
         ("resets", "i8"),  # SCENE.resets as last seen
         ("sequence", "i8"),  # SCENE.sequence as last seen
         ("trial", "i8"),  # SCENE.trial as last seen
+        ("strained_ticks", "i8"),  # ticks in a row with a measured force beyond measured_force_limit
         ("quiet_ticks", "i8"),  # ticks in a row with the virtual force below ramp_force
         ("answered", "i8"),  # 1 once the device has given data
         ("readable", "i8"),  # 1 while this tick's device data is finite
