@@ -7,6 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from mimics_app.contracts.resources import root
+from mimics_app.lab.groups.crowd import load_person
 from mimics_app.maths.mat import look_at
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
@@ -81,3 +83,32 @@ def test_two_sides_are_drawn_and_a_changed_mesh_is_drawn_as_a_whole():
             world.replace_mesh("ball", icosphere(size, 2))
         world.update()
         assert renderer.draw([view]).triangles == 320
+
+
+@pytest.mark.parametrize("skinning", ["processor", "feedback"])
+@pytest.mark.parametrize(("size", "msaa"), [((240, 135), 0), ((64, 36), 0), ((150, 87), 4)])
+def test_not_one_pixel_of_people_who_walk_is_another(size, msaa, skinning):
+    """Near planes cut one of them, one is a reflection; meshes that the driver skins are drawn as a whole."""
+    world, rng, ours, all_of_them = World(), np.random.default_rng(5), 0, 0
+    for number, x in enumerate((-0.8, 0.0, 0.9)):
+        name = ("man_tom", "woman_anna", "therapist")[number]
+        person = world.root.create_child(
+            f"{number}", (x, 0.0, -1.5 * number), scale=(-1.0 if number == 1 else 1.0, 1, 1)
+        )
+        load_person(root() / "assets/models/avatars" / f"{name}.glb", full=False).instantiate(world, person)
+        world.motion.animators[person.index].play("walk")
+    world.update()
+    with create_surface("egl", size) as surface:
+        settings = [replace(each, msaa=msaa, skinning=skinning, shading="full") for each in (SETTINGS, WHOLE)]
+        some, whole = (Renderer(surface, world, each) for each in settings)
+        for frame in range(10):
+            world.motion.time = 0.1 * frame
+            world.update()
+            eye = np.array([rng.uniform(-1.5, 1.5), rng.uniform(0.3, 2.0), rng.uniform(0.2, 4.0)])
+            side = 0.5 * size[0] / size[1]
+            view = View(look_at(eye, (0.0, 1.0, -1.0), (0.0, 1.0, 0.0)), (-side, side, -0.5, 0.5), (0, 0, *size), 0.4)
+            ours += some.draw([view]).triangles
+            picture = read_pixels(surface)
+            all_of_them += whole.draw([view]).triangles
+            assert np.array_equal(picture, read_pixels(surface)), f"from {eye}"
+    assert ours == all_of_them if skinning == "feedback" else ours < 0.75 * all_of_them

@@ -40,6 +40,7 @@ def box_items(rows: NDArray[np.int32], half: NDArray[np.float64]) -> DrawItems:
         mesh_names=["box"],
         ranges=np.array([[36, 0, 0]], np.int32),
         still=np.zeros((1, 2), np.int32),
+        bodies={},
         of_state=[],
         of_shadow=[],
     )

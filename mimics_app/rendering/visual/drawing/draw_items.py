@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import B1, F4, F8, I4, U1
-from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena, is_still
+from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena, is_rewritten
 from mimics_app.rendering.visual.kernels.sides import measure_sides
+from mimics_app.rendering.visual.kernels.triangles import BENT
 from mimics_app.rendering.visual.materials.look import Look
 from mimics_app.rendering.visual.materials.materials import MaterialStore
 from mimics_app.world.world import World
@@ -61,6 +62,7 @@ class DrawItems:
         mesh_names: Keys in `World.meshes`.
         ranges: Indices, first index and base vertex of each mesh, int32 [meshes, 3].
         still: See `kernels.triangles.pick_triangles`, int32 [meshes, 2].
+        bodies: Body of each skinned mesh, by its number in `ranges`.
         of_state: The states.
         of_shadow: The states of the shadow pass.
     """
@@ -85,6 +87,7 @@ class DrawItems:
     mesh_names: list[str]
     ranges: I4
     still: I4
+    bodies: dict[int, SkinnedBody]
     of_state: list[DrawState]
     of_shadow: list[DrawState]
 
@@ -144,9 +147,10 @@ def list_items(world: World, arena: MeshArena, materials: MaterialStore) -> Draw
     of_kind = np.array(
         [states.number(look.state, look, flag) for look, flag in zip(looks, wide, strict=True)], np.int32
     )
+    bodies = world.motion.body_of
     small, sides = np.full(len(kinds), -1, np.int32), np.zeros(len(kinds))
     for i, (name, material) in enumerate(kinds):
-        look = materials.small_look(material, coloured=coloured[i]) if name in world.motion.body_of else None
+        look = materials.small_look(material, coloured=coloured[i]) if name in bodies else None
         if look is not None:
             small[i] = states.number(look.state, look, wide[i])
             sides[i] = measure_sides(world.meshes[name].positions, world.meshes[name].indices)
@@ -177,6 +181,7 @@ def list_items(world: World, arena: MeshArena, materials: MaterialStore) -> Draw
             -1, 3
         ),
         still=np.array([_still(world, arena, name) for name in names], np.int32).reshape(-1, 2),
+        bodies={mesh_of[name]: bodies[name] for name in names if name in bodies},
         of_state=states.found,
         of_shadow=shadows.found,
     )
@@ -184,9 +189,9 @@ def list_items(world: World, arena: MeshArena, materials: MaterialStore) -> Draw
 
 def _still(world: World, arena: MeshArena, name: str) -> tuple[int, int]:
     """Return vertices and first group of a mesh whose triangles may be listed; zeros for another."""
-    if arena.seen is None or name not in arena.seen.groups or not is_still(world, name):
+    if arena.seen is None or name not in arena.seen.groups or is_rewritten(world, name):
         return 0, 0
-    return arena.ranges[name].vertices, arena.seen.groups[name]
+    return arena.ranges[name].vertices, BENT if name in world.motion.body_of else arena.seen.groups[name]
 
 
 def _families(world: World) -> I4:

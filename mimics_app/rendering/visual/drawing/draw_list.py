@@ -124,6 +124,7 @@ class DrawList:
             self._occlusion = OcclusionPass(occluders) if len(occluders.inner_half) else None
         self._levels.begin()
         self._detail, self._by_triangle = settings.detail, settings.occlusion != "off"
+        self._by_processor = settings.skinning == "processor"
         self._small.limit = settings.vertex_light
         self.tally = Tally()
         self._world = world.transforms.world
@@ -297,8 +298,9 @@ class DrawList:
         if triangles is None or not self._by_triangle or view.clip_plane is not None:
             return False
         nearness = np.zeros(raster.shape) if self._occlusion is None else self._occlusion.nearness
-        bodies = (self.items, self._world, self.centres, self.radii)
-        triangles.pick(self._picked, count, *bodies, raster, samples, nearness, self._parts)
+        bodies = (self.items, self._world, self.centres, self.radii, self._mirrored)
+        bent = self.bent if self._by_processor else None
+        triangles.pick(self._picked[:count], *bodies, raster, samples, nearness, bent, self._parts)
         return True
 
     def _pick_also(self, views: Sequence[View], count: int, shown: U1, sizes: Sequence[Size], samples: int) -> int:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from mimics_app.rendering.visual.materials.shader_library import ShaderProgram
 
-__all__ = ["COMMAND_WORDS", "MeshArena", "MeshRange", "is_still"]
+__all__ = ["COMMAND_WORDS", "MeshArena", "MeshRange", "is_rewritten"]
 
 _VERTEX, _COLOUR = VERTEX_DECLARATION.dtype, COLOUR_DECLARATION.dtype
 _INSTANCE = np.dtype(
@@ -266,15 +266,15 @@ class MeshArena:
         return self._ctx.buffer(data or bytes(min_bytes))
 
 
-def is_still(world: World, name: str) -> bool:
-    """Whether the vertices and indices of a mesh are those it came with."""
-    changed = world.mesh_revision(name) > 1 or world.opened_mesh(name) is not None
-    return not changed and name not in world.motion.body_of
+def is_rewritten(world: World, name: str) -> bool:
+    """Whether the vertices and indices of a mesh may be others than it came with."""
+    return world.mesh_revision(name) > 1 or world.opened_mesh(name) is not None
 
 
 def _find_solids(world: World) -> dict[str, Solid]:
     """Return the occluder boxes inside the world's static meshes, the largest meshes first."""
-    still = [name for name in world.meshes if is_still(world, name)]
+    bodies = world.motion.body_of
+    still = [name for name in world.meshes if name not in bodies and not is_rewritten(world, name)]
     largest = sorted(still, key=lambda name: -world.meshes[name].radius)[:_MAX_SOLIDS]
     found = {name: find_solid(world.meshes[name]) for name in largest}
     return {name: solid for name, solid in found.items() if solid is not None}

@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mimics_app.contracts.arrays import F4, F8, I4, U2
+from mimics_app.contracts.arrays import F4, F8, I4, U1, U2
 from mimics_app.rendering.visual.kernels.occlusion import MARGIN_PX
-from mimics_app.rendering.visual.kernels.triangles import GROUP, find_planes, pick_triangles
+from mimics_app.rendering.visual.kernels.triangles import BENT, GROUP, find_planes, pick_bent_triangles, pick_triangles
 
 if TYPE_CHECKING:
     from mimics_app.rendering.visual.drawing.draw_items import DrawItems
     from mimics_app.rendering.visual.drawing.mesh_arena import MeshRange
     from mimics_app.rendering.visual.drawing.occlusion import Raster
+    from mimics_app.rendering.visual.drawing.skinning import BentMeshes
     from mimics_app.world.meshes.mesh import MeshData
 
 __all__ = ["SeenTriangles"]
@@ -68,40 +69,59 @@ class SeenTriangles:
     def pick(
         self,
         picked: I4,
-        count: int,
         items: DrawItems,
         world: F8,
         centres: F8,
         radii: F8,
+        mirrored: U1,
         raster: Raster,
         samples: int,
         nearness: F8,
+        bent: BentMeshes | None,
         parts: I4,
     ) -> None:
         """List the triangles of some items that a view may show.
 
         Args:
-            picked: Numbers of the items, [>= count].
-            count: Number of items.
+            picked: Numbers of the items, [k].
             items: The draw items.
             world: T_world_from_node per row, [rows, 4, 4].
             centres: Centres of the items' spheres, world [m], [n, 3].
             radii: Their radii [m], [n].
+            mirrored: 1 where the winding of an item's faces is reversed, [n].
             raster: Projection of the view.
             samples: Samples per pixel.
             nearness: 1/w of its nearest occluder per block [1/m], [rows, columns].
+            bent: The skinned meshes; None where they are not skinned on the processor.
             parts: Written: first index and number of indices of each item's triangles, -1 for all of them; [n, 2].
         """
         cells = _CELLS if samples > 1 else 1
         screen: F8 = raster.screen * np.array([[cells], [cells], [1.0]])
         width, height = raster.size
         camera = (raster.eye, screen, raster.near, raster.step, cells * raster.block, cells * MARGIN_PX)
-        picture = (cells * width, cells * height, cells * raster.focal, nearness)
+        picture = (cells * width, cells * height, nearness)
         self._used = pick_triangles(
-            picked, count, *camera, *picture, items.rows, world, centres, radii, items.meshes, items.ranges,
-            items.still, items.one_sided, self._places, self._triangles, self._planes, self._group_centre,
-            self._group_half, self.first, self._used, self._out, parts, self._scratch,
+            picked, len(picked), *camera, *picture, cells * raster.focal, items.rows, world, centres, radii,
+            items.meshes, items.ranges, items.still, items.one_sided, self._places, self._triangles, self._planes,
+            self._group_centre, self._group_half, self.first, self._used, self._out, parts, self._scratch,
         )  # fmt: skip
+        if bent is None or not items.bodies:
+            return
+        for item in picked[items.still[items.meshes[picked], 1] == BENT].tolist():
+            mesh = int(items.meshes[item])
+            vertices = bent.of(items.bodies[mesh], items.mesh_names[mesh])
+            count, start, _ = items.ranges[mesh].tolist()
+            if self._used + count > len(self._out):
+                continue
+            begun, own = self._used, self._triangles[start // 3 : (start + count) // 3]
+            winding = (-1.0 if mirrored[item] else 1.0) if items.one_sided[item] else 0.0
+            self._used = pick_bent_triangles(
+                *camera, *picture, world, items.rows[item], winding, vertices, own, begun, self._out, self._scratch
+            )
+            if self._used - begun < count:
+                parts[item] = self.first + begun, self._used - begun
+            else:
+                self._used = begun
 
 
 def _boxes(mesh: MeshData) -> F8:

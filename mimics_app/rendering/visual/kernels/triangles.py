@@ -14,12 +14,15 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.visual.kernels.occlusion import hides, is_hidden
 from mimics_app.rendering.visual.kernels.projection import project_box, to_node
 
-__all__ = ["GROUP", "find_planes", "pick_triangles"]
+__all__ = ["BENT", "GROUP", "find_planes", "pick_bent_triangles", "pick_triangles"]
 
 
 GROUP = 32
 """Triangles of a group, which is tested as a whole first."""
 
+
+BENT = -1
+"""Stands for the first group of a skinned mesh, whose triangles have no lasting places."""
 
 _WHOLE = -1
 """Part of an item that is drawn as a whole."""
@@ -71,8 +74,8 @@ def find_planes(places: F4, triangles: U2, base: int, out: F4) -> None:
 
 
 @kernel
-def _project_vertices(screen: F8, eye: F8, world: F8, row: int, places: F4, base: int, count: int, out: F8) -> None:
-    """Write X, Y [cells] and 1/w [1/m] of the vertices of a mesh, [3, >= count]."""
+def _project_vertices(screen: F8, eye: F8, world: F8, row: int, px: F4, py: F4, pz: F4, out: F8) -> None:
+    """Write X, Y [cells] and 1/w [1/m] of the vertices of a mesh, whose coordinates are given by axis; [3, >= n]."""
     x, y, inverse = out[0], out[1], out[2]
     m = np.empty((3, _TRANSLATION + 1))
     for k in range(3):
@@ -84,8 +87,7 @@ def _project_vertices(screen: F8, eye: F8, world: F8, row: int, places: F4, base
     m00, m01, m02, m03 = m[0, 0], m[0, 1], m[0, 2], m[0, 3]
     m10, m11, m12, m13 = m[1, 0], m[1, 1], m[1, 2], m[1, 3]
     m20, m21, m22, m23 = m[2, 0], m[2, 1], m[2, 2], m[2, 3]
-    px, py, pz = places[0, base : base + count], places[1, base : base + count], places[2, base : base + count]
-    for v in range(count):
+    for v in range(px.shape[0]):
         over = 1.0 / (m20 * px[v] + m21 * py[v] + m22 * pz[v] + m23)
         x[v] = (m00 * px[v] + m01 * py[v] + m02 * pz[v] + m03) * over
         y[v] = (m10 * px[v] + m11 * py[v] + m12 * pz[v] + m13) * over
@@ -123,6 +125,17 @@ def _is_seen(
     if (right - left) * (top - bottom) < _LARGE * block * block:
         return True
     return not hides(nearness, left, right, bottom, top, block, highest, lowest, depth_step)
+
+
+@kernel
+def _is_turned(a: int, b: int, c: int, x: F8, y: F8, inverse: F8, winding: float, margin: float) -> bool:
+    """Return True where a triangle before the camera faces away for certain; `winding` is -1 for a reflected mesh."""
+    if not min(inverse[a], inverse[b], inverse[c]) > 0.0:
+        return False
+    bx, by, cx, cy = x[b] - x[a], y[b] - y[a], x[c] - x[a], y[c] - y[a]
+    # Each difference is off by two margins at most.
+    error = 2.0 * margin * (abs(bx) + abs(by) + abs(cx) + abs(cy) + 4.0 * margin)
+    return winding * (bx * cy - by * cx) < -error
 
 
 @kernel
@@ -171,8 +184,8 @@ def pick_triangles(
     margin: float,
     width: int,
     height: int,
-    focal: float,
     nearness: F8,
+    focal: float,
     rows: I4,
     world: F8,
     centres: F8,
@@ -207,15 +220,16 @@ def pick_triangles(
         margin: Largest assumed error of a drawn vertex [cells].
         width: Width of the picture [cells].
         height: Height of the picture [cells].
-        focal: Smaller number of cells per unit of a slope.
         nearness: 1/w of the nearest occluder per block [1/m], [rows, columns].
+        focal: Smaller number of cells per unit of a slope.
         rows: Row of the node per item, [n].
         world: T_world_from_node per row.
         centres: Centres of the items' spheres, world [m], [n, 3].
         radii: Their radii [m], [n].
         meshes: Number of each item's mesh, [n].
         ranges: Indices, first index and base vertex of each mesh, [meshes, 3].
-        still: Number of vertices, 0 for a mesh that is drawn as a whole, and first group of each mesh, [meshes, 2].
+        still: Number of vertices, 0 for a mesh that is drawn as a whole, and first group of each mesh or `BENT`,
+            [meshes, 2].
         one_sided: 1 where the back faces of an item are not drawn, [n].
         places: Positions of all vertices by axis, in their nodes' frames [m], [3, vertices].
         triangles: Numbers of vertices within their meshes, [triangles, 3].
@@ -237,7 +251,7 @@ def pick_triangles(
         mesh, row = meshes[item], rows[item]
         size, start, base, vertices = ranges[mesh, 0] // 3, ranges[mesh, 1] // 3, ranges[mesh, 2], still[mesh, 0]
         parts[item, 0] = _WHOLE
-        if vertices == 0 or size < _MIN_TRIANGLES or used + 3 * size > out.shape[0]:
+        if vertices == 0 or still[mesh, 1] == BENT or size < _MIN_TRIANGLES or used + 3 * size > out.shape[0]:
             continue
         dx, dy, dz = eye[0] - world[row, 0, 3], eye[1] - world[row, 1, 3], eye[2] - world[row, 2, 3]
         to_node(world, row, dx, dy, dz, local, 0)
@@ -253,7 +267,9 @@ def pick_triangles(
                 continue
             if not projected:
                 projected = True
-                _project_vertices(screen, eye, world, row, places, base, vertices, scratch)
+                end = base + vertices
+                own = (places[0, base:end], places[1, base:end], places[2, base:end])
+                _project_vertices(screen, eye, world, row, *own, scratch)
             first_of, end = start + group * GROUP, start + min((group + 1) * GROUP, size)
             used = _list_group(
                 triangles[first_of:end], planes[first_of:end], local[0], turned, scratch, near, depth_step, block,
@@ -263,4 +279,61 @@ def pick_triangles(
             used = begun
         else:
             parts[item, 0], parts[item, 1] = first + begun, used - begun
+    return used
+
+
+@kernel
+def pick_bent_triangles(
+    eye: F8,
+    screen: F8,
+    near: float,
+    depth_step: float,
+    block: int,
+    margin: float,
+    width: int,
+    height: int,
+    nearness: F8,
+    world: F8,
+    row: int,
+    winding: float,
+    vertices: F4,
+    triangles: U2,
+    used: int,
+    out: U2,
+    scratch: F8,
+) -> int:
+    """Write the indices of the triangles of a skinned mesh that a picture may show.
+
+    Args:
+        eye: This and the following up to `nearness` as for `pick_triangles`.
+        screen: Matrix.
+        near: Near plane.
+        depth_step: Depth step.
+        block: Block.
+        margin: Margin.
+        width: Width.
+        height: Height.
+        nearness: Occluders.
+        world: T_world_from_node per row, [rows, 4, 4].
+        row: Row of the mesh's node.
+        winding: 1, -1 where the node reflects it, 0 where its back faces are drawn.
+        vertices: Skinned vertices in the node's frame, position first [m], [n, 8].
+        triangles: Numbers of vertices, [k, 3].
+        used: Indices in `out` that are in use.
+        out: Written from `used` on; all triangles fit.
+        scratch: Scratch, [3, >= n].
+
+    Returns:
+        Indices in `out` that are in use.
+    """
+    _project_vertices(screen, eye, world, row, vertices[:, 0], vertices[:, 1], vertices[:, 2], scratch)
+    x, y, inverse = scratch[0], scratch[1], scratch[2]
+    touch, nearest = 0.5 + margin, _NEAR_MARGIN / near
+    for t in range(triangles.shape[0]):
+        a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        if _is_turned(a, b, c, x, y, inverse, winding, margin):
+            continue
+        if _is_seen(a, b, c, x, y, inverse, nearest, depth_step, block, touch, width, height, nearness):
+            out[used], out[used + 1], out[used + 2] = a, b, c
+            used += 3
     return used
