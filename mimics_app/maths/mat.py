@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths import quat
 from mimics_app.maths.quat import Quat
-from mimics_app.maths.vec import Vec, unit
+from mimics_app.maths.vec import Vec, cross, norm, normalise, unit
 
 __all__ = [
     "Mat4",
@@ -83,12 +83,14 @@ def look_at(eye: object, target: object, up: object = (0.0, 1.0, 0.0)) -> Mat4:
     """
     position = _floats(eye, 3)
     back = unit(position - _floats(target, 3))
-    right = np.cross(unit(up), back)
-    if np.linalg.norm(right) < 1e-9:
-        right = np.cross(np.eye(3)[int(np.argmin(np.abs(back)))], back)
-    right = unit(right)
+    right, above = np.empty(3), np.empty(3)
+    cross(unit(up), back, right)
+    if norm(right) < 1e-9:
+        cross(np.eye(3)[int(np.argmin(np.abs(back)))], back, right)
+    normalise(right, right)
+    cross(back, right, above)
     pose = np.eye(4)
-    pose[:3, 0], pose[:3, 1], pose[:3, 2], pose[:3, 3] = right, np.cross(back, right), back, position
+    pose[:3, 0], pose[:3, 1], pose[:3, 2], pose[:3, 3] = right, above, back, position
     return pose
 
 

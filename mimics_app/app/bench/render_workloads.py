@@ -15,10 +15,10 @@ from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.resources import root
 from mimics_app.maths.colour import linear_light
+from mimics_app.maths.mat import look_at
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.view import View
-from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.environment import Sky
 from mimics_app.world.gltf.model_world import read_model
 from mimics_app.world.scene.file import build_world
@@ -82,7 +82,7 @@ class Workload(ABC):
         eye, target = self.eye(frame)
         up = math.tan(0.5 * FOV_Y)
         side = up * size[0] / size[1]
-        return View(compose_look_at(eye, target), (-side, side, -up, up), (0, 0, *size), NEAR, FAR)
+        return View(look_at(eye, target), (-side, side, -up, up), (0, 0, *size), NEAR, FAR)
 
 
 class City(Workload):
