@@ -24,6 +24,9 @@ GROUP = 32
 BENT = -1
 """Stands for the first group of a skinned mesh, whose triangles have no lasting places."""
 
+_SLACK = 4.0
+"""Margins in the error of a product of two differences of places, each of which is off by two margins at most."""
+
 _WHOLE = -1
 """Part of an item that is drawn as a whole."""
 
@@ -133,8 +136,7 @@ def _is_turned(a: int, b: int, c: int, x: F8, y: F8, inverse: F8, winding: float
     if not min(inverse[a], inverse[b], inverse[c]) > 0.0:
         return False
     bx, by, cx, cy = x[b] - x[a], y[b] - y[a], x[c] - x[a], y[c] - y[a]
-    # Each difference is off by two margins at most.
-    error = 2.0 * margin * (abs(bx) + abs(by) + abs(cx) + abs(cy) + 4.0 * margin)
+    error = 2.0 * margin * (abs(bx) + abs(by) + abs(cx) + abs(cy) + _SLACK * margin)
     return winding * (bx * cy - by * cx) < -error
 
 
