@@ -290,6 +290,7 @@ def _check(seed: int, ticks: int, among: bool = False) -> None:
     """No law is broken; each habit met a force that was on, each edge was reached, objects were touched."""
     scene = scene_from_components()
     scene[0]["ramp_force"], scene[0]["ramp_time"] = 1000.0, 0.02
+    scene[0]["measured_force_limit"] = 1e9  # a hand that nothing stops
     broken, met = np.zeros(len(LAWS), np.int64), np.zeros(len(HABITS) + 1, np.int64)
     at = np.zeros(len(EDGES), np.int64)
     play = _objects() if among else new_touch_play()

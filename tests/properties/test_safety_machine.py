@@ -146,6 +146,7 @@ def _walk(
     q = np.zeros(3)
     dq = np.zeros(3)
     lean = np.zeros(3)
+    stuck = 0
     last_command = np.zeros(MAX_JOINTS)
     for k in range(ticks):
         age = k % LIFE
@@ -184,6 +185,9 @@ def _walk(
             data[DATA_FORCE + i] = 60.0 * (uniform(noise, 0) - 0.5)
         if _chance(noise, 5e-5):
             data[DATA_DQ + 2] = 2.0  # faster than any hand
+        stuck = 30 if _chance(noise, 5e-5) else max(0, stuck - 1)
+        if stuck > 0:
+            data[DATA_FORCE + 1] = 300.0  # stronger than any hand
         data[DATA_GRASP] = 30.0 * uniform(noise, 0)
         data[DATA_BUTTONS] = 1.0 if _chance(noise, 2e-5 * haste) else 0.0
         data[DATA_AGE] = 0.025 * uniform(noise, 0) if _chance(noise, 0.001) else 0.0

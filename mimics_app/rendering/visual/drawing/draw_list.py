@@ -236,7 +236,8 @@ class DrawList:
     ) -> list[DrawRun]:
         """Sort the first `count` of some items, and queue them."""
         states = self.items.shadow_states if shadow else self._small.states
-        self._order.sort(picked, count, origin, self.centres, self.radii, states, self._mirrored, shadow=shadow)
+        layered = not (shadow or frame.few_pixels)  # drawing a few pixels twice costs less than a draw
+        self._order.sort(picked, count, origin, self.centres, self.radii, states, self._mirrored, layered=layered)
         parts = self._whole if shadow or not seen else self._parts
         return frame.add(picked, count, origin, self.items, self._world, states, self._mirrored, parts, shadow=shadow)
 

@@ -12,7 +12,7 @@ __all__ = ["DrawOrder"]
 
 
 class DrawOrder:
-    """Sorts by layer of distance, state, distance from near to far, and mesh; the shadow pass has one layer.
+    """Sorts by layer of distance, state, distance from near to far, and mesh.
 
     Args:
         items: The draw items.
@@ -36,7 +36,7 @@ class DrawOrder:
         states: I4,
         mirrored: U1,
         *,
-        shadow: bool = False,
+        layered: bool,
     ) -> None:
         """Sort the first `count` of `picked` in place.
 
@@ -48,7 +48,7 @@ class DrawOrder:
             radii: Their radii [m], [n].
             states: State of each item before mirroring, [n].
             mirrored: 1 where the winding of an item's faces is reversed, [n].
-            shadow: True for the shadow pass, whose order is by states first.
+            layered: False sorts by states first.
         """
         make_keys(
             picked,
@@ -59,7 +59,7 @@ class DrawOrder:
             states,
             mirrored,
             self._items.meshes,
-            not shadow,
+            layered,
             self._away,
             self._keys,
         )

@@ -65,6 +65,7 @@ class FrameBuffers:
     Attributes:
         instance_count: Instances written since `begin`.
         command_count: Commands written since `begin`.
+        few_pixels: True for a picture of few pixels.
     """
 
     def __init__(self, ctx: moderngl.Context, arena: MeshArena) -> None:
@@ -77,10 +78,12 @@ class FrameBuffers:
         self._raw = RawGL(ctx) if read_capabilities(ctx).software else None
         self._waiting, self._most_waiting, self._flushes = 0, MAX_TRIANGLES, 0
         self.instance_count = self.command_count = 0
+        self.few_pixels = False
         self._sent = (0, 0)
 
     def begin(self, *, few_pixels: bool) -> None:
         """Discard the last frame; a picture of few pixels is flushed more often."""
+        self.few_pixels = few_pixels
         self._most_waiting = MAX_TRIANGLES_OF_FEW_PIXELS if few_pixels else MAX_TRIANGLES
         self.instance_count = self.command_count = self._waiting = 0
         self._sent = (0, 0)
