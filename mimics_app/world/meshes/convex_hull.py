@@ -23,7 +23,7 @@ def convex_hull(points: F8) -> tuple[F8, I4]:
         (vertices [m], shape [k, 3]; indices, counter-clockwise from outside, shape [m, 3]).
 
     Raises:
-        ValueError: A coordinate is not finite, or all points lie in one plane, as far as their precision tells.
+        ValueError: A coordinate is not finite, or all points lie in one plane, within their precision.
     """
     from scipy.spatial import ConvexHull, QhullError
 

@@ -307,15 +307,15 @@ def pick_bent_triangles(
     """Write the indices of the triangles of a skinned mesh that a picture may show.
 
     Args:
-        eye: This and the following up to `nearness` as for `pick_triangles`.
-        screen: Matrix.
-        near: Near plane.
-        depth_step: Depth step.
-        block: Block.
-        margin: Margin.
-        width: Width.
-        height: Height.
-        nearness: Occluders.
+        eye: Position of the camera, world [m], [3].
+        screen: Matrix from world vectors relative to the camera to X w, Y w [cells] and w [m], [3, 3].
+        near: Distance of the near plane [m].
+        depth_step: Difference of 1/w that the depth buffer resolves for certain [1/m].
+        block: Width of a square block [cells].
+        margin: Largest assumed error of a drawn vertex [cells].
+        width: Width of the picture [cells].
+        height: Height of the picture [cells].
+        nearness: 1/w of the nearest occluder per block [1/m], [rows, columns].
         world: T_world_from_node per row, [rows, 4, 4].
         row: Row of the mesh's node.
         winding: 1, -1 where the node reflects it, 0 where its back faces are drawn.
