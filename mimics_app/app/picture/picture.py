@@ -111,6 +111,8 @@ class Picture:
         film: Video of the shown frames; None without one.
         keys: Page of keys over the picture; () for none.
         stats: Cost of the last frame; None before the first.
+        shown_ms: Time from the beginning of the frame shown last until it was shown [ms].
+        spare_ms: Time for which the last frame was waited for although the next one had to begin before it was drawn.
 
     Raises:
         SceneError: The scene has no camera, or none of that name; or the file of its display is faulty.
@@ -136,6 +138,8 @@ class Picture:
         self.keys: Keys = ()
         self._layout = BoardLayout()
         self.stats: FrameStats | None = None
+        self.shown_ms = self.spare_ms = 0.0
+        self._begun_ns = 0
         self._software = draws_in_software(surface)
         self.show(scene, world)
 
@@ -143,6 +147,7 @@ class Picture:
         """Draw a scene and its world from now on: the first one, or a reloaded one."""
         if not world.cameras:
             raise SceneError(scene.issue("/entities", "has no camera", 'give an entity a "camera" component'))
+        self.finish_frame()
         cameras = {camera.node.name: camera for camera in world.cameras}
         if self._wanted and self._wanted not in cameras:
             what = f'has no camera "{self._wanted}"'
@@ -179,8 +184,9 @@ class Picture:
         self.report_issues()
         return self.stats
 
-    def begin_frame(self) -> StageTimer:
-        """Begin the timing of a frame; return the timer of its stages."""
+    def begin_frame(self, now_ns: int) -> StageTimer:
+        """Begin a frame at a time [ns]; return the timer of its stages."""
+        self._begun_ns = now_ns
         if self.renderer.times is not None:
             self.renderer.times.begin()
         return self.timer
@@ -190,21 +196,37 @@ class Picture:
         """Timer of the stages of a frame."""
         return self.renderer.times or UNTIMED
 
-    def show_frame(self, board: Board, clock: Clock) -> int:
+    def show_frame(self, board: Board, clock: Clock, due_ns: int) -> int:
         """Draw one frame, show it, and return the time at which its work was done [ns].
 
-        A driver that draws on the processor has done its work after the swap of the buffers. Any other is waited for
-        before the swap, which waits for the display. Nothing is drawn for a headset that shows nothing.
+        A driver that draws on the processor has done its work after the swap of the buffers. Where it has not drawn a
+        frame when the next one is due, that one begins meanwhile, and shows it. Any other driver is waited for before
+        the swap, which waits for the display. Nothing is drawn for a headset that shows nothing.
 
         After a loss of the context the frame is drawn again in a new one.
+
+        Args:
+            board: The board over the scene.
+            clock: Clock of the session.
+            due_ns: Time at which the next frame is due [ns].
 
         Raises:
             DeviceError: The context was lost and cannot be created again.
         """
+        self.spare_ms = 0.0
         if not self.presenter.begin(clock.now_ns()).render:
             self.presenter.skip()
             return clock.now_ns()
-        return draw_or_recover(self.surface, lambda: self._show(board, clock), self.recover)
+        draw = self._draw_ahead if self._software and self.presenter.plain else self._draw_finished
+        return draw_or_recover(self.surface, lambda: draw(board, clock, due_ns), self.recover)
+
+    def finish_frame(self) -> None:
+        """Show the last frame, if the driver was still drawing it.
+
+        Raises:
+            DeviceError: The context was lost and cannot be created again.
+        """
+        draw_or_recover(self.surface, self.renderer.finish, self.recover)
 
     def start_film(self, wanted: Path, *, live: bool) -> Film:
         """Make a video of the frames shown from now on; see `Film`."""
@@ -224,19 +246,37 @@ class Picture:
         self.renderer.renew()
         self._software = draws_in_software(self.surface)
 
-    def _show(self, board: Board, clock: Clock) -> int:
+    def _draw_finished(self, board: Board, clock: Clock, due_ns: int) -> int:
+        """Draw a frame and show it."""
         views = self.views
         draw = self.renderer.draw if self._software else self.renderer.draw_finished
         self.stats = draw(views, self._latch, partial(self.lay_out, board, views))
-        self.presenter.present()
         waited_ns = clock.now_ns()
+        self._swap(clock, self._begun_ns)
+        return clock.now_ns() if self._software else waited_ns
+
+    def _draw_ahead(self, board: Board, clock: Clock, due_ns: int) -> int:
+        """Draw a frame, and show it where it is drawn before the next one is due."""
+        views = self.views
+        show = partial(self._swap, clock, self._begun_ns)
+        self.stats = self.renderer.draw(views, None, partial(self.lay_out, board, views), show)
+        submitted_ns = clock.now_ns()
+        if self.renderer.drawn(due_ns - submitted_ns):
+            self.renderer.finish()
+        else:
+            self.spare_ms = (clock.now_ns() - submitted_ns) * 1e-6
+        return clock.now_ns()
+
+    def _swap(self, clock: Clock, begun_ns: int) -> None:
+        """Show the picture that the surface has, of a frame begun at a time [ns]."""
+        self.presenter.present()
         with self.timer.stage("swap"):
             self.surface.swap()
-        done_ns = clock.now_ns() if self._software else waited_ns
+        shown_ns = clock.now_ns()
+        self.shown_ms = (shown_ns - begun_ns) * 1e-6
         if self.film is not None:
-            self.film.take(done_ns)
+            self.film.take(shown_ns)
         self.report_issues()
-        return done_ns
 
     def report_issues(self) -> None:
         """Report on stderr each deviation of the picture from the scene, once."""
@@ -267,6 +307,7 @@ class Picture:
 
     def save(self, file: Path, write: WritePng = write_png) -> list[Path]:
         """Write the last frame as PNG and return the files, see `Presenter.save`."""
+        self.finish_frame()
         return self.presenter.save(file, write)
 
     def abandon(self) -> None:

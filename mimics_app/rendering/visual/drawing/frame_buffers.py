@@ -13,6 +13,7 @@ from mimics_app.rendering.visual.drawing.mesh_arena import COMMAND_WORDS, MeshAr
 from mimics_app.rendering.visual.kernels.commands import MAX_TRIANGLES, write_commands, write_instances
 from mimics_app.rendering.visual.materials.look import Look
 from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
+from mimics_app.rendering.visual.surfaces.fence import Fence
 from mimics_app.rendering.visual.surfaces.raw_gl import RawGL
 from mimics_app.world.entity_ids import grown
 
@@ -26,8 +27,9 @@ __all__ = ["MAX_TRIANGLES_OF_FEW_PIXELS", "DrawRun", "FrameBuffers"]
 
 MAX_TRIANGLES_OF_FEW_PIXELS = 2_000
 """Number of triangles after which a flush follows in a small picture, which one thread rasterises (decision 173)."""
-_MOST_PENDING = 32
-"""Number of flushes after which the driver is waited for: once 64 are pending, llvmpipe never draws ahead again."""
+_FLUSHES_APART = 16
+"""Number of flushes after each of which the driver is waited for up to the one before: once 64 are pending, llvmpipe
+never draws ahead again."""
 
 _INSTANCES = 1
 """Index of the instance count among the words of a command."""
@@ -76,6 +78,7 @@ class FrameBuffers:
         self._runs = np.zeros((256, 4), np.int64)
         self._buffer: moderngl.Buffer | None = None
         self._raw = RawGL(ctx) if read_capabilities(ctx).software else None
+        self._fence = Fence(ctx)
         self._waiting, self._most_waiting, self._flushes = 0, MAX_TRIANGLES, 0
         self.instance_count = self.command_count = 0
         self.few_pixels = False
@@ -169,11 +172,12 @@ class FrameBuffers:
         """Let a software driver start the draws so far, while the caller prepares the next ones."""
         if self._raw is None:
             return
-        self._flushes = (self._flushes + 1) % _MOST_PENDING
+        self._flushes = (self._flushes + 1) % _FLUSHES_APART
         self._raw.flush()
         self._waiting = 0
         if self._flushes == 0:
-            self._ctx.finish()
+            self._fence.wait()
+            self._fence.set()
 
     def draw(self, run: DrawRun, shader: ShaderProgram) -> None:
         """Draw one run with a shader of its look, which is bound already."""
@@ -207,7 +211,8 @@ class FrameBuffers:
                 begun = number
 
     def release(self) -> None:
-        """Free the command buffer."""
+        """Free the command buffer and the fence."""
+        self._fence.release()
         if self._buffer is not None:
             self._buffer.release()
             self._buffer = None
