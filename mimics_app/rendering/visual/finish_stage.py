@@ -122,6 +122,7 @@ class FinishStage:
         over = (frame.hud, frame.views[0], frame.hud_depth)
         if (drawn := self._kept_board.draw(picture.finished, written if alone else None, *over)) is None:
             picture.show(picture.finished)
+            self._surface.note_changed(None)
             drawn = 0 if within else self._draw_hud(frame)
         return draws + filtered + drawn
 

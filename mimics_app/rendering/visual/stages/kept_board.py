@@ -119,6 +119,7 @@ class KeptBoard:
         renewed = [(place[0] + x, place[1] + y, width, height) for x, y, width, height in renewed]
         if pieces or renewed:
             self._gl.copy_colours(finished, self._surface.framebuffer, [*pieces, *renewed])
+        self._surface.note_changed([*pieces, *renewed])
         self._surface.framebuffer.use()
         return self._hud_pass.draw(hud, view, plane, renewed) if renewed else 0
 

@@ -65,6 +65,9 @@ _ARGUMENTS: dict[str, tuple[Any, ...]] = {
     "glFramebufferRenderbuffer": (_UINT, _UINT, _UINT, _UINT),
 }
 
+Corners = tuple[int, int, int, int]
+"""Left, bottom, right and top of a rectangle [px]."""
+
 
 def function_address(ctx: moderngl.Context, name: str) -> int:
     """Return the address of an OpenGL function; 0 where the driver has none."""
@@ -145,11 +148,21 @@ class RawGL:
         """
         target.scissor = None  # type: ignore[assignment]  # disables it
         target.use()
-        self._calls["glBindFramebuffer"](_READ_FRAMEBUFFER, source.glo)
-        self._calls["glBindFramebuffer"](_DRAW_FRAMEBUFFER, target.glo)
-        for x, y, width, height in places:
-            corners = (x, y, x + width, y + height)
-            self._calls["glBlitFramebuffer"](*corners, *corners, _COLOUR_BUFFER_BIT, _NEAREST)
+        corners = [(x, y, x + width, y + height) for x, y, width, height in places]
+        self.blit(source.glo, target.glo, [(each, each) for each in corners])
+
+    def blit(self, source: int, target: int, corners: Sequence[tuple[Corners, Corners]]) -> None:
+        """Copy rectangles of one framebuffer's colours to another one; changes the framebuffers in use.
+
+        Args:
+            source: Name of the framebuffer to read.
+            target: Name of the framebuffer to draw into; 0: the window's.
+            corners: Corners in both; rows are reversed where the bottom is above the top in one of them.
+        """
+        self._calls["glBindFramebuffer"](_READ_FRAMEBUFFER, source)
+        self._calls["glBindFramebuffer"](_DRAW_FRAMEBUFFER, target)
+        for read, drawn in corners:
+            self._calls["glBlitFramebuffer"](*read, *drawn, _COLOUR_BUFFER_BIT, _NEAREST)
 
     def clear_stencil(self) -> None:
         """Set the stencil of the framebuffer in use to 0."""

@@ -108,6 +108,13 @@ class Surface:
         """
         return None
 
+    def note_changed(self, places: Sequence[tuple[int, int, int, int]] | None) -> None:
+        """Note what `painter` drew since the last swap, if it is called for all of it.
+
+        Args:
+            places: Rectangles of the picture [px]; None: it may be all of it.
+        """
+
     def swap(self) -> None:
         """Show the picture drawn last."""
 

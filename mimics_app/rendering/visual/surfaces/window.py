@@ -11,6 +11,7 @@ from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.window_input import GamepadState, InputEvent
 from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
 from mimics_app.rendering.visual.surfaces.surface import Size, Surface
+from mimics_app.rendering.visual.surfaces.window_copy import WindowCopy
 from mimics_app.rendering.visual.surfaces.window_size import on_the_desktop, smallest_size, usual_size
 
 if TYPE_CHECKING:
@@ -40,6 +41,8 @@ class WindowSurface(Surface):
     """
 
     _events: list[InputEvent]
+    _changed: list[tuple[int, int, int, int]] | None
+    _noted_by: object
 
     def __init__(
         self, size: Size | None, title: str, *, vsync: bool = True, stereo: bool = False, scene: bool = True
@@ -107,6 +110,11 @@ class WindowSurface(Surface):
 
         return WallWindows(self._glfw, self._window, places, size)
 
+    def note_changed(self, places: Sequence[tuple[int, int, int, int]] | None) -> None:
+        before = self._changed
+        self._changed = None if before is None or places is None else [*before, *places]
+        self._noted_by = self.painter
+
     def swap(self) -> None:
         self.present()
         self._glfw.swap_buffers(self._window)
@@ -116,11 +124,8 @@ class WindowSurface(Surface):
         if self._stereo and self.both_eyes is not None:
             self._present_eyes(self.both_eyes)
             return
-        # moderngl keeps the initial size of the default framebuffer; a resized window needs the raw call.
-        self._bind_framebuffer(_READ_FRAMEBUFFER, self.framebuffer.glo)
-        self._bind_framebuffer(_DRAW_FRAMEBUFFER, 0)
-        self._blit_framebuffer(0, 0, *self.size, 0, 0, *self.size, _COLOUR_BUFFER_BIT, _NEAREST)
-        self.framebuffer.use()
+        self._copy.present(self.framebuffer, self._changed if self._noted_by is self.painter else None)
+        self._changed, self._noted_by = [], self
 
     def _present_eyes(self, source: moderngl.Framebuffer) -> None:
         """Copy the halves of a picture of both eyes to the left and the right back buffer."""
@@ -136,6 +141,11 @@ class WindowSurface(Surface):
     @property
     def should_close(self) -> bool:
         return bool(self._glfw.window_should_close(self._window))
+
+    def _take(self, ctx: moderngl.Context) -> None:
+        super()._take(ctx)
+        self._copy = WindowCopy(ctx, reverses=read_capabilities(ctx).software)
+        self._changed, self._noted_by = [], self  # noted by nobody, which is not the same as no painter
 
     def toggle_fullscreen(self) -> None:
         """Switch between the window and full screen on the primary monitor."""
