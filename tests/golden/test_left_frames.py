@@ -45,10 +45,10 @@ def draw_all(settings: RenderSettings, *, left: bool, changes: dict[int, Callabl
                 renderer.hud.clear()
                 renderer.hud.text(20.0, 60.0, f"frame {step}", 40.0)
 
-            show = lambda: pictures.append(read_pixels(surface))  # noqa: E731  a name of its own says no more
+            show = lambda begun_ns, drawn_ns: pictures.append(read_pixels(surface))  # noqa: E731  a name of its own says no more
             renderer.draw([view(0.1 if step > 11 else 0.0)], None, lay_out, show if left else None)
             if not left:
-                show()
+                show(0, 0)
         renderer.finish()
         assert surface.ctx.error == "GL_NO_ERROR"
         renderer.release()
@@ -87,7 +87,7 @@ def test_a_frame_that_was_left_for_another_size_is_dropped():
             if step == 4:
                 surface.resize((SIZE[0] // 2, SIZE[1] // 2))
             seen = replace(view(), rectangle=(0, 0, *surface.size))
-            renderer.draw([seen], None, None, lambda step=step: shown.append(step))
+            renderer.draw([seen], None, None, lambda begun_ns, drawn_ns, step=step: shown.append(step))
         renderer.finish()
         ours = read_pixels(surface)
         fresh = Renderer(surface, world, renderer.settings)

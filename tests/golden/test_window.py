@@ -57,8 +57,8 @@ from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.surfaces.window_copy import WindowCopy
 from tests.golden.test_left_frames import PLAIN, SIZE, make_world, move, view
 drawn = []
-reverse = WindowCopy._reverse
-WindowCopy._reverse = lambda copy, picture, places: (drawn.append(places), reverse(copy, picture, places))
+draw = WindowCopy._draw
+WindowCopy._draw = lambda copy, picture, places, up: (drawn.append(places), draw(copy, picture, places, up=up))
 world = make_world()
 with create_surface("window", SIZE, "parts") as surface:
     renderer, page = Renderer(surface, world, PLAIN), PageSurface(surface)
@@ -79,6 +79,13 @@ with create_surface("window", SIZE, "parts") as surface:
         surface._glfw.swap_buffers(surface._window)
         surface.poll()
     assert len(drawn) > sum((0, 0, *SIZE) not in places for places in drawn) >= 8, drawn
+    for size in ((1280, 720), (1279, 717), (333, 901)):
+        surface.resize(size)
+        noise = np.random.default_rng(1).integers(0, 255, (size[1], size[0], 4), np.uint8)
+        surface.framebuffer.color_attachments[0].write(noise.tobytes())
+        surface._copy.present(surface.framebuffer, [])
+        kept = surface._copy._reversed.read(components=4)
+        assert np.array_equal(np.frombuffer(kept, np.uint8).reshape(noise.shape)[::-1], noise), size
     print(surface.ctx.error)
 """
 

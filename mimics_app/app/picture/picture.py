@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from mimics_app.app.picture.board import OPERATORS_CARDS, BoardLayout
 from mimics_app.app.picture.lost_picture import draw_or_recover
 from mimics_app.app.picture.methods import with_methods
 from mimics_app.app.picture.shown_on import open_display
+from mimics_app.app.picture.start_delay import StartDelay
 from mimics_app.app.picture.video import Film
 from mimics_app.app.planner.plan import plan_scene
 from mimics_app.app.planner.uses import shadow_distance_of, visual_of
@@ -92,6 +94,27 @@ def picture_quality(scene: Scene, profile: Profile, pixels: int = 0, *, limited:
     return with_methods(wanted, plan_scene(scene, profile, pixels=pixels, limited=limited).settings)
 
 
+_AT_ONCE_NS = 50_000
+"""Wait up to which a driver had drawn before it was waited for [ns]."""
+
+
+@dataclass(slots=True)
+class _Submitted:
+    """A frame that a software driver draws.
+
+    Attributes:
+        begun_ns: Time at which it began [ns].
+        clock: Clock of the session.
+        ns: Time at which its world was submitted [ns].
+        ahead: Whether the next frame begins before it is drawn.
+    """
+
+    begun_ns: int
+    clock: Clock
+    ns: int = 0
+    ahead: bool = False
+
+
 class Picture:
     """The picture that the person sees.
 
@@ -139,7 +162,7 @@ class Picture:
         self._layout = BoardLayout()
         self.stats: FrameStats | None = None
         self.shown_ms = self.spare_ms = 0.0
-        self._begun_ns = 0
+        self._begun_ns, self._delay = 0, StartDelay()
         self._software = draws_in_software(surface)
         self.show(scene, world)
 
@@ -256,16 +279,26 @@ class Picture:
         return clock.now_ns() if self._software else waited_ns
 
     def _draw_ahead(self, board: Board, clock: Clock, due_ns: int) -> int:
-        """Draw a frame, and show it where it is drawn before the next one is due."""
+        """Draw a frame, and show it where it is drawn before the next one has to begin."""
         views = self.views
-        show = partial(self._swap, clock, self._begun_ns)
-        self.stats = self.renderer.draw(views, None, partial(self.lay_out, board, views), show)
-        submitted_ns = clock.now_ns()
-        if self.renderer.drawn(due_ns - submitted_ns):
-            self.renderer.finish()
+        left = _Submitted(self._begun_ns, clock)
+        self.stats = self.renderer.draw(views, None, partial(self.lay_out, board, views), partial(self._show, left))
+        left.ns = clock.now_ns()
+        left.ahead = not self.renderer.drawn(max(due_ns - left.ns, self._delay.ns))
+        waited_ns = clock.now_ns() - left.ns
+        if left.ahead:
+            self.spare_ms = max(waited_ns - self._delay.ns, 0) * 1e-6
         else:
-            self.spare_ms = (clock.now_ns() - submitted_ns) * 1e-6
+            self._delay.note_drawn(waited_ns)
+            self.renderer.finish()
         return clock.now_ns()
+
+    def _show(self, left: _Submitted, begun_ns: int, drawn_ns: int) -> None:
+        """Show a frame that was left, after a wait for the driver between two times [ns]."""
+        if left.ahead:
+            self._delay.note_prepared(begun_ns - self._begun_ns)
+            self._delay.note_drawn(drawn_ns - left.ns, latest=drawn_ns - begun_ns < _AT_ONCE_NS)
+        self._swap(left.clock, left.begun_ns)
 
     def _swap(self, clock: Clock, begun_ns: int) -> None:
         """Show the picture that the surface has, of a frame begun at a time [ns]."""

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
+from mimics_app.contracts.clock import Clock
 from mimics_app.rendering.visual.changed_part import ChangedPart
 from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
@@ -22,10 +24,11 @@ from mimics_app.world.world import World
 if TYPE_CHECKING:
     from mimics_app.rendering.visual.overlay.overlay import Overlay
 
-__all__ = ["FinishStage", "LeftFrame", "Show", "SubmittedFrame"]
+__all__ = ["FinishStage", "Show", "SubmittedFrame"]
 
-Show = Callable[[], None]
-"""Shows the picture that the surface has now."""
+Show = Callable[[int, int], None]
+"""Shows the picture that the surface has now, given the times from which on, and until which, the driver was waited for
+to draw it [ns]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +53,7 @@ class SubmittedFrame:
 
 
 @dataclass(frozen=True, eq=False)
-class LeftFrame:
+class _LeftFrame:
     """A frame that is finished later.
 
     Attributes:
@@ -73,6 +76,7 @@ class FinishStage:
         picture: Target of the world's picture.
         pictures: Insets over it.
         shadows: Shadow maps, which the developer's overlay shows.
+        clock: Clock of the waits.
     """
 
     def __init__(
@@ -82,16 +86,17 @@ class FinishStage:
         picture: PictureTarget,
         pictures: PictureStage,
         shadows: ShadowStage,
+        clock: Clock,
     ) -> None:
         self._surface, self._picture, self._pictures, self._shadows = surface, picture, pictures, shadows
         self._hud_pass = HudPass(surface.ctx, shaders)
         self._kept_board = KeptBoard(surface, self._hud_pass)
-        self._fence = Fence(surface.ctx)
-        self._left: LeftFrame | None = None
+        self._fence, self._clock = Fence(surface.ctx), clock
+        self._left: _LeftFrame | None = None
 
     def leave(self, frame: SubmittedFrame, show: Show) -> None:
         """Leave a frame to `take_left`; `show` shows it once it is finished."""
-        self._left = LeftFrame(frame, self._surface.framebuffer, show)
+        self._left = _LeftFrame(frame, self._surface.framebuffer, show)
         self._fence.set()
 
     def drawn(self, timeout_ns: int) -> bool:
@@ -101,13 +106,17 @@ class FinishStage:
         """
         return self._left is None or self._fence.reached(timeout_ns)
 
-    def take_left(self) -> LeftFrame | None:
-        """Return the frame that was left, to be finished and shown now; None without one.
+    def take_left(self) -> tuple[SubmittedFrame, Callable[[], None]] | None:
+        """Wait for the frame that was left; return it, to be finished now, and what shows it then; None without one.
 
         It is dropped if the surface has another framebuffer now.
         """
         left, self._left = self._left, None
-        return left if left is not None and left.framebuffer is self._surface.framebuffer else None
+        if left is None or left.framebuffer is not self._surface.framebuffer:
+            return None
+        begun_ns = self._clock.now_ns()
+        self._fence.wait()
+        return left.frame, partial(left.show, begun_ns, self._clock.now_ns())
 
     def finish(self, frame: SubmittedFrame) -> int:
         """Filter and show the world's picture; draw insets and heads-up display over it at full resolution.

@@ -103,7 +103,7 @@ class Renderer:
         self._world = WorldStage(ctx, self._shaders, self._frame, self.settings, has.texture_size)
         self._effects: EffectStage | None = None
         self._pictures = PictureStage(ctx, self._shaders)
-        self._finish = FinishStage(surface, self._shaders, self._picture, self._pictures, self._shadows)
+        self._finish = FinishStage(surface, self._shaders, self._picture, self._pictures, self._shadows, self._clock)
         self._still = StillPicture(sparse=self._sparse)
         self._materials.live = self._pictures.pictures
         # Once requested, the shaders keep reading it: a governor's step compiles nothing.
@@ -159,9 +159,10 @@ class Renderer:
         """Finish and show the frame that `draw` left, if it left one; return the draw calls made."""
         if (left := self._finish.take_left()) is None:
             return 0
+        frame, show = left
         with self._timed("post"):
-            draws = self._finish.finish(left.frame)
-        left.show()
+            draws = self._finish.finish(frame)
+        show()
         return draws
 
     def draw_finished(

@@ -144,7 +144,7 @@ class WindowSurface(Surface):
 
     def _take(self, ctx: moderngl.Context) -> None:
         super()._take(ctx)
-        self._copy = WindowCopy(ctx, reverses=read_capabilities(ctx).software)
+        self._copy = WindowCopy(ctx, draws=read_capabilities(ctx).software)
         self._changed, self._noted_by = [], self  # noted by nobody, which is not the same as no painter
 
     def toggle_fullscreen(self) -> None:
@@ -256,6 +256,8 @@ def _open_window(glfw: ModuleType, wanted: Size | None, title: str, *, stereo: b
     glfw.window_hint(glfw.OPENGL_FORWARD_COMPAT, True)
     glfw.window_hint(glfw.RESIZABLE, True)
     glfw.window_hint(glfw.SAMPLES, 0)
+    glfw.window_hint(glfw.DEPTH_BITS, 0)
+    glfw.window_hint(glfw.STENCIL_BITS, 0)
     glfw.window_hint(glfw.STEREO, stereo)
     glfw.window_hint(glfw.SRGB_CAPABLE, False)
     glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.LOSE_CONTEXT_ON_RESET)

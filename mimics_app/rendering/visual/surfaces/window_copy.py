@@ -21,38 +21,42 @@ __all__ = ["WindowCopy"]
 _RECTANGLES = """
 #version 430
 uniform vec2 size;
+uniform float up;
 in vec4 place;
+out vec2 where;
 void main() {
-    vec2 at = place.xy + place.zw * vec2(gl_VertexID & 1, gl_VertexID >> 1);
-    gl_Position = vec4(vec2(2.0, -2.0) * at / size + vec2(-1.0, 1.0), 0.0, 1.0);
+    where = (place.xy + place.zw * vec2(gl_VertexID & 1, gl_VertexID >> 1)) / size;
+    gl_Position = vec4((2.0 * where - 1.0) * vec2(1.0, up), 0.0, 1.0);
 }
 """
-_OTHER_ROW = """
+_COPY = """
 #version 430
-uniform vec2 size;
 layout(binding = 20) uniform sampler2D picture;
+in vec2 where;
 out vec4 colour;
-void main() { colour = texelFetch(picture, ivec2(gl_FragCoord.x, size.y - gl_FragCoord.y), 0); }
+void main() { colour = texture(picture, where); }
 """
+
 _BINDING = 20
 """Binding of `picture`, that of all passes over a whole picture."""
 
 
 class WindowCopy:
-    """Copies a picture to the back buffer of a window.
+    """Copies a picture to the back buffer of a window, which has no depth.
 
     A window has its highest row first, a framebuffer its lowest. llvmpipe copies between buffers of the same order, and
-    draws all pixels otherwise: at 1280 x 720 0.3 and 3.4 ms of processor time. Hence a copy of the picture is kept with
-    the rows in reverse order, in which only what changed is drawn.
+    draws all pixels otherwise, by rectangles of a texture faster than by a blit. Hence a copy of the picture is kept
+    with the rows in reverse order, in which only what changed is drawn.
 
     Args:
         ctx: Context of the window.
-        reverses: Whether to keep such a copy.
+        draws: Whether the driver draws on the processor.
     """
 
-    def __init__(self, ctx: moderngl.Context, *, reverses: bool) -> None:
-        self._ctx, self._gl, self._reverses = ctx, RawGL(ctx), reverses
+    def __init__(self, ctx: moderngl.Context, *, draws: bool) -> None:
+        self._ctx, self._gl, self._draws = ctx, RawGL(ctx), draws
         self._program: moderngl.Program | None = None
+        self._nearest: moderngl.Sampler | None = None
         self._reversed: moderngl.Framebuffer | None = None
         self._holds = False
 
@@ -63,34 +67,48 @@ class WindowCopy:
             picture: Framebuffer of the picture, of the window's size, with a texture.
             changed: All rectangles that differ from the last one [px]; None: the whole picture.
         """
-        whole = (0, 0, *picture.size)
-        if not self._reverses or changed is None:
+        width, height = picture.size
+        whole = (0, 0, width, height)
+        if not self._draws:
             self._gl.blit(picture.glo, 0, [(whole, whole)])
-            self._holds = False
+        elif changed is None:
+            self._ctx.screen.use()
+            self._ctx.viewport = whole
+            self._draw(picture, [whole], up=1.0)
         else:
-            self._reverse(picture, changed if self._holds else [whole])
-            self._holds = True
+            copy = self._copy_for(picture.size)
+            copy.use()
+            self._draw(picture, changed if self._holds else [whole], up=-1.0)
+            self._gl.blit(copy.glo, 0, [(whole, (0, height, width, 0))])
+        self._holds = self._draws and changed is not None
         picture.use()
 
-    def _reverse(self, picture: moderngl.Framebuffer, places: Sequence[Rect]) -> None:
-        """Draw rectangles of a picture into the copy, and copy that."""
-        import moderngl
-
-        ctx, (width, height) = self._ctx, picture.size
-        if self._reversed is None or self._reversed.size != picture.size:
+    def _copy_for(self, size: tuple[int, int]) -> moderngl.Framebuffer:
+        """Return the copy, a new one for another size."""
+        if self._reversed is None or self._reversed.size != size:
             if self._reversed is not None:
                 release_framebuffer(self._reversed)
-            self._reversed = ctx.framebuffer([make_picture_texture(ctx, picture.size)])
-        if self._program is None:
-            self._program = ctx.program(_RECTANGLES, _OTHER_ROW)
-        if places:
-            self._program["size"] = float(width), float(height)
-            buffer = ctx.buffer(np.array(places, np.float32))
-            array = ctx.vertex_array(self._program, [(buffer, "4f /i", "place")])
-            picture.color_attachments[0].use(_BINDING)  # type: ignore[union-attr]  # no renderbuffer
-            self._reversed.use()
-            ctx.enable_only(0)
-            array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=len(places))
-            array.release()
-            buffer.release()
-        self._gl.blit(self._reversed.glo, 0, [((0, 0, width, height), (0, height, width, 0))])
+            self._reversed = self._ctx.framebuffer([make_picture_texture(self._ctx, size)])
+            self._holds = False
+        return self._reversed
+
+    def _draw(self, picture: moderngl.Framebuffer, places: Sequence[Rect], *, up: float) -> None:
+        """Draw rectangles of a picture into the framebuffer in use, upside down for an `up` of -1."""
+        import moderngl
+
+        if not places:
+            return
+        ctx = self._ctx
+        if self._program is None or self._nearest is None:
+            self._program = ctx.program(_RECTANGLES, _COPY)
+            self._nearest = ctx.sampler(filter=(moderngl.NEAREST, moderngl.NEAREST), repeat_x=False, repeat_y=False)
+        self._program["size"], self._program["up"] = tuple(map(float, picture.size)), up
+        buffer = ctx.buffer(np.array(places, np.float32))
+        array = ctx.vertex_array(self._program, [(buffer, "4f /i", "place")])
+        picture.color_attachments[0].use(_BINDING)  # type: ignore[union-attr]  # no renderbuffer
+        self._nearest.use(_BINDING)
+        ctx.enable_only(0)
+        array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=len(places))
+        self._nearest.clear(_BINDING)
+        array.release()
+        buffer.release()
