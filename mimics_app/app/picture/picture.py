@@ -240,8 +240,9 @@ class Picture:
         if not self.presenter.begin(clock.now_ns()).render:
             self.presenter.skip()
             return clock.now_ns()
-        draw = self._draw_ahead if self._software and self.presenter.plain else self._draw_finished
-        return draw_or_recover(self.surface, lambda: draw(board, clock, due_ns), self.recover)
+        ahead = self._software and self.presenter.plain
+        draw = partial(self._draw_ahead, due_ns=due_ns) if ahead else self._draw_finished
+        return draw_or_recover(self.surface, lambda: draw(board, clock), self.recover)
 
     def finish_frame(self) -> None:
         """Show the last frame, if the driver was still drawing it.
@@ -269,7 +270,7 @@ class Picture:
         self.renderer.renew()
         self._software = draws_in_software(self.surface)
 
-    def _draw_finished(self, board: Board, clock: Clock, due_ns: int) -> int:
+    def _draw_finished(self, board: Board, clock: Clock) -> int:
         """Draw a frame and show it."""
         views = self.views
         draw = self.renderer.draw if self._software else self.renderer.draw_finished
@@ -279,7 +280,7 @@ class Picture:
         return clock.now_ns() if self._software else waited_ns
 
     def _draw_ahead(self, board: Board, clock: Clock, due_ns: int) -> int:
-        """Draw a frame, and show it where it is drawn before the next one has to begin."""
+        """Draw a frame, and show it if it is drawn before the next one has to begin; otherwise that one shows it."""
         views = self.views
         left = _Submitted(self._begun_ns, clock)
         self.stats = self.renderer.draw(views, None, partial(self.lay_out, board, views), partial(self._show, left))
