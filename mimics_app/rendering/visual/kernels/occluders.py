@@ -8,7 +8,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8, I4
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.visual.kernels.projection import project_box, to_node
+from mimics_app.rendering.visual.kernels.projection import project_box, to_node, to_screen
 
 __all__ = ["draw_occluders", "pick_occluders"]
 
@@ -286,7 +286,7 @@ def draw_occluders(
     """
     nearness[:] = 0.0
     corners, points, hull = np.empty((_CORNERS, 3)), np.empty((_POINTS, 2)), np.empty((2 * _POINTS, 2))
-    spots, planes = np.empty((_WINDOW + 1, 3)), np.empty((3, 3))
+    spots, planes, matrix = np.empty((_WINDOW + 1, 3)), np.empty((3, 3)), np.empty((3, 4))
     used = 0
     for i in range(count):
         item = chosen[i]
@@ -294,7 +294,8 @@ def draw_occluders(
         first, last = caps_from[box], caps_from[box + 1]
         if not _is_valid(eye, window, world, row, whole_centre, whole_half, box, caps, first, last, spots):
             continue
-        project_box(screen, eye, world, row, inner_centre, inner_half, box, corners)
+        to_screen(screen, eye, world, row, matrix)
+        project_box(matrix, inner_centre, inner_half, box, corners)
         size = _cut_near(corners, near, points)
         if size < 3:
             continue

@@ -19,7 +19,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8, I4
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.visual.kernels.projection import project_box
+from mimics_app.rendering.visual.kernels.projection import project_box, to_screen
 
 __all__ = ["MARGIN_PX", "hides", "is_hidden", "remove_hidden"]
 
@@ -142,12 +142,13 @@ def remove_hidden(
     Returns:
         How many remain.
     """
-    corners = np.empty((_CORNERS, 3))
+    corners, matrix = np.empty((_CORNERS, 3)), np.empty((3, 4))
     touch = 0.5 + reach
     kept = 0
     for i in range(count):
         item = items[i]
-        project_box(screen, eye, world, rows[item], centre, half, item, corners)
+        to_screen(screen, eye, world, rows[item], matrix)
+        project_box(matrix, centre, half, item, corners)
         if not is_hidden(corners, near, depth_step, block, touch, width, height, nearness):
             items[kept] = item
             kept += 1

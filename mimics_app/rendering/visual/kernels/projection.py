@@ -5,32 +5,45 @@ from __future__ import annotations
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["project_box", "to_node"]
+__all__ = ["project_box", "to_node", "to_screen"]
 
 
 _CORNERS, _UP = 8, 4
 """Corners of a box, numbered by bits that give the side along each axis; and the bit of the third axis."""
 
+_TRANSLATION = 3
+"""The last column of a matrix."""
+
 
 @kernel
-def _project(screen: F8, eye: F8, x: float, y: float, z: float, out: F8, place: int) -> None:
-    """Set out[place] to X w, Y w [px] and w [m] of a world point."""
-    dx, dy, dz = x - eye[0], y - eye[1], z - eye[2]
+def to_screen(screen: F8, eye: F8, world: F8, row: int, out: F8) -> None:
+    """Write the matrix from points of a node's frame [m] to X w, Y w [px] and w [m], [3, 4].
+
+    Args:
+        screen: Matrix from world vectors relative to the camera to X w, Y w [px] and w [m], [3, 3].
+        eye: Position of the camera, world [m], [3].
+        world: T_world_from_node per row, [rows, 4, 4].
+        row: Row of the node.
+        out: Written.
+    """
     for k in range(3):
-        out[place, k] = screen[k, 0] * dx + screen[k, 1] * dy + screen[k, 2] * dz
+        for column in range(_TRANSLATION + 1):
+            out[k, column] = 0.0
+            for axis in range(3):
+                moved = world[row, axis, column] - (eye[axis] if column == _TRANSLATION else 0.0)
+                out[k, column] += screen[k, axis] * moved
 
 
 @kernel
-def project_box(screen: F8, eye: F8, world: F8, row: int, centre: F8, half: F8, item: int, out: F8) -> None:
-    """Write X w, Y w [px] and w [m] of the eight corners of a box in a node's frame, [8, 3]."""
-    for corner in range(_CORNERS):
-        x = centre[item, 0] + (half[item, 0] if corner & 1 else -half[item, 0])
-        y = centre[item, 1] + (half[item, 1] if corner & 2 else -half[item, 1])
-        z = centre[item, 2] + (half[item, 2] if corner & _UP else -half[item, 2])
-        px = world[row, 0, 0] * x + world[row, 0, 1] * y + world[row, 0, 2] * z + world[row, 0, 3]
-        py = world[row, 1, 0] * x + world[row, 1, 1] * y + world[row, 1, 2] * z + world[row, 1, 3]
-        pz = world[row, 2, 0] * x + world[row, 2, 1] * y + world[row, 2, 2] * z + world[row, 2, 3]
-        _project(screen, eye, px, py, pz, out, corner)
+def project_box(matrix: F8, centre: F8, half: F8, item: int, out: F8) -> None:
+    """Write X w, Y w [px] and w [m] of the eight corners of a box in a node's frame, [8, 3]; see `to_screen`."""
+    for k in range(3):
+        m0, m1, m2, m3 = matrix[k, 0], matrix[k, 1], matrix[k, 2], matrix[k, _TRANSLATION]
+        middle = m0 * centre[item, 0] + m1 * centre[item, 1] + m2 * centre[item, 2] + m3
+        x, y, z = m0 * half[item, 0], m1 * half[item, 1], m2 * half[item, 2]
+        for corner in range(_CORNERS):
+            side = (x if corner & 1 else -x) + (y if corner & 2 else -y) + (z if corner & _UP else -z)
+            out[corner, k] = middle + side
 
 
 @kernel

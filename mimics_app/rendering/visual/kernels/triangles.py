@@ -9,10 +9,10 @@ import math
 
 import numpy as np
 
-from mimics_app.contracts.arrays import F4, F8, I4, U1, U2
+from mimics_app.contracts.arrays import F4, F8, I4, I8, U1, U2
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.visual.kernels.occlusion import hides, is_hidden
-from mimics_app.rendering.visual.kernels.projection import project_box, to_node
+from mimics_app.rendering.visual.kernels.projection import project_box, to_node, to_screen
 
 __all__ = ["BENT", "GROUP", "find_planes", "pick_bent_triangles", "pick_triangles"]
 
@@ -38,9 +38,6 @@ _LARGE = 4.0
 
 _CORNERS = 8
 """Corners of a box."""
-
-_TRANSLATION = 3
-"""The last column of a matrix."""
 
 _MIN_TRIANGLES = 32
 """Number of triangles from which a mesh is worth a draw command of its own instead of one for many instances."""
@@ -77,19 +74,12 @@ def find_planes(places: F4, triangles: U2, base: int, out: F4) -> None:
 
 
 @kernel
-def _project_vertices(screen: F8, eye: F8, world: F8, row: int, px: F4, py: F4, pz: F4, out: F8) -> None:
+def _project_vertices(matrix: F8, px: F4, py: F4, pz: F4, out: F8) -> None:
     """Write X, Y [cells] and 1/w [1/m] of the vertices of a mesh, whose coordinates are given by axis; [3, >= n]."""
     x, y, inverse = out[0], out[1], out[2]
-    m = np.empty((3, _TRANSLATION + 1))
-    for k in range(3):
-        for column in range(_TRANSLATION + 1):
-            m[k, column] = 0.0
-            for axis in range(3):
-                moved = world[row, axis, column] - (eye[axis] if column == _TRANSLATION else 0.0)
-                m[k, column] += screen[k, axis] * moved
-    m00, m01, m02, m03 = m[0, 0], m[0, 1], m[0, 2], m[0, 3]
-    m10, m11, m12, m13 = m[1, 0], m[1, 1], m[1, 2], m[1, 3]
-    m20, m21, m22, m23 = m[2, 0], m[2, 1], m[2, 2], m[2, 3]
+    m00, m01, m02, m03 = matrix[0, 0], matrix[0, 1], matrix[0, 2], matrix[0, 3]
+    m10, m11, m12, m13 = matrix[1, 0], matrix[1, 1], matrix[1, 2], matrix[1, 3]
+    m20, m21, m22, m23 = matrix[2, 0], matrix[2, 1], matrix[2, 2], matrix[2, 3]
     for v in range(px.shape[0]):
         over = 1.0 / (m20 * px[v] + m21 * py[v] + m22 * pz[v] + m23)
         x[v] = (m00 * px[v] + m01 * py[v] + m02 * pz[v] + m03) * over
@@ -98,36 +88,49 @@ def _project_vertices(screen: F8, eye: F8, world: F8, row: int, px: F4, py: F4, 
 
 
 @kernel
-def _is_seen(
-    a: int,
-    b: int,
-    c: int,
-    x: F8,
-    y: F8,
-    inverse: F8,
-    nearest: float,
+def _list_seen(
+    listed: I8,
+    count: int,
+    triangles: U2,
+    projected: F8,
+    near: float,
     depth_step: float,
     block: int,
-    touch: float,
+    margin: float,
     width: int,
     height: int,
     nearness: F8,
-) -> bool:
-    """Return True where a triangle may be cut by the near plane, or the rectangle around it has a sample.
+    used: int,
+    out: U2,
+) -> int:
+    """List those of `triangles` with numbers in `listed` that the near plane may cut, or whose rectangle has a sample.
 
-    The rectangle of a large one must not be hidden; small ones are hidden with their group.
+    The rectangle of a large one must not be hidden; small ones are hidden with their group. There are no jumps that
+    depend on a single small triangle, which a processor cannot foresee: one that is not seen is written and then
+    overwritten, so `out` has room for all of them.
+
+    Returns:
+        Indices in `out` that are in use.
     """
-    lowest, highest = min(inverse[a], inverse[b], inverse[c]), max(inverse[a], inverse[b], inverse[c])
-    if not (lowest > 0.0 and highest < nearest):
-        return highest > 0.0
-    left, right = min(x[a], x[b], x[c]) - touch, max(x[a], x[b], x[c]) + touch - 1.0
-    bottom, top = min(y[a], y[b], y[c]) - touch, max(y[a], y[b], y[c]) + touch - 1.0
-    left, right, bottom, top = max(left, 0.0), min(right, width - 1.0), max(bottom, 0.0), min(top, height - 1.0)
-    if math.ceil(left) > math.floor(right) or math.ceil(bottom) > math.floor(top):
-        return False
-    if (right - left) * (top - bottom) < _LARGE * block * block:
-        return True
-    return not hides(nearness, left, right, bottom, top, block, highest, lowest, depth_step)
+    x, y, inverse = projected[0], projected[1], projected[2]
+    touch, nearest, large = 0.5 + margin, _NEAR_MARGIN / near, _LARGE * block * block
+    last_column, last_row = width - 1.0, height - 1.0
+    for n in range(count):
+        t = listed[n]
+        a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        xa, xb, xc, ya, yb, yc = x[a], x[b], x[c], y[a], y[b], y[c]
+        ia, ib, ic = inverse[a], inverse[b], inverse[c]
+        lowest, highest = min(ia, ib, ic), max(ia, ib, ic)
+        left, right = max(min(xa, xb, xc) - touch, 0.0), min(max(xa, xb, xc) + touch - 1.0, last_column)
+        bottom, top = max(min(ya, yb, yc) - touch, 0.0), min(max(ya, yb, yc) + touch - 1.0, last_row)
+        seen = (math.ceil(left) <= math.floor(right)) & (math.ceil(bottom) <= math.floor(top))
+        if not (lowest > 0.0 and highest < nearest):
+            seen = highest > 0.0
+        elif seen & ((right - left) * (top - bottom) >= large):
+            seen = not hides(nearness, left, right, bottom, top, block, highest, lowest, depth_step)
+        out[used], out[used + 1], out[used + 2] = a, b, c
+        used += 3 * seen
+    return used
 
 
 @kernel
@@ -156,22 +159,23 @@ def _list_group(
     nearness: F8,
     used: int,
     out: U2,
+    facing: I8,
 ) -> int:
     """List the triangles of a group that may be seen; `turned` is the value of a plane at the eye below which none is.
+
+    `facing` is scratch, [`GROUP`].
 
     Returns:
         Indices in `out` that are in use.
     """
-    x, y, inverse = projected[0], projected[1], projected[2]
-    touch, nearest = 0.5 + margin, _NEAR_MARGIN / near
+    kept = 0
     for t in range(triangles.shape[0]):
-        if planes[t, 0] * eye[0] + planes[t, 1] * eye[1] + planes[t, 2] * eye[2] + planes[t, 3] < turned:
-            continue
-        a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
-        if _is_seen(a, b, c, x, y, inverse, nearest, depth_step, block, touch, width, height, nearness):
-            out[used], out[used + 1], out[used + 2] = a, b, c
-            used += 3
-    return used
+        facing[kept] = t
+        at_eye = planes[t, 0] * eye[0] + planes[t, 1] * eye[1] + planes[t, 2] * eye[2] + planes[t, 3]
+        kept += not at_eye < turned
+    return _list_seen(
+        facing, kept, triangles, projected, near, depth_step, block, margin, width, height, nearness, used, out
+    )
 
 
 @kernel
@@ -247,7 +251,8 @@ def pick_triangles(
     Returns:
         Indices in `out` that are in use; an item that does not fit is drawn as a whole.
     """
-    local, corners = np.empty((1, 3)), np.empty((_CORNERS, 3))
+    local, corners, matrix = np.empty((1, 3)), np.empty((_CORNERS, 3)), np.empty((3, 4))
+    facing = np.empty(GROUP, np.int64)
     for n in range(count):
         item = items[n]
         mesh, row = meshes[item], rows[item]
@@ -263,19 +268,20 @@ def pick_triangles(
         # Turned away by less than rounding can turn it back.
         turned = -margin * (math.sqrt(away2) + radii[item]) ** 2 / focal if one_sided[item] else -math.inf
         begun, projected = used, False
+        to_screen(screen, eye, world, row, matrix)
         for group in range((size + GROUP - 1) // GROUP):
-            project_box(screen, eye, world, row, group_centre, group_half, still[mesh, 1] + group, corners)
+            project_box(matrix, group_centre, group_half, still[mesh, 1] + group, corners)
             if is_hidden(corners, near, depth_step, block, 0.5 + margin, width, height, nearness):
                 continue
             if not projected:
                 projected = True
                 end = base + vertices
                 own = (places[0, base:end], places[1, base:end], places[2, base:end])
-                _project_vertices(screen, eye, world, row, *own, scratch)
+                _project_vertices(matrix, *own, scratch)
             first_of, end = start + group * GROUP, start + min((group + 1) * GROUP, size)
             used = _list_group(
                 triangles[first_of:end], planes[first_of:end], local[0], turned, scratch, near, depth_step, block,
-                margin, width, height, nearness, used, out,
+                margin, width, height, nearness, used, out, facing,
             )  # fmt: skip
         if used - begun == 3 * size:
             used = begun
@@ -328,14 +334,16 @@ def pick_bent_triangles(
     Returns:
         Indices in `out` that are in use.
     """
-    _project_vertices(screen, eye, world, row, vertices[:, 0], vertices[:, 1], vertices[:, 2], scratch)
+    matrix = np.empty((3, 4))
+    to_screen(screen, eye, world, row, matrix)
+    _project_vertices(matrix, vertices[:, 0], vertices[:, 1], vertices[:, 2], scratch)
     x, y, inverse = scratch[0], scratch[1], scratch[2]
-    touch, nearest = 0.5 + margin, _NEAR_MARGIN / near
+    listed = np.empty(triangles.shape[0], np.int64)
+    kept = 0
     for t in range(triangles.shape[0]):
         a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
-        if _is_turned(a, b, c, x, y, inverse, winding, margin):
-            continue
-        if _is_seen(a, b, c, x, y, inverse, nearest, depth_step, block, touch, width, height, nearness):
-            out[used], out[used + 1], out[used + 2] = a, b, c
-            used += 3
-    return used
+        listed[kept] = t
+        kept += not _is_turned(a, b, c, x, y, inverse, winding, margin)
+    return _list_seen(
+        listed, kept, triangles, scratch, near, depth_step, block, margin, width, height, nearness, used, out
+    )
