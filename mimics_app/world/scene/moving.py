@@ -10,6 +10,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import SceneError
+from mimics_app.maths.mat import affine_inverse
 from mimics_app.world.components.animation import Animation, Avatar, Reach
 from mimics_app.world.components.encourager import Encourager
 from mimics_app.world.scene.scene import Scene, SceneEntity
@@ -137,13 +138,15 @@ def _reaching(
 
 def _target_of(world: World, node: SceneNode, target: str) -> Callable[[], F8 | None]:
     """Return a function of the present position of an entity, or of the first camera, in the frame of a model."""
+    model_from_world = np.empty((4, 4))
 
     def place() -> F8 | None:
         seen = world.cameras[0].node if target == "camera" and world.cameras else None
         aim = seen if seen is not None else world.find(target) if target in world else None
         if aim is None:
             return None
-        inside = np.linalg.inv(node.world_matrix()) @ aim.world_matrix()[:, 3]
-        return np.asarray(inside[:3])
+        if affine_inverse(node.world_matrix(), model_from_world) == 0.0:
+            return None  # the model is flat: nothing is inside
+        return np.asarray(model_from_world[:3] @ aim.world_matrix()[:, 3])
 
     return place
