@@ -20,6 +20,7 @@ __all__ = [
     "compose",
     "compose_trs",
     "look_at",
+    "unscale",
 ]
 
 Mat4 = NDArray[np.float64]
@@ -66,6 +67,15 @@ def compose(translation: object, rotation: object = quat.IDENTITY, scale: object
     turn = quat.normalise_rows(_floats(rotation, 4))
     compose_trs(_floats(translation, 3), turn, _floats(scale, 3), out)
     return out
+
+
+@kernel
+def unscale(matrix: Mat4) -> None:
+    """Divide the three axes of an affine matrix by their lengths, in place."""
+    for c in range(3):
+        length = norm(matrix[:3, c])
+        for r in range(3):
+            matrix[r, c] /= length
 
 
 def look_at(eye: object, target: object, up: object = (0.0, 1.0, 0.0)) -> Mat4:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.haptic import EventKind, SafetyState
 from mimics_app.contracts.messages import HapticSnapshot
+from mimics_app.maths.vec import length
 
 __all__ = ["Contact", "Observation", "observe"]
 
@@ -104,8 +105,8 @@ def observe(snapshot: HapticSnapshot, events: NDArray[Any], now_ns: int, bodies:
         cause=snapshot.cause,
         q=tuple(snapshot.q.tolist()),
         ball_world=_vector(snapshot.hip_world),
-        speed=float(np.linalg.norm(snapshot.v_world)),
-        force=float(np.linalg.norm(snapshot.f_user_world)),
+        speed=length(snapshot.v_world),
+        force=length(snapshot.f_user_world),
         progress=0.0,
         distance=None,
         touching=snapshot.penetration > 0.0,

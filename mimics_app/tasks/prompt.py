@@ -64,7 +64,7 @@ def state_message(
 
 def cause_words(cause: int) -> str:
     """Return a TripCause in words, e.g. "stop key"."""
-    if cause not in set(TripCause) or cause == TripCause.NONE:
+    if cause == TripCause.NONE or cause not in set(TripCause):
         return "safety stop"
     return TripCause(cause).name.lower().replace("_", " ")
 

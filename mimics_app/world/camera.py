@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.maths.mat import unscale
 from mimics_app.world.handle import Handle, WritableColumn
 
 __all__ = ["Camera"]
@@ -26,5 +27,5 @@ class Camera(Handle):
     def world_from_eye(self) -> NDArray[np.float64]:
         """T_world_from_eye, rigid: the node's scale is left out. float64 [4, 4]."""
         matrix = self.node.world_matrix()
-        matrix[:3, :3] /= np.linalg.norm(matrix[:3, :3], axis=0)
+        unscale(matrix)
         return matrix

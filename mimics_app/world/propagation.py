@@ -9,7 +9,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F8, I4, U1
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["preorder", "propagate", "store_poses"]
+__all__ = ["are_rows", "preorder", "propagate", "store_poses", "store_scales"]
 
 
 _MIN_LENGTH2, _MAX_LENGTH2 = 1e-280, 1e280
@@ -147,3 +147,36 @@ def store_poses(rows: I4, translation: F8, rotation: F8, into: F8, into_rotation
                 into[row, axis] = translation[i, axis]
                 dirty[row] = 1
     return -1
+
+
+@kernel
+def store_scales(rows: I4, scale: F8, into: F8, dirty: U1) -> int:
+    """Check and store the local scales of some rows, as `store_poses`.
+
+    Args:
+        rows: Rows of the table, [n].
+        scale: Scales, [n, 3].
+        into: The table's scales, [rows, 3].
+        dirty: 1 where the stored scale is another than before, [rows].
+
+    Returns:
+        -1, or the first scale with a number that is not finite.
+    """
+    for i in range(rows.shape[0]):
+        if not (abs(scale[i, 0]) + abs(scale[i, 1]) + abs(scale[i, 2]) < np.inf):
+            return i
+    for i in range(rows.shape[0]):
+        for axis in range(3):
+            if into[rows[i], axis] != scale[i, axis]:
+                into[rows[i], axis] = scale[i, axis]
+                dirty[rows[i]] = 1
+    return -1
+
+
+@kernel
+def are_rows(rows: I4, count: int) -> bool:
+    """Whether all numbers are rows of a table with so many, [n]."""
+    for row in rows:
+        if not 0 <= row < count:
+            return False
+    return True

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.world.entity_ids import grown
-from mimics_app.world.propagation import propagate, store_poses
+from mimics_app.world.propagation import are_rows, propagate, store_poses, store_scales
 
 __all__ = ["TransformTable"]
 
@@ -162,7 +162,7 @@ class TransformTable:
         if not len(rows) == len(shifts) == len(turns):
             raise ValueError(f"{len(rows)} rows, {len(shifts)} translations, {len(turns)} rotations")
         places = np.asarray(rows, np.int32)
-        if places.size and not 0 <= int(places.min()) <= int(places.max()) < self._count:
+        if not are_rows(places, self._count):
             raise ValueError(f"rows beyond the {self._count} in use")
         wrong = store_poses(places, shifts, turns, self._translations, self._rotations, self._dirty)
         if wrong >= 0:
@@ -176,11 +176,11 @@ class TransformTable:
             ValueError: a number is not finite, or a shape does not fit.
         """
         values = np.asarray(scales, np.float64).reshape(-1, 3)
-        if len(rows) != len(values) or not np.isfinite(values).all():
-            raise ValueError(f"{len(rows)} rows, {len(values)} scales, all of which must be finite")
         places = np.asarray(rows, np.int32)
-        self._dirty[places[(self._scales[places] != values).any(axis=1)]] = 1
-        self._scales[rows] = values
+        if len(rows) != len(values) or not are_rows(places, self._count):
+            raise ValueError(f"{len(values)} scales for {len(rows)} rows of the {self._count} in use")
+        if store_scales(places, values, self._scales, self._dirty) >= 0:
+            raise ValueError("a scale is not finite")
         self._touched = True
 
     def set_visible(self, index: int, *, visible: bool) -> None:

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mimics_app.maths import mat, quat
+from mimics_app.maths import mat, quat, vec
 
 SETTINGS = settings(max_examples=150)
 EPS = np.finfo(float).eps
@@ -32,6 +32,21 @@ def test_affine_inverse_undoes_a_transform_and_gives_its_determinant(m):
     assert determinant == pytest.approx(np.linalg.det(m[:3, :3]), rel=1e-12)
     # Condition number up to 100, translations up to 10 / 0.1.
     assert np.abs(out @ m - np.eye(4)).max() <= 1e4 * EPS * np.abs(m).max() * np.abs(out).max()
+
+
+@SETTINGS
+@given(affine)
+def test_unscaled_axes_are_those_divided_by_their_lengths_to_the_last_bit(m):
+    wanted = m.copy()
+    wanted[:3, :3] /= np.linalg.norm(m[:3, :3], axis=0)
+    mat.unscale(m)
+    assert np.array_equal(m, wanted)
+
+
+@SETTINGS
+@given(st.lists(st.floats(-1e9, 1e9), min_size=1, max_size=4))
+def test_the_length_of_a_vector_is_that_of_numpy_to_the_last_bit(values):
+    assert vec.length(np.array(values)) == np.linalg.norm(values)
 
 
 def test_affine_inverse_of_a_flat_matrix_has_determinant_zero():

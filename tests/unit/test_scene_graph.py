@@ -334,6 +334,19 @@ def test_poses_and_scales_that_are_set_again_are_no_change():
         assert table.changed[rows].sum() == changed and table.changed[rows[1]] == (changed > 0)
 
 
+def test_scales_of_rows_that_do_not_exist_or_are_not_finite_are_refused_and_nothing_is_set():
+    world = World()
+    nodes = [world.create_node() for _ in range(2)]
+    table = world.transforms
+    rows = table.rows(np.array([node.index for node in nodes]))
+    with pytest.raises(ValueError, match="not finite"):
+        table.set_scales(rows, np.array([[2.0, 2.0, 2.0], [1.0, np.nan, 1.0]]))
+    with pytest.raises(ValueError, match="rows"):
+        table.set_scales(np.array([0, 1_000_000]), np.full((2, 3), 2.0))
+    world.update()
+    assert all(np.array_equal(matrix_of(world, node), np.eye(4)) for node in nodes)
+
+
 def test_a_chain_of_fifty_thousand_nodes_is_updated_moved_and_removed_without_recursion():
     world = World()
     node = top = world.create_node("top")

@@ -82,7 +82,10 @@ class SoundStage:
 
     def _place(self, world: World, now_ns: int) -> None:
         """Publish the pose of the head (the camera) and of the emitters, with velocities from the previous frame."""
-        now, before = self._now, self._now.copy()
+        now, count = self._now[0], len(self._settings.emitters)
+        head, places = now["head_position"], now["position"][:count]
+        before, places_before = head.copy(), places.copy()
+        span = (now_ns - int(now["t_ns"])) * 1e-9
         now["t_ns"] = now_ns
         if world.cameras:
             pose = world.cameras[0].world_from_eye
@@ -90,16 +93,16 @@ class SoundStage:
         for row, name in enumerate(self._settings.emitters):
             if name in world:
                 pose = world.find(name).world_matrix()
-                now["position"][0, row], now["forward"][0, row], now["gain"][0, row] = pose[:3, 3], -pose[:3, 2], 1.0
-        span = (now_ns - int(before["t_ns"][0])) * 1e-9
-        for place, velocity in (("head_position", "head_velocity"), ("position", "velocity")):
-            now[velocity] = _velocities(now[place] - before[place], span if self._placed else 0.0)
-        count, head = len(self._settings.emitters), now["head_position"][0]
-        now["passes"][0, :count] = self._surroundings.passes(world, head, now["position"][0, :count], span)
+                places[row], now["forward"][row], now["gain"][row] = pose[:3, 3], -pose[:3, 2], 1.0
+        moved_s = span if self._placed else 0.0
+        now["head_velocity"] = _velocities(head - before, moved_s)
+        if count:
+            now["velocity"][:count] = _velocities(places - places_before, moved_s)
+            now["passes"][:count] = self._surroundings.passes(world, head, places, span)
         now["room_level"], now["room_time"] = self._surroundings.room(world, head)
         self._placed = True
         slot = triple_buffer.back_slot(self._memory.sound_scene_words)
-        self._memory.sound_scenes[slot : slot + 1] = now
+        self._memory.sound_scenes[slot] = now
         triple_buffer.publish(self._memory.sound_scene_words)
 
     def _show_notice(self) -> None:
@@ -116,8 +119,8 @@ def _velocities(moved: NDArray[np.float64], span: float) -> NDArray[np.float64]:
     if span <= 0.0:
         return np.zeros_like(moved)
     velocity = moved / span
-    speed = np.linalg.norm(velocity, axis=-1, keepdims=True)
-    return np.where(speed < _JUMP, velocity, 0.0)
+    speed2 = (velocity * velocity).sum(axis=-1, keepdims=True)
+    return np.where(speed2 < _JUMP * _JUMP, velocity, 0.0)
 
 
 def _motion_triggers(world: World, now_ns: int) -> Iterator[SoundTrigger]:

@@ -29,6 +29,7 @@ from mimics_app.contracts.messages import (
 )
 from mimics_app.contracts.stage_timer import UNTIMED
 from mimics_app.contracts.tracker_port import TrackedPose
+from mimics_app.maths.vec import length
 
 __all__ = ["Frames"]
 
@@ -212,7 +213,7 @@ def _experience_of(orders: TaskOrders, snapshot: HapticSnapshot, head: TrackedPo
     power = float(np.dot(np.asarray(snapshot.f_user_world, float), velocity))
     return Experience(
         now_ns,
-        speed=float(np.linalg.norm(velocity)),
+        speed=length(velocity),
         power=max(power, 0.0),
         head=None if head is None or head.stale else head.pose,
         demand=orders.demand,

@@ -17,6 +17,7 @@ from mimics_app.contracts.haptic import EVENT, EventKind
 from mimics_app.contracts.messages import SoundEvent
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.contracts.sound_scene import BANDS, SOUND_SCENE, fill_defaults
+from mimics_app.maths.vec import length
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.contact_gain import ContactGate, contact_gain, scrape_gain
 from mimics_app.rendering.audio.driven import DrivenSounds
@@ -143,20 +144,20 @@ class SoundDirector:
         if not fresh:
             return False
         snapshot = self._memory.audio_snapshots[slot]
-        pressed = float(np.linalg.norm(snapshot["f_user_world"])) if snapshot["penetration"] > 0.0 else 0.0
+        pressed = length(snapshot["f_user_world"]) if snapshot["penetration"] > 0.0 else 0.0
         place, velocity = snapshot["hip_world"], snapshot["v_world"]
         if not (np.isfinite(place).all() and np.isfinite(velocity).all()):
             return False
         self._rub[:3], self._rub[3:6] = place, velocity
-        self._rub[6] = scrape_gain(float(np.linalg.norm(velocity)), pressed)
+        self._rub[6] = scrape_gain(length(velocity), pressed)
         return True
 
     def _heard(self) -> Heard:
         """Return the snapshot in the mixer's form; emitters that appear for the first time are started."""
         scene, count = self._scene[0], len(self._settings.emitters)
-        position = np.vstack((scene["position"][:count], self._rub[:3]))
-        velocity = np.vstack((scene["velocity"][:count], self._rub[3:6]))
-        gain = np.append(scene["gain"][:count], self._rub[6])
+        position = np.concatenate((scene["position"][:count], self._rub[None, :3]))
+        velocity = np.concatenate((scene["velocity"][:count], self._rub[None, 3:6]))
+        gain = np.concatenate((scene["gain"][:count], self._rub[6:7]))
         for row, name in enumerate((*self._settings.emitters, self._settings.scrape)):
             if name and self._handles[row] == 0 and gain[row] > 0.0 and np.isfinite(position[row]).all():
                 x, y, z = (float(value) for value in position[row])
@@ -173,9 +174,9 @@ class SoundDirector:
             handles=self._handles,
             position=position,
             velocity=velocity,
-            forward=np.vstack((scene["forward"][:count], (0.0, 0.0, -1.0))),
+            forward=np.concatenate((scene["forward"][:count], [(0.0, 0.0, -1.0)])),
             gain=gain,
-            passes=np.vstack((scene["passes"][:count], np.ones(BANDS))),
+            passes=np.concatenate((scene["passes"][:count], np.ones((1, BANDS)))),
         )
 
     def _start(self, cause: str, sound: str, t_ns: int, tick: int, place: Vec3 | None, gain: float) -> None:

@@ -29,7 +29,6 @@ class PictureTarget:
     """Target of the world's picture: the surface's framebuffer, a multisampled one, or a buffer to be filtered.
 
     Attributes:
-        settings: Settings of the frame: samples, scale and filters.
         keep: True to draw into a buffer of its own that the next frame finds unchanged.
         holds: True while that buffer has the last frame's world; set by the renderer.
 
@@ -41,7 +40,6 @@ class PictureTarget:
     def __init__(
         self, surface: Surface, shaders: ShaderLibrary, settings: RenderSettings, *, board_within: bool = False
     ) -> None:
-        self.settings = settings
         self.keep = self.holds = False
         self._board_within = board_within
         self._surface = surface
@@ -58,6 +56,23 @@ class PictureTarget:
         self._between: list[moderngl.Framebuffer] = []
         # Output of the last filter while frames are kept: the heads-up display is drawn over the surface.
         self._filtered: moderngl.Framebuffer | None = None
+        self.settings = settings
+
+    @property
+    def settings(self) -> RenderSettings:
+        """Settings of the frame: samples, scale and filters."""
+        return self._settings
+
+    @settings.setter
+    def settings(self, settings: RenderSettings) -> None:
+        wanted = (
+            (settings.bloom > 0.0, self._bloom),
+            (settings.fxaa, self._edges),
+            (settings.scale < 1.0, self._enlarge),
+        )
+        self._settings = settings
+        # In order; the last one draws onto the surface.
+        self._filters: list[BloomPass | PictureFilter] = [step for applies, step in wanted if applies]
 
     @property
     def samples(self) -> int:
@@ -174,17 +189,6 @@ class PictureTarget:
         self._free()
         for step in (self._bloom, self._edges, self._enlarge):
             step.release()
-
-    @property
-    def _filters(self) -> list[BloomPass | PictureFilter]:
-        """The filters in use, in order; the last one draws onto the surface."""
-        settings = self.settings
-        wanted = (
-            (settings.bloom > 0.0, self._bloom),
-            (settings.fxaa, self._edges),
-            (settings.scale < 1.0, self._enlarge),
-        )
-        return [step for applies, step in wanted if applies]
 
     def _make(self) -> None:
         ctx, size, samples = self._surface.ctx, self.size, self.samples

@@ -10,7 +10,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F4, F8, I4
 from mimics_app.world.meshes.mesh import MeshData
-from mimics_app.world.motion.kernels.skinning_palette import bound_joints, write_palette
+from mimics_app.world.motion.kernels.skinning_palette import bound_joints, has_moved, take_weights, write_palette
 from mimics_app.world.transforms import TransformTable
 
 __all__ = ["Binding", "SkinnedBody", "Skinning", "bind"]
@@ -115,13 +115,12 @@ class SkinnedBody:
                 self._order, bent = transforms.revision, True
                 self._joint_rows = transforms.rows(self.binding.joints)
             row = transforms.row(self.entity)
-            bent = bent or bool(transforms.changed[row]) or bool(transforms.changed[self._joint_rows].any())
+            bent = bent or has_moved(self._joint_rows, row, transforms.changed)
             if bent:
                 self._write(row, transforms.world)
-        if len(self._morphs) and not np.array_equal(self.weights, morphs := self._morphs.astype(np.float32)):
-            self.weights[:], bent = morphs, True
-            self.morphed = bool(morphs.any())
-            self.margin = self._grown * max(1.0, float(np.abs(morphs).max()))
+        if len(self._morphs) and (greatest := take_weights(self._morphs, self.weights)) >= 0.0:
+            bent, self.morphed = True, greatest > 0.0
+            self.margin = self._grown * max(1.0, greatest)
         if bent:
             self._bound()
             self.revision += 1

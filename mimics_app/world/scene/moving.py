@@ -138,14 +138,15 @@ def _reaching(
 
 def _target_of(world: World, node: SceneNode, target: str) -> Callable[[], F8 | None]:
     """Return a function of the present position of an entity, or of the first camera, in the frame of a model."""
-    from_world = np.empty((4, 4))
+    model_from_world = np.empty((4, 4))
 
     def place() -> F8 | None:
         seen = world.cameras[0].node if target == "camera" and world.cameras else None
         aim = seen if seen is not None else world.find(target) if target in world else None
         if aim is None:
             return None
-        affine_inverse(node.world_matrix(), from_world)
-        return np.asarray(from_world[:3] @ aim.world_matrix()[:, 3])
+        if affine_inverse(node.world_matrix(), model_from_world) == 0.0:
+            return None  # the model is flat: nothing is inside
+        return np.asarray(model_from_world[:3] @ aim.world_matrix()[:, 3])
 
     return place

@@ -53,7 +53,9 @@ class BentMeshes:
 
     def of(self, body: SkinnedBody, name: str) -> F4:
         """Return the vertices of a body's mesh, skinned as the body is now: float32 [n, 8], kept until it bends."""
-        meshes, mesh = self._bent.setdefault(body, {}), body.meshes[name]
+        meshes, mesh = self._bent.get(body), body.meshes[name]
+        if meshes is None:
+            meshes = self._bent[body] = {}
         bent = meshes.get(name)
         if bent is None or bent.source.mesh is not mesh:
             stream = np.zeros((len(mesh.positions), _FLOATS), np.float32)

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from mimics_app.contracts.arrays import F4, F8, I4
+from mimics_app.contracts.arrays import F4, F8, I4, U1
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths.quat import (
     QUATERNION,
@@ -18,7 +18,7 @@ from mimics_app.maths.quat import (
     normalise,
 )
 
-__all__ = ["bound_joints", "write_palette"]
+__all__ = ["bound_joints", "has_moved", "take_weights", "write_palette"]
 
 
 _FLAT = 1e-300
@@ -78,6 +78,29 @@ def _store_dual(m: F8, out: F4) -> None:
     out[5] = 0.5 * (-x * q[2] + y * q[3] + z * q[0])
     out[6] = 0.5 * (x * q[1] - y * q[0] + z * q[3])
     out[7] = -0.5 * (x * q[0] + y * q[1] + z * q[2])
+
+
+@kernel
+def has_moved(joint_rows: I4, mesh_row: int, changed: U1) -> bool:
+    """Whether the mesh's node or a joint moved: `changed` is per row of the Transform table, [rows]."""
+    if changed[mesh_row]:
+        return True
+    for row in joint_rows:
+        if changed[row]:
+            return True
+    return False
+
+
+@kernel
+def take_weights(morphs: F8, weights: F4) -> float:
+    """Copy the weights of morph targets, [targets]; return the largest absolute one, -1 where all are as before."""
+    greatest, same = 0.0, True
+    for k in range(len(morphs)):
+        weight = np.float32(morphs[k])
+        same = same and weights[k] == weight
+        weights[k] = weight
+        greatest = max(greatest, abs(float(weight)))
+    return -1.0 if same else greatest
 
 
 @kernel
