@@ -10,6 +10,7 @@ from typing import Any
 from mimics_app.app.study.subjects import SubjectRun
 from mimics_app.app.study.tables import Row, summarise_conditions
 from mimics_app.contracts.plural import counted
+from mimics_app.contracts.whole_file import whole_file
 from mimics_app.plotting.page_templates import load_templates
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.task import MEASURES
@@ -32,7 +33,8 @@ def write_page(file: Path, title: str, runs: Sequence[SubjectRun], trials: Seque
         taps=[_tap_line(label, taps) for label in dict.fromkeys(str(row.get("condition")) for row in taps)],
         subjects=[_subject_line(run, trials) for run in runs],
     )
-    file.write_text(page, encoding="utf-8")
+    with whole_file(file):
+        file.write_text(page, encoding="utf-8")
 
 
 def _measures_of(trials: Sequence[Row]) -> dict[str, str]:
