@@ -12,6 +12,7 @@ from typing import cast
 from mimics_app import builders
 from mimics_app.contracts.errors import UsageError, nearest
 from mimics_app.contracts.members import load_member
+from mimics_app.contracts.whole_file import whole_file
 
 __all__ = ["AssetBuilder", "find_builder", "find_builders"]
 
@@ -43,7 +44,8 @@ class AssetBuilder:
         for name, content in sorted(self.compose(seed).items()):
             file = folder / name
             file.parent.mkdir(parents=True, exist_ok=True)
-            file.write_bytes(content)
+            with whole_file(file):
+                file.write_bytes(content)
             files.append(file)
         return files
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from mimics_app.contracts.whole_file import whole_file
 from mimics_app.lab.experiment import Points
 
 __all__ = ["Figure", "write_figure"]
@@ -69,8 +70,11 @@ def write_figure(figure: Figure, folder: Path) -> tuple[Path, Path]:
     folder.mkdir(parents=True, exist_ok=True)
     data = {key: getattr(figure, key) for key in _WRITTEN} | figure.more
     numbers, drawing = folder / f"{figure.stem}.json", folder / f"{figure.stem}.svg"
-    numbers.write_text(json.dumps(_plain(data), indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
-    drawing.write_text(figure.svg, encoding="utf-8")
+    with whole_file(numbers):
+        text = json.dumps(_plain(data), indent=1, ensure_ascii=False, allow_nan=False)
+        numbers.write_text(f"{text}\n", encoding="utf-8")
+    with whole_file(drawing):
+        drawing.write_text(figure.svg, encoding="utf-8")
     return numbers, drawing
 
 

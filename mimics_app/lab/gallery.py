@@ -11,6 +11,7 @@ from typing import Any
 
 from markupsafe import Markup
 
+from mimics_app.contracts.whole_file import whole_file
 from mimics_app.plotting.axis import format_number
 from mimics_app.plotting.drawing import STYLE
 from mimics_app.plotting.page_templates import load_templates
@@ -108,7 +109,8 @@ def write_gallery(folder: Path, limits: Limits | None = None) -> Path:
         most_rows=_MOST_ROWS,
         drawing_style=Markup(STYLE),
     )
-    page.write_text(text.lstrip(), encoding="utf-8")
+    with whole_file(page):
+        page.write_text(text.lstrip(), encoding="utf-8")
     return page
 
 

@@ -116,8 +116,13 @@ class Recorder:
             self._clock.sleep_until_ns(self._clock.now_ns() + 1_000_000)
 
     def _give_up_start(self) -> NoReturn:
+        ended = self._process.exitcode if self._process else None
         self.kill()
-        raise PartialDataError(f"the recorder of {self.folder} does not start", "see the message above")
+        if ended is None:
+            why = f"it was not ready within {_START_S:.0f} s"
+        else:
+            why = "see the message above" if ended >= 0 else f"it was ended by {signal.Signals(-ended).name}"
+        raise PartialDataError(f"the recorder of {self.folder} does not start", why)
 
     def _spawn(self) -> None:
         """Start the process; its target's module imports no compiler, which would double the start-up time."""

@@ -16,7 +16,7 @@ import pyarrow as pa
 import pytest
 
 from mimics_app.app.play.launching import cut_off_notice
-from mimics_app.contracts.errors import SceneError
+from mimics_app.contracts.errors import PartialDataError, SceneError
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.recording.recorder import Recorder
 from mimics_app.recording.recover import recover
@@ -302,4 +302,16 @@ def test_interrupt_of_the_group_while_it_starts_is_left_to_the_app(
     recorder.wait_until_ready()
     assert recorder.pid == first
     assert recorder.close().status == "clean"
+    assert capfd.readouterr().err == ""
+
+
+def test_recorder_killed_while_it_starts_is_reported_by_its_signal(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """It leaves no message of its own to refer to."""
+    recorder = Recorder(SessionMemory(), tmp_path, {"seed": 1})
+    recorder.start(wait=False)
+    os.kill(recorder.pid or 0, signal.SIGKILL)
+    with pytest.raises(PartialDataError, match="does not start; it was ended by SIGKILL"):
+        recorder.wait_until_ready()
     assert capfd.readouterr().err == ""

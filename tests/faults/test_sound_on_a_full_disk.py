@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import resource
 import wave
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -15,20 +12,10 @@ from mimics_app.contracts.session_memory import Capacities, SessionMemory
 from mimics_app.rendering.audio.offline import OfflineAudio
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 from mimics_app.rendering.audio.wav_file import WavWriter
+from tests.support.full_disk import largest_file
 
 RATE = 48_000
 LIMIT = 3 << 20
-
-
-@contextmanager
-def largest_file(size: int) -> Iterator[None]:
-    """Files of this process grow no further, as on a full disk."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 def test_wave_file_on_a_full_disk_stays_valid_and_gives_room_back(tmp_path: Path) -> None:

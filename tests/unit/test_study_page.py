@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from mimics_app.app.study.page import write_page
+from mimics_app.app.study.subjects import SubjectRun
 
 TIMES = {"time_s": "3.14159", "contacts": "2", "smoothness": "", "begin_ns": "7"}
 
@@ -35,3 +36,18 @@ def test_measures_that_have_a_value_are_compared(tmp_path: Path, measured: dict[
 def test_without_a_finished_trial_the_page_says_so(tmp_path: Path) -> None:
     write_page(tmp_path / "study.html", "walk", [], [{"subject": 1, "label": "a", "outcome": "timeout"}], [])
     assert "No trial finished." in (tmp_path / "study.html").read_text(encoding="utf-8")
+
+
+def test_runs_below_the_page_are_named_from_its_folder(tmp_path: Path) -> None:
+    """A study that is copied to another machine names no folder of the first one."""
+    study, elsewhere = tmp_path / "study", tmp_path / "other"
+    study.mkdir()
+    runs = [
+        SubjectRun(1, 1, study / "runs" / "first"),
+        SubjectRun(2, 2, elsewhere),
+        SubjectRun(3, 0, None, "no folder"),
+    ]
+    write_page(study / "study.html", "walk", runs, [], [])
+    page = (study / "study.html").read_text(encoding="utf-8")
+    assert re.findall("<td>([^<]*first|[^<]*other)</td>", page) == ["runs/first", str(elsewhere.resolve())]
+    assert "no folder" in page

@@ -142,6 +142,15 @@ def test_mesh_files_are_shown_and_damaged_ones_named(tmp_path, suffix):
     assert caught.value.issues[0].file == str(file)
 
 
+def test_errors_of_a_reader_are_not_told_as_faults_of_a_file(tmp_path):
+    """A PLY file cut off in its header: trimesh ends with "list index out of range"."""
+    file = tmp_path / "cut.ply"
+    file.write_text("ply\nformat ascii 1.0\n")
+    with pytest.raises(SceneError) as caught:
+        open_shown(file)
+    assert caught.value.issues[0].what == "is damaged or not a PLY file"
+
+
 @pytest.mark.parametrize("far", ["1e300", "nan", "1e20"])
 def test_corners_that_are_nowhere_are_named(tmp_path, far):
     file = tmp_path / "far.obj"

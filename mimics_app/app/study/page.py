@@ -10,6 +10,7 @@ from typing import Any
 from mimics_app.app.study.subjects import SubjectRun
 from mimics_app.app.study.tables import Row, summarise_conditions
 from mimics_app.contracts.plural import counted
+from mimics_app.contracts.whole_file import whole_file
 from mimics_app.plotting.page_templates import load_templates
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.task import MEASURES
@@ -30,9 +31,10 @@ def write_page(file: Path, title: str, runs: Sequence[SubjectRun], trials: Seque
         conditions=conditions,
         size=f"{counted(len(runs), 'subjects')}, {counted(finished, 'finished trials')}",
         taps=[_tap_line(label, taps) for label in dict.fromkeys(str(row.get("condition")) for row in taps)],
-        subjects=[_subject_line(run, trials) for run in runs],
+        subjects=[_subject_line(run, trials, file.resolve().parent) for run in runs],
     )
-    file.write_text(page, encoding="utf-8")
+    with whole_file(file):
+        file.write_text(page, encoding="utf-8")
 
 
 def _measures_of(trials: Sequence[Row]) -> dict[str, str]:
@@ -69,6 +71,10 @@ def _tap_line(label: str, taps: Sequence[Row]) -> dict[str, Any]:
     }
 
 
-def _subject_line(run: SubjectRun, trials: Sequence[Row]) -> dict[str, Any]:
+def _subject_line(run: SubjectRun, trials: Sequence[Row], beside: Path) -> dict[str, Any]:
+    """Return a row of the page; a run below the page's folder is named from there, so that both can be moved."""
+    folder = run.folder and run.folder.resolve()
+    if folder and folder.is_relative_to(beside):
+        folder = folder.relative_to(beside)
     order = ", ".join(str(row["label"]) for row in trials if row["subject"] == run.subject)
-    return {"subject": run.subject, "seed": run.seed, "order": order, "folder": run.folder, "problem": run.problem}
+    return {"subject": run.subject, "seed": run.seed, "order": order, "folder": folder, "problem": run.problem}

@@ -9,6 +9,7 @@ from statistics import fmean, stdev
 from typing import Any
 
 from mimics_app.app.study.subjects import SubjectRun
+from mimics_app.contracts.whole_file import whole_file
 from mimics_app.recording.event_log import read_lines
 from mimics_app.recording.run_folder import FILES
 
@@ -42,7 +43,7 @@ def read_study(runs: Sequence[SubjectRun]) -> tuple[list[Row], list[Row], list[R
 def write_table(file: Path, rows: Sequence[Mapping[str, Any]], columns: Sequence[str] = ()) -> None:
     """Write rows as CSV; columns in the order given, else of first occurrence."""
     names = list(columns) or list(dict.fromkeys(name for row in rows for name in row))
-    with file.open("w", newline="", encoding="utf-8") as stream:
+    with whole_file(file), file.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.DictWriter(stream, names, extrasaction="ignore", restval="")
         writer.writeheader()
         writer.writerows(rows)

@@ -14,6 +14,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from mimics_app.contracts.whole_file import whole_file
 from mimics_app.lab.sweep.quantity import Columns, Kind, SweepExperiment
 from mimics_app.lab.sweep.spec import Sweep
 
@@ -130,7 +131,7 @@ def _write_whole(file: Path, data: bytes) -> None:
     """Write a file atomically, also with respect to a power failure."""
     file.parent.mkdir(parents=True, exist_ok=True)
     partial = file.with_name(f"{file.name}.{os.getpid()}.partial")
-    with partial.open("wb") as stream:
+    with whole_file(partial), partial.open("wb") as stream:
         stream.write(data)
         stream.flush()
         os.fsync(stream.fileno())

@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.whole_file import whole_file
+
 __all__ = ["GltfWriter", "MeshPart", "WrittenPart", "pack_glb"]
 
 _ARRAY_BUFFER, _ELEMENT_BUFFER = 34962, 34963
@@ -180,7 +182,8 @@ class GltfWriter:
     def write(self, path: Path) -> Path:
         """Write the file, and its folder where it is missing; return its path."""
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(self.to_bytes())
+        with whole_file(path):
+            path.write_bytes(self.to_bytes())
         return path
 
     @staticmethod

@@ -62,8 +62,12 @@ def _bodies(path: Path) -> list[tuple[str, trimesh.Trimesh]]:
     except MemoryError:
         raise SceneError(Issue(str(path), "", "does not fit into memory")) from None
     except Exception as error:  # each of its readers has its own errors
-        said = " ".join(str(error).split())[:160] or type(error).__name__
-        raise SceneError(Issue(str(path), "", f"is damaged or not a {path.suffix[1:].upper()} file: {said}")) from error
+        what = f"is damaged or not a {path.suffix[1:].upper()} file"
+        if not isinstance(
+            error, AttributeError | LookupError | TypeError
+        ):  # these speak of the reader, not of the file
+            what += f": {' '.join(str(error).split())[:160] or type(error).__name__}"
+        raise SceneError(Issue(str(path), "", what)) from error
     found = [(name, body) for name, body in bodies if isinstance(body, trimesh.Trimesh) and len(body.faces)]
     if not found:
         raise SceneError(Issue(str(path), "", "has no triangle"))

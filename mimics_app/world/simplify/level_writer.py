@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.whole_file import whole_file
 from mimics_app.world.gltf.accessors import GltfAccessors
 from mimics_app.world.gltf.buffers import GltfBuffers, data_uri
 from mimics_app.world.gltf.gltf_document import MAX_TOTAL_BYTES, GltfSource, open_gltf
@@ -89,7 +90,8 @@ def write_levels(
     """
     data, levels = add_levels(open_gltf(file, file.resolve().parent, str(file)), shares, pixels, progress)
     out.parent.mkdir(parents=True, exist_ok=True)
-    out.write_bytes(data)
+    with whole_file(out):
+        out.write_bytes(data)
     return levels
 
 

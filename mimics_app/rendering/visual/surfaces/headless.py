@@ -9,6 +9,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import U1
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.whole_file import whole_file
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.surface import Size, Surface
 
@@ -63,12 +64,5 @@ def write_png(pixels: U1, file: Path) -> None:
     """
     from PIL import Image
 
-    stream = file.open("wb")
-    try:
-        with stream:
-            Image.fromarray(pixels[:, :, :3]).save(stream, "PNG", compress_level=_PNG_LEVEL)
-    except OSError as error:
-        file.unlink(missing_ok=True)
-        if error.errno:  # the system names a file that it cannot open, not one that it cannot fill
-            error.filename = str(file)
-        raise
+    with whole_file(file), file.open("wb") as stream:
+        Image.fromarray(pixels[:, :, :3]).save(stream, "PNG", compress_level=_PNG_LEVEL)
