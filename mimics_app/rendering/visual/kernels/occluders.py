@@ -8,7 +8,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8, I4
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.visual.kernels.projection import project_box, to_node, to_screen
+from mimics_app.rendering.visual.kernels.projection import TO_SCREEN, project_box, to_node, to_screen
 
 __all__ = ["draw_occluders", "pick_occluders"]
 
@@ -286,7 +286,7 @@ def draw_occluders(
     """
     nearness[:] = 0.0
     corners, points, hull = np.empty((_CORNERS, 3)), np.empty((_POINTS, 2)), np.empty((2 * _POINTS, 2))
-    spots, planes, matrix = np.empty((_WINDOW + 1, 3)), np.empty((3, 3)), np.empty((3, 4))
+    spots, planes, matrix = np.empty((_WINDOW + 1, 3)), np.empty((3, 3)), np.empty(TO_SCREEN)
     used = 0
     for i in range(count):
         item = chosen[i]

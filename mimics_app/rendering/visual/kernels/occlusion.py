@@ -19,7 +19,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8, I4
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.visual.kernels.projection import project_box, to_screen
+from mimics_app.rendering.visual.kernels.projection import TO_SCREEN, project_box, to_screen
 
 __all__ = ["MARGIN_PX", "hides", "is_hidden", "remove_hidden"]
 
@@ -142,7 +142,7 @@ def remove_hidden(
     Returns:
         How many remain.
     """
-    corners, matrix = np.empty((_CORNERS, 3)), np.empty((3, 4))
+    corners, matrix = np.empty((_CORNERS, 3)), np.empty(TO_SCREEN)
     touch = 0.5 + reach
     kept = 0
     for i in range(count):

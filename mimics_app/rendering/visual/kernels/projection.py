@@ -5,7 +5,7 @@ from __future__ import annotations
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["project_box", "to_node", "to_screen"]
+__all__ = ["TO_SCREEN", "project_box", "to_node", "to_screen"]
 
 
 _CORNERS, _UP = 8, 4
@@ -14,10 +14,13 @@ _CORNERS, _UP = 8, 4
 _TRANSLATION = 3
 """The last column of a matrix."""
 
+TO_SCREEN = (3, _TRANSLATION + 1)
+"""Shape of a matrix from a node's frame to the screen."""
+
 
 @kernel
 def to_screen(screen: F8, eye: F8, world: F8, row: int, out: F8) -> None:
-    """Write the matrix from points of a node's frame [m] to X w, Y w [px] and w [m], [3, 4].
+    """Write the matrix from points of a node's frame [m] to X w, Y w [px] and w [m], of shape `TO_SCREEN`.
 
     Args:
         screen: Matrix from world vectors relative to the camera to X w, Y w [px] and w [m], [3, 3].

@@ -12,7 +12,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F4, F8, I4, I8, U1, U2
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.visual.kernels.occlusion import hides, is_hidden
-from mimics_app.rendering.visual.kernels.projection import project_box, to_node, to_screen
+from mimics_app.rendering.visual.kernels.projection import TO_SCREEN, project_box, to_node, to_screen
 
 __all__ = ["BENT", "GROUP", "find_planes", "pick_bent_triangles", "pick_triangles"]
 
@@ -251,7 +251,7 @@ def pick_triangles(
     Returns:
         Indices in `out` that are in use; an item that does not fit is drawn as a whole.
     """
-    local, corners, matrix = np.empty((1, 3)), np.empty((_CORNERS, 3)), np.empty((3, 4))
+    local, corners, matrix = np.empty((1, 3)), np.empty((_CORNERS, 3)), np.empty(TO_SCREEN)
     facing = np.empty(GROUP, np.int64)
     for n in range(count):
         item = items[n]
@@ -334,7 +334,7 @@ def pick_bent_triangles(
     Returns:
         Indices in `out` that are in use.
     """
-    matrix = np.empty((3, 4))
+    matrix = np.empty(TO_SCREEN)
     to_screen(screen, eye, world, row, matrix)
     _project_vertices(matrix, vertices[:, 0], vertices[:, 1], vertices[:, 2], scratch)
     x, y, inverse = scratch[0], scratch[1], scratch[2]
