@@ -8,6 +8,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import msgspec
+import numpy as np
 import pytest
 
 from mimics_app.app.session.replay import TaskFrame, play_again
@@ -120,7 +121,8 @@ def _key_frame(kept: Kept) -> int:
 def test_each_input_of_a_frame_counts(kept: Kept) -> None:
     key = _key_frame(kept)
     now_ns = kept.frames[key].now_ns
-    harder = make_snapshot(now_ns, progress=kept.frames[key].snapshot.progress, f_user_world=[0.0, 7.0, 0.0])
+    pushed = np.array([0.0, 7.0, 0.0])
+    harder = make_snapshot(now_ns, progress=kept.frames[key].snapshot.progress, f_user_world=pushed)
     cases = {
         "at_trial": _changed(kept, 0, action=TaskAction({"radius": 9.0}, at_trial=0)),
         "task event": _changed(kept, key, pressed=()),
