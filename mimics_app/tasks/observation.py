@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.haptic import EventKind, SafetyState
 from mimics_app.contracts.messages import HapticSnapshot
-from mimics_app.maths.vec import length
+from mimics_app.maths.length import length
 
 __all__ = ["Contact", "Observation", "observe"]
 

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mimics_app.maths import mat, quat, vec
+from mimics_app.maths import mat, quat
+from mimics_app.maths.length import length
 
 SETTINGS = settings(max_examples=150)
 EPS = np.finfo(float).eps
@@ -46,7 +47,7 @@ def test_unscaled_axes_are_those_divided_by_their_lengths_to_the_last_bit(m):
 @SETTINGS
 @given(st.lists(st.floats(-1e9, 1e9), min_size=1, max_size=4))
 def test_the_length_of_a_vector_is_that_of_numpy_to_the_last_bit(values):
-    assert vec.length(np.array(values)) == np.linalg.norm(values)
+    assert length(np.array(values)) == np.linalg.norm(values)
 
 
 def test_affine_inverse_of_a_flat_matrix_has_determinant_zero():

@@ -29,7 +29,7 @@ from mimics_app.contracts.messages import (
 )
 from mimics_app.contracts.stage_timer import UNTIMED
 from mimics_app.contracts.tracker_port import TrackedPose
-from mimics_app.maths.vec import length
+from mimics_app.maths.length import length
 
 __all__ = ["Frames"]
 

@@ -17,7 +17,7 @@ from mimics_app.contracts.haptic import EVENT, EventKind
 from mimics_app.contracts.messages import SoundEvent
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.contracts.sound_scene import BANDS, SOUND_SCENE, fill_defaults
-from mimics_app.maths.vec import length
+from mimics_app.maths.length import length
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.contact_gain import ContactGate, contact_gain, scrape_gain
 from mimics_app.rendering.audio.driven import DrivenSounds
