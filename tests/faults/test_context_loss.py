@@ -149,30 +149,6 @@ def test_touch_runs_on_while_the_picture_is_made_anew(tmp_path, capsys):
     assert capsys.readouterr().err.count("the picture was lost (the driver was reset) and is created again") == 2
 
 
-def test_frames_left_to_the_next_one_are_shown_across_a_loss(tmp_path, monkeypatch):
-    """A driver that never has drawn a frame in time: each is shown within the next, and the last one at the end."""
-    monkeypatch.setattr(Renderer, "drawn", lambda renderer, timeout_ns: False)
-    with live_session(tmp_path, 60.0) as session:
-        start_loop(session)
-        frames = Frames(session)
-        session.picture = open_picture(session)
-        surface, shown = session.picture.surface, []
-        swap = surface.swap
-        surface.swap = lambda: (shown.append(frames.number), swap())
-
-        def after_frame(frames: Frames) -> None:
-            if frames.number == 3:
-                lose_once(surface)
-
-        run_live(session, frames, after_frame, until=lambda: frames.number > 5)
-        assert len(shown) == 6
-        # A step of the governor shows the last frame before the next one begins.
-        assert all(number in (k, k + 1) for k, number in enumerate(shown, 1)), shown
-        assert read_pixels(surface).std() > 10.0
-        session.end_stages()
-        session.finish({})
-
-
 def test_a_picture_that_is_lost_for_good_ends_the_run_in_order(tmp_path, capsys, monkeypatch):
     """The recording is sealed, the exit code says so, as if the window had been closed, with the reason in a line."""
 
@@ -207,5 +183,5 @@ def test_a_fault_in_a_context_that_is_well_is_not_taken_for_a_loss(tmp_path):
         picture = open_picture(session)
         picture.renderer.world = None
         with pytest.raises(AttributeError):
-            picture.show_frame({}, session.clock, 0)
+            picture.show_frame({}, session.clock)
         picture.surface.close()

@@ -55,7 +55,7 @@ from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.surfaces.window_copy import WindowCopy
-from tests.golden.test_left_frames import PLAIN, SIZE, make_world, move, view
+from tests.golden.test_still_picture import PLAIN, SIZE, make_world, view
 drawn = []
 draw = WindowCopy._draw
 WindowCopy._draw = lambda copy, picture, places, up: (drawn.append(places), draw(copy, picture, places, up=up))
@@ -63,7 +63,9 @@ world = make_world()
 with create_surface("window", SIZE, "parts") as surface:
     renderer, page = Renderer(surface, world, PLAIN), PageSurface(surface)
     for step in range(24):
-        move(world, step)
+        world.find("ball").set_position((0.05 * step, 0.9, 0.3))
+        world.find("box6").visible = step % 2 == 0
+        world.update()
         renderer.hud.clear()
         renderer.hud.text(20.0, 60.0, f"frame {step}", 40.0)
         renderer.draw([view(0.1 if step in (10, 11) else 0.0)])

@@ -55,8 +55,7 @@ class FrameWatch:
         settled: Number of frames at the beginning that did not count.
         from_ns, stages_ns, end_ns: Times from which frames count, from which stages are timed, and at which the
             measurement ends [ns]; set at the last frame that does not count.
-        frames_ms: Times of whole frames, in which the loop was busy [ms].
-        shown_ms: Times from the beginning of a frame until it was shown [ms].
+        frames_ms: Times of whole frames [ms].
         stages: Times of each stage [ms].
         seen: Every frame that counts: its end since the first one [s], its time [ms], its longest stage, and the time
             of that stage [ms].
@@ -72,7 +71,6 @@ class FrameWatch:
     stages_ns: float = 0.0
     end_ns: float = 0.0
     frames_ms: list[float] = field(default_factory=list)
-    shown_ms: list[float] = field(default_factory=list)
     stages: dict[str, list[float]] = field(default_factory=dict)
     seen: list[tuple[float, float, str, float]] = field(default_factory=list)
     begun: tuple[float, int] | None = None
@@ -99,8 +97,7 @@ class FrameWatch:
         spent = times.frames[-1].cpu_ms if times.frames else {}
         self.seen.append(((now_ns - self.begun[1]) / _NS, governor.last_ms, *_longest(spent, governor.last_ms)))
         if now_ns < self.stages_ns or len(self.frames_ms) < _MIN_FRAMES:
-            self.frames_ms.append(governor.last_ms - picture.spare_ms)
-            self.shown_ms.append(picture.shown_ms)
+            self.frames_ms.append(governor.last_ms)
             self._settle(now_ns)
         elif not times.waits:
             times.waits = True
@@ -132,7 +129,6 @@ class FrameWatch:
         return {
             "fps": self.fps,
             "ms": _spread(self.frames_ms),
-            "shown_ms": _spread(self.shown_ms),
             "late": self._late(),
             "stages": {name: _spread(times) for name, times in self.stages.items()},
             "over_budget": over_budget({name: float(np.median(times)) for name, times in self.stages.items()}),

@@ -20,7 +20,7 @@ from mimics_app.app.planner.tolerances import tolerances_of
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import Profile, Quality
 from mimics_app.contracts.board import Board
-from mimics_app.contracts.clock import FRAME_NS, Clock, MonotonicClock
+from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.rendering.visual.quality_steps import lower_to_scale, quality_steps
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.surface import Surface
@@ -62,9 +62,9 @@ class _LookedAt:
         """Draw one frame."""
         assert self.picture is not None and self.governor is not None
         begun_ns = self.clock.now_ns()
-        with self.picture.begin_frame(begun_ns).stage("world update"):
+        with self.picture.begin_frame().stage("world update"):
             self.move(1e-9 * begun_ns)
-        done_ns = self.picture.show_frame(Board(), self.clock, begun_ns + FRAME_NS)
+        done_ns = self.picture.show_frame(Board(), self.clock)
         self.governor.note(1e-6 * (done_ns - begun_ns), done_ns)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -12,7 +11,6 @@ from mimics_app.app.picture.board import OPERATORS_CARDS, BoardLayout
 from mimics_app.app.picture.lost_picture import draw_or_recover
 from mimics_app.app.picture.methods import with_methods
 from mimics_app.app.picture.shown_on import open_display
-from mimics_app.app.picture.start_delay import StartDelay
 from mimics_app.app.picture.video import Film
 from mimics_app.app.planner.plan import plan_scene
 from mimics_app.app.planner.uses import shadow_distance_of, visual_of
@@ -94,27 +92,6 @@ def picture_quality(scene: Scene, profile: Profile, pixels: int = 0, *, limited:
     return with_methods(wanted, plan_scene(scene, profile, pixels=pixels, limited=limited).settings)
 
 
-_AT_ONCE_NS = 50_000
-"""Wait up to which a driver had drawn before it was waited for [ns]."""
-
-
-@dataclass(slots=True)
-class _Submitted:
-    """A frame that a software driver draws.
-
-    Attributes:
-        begun_ns: Time at which it began [ns].
-        clock: Clock of the session.
-        ns: Time at which its world was submitted [ns].
-        ahead: Whether the next frame begins before it is drawn.
-    """
-
-    begun_ns: int
-    clock: Clock
-    ns: int = 0
-    ahead: bool = False
-
-
 class Picture:
     """The picture that the person sees.
 
@@ -134,8 +111,6 @@ class Picture:
         film: Video of the shown frames; None without one.
         keys: Page of keys over the picture; () for none.
         stats: Cost of the last frame; None before the first.
-        shown_ms: Time from the beginning of the frame shown last until it was shown [ms].
-        spare_ms: Time for which the last frame was waited for although the next one had to begin before it was drawn.
 
     Raises:
         SceneError: The scene has no camera, or none of that name; or the file of its display is faulty.
@@ -161,8 +136,6 @@ class Picture:
         self.keys: Keys = ()
         self._layout = BoardLayout()
         self.stats: FrameStats | None = None
-        self.shown_ms = self.spare_ms = 0.0
-        self._begun_ns, self._delay = 0, StartDelay()
         self._software = draws_in_software(surface)
         self.show(scene, world)
 
@@ -170,7 +143,6 @@ class Picture:
         """Draw a scene and its world from now on: the first one, or a reloaded one."""
         if not world.cameras:
             raise SceneError(scene.issue("/entities", "has no camera", 'give an entity a "camera" component'))
-        self.finish_frame()
         cameras = {camera.node.name: camera for camera in world.cameras}
         if self._wanted and self._wanted not in cameras:
             what = f'has no camera "{self._wanted}"'
@@ -207,9 +179,8 @@ class Picture:
         self.report_issues()
         return self.stats
 
-    def begin_frame(self, now_ns: int) -> StageTimer:
-        """Begin a frame at a time [ns]; return the timer of its stages."""
-        self._begun_ns = now_ns
+    def begin_frame(self) -> StageTimer:
+        """Begin the timing of a frame; return the timer of its stages."""
         if self.renderer.times is not None:
             self.renderer.times.begin()
         return self.timer
@@ -219,38 +190,21 @@ class Picture:
         """Timer of the stages of a frame."""
         return self.renderer.times or UNTIMED
 
-    def show_frame(self, board: Board, clock: Clock, due_ns: int) -> int:
+    def show_frame(self, board: Board, clock: Clock) -> int:
         """Draw one frame, show it, and return the time at which its work was done [ns].
 
-        A driver that draws on the processor has done its work after the swap of the buffers. Where it has not drawn a
-        frame when the next one is due, that one begins meanwhile, and shows it. Any other driver is waited for before
-        the swap, which waits for the display. Nothing is drawn for a headset that shows nothing.
+        A driver that draws on the processor has done its work after the swap of the buffers. Any other is waited for
+        before the swap, which waits for the display. Nothing is drawn for a headset that shows nothing.
 
         After a loss of the context the frame is drawn again in a new one.
 
-        Args:
-            board: The board over the scene.
-            clock: Clock of the session.
-            due_ns: Time at which the next frame is due [ns].
-
         Raises:
             DeviceError: The context was lost and cannot be created again.
         """
-        self.spare_ms = 0.0
         if not self.presenter.begin(clock.now_ns()).render:
             self.presenter.skip()
             return clock.now_ns()
-        ahead = self._software and self.presenter.plain
-        draw = partial(self._draw_ahead, due_ns=due_ns) if ahead else self._draw_finished
-        return draw_or_recover(self.surface, lambda: draw(board, clock), self.recover)
-
-    def finish_frame(self) -> None:
-        """Show the last frame, if the driver was still drawing it.
-
-        Raises:
-            DeviceError: The context was lost and cannot be created again.
-        """
-        draw_or_recover(self.surface, self.renderer.finish, self.recover)
+        return draw_or_recover(self.surface, lambda: self._show(board, clock), self.recover)
 
     def start_film(self, wanted: Path, *, live: bool) -> Film:
         """Make a video of the frames shown from now on; see `Film`."""
@@ -270,47 +224,19 @@ class Picture:
         self.renderer.renew()
         self._software = draws_in_software(self.surface)
 
-    def _draw_finished(self, board: Board, clock: Clock) -> int:
-        """Draw a frame and show it."""
+    def _show(self, board: Board, clock: Clock) -> int:
         views = self.views
         draw = self.renderer.draw if self._software else self.renderer.draw_finished
         self.stats = draw(views, self._latch, partial(self.lay_out, board, views))
-        waited_ns = clock.now_ns()
-        self._swap(clock, self._begun_ns)
-        return clock.now_ns() if self._software else waited_ns
-
-    def _draw_ahead(self, board: Board, clock: Clock, due_ns: int) -> int:
-        """Draw a frame, and show it if it is drawn before the next one has to begin; otherwise that one shows it."""
-        views = self.views
-        left = _Submitted(self._begun_ns, clock)
-        self.stats = self.renderer.draw(views, None, partial(self.lay_out, board, views), partial(self._show, left))
-        left.ns = clock.now_ns()
-        left.ahead = not self.renderer.drawn(max(due_ns - left.ns, self._delay.ns))
-        waited_ns = clock.now_ns() - left.ns
-        if left.ahead:
-            self.spare_ms = max(waited_ns - self._delay.ns, 0) * 1e-6
-        else:
-            self._delay.note_drawn(waited_ns)
-            self.renderer.finish()
-        return clock.now_ns()
-
-    def _show(self, left: _Submitted, begun_ns: int, drawn_ns: int) -> None:
-        """Show a frame that was left, after a wait for the driver between two times [ns]."""
-        if left.ahead:
-            self._delay.note_prepared(begun_ns - self._begun_ns)
-            self._delay.note_drawn(drawn_ns - left.ns, latest=drawn_ns - begun_ns < _AT_ONCE_NS)
-        self._swap(left.clock, left.begun_ns)
-
-    def _swap(self, clock: Clock, begun_ns: int) -> None:
-        """Show the picture that the surface has, of a frame begun at a time [ns]."""
         self.presenter.present()
+        waited_ns = clock.now_ns()
         with self.timer.stage("swap"):
             self.surface.swap()
-        shown_ns = clock.now_ns()
-        self.shown_ms = (shown_ns - begun_ns) * 1e-6
+        done_ns = clock.now_ns() if self._software else waited_ns
         if self.film is not None:
-            self.film.take(shown_ns)
+            self.film.take(done_ns)
         self.report_issues()
+        return done_ns
 
     def report_issues(self) -> None:
         """Report on stderr each deviation of the picture from the scene, once."""
@@ -341,7 +267,6 @@ class Picture:
 
     def save(self, file: Path, write: WritePng = write_png) -> list[Path]:
         """Write the last frame as PNG and return the files, see `Presenter.save`."""
-        self.finish_frame()
         return self.presenter.save(file, write)
 
     def abandon(self) -> None:

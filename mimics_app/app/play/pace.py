@@ -73,9 +73,8 @@ def _run_frames(session: Session, frames: Frames, after_frame: Progress, until: 
     due = session.clock.now_ns()
     while session.clock.now_ns() < limit and session.haptics.running and not (until() or leaving.wanted(frames)):
         begun_ns = session.clock.now_ns()
-        due = max(due + _period_ns(session), begun_ns)
         if picture is not None:
-            frames.timer = picture.begin_frame(begun_ns)
+            frames.timer = picture.begin_frame()
         with frames.timer.stage("reload"):
             reload.look()
         frames.step()
@@ -84,18 +83,14 @@ def _run_frames(session: Session, frames: Frames, after_frame: Progress, until: 
             keys.step(frames)
             message = leaving.message or _message(session, frames, reload, trouble)
             try:
-                done_ns = picture.show_frame(frames.board.saying(message), session.clock, due)
+                done_ns = picture.show_frame(frames.board.saying(message), session.clock)
             except DeviceError as error:
                 keys.end_without_picture(error)
                 return
             governor.note((done_ns - begun_ns) * 1e-6, done_ns)
         after_frame(frames)
+        due = max(due + _period_ns(session), session.clock.now_ns() - FRAME_NS)
         session.clock.sleep_until_ns(due)
-    if picture is not None:
-        try:
-            picture.finish_frame()
-        except DeviceError as error:
-            keys.end_without_picture(error)
 
 
 def _period_ns(session: Session) -> int:

@@ -19,14 +19,15 @@ from mimics_app.rendering.visual.drawing.frame_buffers import FrameBuffers
 from mimics_app.rendering.visual.drawing.levels import fewer_pixels
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.figures.hud import Hud, LayOut
-from mimics_app.rendering.visual.finish_stage import FinishStage, Show, SubmittedFrame
 from mimics_app.rendering.visual.frame_stats import FrameStats
 from mimics_app.rendering.visual.lighting import gather_lighting
 from mimics_app.rendering.visual.materials.materials import MaterialStore
 from mimics_app.rendering.visual.materials.shader_library import FEW_PIXELS, ShaderLibrary
 from mimics_app.rendering.visual.passes.eye_passes import AT_ONCE, EyePasses
+from mimics_app.rendering.visual.passes.hud import HudPass
 from mimics_app.rendering.visual.settings import QualityChanges, RenderSettings
 from mimics_app.rendering.visual.stages.eye_pairs import eye_passes, group_views, see_from_between
+from mimics_app.rendering.visual.stages.kept_board import KeptBoard
 from mimics_app.rendering.visual.stages.picture_stage import PictureStage
 from mimics_app.rendering.visual.stages.seen_frame import capture_frame, may_keep
 from mimics_app.rendering.visual.stages.shadow_stage import ShadowStage, light_features
@@ -102,8 +103,9 @@ class Renderer:
         self._shadows = ShadowStage(ctx, self.settings.shadow_size)
         self._world = WorldStage(ctx, self._shaders, self._frame, self.settings, has.texture_size)
         self._effects: EffectStage | None = None
+        self._hud_pass = HudPass(ctx, self._shaders)
+        self._kept_board = KeptBoard(surface, self._hud_pass)
         self._pictures = PictureStage(ctx, self._shaders)
-        self._finish = FinishStage(surface, self._shaders, self._picture, self._pictures, self._shadows, self._clock)
         self._still = StillPicture(sparse=self._sparse)
         self._materials.live = self._pictures.pictures
         # Once requested, the shaders keep reading it: a governor's step compiles nothing.
@@ -133,43 +135,25 @@ class Renderer:
         if before is not None:
             self.overlay.take_over(before)
 
-    def draw(
-        self, views: Sequence[View], latch: Latch | None = None, lay_out: LayOut | None = None, show: Show | None = None
-    ) -> FrameStats:
+    def draw(self, views: Sequence[View], latch: Latch | None = None, lay_out: LayOut | None = None) -> FrameStats:
         """Draw one frame into the surface's framebuffer; `surface.swap()` shows it.
 
         Args:
             views: One view per eye; at least one.
             latch: Called just before the world is drawn, for views of the newest head pose; None without tracking.
             lay_out: Called when the world is submitted, while a software driver draws it; None: `hud` is filled.
-            show: Leaves filters and display of this frame to `finish` or to the next frame, which calls it when the
-                surface has the picture; None: they are drawn now.
 
         Raises:
             UsageError: `views` is empty.
             SceneError: a shader does not compile.
         """
-        return self._measure(partial(self._draw, views, latch, lay_out, show))
-
-    def drawn(self, timeout_ns: int) -> bool:
-        """Return whether the driver has drawn a frame that was left to `finish`, after waiting so long at most [ns]."""
-        return self._finish.drawn(timeout_ns)
-
-    def finish(self) -> int:
-        """Finish and show the frame that `draw` left, if it left one; return the draw calls made."""
-        if (left := self._finish.take_left()) is None:
-            return 0
-        frame, show = left
-        with self._timed("post"):
-            draws = self._finish.finish(frame)
-        show()
-        return draws
+        return self._measure(views, latch, lay_out, finish=False)
 
     def draw_finished(
         self, views: Sequence[View], latch: Latch | None = None, lay_out: LayOut | None = None
     ) -> FrameStats:
         """Draw one frame and wait until the driver has finished: `cpu_ms` is the frame's whole cost; see `draw`."""
-        return self._measure(partial(self._draw, views, latch, lay_out, None), finish=True)
+        return self._measure(views, latch, lay_out, finish=True)
 
     def set_quality(self, **changes: Unpack[QualityChanges]) -> None:
         """Change some settings from the next frame on; the others stay as they are.
@@ -180,7 +164,6 @@ class Renderer:
         Raises:
             UsageError: a value is out of range.
         """
-        self.finish()
         self.settings = replace(self.settings, **changes)
         self._shadows.resize(self.settings.shadow_size)
         self._picture.settings = self.settings
@@ -209,24 +192,25 @@ class Renderer:
         if self._overlay is not None:
             self._overlay.release()
             self._overlay = None
-        parts = (self._pictures, self._finish, self._world, self._shadows, self._picture, self._frame)
+        parts = (self._pictures, self._hud_pass, self._world, self._shadows, self._picture, self._frame)
         effects = () if self._effects is None else (self._effects,)
         for part in (*parts, *effects, self._materials, self._arena, self._bending):
             part.release()
 
-    def _measure(self, draw: Callable[[], tuple[int, int]], *, finish: bool = False) -> FrameStats:
-        started, times = self._clock.now_ns(), self.times
-        if times is not None and not times.begun:
-            times.begin()
-        timer = None if times is not None else self._timer  # timer queries cannot be nested
+    def _measure(
+        self, views: Sequence[View], latch: Latch | None, lay_out: LayOut | None, *, finish: bool
+    ) -> FrameStats:
+        if not views:
+            raise UsageError("a frame without a view cannot be drawn", "give at least one View")
+        started = self._clock.now_ns()
+        timer = None if self.times is not None else self._timer  # timer queries cannot be nested
         with timer or nullcontext():
-            triangles, draws = draw()
+            triangles, draws = self._draw(views, latch, lay_out)
         if finish:
             self._surface.ctx.finish()
         cpu_ms, tally = (self._clock.now_ns() - started) * 1e-6, self._list.tally.figures
-        if times is not None:
-            times.begun = False
-            times.count(*tally[:3])
+        if self.times is not None:
+            self.times.count(*tally[:3])
         return FrameStats(cpu_ms, timer.elapsed * 1e-6 if timer else None, triangles, draws, *tally)
 
     @property
@@ -240,18 +224,16 @@ class Renderer:
     def _timed(self, stage: str) -> AbstractContextManager[None]:
         return nullcontext() if self.times is None else self.times.stage(stage)
 
-    def _draw(
-        self, views: Sequence[View], latch: Latch | None, lay_out: LayOut | None, show: Show | None
-    ) -> tuple[int, int]:
+    def _draw(self, views: Sequence[View], latch: Latch | None, lay_out: LayOut | None) -> tuple[int, int]:
         """Run the stages of a frame in order; return triangles and draw calls."""
-        if not views:
-            raise UsageError("a frame without a view cannot be drawn", "give at least one View")
+        times = self.times
+        if times is not None and not times.begun:
+            times.begin()
         if lay_out is not None and self._sparse:  # it is drawn into the kept picture and compared with the last one
             lay_out()
         with self._timed("prepare"):
             scene = self._prepare(views)
-        draws = self.finish()
-        draws += self._draw_shadows() if self._has.software else 0  # its threads do so while the views are culled
+        draws = self._draw_shadows() if self._has.software else 0  # its threads do so while the views are culled
         with self._timed("cull"):
             parts = self._changed_parts(scene, views if latch is None else ())
             target = self._picture.begin()
@@ -273,16 +255,13 @@ class Renderer:
         if self._overlay is not None and self._overlay.shows:
             with self._timed("overlay"):
                 draws += self._overlay.draw_in_world(target, scene, self._list, drawn, self._world)
-        overlay = self._overlay if self._overlay is not None and self._overlay.layers else None
-        frame = SubmittedFrame(views, parts, self.world, self.hud, overlay, self.settings.hud_depth)
         if lay_out is not None and not self._sparse:
             self._frame.flush()
             lay_out()
-        if show is not None:
-            self._finish.leave(frame, show)
-        else:
-            with self._timed("post"):
-                draws += self._finish.finish(frame)
+        with self._timed("post"):
+            draws += self._draw_over(views, parts)
+        if times is not None:
+            times.begun = False
         return self._shadows.triangles + self._pictures.triangles + sum(each.triangles for each in drawn), draws
 
     def _upload(self) -> None:
@@ -398,3 +377,24 @@ class Renderer:
     def _batch_inside(self, scene: FrameScene, view: View, key: Hashable) -> ViewDraws:
         """Queue what is visible in a mirror, screen or inset, in the view's own rectangle."""
         return self._batch(scene, [view], key, [view.rectangle])[0]
+
+    def _draw_over(self, views: Sequence[View], parts: list[ChangedPart] | None) -> int:
+        """Filter and show the world's picture; draw insets and heads-up display over it at full resolution."""
+        picture, within = self._picture, self._picture.takes_board
+        draws = self._draw_hud(views) if within else 0
+        filtered, written = picture.finish([view.rectangle for view in views], parts)
+        alone = not (within or self.world.insets or (self._overlay is not None and self._overlay.layers))
+        over = (self.hud, views[0], self.settings.hud_depth)
+        if (drawn := self._kept_board.draw(picture.finished, written if alone else None, *over)) is None:
+            picture.show(picture.finished)
+            self._surface.note_changed(None)
+            drawn = 0 if within else self._draw_hud(views)
+        return draws + filtered + drawn
+
+    def _draw_hud(self, views: Sequence[View]) -> int:
+        draws, huds = self._pictures.draw_insets(self.world, views, self.settings.hud_depth), [self.hud]
+        if self._overlay is not None and self._overlay.layers:
+            draws += self._overlay.draw_atlas(self._surface.framebuffer, self._shadows)
+            self._overlay.lay_out(self.hud.width, self.hud.height)
+            huds.append(self._overlay.hud)
+        return draws + self._hud_pass.draw_over(huds, views, self.settings.hud_depth)

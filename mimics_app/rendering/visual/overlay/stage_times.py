@@ -82,7 +82,7 @@ class StageTimes:
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Time a stage, which has the sum where it runs twice; stages cannot be nested, nor run twice with queries."""
+        """Time a stage; stages cannot be nested."""
         slot = self._number % _BEHIND
         frame, stages = self._queried[slot]
         if self._software or not self.waits:
@@ -90,7 +90,7 @@ class StageTimes:
             yield
             if self.waits:
                 self._ctx.finish()
-            frame.cpu_ms[name] = frame.cpu_ms.get(name, 0.0) + (self._clock.now_ns() - started) * 1e-6
+            frame.cpu_ms[name] = (self._clock.now_ns() - started) * 1e-6
             return
         if name not in self._queries[slot]:
             self._queries[slot][name] = self._ctx.query(time=True)

@@ -85,11 +85,6 @@ class Presenter:
         return self.display.kind in (*_WALLS, "hmd", "sim-hmd", "openxr")
 
     @property
-    def plain(self) -> bool:
-        """Whether pictures are drawn on the surface itself, for a camera that no head moves."""
-        return self.drawn is self.surface and not self.follows_head
-
-    @property
     def surrounds(self) -> bool:
         """Whether the person stands in front of walls and sees their own body."""
         return self.display.kind in _WALLS

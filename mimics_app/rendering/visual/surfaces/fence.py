@@ -1,4 +1,4 @@
-"""Fence among the commands of a context: says, or waits, when the driver has executed those before it."""
+"""Fence among the commands of a context, which can be waited for without those after it."""
 
 from __future__ import annotations
 
@@ -13,16 +13,13 @@ if TYPE_CHECKING:
 __all__ = ["Fence"]
 
 _COMMANDS_COMPLETE, _FLUSH = 0x9117, 0x0001
-_REACHED = (0x911A, 0x911C)
-"""Answers of glClientWaitSync where the fence was reached before the call, or during it."""
-
 _FOREVER = (1 << 64) - 1
 
 _UINT, _SYNC = ctypes.c_uint, ctypes.c_void_p
 
 
 class Fence:
-    """A fence that is set again and again; before the first time it counts as reached.
+    """A fence that is set again and again.
 
     Args:
         ctx: The context.
@@ -42,13 +39,10 @@ class Fence:
         self.release()
         self._sync = self._create(_COMMANDS_COMPLETE, 0)
 
-    def reached(self, timeout_ns: int = 0) -> bool:
-        """Return whether it is reached, after waiting for it for some time at most [ns]."""
-        return self._sync is None or self._wait(self._sync, _FLUSH, max(timeout_ns, 0)) in _REACHED
-
     def wait(self) -> None:
-        """Wait until it is reached."""
-        self.reached(_FOREVER)
+        """Wait until the driver has executed the commands before it; return at once where it was never set."""
+        if self._sync is not None:
+            self._wait(self._sync, _FLUSH, _FOREVER)
 
     def release(self) -> None:
         """Delete it."""
