@@ -123,7 +123,7 @@ compare(
     [
         Rival(
             "fifo",
-            "compiled loop, SCHED_FIFO, timer slack 1 ns, spin of 60 us before each deadline",
+            "compiled loop, SCHED_FIFO, timer slack 1 ns, spin before each deadline for as long as wake-ups take",
             "where it is granted",
             {"recipe": "fifo"},
         ),

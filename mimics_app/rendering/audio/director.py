@@ -139,12 +139,15 @@ class SoundDirector:
             self._mixer.hear(self._heard())
 
     def _feel_pressure(self) -> bool:
-        """Update the scrape from the newest haptic snapshot; return whether there was a new one."""
+        """Update the scrape from the newest haptic snapshot; return whether what is heard of it may have changed."""
         slot, fresh = triple_buffer.acquire(self._memory.audio_words)
         if not fresh:
             return False
         snapshot = self._memory.audio_snapshots[slot]
-        pressed = length(snapshot["f_user_world"]) if snapshot["penetration"] > 0.0 else 0.0
+        touched = snapshot["penetration"] > 0.0
+        if not touched and self._rub[6] == 0.0:
+            return False
+        pressed = length(snapshot["f_user_world"]) if touched else 0.0
         place, velocity = snapshot["hip_world"], snapshot["v_world"]
         if not (np.isfinite(place).all() and np.isfinite(velocity).all()):
             return False

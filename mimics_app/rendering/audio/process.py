@@ -18,6 +18,7 @@ from mimics_app.contracts.audio_port import AudioOrder, AudioReport, AudioStatus
 from mimics_app.contracts.child_signals import signals_blocked
 from mimics_app.contracts.errors import MimicsError, nearest
 from mimics_app.contracts.messages import SoundEvent
+from mimics_app.contracts.pipe_watch import PipeWatch
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.rendering.audio.settings import AudioSettings
 
@@ -51,6 +52,7 @@ class AudioProcess:
         self._process: SpawnProcess | None = None
         self._orders: Connection | None = None
         self._results: Connection | None = None
+        self._watch: PipeWatch | None = None
         self._status: AudioStatus | None = None
         self._report: AudioReport | None = None
         self._orders_dropped = 0
@@ -74,6 +76,7 @@ class AudioProcess:
         spawn = multiprocessing.get_context("spawn")
         orders_child, self._orders = spawn.Pipe(duplex=False)
         self._results, results_child = spawn.Pipe(duplex=False)
+        self._watch = PipeWatch(self._results)
         self._process = spawn.Process(
             target=run,
             args=(self._memory, self._settings, orders_child, results_child),
@@ -193,10 +196,11 @@ class AudioProcess:
 
     def _receive(self, timeout_s: float) -> object:
         """Return the next message of the child, None at the time-out or when the child has ended."""
-        if self._results is None:
+        if self._results is None or self._watch is None:
             return None
         try:
-            return self._results.recv() if self._results.poll(timeout_s) else None
+            arrived = self._watch.ready() or (timeout_s > 0.0 and self._results.poll(timeout_s))
+            return self._results.recv() if arrived else None
         except (EOFError, OSError):
             self._hung_up = True  # it closed its end of the pipe: it has ended or is ending
             return None

@@ -26,6 +26,7 @@ from mimics_app.contracts.contact_force import CONTACT_FORCE
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import EVENT
 from mimics_app.contracts.messages import SoundEvent
+from mimics_app.contracts.pipe_watch import PipeWatch
 from mimics_app.contracts.session_memory import ControlWord, SessionMemory
 from mimics_app.contracts.shared_words import DROPPED
 from mimics_app.rendering.audio.bank import SoundBank
@@ -104,7 +105,7 @@ class _LiveSession:
         self.ended = False
         self._memory = memory
         self._settings = settings
-        self._orders = orders
+        self._orders, self._watch = orders, PipeWatch(orders)
         self._results = results
         self._clock = clock
         self._timespec = scratch()
@@ -258,7 +259,7 @@ class _LiveSession:
         self.engine.render_to((elapsed + 2) * block, block)
 
     def _read_orders(self) -> None:
-        while not self.ended and self._orders.poll(0):
+        while not self.ended and self._watch.ready():
             try:
                 order: AudioOrder = pickle.loads(self._orders.recv_bytes())
             except (EOFError, OSError):

@@ -58,7 +58,6 @@ class HapticEngine:
         memory: The session's shared memory; the engine writes both the loop's and the main thread's side of it.
         plugin: The device.
         rate: Ticks per second.
-        spin_us: Spin before each deadline [us]; None: chosen for the scheduler recipe granted.
         recipe: One of `scheduler.RECIPES`.
         objects: Working arrays of the scene's haptic objects, with the session's capacities; None: no objects.
         fields: Force fields by EFFECT.field, MAX_FIELDS of them.
@@ -70,7 +69,6 @@ class HapticEngine:
         plugin: DevicePlugin,
         *,
         rate: int = 1000,
-        spin_us: int | None = None,
         recipe: str = "auto",
         objects: ObjectWork | None = None,
         fields: Fields = NO_FIELDS,
@@ -79,7 +77,6 @@ class HapticEngine:
         self._plugin = plugin
         self._descriptor = plugin.descriptor or HAPTICMASTER
         self._period_ns = 1_000_000_000 // rate
-        self._spin_us = spin_us
         self._recipe = recipe
         self._channels = channels_of(memory)
         self._work = new_work(objects or new_object_work(memory.capacities.objects))
@@ -271,7 +268,7 @@ class HapticEngine:
         """Body of the haptic thread: set the scheduler, then make one compiled call until the quit word is set."""
         try:
             self._granted = scheduler.arrange_thread(self._recipe)
-            spin_us = scheduler.spin_for(self._granted) if self._spin_us is None else self._spin_us
+            spin_us = scheduler.spin_for(self._granted)
         except BaseException as failure:  # noqa: BLE001  raised by start()
             self._failure = failure
             return

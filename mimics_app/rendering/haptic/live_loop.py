@@ -26,7 +26,7 @@ from mimics_app.rendering.haptic.histogram import count
 from mimics_app.rendering.haptic.kernels.stability import follow_period
 from mimics_app.rendering.haptic.loop_tick import LOOP_FUNCTIONS
 
-__all__ = ["run_live"]
+__all__ = ["follow_latency", "run_live"]
 
 
 _QUIT = int(ControlWord.QUIT)
@@ -37,15 +37,42 @@ _START_NS = int(ControlWord.START_NS)
 _UNCOUNTED_NS = 1_000_000_000
 """Start of the run in which lateness is not counted [ns]: caches are cold."""
 
+_SHARE_LATE = 0.05
+"""Share of the wake-ups that may take longer than the thread spins."""
+
+_STEP_NS = 1000
+"""Step of the spin's approach to that share [ns]."""
+
 
 @kernel
-def _wake(timespec: NDArray[np.int64], due: int, spin_ns: int) -> int:
-    """Sleep until `spin_ns` before the release, spin for the rest; return the wake-up time [ns]."""
+def _wake(timespec: NDArray[np.int64], due: int, spin_ns: int) -> tuple[int, int]:
+    """Sleep until `spin_ns` before the release, and spin for the rest.
+
+    Returns:
+        The time of the release or, if later, of the wake-up, and how long after the end of the sleep that was [ns].
+    """
     sleep_until_ns(timespec, due - spin_ns)
     woke = now_ns(timespec)
+    latency = woke - (due - spin_ns)
     while woke < due:
         woke = now_ns(timespec)
-    return woke
+    return woke, latency
+
+
+@kernel
+def follow_latency(spin_ns: int, latency: int, longest: int) -> int:
+    """Return the next spin: it approaches the time within which all but `_SHARE_LATE` of the wake-ups come.
+
+    A quantile by stochastic approximation (Robbins & Monro 1951), with a constant step, so that it follows the load of
+    the machine; a stall counts as one late wake-up, however long it is.
+
+    Args:
+        spin_ns: Length of the spin [ns].
+        latency: How long the last wake-up took [ns].
+        longest: Longest spin [ns].
+    """
+    share = 1.0 - _SHARE_LATE if latency > spin_ns else -_SHARE_LATE
+    return min(max(spin_ns + round(share * _STEP_NS), 0), longest)
 
 
 @kernel
@@ -62,8 +89,9 @@ def run_live(
 ) -> int:
     """Run a tick every `period_ns` until the quit word is set; return the total number of ticks done.
 
-    Sleeps to absolute deadlines and spins for the last `spin_ns`. Lateness and duration are counted after the first
-    second. `pointers` are the addresses of `loop_tick.LOOP_FUNCTIONS`, `memory` belongs to the device.
+    Sleeps to absolute deadlines and spins for the last part, as long as wake-ups take, `spin_ns` at most. Lateness and
+    duration are counted after the first second. `pointers` are the addresses of `loop_tick.LOOP_FUNCTIONS`, `memory`
+    belongs to the device.
     """
     loop_tick, tick, read, write, simulate, fields, kin = functions_at(pointers, LOOP_FUNCTIONS)
     channels, work = borrowed(channels), borrowed(work)
@@ -78,8 +106,11 @@ def run_live(
     ended = due
     missed_in_row = 0
     total, squares, last_woke = dt, dt * dt, due - period_ns
+    spin = spin_ns
     while load_acquire(control, _QUIT) == 0:
-        woke = _wake(timespec, due, spin_ns)
+        slept = ended < due - spin
+        woke, latency = _wake(timespec, due, spin)
+        spin = follow_latency(spin, latency, spin_ns) if slept else spin
         late = woke - due
         total, squares = follow_period(total, squares, float(woke - last_woke) * NANOSECOND, dt)
         last_woke = woke

@@ -54,7 +54,7 @@ class Granted:
 
 
 def spin_for(granted: Granted) -> int:
-    """Return the length of the spin tail [us]; 0 without FIFO, where spinning only uses up the slice."""
+    """Return the longest spin before a deadline [us]; 0 without FIFO, where spinning only uses up the slice."""
     return _SPIN_FIFO_US if granted.recipe.startswith("fifo") else 0
 
 
