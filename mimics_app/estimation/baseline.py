@@ -19,12 +19,15 @@ _LEAST_SPREAD = {
 _LEAST_FRAMES = 10
 """Smallest number of frames with a feature for a baseline of it."""
 
+_MEASURED = 0.75
+"""Share of the calibration in which a feature is measured at least; it lasts longer where the electrodes come late."""
+
 
 class Baseline:
     """Mean and standard deviation of features over the calibration.
 
     Args:
-        seconds: Length of the calibration [s], with one frame of features per second.
+        seconds: Shortest length of the calibration [s], with one frame of features per second.
 
     Attributes:
         done: Whether the calibration is over.
@@ -47,7 +50,8 @@ class Baseline:
                 step = value - mean
                 mean += step / (n + 1)
                 self._sums[name] = (n + 1, mean, square + step * (value - mean))
-        self.done = self._frames >= self._wanted
+        measured = max((n for n, _, _ in self._sums.values()), default=0)
+        self.done = self._frames >= self._wanted and measured >= _MEASURED * self._wanted
 
     def z(self, name: str, values: Mapping[str, float]) -> float | None:
         """Return a feature in standard deviations from rest; None without the feature or its baseline."""

@@ -35,8 +35,8 @@ _SIGNAL = {"heart": "ecg", "rmssd": "ecg", "scr_rate": "gsr", "scl": "gsr"}
 """Signal of each feature."""
 _CORRELATED_S = 25.0
 """Correlation time of the features, whose windows are 10 to 60 s: factor on the noise of observations 1 s apart."""
-_UNKNOWN = 0.9
-"""Standard deviation of arousal above which it is unknown."""
+_UNKNOWN = 0.6
+"""Standard deviation of arousal above which it is unknown: 0.64 without an observation, 0.35 with all of them."""
 _VALENCE_VARIANCE = 0.3
 """Variance of valence, which body signals hardly show."""
 _EFFORT_HEART = 2.0
@@ -49,7 +49,7 @@ class FusionEstimation:
     """Effort from mechanical work, then arousal from the residual; unknown at low signal quality and at the start.
 
     Args:
-        baseline_s: Length of the calibration at rest [s].
+        baseline_s: Shortest length of the calibration at rest [s], see `Baseline`.
 
     Attributes:
         seen: Newest features in standard deviations from rest; the heart rate without the effect of work.

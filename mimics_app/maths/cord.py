@@ -111,11 +111,12 @@ def hang(start: ArrayLike, end: ArrayLike, length: float, swing: float = 0.0) ->
     rise, flat = float(chord[1]), np.array([chord[0], 0.0, chord[2]])
     across = float(np.linalg.norm(flat))
     whole = float(np.linalg.norm(chord))
-    if length <= whole * (1.0 + _TAUT):
-        return _straight(first, chord, whole)
     along = flat / across if across > 0.0 else np.array([1.0, 0.0, 0.0])
     across = max(across, _PLUMB * length)
-    x = _sag(math.sqrt(length * length - rise * rise) / across)
+    reach = math.sqrt(max(length * length - rise * rise, 0.0))
+    if length <= whole * (1.0 + _TAUT) or reach <= across:  # the latter: taut, with its ends above each other
+        return _straight(first, chord, whole)
+    x = _sag(reach / across)
     a = across / (2.0 * x)
     # The mean of u over the cord follows from rise / length; the shader starts from sinh of its lower end.
     middle = math.atanh(min(max(rise / length, -1.0 + 1e-15), 1.0 - 1e-15))

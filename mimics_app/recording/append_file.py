@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import errno
 import os
-from contextlib import suppress
 from pathlib import Path
 
+from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.regular_file import open_regular
 from mimics_app.recording.run_folder import PRIVATE_FILE
 
@@ -19,6 +19,9 @@ __all__ = ["AppendFile", "is_claimed"]
 
 _sync = getattr(os, "fdatasync", os.fsync)  # macOS has no fdatasync
 
+_CLAIM_TRIES, _CLAIM_EVERY_NS = 100, 1_000_000
+"""Attempts at a lock that another process holds, and their period [ns]: `is_claimed` holds it for microseconds."""
+
 
 class AppendFile:
     """An unbuffered file to which whole blocks are appended.
@@ -29,7 +32,7 @@ class AppendFile:
 
     def __init__(self, path: Path, *, resume_at: int | None = None) -> None:
         """Create the file, which must not exist; or open it and truncate it to `resume_at` bytes."""
-        flags = os.O_WRONLY | (os.O_CREAT | os.O_EXCL if resume_at is None else os.O_CREAT)
+        flags = os.O_WRONLY | os.O_CREAT | getattr(os, "O_BINARY", 0) | (os.O_EXCL if resume_at is None else 0)
         self._descriptor = os.open(path, flags, PRIVATE_FILE)
         self.length = resume_at or 0
         if resume_at is not None:
@@ -39,9 +42,16 @@ class AppendFile:
 
     def claim(self) -> None:
         """Lock the file until this process closes it or dies; see `is_claimed`."""
-        if fcntl is not None:
-            with suppress(OSError):  # a disk without locks
+        clock = MonotonicClock()
+        for _ in range(0 if fcntl is None else _CLAIM_TRIES):
+            try:
                 fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:  # somebody is asking whether it is claimed
+                clock.sleep_until_ns(clock.now_ns() + _CLAIM_EVERY_NS)
+            except OSError:  # a disk without locks
+                return
+            else:
+                return
 
     def append(self, data: bytes | bytearray | memoryview) -> None:
         """Append a block.

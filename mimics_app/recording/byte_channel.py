@@ -28,6 +28,8 @@ TRIAL: Final = b"T"
 CLOSE: Final = b"C"
 """Kind of message: the orderly end, with the summary of the session."""
 
+_NEVER_DROPPED = (TRIAL, CLOSE)
+"""Kinds of messages that a full queue takes, too: they are few and small, and without them a session has no end."""
 _MAGIC = b"\xa7mj1"
 _HEADER = struct.Struct("<4sIIc")
 _PIPE_SIZE = 1 << 20  # the most an unprivileged process may request on Linux
@@ -55,10 +57,13 @@ class Outbox:
         self.dropped = 0
 
     def send(self, kind: bytes, payload: bytes) -> bool:
-        """Queue one message and write the queue to the pipe; False, and the message dropped, when it is full."""
+        """Queue one message and write the queue to the pipe; False, and the message dropped, when it is full.
+
+        Trials and the end of the session are never dropped.
+        """
         if self.waiting_bytes > self._limit:
             self.flush()
-        if self.waiting_bytes > self._limit:
+        if self.waiting_bytes > self._limit and kind not in _NEVER_DROPPED:
             self.dropped += 1
             return False
         message = _HEADER.pack(_MAGIC, len(payload), zlib.crc32(payload, zlib.crc32(kind)), kind) + payload

@@ -18,6 +18,7 @@ import pyarrow as pa
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.regular_file import open_regular, read_or_nothing
 from mimics_app.contracts.run_environment import clock_pair
+from mimics_app.contracts.whole_file import whole_file
 from mimics_app.recording.append_file import AppendFile
 from mimics_app.recording.arrow_format import (
     END_OF_STREAM,
@@ -153,11 +154,12 @@ def _repair_haptic(folder: Path) -> list[str]:
     scratch = path.with_suffix(".part")
     scratch.unlink(missing_ok=True)
     file = AppendFile(scratch)
-    try:
-        index, damages = _copy_blocks(path, file, layout)
-        file.append(END_OF_STREAM)
-    finally:
-        file.close()
+    with whole_file(scratch):
+        try:
+            index, damages = _copy_blocks(path, file, layout)
+            file.append(END_OF_STREAM)
+        finally:
+            file.close()
     repaired = []
     if _is_own_file(path) and filecmp.cmp(scratch, path, shallow=False):
         scratch.unlink()

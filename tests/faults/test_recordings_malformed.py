@@ -24,6 +24,7 @@ from mimics_app.recording.run import Run
 from mimics_app.recording.statics import Statics, read_statics, write_statics
 from mimics_app.recording.verdict import Verdict, judge
 from mimics_app.tasks.kinds.registry import report_sections
+from tests.support.full_disk import largest_file
 from tests.support.recording_mutations import FILES, SEALED, copy_run, mutate
 from tests.support.synthetic_run import write_synthetic_run
 
@@ -221,6 +222,18 @@ def test_recover_says_what_a_full_disk_took(whole: Path, tmp_path: Path, capsys:
     assert codes == [6, 6, 6]
     assert all("the last 2483 ticks are missing: the disk is full" in text for text in printed)
     assert not (folder / "haptic.arrows.damaged").exists()
+
+
+def test_repair_that_does_not_fit_leaves_no_part_of_it(whole: Path, tmp_path: Path) -> None:
+    folder = copy_run(whole, tmp_path / "run")
+    (folder / "manifest.json").unlink()
+    before = (folder / "haptic.arrows").read_bytes()
+    with largest_file(len(before) // 2):
+        found = recover(folder)
+    assert any("haptic.arrows cannot be repaired" in problem for problem in found.verdict.problems)
+    assert not list(folder.glob("*.part"))
+    assert (folder / "haptic.arrows").read_bytes() == before
+    assert "manifest.json" in found.repaired
 
 
 def test_rows_cut_off_a_closed_run_are_counted_and_stay_counted(whole: Path, tmp_path: Path) -> None:

@@ -55,6 +55,13 @@ def test_ends_above_each_other_fold_it_without_a_number_that_is_none(end: list[f
     assert np.linalg.norm(places[-1] - end) <= 2e-3 * 1.5  # ends are kept a thousandth of the length apart sideways
 
 
+@pytest.mark.parametrize("slack", [0.0, 1e-8, 1e-7, 4.9e-7, 5.1e-7, 1e-6])
+def test_a_taut_cord_with_its_ends_above_each_other_is_straight(slack: float) -> None:
+    curve = hang([0.0, 1.0, 0.0], [0.0, 0.0, 0.0], 1.0 + slack)
+    ends = curve.point([0.0, 0.5 * curve.length, curve.length])
+    np.testing.assert_allclose(ends, [[0.0, 1.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.0]], atol=1.1e-3)
+
+
 def test_its_frame_has_no_twist_and_fits_its_curve() -> None:
     for start, end, length, swing in random_cords(60):
         curve = hang(start, end, length, swing)

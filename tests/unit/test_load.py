@@ -147,6 +147,30 @@ def test_every_estimator_knows_nothing_first_and_then_what_is_too_hard(name: str
     assert state.arousal is not None
 
 
+@pytest.mark.parametrize("name", sorted(ESTIMATORS))
+def test_electrodes_that_come_late_are_calibrated_first(name: str) -> None:
+    """Before, the calibration was over without them: their features said nothing for the rest of the session."""
+    estimation = build_estimation(name, 30.0)
+    for second in range(100):
+        estimation.update(FeatureFrame(second * SECOND))
+    states = [estimation.update(frame(second)) for second in range(100, 120)]
+    assert all(state.arousal is None and state.load is None for state in states)
+    for second in range(120, 240):
+        state = estimation.update(frame(second, 0.7 if second > 150 else 0.0))
+    assert state.arousal is not None and state.arousal.mean > 0.2
+
+
+def test_a_state_without_observations_becomes_unknown() -> None:
+    """A quality alone is no observation, as while the features' windows fill again after a loss of contact."""
+    estimation = build_estimation("fusion", 30.0)
+    for second in range(60):
+        state = estimation.update(frame(second))
+    assert state.arousal is not None
+    for second in range(60, 120):
+        state = estimation.update(FeatureFrame(second * SECOND, {}, {"ecg": 1.0, "gsr": 1.0}))
+    assert state.arousal is None and state.load is None
+
+
 @pytest.mark.parametrize("name", ["lda", "adaptive_lda"])
 def test_the_success_of_a_trial_is_part_of_its_load(name: str) -> None:
     def judged(success: float, *more: str, practice: bool = False) -> tuple[float, float, float]:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import errno
+import fcntl
 import json
 import os
 import random
 import subprocess
+import threading
 import zlib
 from pathlib import Path
 
@@ -20,9 +22,9 @@ from mimics_app.contracts.haptic import EVENT, SAMPLE, SCENE, EventKind
 from mimics_app.contracts.messages import SignalBlock
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.recording import append_file, columns, run_folder
-from mimics_app.recording.append_file import AppendFile
+from mimics_app.recording.append_file import AppendFile, is_claimed
 from mimics_app.recording.arrow_format import decode_samples, encode_samples, parameters_dtype, parameters_schema
-from mimics_app.recording.byte_channel import LINE, TRIAL, Inbox, Outbox
+from mimics_app.recording.byte_channel import CLOSE, LINE, TRIAL, Inbox, Outbox
 from mimics_app.recording.columns import ROW, column_names, column_units, present_columns, rows_of
 from mimics_app.recording.event_log import encode_event, events_of, read_lines, to_json
 from mimics_app.recording.recorder import Recorder
@@ -404,7 +406,8 @@ def test_every_file_of_a_run_is_its_users_alone(tmp_path: Path) -> None:
         ring.push(memory.recorder_event_words, memory.recorder_events, trip)
         recorder.trial({"trial": 0})
         recorder.signals([SignalRow(0, SignalBlock("ecg", 1000.0, 0, np.zeros(20)))])
-        while_it_runs = {path.name: path.stat().st_mode & 0o777 for path in folder.iterdir()}
+        there = [path for path in folder.iterdir() if path.suffix != ".part"]  # one that is renamed meanwhile
+        while_it_runs = {path.name: path.stat().st_mode & 0o777 for path in there}
         recorder.close({})
         write_statics(folder, Statics({"paths": np.arange(3.0)}, ()))
         write_report(folder, report_sections())
@@ -439,6 +442,19 @@ def test_channel_keeps_order_through_a_full_pipe_and_counts_what_it_gives_up() -
         outbox.flush()
     assert received == sent
     assert inbox.skipped_bytes == 0 and not inbox.ended
+
+
+def test_full_channel_still_takes_trials_and_the_end() -> None:
+    outbox = Outbox(limit_bytes=1 << 16)
+    inbox = Inbox(outbox.reader)
+    while outbox.send(LINE, bytes(5000)):
+        pass
+    assert outbox.send(TRIAL, b"score") and outbox.send(CLOSE, b"end")
+    received: list[tuple[bytes, bytes]] = []
+    while not received or received[-1][0] != CLOSE:
+        received += inbox.messages()
+        outbox.flush()
+    assert received[-2:] == [(TRIAL, b"score"), (CLOSE, b"end")]
 
 
 def test_reader_that_starts_inside_a_message_finds_the_next() -> None:
@@ -476,6 +492,19 @@ def test_run_folder_refuses_a_file_and_a_full_disk(tmp_path: Path) -> None:
 
 
 # a full disk
+
+
+def test_a_file_is_claimed_although_somebody_asks_whether_it_is(tmp_path: Path) -> None:
+    file = AppendFile(tmp_path / "f")
+    with (tmp_path / "f").open("rb") as asking:
+        fcntl.flock(asking, fcntl.LOCK_SH)
+        done = threading.Timer(0.01, fcntl.flock, (asking, fcntl.LOCK_UN))
+        done.start()
+        file.claim()
+        done.join()
+    assert is_claimed(tmp_path / "f")
+    file.close()
+    assert not is_claimed(tmp_path / "f")
 
 
 def test_append_file_never_keeps_half_a_block(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -19,7 +19,7 @@ from mimics_app.dsp.stage import PhysioDsp
 from mimics_app.inputs.physio import sources
 from mimics_app.inputs.physio.amplifier_frames import AmplifierReader
 from mimics_app.inputs.physio.integrity import Grid
-from mimics_app.inputs.physio.recording import FileSource, read_signal_file
+from mimics_app.inputs.physio.recording import FileSource, read_signal_file, unit_factor
 from mimics_app.inputs.physio.serial_amplifier import SerialAmplifier
 from mimics_app.inputs.physio.simulated.source import SimulatedBody
 from mimics_app.inputs.physio.sources import look_for_source, open_source
@@ -89,6 +89,41 @@ def test_edf_is_read_by_its_library(tmp_path: Path) -> None:
     np.testing.assert_allclose(signal.values, wave, atol=1e-3)
 
 
+def test_edf_in_microvolts_is_read_in_millivolts(tmp_path: Path) -> None:
+    import pyedflib as edf
+
+    path, wave = tmp_path / "a.edf", 900.0 * np.sin(np.arange(2000) / 30.0)
+    writer = edf.EdfWriter(str(path), 2)
+    for i, label in enumerate(("EMG biceps", "Resp")):
+        limits = {"sample_frequency": 1000, "physical_min": -1000, "physical_max": 1000}
+        writer.setSignalHeader(i, {"label": label, "dimension": "uV", **limits})
+    writer.writeSamples([wave, wave])
+    writer.close()
+    emg, breath = read_signal_file(path)
+    np.testing.assert_allclose(emg.values, 1e-3 * wave, atol=1e-4)
+    np.testing.assert_allclose(breath.values, wave, atol=0.1)  # breath has no unit of its own
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "factor"),
+    [
+        ("ecg", "mV", 1.0),
+        ("ecg", " \u00b5V ", 1e-3),
+        ("emg", "microvolts", 1e-3),
+        ("emg", "V", 1e3),
+        ("gsr", "uS", 1.0),
+        ("gsr", "\u03bcS", 1.0),
+        ("gsr", "nS", 1e-3),
+        ("gsr", "siemens", 1e6),
+        ("gsr", "kOhm", 1.0),
+        ("ecg", "", 1.0),
+        ("resp", "V", 1.0),
+    ],
+)
+def test_units_of_voltage_and_conductance_are_converted(name: str, unit: str, factor: float) -> None:
+    assert unit_factor(name, unit) == pytest.approx(factor, rel=1e-12)
+
+
 def test_a_file_comes_at_the_pace_of_the_session(tmp_path: Path) -> None:
     times = np.arange(2000) / 1000.0
     source = FileSource(read_signal_file(write_csv(tmp_path / "a.csv", times, ecg=times)))
@@ -132,6 +167,21 @@ def test_a_stream_at_another_rate_than_it_says_is_reported() -> None:
     for i in range(5000):
         grid.take(i * 10_000_000, np.zeros(9))
     assert grid.faults.wrong_rate
+
+
+def test_a_long_loss_is_no_other_rate() -> None:
+    grid = Grid("ecg", 1000.0)
+    for i in range(6000):
+        grid.take((10 * i + (5000 if i > 1000 else 0) + (90_000 if i > 2000 else 0)) * 1_000_000, np.zeros(10))
+    assert (grid.faults.gaps, grid.faults.lost) == (2, 5000)
+    assert not grid.faults.wrong_rate
+
+
+def test_a_slow_signal_that_is_less_than_half_a_sample_late_has_no_gap() -> None:
+    grid = Grid("gsr", 8.0)
+    for i in range(40):
+        grid.take(i * 125_000_000 + (50_000_000 if i > 5 else 0), np.zeros(1))
+    assert (grid.faults.gaps, grid.faults.repeats) == (0, 0)
 
 
 def until(source: Any, wanted: int, give_up_s: float = 20.0) -> list[Any]:
@@ -247,8 +297,8 @@ def test_a_stream_of_lsl() -> None:
     name = f"mimics test {time.monotonic_ns()}"
     info = pylsl.StreamInfo(name, "ExG", 2, 1000.0, "float32", name)
     channels = info.desc().append_child("channels")
-    for label in ("ECG", "EDA"):
-        channels.append_child("channel").append_child_value("label", label)
+    for label, unit in (("ECG", "microvolts"), ("EDA", "uS")):
+        channels.append_child("channel").append_child_value("label", label).append_child_value("unit", unit)
     outlet = pylsl.StreamOutlet(info)
     source = LslSource(name)
     source.read(time.monotonic_ns())  # opens the stream
@@ -257,7 +307,7 @@ def test_a_stream_of_lsl() -> None:
     blocks: list[Any] = []
     sent = 0
     while sum(np.isfinite(block.values).sum() for block in blocks) < 400 and time.monotonic() < end:
-        outlet.push_chunk([[float(i), 5.0] for i in range(sent, sent + 20)])
+        outlet.push_chunk([[1e3 * i, 5.0] for i in range(sent, sent + 20)])
         sent += 20
         time.sleep(0.02)
         blocks += [block for block in source.read(time.monotonic_ns()) if block.name == "ecg"]
@@ -266,6 +316,8 @@ def test_a_stream_of_lsl() -> None:
     good = values[np.isfinite(values)]
     assert len(good) >= 400
     assert (np.diff(good) > 0.0).all()
+    np.testing.assert_allclose(good, np.round(good), atol=1e-6)  # millivolts
+    assert good[-1] < sent
     assert source.offsets
     source.close()
 

@@ -129,6 +129,10 @@ def test_a_calibration_that_cannot_be_is_refused_or_named() -> None:
         fit_room(seen[:3], seen[:3])
     with pytest.raises(UsageError, match="plane"):
         fit_room(seen, seen * [1.0, 0.0, 1.0])
+    with pytest.raises(UsageError, match="plane"):
+        fit_room(seen, np.ones((5, 3)))
+    with pytest.raises(UsageError, match="the same point"):
+        fit_room(np.ones((5, 3)), seen)
     assert "mirror image" in fit_room(seen, seen * [-1.0, 1.0, 1.0]).fault
     assert "upside down" in fit_room(seen, seen * [1.0, -1.0, -1.0]).fault
     assert "another order" in fit_room(seen, seen[[1, 0, 2, 4, 3]]).fault

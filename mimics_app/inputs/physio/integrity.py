@@ -13,8 +13,10 @@ from mimics_app.contracts.messages import Experience, SignalBlock
 
 __all__ = ["Faults", "Grid", "LiveSignals"]
 
-_JITTER_S = 0.04
-"""Deviation of a block's time stamp that is neither a gap nor a repetition [s]."""
+_JITTER_S, _JITTER_SAMPLES = 0.04, 0.5
+"""Deviation of a block's time stamp that is neither a gap nor a repetition, the longer of the two [s, samples]."""
+_PAUSE_S = 1.0
+"""Gap from which on its time does not count in the measured rate [s]; a wrong rate makes many short ones."""
 _LONGEST_GAP_S = 60.0
 """Deviation beyond which the grid restarts: a long gap, or the source's clock was set [s]."""
 _FOLLOW = 0.02
@@ -59,6 +61,7 @@ class Grid:
 
     def __init__(self, name: str, rate: float) -> None:
         self._name, self._rate = name, rate
+        self._jitter_s = max(_JITTER_S, _JITTER_SAMPLES / rate)
         self._start_ns: float | None = None
         self._first_ns = 0
         self._count = 0
@@ -79,15 +82,17 @@ class Grid:
             self._start_ns, self._first_ns = float(t_ns), t_ns
         late = (t_ns - self._start_ns) / SECOND_NS - self._count / self._rate
         self._received += len(values)
+        if abs(late) > _PAUSE_S:
+            self._first_ns += round(late * SECOND_NS)
         if abs(late) > _LONGEST_GAP_S:
             self.faults.gaps += 1
             self._start_ns, self._count, late = float(t_ns), 0, 0.0
-        elif late > _JITTER_S:
+        elif late > self._jitter_s:
             missing = round(late * self._rate)
             self.faults.gaps += 1
             self.faults.lost += missing
             values = np.concatenate([np.full(missing, np.nan), values])
-        elif late < -_JITTER_S:
+        elif late < -self._jitter_s:
             twice = min(round(-late * self._rate), len(values))
             self.faults.repeats += 1
             self.faults.dropped += twice

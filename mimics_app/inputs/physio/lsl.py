@@ -1,7 +1,8 @@
 """Body signals from a stream of the lab streaming layer (LSL), by its name or type: lsl:NAME.
 
-Channels are identified by their labels in the stream's description, else by the stream's type. Time stamps are those
-of the sender, corrected by the measured offset of its clock; the offsets are kept.
+Channels are identified by their labels in the stream's description, else by the stream's type, and converted from the
+unit stated there. Time stamps are those of the sender, corrected by the measured offset of its clock; the offsets are
+kept.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from mimics_app.contracts.clock import SECOND_NS, MonotonicClock
 from mimics_app.contracts.errors import DeviceError, UsageError
 from mimics_app.contracts.messages import SignalBlock
 from mimics_app.inputs.physio.integrity import Grid, LiveSignals
-from mimics_app.inputs.physio.recording import columns_of
+from mimics_app.inputs.physio.recording import columns_of, unit_factor
 
 if TYPE_CHECKING:
     from pylsl import StreamInfo, StreamInlet
@@ -63,7 +64,7 @@ class LslSource(LiveSignals):
         pylsl = _library()
         self._inlet: StreamInlet = pylsl.StreamInlet(find_stream(name), max_buflen=60, recover=True)
         info = self._inlet.info(_PATIENCE_S)
-        self._columns = _columns(info)
+        self._columns, self._factors = _columns(info)
         if not self._columns:
             raise DeviceError(
                 f'no channel of the LSL stream "{name}" is a body signal', "label them ecg, gsr, emg or resp"
@@ -90,7 +91,7 @@ class LslSource(LiveSignals):
         here = self._pylsl.local_clock()
         t_ns = now_ns - round((here - (times[0] + offset)) * SECOND_NS)
         rows = np.asarray(samples, float)
-        blocks = (self._grids[name].take(t_ns, rows[:, i].copy()) for name, i in self._columns.items())
+        blocks = (self._grids[name].take(t_ns, self._factors[name] * rows[:, i]) for name, i in self._columns.items())
         return tuple(block for block in blocks if block is not None)
 
     def close(self) -> None:
@@ -130,14 +131,16 @@ def find_stream(name: str, tell: Callable[[str], None] = _say_nothing) -> Stream
     return stream
 
 
-def _columns(info: object) -> dict[str, int]:
-    """Return the column of each body signal."""
+def _columns(info: object) -> tuple[dict[str, int], dict[str, float]]:
+    """Return the column of each body signal, and the factor from its unit to that of the signal."""
     channel = info.desc().child("channels").child("channel")  # type: ignore[attr-defined]
-    labels = []
+    labels, units = [], []
     for _ in range(info.channel_count()):  # type: ignore[attr-defined]
         labels.append(channel.child_value("label") or channel.child_value("type") or "")
+        units.append(channel.child_value("unit") or "")
         channel = channel.next_sibling()
-    return columns_of(labels) or columns_of([info.type()])  # type: ignore[attr-defined]
+    columns = columns_of(labels) or columns_of([info.type()])  # type: ignore[attr-defined]
+    return columns, {name: unit_factor(name, units[i]) for name, i in columns.items()}
 
 
 def _library() -> ModuleType:

@@ -18,7 +18,7 @@ from mimics_app.contracts.errors import Issue, SceneError, UsageError, first_lin
 from mimics_app.contracts.input_port import SignalSource
 from mimics_app.contracts.messages import Experience, SignalBlock
 
-__all__ = ["FileSource", "Recorded", "columns_of", "read_signal_file"]
+__all__ = ["FileSource", "Recorded", "columns_of", "read_signal_file", "unit_factor"]
 
 _LONGEST_S = 7 * 24 * 3600.0
 """Longest recording [s]."""
@@ -33,6 +33,10 @@ _NAMES = (
     ("emg", r"emg|muscle"),
     ("resp", r"resp|rsp|breath|thorax|abdom"),
 )
+_UNIT = re.compile(r"(|milli|micro|nano|[mun])(v|volts?|s|siemens)")
+_PREFIXES = {"": 1.0, "m": 1e-3, "milli": 1e-3, "u": 1e-6, "micro": 1e-6, "n": 1e-9, "nano": 1e-9}
+_PER_BASE = {"ecg": ("v", 1e3), "emg": ("v", 1e3), "gsr": ("s", 1e6)}
+"""First letter of the units of a signal, and its own units per volt or siemens."""
 _TIMES = ("t_s", "time_s", "time", "t", "seconds")
 
 
@@ -67,6 +71,16 @@ def columns_of(labels: Iterable[str]) -> dict[str, int]:
         if name:
             columns.setdefault(name, i)
     return columns
+
+
+def unit_factor(name: str, unit: str) -> float:
+    """Return the factor from a stated unit to that of a body signal, e.g. 1e-3 for "uV" and "ecg".
+
+    1 where the unit is empty or not one of voltage or conductance: the values are then taken as they are.
+    """
+    base, per_base = _PER_BASE.get(name, ("", 1.0))
+    match = _UNIT.fullmatch(unit.strip().lower().replace("\u00b5", "u").replace("\u03bc", "u"))
+    return per_base * _PREFIXES[match[1]] if match and match[2][0] == base else 1.0
 
 
 def read_signal_file(path: Path) -> list[Recorded]:
@@ -166,15 +180,16 @@ def _read_edf(path: Path) -> list[Recorded]:
         ) from error
     try:
         with pyedflib.EdfReader(str(path)) as file:
+            names = [(i, _name_of_channel(label)) for i, label in enumerate(file.getSignalLabels())]
             return [
                 Recorded(
-                    _name_of_channel(label),
+                    name,
                     float(file.getSampleFrequency(i)),
                     0.0,
-                    np.asarray(file.readSignal(i), float),
+                    unit_factor(name, file.getPhysicalDimension(i)) * np.asarray(file.readSignal(i), float),
                 )
-                for i, label in enumerate(file.getSignalLabels())
-                if _name_of_channel(label)
+                for i, name in names
+                if name
             ]
     except (OSError, ValueError) as error:
         raise SceneError(Issue(str(path), "", f"it cannot be read: {first_line(error)}")) from error
@@ -189,9 +204,11 @@ def _read_wfdb(path: Path) -> list[Recorded]:
         record = wfdb.rdrecord(str(path.with_suffix("")))
     except (OSError, ValueError, KeyError, IndexError) as error:
         raise SceneError(Issue(str(path), "", f"it cannot be read: {first_line(error)}")) from error
+    names = [_name_of_channel(label) for label in record.sig_name]
+    factors = [unit_factor(name, unit) for name, unit in zip(names, record.units, strict=True)]
     return [
-        Recorded(_name_of_channel(label), float(record.fs), 0.0, np.asarray(record.p_signal[:, i], float))
-        for i, label in enumerate(record.sig_name)
+        Recorded(name, float(record.fs), 0.0, factors[i] * np.asarray(record.p_signal[:, i], float))
+        for i, name in enumerate(names)
     ]
 
 

@@ -86,11 +86,12 @@ def fit_room(seen: Sequence[Sequence[float]] | F8, room: Sequence[Sequence[float
     """Fit the similarity of least squares (Umeyama 1991).
 
     Args:
-        seen: Points as the tracker reports them [m], shape [n, 3], n >= 4, not in one plane.
-        room: The same points in the room [m].
+        seen: Points as the tracker reports them [m], shape [n, 3], n >= 4.
+        room: The same points in the room [m], not in one plane.
 
     Raises:
-        UsageError: Too few points, or all in a plane: a mirror image would fit as well.
+        UsageError: Too few points, or all in a plane: a mirror image would fit as well; or the tracker reported the
+            same point each time.
     """
     a, b = np.asarray(seen, np.float64).reshape(-1, 3), np.asarray(room, np.float64).reshape(-1, 3)
     if len(a) != len(b) or len(a) < _LEAST_POINTS:
@@ -98,8 +99,10 @@ def fit_room(seen: Sequence[Sequence[float]] | F8, room: Sequence[Sequence[float
     centre_a, centre_b = a.mean(axis=0), b.mean(axis=0)
     da, db = a - centre_a, b - centre_b
     spread = np.linalg.svd(db, compute_uv=False)
-    if spread[2] < _FLAT * spread[0]:
+    if spread[2] <= _FLAT * spread[0]:
         raise UsageError("the points lie in a plane", "touch one well above or below the others")
+    if not da.any():
+        raise UsageError("the tracker reported the same point each time", "is its sensor within range?")
     u, s, vt = np.linalg.svd(db.T @ da / len(a))
     proper = math.copysign(1.0, float(np.linalg.det(u @ vt)))
     found, mirrored = (_fit(a, b, u, s, vt, sign) for sign in (proper, -proper))
