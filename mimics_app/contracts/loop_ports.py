@@ -118,7 +118,8 @@ READ = types.int64(_VECTOR, _VECTOR, _VECTOR, types.int64)
 """Signature of `read(memory, inbox, data, tick) -> DeviceStatus`."""
 
 WRITE = types.int64(_VECTOR, _VECTOR, types.int64)
-"""Signature of `write(memory, command, tick) -> 0 when the command was taken`."""
+"""Signature of `write(memory, command, tick) -> 0 when the command was taken`; a device that sends data and takes none
+for longer than `stale_stop_s` has a fault."""
 
 FIELD_PARAMETERS = 8
 """Number of parameters of a force field; those missing in a scene are 0."""

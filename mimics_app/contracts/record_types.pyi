@@ -830,6 +830,7 @@ class StateRecord:
     sequence: int
     trial: int
     strained_ticks: int
+    refused_ticks: int
     quiet_ticks: int
     answered: int
     readable: int

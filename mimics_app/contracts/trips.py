@@ -28,7 +28,7 @@ _WORDS: Mapping[TripCause, tuple[str, str]] = {
     TripCause.STALE_DEVICE: ("the device sent nothing new for too long", "look at its line and its power"),
     TripCause.WORKSPACE: ("the hand left the workspace", "lead it back before the reset"),
     TripCause.VELOCITY: ("the hand was faster than velocity_limit", "move more slowly, or look at the device"),
-    TripCause.DEVICE_FAULT: ("the device reports a fault, or is gone", "look at its display, its line and its power"),
+    TripCause.DEVICE_FAULT: ("the device reports a fault, is gone, or takes no command", "look at device and line"),
     TripCause.JUMP: ("the position jumped further than a hand can move", "look at the device's sensors and its line"),
     TripCause.SENSOR: ("the measured force stayed beyond measured_force_limit", "look at the device's force sensor"),
     TripCause.ENERGY: ("a contact gave more energy than energy_limit", "make what was touched softer or more damped"),

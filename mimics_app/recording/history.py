@@ -20,7 +20,7 @@ from mimics_app.recording.session_header import read_session
 from mimics_app.recording.session_totals import session_totals
 from mimics_app.recording.trial_table import read_trials
 
-__all__ = ["EarlierRun", "cut_off_runs", "earlier_runs", "recent_runs"]
+__all__ = ["EarlierRun", "cut_off_runs", "earlier_runs", "played_by", "recent_runs"]
 
 _MOST_FOLDERS = 400
 """Newest run folders that are read, by their names: each takes about a millisecond."""
@@ -70,9 +70,9 @@ def earlier_runs(folder: Path) -> list[EarlierRun]:
     They are those beside it, of the same scene and participant (also of none); a simulated person is compared with
     those of its preset only.
     """
-    mine = _played(read_session(folder)[0])
+    mine = played_by(read_session(folder)[0])
     earlier = takewhile(lambda each: each.folder != folder, _in_order(folder.parent, _MOST_FOLDERS, folder))
-    return [run for each in earlier if _played(each.header) == mine and (run := _closed(each)) is not None]
+    return [run for each in earlier if played_by(each.header) == mine and (run := _closed(each)) is not None]
 
 
 def recent_runs(parent: Path, most: int) -> list[EarlierRun]:
@@ -141,7 +141,7 @@ def _closed(begun: _Begun) -> EarlierRun | None:
         _count(task, "trials"),
         number(task.get("score")),
         number(task.get("time_s")),
-        *_played(begun.header),
+        *played_by(begun.header),
         str(mapping(begun.header.get("clock")).get("utc", "")),
     )
 
@@ -156,8 +156,8 @@ def _totals(folder: Path, manifest: Manifest | None) -> Mapping[str, Any]:
     return {}
 
 
-def _played(header: dict[str, Any]) -> tuple[str, str, str]:
-    """Return scene, participant, and preset of a simulated person, else ""; older recordings have no participant."""
+def played_by(header: dict[str, Any]) -> tuple[str, str, str]:
+    """Return scene, participant, and preset of a simulated person, of the header of a run; "" for what it lacks."""
     scene, settings, moved_by = (mapping(header.get(key)) for key in ("scene", "settings", "moved_by"))
     simulated = str(moved_by.get("preset", "simulated")) if moved_by.get("person") == "simulated" else ""
     return str(scene.get("name", "")), str(settings.get("participant", "")), simulated

@@ -16,11 +16,12 @@ import pytest
 from mimics_app.app.play.launching import launcher_cards
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.window_input import GamepadState, InputEvent
-from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.launcher.launcher import Launcher, LauncherChoice, ScenarioCard
+from mimics_app.rendering.visual.launcher.result_page import Button, ResultContent, ResultPage
 from mimics_app.rendering.visual.launcher.setting import Choice, Setting
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
+from tests.support.cut_words import watch_cut_words
 from tests.support.xvfb import display
 
 _ROOT = Path(__file__).parents[2]
@@ -173,21 +174,31 @@ def test_nothing_overlaps_in_narrow_windows(size):
 
 
 def test_what_a_shipped_scene_takes_is_read_whole(monkeypatch, tmp_path):
-    cards, cut = launcher_cards(tmp_path), []
-    whole = Hud.text
-
-    def text(hud: Hud, x: float, y: float, words: str, size: float, *rest: object, **more: object) -> float:
-        room = more.get("width", np.inf)
-        cut.extend([words] if hud.measure(words, size, bold=bool(more.get("bold"))) > room else [])
-        return whole(hud, x, y, words, size, *rest, **more)
-
-    monkeypatch.setattr(Hud, "text", text)
+    cards, cut = launcher_cards(tmp_path), watch_cut_words(monkeypatch)
     with create_surface("egl", (1280, 720)) as surface:
         launcher = Launcher(surface, cards, OPTIONS)
         for _ in range(len(cards)):
             launcher.draw()
             launcher.handle(keys("right"))
     assert not set(cut) & {card.facts for card in cards}
+
+
+@pytest.mark.parametrize("size", [(1280, 720), (960, 720), (500, 900), (200, 900)])
+def test_buttons_after_a_session_are_read_whole_above_each_other_if_need_be(size, monkeypatch):
+    buttons = [Button(word, word, word[0]) for word in ("Again", "Another scene", "Open report", "Keys", "Close")]
+    rows = [[str(number), "finished"] for number in range(60)]
+    content = ResultContent("Tunnel", "All done.", [("Score", "3")] * 4, ["Trial", "Result"], rows, buttons)
+    cut = watch_cut_words(monkeypatch)
+    with create_surface("egl", size) as surface:
+        page = ResultPage(surface, content)
+        page.draw()
+        assert not cut
+        boxes = np.array([page._button_box(number) for number in range(len(buttons))])
+        glyphs = page._canvas.hud.rows()["box"][page._canvas.hud.rows()["style"][:, 0] == 1.0]
+        assert len({*map(tuple, boxes)}) == len(buttons)
+        assert boxes[:, 0].min() > 0.0 and (boxes[:, 0] + boxes[:, 2]).max() < page._canvas.hud.width
+        top = (boxes[:, 1] + boxes[:, 3]).max()
+        assert not np.any((glyphs[:, 1] < top) & (glyphs[:, 1] + glyphs[:, 3] > top)), "the table ends above them"
 
 
 def test_nothing_to_choose_from_is_refused():

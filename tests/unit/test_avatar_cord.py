@@ -331,7 +331,7 @@ def test_tables_of_a_study_are_tidy(tmp_path: Path) -> None:
         {"condition": "together", "n": 1, "ownership": 2.0, "ownership_sd": None}
     ]
     write_table(tmp_path / "t.csv", trials)
-    assert (tmp_path / "t.csv").read_text().splitlines()[0] == "subject,seed,trial,label,outcome,ownership"
+    assert (tmp_path / "t.csv").read_text().splitlines()[0] == "subject,participant,seed,trial,label,outcome,ownership"
 
 
 def test_the_cord_is_felt_where_its_surface_is() -> None:

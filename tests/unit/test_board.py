@@ -9,8 +9,12 @@ import pytest
 
 from mimics_app.app.picture.board import BoardLayout, stability_card
 from mimics_app.contracts.board import Bar, Board, Card
+from mimics_app.contracts.haptic import TripCause
+from mimics_app.contracts.trial_state import TrialState
 from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.tasks.cards import time_card
+from mimics_app.tasks.prompt import BUILT_IN, cause_words
+from tests.support.cut_words import watch_cut_words
 
 GREEN, ORANGE, RED = (0.36, 0.78, 0.47), (0.96, 0.62, 0.16), (0.90, 0.22, 0.20)
 
@@ -74,6 +78,20 @@ def test_what_stays_is_not_laid_out_again(monkeypatch):
     assert lay("2 s", 3.0, "", [("H", "keys")]) == ["H", "keys"]
     hud.clear()
     assert lay("2 s", 3.0) == [], "what somebody else took off is put back, from what was laid out"
+
+
+@pytest.mark.parametrize("size", [(200, 900), (500, 900), (640, 480), (2560, 1080)])
+def test_why_the_force_stopped_is_read_whole_in_any_window(size: tuple[int, int], monkeypatch: pytest.MonkeyPatch):
+    cut, hud = watch_cut_words(monkeypatch), Hud()
+    hud.fit(size)
+    cause = max((cause_words(cause.value) for cause in TripCause), key=len)
+    said = BUILT_IN[TrialState.STOPPED].replace("{cause}", cause)
+    cards = {"time": Card("Time", "2.0 s", remark="59 s left"), "margin": Card("Stability", "+20 %", width=220.0)}
+    BoardLayout().lay(hud, Board(cards, said, alarm=True), [*cards], 30.0)
+    left, bottom, width, height = hud.rows()["box"].T
+    assert not cut
+    assert left.min() >= 0.0 and (left + width).max() <= hud.width
+    assert bottom.min() >= 0.0 and (bottom + height).max() <= hud.height
 
 
 def _as_drawn(colours: set[tuple[float, ...]]) -> set[tuple[float, ...]]:

@@ -35,6 +35,8 @@ REFUSED = (
     ("explain nowhere", 3, "there is no such scene"),
     ("check nowhere.json", 3, "there is no such scene"),
     ("view nowhere.json --headless", 3, "there is no such scene"),
+    ("view nowhere.glb", 3, "nowhere.glb: no such file"),
+    ("view scenes/pick_and_place.json --motion nowhere.bvh", 3, "nowhere.bvh: no such file"),
     ("view scenes/pick_and_place.json", 4, "the viewer needs a display"),
     ("devices check nowhere", 4, 'there is no device "nowhere"'),
     ("replay nowhere", 3, "is no run folder"),

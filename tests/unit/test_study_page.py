@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
 import pytest
 
 from mimics_app.app.study.page import write_page
-from mimics_app.app.study.subjects import SubjectRun
+from mimics_app.app.study.subjects import SubjectRun, find_run
+from mimics_app.app.study.tables import read_study
 
 TIMES = {"time_s": "3.14159", "contacts": "2", "smoothness": "", "begin_ns": "7"}
 
@@ -36,6 +38,30 @@ def test_measures_that_have_a_value_are_compared(tmp_path: Path, measured: dict[
 def test_without_a_finished_trial_the_page_says_so(tmp_path: Path) -> None:
     write_page(tmp_path / "study.html", "walk", [], [{"subject": 1, "label": "a", "outcome": "timeout"}], [])
     assert "No trial finished." in (tmp_path / "study.html").read_text(encoding="utf-8")
+
+
+def header(folder: Path, scene: str, participant: str, **moved_by: str) -> Path:
+    """A run folder of which only its header is read."""
+    folder.mkdir()
+    said = {"seed": 7, "scene": {"name": scene}, "settings": {"participant": participant}, "moved_by": moved_by}
+    (folder / "session.json").write_text(json.dumps(said), encoding="utf-8")
+    return folder
+
+
+def test_joined_runs_name_their_participants_and_runs_of_another_scene_are_left_out(tmp_path: Path) -> None:
+    jo = find_run(1, header(tmp_path / "a", "walk", "J. O'Neil & <b>", device="mouse"), "walk")
+    simulated = find_run(2, header(tmp_path / "b", "walk", "", person="simulated", preset="severe"), "walk")
+    other = find_run(3, header(tmp_path / "c", "ride", "Jo", device="mouse"), "walk")
+    assert (jo.participant, jo.simulated, simulated.simulated) == ("J. O'Neil & <b>", False, True)
+    assert other.folder is None and "is a run of ride, not of walk" in other.problem
+    (tmp_path / "a" / "trials.csv").write_text("trial,label\n1,wide\n", encoding="utf-8")
+    trials, _, _ = read_study([jo, simulated, other])
+    assert trials == [{"subject": 1, "participant": "J. O'Neil & <b>", "seed": 7, "trial": "1", "label": "wide"}]
+    for runs, spoken in (([jo], False), ([jo, simulated], True)):
+        write_page(tmp_path / "study.html", "Walk", runs, trials, [])
+        page = (tmp_path / "study.html").read_text(encoding="utf-8")
+        assert "<td>1</td><td>J. O&#39;Neil &amp; &lt;b&gt;</td><td>7</td><td>wide</td>" in page
+        assert ("Simulated subjects" in page) is spoken
 
 
 def test_runs_below_the_page_are_named_from_its_folder(tmp_path: Path) -> None:

@@ -56,6 +56,7 @@ _FAULTS = (
     Fault("stop button of the device", TripCause.DEVICE_BUTTON, 2.0, _of_device(DeviceFault.BUTTON)),
     Fault("no data from the device", TripCause.STALE_DEVICE, 21.0, _of_device(DeviceFault.SILENT)),
     Fault("drive fault", TripCause.DEVICE_FAULT, 1.0, _of_device(DeviceFault.DRIVE_FAULT)),
+    Fault("no command taken by the device", TripCause.DEVICE_FAULT, 22.0, _of_device(DeviceFault.DEAF)),
     Fault("position jumps by 10 mm", TripCause.JUMP, 1.0, _of_device(DeviceFault.JUMP)),
     Fault("velocity of 3 m/s", TripCause.VELOCITY, 1.0, _of_device(DeviceFault.TOO_FAST)),
     Fault("sensor sticks at 300 N", TripCause.SENSOR, 22.0, _of_device(DeviceFault.SENSOR_STUCK)),

@@ -42,22 +42,22 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.app.study.page import write_page
     from mimics_app.app.study.subjects import find_run, run_subject
     from mimics_app.app.study.tables import ANSWER_COLUMNS, TAP_COLUMNS, read_study, write_table
+    from mimics_app.world.scene.file import load_scene
 
-    scene = find_scene(args.scene)
-    if not args.of:
-        load_checked_scene(scene)
+    path = find_scene(args.scene)
+    scene = load_scene(path) if args.of else load_checked_scene(path)
     args.out.mkdir(parents=True, exist_ok=True)
     if args.of:
-        runs = [find_run(number, folder) for number, folder in enumerate(args.of, start=1)]
+        runs = [find_run(number, folder, scene.name) for number, folder in enumerate(args.of, start=1)]
     else:
         extra = ["--pictures", "0", "--sound", "off", *(["--seconds", str(args.seconds)] if args.seconds else [])]
         numbers = range(1, args.subjects + 1)
-        runs = [run_subject(scene, each, args.seed + each - 1, args.out / "runs", extra, say) for each in numbers]
+        runs = [run_subject(path, each, args.seed + each - 1, args.out / "runs", extra, say) for each in numbers]
     trials, taps, answers = read_study(runs)
     write_table(args.out / "trials.csv", trials)
     write_table(args.out / "taps.csv", taps, TAP_COLUMNS)
     write_table(args.out / "answers.csv", answers, ANSWER_COLUMNS)
-    write_page(args.out / "study.html", scene.stem, runs, trials, taps)
+    write_page(args.out / "study.html", scene.title or scene.name, runs, trials, taps)
     problems = [f"subject {each.subject}: {each.problem}" for each in runs if each.problem]
     for problem in problems:
         say(problem)

@@ -16,6 +16,7 @@ from mimics_app.app.terminal.arguments import (
     frame_count,
     picture_file,
 )
+from mimics_app.app.terminal.named import check_file
 from mimics_app.app.terminal.output import answer, errors_of, issue_lines
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
 
@@ -88,6 +89,7 @@ def run(args: argparse.Namespace) -> int:
 
     Raises:
         UsageError: Neither a file nor a folder is given, or both.
+        SceneError: The file is missing, of an unknown kind, or faulty.
         DeviceError: There is no display for a window.
     """
     if (args.file is None) == (args.sheet is None):
@@ -103,6 +105,10 @@ def run(args: argparse.Namespace) -> int:
         from mimics_app.app.scenes.scene_search import find_scene
 
         find_scene(args.file)
+    else:
+        check_file(args.file)
+    if args.motion is not None:
+        check_file(args.motion)
     from mimics_app.app.terminal.display import has_display
 
     if not (headless or args.vertices is not None or has_display()):

@@ -160,10 +160,11 @@ def _draw_message(hud: Hud, message: str, *, alarm: bool) -> None:
 
 
 def _broken(hud: Hud, part: str, room: float) -> list[str]:
-    """Return a line of a message, wrapped to at most three lines where it is wider than the picture."""
+    """Return a line of a message, wrapped where it is wider than the picture, to at most half its height."""
     if hud.measure(part, _TEXT, bold=True) <= room:
         return [part]
-    return hud.wrap(part, _TEXT, room * hud.measure(part, _TEXT) / hud.measure(part, _TEXT, bold=True), 3)
+    most = int(0.5 * hud.height / _LINE)
+    return hud.wrap(part, _TEXT, room * hud.measure(part, _TEXT) / hud.measure(part, _TEXT, bold=True), most)
 
 
 def stability_card(snapshot: HapticSnapshot) -> Card:

@@ -29,6 +29,7 @@ def write_page(file: Path, title: str, runs: Sequence[SubjectRun], trials: Seque
         title=title,
         measures=measures,
         conditions=conditions,
+        simulated=any(run.simulated for run in runs if run.folder),
         size=f"{counted(len(runs), 'subjects')}, {counted(finished, 'finished trials')}",
         taps=[_tap_line(label, taps) for label in dict.fromkeys(str(row.get("condition")) for row in taps)],
         subjects=[_subject_line(run, trials, file.resolve().parent) for run in runs],
@@ -77,4 +78,5 @@ def _subject_line(run: SubjectRun, trials: Sequence[Row], beside: Path) -> dict[
     if folder and folder.is_relative_to(beside):
         folder = folder.relative_to(beside)
     order = ", ".join(str(row["label"]) for row in trials if row["subject"] == run.subject)
-    return {"subject": run.subject, "seed": run.seed, "order": order, "folder": folder, "problem": run.problem}
+    whose = {"subject": run.subject, "participant": run.participant, "seed": run.seed}
+    return {**whose, "order": order, "folder": folder, "problem": run.problem}

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mimics_app.app.play.journey_log import read_journey
+from mimics_app.recording.history import played_by
 
 __all__ = ["SubjectRun", "find_run", "run_subject"]
 
@@ -27,24 +28,32 @@ class SubjectRun:
         seed: Seed of the run: of the order of conditions and everything random.
         folder: Run folder, or None.
         problem: Why the run is incomplete; "" where it is complete.
+        participant: Code of the participant, "" for none.
+        simulated: Whether a simulated person played.
     """
 
     subject: int
     seed: int
     folder: Path | None
     problem: str = ""
+    participant: str = ""
+    simulated: bool = True
 
 
-def find_run(subject: int, folder: Path) -> SubjectRun:
-    """Return an existing run, with its seed.
+def find_run(subject: int, folder: Path, scene: str) -> SubjectRun:
+    """Return an existing run, with its seed and its participant.
 
     Args:
         subject: Number of the subject.
         folder: Run folder.
+        scene: Name of the study's scene; a run of another one is a problem.
     """
     try:
         session = json.loads((folder / "session.json").read_text(encoding="utf-8"))
-        return SubjectRun(subject, int(session["seed"]), folder)
+        seed, (name, participant, preset) = int(session["seed"]), played_by(session)
+        if name != scene:
+            return SubjectRun(subject, seed, None, f"{folder} is a run of {name or 'no scene'}, not of {scene}")
+        return SubjectRun(subject, seed, folder, participant=participant, simulated=bool(preset))
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return SubjectRun(subject, 0, None, f"{folder} is no run folder: it has no readable session.json")
 

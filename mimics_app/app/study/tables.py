@@ -30,7 +30,8 @@ def read_study(runs: Sequence[SubjectRun]) -> tuple[list[Row], list[Row], list[R
     for run in runs:
         if run.folder is None:
             continue
-        trials += [{"subject": run.subject, "seed": run.seed, **row} for row in _rows(run.folder / "trials.csv")]
+        whose = {"subject": run.subject, "participant": run.participant, "seed": run.seed}
+        trials += [{**whose, **row} for row in _rows(run.folder / "trials.csv")]
         journal = run.folder / FILES["events"]
         events = read_lines(journal)[0] if journal.exists() else []
         taps += _taps(run.subject, events)

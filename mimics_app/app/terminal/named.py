@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from mimics_app.contracts.display_choice import parse_display
 from mimics_app.contracts.errors import Issue, SceneError, UsageError
 
-__all__ = ["check_adaptation", "check_files"]
+__all__ = ["check_adaptation", "check_file", "check_files"]
 
 
 def check_files(action: Path | None, display: str) -> None:
@@ -16,11 +17,21 @@ def check_files(action: Path | None, display: str) -> None:
     Raises:
         SceneError: A file is missing.
     """
-    if action is not None and not action.exists():
-        raise SceneError(Issue(str(action), "", "no such file", 'write actions there: [{"t": 5, "values": {..}}]'))
+    if action is not None:
+        check_file(action, 'write actions there: [{"t": 5, "values": {..}}]')
     shown = parse_display(display).file if display else ""
-    if shown and not Path(shown).exists():
-        raise SceneError(Issue(shown, "", "no such file", "docs/displays.md shows what a display's file holds"))
+    if shown:
+        check_file(Path(shown), "docs/displays.md shows what a display's file holds")
+
+
+def check_file(file: Path, fix: str = "") -> None:
+    """Check that a file exists.
+
+    Raises:
+        SceneError: It is missing; the message ends with `fix`.
+    """
+    if not os.path.exists(file):  # False, without an error, for names that no file can have
+        raise SceneError(Issue(str(file), "", "no such file", fix))
 
 
 def check_adaptation(learn: str, goal: str, estimator: str) -> None:

@@ -15,7 +15,6 @@ from mimics_app.app.viewer.viewport import Viewport
 from mimics_app.contracts.arrays import U1
 from mimics_app.contracts.errors import Issue, SceneError, UsageError
 from mimics_app.rendering.visual.displays.desktop import compute_tangents
-from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen, read_pixels, write_png
@@ -150,7 +149,7 @@ class _TileRenderer:
         viewport.orbit.zoom(_BACK)
         hud = viewport.renderer.hud
         hud.clear()
-        hud.width = CANVAS_HEIGHT * TILE[0] / TILE[1]
+        hud.fit(TILE)
         draw_caption(hud, file.name, [shown.size], shown.notes[:1], scale=_SCALE)
         viewport.draw_finished()
         return Tile(file, [])
@@ -172,7 +171,7 @@ class _TileRenderer:
     def _draw_reason(self, name: str, verdict: str, issues: Sequence[Issue]) -> None:
         hud = self._wall.hud
         hud.clear()
-        hud.width = CANVAS_HEIGHT * TILE[0] / TILE[1]
+        hud.fit(TILE)
         draw_reason(hud, name, verdict, issues, _SCALE)
         self._wall.draw_finished([View(np.eye(4), compute_tangents(1.0, TILE), (0, 0, *TILE))])
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from mimics_app.contracts.errors import Issue
-from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Colour, Hud
+from mimics_app.rendering.visual.figures.hud import Colour, Hud
 from mimics_app.rendering.visual.figures.palette import FAINT, INK
 
 __all__ = ["KEYS", "draw_caption", "draw_hint", "draw_message", "draw_reason"]
@@ -69,7 +69,7 @@ def draw_caption(hud: Hud, title: str, lines: Sequence[str], notes: Sequence[str
 def draw_hint(hud: Hud, hint: str) -> None:
     """Draw a hint in the upper left corner."""
     wide = hud.measure(hint, 15.0) + 24.0
-    x, top = _MARGIN, CANVAS_HEIGHT - _MARGIN - 30.0
+    x, top = _MARGIN, hud.height - _MARGIN - 30.0
     hud.box(x, top, wide, 30.0, _PANEL, radius=10.0)
     hud.text(x + 12.0, top + 10.0, hint, 15.0, FAINT)
 
@@ -78,7 +78,7 @@ def draw_reason(hud: Hud, title: str, verdict: str, issues: Sequence[Issue], sca
     """Draw the reason for the lack of a picture, over the whole canvas."""
     small, large = 15.0 * scale, 22.0 * scale
     width = hud.width - 2.0 * (_MARGIN + _PAD)
-    x, y = _MARGIN + _PAD, CANVAS_HEIGHT - _MARGIN - _PAD - large
+    x, y = _MARGIN + _PAD, hud.height - _MARGIN - _PAD - large
     hud.text(x, y, title, large, INK, bold=True, width=width)
     hud.text(x, y - 1.6 * large, verdict, small, _ALARM, bold=True)
     y -= 1.8 * large

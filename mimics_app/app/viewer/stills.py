@@ -13,7 +13,6 @@ from mimics_app.app.settings import Profile
 from mimics_app.app.viewer.page import draw_caption
 from mimics_app.app.viewer.shown import Shown
 from mimics_app.app.viewer.viewport import Viewport
-from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT
 from mimics_app.rendering.visual.frame_set import FrameSet
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen, save_png
 from mimics_app.rendering.visual.surfaces.surface import Size
@@ -55,7 +54,7 @@ def draw_turntable(
     surface = open_offscreen(backend, size)
     viewport = Viewport(surface, shown, profile, camera)
     if caption:
-        viewport.renderer.hud.width = CANVAS_HEIGHT * size[0] / size[1]
+        viewport.renderer.hud.fit(size)
         draw_caption(viewport.renderer.hud, shown.title, [shown.size], shown.notes)
     yaw = viewport.orbit.yaw
 

@@ -11,7 +11,6 @@ from mimics_app.app.viewer.orbit_camera import OrbitCamera
 from mimics_app.app.viewer.shown import Shown
 from mimics_app.app.viewer.studio import Studio, studio_settings
 from mimics_app.contracts.errors import Issue, SceneError, nearest
-from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT
 from mimics_app.rendering.visual.frame_stats import FrameStats
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
@@ -100,8 +99,7 @@ class Viewport:
 
     def views(self) -> list[View]:
         """Return the view of the orbit camera; the canvas of the display gets the aspect ratio of the picture."""
-        width, height = self.surface.size
-        self.renderer.hud.width = CANVAS_HEIGHT * width / height
+        self.renderer.hud.fit(self.surface.size)
         return [self.orbit.view(self.surface.size)]
 
     def _report(self, stats: FrameStats) -> FrameStats:

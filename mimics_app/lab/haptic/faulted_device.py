@@ -38,6 +38,7 @@ class DeviceFault(IntEnum):
     TOO_FAST = 7  # the vertical axis reports 3 m/s
     SENSOR_SPIKE = 8  # one tick of 400 N at the force sensor
     SENSOR_STUCK = 9  # 300 N at the force sensor in every tick
+    DEAF = 10  # it sends data and takes no command
 
 
 _KIND, _AT, _HEAD = 0, 1, 2
@@ -87,7 +88,9 @@ def read_faulted(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
 
 @typed_kernel(WRITE)
 def write_faulted(memory: Vec, command: Vec, tick: int) -> int:
-    """Send the command to the simulated robot."""
+    """Send the command to the simulated robot, which keeps the last one when it takes none."""
+    if int(memory[_KIND]) == DeviceFault.DEAF and tick >= int(memory[_AT]):
+        return 1
     return write_robot(memory[_HEAD:], command, tick)
 
 

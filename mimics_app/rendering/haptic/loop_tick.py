@@ -13,7 +13,7 @@ from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.atomics import load_acquire
 from mimics_app.contracts.borrowed import borrowed, borrowed_type
 from mimics_app.contracts.device_descriptor import KINEMATICS_SET, Kin
-from mimics_app.contracts.haptic import SAMPLE, SCENE
+from mimics_app.contracts.haptic import SAMPLE, SCENE, SECOND_NS, DeviceStatus, SafetyState
 from mimics_app.contracts.kernel import kernel, typed_kernel
 from mimics_app.contracts.loop_ports import (
     FIELDS,
@@ -45,11 +45,12 @@ from mimics_app.rendering.haptic.publish import publish_events, publish_state
 from mimics_app.rendering.haptic.struck import publish_forces
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import Fields, Read, SceneRecord, Simulate, Tick, Write
+    from mimics_app.contracts.record_types import Fields, Read, SceneRecord, Simulate, StateRecord, Tick, Write
 
 __all__ = ["LOOP_FUNCTIONS", "LOOP_TICK", "SIMULATION", "TICK", "late_class", "loop_tick", "rows_of", "tick"]
 
 
+_FAULT = int(DeviceStatus.FAULT)
 _STOP = int(ControlWord.STOP)
 _HELD = int(ControlWord.HELD)
 _STALE = int(ControlWord.STALE)
@@ -161,6 +162,12 @@ def rows_of(stack: Rows, slot: int) -> Rows:
     )
 
 
+@kernel
+def _takes_nothing(scene: SceneRecord, state: StateRecord, dt: float) -> bool:
+    """Whether a device that sends data has taken no command for longer than its data may age: nothing can stop it."""
+    return state.safety >= SafetyState.HOMED and state.refused_ticks * dt * SECOND_NS > scene.stale_stop_ns
+
+
 @typed_kernel(LOOP_TICK)
 def loop_tick(
     channels: Channels,
@@ -185,6 +192,8 @@ def loop_tick(
     _take_inbox(channels, work, scene)
     state = work.state[0]
     status = read(memory, work.inbox, work.data, state.tick)
+    if status == DeviceStatus.FRESH and _takes_nothing(scene, state, dt):
+        status = _FAULT
     stop_word = load_acquire(channels.control, _STOP)
     held = late_class(scene, late_ns, missed_in_row)
     tick(
@@ -204,7 +213,8 @@ def loop_tick(
         work.command,
         work.sample[0],
     )
-    write(memory, work.command, state.tick - 1)
+    taken = write(memory, work.command, state.tick - 1) == 0
+    state.refused_ticks = 0 if taken else state.refused_ticks + 1
     control = channels.control
     control[_HELD] += 1 if held != IN_TIME else 0
     control[_STALE] += state.stale

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import F4, U1
 from mimics_app.rendering.visual.figures.glyphs import GlyphAtlas, load_glyph_atlas
 
-__all__ = ["CANVAS_HEIGHT", "HUD_ROW", "Align", "Colour", "Hud", "LayOut"]
+__all__ = ["CANVAS_HEIGHT", "HUD_ROW", "Align", "Colour", "Hud", "LayOut", "canvas_height"]
 
 Colour = tuple[float, float, float, float]
 """Display values 0-1 with straight alpha: as in a colour picker, not linear light."""
@@ -22,7 +22,9 @@ LayOut = Callable[[], None]
 """Fills a display."""
 
 CANVAS_HEIGHT = 720.0
-"""Height of the canvas for any picture; its width follows the picture's aspect ratio [hud px]."""
+"""Height of the canvas; its width follows the picture's aspect ratio [hud px]."""
+_NARROWEST = 400.0
+"""Smallest width of the canvas [hud px]: the widest card and the words of a message fit."""
 
 HUD_ROW = np.dtype([("box", "f4", (4,)), ("picture", "f4", (4,)), ("tint", "f4", (4,)), ("style", "f4", (4,))])
 """One rectangle as shaders/hud/hud.vert reads it."""
@@ -35,15 +37,20 @@ _BEFORE: dict[Align, float] = {"left": 0.0, "centre": 0.5, "right": 1.0}
 """Share of a line's length that is left of its place."""
 
 
+def canvas_height(aspect: float) -> float:
+    """Return the height of the canvas for a picture, by its aspect ratio (width / height) [hud px]."""
+    return max(CANVAS_HEIGHT, _NARROWEST / aspect)
+
+
 class Hud:
     """Collects rectangles over the picture; later ones cover earlier ones.
 
-    The canvas is 720 px high, its origin the lower left corner, x right and y up. It is drawn in every view at a depth,
-    so that both eyes see it at the same place.
+    The canvas is 720 px high, or more where the picture is narrow, its origin the lower left corner, x right and y up.
+    It is drawn in every view at a depth, so that both eyes see it at the same place.
 
     Attributes:
         width: Width of the canvas [hud px]; set by the caller from the picture's aspect ratio.
-        height: Height of the canvas [hud px]; less than `CANVAS_HEIGHT` enlarges everything.
+        height: Height of the canvas [hud px]; less than `CANVAS_HEIGHT` enlarges everything, more shrinks it.
         revision: Changes with the content.
         images: Images for `image`, display values, uint8 [n, height, width, 4], row 0 at the top.
     """
@@ -56,6 +63,12 @@ class Hud:
         self.height = CANVAS_HEIGHT
         self.revision = 0
         self.images: U1 | None = None
+
+    def fit(self, size: tuple[int, int]) -> None:
+        """Set the canvas to a picture of this size [px] that has one view."""
+        aspect = size[0] / size[1]
+        self.height = canvas_height(aspect)
+        self.width = self.height * aspect
 
     @property
     def atlas(self) -> GlyphAtlas:

@@ -16,8 +16,11 @@ __all__ = ["Button", "ResultContent", "ResultPage"]
 
 _MARGIN, _GAP = 56.0, 18.0
 _TILE_HEIGHT, _BUTTON_HEIGHT = 92.0, 56.0
+_LEAST_BUTTON, _MOST_BUTTON = 200.0, 260.0
+"""Width of a button [hud px]; where not all are as wide as the least, they stand in several rows."""
+_BELOW = 58.0
+"""Height of the lowest row of buttons above the lower edge [hud px]."""
 _ROW_HEIGHT, _COLUMN_GAP = 30.0, 14.0
-_MAX_ROWS = 8
 _STEPS = {"left": -1, "right": 1, "up": -1, "down": 1, "dpad_left": -1, "dpad_right": 1, "tab": 1}
 _CHOOSE = {"enter", "a", "start"}
 _LEAVE = {"escape", "b", "back"}
@@ -146,12 +149,13 @@ class ResultPage:
             hud.text(x + 18.0, top - 72.0, figure, 30.0, INK, bold=True, width=width - 36.0)
 
     def _draw_table(self, hud: Hud, wide: float) -> None:
-        """Draw the table of trials; of many the last ones, and the number of those before."""
+        """Draw the table of trials; of more than fit the last ones, and the number of those before."""
         head, rows = self._content.head, list(self._content.rows)
         if not rows:
             return
-        left_out, rows = len(rows) - _MAX_ROWS, rows[-_MAX_ROWS:]
         top = hud.height - 182.0 - (_TILE_HEIGHT + 44.0 if self._content.tiles else 20.0)
+        fitting = int((top - 14.0 - self._button_box(0)[1] - _BUTTON_HEIGHT) / _ROW_HEIGHT) - 1
+        left_out, rows = len(rows) - fitting, rows[-fitting:]
         columns = self._columns(hud, wide, rows)
         for (x, width), caption in zip(columns, head, strict=True):
             hud.text(x, top, caption, 15.0, FAINT, width=width)
@@ -178,8 +182,12 @@ class ResultPage:
 
     def _button_box(self, number: int) -> Box:
         count, wide = len(self._content.buttons), self._canvas.hud.width - 2.0 * _MARGIN
-        width = min(260.0, (wide - _GAP * (count - 1)) / count)
-        return (_MARGIN + number * (width + _GAP), 58.0, width, _BUTTON_HEIGHT)
+        columns = min(count, int((wide + _GAP) / (_LEAST_BUTTON + _GAP)))
+        width = min(_MOST_BUTTON, (wide + _GAP) / columns - _GAP)
+        row, column = divmod(number, columns)
+        above = (count - 1) // columns - row
+        y = _BELOW + above * (_BUTTON_HEIGHT + _GAP)
+        return (_MARGIN + column * (width + _GAP), y, width, _BUTTON_HEIGHT)
 
     def _draw_button(self, hud: Hud, box: Box, button: Button, number: int) -> None:
         x, y, width, height = box

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8, U1
-from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, HUD_ROW, Hud
+from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, HUD_ROW, Hud, canvas_height
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
 from mimics_app.rendering.visual.materials.vertex_arrays import VertexArrays
 from mimics_app.rendering.visual.view import Rect, View
@@ -98,7 +98,7 @@ def _plane_of(views: tuple[View, ...], depth: float) -> HudPlane:
     around = len(views) > 1 and bool(seen[3] - seen[2] >= _HEADSET_HEIGHT)
     left, right, bottom, top = depth * (_readable(seen) if around else seen)
     origin = centre + axes @ np.array([left, bottom, -depth])
-    canvas = CANVAS_HEIGHT / _ENLARGED if around else CANVAS_HEIGHT
+    canvas = CANVAS_HEIGHT / _ENLARGED if around else canvas_height((right - left) / (top - bottom))
     return HudPlane(origin, axes[:, 0] * (right - left), axes[:, 1] * (top - bottom), canvas)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.materials.vertex_arrays import bare_arrays
 from mimics_app.rendering.visual.passes.hud import HudPlane, clip_from_hud
@@ -48,7 +47,7 @@ class InsetPass:
         import moderngl
 
         shader = self._shaders.program("inset/inset.vert", "inset/inset.frag")
-        line = CANVAS_HEIGHT / view.rectangle[3]
+        line = plane.canvas_height / view.rectangle[3]
         shader.set_numbers("box", [side * line for side in pixels])
         shader.set_number("border", inset.border)
         shader.set_number("mirrored", float(inset.mirrored))
