@@ -187,6 +187,7 @@ LOOP_FIELDS: tuple[LoopField, ...] = (
     LoopField("f_effects", "N", Replay.OUTPUT, "totals.effect_force", size=3),  # part that effects make, world
     LoopField("f_grip", "N", Replay.OUTPUT, "totals.grip_force", size=3, reader="app"),  # part of the held object
     LoopField("touching", "1", Replay.OUTPUT, "totals.touching"),  # pairs of point and shape in contact
+    LoopField("partners", "1", Replay.ABSENT, kind="i8", reader="tasks"),  # in contact, of static scene and bodies
     LoopField("depth", "m", Replay.OUTPUT, "totals.depth"),  # of the deepest of them
     LoopField("touched_shape", "1", Replay.OUTPUT, "totals.shape"),  # its row, -1: none
     LoopField("held_body", "1", Replay.OUTPUT, "totals.held", "i8", reader="tasks"),  # its row, -1: none
@@ -262,6 +263,7 @@ class HapticSnapshot:
     f_meas_world: Vec
     f_user_world: Vec
     f_grip: Vec
+    partners: int
     held_body: int
     crushed_body: int
     progress: float

@@ -348,6 +348,7 @@ class SnapshotRecord:
     f_meas_world: Floats
     f_user_world: Floats
     f_grip: Floats
+    partners: int
     held_body: int
     crushed_body: int
     progress: float
@@ -803,6 +804,7 @@ class StateRecord:
     f_meas_world: Floats
     f_virt_world: Floats
     f_user_world: Floats
+    partners: int
     bodies: float
     ball_radius: float
     v_virtual: Floats

@@ -15,6 +15,7 @@ import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from datetime import datetime
 from multiprocessing import parent_process
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -23,7 +24,7 @@ from typing import Any, Literal
 import numpy as np
 
 from mimics_app.contracts.child_signals import ignore_signals
-from mimics_app.contracts.clock import MonotonicClock, wall_time
+from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.haptic import EVENT, SAMPLE
 from mimics_app.contracts.ring_reader import RingReader
 from mimics_app.contracts.run_environment import clock_pair
@@ -314,15 +315,17 @@ class _Session:
         with self._noting_trouble():
             for stream in (self._samples, self._parameters, self._signals, self._events):
                 stream.sync()
-        self._note_clock(now_ns)
+        self._note_clock()
 
-    def _note_clock(self, now_ns: int) -> None:
+    def _note_clock(self) -> None:
         """Record a pair of clocks every 10 s, and at once when the wall clock was set."""
-        offset = wall_time().timestamp() - now_ns * 1e-9
+        pair = clock_pair()
+        now_ns = pair["monotonic_ns"]
+        offset = datetime.fromisoformat(pair["utc"]).timestamp() - now_ns * 1e-9
         jumped = self._offset_s is not None and abs(offset - self._offset_s) > _CLOCK_JUMP_S
         if jumped or now_ns >= self._next_pair:
             self._next_pair = now_ns + _CLOCK_PAIR_NS
-            self._own_line("clock", clock_pair() | ({"jump_s": offset - (self._offset_s or 0.0)} if jumped else {}))
+            self._own_line("clock", pair | ({"jump_s": offset - (self._offset_s or 0.0)} if jumped else {}))
         self._offset_s = offset
 
     def _publish(self) -> None:

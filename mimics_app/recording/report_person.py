@@ -38,7 +38,7 @@ class Person:
 
 def person_of(run: Run) -> Person | None:
     """Return the body signals of a run, the estimated state and the difficulty; None without body signals."""
-    features, states, results = (_timed(run.lines_of("app", kind)) for kind in ("features", "person", "result"))
+    features, states, results = (_timed(run, kind) for kind in ("features", "person", "result"))
     heart, level, responses = (_feature(features, name) for name in ("heart_rate", "scl", "scr_rate"))
     if not any(np.isfinite(values).any() for values in (heart, level)):
         return None
@@ -100,7 +100,7 @@ def _spans(run: Run) -> list[tuple[float, float, str]]:
     for row, name in zip(run.trials, trial_names(run.trials), strict=True):
         begin, end = number(row.get("begin_ns")), number(row.get("end_ns"))
         if begin is not None and end is not None:
-            spans.append((1e-9 * begin, 1e-9 * end, name))
+            spans.append((1e-9 * (begin - run.start_ns), 1e-9 * (end - run.start_ns), name))
     return spans
 
 
@@ -109,7 +109,9 @@ def _skin(frame: _Frame, run: Run, when: F8, level: F8) -> Plot | None:
     blocks = [row.block for row in run.signals if row.block.name == "gsr" and row.block.rate > 0.0]
     if not blocks:
         return frame.signal("skin conductance [µS]", when, level, "level")
-    times = np.concatenate([1e-9 * block.t_ns + np.arange(len(block.values)) / block.rate for block in blocks])
+    times = np.concatenate(
+        [1e-9 * (block.t_ns - run.start_ns) + np.arange(len(block.values)) / block.rate for block in blocks]
+    )
     recorded = np.concatenate([block.values for block in blocks])
     plot = frame.plot(Axis.of("skin conductance [µS]", recorded, level, margin=0.15))
     plot.line(*envelope(times, recorded), "measured", "recorded")
@@ -174,9 +176,10 @@ def _numbers(item: object) -> dict[str, float]:
     return {name: value for name, each in mapping(item).items() if (value := number(each)) is not None}
 
 
-def _timed(lines: _Lines) -> _Lines:
-    """Return the lines with a time; a damaged one has none."""
-    return [line for line in lines if number(line.get("t_ns")) is not None]
+def _timed(run: Run, kind: str) -> _Lines:
+    """Return the lines of the app with a time, which is counted from the first tick; a damaged one has none."""
+    times = [(line, number(line.get("t_ns"))) for line in run.lines_of("app", kind)]
+    return [{**line, "t_ns": t_ns - run.start_ns} for line, t_ns in times if t_ns is not None]
 
 
 def _times(lines: _Lines) -> F8:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.clock import TICKS_PER_SECOND
+from mimics_app.contracts.clock import TICK_NS, TICKS_PER_SECOND
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.haptic import SAMPLE
 from mimics_app.contracts.object_rows import Rows
@@ -152,6 +152,12 @@ class Run:
     def events(self) -> NDArray[Any]:
         """The loop's EVENT records, shape [n], in order."""
         return events_of(self.lines)
+
+    @property
+    def start_ns(self) -> int:
+        """Release time of tick 0 on the clock of every `t_ns` [ns], 0 where no event of the loop is left."""
+        first = self.events[:1]
+        return int(first["t_ns"][0] - first["tick"][0] * TICK_NS) if len(first) else 0
 
     @property
     def last_event_tick(self) -> int:

@@ -52,7 +52,7 @@ class Observation:
         force: Felt by the user [N].
         progress: Share of the trial's path that is done, 0-1, as the kind of task means it.
         distance: From the path that the task gives [m]; None where it gives none.
-        touching: The ball is in the wall now.
+        touching: Number of partners in contact now: wall of the tunnel, static scene, bodies.
         contacts: Since the last frame, oldest first.
         grasp: Grasp force [N].
         bodies: Centre of each haptic body by name [m].
@@ -73,7 +73,7 @@ class Observation:
     force: float
     progress: float
     distance: float | None
-    touching: bool
+    touching: int
     contacts: tuple[Contact, ...]
     grasp: float = 0.0
     bodies: Mapping[str, Vec3] = field(default_factory=dict)
@@ -109,7 +109,7 @@ def observe(snapshot: HapticSnapshot, events: NDArray[Any], now_ns: int, bodies:
         force=length(snapshot.f_user_world),
         progress=0.0,
         distance=None,
-        touching=snapshot.penetration > 0.0,
+        touching=int(snapshot.penetration > 0.0) + snapshot.partners,
         contacts=contacts,
         grasp=snapshot.grasp,
         bodies={name: _vector(snapshot.poses[row]) for row, name in enumerate(bodies)},

@@ -24,8 +24,8 @@ class Measures:
         time_s: Duration [s].
         path_error_rms_m: Root mean square distance over time from the task's path [m]; None without a path.
         path_error_max_m: Largest distance [m]; None without a path.
-        contacts: Number of contacts, including one that lasted when the travel began.
-        contact_time_s: Time in contact [s].
+        contacts: Number of contacts, including those that lasted when the travel began.
+        contact_time_s: Time in contact with at least one partner [s].
         smoothness: SPARC [-], negative; None without movement.
         force_mean_n: Time mean of the force felt [N].
         force_peak_n: Largest force felt [N].
@@ -63,7 +63,7 @@ class Tally:
         self._plays = tuple(plays)
         self.begin_ns = self._last_ns = first.now_ns
         self._paused_ns = 0
-        self.contacts = int(first.touching)
+        self.contacts = self._partners = first.touching
         self._contact_ns = 0
         self._parted_ns = first.now_ns
         self._touching_since_ns = first.now_ns if first.touching else None
@@ -148,13 +148,17 @@ class Tally:
         if contact.t_ns < self.begin_ns:
             return
         if not contact.begins:
-            self._close_contact(contact.t_ns)
+            self._partners -= 1
+            if self._partners <= 0:
+                self._close_contact(contact.t_ns)
             return
         self.contacts += 1
+        self._partners += 1
         if self._touching_since_ns is None:  # one whose event comes a frame late counts from where the last ended
             self._touching_since_ns = max(contact.t_ns, self._parted_ns)
 
     def _close_contact(self, t_ns: int) -> None:
+        self._partners = 0
         if self._touching_since_ns is not None:
             self._parted_ns = max(t_ns, self._touching_since_ns)
             self._contact_ns += self._parted_ns - self._touching_since_ns

@@ -54,6 +54,15 @@ def test_person_touches_something(name):
     assert np.linalg.norm(felt["f_shapes"], axis=1).max() > 0.5
 
 
+@pytest.mark.parametrize("name", TOUCHED)
+def test_the_time_in_contact_is_that_of_the_samples(name):
+    """A contact ends 0.02 s after the last touch, and touches within that time are one contact."""
+    measures, samples = played(name).tasks._attempts.tally.measures(), played(name).samples
+    touched = (samples["touching"] > 0) & (samples["t"] > samples["t"][-1] - measures.time_s)
+    held = np.convolve(touched, np.ones(20))[: len(touched)] > 0
+    assert measures.contact_time_s == pytest.approx(held.sum() * 1e-3, abs=2e-3 * measures.contacts + 0.02)
+
+
 @pytest.mark.parametrize("name", PULLED)
 def test_person_feels_the_effects(name):
     samples = played(name).samples

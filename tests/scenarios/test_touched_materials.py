@@ -27,8 +27,16 @@ def test_each_surface_of_a_scene_sounds_as_its_material(tmp_path):
     done = mimics("run", SCENE, "--headless", "--sound", "file", *options)
     assert done.returncode == 0, done.stderr
     run = Run.open(Path(json.loads(done.stdout)["run_dir"]))
-    names = objects_of_scene(load_checked_scene(SCENE)).materials
-    touched = {line["tick"]: names[line["material_b"]] for line in run.lines_of("loop", "contact_begin")}
+    header, samples = run.session["names"], run.haptic
+    names = header["materials"]
+    assert names == list(objects_of_scene(load_checked_scene(SCENE)).materials)
+    begun = run.lines_of("loop", "contact_begin")
+    entities = [header["shapes"][int(line["value"])] for line in begun]
+    assert set(entities) == {"slippery", "round_edges"}
+    assert [header["shapes"][int(samples["touched_shape"][line["tick"]])] for line in begun] == entities
+    felt = samples["state"][[line["tick"] for line in begun]].astype(int)
+    assert {header["state"][state] for state in felt} == {"ACTIVE"}
+    touched = {line["tick"]: names[line["material_b"]] for line in begun}
     played = {line["tick"]: line["sound"].split("_")[0] for line in run.lines_of("app", "sound") if line["tick"] > 0}
     assert set(touched.values()) == {"glass", "steel"}
     assert played and set(played.values()) == {"glass", "steel"}

@@ -145,6 +145,7 @@ def write_synthetic_run(folder: Path, seconds: float = 24.0, *, live: bool = Tru
         state.add_trial(row)
     header = {
         "scene": {"name": "wavy_tunnel", "hash": "ab" * 32, "document": {"format": "mimics", "x-note": "</pre><b>"}},
+        "names": {"shapes": ["table"]}, "safety": {"late_stop_s": 0.05},
         "seed": 7, "patient": "moderate", "profile": "demo", "device": "simulated_hapticmaster",
         "command": ["mimics", "run", "scenes/wavy_tunnel.json"], "path": [[0.1, 0.2]] * 200,
         "settings": {"safety": {"force_limit": 40.0, "ramp_time": 1.0}, "tunnel": {"stiffness": 1200.0}},

@@ -34,6 +34,7 @@ def make_snapshot(now_ns: int = 0, **changes: Any) -> HapticSnapshot:
         "distance": 0.0,
         "penetration": 0.0,
         "f_grip": np.zeros(3),
+        "partners": 0,
         "held_body": -1,
         "crushed_body": -1,
         "ramp": 1.0,

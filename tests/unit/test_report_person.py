@@ -11,7 +11,7 @@ import pytest
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.plot import Plot
 from mimics_app.recording.report import write_report
-from mimics_app.recording.report_person import person_of
+from mimics_app.recording.report_person import _spans, person_of
 from mimics_app.recording.run import Run
 from tests.support.synthetic_run import write_synthetic_run
 
@@ -61,6 +61,25 @@ def test_a_run_with_body_signals_shows_heart_skin_state_and_difficulty_over_its_
     assert "policy kalman, its goal success of 0.7" in page and "± one standard deviation" in page
     assert "radius 1.25" in page and "too hard" in page
     assert {plot.x.high for plot in person_of(run).plots} == {7.0}
+
+
+def test_times_of_a_live_run_count_from_its_first_tick(tmp_path: Path) -> None:
+    """Its `t_ns` are of the computer's clock, which began hours before."""
+    boot_ns = 71_362_118_267_435
+    run = _run(tmp_path, [line for s in range(1, 8) for line in _lines(s)])
+    before = person_of(run).plots[0].__html__()
+    written = run.folder / "events.jsonl"
+    lines = [json.loads(text) for text in written.read_text().splitlines()]
+    later = [line | ({"t_ns": line["t_ns"] + boot_ns} if "t_ns" in line else {}) for line in lines]
+    written.write_text("".join(json.dumps(line) + "\n" for line in later))
+    table = run.folder / "trials.csv"
+    table.write_text(table.read_text().replace(",0,1,", f",{boot_ns + 2 * 10**9},{boot_ns + 6 * 10**9},"))
+    live = Run.open(tmp_path)
+    assert live.start_ns == boot_ns
+    drawn = person_of(live).plots[0]
+    assert drawn.x.high == 7.0
+    assert drawn.__html__().split('class="line robot" d="')[1].split('"')[0] in before
+    assert _spans(live)[0][:2] == (pytest.approx(2.0), pytest.approx(6.0))
 
 
 def test_a_run_without_body_signals_has_no_such_section(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ import os
 import random
 import subprocess
 import threading
+import time
 import zlib
 from pathlib import Path
 
@@ -17,6 +18,7 @@ import pyarrow as pa
 import pytest
 
 from mimics_app.contracts import ring
+from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import OutputError, PartialDataError, SceneError
 from mimics_app.contracts.haptic import EVENT, SAMPLE, SCENE, EventKind
 from mimics_app.contracts.messages import SignalBlock
@@ -390,6 +392,18 @@ def test_recorder_syncs_its_streams_every_second(tmp_path: Path, synced: list[st
     assert synced == []
     session.finish()
     assert {"haptic.arrows", "haptic.arrows.idx", "parameters.arrows"} <= set(synced)
+
+
+def test_a_slow_disk_is_no_jump_of_the_wall_clock(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    memory, outbox, clock = SessionMemory(), Outbox(), MonotonicClock()
+    session = _Session(memory, Inbox(outbox.reader), RecorderStatus(), tmp_path, 0)
+    session.step(clock.now_ns())
+    monkeypatch.setattr(SampleStream, "sync", lambda stream: time.sleep(0.2))
+    session._next_sync = 0
+    session.step(clock.now_ns())
+    session.finish()
+    lines = [line for line in read_lines(tmp_path / "events.jsonl")[0] if line["kind"] == "clock"]
+    assert lines and not [line for line in lines if "jump_s" in line]
 
 
 def test_every_file_of_a_run_is_its_users_alone(tmp_path: Path) -> None:

@@ -93,6 +93,23 @@ def test_contact_that_lasts_into_the_travel_is_counted_once_and_timed_from_its_b
     assert (tally.measures().contacts, tally.measures().contact_time_s) == (1, pytest.approx(0.010, abs=1e-12))
 
 
+def test_a_contact_with_an_object_lasts_until_its_end():
+    tally = Tally(frame(0))
+    tally.add(frame(16 * MS, (4 * MS, EventKind.CONTACT_BEGIN, 1.0), partners=1))
+    for k in range(2, 10):
+        tally.add(frame(16 * k * MS, partners=1))
+    tally.add(frame(160 * MS, (154 * MS, EventKind.CONTACT_END, 0.0)))
+    assert (tally.measures().contacts, tally.measures().contact_time_s) == (1, pytest.approx(0.150, abs=1e-12))
+
+
+def test_contacts_that_overlap_are_timed_once_to_the_end_of_the_last():
+    tally = Tally(frame(0, partners=1))
+    tally.add(frame(16 * MS, (4 * MS, EventKind.CONTACT_BEGIN, 1.0), (8 * MS, EventKind.CONTACT_END, 0.0), partners=1))
+    tally.add(frame(32 * MS, partners=1))
+    tally.add(frame(48 * MS, (40 * MS, EventKind.CONTACT_END, 0.0)))
+    assert (tally.measures().contacts, tally.measures().contact_time_s) == (2, pytest.approx(0.040, abs=1e-12))
+
+
 def test_contact_whose_end_was_lost_does_not_last_for_ever():
     tally = Tally(frame(0, penetration=0.001))
     tally.add(frame(10 * MS))

@@ -10,17 +10,20 @@ import msgspec
 
 from mimics_app.app.planner.explain import explain_plan
 from mimics_app.app.session.preparation import Preparation
+from mimics_app.contracts.haptic import SafetyState, TripCause
 from mimics_app.recording.report_values import mapping
 from mimics_app.rendering.haptic.devices.device_names import POINTER
 from mimics_app.rendering.haptic.scene_block import safety_of
+from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.tasks.task_record import task_record
 from mimics_app.world.components.robot import Robot
+from mimics_app.world.scene.scene import Scene
 
 __all__ = ["describe_session"]
 
 
 def describe_session(parts: Preparation) -> dict[str, Any]:
-    """Return scene, seed, device and person, limits, settings, task and plan as plain objects of JSON."""
+    """Return scene, seed, device and person, limits, names, settings, task and plan as plain objects of JSON."""
     scene, settings = parts.scene, parts.settings
     return {
         "scene": {
@@ -45,8 +48,22 @@ def describe_session(parts: Preparation) -> dict[str, Any]:
         },
         "task": task_record(parts.task, parts.context),
         "facts": parts.scenario.facts,
+        "names": _names(scene),
         **({"body": parts.body.header} if parts.body.header else {}),
         "plan": explain_plan(scene, parts.plan.without_picture if parts.live else parts.plan),
+    }
+
+
+def _names(scene: Scene) -> dict[str, list[str]]:
+    """Return what the numbers in samples and events mean: states, causes, and the rows of the haptic objects."""
+    objects = objects_of_scene(scene)
+    return {
+        "state": [state.name for state in SafetyState],
+        "cause": [cause.name for cause in TripCause],
+        "bodies": list(objects.body_entities),
+        "shapes": list(objects.shape_entities),
+        "effects": list(objects.effect_entities),
+        "materials": list(objects.materials),
     }
 
 

@@ -102,7 +102,7 @@ def _act_on_user(
     state = states[0]
     felt = is_felt(state)
     state.contact_change = follow_touch(state, felt and state.tunnel.wall_force > 0.0, felt, dt)
-    follow_touches(objects.touches, objects.totals, objects.motions, scene.objects, felt, dt)
+    state.partners = follow_touches(objects.touches, objects.totals, objects.motions, scene.objects, felt, dt)
 
 
 @kernel

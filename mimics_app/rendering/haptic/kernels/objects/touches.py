@@ -72,10 +72,13 @@ def follow_touches(
     counts: ObjectCountsRecord,
     felt: bool,
     dt: float,
-) -> None:
-    """Advance the contact states of the static scene and of all bodies by one tick."""
+) -> int:
+    """Advance the contact states of the static scene and of all bodies by one tick; return how many are in contact."""
     if counts.shapes == 0:
-        return
+        return 0
     touches[0].change = follow_touch(touches[0], _touch_static(totals), felt, dt)
+    partners = touches[0].in_contact
     for k in range(counts.bodies):
         touches[k + 1].change = follow_touch(touches[k + 1], motions[k].touched == 1, felt, dt)
+        partners += touches[k + 1].in_contact
+    return partners
