@@ -98,11 +98,6 @@ def observe(
         bodies: Names of the haptic bodies in the order of their rows.
         pressed: Names of keys and buttons that went down since the last frame.
     """
-    contacts = tuple(
-        Contact(int(event["t_ns"]), bool(event["kind"] == EventKind.CONTACT_BEGIN), float(event["force"]))
-        for event in events
-        if event["kind"] in (EventKind.CONTACT_BEGIN, EventKind.CONTACT_END)
-    )
     return Observation(
         snapshot=snapshot,
         now_ns=now_ns,
@@ -117,7 +112,7 @@ def observe(
         progress=0.0,
         distance=None,
         touching=snapshot.penetration > 0.0,
-        contacts=contacts,
+        contacts=_contacts(events) if len(events) else (),
         grasp=snapshot.grasp,
         bodies={
             name: (x, y, z) for name, (x, y, z) in zip(bodies, snapshot.poses[: len(bodies), :3].tolist(), strict=True)
@@ -125,6 +120,14 @@ def observe(
         held=_name(bodies, snapshot.held_body),
         crushed=_name(bodies, snapshot.crushed_body),
         pressed=pressed,
+    )
+
+
+def _contacts(events: NDArray[Any]) -> tuple[Contact, ...]:
+    return tuple(
+        Contact(int(event["t_ns"]), bool(event["kind"] == EventKind.CONTACT_BEGIN), float(event["force"]))
+        for event in events
+        if event["kind"] in (EventKind.CONTACT_BEGIN, EventKind.CONTACT_END)
     )
 
 

@@ -114,6 +114,17 @@ class DrawItems:
         return touched
 
     @cached_property
+    def bent_parts(self) -> dict[int, tuple[SkinnedBody, str, int, bool, int, int]]:
+        """Body, mesh, row, whether it is one-sided, first index and number of indices of each item of a body."""
+        found = {}
+        for item, mesh in enumerate(self.meshes.tolist()):
+            if mesh in self.bodies:
+                count, start, _ = self.ranges[mesh].tolist()
+                of_mesh = self.bodies[mesh], self.mesh_names[mesh]
+                found[item] = (*of_mesh, int(self.rows[item]), bool(self.one_sided[item]), start, count)
+        return found
+
+    @cached_property
     def _of_body(self) -> dict[SkinnedBody, I4]:
         return {}
 
