@@ -83,4 +83,4 @@ class Board:
 
     def with_cards(self, cards: Mapping[str, Card]) -> Board:
         """Return the board with more cards."""
-        return replace(self, cards={**self.cards, **cards})
+        return Board({**self.cards, **cards}, self.message, self.alarm, self.count)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -91,7 +92,7 @@ def _one_pointer(states: Sequence[PointerState], *, stop: bool) -> PointerState 
         return PointerState((0.0, 0.0, 0.0), 0.0, active=False, stop=True) if stop else None
     chosen = next((state for state in states if state.active), states[0])
     stop = stop or any(state.stop for state in states)
-    return PointerState(chosen.target_world, chosen.grasp, chosen.active, stop)
+    return chosen if chosen.stop == stop else replace(chosen, stop=stop)
 
 
 class Movement(SignalSource):

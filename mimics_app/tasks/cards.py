@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 from mimics_app.contracts.board import Bar, Card, Tone
 
@@ -33,16 +34,19 @@ def _clock(seconds: int) -> str:
     return f"{seconds // 60}:{seconds % 60:02d}"
 
 
+@lru_cache(maxsize=64)
 def trial_card(which: str) -> Card:
     """Return the card of the trial's caption."""
     return Card("Trial", which.removeprefix("Trial "))
 
 
+@lru_cache(maxsize=64)
 def count_card(label: str, number: float, width: float = 150.0) -> Card:
     """Return the card of a count."""
     return Card(label, f"{number:.0f}", width=width)
 
 
+@lru_cache(maxsize=64)
 def state_card(state: str) -> Card:
     """Return the card of the trial's state, named as in the scene file."""
     return Card("State", state, width=170.0)

@@ -82,7 +82,13 @@ class Observation:
     pressed: tuple[str, ...] = ()
 
 
-def observe(snapshot: HapticSnapshot, events: NDArray[Any], now_ns: int, bodies: Sequence[str] = ()) -> Observation:
+def observe(
+    snapshot: HapticSnapshot,
+    events: NDArray[Any],
+    now_ns: int,
+    bodies: Sequence[str] = (),
+    pressed: tuple[str, ...] = (),
+) -> Observation:
     """Return the observation of a frame.
 
     Args:
@@ -90,12 +96,8 @@ def observe(snapshot: HapticSnapshot, events: NDArray[Any], now_ns: int, bodies:
         events: EVENT records since the last frame, shape [n].
         now_ns: Time of the frame [ns].
         bodies: Names of the haptic bodies in the order of their rows.
+        pressed: Names of keys and buttons that went down since the last frame.
     """
-    contacts = tuple(
-        Contact(int(event["t_ns"]), bool(event["kind"] == EventKind.CONTACT_BEGIN), float(event["force"]))
-        for event in events
-        if event["kind"] in (EventKind.CONTACT_BEGIN, EventKind.CONTACT_END)
-    )
     return Observation(
         snapshot=snapshot,
         now_ns=now_ns,
@@ -110,11 +112,22 @@ def observe(snapshot: HapticSnapshot, events: NDArray[Any], now_ns: int, bodies:
         progress=0.0,
         distance=None,
         touching=int(snapshot.penetration > 0.0) + snapshot.partners,
-        contacts=contacts,
+        contacts=_contacts(events) if len(events) else (),
         grasp=snapshot.grasp,
-        bodies={name: _vector(snapshot.poses[row]) for row, name in enumerate(bodies)},
+        bodies={
+            name: (x, y, z) for name, (x, y, z) in zip(bodies, snapshot.poses[: len(bodies), :3].tolist(), strict=True)
+        },
         held=_name(bodies, snapshot.held_body),
         crushed=_name(bodies, snapshot.crushed_body),
+        pressed=pressed,
+    )
+
+
+def _contacts(events: NDArray[Any]) -> tuple[Contact, ...]:
+    return tuple(
+        Contact(int(event["t_ns"]), bool(event["kind"] == EventKind.CONTACT_BEGIN), float(event["force"]))
+        for event in events
+        if event["kind"] in (EventKind.CONTACT_BEGIN, EventKind.CONTACT_END)
     )
 
 
@@ -123,4 +136,5 @@ def _name(bodies: Sequence[str], row: int) -> str:
 
 
 def _vector(values: NDArray[np.float64]) -> Vec3:
-    return float(values[0]), float(values[1]), float(values[2])
+    x, y, z = values.tolist()
+    return x, y, z

@@ -37,6 +37,8 @@ _AT_POINTER: Mapping[TrialState, str] = {
 }
 """Lines that differ without a robot."""
 
+_CAUSES = {int(cause): cause.name.lower().replace("_", " ") for cause in TripCause if cause != TripCause.NONE}
+
 _GO_S = 1.5
 """Time for which the travel's message is shown [s]."""
 
@@ -57,16 +59,15 @@ def state_message(
     text = texts.get(state.value, "")
     if state is TrialState.TRAVEL and elapsed_s >= _GO_S:
         text = prompt
-    for name, value in fields.items():
-        text = text.replace("{" + name + "}", value)
+    if "{" in text:
+        for name, value in fields.items():
+            text = text.replace("{" + name + "}", value)
     return text
 
 
 def cause_words(cause: int) -> str:
     """Return a TripCause in words, e.g. "stop key"."""
-    if cause == TripCause.NONE or cause not in set(TripCause):
-        return "safety stop"
-    return TripCause(cause).name.lower().replace("_", " ")
+    return _CAUSES.get(cause, "safety stop")
 
 
 class Announcement:

@@ -99,7 +99,9 @@ class TaskManager:
         self._countdown = Countdown(spec.start.countdown_s, introduced=context.introduced)
         self._seen: Observation | None = None
         self._haptic, self._visual, self._audio = Changes(), Changes(), Changes()
-        self._settings = Settings()
+        self._settings, self._settled = Settings(), dict[str, float]()
+        built_in = built_in_messages(with_score=self._has_score, by_pointer=self._by_pointer)
+        self._messages = {**built_in, **spec.messages}
         self.state = TrialState.APPROACH
         self._entered_ns: int | None = None
         self._last_ns = 0
@@ -135,7 +137,7 @@ class TaskManager:
         now_ns: int,
     ) -> TaskOrders:
         """Process one frame: `events` are the EVENT records since the last one, shape [n]; `now_ns` never decreases."""
-        seen = replace(observe(snapshot, events, now_ns, self._bodies), pressed=vr.pressed)
+        seen = observe(snapshot, events, now_ns, self._bodies, vr.pressed)
         if action is not None:
             self._take(action, now_ns)
         self._result = None
@@ -191,7 +193,7 @@ class TaskManager:
             self._enter(TrialState.APPROACH, seen)
             return None, TrialState.APPROACH
         self._adaptation.step(max(0, seen.now_ns - self._last_ns) / 1e9)
-        self._settings = settings_for(self._spec, self._adaptation.values)
+        self._settle()
         self._last_ns = seen.now_ns
         left, following = self.state, next_state(self.state, self._look(seen))
         if following is left:
@@ -258,11 +260,17 @@ class TaskManager:
             self._report_clipped(now_ns)
             for play in self._plays.values():
                 play.begin_trial(self._attempts.trial.label, self._attempts.number)
-        self._settings = settings_for(self._spec, self._adaptation.values)
+        self._settle()
         self._arrival.restart()
         self._triggers.restart()
         for play in self._plays.values():
             play.begin_attempt()
+
+    def _settle(self) -> None:
+        """Set the settings to the present values, which are those of the last frame in most."""
+        if self._settled != self._adaptation.values:
+            self._settled = dict(self._adaptation.values)
+            self._settings = settings_for(self._spec, self._settled)
 
     def _take(self, action: TaskAction, now_ns: int) -> None:
         self._adaptation.take(action)
@@ -342,8 +350,7 @@ class TaskManager:
         for play in self._plays.values():
             fields |= play.words
             prompt = play.prompt or prompt
-        built_in = built_in_messages(with_score=self._has_score, by_pointer=self._by_pointer)
-        line = state_message(self.state, {**built_in, **self._spec.messages}, view.elapsed_s, fields, prompt)
+        line = state_message(self.state, self._messages, view.elapsed_s, fields, prompt)
         cards = {
             "trial": trial_card(attempts.which),
             "state": state_card(view.state),

@@ -162,6 +162,32 @@ def test_a_reload_replaces_the_vertex_arrays_of_its_program_alone(folder):
         assert all(isinstance(each.mglo, moderngl.InvalidObject) for each in after)
 
 
+def test_a_uniform_is_sent_where_it_changes_and_to_a_reloaded_program(folder):
+    with create_surface("egl", (16, 16)) as surface:
+        library = ShaderLibrary(surface.ctx, folder)
+        hud = library.program("hud/hud.vert", "hud/hud.frag", ("GLYPHS",))
+
+        def sent() -> tuple[float, float]:
+            return hud.program["clip_from_hud"].value[0], hud.program["glyph_spread"].value
+
+        def send(scale: float, spread: float) -> None:
+            hud.set_matrix("clip_from_hud", scale * np.eye(4))
+            hud.set_number("glyph_spread", spread)
+
+        send(2.0, 3.0)
+        assert sent() == (2.0, 3.0)
+        hud.program["glyph_spread"].value = 7.0
+        send(2.0, 3.0)
+        assert sent() == (2.0, 7.0), "the same values are not sent again"
+        send(4.0, 5.0)
+        assert sent() == (4.0, 5.0)
+        rewrite(folder / "hud" / "hud.frag", "void main()", "\nvoid main()")
+        assert library.reload() == []
+        assert sent() == (0.0, 0.0), "another program"
+        send(4.0, 5.0)
+        assert sent() == (4.0, 5.0)
+
+
 def test_meshes_materials_and_visibility_follow_the_world(assert_same):
     """What changes between frames is seen in the next one: the same picture as of a world built so from the start, but
     for edges of shadows, whose map stays where it was (decision 117).

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4
 from mimics_app.contracts.board import Bar, Board, Card, Tone
 from mimics_app.contracts.messages import HapticSnapshot
-from mimics_app.rendering.visual.figures.hud import HUD_ROW, Colour, Hud
+from mimics_app.rendering.visual.figures.hud import KIND, Colour, Hud
 from mimics_app.rendering.visual.figures.key_page import Keys, draw_keys
 from mimics_app.rendering.visual.figures.palette import ACCENT, FAINT, INK
 
@@ -56,7 +57,7 @@ class BoardLayout:
 
     def __init__(self) -> None:
         self._laid: tuple[Hashable, int] | None = None
-        self._cards: dict[str, tuple[Hashable, NDArray[np.void]]] = {}
+        self._cards: dict[str, tuple[tuple[Any, ...], F4]] = {}
 
     def lay(self, hud: Hud, board: Board, show: Sequence[str], force_full: float, keys: Keys = ()) -> None:
         """Replace the contents of a display by a board, and a page of keys over it.
@@ -78,32 +79,33 @@ class BoardLayout:
         for name, card in cards:
             if x > _MARGIN and x + card.width > hud.width - _MARGIN:
                 x, y = _MARGIN, y - _HEIGHT - _GAP
-            rows.append(self._rows(name, hud, card, (x, y), force_full))
+            rows.append(self._rows(name, hud, (_draw_card, card, (x, y), force_full)))
             x += card.width + _GAP
         if rows:
-            hud.extend(_by_kind(np.concatenate(rows, dtype=HUD_ROW)))
-        _draw_message(hud, board.message, alarm=board.alarm)
+            hud.extend(_by_kind(np.concatenate(rows)))
+        if board.message:
+            panel = _ALARM_PANEL if board.alarm else _PANEL
+            hud.extend(self._rows("", hud, (_draw_message, board.message, panel, hud.width)))
         if board.count:
             _draw_count(hud, board.count)
         if keys:
             draw_keys(hud, keys)
         self._laid = wanted, hud.revision
 
-    def _rows(
-        self, name: str, hud: Hud, card: Card, corner: tuple[float, float], force_full: float
-    ) -> NDArray[np.void]:
-        """Return the rectangles of a card by its lower left corner, HUD_ROW [n]."""
-        wanted = (card, corner, force_full)
-        if self._cards.get(name, (None,))[0] != wanted:
+    def _rows(self, name: str, hud: Hud, wanted: tuple[Any, ...]) -> F4:
+        """Return the rectangles of a card, or of the message, as drawn last or by a function and its arguments."""
+        known = self._cards.get(name)
+        if known is None or known[0] != wanted:
+            draw, *content = wanted
             alone = Hud(hud.atlas)
-            _draw_card(alone, card, corner, force_full)
-            self._cards[name] = wanted, alone.rows()
-        return self._cards[name][1]
+            draw(alone, *content)
+            known = self._cards[name] = wanted, alone.numbers()
+        return known[1]
 
 
-def _by_kind(rows: NDArray[np.void]) -> NDArray[np.void]:
+def _by_kind(rows: F4) -> F4:
     """Return the rectangles of cards, which do not overlap, with the boxes of all of them first: two draws."""
-    return rows[np.argsort(rows["style"][:, 0], kind="stable")]
+    return rows[np.argsort(rows[:, KIND], kind="stable")]
 
 
 def _draw_card(hud: Hud, card: Card, corner: tuple[float, float], force_full: float) -> None:
@@ -146,16 +148,14 @@ def _draw_count(hud: Hud, count: int) -> None:
     hud.text(x, y - 0.36 * _COUNT_SIZE, str(count), _COUNT_SIZE, INK, bold=True, align="centre")
 
 
-def _draw_message(hud: Hud, message: str, *, alarm: bool) -> None:
-    if not message:
-        return
-    room = hud.width - 2.0 * _MARGIN - 64.0
+def _draw_message(hud: Hud, message: str, panel: Colour, canvas_width: float) -> None:
+    room = canvas_width - 2.0 * _MARGIN - 64.0
     lines = [line for part in message.split("\n") for line in _broken(hud, part, room)]
     width = min(max(hud.measure(line, _TEXT, bold=True) for line in lines), room) + 64.0
-    x, y = 0.5 * (hud.width - width), 46.0
-    hud.box(x, y, width, 64.0 + _LINE * (len(lines) - 1), _ALARM_PANEL if alarm else _PANEL, radius=18.0)
+    x, y = 0.5 * (canvas_width - width), 46.0
+    hud.box(x, y, width, 64.0 + _LINE * (len(lines) - 1), panel, radius=18.0)
     for number, line in enumerate(reversed(lines)):
-        place = 0.5 * hud.width, y + 21.0 + _LINE * number
+        place = 0.5 * canvas_width, y + 21.0 + _LINE * number
         hud.text(*place, line, _TEXT, INK, bold=True, align="centre", width=width - 32.0)
 
 

@@ -209,8 +209,8 @@ class Frames:
 
 def _experience_of(orders: TaskOrders, snapshot: HapticSnapshot, head: TrackedPose | None, now_ns: int) -> Experience:
     """Return the speed, power, head, demand and result of the person in a frame."""
-    velocity = np.asarray(snapshot.v_world, float)
-    power = float(np.dot(np.asarray(snapshot.f_user_world, float), velocity))
+    velocity = snapshot.v_world
+    power = float(snapshot.f_user_world.dot(velocity))
     return Experience(
         now_ns,
         speed=length(velocity),

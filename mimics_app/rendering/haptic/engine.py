@@ -80,7 +80,7 @@ class HapticEngine:
         self._recipe = recipe
         self._channels = channels_of(memory)
         self._work = new_work(objects or new_object_work(memory.capacities.objects))
-        self._drained = np.zeros(memory.main_events.shape[0], EVENT)
+        self._drained, self._no_events = np.zeros(memory.main_events.shape[0], EVENT), np.zeros(0, EVENT)
         self._resets = 0
         self._closed = self._released = False
         self._granted: scheduler.Granted | None = None
@@ -152,7 +152,7 @@ class HapticEngine:
         """Return the EVENT records since the last call, oldest first."""
         memory = self._memory
         count = ring.drain(memory.main_event_words, memory.main_events, self._drained)
-        return self._drained[:count].copy()
+        return self._drained[:count].copy() if count else self._no_events
 
     def advance(self, ticks: int) -> int:
         """Run `ticks` ticks on the virtual clock at full speed; return the total number of ticks done.

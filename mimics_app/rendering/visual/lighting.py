@@ -17,6 +17,7 @@ from mimics_app.world.world import World
 __all__ = [
     "MAX_LIGHTS",
     "SHADOW_STEP",
+    "KeptLighting",
     "Lighting",
     "ShadowFrustum",
     "fit_shadow_frustum",
@@ -142,6 +143,26 @@ def gather_lighting(world: World) -> Lighting:
         fog=sky.fog,
         backdrop=sky.backdrop,
     )
+
+
+class KeptLighting:
+    """The lighting of a world's last frame, gathered again where a light, its node or the sky changed."""
+
+    def __init__(self) -> None:
+        self._world: World | None = None
+        self._made_of: tuple[object, ...] = ()
+        self._lighting: Lighting | None = None
+
+    def of(self, world: World) -> Lighting:
+        """Return the lighting of a world, which has been updated."""
+        transforms, table = world.transforms, world.content.lights
+        rows = transforms.rows(table.entities)
+        columns = [table.column(name).tobytes() for name in table.names]
+        placed = (table.entities.tobytes(), rows.tobytes(), transforms.world[rows].tobytes())
+        made_of = (transforms.revision, world.environment, *placed, *columns)
+        if self._lighting is None or self._world is not world or transforms.touched or made_of != self._made_of:
+            self._world, self._made_of, self._lighting = world, made_of, gather_lighting(world)
+        return self._lighting
 
 
 def fit_shadow_frustum(

@@ -20,7 +20,7 @@ from mimics_app.rendering.visual.drawing.levels import fewer_pixels
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.figures.hud import Hud, LayOut
 from mimics_app.rendering.visual.frame_stats import FrameStats
-from mimics_app.rendering.visual.lighting import gather_lighting
+from mimics_app.rendering.visual.lighting import KeptLighting
 from mimics_app.rendering.visual.materials.materials import MaterialStore
 from mimics_app.rendering.visual.materials.shader_library import FEW_PIXELS, ShaderLibrary
 from mimics_app.rendering.visual.passes.eye_passes import AT_ONCE, EyePasses
@@ -106,7 +106,7 @@ class Renderer:
         self._hud_pass = HudPass(ctx, self._shaders)
         self._kept_board = KeptBoard(surface, self._hud_pass)
         self._pictures = PictureStage(ctx, self._shaders)
-        self._still = StillPicture(sparse=self._sparse)
+        self._still, self._lighting = StillPicture(sparse=self._sparse), KeptLighting()
         self._materials.live = self._pictures.pictures
         # Once requested, the shaders keep reading it: a governor's step compiles nothing.
         self._ambient = False
@@ -321,7 +321,7 @@ class Renderer:
 
     def _prepare(self, views: Sequence[View]) -> FrameScene:
         """Update lighting and draw list from the world, and queue the shadow casters."""
-        lighting, settings = gather_lighting(self.world), self.settings
+        lighting, settings = self._lighting.of(self.world), self.settings
         self._pictures.update(self.world)
         self._ambient = self._ambient or settings.ambient_occlusion > 0.0
         lights = light_features(lighting, settings)

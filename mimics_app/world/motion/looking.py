@@ -99,7 +99,7 @@ class Breath:
     _RATE = 0.25
 
     def __init__(self, slots: list[int], seed: int) -> None:
-        self._slots = slots
+        self._slots = np.array(slots, np.intp)  # a list is converted in every frame
         self._phase = float(np.random.default_rng(seed).uniform())
 
     def __call__(self, pose: Pose, seconds: float) -> None:

@@ -108,7 +108,8 @@ class Motion:
             return seconds + self._owed.pop(index, 0.0)
         owed = self._owed.get(index, math.inf) + seconds
         away = transforms.world[transforms.row(index), :3, 3] - self.eye_world
-        longest = next(step for distance, step in _STEPS if away @ away < distance * distance)
+        squared = float(away.dot(away))
+        longest = next(step for distance, step in _STEPS if squared < distance * distance)
         if owed < longest - 1e-9:
             self._owed[index] = owed
             return None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import B1, F4, F8, I4, U1
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena, is_rewritten
+from mimics_app.rendering.visual.kernels.bounds import follow_box
 from mimics_app.rendering.visual.kernels.sides import measure_sides
 from mimics_app.rendering.visual.kernels.triangles import BENT
 from mimics_app.rendering.visual.materials.look import Look
@@ -97,9 +97,7 @@ class DrawItems:
         if items is None:
             numbers = [self._numbers[name] for name in body.meshes if name in self._numbers]
             items = self._of_body[body] = np.flatnonzero(np.isin(self.meshes, numbers)).astype(np.int32)
-        lower, upper = body.bounds
-        self.half[items] = half = 0.5 * (upper - lower)
-        self.local[items, :3], self.local[items, 3] = 0.5 * (lower + upper), math.sqrt(half @ half)
+        follow_box(items, *body.bounds, self.half, self.local)
         return items
 
     def rebound(self, world: World, names: Sequence[str]) -> B1:
@@ -114,6 +112,17 @@ class DrawItems:
         touched: B1 = lines >= 0
         self.local[touched], self.half[touched] = local[lines[touched]], half[lines[touched]]
         return touched
+
+    @cached_property
+    def bent_parts(self) -> dict[int, tuple[SkinnedBody, str, int, bool, int, int]]:
+        """Body, mesh, row, whether it is one-sided, first index and number of indices of each item of a body."""
+        found = {}
+        for item, mesh in enumerate(self.meshes.tolist()):
+            if mesh in self.bodies:
+                count, start, _ = self.ranges[mesh].tolist()
+                of_mesh = self.bodies[mesh], self.mesh_names[mesh]
+                found[item] = (*of_mesh, int(self.rows[item]), bool(self.one_sided[item]), start, count)
+        return found
 
     @cached_property
     def _of_body(self) -> dict[SkinnedBody, I4]:

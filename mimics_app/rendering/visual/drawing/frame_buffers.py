@@ -14,7 +14,7 @@ from mimics_app.rendering.visual.kernels.commands import MAX_TRIANGLES, write_co
 from mimics_app.rendering.visual.materials.look import Look
 from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
 from mimics_app.rendering.visual.surfaces.fence import Fence
-from mimics_app.rendering.visual.surfaces.raw_gl import RawGL
+from mimics_app.rendering.visual.surfaces.raw_gl import TRIANGLES, RawGL
 from mimics_app.world.entity_ids import grown
 
 if TYPE_CHECKING:
@@ -181,18 +181,26 @@ class FrameBuffers:
 
     def draw(self, run: DrawRun, shader: ShaderProgram) -> None:
         """Draw one run with a shader of its look, which is bound already."""
-        import moderngl
-
-        assert self._buffer is not None, "runs are drawn after upload"
-        self._ctx.front_face = "cw" if run.mirrored else "ccw"
         array = self._arena.arrays.of(shader, run.wide, run.eyes)
+        if run.mirrored:
+            self._ctx.front_face = "cw"
+            self._render(run, array)
+            self._ctx.front_face = "ccw"
+        else:
+            self._render(run, array)
+
+    def _render(self, run: DrawRun, array: moderngl.VertexArray) -> None:
+        """Draw one run, in parts with flushes between them where many triangles are waiting."""
+        assert self._buffer is not None, "runs are drawn after upload"
         waiting = self._waiting + run.eyes * run.triangles
-        if self._raw is None or waiting < self._most_waiting:
+        if self._raw is None or waiting < self._most_waiting or run.count == 1:
             self._waiting = waiting
-            array.render_indirect(self._buffer, moderngl.TRIANGLES, run.count, first=run.first)
+            array.render_indirect(self._buffer, TRIANGLES, run.count, first=run.first)
+            if waiting >= self._most_waiting:
+                self.flush()
             return
         for first, count in self._split(run):
-            array.render_indirect(self._buffer, moderngl.TRIANGLES, count, first=first)
+            array.render_indirect(self._buffer, TRIANGLES, count, first=first)
             if self._waiting >= self._most_waiting:
                 self.flush()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -177,8 +178,9 @@ class Raster:
     focal: float
 
 
+@lru_cache(maxsize=8)
 def make_raster(view: View, size: tuple[int, int], samples: int) -> Raster:
-    """Return the projection of a view.
+    """Return the projection of a view, which lasts while a camera rests.
 
     Args:
         view: The view.

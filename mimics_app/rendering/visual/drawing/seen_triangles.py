@@ -108,15 +108,13 @@ class SeenTriangles:
         if bent is None or not items.bodies:
             return
         for item in picked[items.still[items.meshes[picked], 1] == BENT].tolist():
-            mesh = int(items.meshes[item])
-            vertices = bent.of(items.bodies[mesh], items.mesh_names[mesh])
-            count, start, _ = items.ranges[mesh].tolist()
+            body, name, row, one_sided, start, count = items.bent_parts[item]
             if self._used + count > len(self._out):
                 continue
             begun, own = self._used, self._triangles[start // 3 : (start + count) // 3]
-            winding = (-1.0 if mirrored[item] else 1.0) if items.one_sided[item] else 0.0
+            winding = (-1.0 if mirrored[item] else 1.0) if one_sided else 0.0
             self._used = pick_bent_triangles(
-                *camera, *picture, world, items.rows[item], winding, vertices, own, begun, self._out, self._scratch
+                *camera, *picture, world, row, winding, bent.of(body, name), own, begun, self._out, self._scratch
             )
             if self._used - begun < count:
                 parts[item] = self.first + begun, self._used - begun

@@ -10,21 +10,20 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import B1, F8, I4
+from mimics_app.contracts.arrays import B1, F8
 from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun
 from mimics_app.rendering.visual.effects.captions import caption_key, caption_picture
 from mimics_app.rendering.visual.effects.emitters import Emitter, SpriteRows
 from mimics_app.rendering.visual.effects.far_sprites import FarSprites
 from mimics_app.rendering.visual.effects.outlines import outline_of, whole_outline
-from mimics_app.rendering.visual.kernels.order import sort_by_key
 from mimics_app.rendering.visual.kernels.particles import SPRITE
 from mimics_app.rendering.visual.kernels.sprites import (
     LEVEL,
     MIN_OUTLINED,
     SPRITE_VERTEX,
     cut_sprites,
-    see_sprites,
+    pick_sprites,
     write_sprites,
 )
 from mimics_app.rendering.visual.materials.picture_arrays import PictureArray, PictureArrays
@@ -166,11 +165,10 @@ class SpriteField:
             self.behind = b""
             return [*surfaces], ([] if split else None)
         self._write(view, eye, height, solid + blended)
-        done, picked = solid, self._order[: solid + blended]
+        done, picked, self.behind, behind = solid, self._order[: solid + blended], b"", list[SpriteRun]()
         if split:
             done += self._far.count(self._rows.rows[: self._rows.count], picked, solid, eye, away)
-        self.behind = self._rows.rows[self._order[solid:done]].tobytes()
-        behind = [*self._runs(solid, done)]
+            self.behind, behind = self._rows.rows[self._order[solid:done]].tobytes(), [*self._runs(solid, done)]
         runs: list[DrawRun | SpriteRun] = [*self._runs(0, solid)]
         cuts = self._cuts(blended, away) + solid
         for surface, cut in zip(surfaces, cuts.tolist(), strict=True):
@@ -190,18 +188,11 @@ class SpriteField:
 
     def _pick(self, view: View, eye: F8) -> tuple[int, int]:
         """Fill `_order` with masked sprites by state, then blended ones far to near, with their `_keys`."""
-        rows, order = self._rows, self._order
-        masked = np.array([state.masked for state in self._states], np.uint8)
-        picked = see_sprites(rows.rows, rows.count, view.frustum_planes, eye, masked, order, self._blended, self._away)
-        solid, blended = picked
-        if solid:
-            self._keys[:solid] = rows.rows["state"][order[:solid]]
-            self._sort(order, solid)
-        distance = self._away[:blended].astype(np.float32)
-        self._keys[:blended] = np.uint32(0xFFFFFFFF) - distance.view(np.uint32)
-        self._sort(self._blended, blended)
-        order[solid : solid + blended] = self._blended[:blended]
-        return solid, blended
+        rows, planes = self._rows, view.frustum_planes
+        return pick_sprites(
+            rows.rows, rows.count, planes, eye, self._masked, self._order, self._blended, self._away,
+            self._keys, self._spare_keys, self._spare, self._digits,
+        )  # fmt: skip
 
     def _cuts(self, blended: int, away: F8) -> NDArray[np.intp]:
         """Return the number of the blended sprite before which each surface at a distance [m] is drawn."""
@@ -209,9 +200,6 @@ class SpriteField:
             return np.zeros(0, np.intp)
         distances = (np.uint32(0xFFFFFFFF) - self._keys[:blended].astype(np.uint32)).view(np.float32)
         return np.searchsorted(-distances.astype(np.float64), -away)
-
-    def _sort(self, numbers: I4, count: int) -> None:
-        sort_by_key(self._keys, numbers, count, self._spare_keys, self._spare, self._digits)
 
     def _runs(self, begin: int, end: int) -> Iterator[SpriteRun]:
         """Yield the runs of equal state in `_order[begin:end]`."""
@@ -247,6 +235,7 @@ class SpriteField:
             state, layer = self._state(world, emitter)
             self._emitters[index] = Emitter(emitter, effects.seed_of(index), state, layer)
         self._states = [replace(state, dots=shown == {_DOT}) for state, shown in self._shown.items()]
+        self._masked = np.array([state.masked for state in self._states], np.uint8)
         self._take_outlines()
 
     def _take_outlines(self) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from mimics_app.contracts.arrays import B1, F8, I4, U1
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["enclose", "gather_casters", "update_bounds"]
+__all__ = ["enclose", "follow_box", "gather_casters", "update_bounds"]
 
 
 @kernel
@@ -132,3 +132,24 @@ def gather_casters(
                 held_radii[held] = radii[item]
                 held += 1
     return count, held
+
+
+@kernel
+def follow_box(items: I4, lower: F8, upper: F8, half: F8, local: F8) -> None:
+    """Set the bounds of the items of one deformable body.
+
+    Args:
+        items: Numbers of the items, [k].
+        lower: Least corner of the body's box in the node's frame [m], [3].
+        upper: Its greatest corner [m], [3].
+        half: Written: half extents of the items' boxes [m], [n, 3].
+        local: Written: their centres and the radii of the spheres around them [m], [n, 4].
+    """
+    reach = 0.0
+    for k in range(3):
+        extent = 0.5 * (upper[k] - lower[k])
+        reach += extent * extent
+        for item in items:
+            half[item, k], local[item, k] = extent, 0.5 * (lower[k] + upper[k])
+    for item in items:
+        local[item, 3] = math.sqrt(reach)

@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 
-from mimics_app.contracts.arrays import F4, F8, I4, U1, Records
+from mimics_app.contracts.arrays import F4, F8, I4, U1, U8, Records
 from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.visual.kernels.order import sort_by_key
 
 __all__ = [
     "LEVEL",
@@ -16,7 +17,7 @@ __all__ = [
     "SPRITE_VERTEX",
     "UPRIGHT",
     "cut_sprites",
-    "see_sprites",
+    "pick_sprites",
     "write_sprites",
 ]
 
@@ -44,12 +45,15 @@ UPRIGHT, _OWN, LEVEL = 1, 2, 3
 _STEEPEST = 1e-4
 """Sine of the angle to the vertical below which the camera's right axis is used."""
 
+_ALL_BITS = 0xFFFFFFFF
+"""Of a float32."""
+
 _VERTICES, _NUMBERS = 4, 4
 """Vertices of a sprite, and components of its tint and style."""
 
 
 @kernel
-def see_sprites(
+def _see_sprites(
     sprites: Records, count: int, planes: F8, eye: F8, masked: U1, solid: I4, blended: I4, away: F8
 ) -> tuple[int, int]:
     """Cull sprites against a frustum.
@@ -87,6 +91,53 @@ def see_sprites(
         x, y, z = place[0] - eye[0], place[1] - eye[1], place[2] - eye[2]
         blended[others], away[others] = i, math.sqrt(x * x + y * y + z * z)
         others += 1
+    return solids, others
+
+
+@kernel
+def pick_sprites(
+    sprites: Records,
+    count: int,
+    planes: F8,
+    eye: F8,
+    masked: U1,
+    order: I4,
+    blended: I4,
+    away: F8,
+    keys: U8,
+    spare_keys: U8,
+    spare: I4,
+    digits: I4,
+) -> tuple[int, int]:
+    """Cull sprites and sort them: masked ones by state, then blended ones far to near.
+
+    Args:
+        sprites: See `_see_sprites`, as the next four.
+        count: Number of sprites.
+        planes: Planes of the frustum.
+        eye: Position of the camera.
+        masked: 1 for a state with alpha test.
+        order: Written: numbers of all sprites in order, [>= count].
+        blended: Written: numbers of the blended ones, [>= count].
+        away: Scratch, [>= count].
+        keys: Written: keys of the blended ones, which their distances follow from; [>= count].
+        spare_keys: Scratch, [>= count].
+        spare: Scratch, [>= count].
+        digits: Scratch, see `sort_by_key`.
+
+    Returns:
+        Number of masked and of blended sprites.
+    """
+    solids, others = _see_sprites(sprites, count, planes, eye, masked, order, blended, away)
+    for i in range(solids):
+        keys[i] = sprites[order[i]]["state"]
+    sort_by_key(keys, order, solids, spare_keys, spare, digits)
+    # The bits of positive numbers have the order of the numbers.
+    bits = away[:others].astype(np.float32).view(np.uint32)
+    for i in range(others):
+        keys[i] = np.uint32(_ALL_BITS - bits[i])
+    sort_by_key(keys, blended, others, spare_keys, spare, digits)
+    order[solids : solids + others] = blended[:others]
     return solids, others
 
 

@@ -40,7 +40,7 @@ _Key = tuple[str, str, tuple[str, ...], tuple[str, ...]]
 
 @dataclass(eq=False)
 class ShaderProgram:
-    """A compiled program that a reload may replace.
+    """A compiled program that a reload may replace; a uniform is sent where its value changes.
 
     Attributes:
         varyings: Outputs captured by transform feedback; () for a program that draws.
@@ -56,25 +56,37 @@ class ShaderProgram:
     program: moderngl.Program
     revision: int = 0
     files: dict[Path, int] = field(default_factory=dict)
+    _sent: dict[str, object] = field(default_factory=dict)
 
-    def _uniform(self, name: str) -> moderngl.Uniform:
-        return cast("moderngl.Uniform", self.program[name])
+    def replace(self, program: moderngl.Program) -> None:
+        """Use another program from now on, whose uniforms are zero."""
+        self.program = program
+        self.revision += 1
+        self._sent.clear()
 
     def set_matrix(self, name: str, matrix: F8) -> None:
         """Set a mat4 uniform (for column vectors, float64 [4, 4]); uploaded as float32."""
-        self._uniform(name).write(np.ascontiguousarray(matrix.T, np.float32))
+        self.set_array(name, matrix.T)
 
     def set_number(self, name: str, value: float) -> None:
         """Set a scalar uniform."""
-        self._uniform(name).value = value
+        self._set_value(name, value)
 
-    def set_array(self, name: str, values: F4) -> None:
-        """Set a uniform array, float32."""
-        self._uniform(name).write(np.ascontiguousarray(values, np.float32))
+    def set_array(self, name: str, values: F4 | F8) -> None:
+        """Set a uniform array, uploaded as float32."""
+        written = values.astype(np.float32).tobytes()
+        if self._sent.get(name) != written:
+            cast("moderngl.Uniform", self.program[name]).write(written)
+            self._sent[name] = written
 
     def set_numbers(self, name: str, values: Sequence[float]) -> None:
         """Set a vector uniform."""
-        self._uniform(name).value = tuple(values)
+        self._set_value(name, tuple(values))
+
+    def _set_value(self, name: str, value: float | tuple[float, ...]) -> None:
+        if self._sent.get(name) != value:
+            cast("moderngl.Uniform", self.program[name]).value = value
+            self._sent[name] = value
 
 
 class ShaderLibrary:
@@ -157,8 +169,7 @@ class ShaderLibrary:
                 issues += error.issues
                 continue
             # Vertex arrays still reference the old program; the driver frees it with the last of them.
-            shader.program = program
-            shader.revision += 1
+            shader.replace(program)
             self.replaced += 1
         return issues
 

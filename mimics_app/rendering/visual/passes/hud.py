@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8, U1
-from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, HUD_ROW, Hud, canvas_height
+from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, HUD_ROW, KIND, Hud, canvas_height
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
 from mimics_app.rendering.visual.materials.vertex_arrays import VertexArrays
 from mimics_app.rendering.visual.view import Rect, View
@@ -129,7 +129,7 @@ class HudPass:
         self._commands: moderngl.Buffer | None = None
         self._arrays = VertexArrays(self._vertex_array)
         self._uploaded: tuple[int, int] | None = None
-        self._row_kinds = np.zeros(0, np.float32)
+        self._row_kinds = b""
         self._kinds: list[int] = []
         self._glyphs: moderngl.Texture | None = None
         self._images: moderngl.TextureArray | None = None
@@ -187,13 +187,13 @@ class HudPass:
             if part is not None:
                 part.release()
         self._rows = self._commands = self._glyphs = self._images = None
-        self._row_kinds = self._row_kinds[:0]
+        self._row_kinds = b""
 
     def _upload(self, hud: Hud) -> None:
         key = (id(hud), hud.revision)
         if key == self._uploaded and self._rows is not None:
             return
-        rows = hud.rows()
+        rows = hud.numbers()
         self._uploaded = key
         if self._rows is None or self._rows.size < rows.nbytes:
             self._arrays.release()
@@ -202,9 +202,9 @@ class HudPass:
             self._rows = self._ctx.buffer(reserve=max(2 * rows.nbytes, 64 * HUD_ROW.itemsize))
         self._rows.orphan()
         self._rows.write(rows)
-        kinds = rows["style"][:, 0]
-        if not np.array_equal(kinds, self._row_kinds):
-            self._row_kinds = kinds.copy()
+        kinds = rows[:, KIND]
+        if (figures := kinds.tobytes()) != self._row_kinds:
+            self._row_kinds = figures
             self._command(np.minimum(kinds, _IMAGE).astype(int))
 
     def _command(self, kinds: NDArray[np.int_]) -> None:

@@ -28,7 +28,7 @@ from mimics_app.rendering.visual.shadows.shadow_maps import (
 )
 from mimics_app.rendering.visual.shadows.shadow_target import ShadowTarget
 from mimics_app.rendering.visual.shadows.steady_box import SteadyBox
-from mimics_app.rendering.visual.shadows.still_layers import StillLayers
+from mimics_app.rendering.visual.shadows.still_layers import StillLayers, equal_bytes
 from mimics_app.rendering.visual.stages.screen_places import parts_of
 from mimics_app.rendering.visual.view import Rect, View
 
@@ -177,7 +177,7 @@ class _Drawn:
     def same(self, other: _Drawn) -> bool:
         """Whether both have the same depths, if no caster has moved."""
         alike = self.grid == other.grid and self.items is other.items
-        return alike and np.array_equal(self.clip, other.clip) and np.array_equal(self.casters, other.casters)
+        return alike and equal_bytes(self.clip, other.clip) and equal_bytes(self.casters, other.casters)
 
 
 def _sun_maps(lighting: Lighting, settings: RenderSettings) -> int:

@@ -18,6 +18,7 @@ __all__ = [
     "KEEP",
     "NOT_EQUAL",
     "SRGB8_ALPHA8",
+    "TRIANGLES",
     "RawGL",
     "function_address",
 ]
@@ -25,6 +26,9 @@ __all__ = [
 ALWAYS, EQUAL, NOT_EQUAL = 0x0207, 0x0202, 0x0205
 KEEP, INCREMENT, DECREMENT = 0x1E00, 0x8507, 0x8508
 """Stencil operations; increment and decrement wrap around."""
+
+TRIANGLES = 4
+"""Primitive of three vertices each, as `moderngl.TRIANGLES`."""
 
 CLIP_DISTANCE_0 = 0x3000
 """Capability: clipping by gl_ClipDistance[0]."""
