@@ -170,4 +170,5 @@ def test_the_viewer_plays_what_was_recorded(tmp_path: Path, capsys: pytest.Captu
     posed = _posed({"leftUpperArm": turn("z", 70), "hips": turn("y", 30)}, np.array([0.0, 0.0, 0.4]))
     near = np.linalg.norm(np.load(out)["positions"] - posed["leftHand"], axis=1).min()
     assert near < 0.031  # its vertices are 3 cm from the joints
+    (tmp_path / "take.fbx").touch()
     assert main(["view", str(model), "--motion", str(tmp_path / "take.fbx"), "--vertices", str(out)]) == 2
