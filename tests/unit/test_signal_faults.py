@@ -39,6 +39,17 @@ def test_a_muscle_at_rest_is_at_rest_behind_a_missing_electrode(gap: float) -> N
     assert [channel.found.features["emg_active"] for channel in (late, pulled)] == [0.0, 0.0]
 
 
+def test_an_artefact_leaves_nothing_in_the_envelope() -> None:
+    """The sum over its window runs on: rounding errors of the largest number stayed in it, a third of the rest."""
+    values = 0.003 * np.random.default_rng(1).standard_normal(20_000)
+    marred = values.copy()
+    marred[5000] = 1e6
+    clean, after = Emg(1000.0), Emg(1000.0)
+    feed(clean, values, 20)
+    feed(after, marred, 20)
+    assert after.found.features["emg"] == pytest.approx(clean.found.features["emg"], rel=1e-6)
+
+
 def test_the_first_contact_of_the_skin_is_no_response(minute: Any) -> None:
     signals, truth = minute
     values = signals["gsr"][:12_000].copy()
