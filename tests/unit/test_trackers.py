@@ -107,6 +107,14 @@ def test_reports_out_of_order_are_left_out_and_the_ring_forgets() -> None:
     assert track.pose(5 * MS).pose[0, 3] == pytest.approx((3000 - 1023) * 1e-3, abs=1e-9)
 
 
+@pytest.mark.parametrize("axis", [(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 2, 2), (-2, 1, 2), (0, -3, 4)])
+@pytest.mark.parametrize("angle", [1e-9, 1.0, 2.5, 3.0, 3.1415926])
+def test_a_rotation_is_found_again_from_its_matrix(axis: tuple[int, int, int], angle: float) -> None:
+    vector = angle * np.array(axis) / np.linalg.norm(axis)
+    found = rotation_vector(rotation_from_vector(vector))
+    np.testing.assert_allclose(found, vector, atol=1e-7 if angle > 3.1 else 1e-12)
+
+
 def test_a_room_is_found_again_from_its_points() -> None:
     chance = np.random.default_rng(SEED)
     rotation, move = rotation_from_vector(np.array([0.3, -1.2, 0.4])), np.array([1.0, 0.5, -2.0])
