@@ -37,6 +37,7 @@ from mimics_app.inputs.trackers.tape import TapeTracker, TapeWriter, read_tape
 from mimics_app.inputs.trackers.track import Track
 from mimics_app.inputs.trackers.vrpn import VrpnTracker
 from mimics_app.maths.poses import pose_from_parts, rotation_from_vector, rotation_vector
+from tests.support.full_disk import largest_file
 
 MS = 1_000_000
 SEED = 7
@@ -345,6 +346,20 @@ def test_a_tape_gives_back_every_bit(tmp_path: Path) -> None:
     with pytest.raises(SceneError) as caught:
         read_tape(file)
     assert caught.value.issues[0].pointer == "line 1"
+
+
+def test_a_tape_that_does_not_fit_ends_and_the_tracker_goes_on(tmp_path: Path) -> None:
+    file = tmp_path / "tape.jsonl"
+    hub = TrackerHub([Placed(ScriptedPerson("p", SEED), {"head": "head"})], TapeWriter(file))
+    hub.start()
+    with largest_file(100_000):
+        for frame in range(3000):
+            hub.poll(frame * 16 * MS)
+        problems = [*hub.take_problems(), *hub.take_problems()]
+        assert hub.pose("head", 2999 * 16 * MS).age_ns < 20 * MS
+        hub.stop()
+    assert problems == ["tape of the trackers: tape.jsonl ends here: File too large"]
+    assert 0 < len(read_tape(file)) < 3000
 
 
 @pytest.mark.parametrize("rotation", ["[0,0,0,0]", "[0,0,0,1e200]"])
