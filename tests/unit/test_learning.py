@@ -12,9 +12,10 @@ from mimics_app.estimation.effort import EffortModel
 from mimics_app.lab.physio.cohort import play_cohort
 from mimics_app.lab.physio.walk_study import walk_study
 from mimics_app.learning.agent import Agent
+from mimics_app.learning.bandits import LinUcb
 from mimics_app.learning.goals import StateBand, SuccessShare, build_goal
 from mimics_app.learning.off_policy import evaluate
-from mimics_app.learning.policy import LEVELS, Outcome
+from mimics_app.learning.policy import LEVELS, TARGET, Outcome
 from mimics_app.learning.registry import EXPLORERS, POLICIES, build_policy
 from mimics_app.learning.stepwise import StepAgent, StepValues, place_of
 from mimics_app.tasks.adaptation import Adaptation
@@ -164,6 +165,22 @@ def test_a_veto_leaves_it_alone() -> None:
     for trial in range(20):
         action = agent.choose(NOBODY, result(trial, 0.5, 1.0), 0.5, trial * 60 * 10**9)
         assert action is None or "radius" not in action.values
+
+
+def test_a_bandit_learns_what_the_load_asks_for() -> None:
+    def outcome(demand: float, load: float, reward: float) -> Outcome:
+        return Outcome(*(np.array([value]) for value in (demand, TARGET, load, 0.1, reward)))
+
+    chosen = {}
+    for load in (-1.0, 1.0):
+        policy = LinUcb(width=0.0)
+        policy.begin(np.array([0.5]), np.random.default_rng(1))
+        for sign, step in [(1.0, -0.2), (1.0, 0.2), (-1.0, -0.2), (-1.0, 0.2)] * 10:
+            policy.learn(outcome(0.5, sign, 0.3))
+            policy.learn(outcome(0.5 + step, 0.0, -np.sign(sign * step)))  # easier under load pays, harder does not
+        policy.learn(outcome(0.5, load, 0.3))
+        chosen[load] = float(policy.act().demand[0])
+    assert chosen[1.0] < 0.5 < chosen[-1.0]
 
 
 def test_load_moves_the_tracker_where_success_says_nothing() -> None:

@@ -195,6 +195,16 @@ def test_of_a_stream_that_loses_bytes_only_whole_records_are_used_and_two_later_
     assert reader.rejected >= 399
 
 
+def test_two_reports_with_an_impossible_one_between_them_do_not_confirm_each_other() -> None:
+    believed = Plausibility()
+    assert [believed.admits(sample(k * 8 * MS, x)) for k, x in enumerate((1.0, math.nan, 1.0, 1.0))] == [
+        False,
+        False,
+        False,
+        True,
+    ]
+
+
 @pytest.mark.parametrize("kind", ["noise", "digits", "phases"])
 @pytest.mark.parametrize("parser", ["fastrak", "flock"])
 def test_a_million_bytes_of_noise_make_no_pose(parser: str, kind: str) -> None:
