@@ -65,6 +65,16 @@ def test_responses_are_counted_over_the_time_in_which_there_was_contact(minute: 
     assert "scr_rate" not in channel.found.features
 
 
+def test_the_slope_of_the_level_is_that_of_time_over_losses_of_contact() -> None:
+    """Nine seconds in fifteen without contact: the level rose by 1 uS a minute all the time."""
+    times = np.arange(120_000) / 1000.0
+    values = 5.0 + times / 60.0
+    values[(times % 15.0 < 9.0) & (times > 30.0)] = np.nan
+    channel = Gsr(1000.0)
+    feed(channel, values, 100)
+    assert channel.found.features["scl_slope"] == pytest.approx(1.0, rel=0.02)
+
+
 def test_no_breath_lasts_over_a_gap(minute: Any) -> None:
     values = minute[0]["resp"].copy()
     values[20_000:22_000] = np.nan
