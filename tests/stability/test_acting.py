@@ -308,6 +308,14 @@ def test_no_tick_of_the_virtual_mass_overdraws_its_credit(
     assert work <= credit + 1e-12
 
 
+def test_the_middle_velocity_is_that_of_the_motion_under_a_held_force():
+    """Half of the acceleration and no more: a faster one would weaken contacts that keep their credit."""
+    v, f, hand, middle = np.array([0.1, 0.0, -0.2]), np.array([3.0, -1.0, 0.0]), np.array([1.0, 0.0, 5.0]), np.zeros(3)
+    middle_velocity(v, f, hand, 2.0, T, middle)
+    moved = v * T + 0.5 * (f + hand) / 2.0 * T**2
+    np.testing.assert_allclose(middle * T, moved, rtol=1e-12)
+
+
 # at other periods than 1 ms
 
 
