@@ -326,6 +326,15 @@ def test_a_stream_of_lsl() -> None:
     np.testing.assert_allclose(good, np.round(good), atol=1e-6)  # millivolts
     assert good[-1] < sent
     assert source.offsets
+    assert source.lost == ""
+    while source.read(time.monotonic_ns()):
+        pass
+    source.read(time.monotonic_ns() + 3 * SECOND)
+    assert source.lost == f'the LSL stream "{name}" is silent'
+    outlet.push_chunk([[0.0, 5.0]] * 20)
+    while source.lost and time.monotonic() < end:
+        source.read(time.monotonic_ns())
+    assert source.lost == "", "and is back"
     source.close()
 
 
