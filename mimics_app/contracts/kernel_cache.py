@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import hashlib
 import os
-import pickle
 import sys
 import tempfile
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
@@ -100,10 +100,6 @@ cache_folder: Path | None = _choose_cache_folder()
 
 
 # --- numba's side ---------------------------------------------------------------------------------------------------
-
-
-_NOT_LOADABLE = (ImportError, AttributeError, EOFError, pickle.UnpicklingError)
-"""Errors of reading a file that is truncated, or refers to modules of another checkout."""
 
 
 class _Locator(_CacheLocator):
@@ -261,22 +257,22 @@ class KernelCache(FunctionCache):
         None also for a damaged file, or one that refers to a module that this process does not have. numba's refresh
         of its registries before each load is left out: compilation does it.
         """
-        try:
-            with self._guard_against_spurious_io_errors():
-                return self._load_overload(sig, target_context)  # type: ignore[no-untyped-call]
-        except _NOT_LOADABLE:
-            pass
+        with suppress(Exception):  # a damaged pickle raises anything
+            return self._load_overload(sig, target_context)  # type: ignore[no-untyped-call]
         return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        """Store machine code; an index with types of modules that this process does not have is replaced."""
-        try:
-            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
-        except FileNotFoundError:  # another process swept the folder while this one opened it
-            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
-        except _NOT_LOADABLE:
-            self.flush()  # type: ignore[no-untyped-call]
-            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+        """Store machine code where the disk takes it; an index that cannot be read is replaced."""
+        with suppress(OSError):  # a full disk: each process compiles again
+            try:
+                super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+            except FileNotFoundError:  # another process swept the folder while this one opened it
+                super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+            except OSError:
+                raise
+            except Exception:  # noqa: BLE001  as in load_overload
+                self.flush()  # type: ignore[no-untyped-call]
+                super().save_overload(sig, data)  # type: ignore[no-untyped-call]
         for listener in compile_listeners:
             listener()
 

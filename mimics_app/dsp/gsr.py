@@ -43,7 +43,7 @@ class Gsr(Channel):
         self._state = np.zeros(TURN_STATE)
         self._out = np.zeros((16, 4))
         self._smooth = np.zeros(self._length)
-        self._levels: deque[float] = deque(maxlen=round(_WINDOW_S))
+        self._levels: deque[tuple[float, float]] = deque(maxlen=round(_WINDOW_S))
         self._contact_s = 0.0
         self._responses: deque[tuple[float, float]] = deque()
 
@@ -71,8 +71,8 @@ class Gsr(Channel):
                 self._responses.clear()
             return Found({}, 0.0)
         self._contact_s = now_s
-        self._levels.append(float(self._smooth[-1]))
-        levels = np.array(self._levels)
+        self._levels.append((now_s, float(self._smooth[-1])))
+        times, levels = np.array(self._levels).T
         tonic = float(np.quantile(levels[-round(_TONIC_S) :], 0.2))
         features = {
             "scl": tonic,
@@ -82,6 +82,5 @@ class Gsr(Channel):
         if covered >= _COVERED * _WINDOW_S:
             features["scr_rate"] = 60.0 * len(self._responses) / covered
             features["scr_sum"] = 60.0 * sum(size for _, size in self._responses) / covered
-            minutes = np.arange(len(levels)) / 60.0
-            features["scl_slope"] = float(np.polynomial.polynomial.polyfit(minutes, levels, 1)[1])
+            features["scl_slope"] = float(np.polynomial.polynomial.polyfit((times - now_s) / 60.0, levels, 1)[1])
         return Found(features, quality)

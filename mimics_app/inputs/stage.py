@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import replace
 
 import numpy as np
@@ -62,9 +63,10 @@ class Inputs:
             source.feel(experience)
 
     def close(self) -> None:
-        """Close the sources of body signals."""
-        for source in self.signals:
-            source.close()
+        """Close the sources of body signals, each also where another one fails."""
+        with ExitStack() as stack:
+            for source in reversed(self.signals):
+                stack.callback(source.close)
 
     def hold_at(self, point_world: tuple[float, float, float]) -> None:
         """Hold all cursors at a point [m], where the robot is being driven to, until the person moves them."""

@@ -65,6 +65,10 @@ class StepValues:
         self._traces[state, deed] = 1.0
         self.values += _RATE * error * self._traces
 
+    def end(self) -> None:
+        """End a sequence: what follows is no consequence of its actions."""
+        self._traces[:] = 0.0
+
 
 class StepAgent:
     """Learning stage that chooses a value of one stepped parameter after every step of a task.
@@ -89,6 +93,7 @@ class StepAgent:
             return None
         if result.outcome != "step":
             self._last = None
+            self.table.end()
             return None
         here = place_of(result.observed)
         if self._last is not None and reward is not None:

@@ -9,6 +9,7 @@ from mimics_app.contracts.haptic import Button, Controller, DeviceStatus, EventK
 from mimics_app.contracts.haptic_objects import MAX_PIECES
 from mimics_app.contracts.session_memory import ControlWord
 from mimics_app.rendering.haptic.kernels.kinematics import inverse
+from mimics_app.rendering.haptic.live_loop import _misses_in_row
 from mimics_app.rendering.haptic.loop_tick import late_class
 from tests.support.haptic_bench import Bench, glide, script, scripted
 
@@ -198,6 +199,15 @@ def test_late_classes_at_their_edges():
     ms = 1_000_000
     assert classes((0, 0), (2 * ms, 19), (2 * ms + 1, 0), (10 * ms, 0), (10 * ms + 1, 0)) == [0, 0, 1, 1, 2]
     assert classes((50 * ms, 0), (50 * ms + 1, 0), (0, 20), (50 * ms + 1, 20)) == [2, 3, 4, 3]
+
+
+def test_a_burst_that_catches_up_counts_as_one_miss():
+    """The tick that was late by itself is a miss of its own; those that wait behind it are not."""
+    missed = 0
+    for late, own in ((True, True), (True, False), (True, False), (True, True)):
+        missed = int(_misses_in_row(missed, late, own))
+    assert missed == 2
+    assert int(_misses_in_row(missed, False, False)) == 0
 
 
 def _replayed(bench: Bench, inputs: np.ndarray) -> np.ndarray:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from mimics_app.app.bench import realtime_load
@@ -21,8 +22,10 @@ from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.sweep.patient import travel
 from mimics_app.contracts.errors import DeviceError, UsageError
-from mimics_app.contracts.messages import FeatureFrame, TaskAction
+from mimics_app.contracts.input_port import SignalSource
+from mimics_app.contracts.messages import FeatureFrame, SignalBlock, TaskAction
 from mimics_app.contracts.resources import root
+from mimics_app.rendering.haptic.engine import HapticEngine
 
 TUNNEL = root() / "scenes" / "wavy_tunnel.json"
 MARKET = root() / "scenes" / "pick_and_place.json"
@@ -142,3 +145,35 @@ def test_a_session_that_has_ended_plays_no_further_frame() -> None:
             with pytest.raises(UsageError, match="this session has ended"):
                 play()
         assert frames.number == 1
+
+
+class Closing(SignalSource):
+    """A source of a block a frame; the first one fails as it is closed."""
+
+    def __init__(self, log: list[str], name: str) -> None:
+        self._log, self._name = log, name
+
+    def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
+        return (SignalBlock(self._name, 60.0, now_ns, np.zeros(1)),)
+
+    def close(self) -> None:
+        self._log.append(self._name)
+        if self._name == "first":
+            raise DeviceError("the amplifier is gone")
+
+
+def test_a_device_that_fails_at_the_end_keeps_no_other_open_and_costs_no_signal(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    log: list[str] = []
+    sources = Closing(log, "first"), Closing(log, "second")
+    monkeypatch.setattr(HapticEngine, "stop", lambda self: (_ for _ in ()).throw(DeviceError("the loop ended")))
+    parts = prepare_scene(load_checked_scene(TUNNEL), RunSettings(TUNNEL))
+    core = open_core(replace(parts, body=Body(sources=sources)))
+    monkeypatch.setattr(core.recorder, "signals", lambda rows: log.extend(row.block.name for row in rows))
+    Frames(core).play_on()
+    with pytest.raises(DeviceError):
+        core.stop()
+    assert log == ["first", "second", "first", "second"], "closed, then sent to the recorder"
+    assert core.ended
+    parts.plugin.close()

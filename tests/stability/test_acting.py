@@ -155,10 +155,10 @@ def test_a_damped_wall_needs_no_controller():
     assert worst < 0.0 and taken == 0.0
 
 
-def _advanced(size: float, refill: float = 0.0, seconds: float = 2.0) -> np.ndarray:
-    """A tunnel whose assistance of 5 N drives nobody's hand, with an energy tank."""
+def _advanced(size: float, seconds: float = 2.0, damping: float = 0.0, returned: float = 0.0) -> np.ndarray:
+    """A tunnel whose assistance of 4 N drives nobody's hand, with an energy tank."""
     bench = pushed_bench(Robot(sensor_noise=0.0))
-    bench.publish(tank_size=size, tank_refill=refill, tank_return=0.0, tunnel__drag=0.0, virtual_damping=0.0)
+    bench.publish(tank_size=size, tank_refill=0.0, tank_return=returned, tunnel__drag=0.0, virtual_damping=damping)
     bench.advance(600)
     bench.publish(tunnel__advance=4.0)
     return bench.advance(round(1000 * seconds))
@@ -182,6 +182,14 @@ def test_assistance_ends_with_the_tank_and_softly():
 def test_a_full_tank_pays_all():
     rows = _advanced(5.0, seconds=0.5)
     assert (rows["tank_share"] == 1.0).all()
+
+
+@pytest.mark.parametrize("returned", [0.0, 0.5, 1.0])
+def test_a_share_of_what_the_virtual_damping_takes_flows_into_the_tank(returned: float):
+    rows = _advanced(5.0, seconds=0.4, damping=10.0, returned=returned)
+    dissipated = 10.0 * float(np.sum(rows["v_virtual"] ** 2)) * T
+    assert dissipated > 0.05
+    assert rows["tank"][-1] == pytest.approx(5.0 - _work(rows) + returned * dissipated, abs=2e-3)
 
 
 @given(level=st.floats(0, 10), power=st.floats(-100, 100), inflow=st.floats(0, 5), size=st.floats(0, 10))
@@ -298,6 +306,14 @@ def test_no_tick_of_the_virtual_mass_overdraws_its_credit(
     assert 0.0 <= factor <= 1.0
     work = factor * force * (v + 0.5 * dt * (factor * force + push) / mass) * dt
     assert work <= credit + 1e-12
+
+
+def test_the_middle_velocity_is_that_of_the_motion_under_a_held_force():
+    """Half of the acceleration and no more: a faster one would weaken contacts that keep their credit."""
+    v, f, hand, middle = np.array([0.1, 0.0, -0.2]), np.array([3.0, -1.0, 0.0]), np.array([1.0, 0.0, 5.0]), np.zeros(3)
+    middle_velocity(v, f, hand, 2.0, T, middle)
+    moved = v * T + 0.5 * (f + hand) / 2.0 * T**2
+    np.testing.assert_allclose(middle * T, moved, rtol=1e-12)
 
 
 # at other periods than 1 ms

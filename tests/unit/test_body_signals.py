@@ -158,6 +158,17 @@ def test_variability_of_intervals_that_are_known() -> None:
     assert found["pnn50"] == 0.0
 
 
+def test_a_step_over_an_interval_that_is_left_out_is_none() -> None:
+    rhythm, t = Rhythm(), 0.0
+    for i in range(70):
+        t += 0.7 + 0.002 * i
+        if i % 10 != 9:  # every tenth beat is missed
+            rhythm.beat(t)
+    found = rhythm.features(t)
+    assert rhythm.counts["missed"] >= 5
+    assert found["rmssd"] == pytest.approx(2.0, abs=1e-6)
+
+
 def test_a_known_slow_wave_is_found_in_its_band() -> None:
     rhythm, t = Rhythm(), 0.0
     while t < 190.0:

@@ -178,6 +178,31 @@ def test_a_damaged_or_foreign_file_is_compiled_again(tmp_path: Path) -> None:
         for kept in (tmp_path / "cache").rglob(pattern):
             kept.write_bytes(kept.read_bytes()[:60])
         assert _run(here, tmp_path, **places) == "5"
+    for kept in (tmp_path / "cache").rglob("*.nbi"):
+        damaged = kept.read_bytes().replace(b"numba", b"numb\xe1")  # no text of UTF-8 any more
+        assert damaged != kept.read_bytes()
+        kept.write_bytes(damaged)
+    assert _run(here, tmp_path, **places) == "5"
+
+
+def test_a_cache_on_a_full_disk_is_none(tmp_path: Path) -> None:
+    (tmp_path / "probe.py").write_text(_FULL)
+    for _ in range(2):
+        places = {"PYTHONPATH": f"{tmp_path}:{ROOT}", "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+        assert _run("import probe; print(probe.answer(2))", tmp_path, **places) == "7"
+
+
+_FULL = """
+import resource
+from mimics_app.contracts.kernel import kernel
+@kernel
+def inner(x):
+    return x + 1
+@kernel
+def answer(x):
+    return inner(x) + 4
+resource.setrlimit(resource.RLIMIT_FSIZE, (200, resource.getrlimit(resource.RLIMIT_FSIZE)[1]))
+"""
 
 
 # --- kernels that only kernels call ----------------------------------------------------------------------------------

@@ -12,11 +12,12 @@ from mimics_app.estimation.effort import EffortModel
 from mimics_app.lab.physio.cohort import play_cohort
 from mimics_app.lab.physio.walk_study import walk_study
 from mimics_app.learning.agent import Agent
+from mimics_app.learning.bandits import LinUcb
 from mimics_app.learning.goals import StateBand, SuccessShare, build_goal
 from mimics_app.learning.off_policy import evaluate
-from mimics_app.learning.policy import LEVELS, Outcome
+from mimics_app.learning.policy import LEVELS, TARGET, Outcome
 from mimics_app.learning.registry import EXPLORERS, POLICIES, build_policy
-from mimics_app.learning.stepwise import StepAgent
+from mimics_app.learning.stepwise import StepAgent, StepValues, place_of
 from mimics_app.tasks.adaptation import Adaptation
 
 RADIUS = Parameter("radius", 1.0, 0.6, 1.2, harder=-1)
@@ -166,6 +167,22 @@ def test_a_veto_leaves_it_alone() -> None:
         assert action is None or "radius" not in action.values
 
 
+def test_a_bandit_learns_what_the_load_asks_for() -> None:
+    def outcome(demand: float, load: float, reward: float) -> Outcome:
+        return Outcome(*(np.array([value]) for value in (demand, TARGET, load, 0.1, reward)))
+
+    chosen = {}
+    for load in (-1.0, 1.0):
+        policy = LinUcb(width=0.0)
+        policy.begin(np.array([0.5]), np.random.default_rng(1))
+        for sign, step in [(1.0, -0.2), (1.0, 0.2), (-1.0, -0.2), (-1.0, 0.2)] * 10:
+            policy.learn(outcome(0.5, sign, 0.3))
+            policy.learn(outcome(0.5 + step, 0.0, -np.sign(sign * step)))  # easier under load pays, harder does not
+        policy.learn(outcome(0.5, load, 0.3))
+        chosen[load] = float(policy.act().demand[0])
+    assert chosen[1.0] < 0.5 < chosen[-1.0]
+
+
 def test_load_moves_the_tracker_where_success_says_nothing() -> None:
     over = UserState(1, arousal=Estimate(0.8, 0.05), load=(0.0, 0.05, 0.95), quality=1.0)
     with_load, without = (play(Agent(name, SPACE, 1), over) for name in ("kalman", "kalman_performance"))
@@ -233,6 +250,12 @@ def test_off_policy_evaluation_finds_the_better_policy_from_another_ones_log() -
         evaluate(reward, np.zeros(4000), wanted)
 
 
+def test_a_choice_that_was_hardly_ever_made_does_not_decide_an_evaluation() -> None:
+    propensity, reward = np.full(81, 1.0), np.zeros(81)
+    propensity[0], reward[0] = 1e-6, 1.0
+    assert evaluate(reward, propensity, np.ones(81)).mean == pytest.approx(20.0 / (20.0 + 80.0))
+
+
 def test_the_published_order_of_the_guided_walk() -> None:
     """Kastanis & Slater 2012: nine, six and one of ten; the walkers were fixed before the guide had learnt anything."""
     intimate, social, chance = (walk_study(c, people=300, seed=9) for c in ("intimate", "social", "random"))
@@ -252,6 +275,31 @@ def test_the_guide_learns_what_pays() -> None:
         deeds.append(action.values["deed"])
     assert deeds[-100:].count(4.0) > 80
     assert agent.choose(NOBODY, result(0, 1.0, 1.0), 1.0, 0) is None
+
+
+def test_a_step_is_credited_to_the_ones_before_it_in_the_same_trial() -> None:
+    def valued(*, ended: bool) -> float:
+        table = StepValues(2, np.random.default_rng(1))
+        table.learn(0, 1, 0.0, 1)
+        before = table.values[0, 1]
+        if ended:
+            table.end()
+        table.learn(1, 0, 1.0, 2)
+        assert table.values[1, 0] > 0.1
+        return float(table.values[0, 1] - before)
+
+    assert valued(ended=False) > 0.05
+    assert valued(ended=True) == 0.0
+
+
+def test_an_agent_of_steps_begins_each_trial_anew() -> None:
+    agent = StepAgent("q", Parameter("deed", 3.0, 0.0, 5.0, step=1.0, kind="avatar"), 1)
+    steps = [TrialResult(0, 0, "step", 0.0, 0.0, observed={"gap": gap, "left": 2.0}) for gap in (0.2, 0.7, 1.0, 1.6)]
+    for step in (*steps[:2], result(0, 1.0, 1.0), *steps[2:]):
+        agent.choose(NOBODY, step, 5.0 if step is steps[3] else 0.0, 0)
+    first, third = place_of(steps[0].observed), place_of(steps[2].observed)
+    assert agent.table.values[third].max() > 0.5
+    assert agent.table.values[first].max() <= 0.1
 
 
 def test_pure_effort_is_explained_by_its_power() -> None:

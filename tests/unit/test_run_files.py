@@ -11,6 +11,7 @@ import subprocess
 import threading
 import time
 import zlib
+from multiprocessing.connection import Pipe
 from pathlib import Path
 
 import numpy as np
@@ -479,6 +480,17 @@ def test_reader_that_starts_inside_a_message_finds_the_next() -> None:
     inbox = Inbox(outbox.reader)
     assert list(inbox.messages()) == [(TRIAL, b"kept")]
     assert inbox.skipped_bytes == 10
+
+
+def test_a_damaged_length_costs_its_message_and_not_all_that_follow() -> None:
+    reader, writer = Pipe(duplex=False)
+    outbox, inbox = Outbox(), Inbox(reader)
+    outbox.send(LINE, b"lost")
+    outbox.send(TRIAL, b"kept")
+    sent = bytearray(os.read(outbox.reader.fileno(), 1000))
+    sent[4:8] = (1 << 30).to_bytes(4, "little")
+    os.write(writer.fileno(), sent)
+    assert list(inbox.messages()) == [(TRIAL, b"kept")]
 
 
 # the run folder

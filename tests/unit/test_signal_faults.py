@@ -39,6 +39,17 @@ def test_a_muscle_at_rest_is_at_rest_behind_a_missing_electrode(gap: float) -> N
     assert [channel.found.features["emg_active"] for channel in (late, pulled)] == [0.0, 0.0]
 
 
+def test_an_artefact_leaves_nothing_in_the_envelope() -> None:
+    """The sum over its window runs on: rounding errors of the largest number stayed in it, a third of the rest."""
+    values = 0.003 * np.random.default_rng(1).standard_normal(20_000)
+    marred = values.copy()
+    marred[5000] = 1e6
+    clean, after = Emg(1000.0), Emg(1000.0)
+    feed(clean, values, 20)
+    feed(after, marred, 20)
+    assert after.found.features["emg"] == pytest.approx(clean.found.features["emg"], rel=1e-6)
+
+
 def test_the_first_contact_of_the_skin_is_no_response(minute: Any) -> None:
     signals, truth = minute
     values = signals["gsr"][:12_000].copy()
@@ -52,6 +63,16 @@ def test_responses_are_counted_over_the_time_in_which_there_was_contact(minute: 
     feed(channel, np.concatenate([minute[0]["gsr"], np.full(70_000, np.nan), minute[0]["gsr"][:5000]]), 100)
     assert channel.found.quality > 0.5
     assert "scr_rate" not in channel.found.features
+
+
+def test_the_slope_of_the_level_is_that_of_time_over_losses_of_contact() -> None:
+    """Nine seconds in fifteen without contact: the level rose by 1 uS a minute all the time."""
+    times = np.arange(120_000) / 1000.0
+    values = 5.0 + times / 60.0
+    values[(times % 15.0 < 9.0) & (times > 30.0)] = np.nan
+    channel = Gsr(1000.0)
+    feed(channel, values, 100)
+    assert channel.found.features["scl_slope"] == pytest.approx(1.0, rel=0.02)
 
 
 def test_no_breath_lasts_over_a_gap(minute: Any) -> None:

@@ -146,6 +146,13 @@ def test_a_gap_is_not_filled_and_what_comes_twice_is_dropped() -> None:
     np.testing.assert_array_equal(whole[500:], values)
 
 
+def test_of_a_block_that_comes_half_again_the_new_half_is_kept() -> None:
+    grid, values = Grid("ecg", 1000.0), np.arange(150.0)
+    blocks = [grid.take(0, values[:100]), grid.take(50_000_000, values[50:])]
+    np.testing.assert_array_equal(np.concatenate([block.values for block in blocks if block is not None]), values)
+    assert (grid.faults.repeats, grid.faults.dropped) == (1, 50)
+
+
 @pytest.mark.parametrize("hours", [1, -1])
 def test_a_source_whose_clock_is_set_goes_on(hours: int) -> None:
     grid = Grid("ecg", 1000.0)
@@ -319,6 +326,15 @@ def test_a_stream_of_lsl() -> None:
     np.testing.assert_allclose(good, np.round(good), atol=1e-6)  # millivolts
     assert good[-1] < sent
     assert source.offsets
+    assert source.lost == ""
+    while source.read(time.monotonic_ns()):
+        pass
+    source.read(time.monotonic_ns() + 3 * SECOND)
+    assert source.lost == f'the LSL stream "{name}" is silent'
+    outlet.push_chunk([[0.0, 5.0]] * 20)
+    while source.lost and time.monotonic() < end:
+        source.read(time.monotonic_ns())
+    assert source.lost == "", "and is back"
     source.close()
 
 

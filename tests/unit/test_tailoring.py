@@ -40,6 +40,13 @@ def test_what_is_harder_moves_half_way_on_its_grid(
     assert trial_blocks(task)[1].trials[0].values["radius"] == pytest.approx(trial)
 
 
+def test_the_grid_begins_at_the_least_value() -> None:
+    speed = {"min": 0.5, "max": 4.5, "default": 2.5, "step": 1.0, "harder": 1, "maps": []}
+    task = msgspec.convert({"parameters": {"speed": speed}, "trials": [{"trials": [{"label": "a"}]}]}, TaskSpec)
+    found = [eased(task, difficulty).parameters["speed"].default for difficulty in ("easier", "usual", "harder")]
+    assert found == [1.5, 2.5, 3.5]
+
+
 @pytest.mark.parametrize("count", [1, 2, 5])
 def test_so_many_trials_count_in_the_order_of_the_session(count: int) -> None:
     plan = plan_trials(trial_blocks(with_trials(TASK, count, seed=3)), seed=3)

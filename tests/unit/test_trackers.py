@@ -37,6 +37,7 @@ from mimics_app.inputs.trackers.tape import TapeTracker, TapeWriter, read_tape
 from mimics_app.inputs.trackers.track import Track
 from mimics_app.inputs.trackers.vrpn import VrpnTracker
 from mimics_app.maths.poses import pose_from_parts, rotation_from_vector, rotation_vector
+from tests.support.full_disk import largest_file
 
 MS = 1_000_000
 SEED = 7
@@ -105,6 +106,14 @@ def test_reports_out_of_order_are_left_out_and_the_ring_forgets() -> None:
         track.add(sample(k * MS - 1, 99.0))
     assert track.pose(2900 * MS + MS // 2).pose[0, 3] == pytest.approx(2.9005, abs=1e-9)
     assert track.pose(5 * MS).pose[0, 3] == pytest.approx((3000 - 1023) * 1e-3, abs=1e-9)
+
+
+@pytest.mark.parametrize("axis", [(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 2, 2), (-2, 1, 2), (0, -3, 4)])
+@pytest.mark.parametrize("angle", [1e-9, 1.0, 2.5, 3.0, 3.1415926])
+def test_a_rotation_is_found_again_from_its_matrix(axis: tuple[int, int, int], angle: float) -> None:
+    vector = angle * np.array(axis) / np.linalg.norm(axis)
+    found = rotation_vector(rotation_from_vector(vector))
+    np.testing.assert_allclose(found, vector, atol=1e-7 if angle > 3.1 else 1e-12)
 
 
 def test_a_room_is_found_again_from_its_points() -> None:
@@ -184,6 +193,16 @@ def test_of_a_stream_that_loses_bytes_only_whole_records_are_used_and_two_later_
     # One record in ten is hit; it is lost, and at most the one after it.
     assert accepted >= 4000 * 0.8 - 2
     assert reader.rejected >= 399
+
+
+def test_two_reports_with_an_impossible_one_between_them_do_not_confirm_each_other() -> None:
+    believed = Plausibility()
+    assert [believed.admits(sample(k * 8 * MS, x)) for k, x in enumerate((1.0, math.nan, 1.0, 1.0))] == [
+        False,
+        False,
+        False,
+        True,
+    ]
 
 
 @pytest.mark.parametrize("kind", ["noise", "digits", "phases"])
@@ -337,6 +356,20 @@ def test_a_tape_gives_back_every_bit(tmp_path: Path) -> None:
     with pytest.raises(SceneError) as caught:
         read_tape(file)
     assert caught.value.issues[0].pointer == "line 1"
+
+
+def test_a_tape_that_does_not_fit_ends_and_the_tracker_goes_on(tmp_path: Path) -> None:
+    file = tmp_path / "tape.jsonl"
+    hub = TrackerHub([Placed(ScriptedPerson("p", SEED), {"head": "head"})], TapeWriter(file))
+    hub.start()
+    with largest_file(100_000):
+        for frame in range(3000):
+            hub.poll(frame * 16 * MS)
+        problems = [*hub.take_problems(), *hub.take_problems()]
+        assert hub.pose("head", 2999 * 16 * MS).age_ns < 20 * MS
+        hub.stop()
+    assert problems == ["tape of the trackers: tape.jsonl ends here: File too large"]
+    assert 0 < len(read_tape(file)) < 3000
 
 
 @pytest.mark.parametrize("rotation", ["[0,0,0,0]", "[0,0,0,1e200]"])

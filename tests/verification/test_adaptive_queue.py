@@ -147,6 +147,17 @@ def test_a_calm_machine_keeps_the_short_queue():
     assert (stage.queue.frames, stage.queue.underruns, stage.queue.near_misses) == (288, 0, 0)
 
 
+def test_a_long_calm_takes_half_of_what_is_spare():
+    queue = queue_length.QueueLength(shortest=96, longest=960, step=48, margin=24, rate=RATE)
+    settled = round(queue_length.SETTLE_S * RATE)
+    for left, position in ((480, 0), (480, settled)):
+        queue.read(left, position, 0, ran_empty=False, steady=False)
+    assert queue.frames == 960 - 9 * 48, "the start takes all nine spare steps"
+    for left, position in ((300, settled + 1), (300, settled + round(queue_length.CALM_S * RATE))):
+        queue.read(left, position, 0, ran_empty=False, steady=False)
+    assert queue.frames == 960 - 9 * 48 - 3 * 48, "three of five"
+
+
 def test_near_misses_lengthen_the_queue_before_a_stall_is_heard():
     """Each stall nearly exhausts the queue of its time; the last would have emptied the first queue by far."""
     stage = Stage()

@@ -9,6 +9,14 @@ from mimics_app.contracts.clock import ticks_until_frame
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.rendering.haptic.devices.registry import build_device
+from mimics_app.rendering.haptic.kernels.virtual_coupling import (
+    COUPLING_FORCE,
+    COUPLING_LENGTH,
+    COUPLING_LIMIT,
+    COUPLING_STIFFNESS,
+    FOLLOW_RATE,
+    step_coupling,
+)
 from mimics_app.world.components.robot import Robot
 from tests.support.haptic_bench import Bench, pointer_bench
 
@@ -23,6 +31,20 @@ def _frames(bench: Bench, target, frames: int) -> np.ndarray:
         bench.send(target_world=target(f), active=1, grasp=20.0)
         rows.append(bench.advance(ticks_until_frame(f + 1) - ticks_until_frame(f)))
     return np.concatenate(rows)
+
+
+def test_the_filter_of_the_cursor_is_critically_damped():
+    """After a step the followed position is that of x'' = w^2 (target - x) - 2 w x': the fastest without overshoot."""
+    memory, handle, target = np.zeros(COUPLING_LENGTH), np.zeros(6), np.array([0.01, 0.0, 0.0])
+    memory[FOLLOW_RATE], memory[COUPLING_STIFFNESS], memory[COUPLING_LIMIT] = 60.0, 1.0, 1e9
+    dt, count = 1e-5, 20_000
+    followed = np.empty(count)
+    for k in range(count):
+        step_coupling(memory, handle, target, True, dt)
+        followed[k] = memory[COUPLING_FORCE]  # 1 N/m, and a handle at rest: the position
+    w_t = 60.0 * dt * np.arange(1, count + 1)
+    np.testing.assert_allclose(followed, target[0] * (1.0 - (1.0 + w_t) * np.exp(-w_t)), atol=1e-5 * target[0] * 60.0)
+    assert followed.max() <= target[0]
 
 
 @pytest.fixture

@@ -6,6 +6,7 @@ A run adds recorder, sound and picture; a still, a point of a sweep, a warm-up a
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
@@ -125,16 +126,21 @@ class SessionCore:
         self.parameter_store.send_to(self.recorder.parameters, self.haptics.publish)
 
     def stop(self) -> None:
-        """End the task and the loop, and close the device; a second call does nothing."""
+        """End the task and the loop, and close the device; a second call does nothing.
+
+        Raises:
+            DeviceError: A device or the loop ended with an error, after all the others were closed.
+        """
         if self.ended:
             return
         self.ended = True
-        self.tasks.end_session(self.clock.now_ns())
-        self.haptics.stop()
-        self.trackers.stop()
-        self.tactile.close()
-        self.inputs.close()
-        self.tap.flush()
+        with ExitStack() as stack:  # the last first
+            stack.callback(self.tap.flush)
+            stack.callback(self.inputs.close)
+            stack.callback(self.tactile.close)
+            stack.callback(self.trackers.stop)
+            stack.callback(self.haptics.stop)
+            self.tasks.end_session(self.clock.now_ns())
 
     def __enter__(self) -> Self:
         return self

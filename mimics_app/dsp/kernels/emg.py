@@ -60,8 +60,10 @@ def find_onsets(
         value = run_sections(state[HELD], sos, z)
         n = int(state[N])
         old = ring[(n - w) % m]
-        state[SUM] = max(state[SUM] + value * value - old * old, 0.0)
         ring[n % m] = value
+        state[SUM] = max(state[SUM] + value * value - old * old, 0.0)
+        if n % w == 0:
+            state[SUM] = _sum_of_squares(n, w, ring)
         state[N] += 1.0
         rms = np.sqrt(state[SUM] / w)
         envelope[i] = rms
@@ -73,6 +75,16 @@ def find_onsets(
             out[count, 0], out[count, 1], out[count, 2] = state[SINCE] - _LAG * w, n, rms
             count += 1
     return count
+
+
+@kernel
+def _sum_of_squares(n: int, w: int, ring: Floats) -> float:
+    """Return the sum over the window: the running one keeps the rounding errors of every artefact for ever."""
+    total = 0.0
+    for k in range(w):
+        value = ring[(n - k) % ring.shape[0]]
+        total += value * value
+    return total
 
 
 @kernel

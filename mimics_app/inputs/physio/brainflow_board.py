@@ -42,6 +42,7 @@ class BoardSource(LiveSignals):
                 "boards need brainflow, which is not installed", 'pip install "mimics_app[boards]"'
             ) from error
         name, _, port = address.partition("@")
+        self._name = name
         if name not in BoardIds.__members__:
             raise UsageError(f'BrainFlow knows no board "{name}"', nearest(name, BoardIds.__members__))
         number = int(BoardIds[name])
@@ -69,6 +70,7 @@ class BoardSource(LiveSignals):
     def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
         """Return the samples received since the last read; their times count from the first read."""
         rows = np.asarray(self._board.get_board_data(), float)
+        self._listen(now_ns, heard=rows.size > 0, source=f'the board "{self._name}"')
         if rows.size == 0:
             return ()
         if self._start_ns is None:

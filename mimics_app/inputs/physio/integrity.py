@@ -25,6 +25,8 @@ _SETTLED_S = 5.0
 """Time after which the drift is reported [s]."""
 _RATE_SETTLED_S = 30.0
 """Time after which the rate is checked [s]."""
+_SILENT_NS = 2 * SECOND_NS
+"""Time without samples after which a source is taken as lost [ns]."""
 _RATE_OFF = 0.02
 """Relative deviation of the measured rate from the stated one above which it is wrong."""
 
@@ -124,6 +126,7 @@ class LiveSignals:
 
     def __init__(self) -> None:
         self.lost = ""
+        self._heard_ns = 0
         self._grids: dict[str, Grid] = {}
 
     @property
@@ -133,3 +136,10 @@ class LiveSignals:
 
     def feel(self, experience: Experience) -> None:
         """Do nothing: only simulated bodies react to the movement."""
+
+    def _listen(self, now_ns: int, *, heard: bool, source: str) -> None:
+        """Note at a read whether there were samples: the source is lost where it is silent for too long."""
+        if heard:
+            self._heard_ns, self.lost = now_ns, ""
+        elif self._heard_ns and now_ns - self._heard_ns > _SILENT_NS:
+            self.lost = f"{source} is silent"

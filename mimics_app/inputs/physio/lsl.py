@@ -61,6 +61,7 @@ class LslSource(LiveSignals):
 
     def __init__(self, name: str) -> None:
         super().__init__()
+        self._name = name
         pylsl = _library()
         self._inlet: StreamInlet = pylsl.StreamInlet(find_stream(name), max_buflen=60, recover=True)
         info = self._inlet.info(_PATIENCE_S)
@@ -85,6 +86,7 @@ class LslSource(LiveSignals):
             self._ask_ns = now_ns + _ASK_OFFSET_NS
             self._measure_offset(_GLANCE_S)
         samples, times = self._inlet.pull_chunk(timeout=0.0, max_samples=_MOST)
+        self._listen(now_ns, heard=bool(times), source=f'the LSL stream "{self._name}"')
         if not times:
             return ()
         offset = self.offsets[-1] if self.offsets else 0.0

@@ -18,8 +18,6 @@ _PATIENCE_NS = 3 * SECOND_NS
 """Time-out of the first header [ns]."""
 _NUMBERS = 1 << 32
 """Modulus of the sample count."""
-_SILENT_NS = 2 * SECOND_NS
-"""Time without samples after which the amplifier is taken as lost [ns]."""
 _JUMP_S = 2.0
 """Larger jumps of the sample count are accepted only when the next samples continue them [s]."""
 
@@ -56,7 +54,6 @@ class SerialAmplifier(LiveSignals):
         self._doubted: Samples | None = None
         self._start_ns: int | None = None
         self._place = self._next = 0
-        self._heard_ns = 0
         self._await_header(port)
 
     def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
@@ -65,10 +62,7 @@ class SerialAmplifier(LiveSignals):
         if (self._reader.rate, self._reader.channels) != self._header:
             self.lost = "the amplifier now states another rate or other channels; start the session again"
             return ()
-        if pieces:
-            self._heard_ns, self.lost = now_ns, ""
-        elif self._heard_ns and now_ns - self._heard_ns > _SILENT_NS:
-            self.lost = "the amplifier is silent"
+        self._listen(now_ns, heard=bool(pieces), source="the amplifier")
         # One piece after the other: whether the next one is accepted depends on the count of the last.
         return tuple(block for piece in pieces for good in self._accept(piece) for block in self._blocks(good, now_ns))
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import IO
 
 import msgspec
 
@@ -34,21 +35,38 @@ class _Line(msgspec.Struct, forbid_unknown_fields=True):
 class TapeWriter:
     """Recorder of reports. Numbers are written so that they are read back to the last bit.
 
+    A disk that takes no more ends the tape, and neither the tracker nor the session.
+
     Args:
         file: The tape; an existing one is overwritten.
+
+    Attributes:
+        problem: Why no more reports are written, "" while they are.
     """
 
     def __init__(self, file: Path) -> None:
-        self._file: IO[bytes] = file.open("wb")
+        self.problem = ""
+        self._path, self._file = file, file.open("wb")
 
     def take(self, sample: TrackerSample) -> None:
         """Write a report."""
+        if self.problem:
+            return
         line = _Line(sample.sensor, sample.t_ns, sample.position, sample.rotation, sample.device_ns)
-        self._file.write(msgspec.json.encode(line) + b"\n")
+        with self._noting_trouble():
+            self._file.write(msgspec.json.encode(line) + b"\n")
 
     def close(self) -> None:
         """Close the file."""
-        self._file.close()
+        with self._noting_trouble():
+            self._file.close()
+
+    @contextmanager
+    def _noting_trouble(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            self.problem = f"{self._path.name} ends here: {error.strerror}"
 
 
 def read_tape(file: Path) -> list[TrackerSample]:
