@@ -832,6 +832,7 @@ class StateRecord:
     sequence: int
     trial: int
     strained_ticks: int
+    lag: Floats
     refused_ticks: int
     quiet_ticks: int
     answered: int

@@ -374,3 +374,26 @@ def test_pd_is_homed_on_the_way_and_ready_at_the_target():
     inverse(np.zeros(3), 0.46, reached)
     bench.publish(controller=Controller.WORLD_PD, target=[0.01, 0.0, 0.0])
     assert bench.advance(10)["state"][-1] == SafetyState.HOMED
+
+
+@pytest.mark.parametrize(("late_latches", "stops"), [(1, True), (0, False)], ids=["a real device", "a simulated one"])
+def test_a_position_that_sticks_on_the_way_to_a_target_ends_the_drive(late_latches: int, stops: bool):
+    """A device whose position never changes never arrives: it would be driven on against its end, a person attached."""
+    bench = scripted(script(1000), straight=None)
+    bench.publish(controller=Controller.WORLD_PD, target=[0.25, 0.0, 0.0], late_latches=late_latches)
+    samples = bench.advance(1000)
+    way = float(np.linalg.norm(samples["v_virtual"], axis=1).sum()) * 1e-3
+    end = samples[-1]
+    state, cause = (SafetyState.SAFE_STOP, TripCause.LEFT_BEHIND) if stops else (SafetyState.HOMED, TripCause.NONE)
+    assert (end["state"], end["cause"]) == (state, cause)
+    assert way < 0.06 if stops else way > 0.2
+    assert bool(np.all(end["command"] == 0.0)) is stops
+
+
+def test_a_device_that_follows_its_drive_by_ten_milliseconds_is_not_left_behind():
+    ticks, speed, late = 900, 0.25, 10
+    rows = script(ticks)
+    rows[late:, 0] = np.minimum(speed * 1e-3 * np.arange(ticks - late), 0.15)
+    bench = scripted(rows, straight=None)
+    bench.publish(controller=Controller.WORLD_PD, target=[0.15, 0.0, 0.0])
+    assert not np.any(bench.advance(ticks)["state"] == SafetyState.SAFE_STOP)

@@ -165,6 +165,7 @@ def _walk(
         if _chance(noise, 0.002) and age > 20:
             scene.sequence += 1
             scene.controller = int(uniform(noise, 0) * 4.0) if _chance(noise, 0.2) else 3
+            scene.target[0] = 0.3 if _chance(noise, 0.1) else 0.0  # where this handle is never driven to
             scene.form = int(uniform(noise, 0) * 3.0)
             tables.tunnels[0].stiffness = 4000.0 * uniform(noise, 0)
             scene.force_limit = 2.0 + 60.0 * uniform(noise, 0)

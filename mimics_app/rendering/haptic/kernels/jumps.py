@@ -1,17 +1,50 @@
-"""Jumps of the measured position: an encoder lost counts, or the device was restarted or reconnected."""
+"""Wrong positions: they jump (an encoder lost counts, the device was restarted), or do not follow what is driven."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.haptic import NANOSECOND, DeviceStatus
+from mimics_app.contracts.haptic import NANOSECOND, Controller, DeviceStatus, SafetyState
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.vectors import copy
+from mimics_app.rendering.haptic.kernels.vectors import copy, norm
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import SceneRecord, StateRecord
 
-__all__ = ["note_jump"]
+__all__ = ["is_left_behind", "note_jump", "note_lag"]
+
+_FARTHEST = 0.05
+"""Way by which a driven device may stay behind [m]: 0.17 s at the largest speed of a PD controller."""
+
+_FORGOTTEN = 1.0
+"""Time constant with which the way is forgotten [s], so that a servo with a small error never adds up to the limit."""
+
+
+@kernel
+def note_lag(scene: SceneRecord, state: StateRecord, dt: float) -> None:
+    """Set state.lag, the way by which a point stayed behind the velocity commanded since the loop drives it alone.
+
+    A hand that leads the device notices what is wrong; towards a target nobody does, and a position that sticks never
+    arrives. Of a simulated device nothing can stick. Call it before `note_jump`, which takes the position.
+
+    Args:
+        scene: SCENE record.
+        state: STATE record with the present hip, and the commanded velocity of the last tick.
+        dt: Tick [s].
+    """
+    drives = scene.controller == Controller.JOINT_PD or scene.controller == Controller.WORLD_PD
+    real = scene.force_driven == 0 and scene.late_latches == 1
+    moves = SafetyState.HOMED <= state.safety < SafetyState.SAFE_STOP
+    counts = drives and real and moves and state.placed == 1
+    for i in range(3):
+        behind = state.v_virtual[i] * dt - (state.hip[i] - state.last_hip[i])
+        state.lag[i] = (1.0 - dt / _FORGOTTEN) * state.lag[i] + behind if counts else 0.0
+
+
+@kernel
+def is_left_behind(state: StateRecord) -> bool:
+    """Whether the device stayed behind farther than one that follows; NaN counts as farther."""
+    return not norm(state.lag) <= _FARTHEST
 
 
 @kernel

@@ -28,6 +28,7 @@ from mimics_app.contracts.haptic import (
     TripCause,
 )
 from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.jumps import is_left_behind
 from mimics_app.rendering.haptic.kernels.tunnel_state import TunnelStatus
 from mimics_app.rendering.haptic.kernels.vectors import norm
 
@@ -129,16 +130,31 @@ def _gave_too_much(scene: SceneRecord, state: StateRecord) -> bool:
 
 @kernel
 def _point_trips(scene: SceneRecord, states: Table[StateRecord], cause: int) -> bool:
-    """Whether `cause` (VELOCITY, JUMP or ENERGY) holds at any point of contact."""
+    """Whether `cause` (VELOCITY, JUMP, LEFT_BEHIND or ENERGY) holds at any point of contact."""
     for c in range(scene.contacts):
         state = states[c]
         if cause == TripCause.VELOCITY and not norm(state.v) <= scene.velocity_limit:
             return True
         if cause == TripCause.JUMP and state.jumped == 1:
             return True
+        if cause == TripCause.LEFT_BEHIND and is_left_behind(state):
+            return True
         if cause == TripCause.ENERGY and _gave_too_much(scene, state):
             return True
     return False
+
+
+@kernel
+def _motion_cause(scene: SceneRecord, states: Table[StateRecord]) -> TripCause:
+    """Cause in the measured motion that latches SAFE_STOP in this tick, or NONE."""
+    cause = TripCause.NONE
+    if _point_trips(scene, states, TripCause.VELOCITY):
+        cause = TripCause.VELOCITY
+    elif _point_trips(scene, states, TripCause.JUMP):
+        cause = TripCause.JUMP
+    elif _point_trips(scene, states, TripCause.LEFT_BEHIND):
+        cause = TripCause.LEFT_BEHIND
+    return cause
 
 
 @kernel
@@ -179,10 +195,8 @@ def _find_trip(scene: SceneRecord, states: Table[StateRecord], status: int, held
         cause = TripCause.STALE_DEVICE
     elif state.safety >= SafetyState.HOMED and _outside_workspace(scene, state):
         cause = TripCause.WORKSPACE
-    elif state.safety >= SafetyState.HOMED and _point_trips(scene, states, TripCause.VELOCITY):
-        cause = TripCause.VELOCITY
-    elif state.safety >= SafetyState.HOMED and _point_trips(scene, states, TripCause.JUMP):
-        cause = TripCause.JUMP
+    elif state.safety >= SafetyState.HOMED and _motion_cause(scene, states) != TripCause.NONE:
+        cause = _motion_cause(scene, states)
     elif _point_trips(scene, states, TripCause.ENERGY):
         cause = TripCause.ENERGY
     elif state.safety >= SafetyState.HOMED and state.strained_ticks * dt * SECOND_NS > scene.stale_stop_ns:

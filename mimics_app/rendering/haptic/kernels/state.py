@@ -27,6 +27,7 @@ STATE = np.dtype(
         ("sequence", "i8"),  # SCENE.sequence as last seen
         ("trial", "i8"),  # SCENE.trial as last seen
         ("strained_ticks", "i8"),  # ticks in a row with a measured force beyond measured_force_limit
+        ("lag", "f8", (3,)),  # way by which a driven device stayed behind its commands, robot frame [m]
         ("refused_ticks", "i8"),  # ticks in a row whose command the device did not take
         ("quiet_ticks", "i8"),  # ticks in a row with the virtual force below ramp_force
         ("answered", "i8"),  # 1 once the device has given data

@@ -21,7 +21,7 @@ from mimics_app.rendering.haptic.kernels.contacts import (
     share_device_state,
 )
 from mimics_app.rendering.haptic.kernels.drive import control, note_arrival
-from mimics_app.rendering.haptic.kernels.jumps import note_jump
+from mimics_app.rendering.haptic.kernels.jumps import note_jump, note_lag
 from mimics_app.rendering.haptic.kernels.objects.object_inputs import write_object_inputs
 from mimics_app.rendering.haptic.kernels.objects.published import sum_motions
 from mimics_app.rendering.haptic.kernels.objects.touches import follow_touch, follow_touches
@@ -65,6 +65,7 @@ def _read_motion(kin: Kin, scene: SceneRecord, states: Table[StateRecord], data:
     find_motion(kin, scene, states)
     share_device_state(scene, states)
     for c in range(max(1, scene.contacts)):
+        note_lag(scene, states[c], dt)
         note_jump(scene, states[c], status, last_age, dt)
         account(scene, states[c], dt)
     size_ball(scene, states[0], dt)
