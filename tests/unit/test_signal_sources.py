@@ -515,3 +515,4 @@ def test_a_check_says_why_a_source_ended(monkeypatch: pytest.MonkeyPatch) -> Non
     done = mimics("physio", "serial:nowhere", "--seconds", "0.1", "--check", "--json")
     assert done.returncode == 6
     assert json.loads(done.stdout)["advice"][0].startswith(Unplugged.lost)
+    assert f"body signals are lost: {Unplugged.lost}" in done.stderr

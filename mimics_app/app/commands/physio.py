@@ -61,6 +61,8 @@ def run(args: argparse.Namespace) -> int:
     watch = Watch()
     try:
         _watch(watch, source, args, seconds, live=live)
+        if source.lost:
+            say(f"body signals are lost: {source.lost}")
     finally:
         source.close()
     if args.events is not None:

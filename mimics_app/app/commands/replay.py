@@ -51,7 +51,9 @@ def run(args: argparse.Namespace) -> int:
     ticks, events = len(data.samples), int((recorded.events["tick"] < end).sum())
     left = len(recorded.events) - events
     counts = {"ticks": ticks, "events": events, "events_not_compared": left, "task": task, "equal": True}
-    lines = [f"{ticks} ticks replayed, every output and {counted(events, 'events')} equal bit for bit{_left_out(left, end)}"]
+    lines = [
+        f"{ticks} ticks replayed, every output and {counted(events, 'events')} equal bit for bit{_left_out(left, end)}"
+    ]
     lines.append(_task_line(task))
     if body is not None:
         counts |= {"features": body.features, "states": body.states, "choices": body.choices}
