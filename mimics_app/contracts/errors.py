@@ -54,6 +54,8 @@ _MOST_TEXT = 1000
 """Largest length of a text that is long for another reason, such as a list of names."""
 _MOST_NAMES = 1000
 """Largest number of names compared for the nearest one, some microseconds each."""
+_FEW_NAMES = 5
+"""Number of names that are listed unless one is close."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,12 +201,13 @@ def first_line(error: Exception) -> str:
 def nearest(name: str, known: Iterable[str]) -> str:
     """Return the known name closest in spelling as a hint ("did you mean ..."), or the list of all known ones.
 
-    Of more than a thousand only some with the same first letter are compared, and none are listed.
+    Of more than a thousand only some with the same first letter are compared, and none are listed. Up to five are
+    listed unless one is close: "rotation" is no help for "position" where "translation" is the third.
     """
     names = list(known)
     few = len(names) <= _MOST_NAMES
     names = sorted(names) if few else [each for each in names[: 10 * _MOST_NAMES] if each[:1] == name[:1]][:_MOST_NAMES]
-    close = get_close_matches(name, names, n=1, cutoff=0.6)
+    close = get_close_matches(name, names, n=1, cutoff=0.65 if len(names) <= _FEW_NAMES else 0.6)
     if close:
         return f'did you mean "{close[0]}"'
     return "known: " + ", ".join(names) if few else ""

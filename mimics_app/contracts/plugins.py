@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import sys
+import traceback
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.errors import short_text
+from mimics_app.contracts.errors import MimicsError, short_text
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-__all__ = ["PluginError", "PluginGroup", "fault_of_builder"]
+__all__ = ["PluginError", "PluginGroup", "fault_of_builder", "made_by", "raised"]
 
 
 class PluginError(ValueError):
@@ -81,6 +83,34 @@ class PluginGroup:
                 yield point.name, self.load_point(point)
             except PluginError as error:
                 sys.stderr.write(f'mimics: the {what} "{point.name}" is left out: {error}\n')
+
+
+def made_by(builder: Callable[..., object], port: type, *arguments: object) -> object:
+    """Return what the builder of a plug-in makes: an object of a class or of a protocol that can be checked.
+
+    Raises:
+        PluginError: It raises an error other than a MimicsError, which passes, or makes something else.
+    """
+    target = f"{builder.__module__}:{getattr(builder, '__qualname__', type(builder).__name__)}"
+    try:
+        made = builder(*arguments)
+    except MimicsError:
+        raise
+    except Exception as error:  # of a third party
+        raise PluginError(target, raised(error)) from error
+    if isinstance(made, port):
+        return made
+    members = [name for name in vars(port) if not name.startswith("_")] if getattr(port, "_is_protocol", False) else []
+    lacking = [name for name in members if not hasattr(made, name)]
+    what = f"of the type {type(made).__name__}" + (f", which lacks {', '.join(lacking)}" if lacking else "")
+    raise PluginError(target, f"made an object {what}; see {port.__module__}.{port.__name__}")
+
+
+def raised(error: Exception) -> str:
+    """Return "raised ValueError: no port (amplifier.py, line 21)" for an error that a plug-in raised."""
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    why = short_text(" ".join(f"{type(error).__name__}: {error}".split()))
+    return f"raised {why} ({Path(place.filename).name}, line {place.lineno})"
 
 
 def fault_of_builder(port: type) -> Callable[[str, object], str]:

@@ -43,7 +43,10 @@ def person_of(run: Run) -> Person | None:
     if not any(np.isfinite(values).any() for values in (heart, level)):
         return None
     when = _times(features)
-    frame = _Frame(Axis("time [s]", 0.0, float(max(when.max(), 1.0))), _spans(run))
+    spans = _spans(run)
+    signals = [1e-9 * (row.block.t_ns - run.start_ns) for row in run.signals[-1:]]
+    end = max(when.max(), 1.0, *signals, *(end for _, end, _ in spans))
+    frame = _Frame(Axis("time [s]", 0.0, float(end)), spans)
     plots = (
         frame.signal("heart rate [1/min]", when, heart),
         _skin(frame, run, when, level),
@@ -72,8 +75,8 @@ class _Frame:
         return plot
 
     def signal(self, label: str, when: F8, values: F8, name: str = "") -> Plot | None:
-        """Return the plot of one feature; None where it is not known."""
-        if not np.isfinite(values).any():
+        """Return the plot of one feature; None where it is known less than twice, so that there is no line."""
+        if np.isfinite(values).sum() < 2:
             return None
         plot = self.plot(Axis.of(label, values, margin=0.15))
         plot.line(when, values, "robot", name or label.partition(" [")[0])

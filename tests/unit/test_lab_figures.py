@@ -205,6 +205,13 @@ def test_a_default_that_loses_in_its_own_shipped_chart_says_why_it_stays():
     assert "spatialiser" in losing and f"Why it stays: {losing['spatialiser']['why_default']}." in page
 
 
+def test_drawings_keep_their_size_on_a_narrow_screen_and_the_shipped_page_is_as_the_template():
+    style = (Path(__file__).parents[2] / "mimics_app/lab/templates/gallery.css").read_text(encoding="utf-8").strip()
+    narrow = style.split("@media (max-width: 720px)")[1]
+    assert "overflow-x: auto" in narrow and "svg { width: 720px" in narrow
+    assert style in (CHARTS / "index.html").read_text(encoding="utf-8")
+
+
 def _spoilt(value, planted):
     """The same with another text in the place of every text, but what sorts it."""
     if isinstance(value, dict):

@@ -6,6 +6,7 @@ import ast
 import importlib.metadata
 import json
 import re
+import sys
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,8 @@ from mimics_app.inputs.physio.sources import open_source
 from mimics_app.learning.registry import build_policy
 from mimics_app.rendering.haptic.devices.device_names import PLUGINS as DEVICES
 from mimics_app.rendering.haptic.devices.device_names import find_plugin
+from mimics_app.rendering.haptic.devices.registry import build_device
+from mimics_app.world.components.robot import Robot
 from mimics_app.world.scene.file import load_scene
 from mimics_app.world.world import World
 from tests.architecture.sources import modules, nodes
@@ -269,3 +272,21 @@ def test_devices_for_a_person(answers: dict[str, dict[str, Any]], capsys: pytest
     said = capsys.readouterr().out
     assert "left wall: 1920 x 1080 at 60 Hz (primary)" in said
     assert "some pad" in said
+
+
+@pytest.mark.parametrize(
+    ("made", "why"),
+    [
+        ("raise ValueError('no line')", r"raised ValueError: no line \(lab_of_a_robot.py, line 2\)"),
+        ("return None", r"made an object of the type NoneType; see mimics_app.contracts.loop_ports.DevicePlugin"),
+    ],
+)
+def test_a_device_of_a_package_that_cannot_be_made_says_why(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, made: str, why: str
+) -> None:
+    points = "[mimics_app.devices]\nrobot_of_a_lab = lab_of_a_robot:build\n"
+    source = f"def build(request):\n    {made}\n"
+    monkeypatch.delitem(sys.modules, "lab_of_a_robot", raising=False)
+    monkeypatch.syspath_prepend(str(write_package(tmp_path, "lab_of_a_robot", source, points)))
+    with pytest.raises(DeviceError, match=rf'the device "robot_of_a_lab" cannot be opened: its plug-in lab.*{why}'):
+        build_device(Robot(device="robot_of_a_lab"))

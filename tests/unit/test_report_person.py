@@ -73,13 +73,22 @@ def test_times_of_a_live_run_count_from_its_first_tick(tmp_path: Path) -> None:
     later = [line | ({"t_ns": line["t_ns"] + boot_ns} if "t_ns" in line else {}) for line in lines]
     written.write_text("".join(json.dumps(line) + "\n" for line in later))
     table = run.folder / "trials.csv"
-    table.write_text(table.read_text().replace(",0,1,", f",{boot_ns + 2 * 10**9},{boot_ns + 6 * 10**9},"))
+    table.write_text(table.read_text().replace(",0,1,", f",{boot_ns + 2 * 10**9},{boot_ns + 75 * 10**8},"))
     live = Run.open(tmp_path)
     assert live.start_ns == boot_ns
     drawn = person_of(live).plots[0]
-    assert drawn.x.high == 7.0
-    assert drawn.__html__().split('class="line robot" d="')[1].split('"')[0] in before
-    assert _spans(live)[0][:2] == (pytest.approx(2.0), pytest.approx(6.0))
+    assert drawn.x.high == pytest.approx(7.5)
+    first = [page.split('class="line robot" d="M')[1].split()[0] for page in (drawn.__html__(), before)]
+    assert float(first[0]) < float(first[1]), "as before, on a longer axis"
+    assert _spans(live)[0][:2] == (pytest.approx(2.0), pytest.approx(7.5))
+
+
+def test_a_feature_that_is_known_once_has_no_plot(tmp_path: Path) -> None:
+    """One point is no line: its plot was empty."""
+    lines = [line for s in range(1, 8) for line in _lines(s)]
+    for line in lines[:-2]:
+        line.get("values", {}).pop("scr_rate", None)
+    assert "responses [1/min]" not in _titles(_run(tmp_path, lines))
 
 
 def test_a_run_without_body_signals_has_no_such_section(tmp_path: Path) -> None:
@@ -107,7 +116,7 @@ def test_a_trace_is_interrupted_where_the_heart_rate_was_unknown(tmp_path: Path)
     ],
 )
 def test_a_damaged_line_is_left_out(tmp_path: Path, line: dict[str, object], lost: str) -> None:
-    titles = _titles(_run(tmp_path, [_lines(1)[0], {"source": "app", **line}]))
+    titles = _titles(_run(tmp_path, [_lines(1)[0], _lines(2)[0], {"source": "app", **line}]))
     assert "heart rate [1/min]" in titles and lost not in titles
 
 

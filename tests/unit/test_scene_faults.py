@@ -46,6 +46,14 @@ def test_all_faults_are_reported_at_once_each_with_its_place(tmp_path):
     ]
 
 
+def test_few_names_are_listed_where_none_is_close(tmp_path):
+    """The nearest name to "position" is "rotation"; what is meant is "translation"."""
+    document = scene({"id": "ball", "transform": {"position": [0, 0, 0]}})
+    assert faults(write(tmp_path, document)) == [
+        'scene.json#/entities/0/transform/position: unknown key "position"; known: rotation, scale, translation'
+    ]
+
+
 def test_comment_keys_pass_everywhere_and_change_nothing(tmp_path):
     plain = scene(thing("ball", ball={"radius_min": 0.01}), materials={"red": {}})
     noted = json.loads(json.dumps(plain))

@@ -11,10 +11,12 @@ import pytest
 
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.input_port import SignalSource
+from mimics_app.contracts.resources import root
 from mimics_app.inputs.physio.simulated.source import PRESETS
 from mimics_app.inputs.physio.sources import KINDS, open_source
 from mimics_app.inputs.stage import Movement
 from tests.support.amplifier import AmplifierEmulator, opened
+from tests.support.guide import pieces, written_module
 from tests.support.plugin_site import write_package
 from tests.support.signal_source_kit import FRAME_NS, check_signal_source, on_the_virtual_clock
 
@@ -137,7 +139,9 @@ def file(folder: Path) -> SignalSource:
 
 
 def test_what_a_package_opens_is_a_source_or_refused(installed: None) -> None:
-    with pytest.raises(DeviceError, match=r'"bare" is not a mimics_app.contracts.input_port.SignalSource'):
+    with pytest.raises(
+        DeviceError, match="lab_of_boxes:bare made an object of the type object, which lacks lost, read"
+    ):
         open_source("bare:left", 3)
 
 
@@ -208,3 +212,9 @@ def test_every_built_in_kind_is_here() -> None:
 def test_a_faulty_source_is_found(name: str, installed: None) -> None:
     with pytest.raises(AssertionError, match=FAULTS[name]):
         check_signal_source(open_source(f"{name.lower()}:left", 1))
+
+
+def test_the_source_of_the_guide_passes(tmp_path: Path) -> None:
+    guide = root() / "docs" / "guide" / "physiology.md"
+    module = written_module(tmp_path, next(piece for piece in pieces(guide) if piece.purpose == "source=metronome"))
+    check_signal_source(module.metronome("200", 1))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import time
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 
 from mimics_app.app.cli import main
+from mimics_app.app.physio.watch import Watch
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
 from mimics_app.contracts.messages import Experience, SignalBlock
 from mimics_app.contracts.plugins import PluginGroup
@@ -443,6 +445,76 @@ def test_a_source_of_an_installed_package_is_watched_as_a_live_one(
     assert set(json.loads(capsys.readouterr().out)["signals"]) == {"ecg", "gsr", "emg", "resp"}
 
 
+class _Box(SimulatedBody):
+    """A source of a package that delivers for three reads."""
+
+    reads = 0
+
+    def read(self, now_ns: int) -> Any:
+        self.reads += 1
+        if self.reads > 3:
+            raise OSError("no answer")
+        return (7,) if self.seed == 7 else super().read(now_ns)
+
+
+def _box(preset: str, seed: int) -> Any:
+    if preset == "none":
+        return object()
+    if preset == "torn":
+        raise ValueError("no port")
+    box = _Box(preset, seed)
+    box.seed = seed
+    return box
+
+
+@pytest.fixture
+def box(monkeypatch: pytest.MonkeyPatch) -> None:
+    point = SimpleNamespace(name="mybox", value="mybox:open_box", load=lambda: _box)
+    monkeypatch.setattr(PluginGroup, "points", lambda group: [point] if group is sources.PLUGINS else [])
+
+
+@pytest.mark.parametrize(
+    ("address", "why"),
+    [
+        ("mybox:torn", r"raised ValueError: no port \(test_signal_sources.py, line"),
+        (
+            "mybox:none",
+            "made an object of the type object, which lacks lost, read, feel, close; see mimics_app.contracts.inp",
+        ),
+    ],
+)
+def test_a_source_of_a_package_that_cannot_be_opened_says_why(box: None, address: str, why: str) -> None:
+    with pytest.raises(DeviceError, match=why):
+        open_source(address, 1)
+
+
+@pytest.mark.parametrize(
+    ("seed", "why"), [(1, r"its plug-in raised OSError: no answer \(test_signal"), (7, "returned something other than")]
+)
+def test_a_source_of_a_package_that_fails_is_lost_and_ends_nothing(box: None, seed: int, why: str) -> None:
+    source = open_source("mybox:healthy", seed)
+    for frame in range(6):
+        source.read(frame * 16_666_667)
+        source.feel(Experience(frame * 16_666_667, speed=0.1, power=0.2, demand=0.5, acting=True))
+    assert source.lost and re.search(why, source.lost)
+    assert source.read(10**9) == ()
+    source.close()
+
+
+def test_a_misspelt_source_is_told_from_a_missing_file(box: None, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["physio", "mybx:3"]) == 2
+    assert 'did you mean "mybox"' in capsys.readouterr().err
+    assert main(["physio", "nothing.csv"]) == 3
+
+
+def test_features_have_a_row_for_each_second_from_the_first_sample() -> None:
+    watch = Watch()
+    for frame in range(200):
+        now_ns = 71_362_118_267_435 + frame * 20_000_000
+        watch.take((SignalBlock("gsr", 50.0, now_ns, np.full(1, 5.0)),), now_ns + 20_000_000)
+    assert [int(row["t_s"]) for row in watch.features] == [0, 1, 2, 3]
+
+
 def test_a_check_says_why_a_source_ended(monkeypatch: pytest.MonkeyPatch) -> None:
     """An amplifier that is unplugged is no matter of electrodes alone."""
 
@@ -459,3 +531,4 @@ def test_a_check_says_why_a_source_ended(monkeypatch: pytest.MonkeyPatch) -> Non
     done = mimics("physio", "serial:nowhere", "--seconds", "0.1", "--check", "--json")
     assert done.returncode == 6
     assert json.loads(done.stdout)["advice"][0].startswith(Unplugged.lost)
+    assert f"body signals are lost: {Unplugged.lost}" in done.stderr

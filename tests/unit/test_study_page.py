@@ -21,9 +21,10 @@ TIMES = {"time_s": "3.14159", "contacts": "2", "smoothness": "", "begin_ns": "7"
         ({**TIMES, "score": "91.5"}, ["score", "time_s", "contacts"]),
         ({**TIMES, "score": "91.5", "walked_m": "140.0"}, ["score", "time_s", "contacts", "walked_m"]),
         ({**TIMES, "score": "", "ownership": "1.5"}, ["ownership"]),
-        ({**TIMES, "score": ""}, []),
+        ({**TIMES, "score": ""}, ["time_s", "contacts"]),
+        ({"begin_ns": "7"}, []),
     ],
-    ids=["any task", "a walk", "an experiment, which has no score", "nothing"],
+    ids=["any task", "a walk", "an experiment, which has no score", "a task without a score", "nothing"],
 )
 def test_measures_that_have_a_value_are_compared(tmp_path: Path, measured: dict[str, str], heads: list[str]) -> None:
     rows = [{"subject": k, "label": "a", "outcome": "finished", **measured} for k in (1, 2)]
@@ -33,6 +34,17 @@ def test_measures_that_have_a_value_are_compared(tmp_path: Path, measured: dict[
     assert re.findall("<th>(.*?)</th>", page)[: 2 + len(heads)] == ["condition", "n", *heads]
     assert re.findall("<li>(.*?):", page) == heads
     assert ("3.14 (0)" in page) is ("time_s" in heads)
+
+
+def test_the_page_has_the_title_of_the_scene(tmp_path: Path) -> None:
+    for number, header in enumerate(("{", '{"scene": "walk"}', '{"scene": {"title": "A <long> walk"}}'), start=1):
+        (tmp_path / str(number)).mkdir()
+        (tmp_path / str(number) / "session.json").write_text(header)
+    runs = [SubjectRun(0, 0, None, "gone"), *(SubjectRun(n, n, tmp_path / str(n)) for n in (1, 2, 3))]
+    for kept, title in ((runs, "A &lt;long&gt; walk"), (runs[:3], "walk")):
+        write_page(tmp_path / "study.html", "walk", kept, [], [])
+        page = (tmp_path / "study.html").read_text(encoding="utf-8")
+        assert f"<title>{title}: study</title>" in page and f"<h1>{title}</h1>" in page
 
 
 def test_without_a_finished_trial_the_page_says_so(tmp_path: Path) -> None:

@@ -26,7 +26,9 @@ _BAD_SHARE = 0.1
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics physio`."""
     parser.add_argument(
-        "source", metavar="SOURCE", help="file (.csv, .edf, .hea), sim:PRESET, lsl:NAME, serial:PORT, board:NAME"
+        "source",
+        metavar="SOURCE",
+        help="file (.csv, .edf, .hea), sim:PRESET, lsl:NAME, serial:PORT, board:NAME, or an installed one",
     )
     parser.add_argument(
         "--seconds", type=positive_time, help="time to read [s] (default: the whole file; 60 of other sources)"
@@ -59,6 +61,8 @@ def run(args: argparse.Namespace) -> int:
     watch = Watch()
     try:
         _watch(watch, source, args, seconds, live=live)
+        if source.lost:
+            say(f"body signals are lost: {source.lost}")
     finally:
         source.close()
     if args.events is not None:
@@ -78,8 +82,9 @@ def _open(args: argparse.Namespace) -> tuple[SignalSource, float, float, bool]:
     """Return the source, the time of its first sample [s], the time to read [s], and whether it is live."""
     from mimics_app.inputs.physio.sources import look_for_source, open_source, source_kinds
 
-    kind = args.source.partition(":")[0]
-    if kind in source_kinds() - {"file"}:
+    kind, colon, _ = args.source.partition(":")
+    misspelt = colon and kind != "file" and not Path(args.source).exists()
+    if misspelt or kind in source_kinds() - {"file"}:
         look_for_source(args.source, say)
         return open_source(args.source, args.seed), 0.0, args.seconds or _CHECK_S, kind != "sim"
     from mimics_app.inputs.physio.recording import FileSource, read_signal_file

@@ -51,7 +51,9 @@ def run(args: argparse.Namespace) -> int:
     ticks, events = len(data.samples), int((recorded.events["tick"] < end).sum())
     left = len(recorded.events) - events
     counts = {"ticks": ticks, "events": events, "events_not_compared": left, "task": task, "equal": True}
-    lines = [f"{ticks} ticks replayed, every output and {events} events equal bit for bit{_left_out(left, end)}"]
+    lines = [
+        f"{ticks} ticks replayed, every output and {counted(events, 'events')} equal bit for bit{_left_out(left, end)}"
+    ]
     lines.append(_task_line(task))
     if body is not None:
         counts |= {"features": body.features, "states": body.states, "choices": body.choices}
@@ -64,9 +66,9 @@ def _task_line(task: dict[str, int] | None) -> str:
     """Return what was compared of the task."""
     if task is None:
         return "its task is not compared: the recording does not hold the inputs of the task"
-    return f"its task: {task['events']} events and {counted(task['rows'], 'rows')} of trials.csv equal"
+    return f"its task: {counted(task['events'], 'events')} and {counted(task['rows'], 'rows')} of trials.csv equal"
 
 
 def _left_out(events: int, end: int) -> str:
     """Return what is not compared of a run that was cut off."""
-    return f"; the run was cut off: its {events} events from tick {end} on are not compared" if events else ""
+    return f"; the run was cut off: not compared: {counted(events, 'events')} from tick {end} on" if events else ""

@@ -106,7 +106,7 @@ def _add_adaptation(parser: argparse.ArgumentParser) -> None:
         "--physio",
         default="",
         metavar="SOURCE",
-        help="source of body signals: sim, sim:PRESET, file:PATH, lsl:NAME, serial:PORT, board:NAME",
+        help="body signals: sim, sim:PRESET, file:PATH, lsl:NAME, serial:PORT, board:NAME, or an installed one",
     )
     parser.add_argument(
         "--learn",

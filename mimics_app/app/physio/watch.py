@@ -62,8 +62,9 @@ class Watch:
             while kept[-1].t_ns - kept[0].t_ns > _SHOWN_S * SECOND_NS:
                 kept.popleft()
         frame = self._dsp.process(blocks, now_ns)
-        if frame.t_ns // SECOND_NS != self._second and self.start_ns >= 0:
-            self._second = frame.t_ns // SECOND_NS
+        second = (frame.t_ns - self.start_ns) // SECOND_NS
+        if second != self._second and self.start_ns >= 0:
+            self._second = second
             row = {"t_s": (frame.t_ns - self.start_ns) / SECOND_NS, **frame.values}
             row |= {f"quality_{name}": value for name, value in frame.quality.items()}
             self.features.append(row)

@@ -12,21 +12,23 @@ from mimics_app.app.study.tables import Row, summarise_conditions
 from mimics_app.contracts.plural import counted
 from mimics_app.contracts.whole_file import whole_file
 from mimics_app.plotting.page_templates import load_templates
+from mimics_app.recording.report_values import mapping
+from mimics_app.recording.session_header import read_session
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.task import MEASURES
 
 __all__ = ["write_page"]
 
 
-def write_page(file: Path, title: str, runs: Sequence[SubjectRun], trials: Sequence[Row], taps: Sequence[Row]) -> None:
-    """Write the results of a study as one self-contained HTML file."""
+def write_page(file: Path, scene: str, runs: Sequence[SubjectRun], trials: Sequence[Row], taps: Sequence[Row]) -> None:
+    """Write the results of a study as one self-contained HTML file; `scene` is its name where no run has its title."""
     environment = load_templates(Path(__file__).parent / "templates")
     environment.filters["cell"] = _cell
     measures = _measures_of(trials)
     conditions = summarise_conditions(trials, [*measures])
     finished = sum(row["n"] for row in conditions)
     page = environment.get_template("study.html.j2").render(
-        title=title,
+        title=_title_of(runs) or scene,
         measures=measures,
         conditions=conditions,
         simulated=any(run.simulated for run in runs if run.folder),
@@ -38,15 +40,22 @@ def write_page(file: Path, title: str, runs: Sequence[SubjectRun], trials: Seque
         file.write_text(page, encoding="utf-8")
 
 
+def _title_of(runs: Sequence[SubjectRun]) -> str:
+    """Return the title of the scene as the first run with a header has it, "" where there is none."""
+    headers = (read_session(run.folder)[0] for run in runs if run.folder is not None)
+    return next((str(title) for header in headers if (title := mapping(header.get("scene")).get("title"))), "")
+
+
 def _measures_of(trials: Sequence[Row]) -> dict[str, str]:
     """Return the columns to be compared, with what they say: measures that have a value in a finished trial.
 
-    An experiment has no score; then only the measures of its kind of task are compared.
+    An experiment has no score; then only the measures of its kind of task are compared, if there are any.
     """
     finished = [row for row in trials if row.get("outcome") == "finished"]
     filled = {name for row in finished for name, value in row.items() if value not in (None, "")}
     of_kinds = [measure for kind in task_kinds() for measure in kind.measures]
-    compared = {each.column: each.what.rstrip(".") for each in (MEASURES if "score" in filled else of_kinds)}
+    of_all = "score" in filled or not any(measure.column in filled for measure in of_kinds)
+    compared = {each.column: each.what.rstrip(".") for each in (MEASURES if of_all else of_kinds)}
     return {name: what for name, what in {"score": "Points of 100", **compared}.items() if name in filled}
 
 

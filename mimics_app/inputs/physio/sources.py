@@ -13,7 +13,8 @@ from typing import cast
 
 from mimics_app.contracts.errors import DeviceError, UsageError, nearest
 from mimics_app.contracts.input_port import SignalSource
-from mimics_app.contracts.plugins import PluginError, PluginGroup, fault_of_builder
+from mimics_app.contracts.plugins import PluginError, PluginGroup, fault_of_builder, made_by
+from mimics_app.inputs.physio.guarded_source import GuardedSource
 
 __all__ = ["KINDS", "PLUGINS", "look_for_source", "open_source", "source_kinds"]
 
@@ -68,16 +69,16 @@ def open_source(address: str, seed: int) -> SignalSource:
 
     Raises:
         UsageError: The address names no kind of source, or an option it does not have.
-        DeviceError: The source is not available.
+        DeviceError: The source is not available, or its plug-in fails.
         SceneError: The file is missing or cannot be read.
     """
     kind, rest = _split(address)
     if kind in KINDS:
         return KINDS[kind](rest, seed)
-    source = _plugin(kind)(rest, seed)
-    if not isinstance(source, SignalSource):
-        raise DeviceError(f'the source of body signals "{kind}" is not a {SignalSource.__module__}.SignalSource')
-    return source
+    try:
+        return GuardedSource(cast(SignalSource, made_by(_plugin(kind), SignalSource, rest, seed)))
+    except PluginError as error:
+        raise DeviceError(f'the source of body signals "{kind}" cannot be opened: {error}') from error
 
 
 def look_for_source(address: str, tell: Callable[[str], None]) -> None:

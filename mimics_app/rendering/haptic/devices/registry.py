@@ -10,8 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.device_descriptor import DeviceDescriptor
+from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.contracts.members import load_member
+from mimics_app.contracts.plugins import PluginError, made_by
 from mimics_app.rendering.haptic import devices
 from mimics_app.rendering.haptic.devices.address import split_device
 from mimics_app.rendering.haptic.devices.described import descriptor_of
@@ -61,7 +63,7 @@ def build_device(
         objects: Objects for a robot that renders objects itself, robot frame.
 
     Raises:
-        DeviceError: No such device, or it is not available.
+        DeviceError: No such device, it is not available, or its plug-in fails.
     """
     check_device_name(robot.device)
     name = split_device(robot.device).name
@@ -76,5 +78,15 @@ def build_device(
         objects=objects,
         descriptor=descriptor or descriptor_of(name),
     )
-    plugin = find_builder(name)(request)
+    plugin = _made(name, request)
     return plugin if plugin.descriptor is not None else replace(plugin, descriptor=request.descriptor)
+
+
+def _made(name: str, request: DeviceRequest) -> DevicePlugin:
+    builder = find_builder(name)
+    if name in BUILT_IN:
+        return builder(request)
+    try:
+        return cast("DevicePlugin", made_by(builder, DevicePlugin, request))
+    except PluginError as error:
+        raise DeviceError(f'the device "{name}" cannot be opened: {error}') from error
