@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
-from msgspec import Meta
+from msgspec import Meta, structs
 
 from mimics_app.contracts.board import Card
 from mimics_app.contracts.report_section import Marks, ReportSection, frontal
@@ -56,7 +55,7 @@ class ReachPlay(KindPlay):
             and math.dist(seen.ball_world, self.places[self.reached]) <= self.spec.within
         ):
             self.reached, self.before = self.reached + 1, None
-        return replace(seen, progress=self.reached / len(self.places))
+        return structs.replace(seen, progress=self.reached / len(self.places))
 
     def travel(self, seen, seconds):
         """Sum up how much longer the path is than the straight lines between the targets."""

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
 from enum import StrEnum
+
+import msgspec
 
 __all__ = ["Bar", "Board", "Card", "Tone"]
 
@@ -21,8 +22,7 @@ class Tone(StrEnum):
     LOAD = "load"  # calm, warn or alarm by how full the bar is
 
 
-@dataclass(frozen=True, slots=True)
-class Bar:
+class Bar(msgspec.Struct, frozen=True):
     """A bar on a card.
 
     Attributes:
@@ -38,8 +38,7 @@ class Bar:
     right: tuple[float, float] | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Card:
+class Card(msgspec.Struct, frozen=True):
     """One figure: a caption, a text, and a bar or a remark.
 
     Attributes:
@@ -61,8 +60,7 @@ class Card:
     width: float = 150.0
 
 
-@dataclass(frozen=True, slots=True)
-class Board:
+class Board(msgspec.Struct, frozen=True):
     """Heads-up display of one frame.
 
     Attributes:
@@ -72,15 +70,15 @@ class Board:
         count: Countdown figure, large in the centre; 0 for none.
     """
 
-    cards: Mapping[str, Card] = field(default_factory=dict)
+    cards: Mapping[str, Card] = msgspec.field(default_factory=dict)
     message: str = ""
     alarm: bool = False
     count: int = 0
 
     def saying(self, message: str) -> Board:
         """Return the board with another message; unchanged for an empty one."""
-        return replace(self, message=message) if message else self
+        return msgspec.structs.replace(self, message=message) if message else self
 
     def with_cards(self, cards: Mapping[str, Card]) -> Board:
         """Return the board with more cards."""
-        return Board({**self.cards, **cards}, self.message, self.alarm, self.count)
+        return msgspec.structs.replace(self, cards={**self.cards, **cards})

@@ -120,9 +120,13 @@ class Changes:
 
     def __init__(self) -> None:
         self._sent: dict[str, object] = {}
+        self._last: Mapping[str, object] = {}
 
     def since_last(self, wanted: Mapping[str, object]) -> dict[str, object]:
-        """Return the values that differ from those sent before; they count as sent."""
+        """Return the values that differ from those sent before; they count as sent. `wanted` stays as it is."""
+        if wanted == self._last:
+            return {}
+        self._last = wanted
         changed = {name: value for name, value in wanted.items() if self._sent.get(name, _NEVER) != value}
         self._sent.update(changed)
         return changed

@@ -8,7 +8,7 @@ any state but done --SAFE_STOP, E_STOP--> stopped --operator's reset--> as after
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import msgspec
 
 from mimics_app.contracts.trial_state import TrialState
 from mimics_app.tasks.observation import Observation
@@ -23,8 +23,7 @@ PAUSED = "Paused. P goes on"
 """Line shown during a pause."""
 
 
-@dataclass(frozen=True, slots=True)
-class Conditions:
+class Conditions(msgspec.Struct, frozen=True):
     """Inputs of a transition.
 
     Attributes:

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from typing import Any
 
+from msgspec import structs
 from numpy.typing import NDArray
 
 from mimics_app.contracts.board import Board
@@ -184,7 +184,7 @@ class TaskManager:
             self._attempts.tally.pause(now_ns, paused_ns)
         for play in self._plays.values():
             play.pause(paused_ns)
-        return replace(self._seen, now_ns=now_ns, pressed=())
+        return structs.replace(self._seen, now_ns=now_ns, pressed=())
 
     def _advance(self, seen: Observation) -> tuple[TrialState | None, TrialState | None]:
         """Advance the adaptation and the state machine; return the states (left, entered) in this frame."""

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
-from msgspec.structs import replace as replace_field
+from msgspec.structs import replace
 
 from mimics_app.tasks.kinds.carry.carried import Carried, Stage
 from mimics_app.tasks.kinds.carry.spec import BoxSpec, CarrySpec, GripSpec
@@ -114,7 +112,7 @@ def test_out_of_reach_for_two_seconds_it_falls_again():
 
 def test_where_no_hand_reaches_it_falls_again():
     gap = BoxSpec(low=(0.02, -0.1, -0.2), high=(0.08, 0.09, 0.2))
-    carry = Carried(replace_field(SPEC, lost_inside=gap), MARK, 1)
+    carry = Carried(replace(SPEC, lost_inside=gap), MARK, 1)
     carry.begin_attempt()
     for place, falls in (((0.0, 0.03, 0.0), 2), ((0.05, 0.15, 0.0), 2), ((0.05, 0.03, 0.0), 3)):
         carry.see(frame(place, t=0.0))

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, replace
+from dataclasses import asdict
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 from mimics_app.contracts.haptic import EventKind
 from mimics_app.tasks.observation import observe
@@ -20,7 +21,7 @@ MS = 1_000_000
 
 
 def frame(t_ns, *events, distance=None, **changes):
-    return replace(observe(make_snapshot(t_ns, **changes), make_events(*events), t_ns), distance=distance)
+    return structs.replace(observe(make_snapshot(t_ns, **changes), make_events(*events), t_ns), distance=distance)
 
 
 def travel(times_s, **columns):

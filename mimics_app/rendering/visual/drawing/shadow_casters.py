@@ -22,3 +22,7 @@ class Casters:
     items: I4
     centres: F8
     radii: F8
+
+    def only(self, items: I4) -> Casters:
+        """Return some of the casters in maps that cover all of them."""
+        return Casters(items, self.centres, self.radii)

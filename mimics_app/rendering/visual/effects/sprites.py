@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import B1, F8
+from mimics_app.contracts.arrays import B1, F8, I4
 from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun
 from mimics_app.rendering.visual.effects.captions import caption_key, caption_picture
@@ -22,6 +22,7 @@ from mimics_app.rendering.visual.kernels.sprites import (
     LEVEL,
     MIN_OUTLINED,
     SPRITE_VERTEX,
+    cut_order,
     cut_sprites,
     pick_sprites,
     write_sprites,
@@ -103,6 +104,8 @@ class SpriteField:
         self._reported: set[Issue] = set()
         self._scratch(0)
         self._axes = np.zeros((3, 3))
+        self._state_of: I4 = np.zeros(0, np.int32)
+        self._changes: list[int] = []
         self._take_outlines()
         self.vertices = np.zeros((256, 4), SPRITE_VERTEX)
         self.count = 0
@@ -165,12 +168,14 @@ class SpriteField:
             self.behind = b""
             return [*surfaces], ([] if split else None)
         self._write(view, eye, height, solid + blended)
+        self._note_changes(solid + blended)
         done, picked, self.behind, behind = solid, self._order[: solid + blended], b"", list[SpriteRun]()
         if split:
             done += self._far.count(self._rows.rows[: self._rows.count], picked, solid, eye, away)
             self.behind, behind = self._rows.rows[self._order[solid:done]].tobytes(), [*self._runs(solid, done)]
         runs: list[DrawRun | SpriteRun] = [*self._runs(0, solid)]
-        cuts = self._cuts(blended, away) + solid
+        cuts = np.empty(len(away), np.int32)
+        cut_order(self._keys, blended, away, solid, cuts)
         for surface, cut in zip(surfaces, cuts.tolist(), strict=True):
             runs += [*self._runs(done, cut), surface]
             done = cut
@@ -194,25 +199,19 @@ class SpriteField:
             self._keys, self._spare_keys, self._spare, self._digits,
         )  # fmt: skip
 
-    def _cuts(self, blended: int, away: F8) -> NDArray[np.intp]:
-        """Return the number of the blended sprite before which each surface at a distance [m] is drawn."""
-        if not len(away):
-            return np.zeros(0, np.intp)
-        distances = (np.uint32(0xFFFFFFFF) - self._keys[:blended].astype(np.uint32)).view(np.float32)
-        return np.searchsorted(-distances.astype(np.float64), -away)
+    def _note_changes(self, count: int) -> None:
+        """Note the state of each sprite in `_order`, and where another state begins."""
+        self._state_of = states = self._rows.rows["state"][self._order[:count]]
+        self._changes = (1 + np.flatnonzero(states[1:] != states[:-1])).tolist() if len(self._states) > 1 else []
 
     def _runs(self, begin: int, end: int) -> Iterator[SpriteRun]:
         """Yield the runs of equal state in `_order[begin:end]`."""
         if begin >= end:
             return
-        starts = [begin, end]
-        if len(self._states) > 1:
-            states = self._rows.rows["state"][self._order[begin:end]]
-            starts = [begin, *(begin + 1 + np.flatnonzero(np.diff(states))).tolist(), end]
-        for start, stop in pairwise(starts):
-            state = self._states[self._rows.rows["state"][self._order[start]]]
+        between = self._changes[bisect_right(self._changes, begin) : bisect_left(self._changes, end)]
+        for start, stop in pairwise([begin, *between, end]):
             first, last = int(self._places[start]), int(self._places[stop])
-            yield SpriteRun(state, first, last - first)
+            yield SpriteRun(self._states[self._state_of[start]], first, last - first)
 
     def _scratch(self, size: int) -> None:
         self._order, self._blended, self._spare = (np.zeros(size, np.int32) for _ in range(3))

@@ -16,6 +16,7 @@ __all__ = [
     "MIN_OUTLINED",
     "SPRITE_VERTEX",
     "UPRIGHT",
+    "cut_order",
     "cut_sprites",
     "pick_sprites",
     "write_sprites",
@@ -139,6 +140,27 @@ def pick_sprites(
     sort_by_key(keys, blended, others, spare_keys, spare, digits)
     order[solids : solids + others] = blended[:others]
     return solids, others
+
+
+@kernel
+def cut_order(keys: U8, blended: int, away: F8, first: int, cuts: I4) -> None:
+    """Write the place in the order before which each blended surface is drawn: behind it are all farther sprites.
+
+    Args:
+        keys: Keys of the blended sprites, see `pick_sprites`, [>= blended].
+        blended: Number of them.
+        away: Distances of the surfaces, far to near [m], [n].
+        first: Place of the first blended sprite.
+        cuts: Written, [n].
+    """
+    bits = np.empty(blended, np.uint32)
+    for i in range(blended):
+        bits[i] = _ALL_BITS - keys[i]
+    distances, done = bits.view(np.float32), 0
+    for surface in range(away.shape[0]):
+        while done < blended and distances[done] > away[surface]:
+            done += 1
+        cuts[surface] = first + done
 
 
 @kernel

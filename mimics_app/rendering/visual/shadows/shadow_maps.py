@@ -89,7 +89,8 @@ def lay_out(sun: Sequence[ShadowMap], spots: dict[int, ShadowMap]) -> ShadowPlan
     """Assign each map a tile of the smallest square grid that holds them all, those of the sun in its first 2 x 2."""
     grid = max(1, math.ceil(math.sqrt(len(sun) + len(spots))))
     tiles = sorted(((number % grid, number // grid) for number in range(grid * grid)), key=max)
-    placed = [replace(each, tile=tile) for each, tile in zip([*sun, *spots.values()], tiles, strict=False)]
+    pairs = zip([*sun, *spots.values()], tiles, strict=False)
+    placed = [each if each.tile == tile else replace(each, tile=tile) for each, tile in pairs]
     return ShadowPlan(grid, placed[: len(sun)], dict(zip(spots, placed[len(sun) :], strict=True)))
 
 

@@ -139,7 +139,7 @@ class ShadowStage:
         """Queue the casters of a map; no static ones where their depths were kept."""
         split, casters = self._layers.split(shadow, self.plan.grid), shadow.casters
         still, moving = (
-            None if items is None else listed.batch_casters(frame, replace(casters, items=items), shadow.origin)
+            None if items is None else listed.batch_casters(frame, casters.only(items), shadow.origin)
             for items in (split.still, split.moving)
         )
         return MapWork(still, split.keep, moving or [], self._reach(shadow, listed, split.moving))

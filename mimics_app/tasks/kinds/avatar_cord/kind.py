@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from enum import Enum
 from pathlib import Path
 from statistics import fmean
@@ -120,7 +119,7 @@ class AvatarCordPlay(KindPlay):
 
     def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:
         share = {_Phase.BASELINE: 0.0, _Phase.TAPS: self._done_share(seen.now_ns)}.get(self._phase, 1.0)
-        return replace(seen, progress=share)
+        return structs.replace(seen, progress=share)
 
     def pause(self, paused_ns: int) -> None:
         if self._begin_ns is not None:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
-from msgspec import Meta
+from msgspec import Meta, structs
 
 from mimics_app.contracts.board import Bar, Card, Tone
 from mimics_app.contracts.errors import Issue
@@ -103,7 +102,7 @@ class _CarryPlay(KindPlay):
         if now is None:
             return seen
         self._now = now
-        return replace(seen, progress=now.progress, distance=now.distance)
+        return structs.replace(seen, progress=now.progress, distance=now.distance)
 
     def travel(self, seen: Observation, seconds: float) -> None:
         if self._now.held:

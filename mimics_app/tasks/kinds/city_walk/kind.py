@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
 
-from msgspec import Meta
+from msgspec import Meta, structs
 
 from mimics_app.contracts.board import Bar, Card
 from mimics_app.contracts.errors import Issue
@@ -65,7 +64,7 @@ class CityWalkPlay(KindPlay):
         self._hand_from = seen.ball_world[1]
 
     def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:
-        return replace(seen, progress=min(self._along / self._metres, 1.0))
+        return structs.replace(seen, progress=min(self._along / self._metres, 1.0))
 
     def travel(self, seen: Observation, seconds: float) -> None:
         """Walk for a frame."""

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-from msgspec import Meta
+from msgspec import Meta, structs
 
 from mimics_app.contracts.board import Card
 from mimics_app.contracts.errors import Issue
@@ -89,7 +88,7 @@ class GuidedWalkPlay(KindPlay):
         self._wanted = Deed(int(np.clip(round(wanted), 0, 5))) if isinstance(wanted, int | float) else Deed.WAIT
         remaining = self._alley.place - self._alley.start
         progress = float(np.clip((self._walker.x - self._alley.start) / remaining, 0.0, 1.0))
-        return replace(seen, progress=progress)
+        return structs.replace(seen, progress=progress)
 
     def travel(self, seen: Observation, seconds: float) -> None:
         """Advance the walk: by the hand in every frame; simulated walker and avatar in steps."""

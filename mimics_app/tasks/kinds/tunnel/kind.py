@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
-from msgspec import Meta
+from msgspec import Meta, structs
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.scenario_port import TaskContext
@@ -50,7 +49,7 @@ class _TunnelPlay(KindPlay):
     def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:
         snapshot = seen.snapshot
         self._progress = snapshot.progress
-        return replace(seen, progress=snapshot.progress, distance=snapshot.distance)
+        return structs.replace(seen, progress=snapshot.progress, distance=snapshot.distance)
 
     def holds(self, goal: Component, seen: Observation) -> bool:
         return isinstance(goal, ProgressGoal) and seen.progress >= goal.at_least
