@@ -68,25 +68,26 @@ class TrackerHub:
     def take_problems(self) -> list[str]:
         """Return the problems of trackers and tape since the last call, one line each; each is reported once."""
         for each in self._trackers:
-            self._note(f"tracker {each.source.name}", each.source.problem or each.calibration.fault)
-        if self._tape is not None:
+            if problem := each.source.problem or each.calibration.fault:
+                self._note(_name(each), problem)
+        if self._tape is not None and self._tape.problem:
             self._note("tape of the trackers", self._tape.problem)
         new = [what for what, taken in self._problems.items() if not taken]
         self._problems = dict.fromkeys(self._problems, True)
         return new
 
     def _note(self, part: str, problem: str) -> None:
-        if problem:
-            self._problems.setdefault(f"{part}: {problem}", False)
+        self._problems.setdefault(f"{part}: {problem}", False)
 
     def _doubt(self, tracker: Placed, role: str, found: TrackedPose) -> None:
         """Note an implausible pose of a body part."""
-        name = f"tracker {tracker.source.name}"
         if found.capped and not found.stale:
             limit_ms = MAX_PREDICTION_NS // 1_000_000
-            self._note(name, f"the {role} is needed more than {limit_ms} ms after a report; prediction ends there")
+            self._note(
+                _name(tracker), f"the {role} is needed more than {limit_ms} ms after a report; prediction ends there"
+            )
         if role == "head" and found.pose[1, 1] < _UPSIDE_DOWN:
-            self._note(name, "the head is upside down: rotate its sensor, or correct `axes` or its `offset`")
+            self._note(_name(tracker), "the head is upside down: rotate its sensor, or correct `axes` or its `offset`")
 
     def start(self) -> None:
         """Start all trackers.
@@ -156,6 +157,11 @@ class TrackerHub:
         self._tracks.setdefault((number, sample.sensor), Track()).add(sample)
         if self._tape is not None:
             self._tape.take(sample)
+
+
+def _name(tracker: Placed) -> str:
+    """Return the name of a tracker in its problems."""
+    return f"tracker {tracker.source.name}"
 
 
 def _place(tracker: Placed, pose: F8) -> F8:
