@@ -65,6 +65,12 @@ def test_means_weigh_time_not_frames():
     assert measures.force_peak_n == 5.0
 
 
+def test_a_peak_in_the_middle_of_a_travel_is_kept():
+    force = [np.array([newton, 0.0, 0.0]) for newton in (1.0, 5.0, 2.0)]
+    measures = travel([0.0, 1.0, 2.0], f_user_world=force, distance=[0.0, 0.02, 0.01])
+    assert (measures.force_peak_n, measures.path_error_max_m) == (5.0, 0.02)
+
+
 def test_the_total_of_a_distance_keeps_its_fraction_and_that_of_a_count_is_whole():
     totals = session_result([{"walked_m": 80.7, "contacts": 2}, {"walked_m": 0.5, "contacts": 3}])
     assert totals["walked_m"] == pytest.approx(81.2, rel=1e-12)
