@@ -11,6 +11,7 @@ import pytest
 from mimics_app.app.study.page import write_page
 from mimics_app.app.study.subjects import SubjectRun, find_run
 from mimics_app.app.study.tables import read_study
+from mimics_app.recording.trial_table import table_text
 
 TIMES = {"time_s": "3.14159", "contacts": "2", "smoothness": "", "begin_ns": "7"}
 
@@ -74,6 +75,18 @@ def test_joined_runs_name_their_participants_and_runs_of_another_scene_are_left_
         page = (tmp_path / "study.html").read_text(encoding="utf-8")
         assert "<td>1</td><td>J. O&#39;Neil &amp; &lt;b&gt;</td><td>7</td><td>wide</td>" in page
         assert ("Simulated subjects" in page) is spoken
+
+
+def test_conditions_are_named_as_the_lab_named_them(tmp_path: Path) -> None:
+    """A name that reads like a number has quotes in trials.csv, and an empty cell is no name."""
+    folder = header(tmp_path / "a", "walk", "Jo", device="mouse")
+    (folder / "trials.csv").write_bytes(
+        table_text([{"trial": 1, "label": "2", "time_s": 1.5}, {"trial": 2, "label": ""}])
+    )
+    trials, _, _ = read_study([find_run(1, folder, "walk")])
+    assert [(row.get("label", ""), row.get("time_s")) for row in trials] == [("2", "1.5"), ("", None)]
+    write_page(tmp_path / "study.html", "Walk", [], [{**row, "outcome": "finished"} for row in trials], [])
+    assert "<td>2</td>" in (tmp_path / "study.html").read_text(encoding="utf-8")
 
 
 def test_runs_below_the_page_are_named_from_its_folder(tmp_path: Path) -> None:

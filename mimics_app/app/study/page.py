@@ -86,6 +86,6 @@ def _subject_line(run: SubjectRun, trials: Sequence[Row], beside: Path) -> dict[
     folder = run.folder and run.folder.resolve()
     if folder and folder.is_relative_to(beside):
         folder = folder.relative_to(beside)
-    order = ", ".join(str(row["label"]) for row in trials if row["subject"] == run.subject)
+    order = ", ".join(str(row.get("label", "")) for row in trials if row["subject"] == run.subject)
     whose = {"subject": run.subject, "participant": run.participant, "seed": run.seed}
     return {**whose, "order": order, "folder": folder, "problem": run.problem}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from statistics import fmean, stdev
@@ -12,6 +13,7 @@ from mimics_app.app.study.subjects import SubjectRun
 from mimics_app.contracts.whole_file import whole_file
 from mimics_app.recording.event_log import read_lines
 from mimics_app.recording.run_folder import FILES
+from mimics_app.recording.trial_table import read_trials
 
 __all__ = ["ANSWER_COLUMNS", "TAP_COLUMNS", "read_study", "summarise_conditions", "write_table"]
 
@@ -54,8 +56,8 @@ def summarise_conditions(trials: Sequence[Row], measures: Sequence[str]) -> list
     """Mean and standard deviation of measures over finished trials, by condition; n is the number of trials."""
     finished = [row for row in trials if row.get("outcome") == "finished"]
     summary = []
-    for label in dict.fromkeys(row["label"] for row in finished):
-        of_label = [row for row in finished if row["label"] == label]
+    for label in dict.fromkeys(row.get("label", "") for row in finished):
+        of_label = [row for row in finished if row.get("label", "") == label]
         line: Row = {"condition": label, "n": len(of_label)}
         for measure in measures:
             values = [float(row[measure]) for row in of_label if row.get(measure) not in (None, "")]
@@ -86,7 +88,8 @@ def _taps(subject: int, events: Sequence[Row]) -> list[Row]:
 
 
 def _rows(file: Path) -> list[Row]:
-    if not file.exists():
-        return []
-    with file.open(newline="", encoding="utf-8") as stream:
-        return [dict(row) for row in csv.DictReader(stream)]
+    """Return the rows of a trials.csv as text: a name that reads like a number has quotes in the file only."""
+    return [
+        {name: value if isinstance(value, str) else json.dumps(value) for name, value in row.items()}
+        for row in read_trials(file)
+    ]
