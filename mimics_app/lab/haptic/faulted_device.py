@@ -9,7 +9,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic import Button, DeviceStatus
-from mimics_app.contracts.kernel import typed_kernel
+from mimics_app.contracts.kernel import kernel, typed_kernel
 from mimics_app.contracts.loop_ports import (
     DATA_AGE,
     DATA_BUTTONS,
@@ -39,6 +39,7 @@ class DeviceFault(IntEnum):
     SENSOR_SPIKE = 8  # one tick of 400 N at the force sensor
     SENSOR_STUCK = 9  # 300 N at the force sensor in every tick
     DEAF = 10  # it sends data and takes no command
+    SENSOR_PULLS = 11  # 249 N at the force sensor in every tick: as a strong hand
 
 
 _KIND, _AT, _HEAD = 0, 1, 2
@@ -51,12 +52,25 @@ _LEAP = 0.01
 """[m]"""
 _FAST = 3.0
 """[m/s]"""
-_SPIKE, _STUCK = 400.0, 300.0
+_SPIKE, _STUCK, _PULL = 400.0, 300.0, 249.0
 """[N]"""
 _TICK_S = 1e-3
 
 _STOP = float(Button.STOP)
 _NO_DATA, _FAULT = int(DeviceStatus.NO_DATA), int(DeviceStatus.FAULT)
+
+
+@kernel
+def _spoil_sensor(kind: int, since: int, data: Vec) -> None:
+    """Spoil the force sensor, `since` ticks after the fault began."""
+    if kind == DeviceFault.NOT_FINITE_FORCE:
+        data[DATA_FORCE] = np.inf
+    elif kind == DeviceFault.SENSOR_SPIKE and since == 0:
+        data[DATA_FORCE + _VERTICAL] += _SPIKE
+    elif kind == DeviceFault.SENSOR_STUCK:
+        data[DATA_FORCE + _VERTICAL] = _STUCK
+    elif kind == DeviceFault.SENSOR_PULLS:
+        data[DATA_FORCE + _VERTICAL] = _PULL
 
 
 @typed_kernel(READ)
@@ -71,18 +85,14 @@ def read_faulted(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
         return status
     if kind == DeviceFault.NOT_FINITE_POSITION:
         data[DATA_Q] = np.nan
-    elif kind == DeviceFault.NOT_FINITE_FORCE:
-        data[DATA_FORCE] = np.inf
     elif kind == DeviceFault.BUTTON:
         data[DATA_BUTTONS] = _STOP
     elif kind == DeviceFault.JUMP:
         data[DATA_Q + _VERTICAL] += _LEAP
     elif kind == DeviceFault.TOO_FAST:
         data[DATA_DQ + _VERTICAL] = _FAST
-    elif kind == DeviceFault.SENSOR_SPIKE and since == 0:
-        data[DATA_FORCE + _VERTICAL] += _SPIKE
-    elif kind == DeviceFault.SENSOR_STUCK:
-        data[DATA_FORCE + _VERTICAL] = _STUCK
+    else:
+        _spoil_sensor(kind, since, data)
     return _FAULT if kind == DeviceFault.DRIVE_FAULT else status
 
 
