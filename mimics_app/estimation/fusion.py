@@ -78,7 +78,7 @@ class FusionEstimation:
             effort = Estimate(min(self._effort.effort, 1.0), 0.02)
         self._state = UserState(
             features.t_ns,
-            arousal=Estimate(math.tanh(self._mean), self._variance) if known else None,
+            arousal=self._arousal() if known else None,
             valence=self._valence() if known else None,
             effort=effort,
             load=load_of(self._mean, self._variance) if known else None,
@@ -119,6 +119,11 @@ class FusionEstimation:
             if z is not None:
                 seen[name] = z + (2.0 * self._effort.effort if name == "rmssd" else 0.0)
         return seen
+
+    def _arousal(self) -> Estimate:
+        """Return the arousal within -1 and 1, with its variance to first order (delta method)."""
+        mean = math.tanh(self._mean)
+        return Estimate(mean, self._variance * (1.0 - mean * mean) ** 2)
 
     def _valence(self) -> Estimate:
         """Return the valence, of which little is known: high arousal in a task is seldom pleasant."""

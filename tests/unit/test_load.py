@@ -171,6 +171,19 @@ def test_a_state_without_observations_becomes_unknown() -> None:
     assert state.arousal is None and state.load is None
 
 
+def test_the_variance_of_the_arousal_is_of_what_is_reported() -> None:
+    """By sampling the filter's state: its tanh, of which the mean is given, spreads less the higher it is."""
+    estimation = build_estimation("fusion", 30.0)
+    for second in range(240):
+        state = estimation.update(frame(second, 0.0 if second < 60 else 1.4))
+    latent = estimation._mean, np.sqrt(estimation._variance)  # type: ignore[attr-defined]
+    drawn = np.tanh(np.random.default_rng(5).normal(*latent, 20_000))
+    assert state.arousal is not None and state.arousal.mean > 0.5
+    # The second order is within a quarter at this spread.
+    assert np.sqrt(state.arousal.variance) == pytest.approx(drawn.std(), rel=0.25)
+    assert latent[1] > 1.5 * drawn.std()
+
+
 @pytest.mark.parametrize("name", ["lda", "adaptive_lda"])
 def test_the_success_of_a_trial_is_part_of_its_load(name: str) -> None:
     def judged(success: float, *more: str, practice: bool = False) -> tuple[float, float, float]:
