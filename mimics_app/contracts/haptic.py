@@ -83,7 +83,7 @@ class TripCause(IntEnum):
     JUMP = 10
     ENERGY = 11
     SENSOR = 12
-    LEFT_BEHIND = 13
+    NOT_FOLLOWING = 13
 
 
 class Controller(IntEnum):

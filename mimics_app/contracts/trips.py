@@ -31,7 +31,10 @@ _WORDS: Mapping[TripCause, tuple[str, str]] = {
     TripCause.DEVICE_FAULT: ("the device reports a fault, is gone, or takes no command", "look at device and line"),
     TripCause.JUMP: ("the position jumped further than a hand can move", "look at the device's sensors and its line"),
     TripCause.SENSOR: ("the measured force stayed beyond measured_force_limit", "look at the device's force sensor"),
-    TripCause.LEFT_BEHIND: ("the device does not move as it is driven", "look at its position sensors and its drives"),
+    TripCause.NOT_FOLLOWING: (
+        "the device does not move as it is driven",
+        "look at its position sensors and its drives",
+    ),
     TripCause.ENERGY: ("a contact gave more energy than energy_limit", "make what was touched softer or more damped"),
 }
 """What happened and what to do, by cause."""

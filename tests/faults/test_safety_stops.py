@@ -384,13 +384,13 @@ def test_a_position_that_sticks_on_the_way_to_a_target_ends_the_drive(late_latch
     samples = bench.advance(1000)
     way = float(np.linalg.norm(samples["v_virtual"], axis=1).sum()) * 1e-3
     end = samples[-1]
-    state, cause = (SafetyState.SAFE_STOP, TripCause.LEFT_BEHIND) if stops else (SafetyState.HOMED, TripCause.NONE)
+    state, cause = (SafetyState.SAFE_STOP, TripCause.NOT_FOLLOWING) if stops else (SafetyState.HOMED, TripCause.NONE)
     assert (end["state"], end["cause"]) == (state, cause)
     assert way < 0.06 if stops else way > 0.2
     assert bool(np.all(end["command"] == 0.0)) is stops
 
 
-def test_a_device_that_follows_its_drive_by_ten_milliseconds_is_not_left_behind():
+def test_a_device_that_follows_its_drive_by_ten_milliseconds_goes_on():
     ticks, speed, late = 900, 0.25, 10
     rows = script(ticks)
     rows[late:, 0] = np.minimum(speed * 1e-3 * np.arange(ticks - late), 0.15)

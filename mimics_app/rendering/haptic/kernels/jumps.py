@@ -11,7 +11,7 @@ from mimics_app.rendering.haptic.kernels.vectors import copy, norm
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import SceneRecord, StateRecord
 
-__all__ = ["is_left_behind", "note_jump", "note_lag"]
+__all__ = ["lags_too_far", "note_jump", "note_lag"]
 
 _FARTHEST = 0.05
 """Way by which a driven device may stay behind [m]: 0.17 s at the largest speed of a PD controller."""
@@ -42,7 +42,7 @@ def note_lag(scene: SceneRecord, state: StateRecord, dt: float) -> None:
 
 
 @kernel
-def is_left_behind(state: StateRecord) -> bool:
+def lags_too_far(state: StateRecord) -> bool:
     """Whether the device stayed behind farther than one that follows; NaN counts as farther."""
     return not norm(state.lag) <= _FARTHEST
 

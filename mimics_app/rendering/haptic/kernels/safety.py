@@ -28,7 +28,7 @@ from mimics_app.contracts.haptic import (
     TripCause,
 )
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.jumps import is_left_behind
+from mimics_app.rendering.haptic.kernels.jumps import lags_too_far
 from mimics_app.rendering.haptic.kernels.tunnel_state import TunnelStatus
 from mimics_app.rendering.haptic.kernels.vectors import norm
 
@@ -130,14 +130,14 @@ def _gave_too_much(scene: SceneRecord, state: StateRecord) -> bool:
 
 @kernel
 def _point_trips(scene: SceneRecord, states: Table[StateRecord], cause: int) -> bool:
-    """Whether `cause` (VELOCITY, JUMP, LEFT_BEHIND or ENERGY) holds at any point of contact."""
+    """Whether `cause` (VELOCITY, JUMP, NOT_FOLLOWING or ENERGY) holds at any point of contact."""
     for c in range(scene.contacts):
         state = states[c]
         if cause == TripCause.VELOCITY and not norm(state.v) <= scene.velocity_limit:
             return True
         if cause == TripCause.JUMP and state.jumped == 1:
             return True
-        if cause == TripCause.LEFT_BEHIND and is_left_behind(state):
+        if cause == TripCause.NOT_FOLLOWING and lags_too_far(state):
             return True
         if cause == TripCause.ENERGY and _gave_too_much(scene, state):
             return True
@@ -152,8 +152,8 @@ def _motion_cause(scene: SceneRecord, states: Table[StateRecord]) -> TripCause:
         cause = TripCause.VELOCITY
     elif _point_trips(scene, states, TripCause.JUMP):
         cause = TripCause.JUMP
-    elif _point_trips(scene, states, TripCause.LEFT_BEHIND):
-        cause = TripCause.LEFT_BEHIND
+    elif _point_trips(scene, states, TripCause.NOT_FOLLOWING):
+        cause = TripCause.NOT_FOLLOWING
     return cause
 
 
