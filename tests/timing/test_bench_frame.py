@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from mimics_app.app.bench import frame_bench, ogre
+from mimics_app.app.bench import frame_bench, looked_at_load, ogre
 from mimics_app.app.bench.frame_load import main
 from mimics_app.app.bench.frame_watch import FrameWatch
 from mimics_app.app.bench.looked_at_load import PEOPLE
@@ -94,7 +94,17 @@ def test_people_on_the_sidewalks_are_timed_as_a_scene_is():
     row = main(PEOPLE, (64, 36), "egl", 6.0, "full")
     assert row["scene"] == "people" and row["missed_share"] is None
     assert 0.0 < row["ms"]["p50"] <= row["ms"]["p95"]
-    assert row["triangles"] > main(Path("scenes/city_walk.json"), (64, 36), "egl", 1.5, "full")["triangles"]
+
+
+def test_a_hundred_people_walk_on_the_sidewalks():
+    _, world, move = looked_at_load._crowd()
+    assert len(world.motion.bodies) >= 100
+    poses = []
+    for time_s in (1.0, 1.5):
+        move(time_s)
+        poses.append(world.transforms.world.copy())
+    moved = (poses[0] != poses[1]).any(axis=(1, 2))
+    assert moved.sum() >= 100 * 10, "the joints of each"
 
 
 def test_every_stage_has_a_budget_and_they_leave_a_frame_some_air():
