@@ -65,7 +65,7 @@ def views(rng, count, size):
         yield View(look_at(eye, eye + ahead, up), tangents, (0, 0, *size), float(rng.choice([0.02, 0.1, 0.4])), 800.0)
 
 
-@pytest.mark.parametrize(("seed", "size", "msaa"), [(1, (240, 135), 0), (2, (64, 36), 0), (3, (150, 87), 4)])
+@pytest.mark.parametrize(("seed", "size", "msaa"), [(1, (650, 366), 0), (2, (64, 36), 0), (3, (350, 197), 4)])
 def test_not_one_pixel_is_another(seed, size, msaa):
     world, rng = make_town(seed), np.random.default_rng(seed)
     settings = replace(SETTINGS, msaa=msaa)

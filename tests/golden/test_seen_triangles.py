@@ -49,7 +49,7 @@ def view_of(rng, size):
     return View(matrix, (-side + shift, side + shift, -0.5, 0.5), (0, 0, *size), near, 600.0)
 
 
-@pytest.mark.parametrize(("seed", "size", "msaa"), [(1, (240, 135), 0), (2, (64, 36), 0), (3, (150, 87), 4)])
+@pytest.mark.parametrize(("seed", "size", "msaa"), [(1, (650, 366), 0), (2, (64, 36), 0), (3, (350, 197), 4)])
 def test_not_one_pixel_is_another(seed, size, msaa):
     rng = np.random.default_rng(seed)
     world, ours, all_of_them = make_heap(rng), 0, 0

@@ -104,22 +104,22 @@ def test_what_a_depth_buffer_cannot_say_apart_stays(gap, hidden):
     assert (1 not in kept) == hidden
 
 
-def _covered(edge_px, width=480):
+def _covered(edge_px, width=960):
     """Blocks of 3 px in the middle row that a wall hides whose right edge is drawn at a place [px]."""
-    view = view_of((0.0, 0.0, 10.0), (0.0, 0.0, 0.0), (width, 270))
-    metre = 270.0 / 10.0  # pixels to a metre at the wall, 10 m away
-    half = np.array([[2.0, 2.0, 1e-6], [0.1, 0.1, 0.1]])
-    shift = (edge_px - 0.5 * width) / metre - 2.0
+    view = view_of((0.0, 0.0, 10.0), (0.0, 0.0, 0.0), (width, 540))
+    metre = 540.0 / 10.0  # pixels to a metre at the wall, 10 m away
+    half = np.array([[1.0, 1.0, 1e-6], [0.1, 0.1, 0.1]])
+    shift = (edge_px - 0.5 * width) / metre - 1.0
     world = np.array([compose((shift, 0.0, 1e-6)), compose((0.0, 0.0, -50.0))])
     hide = OcclusionPass(as_occluders(half))
     hide.remove_hidden(
         np.arange(2, dtype=np.int32), 2, view, make_raster(view, view.rectangle[2:], 0), as_items(half), world,
         np.ascontiguousarray(world[:, :3, 3]), np.linalg.norm(half, axis=1),
     )  # fmt: skip
-    return np.flatnonzero(hide.nearness[45] > 0.0)
+    return np.flatnonzero(hide.nearness[90] > 0.0)
 
 
-@pytest.mark.parametrize("column", [70, 88])
+@pytest.mark.parametrize("column", [150, 168])
 def test_the_outline_of_what_hides_is_exact_to_a_thousandth_of_a_pixel(column):
     """A block counts once the outline has passed its last sample by the margin, and not before.
 
@@ -133,8 +133,8 @@ def test_the_outline_of_what_hides_is_exact_to_a_thousandth_of_a_pixel(column):
 
 def test_the_outline_does_not_grow_with_the_wall():
     """The other edge, and walls of every size: where they end is where they are drawn to end."""
-    for edge in np.linspace(200.0, 300.0, 67):
+    for edge in np.linspace(440.0, 540.0, 67):
         covered = _covered(edge)
         assert covered[-1] == np.floor((edge - MARGIN_PX - 2.5) / 3.0)
-        first = edge - 4.0 * 27.0
+        first = edge - 2.0 * 54.0
         assert covered[0] == np.ceil((first + MARGIN_PX - 0.5) / 3.0)

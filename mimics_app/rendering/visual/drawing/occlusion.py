@@ -23,8 +23,10 @@ __all__ = ["MIN_ITEMS", "Occluders", "OcclusionPass", "Raster", "gather_occluder
 MIN_ITEMS = 64
 """Number of sub-entities from which occlusion culling pays off."""
 
-_MAX_OCCLUDERS = 64
-_BLOCKS_ACROSS = 160
+_MAX_OCCLUDERS = 256
+_BLOCKS_ACROSS = 320
+_LEAST_BLOCKS = 2.0
+"""Half diagonal of a box that is worth being drawn as an occluder [blocks]."""
 _DEPTH_STEPS = 64.0 / 2.0**24
 """Depth difference that a 24-bit depth buffer resolves for certain."""
 
@@ -122,7 +124,7 @@ class OcclusionPass:
             How many remain.
         """
         able = picked[:count] if view.clip_plane is None else _before(picked[:count], view.clip_plane, centres, radii)
-        chosen = self._choose(able, np.ascontiguousarray(view.eye_world), items, world, centres)
+        chosen = self._choose(able, raster, items, world, centres)
         self._draw(chosen, raster, items, world)
         if not len(chosen):
             return count
@@ -130,10 +132,12 @@ class OcclusionPass:
         bodies = (items.rows, world, items.local, items.half)
         return remove_hidden(picked, count, *camera, *bodies, self.nearness)
 
-    def _choose(self, able: I4, eye: F8, items: DrawItems, world: F8, centres: F8) -> I4:
+    def _choose(self, able: I4, raster: Raster, items: DrawItems, world: F8, centres: F8) -> I4:
         """Return the items whose boxes are the best occluders, at most `_MAX_OCCLUDERS`."""
         box = (self._occluders.of_item, self._occluders.inner_half)
-        found = pick_occluders(able, len(able), eye, *box, items.rows, world, centres, self._chosen, self._score)
+        least = _LEAST_BLOCKS * raster.block / raster.focal
+        bodies = (*box, items.rows, world, centres)
+        found = pick_occluders(able, len(able), raster.eye, least, *bodies, self._chosen, self._score)
         return self._chosen[:found]
 
     def _draw(self, chosen: I4, raster: Raster, items: DrawItems, world: F8) -> None:

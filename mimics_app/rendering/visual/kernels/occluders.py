@@ -71,7 +71,17 @@ def _is_valid(
 
 @kernel
 def pick_occluders(
-    items: I4, count: int, eye: F8, solid: I4, inner_half: F8, rows: I4, world: F8, centres: F8, out: I4, score: F8
+    items: I4,
+    count: int,
+    eye: F8,
+    least: float,
+    solid: I4,
+    inner_half: F8,
+    rows: I4,
+    world: F8,
+    centres: F8,
+    out: I4,
+    score: F8,
 ) -> int:
     """Pick the items whose inner boxes have the largest solid angle.
 
@@ -79,6 +89,7 @@ def pick_occluders(
         items: Items in the frustum, [>= count].
         count: Number of items.
         eye: Position of the camera, world [m], [3].
+        least: Half diagonal of a box over its distance up to which it hides too little to be picked.
         solid: Number of each item's inner box, -1: none; [n].
         inner_half: Half extents of the inner boxes in their nodes' frames [m], [boxes, 3].
         rows: Row of the node per item, [n].
@@ -102,7 +113,7 @@ def pick_occluders(
                 size += (world[row, k, axis] * inner_half[box, axis]) ** 2
             distance2 += (centres[item, k] - eye[k]) ** 2
         worth = size / max(distance2, _MIN_DISTANCE2)
-        if kept == capacity and worth <= score[kept - 1]:
+        if worth < least * least or (kept == capacity and worth <= score[kept - 1]):
             continue
         place = kept if kept < capacity else capacity - 1
         kept = min(kept + 1, capacity)

@@ -33,9 +33,6 @@ _WHOLE = -1
 _NEAR_MARGIN = 0.999
 """Factor on 1/w of the near plane, for single precision."""
 
-_LARGE = 4.0
-"""Area from which a triangle is tested on its own for occlusion [blocks]."""
-
 _CORNERS = 8
 """Corners of a box."""
 
@@ -103,17 +100,16 @@ def _list_seen(
     used: int,
     out: U2,
 ) -> int:
-    """List those of `triangles` with numbers in `listed` that the near plane may cut, or whose rectangle has a sample.
+    """List those of `triangles` with numbers in `listed` that the near plane may cut, or whose rectangle is seen.
 
-    The rectangle of a large one must not be hidden; small ones are hidden with their group. There are no jumps that
-    depend on a single small triangle, which a processor cannot foresee: one that is not seen is written and then
-    overwritten, so `out` has room for all of them.
+    It is seen where it has a sample and no occluder hides it. Jumps that depend on a single triangle are few, since a
+    processor cannot foresee them: one that is not seen is written and then overwritten, so `out` has room for all.
 
     Returns:
         Indices in `out` that are in use.
     """
     x, y, inverse = projected[0], projected[1], projected[2]
-    touch, nearest, large = 0.5 + margin, _NEAR_MARGIN / near, _LARGE * block * block
+    touch, nearest = 0.5 + margin, _NEAR_MARGIN / near
     last_column, last_row = width - 1.0, height - 1.0
     for n in range(count):
         t = listed[n]
@@ -126,7 +122,7 @@ def _list_seen(
         seen = (math.ceil(left) <= math.floor(right)) & (math.ceil(bottom) <= math.floor(top))
         if not (lowest > 0.0 and highest < nearest):
             seen = highest > 0.0
-        elif seen & ((right - left) * (top - bottom) >= large):
+        elif seen:
             seen = not hides(nearness, left, right, bottom, top, block, highest, lowest, depth_step)
         out[used], out[used + 1], out[used + 2] = a, b, c
         used += 3 * seen
