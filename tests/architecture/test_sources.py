@@ -32,7 +32,11 @@ PLATFORM_HOMES = {
     ),
     "the scheduler": (
         re.compile(r"^os\.(sched_set\w+|setpriority|nice)$"),
-        {"rendering/haptic/scheduler.py", "rendering/audio/worker.py"},
+        {
+            "rendering/haptic/scheduler.py",
+            "rendering/audio/worker.py",
+            "rendering/visual/surfaces/raster_threads.py",
+        },
     ),
     "the GL context": (
         re.compile(r"^moderngl\.(create_context|create_standalone_context|get_context)$"),

@@ -21,9 +21,8 @@ from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec, PoseS
 from mimics_app.rendering.visual.displays.headset_session import HeadsetDisplay
 from mimics_app.rendering.visual.presenting.compose import ComposePass
 from mimics_app.rendering.visual.presenting.presenter import Presenter
-from mimics_app.rendering.visual.renderer import Latch
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
-from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view import Latch, View
 from mimics_app.world.world import World
 
 MS = 1_000_000

@@ -26,12 +26,12 @@ from mimics_app.rendering.visual.figures.key_page import Keys
 from mimics_app.rendering.visual.frame_stats import FrameStats
 from mimics_app.rendering.visual.passes.hud import plane_of_views
 from mimics_app.rendering.visual.presenting.presenter import Presenter
-from mimics_app.rendering.visual.renderer import Latch, Renderer
+from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
 from mimics_app.rendering.visual.surfaces.headless import WritePng, write_png
 from mimics_app.rendering.visual.surfaces.surface import Size, Surface
-from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view import Latch, View
 from mimics_app.world.components.visible import Hud as HudComponent
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Hashable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from functools import partial
@@ -34,9 +34,10 @@ from mimics_app.rendering.visual.stages.shadow_stage import ShadowStage, light_f
 from mimics_app.rendering.visual.stages.still_picture import StillPicture
 from mimics_app.rendering.visual.stages.world_stage import FrameScene, ViewDraws, WorldStage
 from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
+from mimics_app.rendering.visual.surfaces.raster_threads import RasterThreads
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.targets import PictureTarget
-from mimics_app.rendering.visual.view import Rect, View
+from mimics_app.rendering.visual.view import Latch, Rect, View
 from mimics_app.world.world import World
 
 if TYPE_CHECKING:
@@ -45,10 +46,7 @@ if TYPE_CHECKING:
     from mimics_app.rendering.visual.overlay.stage_times import StageTimes
     from mimics_app.rendering.visual.stages.effect_stage import EffectStage
 
-__all__ = ["Latch", "Renderer"]
-
-Latch = Callable[[], Sequence[View]]
-"""Returns the newest views, as many as were queued and in the same order."""
+__all__ = ["Renderer"]
 
 
 class Renderer:
@@ -105,7 +103,7 @@ class Renderer:
         self._effects: EffectStage | None = None
         self._hud_pass = HudPass(ctx, self._shaders)
         self._kept_board = KeptBoard(surface, self._hud_pass)
-        self._pictures = PictureStage(ctx, self._shaders)
+        self._pictures, self._raster = PictureStage(ctx, self._shaders), RasterThreads(software=has.software)
         self._still, self._lighting = StillPicture(sparse=self._sparse), KeptLighting()
         self._materials.live = self._pictures.pictures
         # Once requested, the shaders keep reading it: a governor's step compiles nothing.
@@ -250,7 +248,8 @@ class Renderer:
             if latch is not None:
                 drawn = [each.latched(newer) for each, newer in zip(drawn, latch(), strict=True)]
             paint = self._world.draw if parts is None else self._world.draw_parts
-            draws += paint(target, self._picture.samples, scene, drawn)
+            with self._raster.submitting(few_pixels=self._frame.few_pixels):
+                draws += paint(target, self._picture.samples, scene, drawn)
             self._picture.holds = self._picture.keep
         if self._overlay is not None and self._overlay.shows:
             with self._timed("overlay"):
@@ -260,6 +259,7 @@ class Renderer:
             lay_out()
         with self._timed("post"):
             draws += self._draw_over(views, parts)
+        self._raster.free()
         if times is not None:
             times.begun = False
         return self._shadows.triangles + self._pictures.triangles + sum(each.triangles for each in drawn), draws

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -13,9 +14,13 @@ from mimics_app.contracts.errors import UsageError
 from mimics_app.rendering.visual.kernels.frustum import find_planes
 from mimics_app.rendering.visual.view_matrices import Tangents, compose_clip_from_view
 
-__all__ = ["Rect", "View", "compute_frustum_planes", "tilt_near_plane"]
+__all__ = ["Latch", "Rect", "View", "compute_frustum_planes", "tilt_near_plane"]
 
 Rect = tuple[int, int, int, int]
+
+
+Latch = Callable[[], Sequence["View"]]
+"""Returns the newest views, as many as were queued and in the same order."""
 
 
 @dataclass(frozen=True, eq=False)
