@@ -12,6 +12,7 @@ import hashlib
 import os
 import sys
 import tempfile
+import zlib
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import cache, cached_property
@@ -35,6 +36,8 @@ __all__ = [
     "compile_listeners",
     "enable_cache",
     "rebuilt",
+    "seal",
+    "unseal",
 ]
 
 # --- numba's start ------------------------------------------------------------------------------------------------
@@ -80,7 +83,7 @@ _load_without_cffi()
 # --- which folder ---------------------------------------------------------------------------------------------------
 
 
-_FORM = 2
+_FORM = 3
 """Version of the file format."""
 
 
@@ -173,7 +176,8 @@ class KernelFiles(CompileResultCacheImpl):
         if any(name.startswith(_UNRESOLVED) for name in named):
             return super().reduce(cres)  # type: ignore[no-untyped-call]
         defined = [name for name in sorted(asked) if not named.get(name, True)]
-        library = (cres.library.name, _MACHINE_CODE, (cres.library._get_compiled_object(), defined, needed))
+        machine_code = seal(cres.library._get_compiled_object())
+        library = (cres.library.name, _MACHINE_CODE, (machine_code, defined, needed))
         return library, fndesc, cres.environment, cres.signature, tuple(cres.reload_init), environments
 
     def rebuild(self, target_context: Any, payload: Any) -> Any:
@@ -187,10 +191,27 @@ class KernelFiles(CompileResultCacheImpl):
         codegen = target_context.codegen()
         library = codegen.create_library(name)
         library.enable_object_caching()
-        library._set_compiled_object(machine_code)
+        library._set_compiled_object(unseal(machine_code))
         library._finalize_final_module()
         codegen._engine._defined_symbols.update(defined)
         return rebuilt(target_context, library, payload)
+
+
+def seal(code: bytes) -> tuple[bytes, int]:
+    """Return code with its checksum, in the form in which it is stored."""
+    return code, zlib.crc32(code)
+
+
+def unseal(sealed: tuple[bytes, int]) -> bytes:
+    """Return the code that was sealed.
+
+    Raises:
+        ValueError: The disk or a lost supply of power changed it.
+    """
+    code, checksum = sealed
+    if zlib.crc32(code) != checksum:
+        raise ValueError("stored code is damaged")
+    return code
 
 
 def _register_runtime(_: Any) -> None:

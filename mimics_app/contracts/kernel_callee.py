@@ -15,7 +15,7 @@ from numba.core import compiler
 from numba.core.codegen import JITCodeLibrary
 from numba.core.registry import CPUDispatcher
 
-from mimics_app.contracts.kernel_cache import KernelCache, KernelFiles, enable_cache, rebuilt
+from mimics_app.contracts.kernel_cache import KernelCache, KernelFiles, enable_cache, rebuilt, seal, unseal
 
 __all__ = ["callee_of"]
 
@@ -61,14 +61,15 @@ class _LinkedFiles(KernelFiles):
         fndesc = cres.fndesc
         fndesc.typemap = fndesc.calltypes = None
         environments = tuple(cres._find_referenced_environments())
-        content = cres.library.serialize_using_bitcode()
+        name, kind, bitcode = cres.library.serialize_using_bitcode()
+        content = name, kind, seal(bitcode)
         return content, fndesc, cres.environment, cres.signature, tuple(cres.reload_init), environments
 
     def rebuild(self, target_context: Any, payload: Any) -> Any:
         """Rebuild the compile result from the payload of `reduce`."""
         name, _, bitcode = payload[0]
         library = _new_library(target_context, name)
-        library._final_module = parse_bitcode(bitcode)
+        library._final_module = parse_bitcode(unseal(bitcode))
         library._finalize_final_module()
         return rebuilt(target_context, library, payload, _Entry())
 

@@ -185,6 +185,19 @@ def test_a_damaged_or_foreign_file_is_compiled_again(tmp_path: Path) -> None:
     assert _run(here, tmp_path, **places) == "5"
 
 
+def test_one_bit_of_the_machine_code_costs_a_compilation(tmp_path: Path) -> None:
+    """It would otherwise run: a file that lost a page with the power is read without an error."""
+    (tmp_path / "probe.py").write_text(_TWO)
+    code = "import probe; print(probe.answer(2), sum(probe.answer.stats.cache_hits.values()))"
+    places = {"PYTHONPATH": f"{tmp_path}:{ROOT}", "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    assert [_run(code, tmp_path, **places) for _ in range(2)] == ["7 0", "7 1"]
+    for stored in (tmp_path / "cache").rglob("*.nbc"):
+        content = bytearray(stored.read_bytes())
+        content[len(content) // 2] ^= 1
+        stored.write_bytes(content)
+    assert [_run(code, tmp_path, **places) for _ in range(2)] == ["7 0", "7 1"]
+
+
 def test_a_cache_on_a_full_disk_is_none(tmp_path: Path) -> None:
     (tmp_path / "probe.py").write_text(_FULL)
     for _ in range(2):
@@ -192,8 +205,7 @@ def test_a_cache_on_a_full_disk_is_none(tmp_path: Path) -> None:
         assert _run("import probe; print(probe.answer(2))", tmp_path, **places) == "7"
 
 
-_FULL = """
-import resource
+_TWO = """
 from mimics_app.contracts.kernel import kernel
 @kernel
 def inner(x):
@@ -201,6 +213,11 @@ def inner(x):
 @kernel
 def answer(x):
     return inner(x) + 4
+"""
+
+_FULL = f"""
+import resource
+{_TWO}
 resource.setrlimit(resource.RLIMIT_FSIZE, (200, resource.getrlimit(resource.RLIMIT_FSIZE)[1]))
 """
 

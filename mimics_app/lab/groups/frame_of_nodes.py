@@ -65,6 +65,7 @@ compare(
     cost=cost_us,
     error=lambda build, settings: changed_share(build, settings, _EACH_NODE, 10_000),
     default="by number",
+    why_default="where all nodes turn and are seen, as here, groups cost as much, and less where a view shows some",
     work="nodes",
     sizes=_COUNTS,
     typical=10_000,

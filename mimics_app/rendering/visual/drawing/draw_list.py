@@ -18,6 +18,7 @@ from mimics_app.rendering.visual.drawing.levels import Levels
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.drawing.occlusion import (
     MIN_ITEMS,
+    NO_OCCLUDER,
     OcclusionPass,
     Raster,
     gather_occluders,
@@ -298,7 +299,7 @@ class DrawList:
         triangles = self._arena.seen
         if triangles is None or not self._by_triangle or view.clip_plane is not None:
             return False
-        nearness = np.zeros(raster.shape) if self._occlusion is None else self._occlusion.nearness
+        nearness = NO_OCCLUDER if self._occlusion is None else self._occlusion.nearness
         bodies = (self.items, self._world, self.centres, self.radii, self._mirrored)
         bent = self.bent if self._by_processor else None
         triangles.pick(self._picked[:count], *bodies, raster, samples, nearness, bent, self._parts)

@@ -17,11 +17,14 @@ from mimics_app.rendering.visual.settings import Occlusion
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.world import World
 
-__all__ = ["MIN_ITEMS", "Occluders", "OcclusionPass", "Raster", "gather_occluders", "make_raster"]
+__all__ = ["MIN_ITEMS", "NO_OCCLUDER", "Occluders", "OcclusionPass", "Raster", "gather_occluders", "make_raster"]
 
 
 MIN_ITEMS = 64
 """Number of sub-entities from which occlusion culling pays off."""
+
+NO_OCCLUDER: F8 = np.zeros((0, 0))
+"""A depth buffer without blocks, which hides nothing."""
 
 _MAX_OCCLUDERS = 256
 _BLOCKS_ACROSS = 320
@@ -89,13 +92,15 @@ class OcclusionPass:
     """Occlusion culling, with scratch memory kept from frame to frame.
 
     Attributes:
-        nearness: 1/w of the nearest occluder per block of the last view, 0: none [1/m], [rows, columns].
+        nearness: 1/w of the nearest occluder per block of the last view, 0: none [1/m], [rows, columns]; `NO_OCCLUDER`
+            where nothing was worth drawing.
     """
 
     def __init__(self, occluders: Occluders) -> None:
         self._occluders = occluders
         self._chosen, self._score = np.zeros(_MAX_OCCLUDERS, np.int32), np.zeros(_MAX_OCCLUDERS)
-        self.nearness: F8 = np.zeros((1, 1))
+        self._blocks: F8 = np.zeros((1, 1))
+        self.nearness = NO_OCCLUDER
 
     def remove_hidden(
         self,
@@ -125,9 +130,10 @@ class OcclusionPass:
         """
         able = picked[:count] if view.clip_plane is None else _before(picked[:count], view.clip_plane, centres, radii)
         chosen = self._choose(able, raster, items, world, centres)
-        self._draw(chosen, raster, items, world)
         if not len(chosen):
+            self.nearness = NO_OCCLUDER
             return count
+        self._draw(chosen, raster, items, world)
         camera = (raster.eye, raster.screen, raster.near, raster.step, raster.block, raster.reach, *raster.size)
         bodies = (items.rows, world, items.local, items.half)
         return remove_hidden(picked, count, *camera, *bodies, self.nearness)
@@ -142,8 +148,9 @@ class OcclusionPass:
 
     def _draw(self, chosen: I4, raster: Raster, items: DrawItems, world: F8) -> None:
         """Rasterise the chosen occluders into the coarse depth buffer."""
-        if self.nearness.shape != raster.shape:
-            self.nearness = np.zeros(raster.shape)
+        if self._blocks.shape != raster.shape:
+            self._blocks = np.zeros(raster.shape)
+        self.nearness = self._blocks
         known = self._occluders
         camera = (raster.eye, raster.window, raster.screen, raster.rays, raster.near, raster.block, raster.reach)
         boxes = (known.of_item, known.whole_centre, known.whole_half, known.inner_centre, known.inner_half)

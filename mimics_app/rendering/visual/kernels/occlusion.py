@@ -49,7 +49,7 @@ def hides(
     """Return True where occluders are nearer than a body in every block of a rectangle.
 
     Args:
-        nearness: 1/w of the nearest occluder per block [1/m], [rows, columns].
+        nearness: 1/w of the nearest occluder per block [1/m], [rows, columns]; without any blocks nothing is hidden.
         left: First column of pixels.
         right: Last column.
         bottom: First row.
@@ -59,6 +59,8 @@ def hides(
         lowest: Its smallest.
         depth_step: Difference of 1/w that the depth buffer resolves for certain [1/m].
     """
+    if nearness.size == 0:
+        return False
     wanted = highest + depth_step + _DEPTH_SHARE * (highest - lowest)
     # Half a pixel more, so that rounding leaves the block as it is; a division of integers takes longer.
     of_pixel = 1.0 / block

@@ -110,7 +110,7 @@ def _list_seen(
     """
     x, y, inverse = projected[0], projected[1], projected[2]
     touch, nearest = 0.5 + margin, _NEAR_MARGIN / near
-    last_column, last_row = width - 1.0, height - 1.0
+    last_column, last_row, occluded = width - 1.0, height - 1.0, nearness.size > 0
     for n in range(count):
         t = listed[n]
         a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
@@ -122,7 +122,7 @@ def _list_seen(
         seen = (math.ceil(left) <= math.floor(right)) & (math.ceil(bottom) <= math.floor(top))
         if not (lowest > 0.0 and highest < nearest):
             seen = highest > 0.0
-        elif seen:
+        elif seen & occluded:
             seen = not hides(nearness, left, right, bottom, top, block, highest, lowest, depth_step)
         out[used], out[used + 1], out[used + 2] = a, b, c
         used += 3 * seen
