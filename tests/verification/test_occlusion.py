@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mimics_app.maths.mat import compose, look_at
-from mimics_app.rendering.visual.drawing.occlusion import OcclusionPass, make_raster
+from mimics_app.rendering.visual.drawing.occlusion import NO_OCCLUDER, OcclusionPass, make_raster
 from mimics_app.rendering.visual.kernels.occlusion import MARGIN_PX
 from mimics_app.rendering.visual.view import View
 from tests.support.boxes import as_items, as_occluders, first_met
@@ -138,3 +138,19 @@ def test_the_outline_does_not_grow_with_the_wall():
         assert covered[-1] == np.floor((edge - MARGIN_PX - 2.5) / 3.0)
         first = edge - 2.0 * 54.0
         assert covered[0] == np.ceil((first + MARGIN_PX - 0.5) / 3.0)
+
+
+@pytest.mark.parametrize(("half_px", "worth"), [(4.0, False), (4.5, True)])
+def test_a_box_of_less_than_two_blocks_is_not_drawn_as_an_occluder(half_px, worth):
+    """Half its diagonal, of 5.7 or 6.4 px, against two blocks of 3 px; then nothing is asked, and nothing removed."""
+    view = view_of((0.0, 0.0, 10.0), (0.0, 0.0, 0.0), (960, 540))
+    metre = 54.0
+    half = np.array([[half_px / metre, half_px / metre, 1e-6], [1e-3, 1e-3, 1e-3]])
+    world = np.array([compose((0.0, 0.0, 0.0)), compose((0.0, 0.0, -5.0))])
+    hide = OcclusionPass(as_occluders(half))
+    kept = hide.remove_hidden(
+        np.arange(2, dtype=np.int32), 2, view, make_raster(view, view.rectangle[2:], 0), as_items(half), world,
+        np.ascontiguousarray(world[:, :3, 3]), np.linalg.norm(half, axis=1),
+    )  # fmt: skip
+    assert (hide.nearness is not NO_OCCLUDER) == worth
+    assert kept == (1 if worth else 2)
