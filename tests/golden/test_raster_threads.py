@@ -45,7 +45,7 @@ class Placing:
 def test_threads_make_way_then_spread_and_move_only_where_two_share_a_core(monkeypatch, on, spread):
     system = Placing(monkeypatch, on)
     threads = RasterThreads(software=True)
-    with threads.submitting(few_pixels=False):
+    with threads.submitting(placed=True):
         (left,) = {frozenset(cores) for cores in system.allowed.values()}
         assert len(left) == 1
     assert system.allowed == spread
@@ -68,7 +68,7 @@ def test_nothing_is_demanded_elsewhere(monkeypatch, on, cores, software, few):
     """A graphics card, few pixels, one core, threads of another number, many cores, no threads."""
     system = Placing(monkeypatch, on, cores)
     threads = RasterThreads(software=software)
-    with threads.submitting(few_pixels=few):
+    with threads.submitting(placed=not few):
         pass
     threads.free()
     assert not system.demands
@@ -77,12 +77,12 @@ def test_nothing_is_demanded_elsewhere(monkeypatch, on, cores, software, few):
 def test_a_thread_that_ended_leaves_the_others_free(monkeypatch):
     system = Placing(monkeypatch, {7: 0, 8: 1})
     threads = RasterThreads(software=True)
-    with threads.submitting(few_pixels=False):
+    with threads.submitting(placed=True):
         del system.on[7]
         monkeypatch.setattr(raster_threads, "_core_of", lambda thread: system.on.get(thread, -1))
     assert system.allowed[8] == {0, 1}
     system.demands.clear()
-    with threads.submitting(few_pixels=False):
+    with threads.submitting(placed=True):
         pass
     assert not system.demands
 

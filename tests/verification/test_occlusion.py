@@ -142,7 +142,7 @@ def test_the_outline_does_not_grow_with_the_wall():
 
 @pytest.mark.parametrize(("half_px", "worth"), [(4.0, False), (4.5, True)])
 def test_a_box_of_less_than_two_blocks_is_not_drawn_as_an_occluder(half_px, worth):
-    """Half its diagonal, of 5.7 or 6.4 px, against two blocks of 3 px; then nothing is asked, and nothing removed."""
+    """Half its diagonal, of 5.7 or 6.4 px, against two blocks of 3 px; then nothing is tested, and nothing removed."""
     view = view_of((0.0, 0.0, 10.0), (0.0, 0.0, 0.0), (960, 540))
     metre = 54.0
     half = np.array([[half_px / metre, half_px / metre, 1e-6], [1e-3, 1e-3, 1e-3]])

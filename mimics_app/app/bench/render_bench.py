@@ -41,6 +41,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "scale75": {"scale": 0.75},
     "noaa": {"msaa": 0, "fxaa": False},
     "feedback": {"skinning": "feedback"},
+    "freethreads": {"place_threads": False},
     "osmesa": {},
 }
 """Changes of the settings by the words of `--opt`."""

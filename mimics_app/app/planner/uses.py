@@ -365,6 +365,7 @@ NOT_PLANNED: Mapping[str, str] = {
     "culling": "the faster one depends on the view: the renderer counts the items of each scene",
     "frame of nodes": "culling, measured in whole frames",
     "frame of triangles": "level of detail, measured in whole frames",
+    "raster threads": "the renderer places them wherever that was measured to pay",
     "loop scheduling": "the first recipe that the system grants runs",
     "model reading": "kinds of files, not rivals",
     "haptic tick": "the whole tick, by the tunnel projection that is chosen",

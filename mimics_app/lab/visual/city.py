@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,20 +45,26 @@ def _city() -> World:
     return world
 
 
-def _view(number: int) -> View:
+def _view(number: int, size: tuple[int, int]) -> View:
     eye, target = (np.array(point) for point in _PLACES[number % len(_PLACES)])
-    return View(compose_look_at(eye, target), (-_SIDE, _SIDE, -_UP, _UP), (0, 0, *_SIZE), 0.15, 3000.0)
+    return View(compose_look_at(eye, target), (-_SIDE, _SIDE, -_UP, _UP), (0, 0, *size), 0.15, 3000.0)
 
 
-def city_us(settings: RenderSettings) -> float:
-    """Return the cost of a frame of the city [us], the mean over the viewpoints."""
-    return frame_us(_city(), _SIZE, settings, _view, len(_PLACES))
+def city_us(settings: RenderSettings, size: tuple[int, int] = _SIZE, frames: int = len(_PLACES)) -> float:
+    """Return the cost of a frame of the city [us], the mean over the viewpoints in turn.
+
+    Args:
+        settings: Settings of the renderer.
+        size: Size of the picture [px].
+        frames: Number of frames of a run.
+    """
+    return frame_us(_city(), size, settings, partial(_view, size=size), frames)
 
 
 def city_pictures(settings: RenderSettings, whole: RenderSettings) -> Iterator[tuple[Picture, Picture]]:
     """Yield the display values at each viewpoint by two settings, [height, width, 4] each."""
     for number in range(len(_PLACES)):
-        view = _view(number)
+        view = _view(number, _SIZE)
         yield show_picture(_city(), _SIZE, settings, view), show_picture(_city(), _SIZE, whole, view)
 
 

@@ -84,6 +84,8 @@ class RenderSettings:
         culling: Method of frustum culling; the picture is the same.
         skinning: Where skinned meshes are deformed; the picture is the same.
         stereo: Passes of two eyes, see `StereoPasses`; two passes where the driver or a shader allows no other.
+        place_threads: True places a software rasteriser's threads on the cores (`RasterThreads`); the picture is the
+            same.
         timer: True measures GPU times, where the driver can.
     """
 
@@ -113,6 +115,7 @@ class RenderSettings:
     culling: Culling = "auto"
     skinning: BendBy = "processor"
     stereo: StereoPasses = "clip_distance"
+    place_threads: bool = True
     timer: bool = False
 
     def __post_init__(self) -> None:

@@ -40,13 +40,13 @@ class RasterThreads:
             self._core_of_caller = ctypes.CDLL(None).sched_getcpu
 
     @contextmanager
-    def submitting(self, *, few_pixels: bool) -> Iterator[None]:
+    def submitting(self, *, placed: bool) -> Iterator[None]:
         """Leave its core to the caller, who submits; then spread the threads over all cores, while it waits for them.
 
         Args:
-            few_pixels: True for a picture of few pixels, which is drawn before that is worth it.
+            placed: False leaves them to the system, as for a picture of few pixels, which costs less than placing them.
         """
-        if few_pixels or not self._threads:
+        if not (placed and self._threads):
             yield
             return
         kept = self._core_of_caller()
