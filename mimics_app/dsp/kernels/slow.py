@@ -26,8 +26,11 @@ _BACK, _LEAST_BACK = 0.02, 0.03
 _SHORTEST_RESPONSE, _LONGEST_RESPONSE = 0.3, 8.0
 """Range of the rise time, from onset to peak [s]."""
 
-_WAY_BACK = 0.2
+_WAY_BACK = 0.35
 """Return that confirms an extremum, as a share of the mean depth of a breath."""
+
+_SETTLES, _FIRST = 0.5, 5.0
+"""Settling time of the filter, and time at whose end the range of the signal is the first mean depth [s]."""
 
 _NOTHING = 1e-9
 """Smallest return, in a signal at rest [its unit]."""
@@ -101,8 +104,21 @@ def find_responses(
 
 
 @kernel
+def _first_range(n: float, value: float, state: Floats, rate: float) -> bool:
+    """Take the range of the first seconds as the first mean depth; return whether they last."""
+    if n < _SETTLES * rate:
+        state[LOW], state[HIGH] = value, value
+    elif n < _FIRST * rate:
+        state[LOW], state[HIGH] = min(state[LOW], value), max(state[HIGH], value)
+        state[SIZE] = state[HIGH] - state[LOW]
+    elif n < _FIRST * rate + 1.0:  # in the middle of a breath: its crest comes first
+        state[RISING], state[HIGH], state[HIGH_T] = 1.0, value, n
+    return n < _FIRST * rate
+
+
+@kernel
 def find_breaths(x: Floats, sos: Floats, z: Floats, state: Floats, rate: float, out: Floats) -> int:
-    """Write the breaths found: trough, crest and next trough, each confirmed by a return of a fifth of the mean depth.
+    """Write the breaths found: trough, crest and next trough, each confirmed by a return of a third of the mean depth.
 
     Args:
         x: Samples, shape [n].
@@ -121,10 +137,10 @@ def find_breaths(x: Floats, sos: Floats, z: Floats, state: Floats, rate: float, 
         value = run_sections(_held(x[i], state, sos, z, rate), sos, z)
         n = state[N]
         state[N] += 1.0
-        if n < 0.5 * rate:
-            state[LOW], state[HIGH] = value, value
+        if _first_range(n, value, state, rate):
             continue
-        back = _WAY_BACK * state[SIZE] + _NOTHING
+        usual = state[SIZE] if state[SIZE] > 0.0 else state[HIGH] - state[LOW]
+        back = _WAY_BACK * usual + _NOTHING
         if state[RISING] == 0.0:
             if value < state[LOW]:
                 state[LOW], state[LOW_T] = value, n
