@@ -66,6 +66,15 @@ class Rhythm:
         """Note that contact was lost: the next beat has no interval."""
         self._last, self._pending, self._after_pause = None, None, True
 
+    def forget(self, since_s: float) -> None:
+        """Drop the intervals that ended after a time [s]."""
+        while self._normal and self._normal[-1][0] > since_s:
+            self._normal.pop()
+            self._table = None
+        self._pending, self._after_pause = None, True
+        self._recent.clear()
+        self._jumps.clear()
+
     def _judge(self, first: tuple[float, float], second: tuple[float, float]) -> tuple[float, float] | None:
         """Classify an interval now that the next one is known, and return the one to be classified next."""
         usual = float(np.median(self._recent)) if len(self._recent) >= 3 else first[1]

@@ -41,12 +41,26 @@ __all__ = ["ECG_STATE", "MISSING", "NPK", "SPK", "EnergyDetector", "Filters", "f
     UPPER,
     BEGIN,
     FOUND,
-) = range(RHYTHM, RHYTHM + 19)
-ECG_STATE = RHYTHM + 19
+    SAME,
+    FAR,
+    FAR_T,
+) = range(RHYTHM, RHYTHM + 22)
+ECG_STATE = RHYTHM + 22
 """Length of the state vector: the rhythm, signal level and noise level, candidate and its energy, running sum of
-squares, best rejected candidate, samples seen, last valid input, consecutive NaN, whether the levels are learnt,
-candidates kept until then, means of the second and fourth power of the lower and of the upper band, share of the upper
-band in the filtered signal, sample at which the learning phase began, beats found in the newest samples."""
+squares, best rejected candidate, samples seen, last valid input, consecutive missing samples, whether the levels are
+learnt, candidates kept until then, means of the second and fourth power of the lower and of the upper band, share of
+the upper band in the filtered signal, sample at which the learning phase began, beats found in the newest samples,
+consecutive samples of one value, peaks in succession that are far above a signal level that faded in noise, and sample
+of the last of them."""
+
+_FLAT_S = 2.0
+"""Time after which samples of one value are as good as missing [s]: a flat line is no heart at rest."""
+_FORGET_S = 30.0
+"""Time without a signal after which the levels are learnt anew [s]: the electrode may lie elsewhere."""
+
+_FAR, _FAR_UNCLEAR, _FAR_COUNT, _FAR_S = 6.0, 3.0, 3.0, 3.0
+"""So many peaks, each above so many signal levels and within so many seconds of the one before, are the heart again,
+where the levels had faded to the noise: their ratio is below the second figure."""
 
 _NEVER = 10.0
 """Time since the last beat that is assumed before the first one [s]."""
@@ -154,20 +168,7 @@ def find_beats(x: Floats, filters: Filters, detector: EnergyDetector, wide: Floa
     w, m = int(_TUNING.window_s * rate), ring.shape[0]
     state[FOUND] = 0.0
     for i in range(x.shape[0]):
-        value = x[i]
-        if np.isnan(value):
-            state[MISSING] += 1.0
-            value = state[HELD]
-        else:
-            if state[MISSING] > 0.5 * rate or state[MISSING] == state[N]:
-                for band in range(sos.shape[0]):
-                    settle_sections(value, sos[band], z[band])
-                if state[LEARNT] == 0.0:
-                    state[LAST], state[BEGIN], state[KEPT] = -1.0, state[N], 0.0
-                else:
-                    state[LAST] = state[N]
-            state[MISSING] = 0.0
-            state[HELD] = value
+        value = _next_value(x[i], filters, state, rate)
         wide[i] = run_sections(value, sos[2], z[2])
         value = _blend(run_sections(value, sos[0], z[0]), run_sections(value, sos[1], z[1]), state, rate)
         n = int(state[N])
@@ -179,6 +180,26 @@ def find_beats(x: Floats, filters: Filters, detector: EnergyDetector, wide: Floa
             delay = filters.delays[0] + state[UPPER] * (filters.delays[1] - filters.delays[0])
             _follow(n, np.sqrt(state[SUM] / w), delay, detector)
     return int(state[FOUND])
+
+
+@kernel
+def _next_value(value: float, filters: Filters, state: Floats, rate: float) -> float:
+    """Return the sample, or the last valid one where it is missing; after a gap filters and rhythm begin anew."""
+    state[SAME] = state[SAME] + 1.0 if value == state[HELD] else 0.0
+    if np.isnan(value) or state[SAME] > _FLAT_S * rate:
+        state[MISSING] += 1.0
+        return state[HELD]
+    gap = state[MISSING]
+    if gap > 0.5 * rate or gap == state[N]:
+        for band in range(filters.sos.shape[0]):
+            settle_sections(value, filters.sos[band], filters.z[band])
+        if state[LEARNT] == 0.0 or gap > _FORGET_S * rate:
+            state[LAST], state[BEGIN], state[KEPT], state[LEARNT] = -1.0, state[N], 0.0, 0.0
+            state[SPK], state[NPK], state[RR], state[BACK_V] = 0.0, 0.0, 0.0, 0.0
+        else:
+            state[LAST] = state[N]
+    state[MISSING], state[HELD] = 0.0, value
+    return value
 
 
 @kernel
@@ -224,7 +245,8 @@ def _follow(n: int, energy: float, delay: float, detector: EnergyDetector) -> No
         if state[BACK_V] > threshold:
             _accept(int(state[BACK_T]), state[BACK_V], n, delay, detector)
         state[BACK_V] = 0.0
-    if n - max(state[LAST], state[BEGIN] + learn) > 2.0 * rate:  # no beat for so long: the amplitude has dropped
+    quiet = n - max(state[LAST], state[BEGIN] + learn) > 2.0 * rate
+    if quiet and state[MISSING] == 0.0:  # no beat for so long: the amplitude has dropped
         state[SPK] *= 1.0 - _TUNING.fade_per_s / rate
 
 
@@ -263,11 +285,25 @@ def _judge(t: int, v: float, n: int, delay: float, detector: EnergyDetector) -> 
     factor = _TUNING.due + (_TUNING.after - _TUNING.due) * max(1.0 - share / _TUNING.decay, 0.0)
     factor = max(factor + _rhythm(off_beat(t, share, state), state), _LEAST_FACTOR)
     if v > state[NPK] + factor * (state[SPK] - state[NPK]):
+        _rise_from_noise(t, v, state, rate)
         _accept(t, v, n, delay, detector)
         return
     state[NPK] += _TUNING.noise_weight * (min(v, _NOISE_CAP * state[SPK]) - state[NPK])
     if v > state[BACK_V] and since > T_WAVE * rate:
         state[BACK_V], state[BACK_T] = v, t
+
+
+@kernel
+def _rise_from_noise(t: int, v: float, state: Floats, rate: float) -> None:
+    """Set the signal level anew where an electrode is back after noise in which it had faded to nothing."""
+    again = state[FAR] > 0.0 and t - state[FAR_T] < _FAR_S * rate
+    faded = again or state[SPK] < _FAR_UNCLEAR * state[NPK]
+    if not faded or v < _FAR * state[SPK]:
+        return
+    state[FAR] = state[FAR] + 1.0 if again else 1.0
+    state[FAR_T] = t
+    if state[FAR] >= _FAR_COUNT:
+        state[SPK], state[FAR] = v, 0.0
 
 
 @kernel
