@@ -13,6 +13,7 @@ from mimics_app.dsp.resp import Resp
 from mimics_app.dsp.rhythm import Rhythm
 from mimics_app.dsp.spectrum import band_power
 from tests.support.body_signals import f1, feed
+from tests.support.heart import WAVES, heart
 
 Floats = NDArray[np.float64]
 RATE = 100.0
@@ -77,19 +78,6 @@ def test_the_share_of_long_steps() -> None:
     assert found["pnn50"] == pytest.approx(200.0 / 3.0, abs=2.0)
     assert found["rmssd"] == pytest.approx(60.0 * np.sqrt(2.0 / 3.0), rel=0.02)
     assert found["sdnn"] == pytest.approx(60.0 * np.sqrt(2.0) / 3.0, rel=0.03)
-
-
-WAVES = ((-0.17, 0.12, 0.025), (-0.03, -0.12, 0.010), (0.0, 1.0, 0.011), (0.03, -0.2, 0.011), (0.26, 0.28, 0.05))
-"""P, Q, R, S, T: time from the R peak [s], height [mV], width [s]."""
-
-
-def heart(beats: Floats, rate: float, seconds: float, waves: tuple[tuple[float, float, float], ...] = WAVES) -> Floats:
-    """An ECG with beats at given times."""
-    t, values = np.arange(round(seconds * rate)) / rate, np.zeros(round(seconds * rate))
-    for place, height, width in waves:
-        for at in beats + place:
-            values += height * np.exp(-0.5 * ((t - at) / width) ** 2)
-    return values + 0.005 * np.random.default_rng(2).standard_normal(len(t))
 
 
 @pytest.mark.parametrize("rate", [128.0, 250.0, 500.0, 1000.0])

@@ -44,14 +44,20 @@ __all__ = ["ECG_STATE", "MISSING", "NPK", "SPK", "EnergyDetector", "Filters", "f
     SAME,
     FAR,
     FAR_T,
-) = range(RHYTHM, RHYTHM + 22)
-ECG_STATE = RHYTHM + 22
+    PAIRS,
+    PAIRED,
+    LAST_V,
+    HELD_T,
+    HELD_V,
+) = range(RHYTHM, RHYTHM + 27)
+ECG_STATE = RHYTHM + 27
 """Length of the state vector: the rhythm, signal level and noise level, candidate and its energy, running sum of
 squares, best rejected candidate, samples seen, last valid input, consecutive missing samples, whether the levels are
 learnt, candidates kept until then, means of the second and fourth power of the lower and of the upper band, share of
 the upper band in the filtered signal, sample at which the learning phase began, beats found in the newest samples,
 consecutive samples of one value, peaks in succession that are far above a signal level that faded in noise, and sample
-of the last of them."""
+of the last of them, share of the beats that a second peak follows, whether one followed the last beat, its energy, peak
+that waits for a second one and its energy (0: none)."""
 
 _FLAT_S = 2.0
 """Time after which samples of one value are as good as missing [s]: a flat line is no heart at rest."""
@@ -76,6 +82,13 @@ _MOST_GAIN = 8.0
 """Largest gain that scales the upper band to the amplitude of the lower one."""
 _LEAST_FACTOR = 0.1
 """Smallest threshold between the noise level (0) and the signal level (1), however well a peak is in time."""
+
+
+_PAIR_FROM, _PAIR_SIZE = 0.11, 0.5
+"""A second peak later than this after a beat [s], within the refractory time, and at least so large a share of it in
+energy is the QRS behind a P wave that is as steep: no T wave is."""
+_PAIR_FOLLOW, _MOSTLY_PAIRS = 0.25, 0.75
+"""Weight of a beat in the share of pairs, and share from which on a peak waits for the second one."""
 
 
 class _Tuning(NamedTuple):
@@ -238,6 +251,7 @@ def _follow(n: int, energy: float, delay: float, detector: EnergyDetector) -> No
             _keep(t, v, state, detector.kept)
         else:
             _judge(t, v, n, delay, detector)
+    _end_wait(n, delay, detector)
     if n - state[BEGIN] >= learn and state[LEARNT] == 0.0:
         _learn(n, delay, detector)
     if state[RR] > 0.0 and state[BACK_V] > 0.0 and n - state[LAST] > _TUNING.late * state[RR]:
@@ -277,7 +291,16 @@ def _learn(n: int, delay: float, detector: EnergyDetector) -> None:
 def _judge(t: int, v: float, n: int, delay: float, detector: EnergyDetector) -> None:
     """Classify a peak of the energy as a beat or as noise."""
     state, rate = detector.state, detector.rate
+    if state[HELD_V] > 0.0:
+        if _is_second(t - state[HELD_T], v, state[HELD_V], rate):
+            _note_pair(1.0, state)
+            state[HELD_V] = 0.0
+            _accept(t, v, n, delay, detector)
+        return
     since = t - state[LAST] if state[LAST] >= 0.0 else _NEVER * rate
+    if state[PAIRED] == 0.0 and _is_second(since, v, state[LAST_V], rate):
+        state[PAIRED] = 1.0
+        _note_pair(1.0, state)
     if since < _TUNING.refractory_s * rate:
         return
     expected = state[RR] if state[RR] > 0.0 else USUAL_RR * rate
@@ -286,11 +309,45 @@ def _judge(t: int, v: float, n: int, delay: float, detector: EnergyDetector) -> 
     factor = max(factor + _rhythm(off_beat(t, share, state), state), _LEAST_FACTOR)
     if v > state[NPK] + factor * (state[SPK] - state[NPK]):
         _rise_from_noise(t, v, state, rate)
-        _accept(t, v, n, delay, detector)
+        _accept_or_wait(t, v, n, delay, detector)
         return
     state[NPK] += _TUNING.noise_weight * (min(v, _NOISE_CAP * state[SPK]) - state[NPK])
     if v > state[BACK_V] and since > T_WAVE * rate:
         state[BACK_V], state[BACK_T] = v, t
+
+
+@kernel
+def _is_second(since: float, v: float, first: float, rate: float) -> bool:
+    """Return whether a peak is the QRS behind a P wave that was taken for the beat."""
+    return _PAIR_FROM * rate < since < _TUNING.refractory_s * rate and v > _PAIR_SIZE * first > 0.0
+
+
+@kernel
+def _note_pair(share: float, state: Floats) -> None:
+    state[PAIRS] += _PAIR_FOLLOW * (share - state[PAIRS])
+
+
+@kernel
+def _accept_or_wait(t: int, v: float, n: int, delay: float, detector: EnergyDetector) -> None:
+    """Take a peak as a beat, or wait for the second one where most beats are pairs."""
+    state = detector.state
+    if state[PAIRED] == 0.0:
+        _note_pair(0.0, state)
+    if state[PAIRS] > _MOSTLY_PAIRS:
+        state[HELD_T], state[HELD_V] = t, v
+        return
+    _accept(t, v, n, delay, detector)
+    state[PAIRED], state[LAST_V] = 0.0, v
+
+
+@kernel
+def _end_wait(n: int, delay: float, detector: EnergyDetector) -> None:
+    """Take the peak that waits as the beat when no second one came."""
+    state = detector.state
+    if state[HELD_V] > 0.0 and n - state[HELD_T] > (_TUNING.refractory_s + _TUNING.hold_s) * detector.rate:
+        _note_pair(0.0, state)
+        v, state[HELD_V] = state[HELD_V], 0.0
+        _accept(int(state[HELD_T]), v, n, delay, detector)
 
 
 @kernel
