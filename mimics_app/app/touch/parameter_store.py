@@ -135,7 +135,7 @@ class ParameterStore:
             self._publish()
         return changed
 
-    def order(self, values: Mapping[str, object], *, of_task: bool = False) -> list[str]:
+    def order(self, values: Mapping[str, object], *, of_task: bool = False) -> dict[str, str]:
         """Set what may be set of a task's, a scenario's or a plug-in's values; what may not ends that order, not the run.
 
         Args:
@@ -143,10 +143,10 @@ class ParameterStore:
             of_task: Whether they come from the task manager.
 
         Returns:
-            A line for each value that was refused.
+            Why a value was refused, by its name.
         """
         may = _OF_TASK if of_task else _OF_SCENE
-        refused: list[str] = []
+        refused: dict[str, str] = {}
         try:
             changed = self._write(values, may)
         except UsageError:
@@ -155,7 +155,7 @@ class ParameterStore:
                 try:
                     changed |= self._write({name: value}, may)
                 except UsageError as error:
-                    refused.append(error.what)
+                    refused[name] = error.what
         if changed:
             self._publish()
         return refused
