@@ -77,7 +77,7 @@ RANGES: Mapping[str, Mapping[str, Range]] = {
         "orientation": _built(-2.0, 2.0),
         "size": _built(0.0, 1e3, "m"),
         "rounding": _built(0.0, 1e3, "m"),
-        "stiffness": _STIFFNESS,
+        "stiffness": Range(1e-6, 1e6, "N/m"),
         "damping": _OBJECT_DAMPING,
         "exponent": Range(0.0, 3.0),
         "friction_static": Range(0.0, 100.0),

@@ -101,7 +101,9 @@ def _writable(store: ParameterStore, names: Any) -> list[tuple[str, float, float
     for table, fields in RANGES.items():
         for entity in names.get(table, {}):
             found += [(table, f"{entity}.", name, each) for name, each in fields.items() if each.written]
-    return [(f"{table}.{entity}{name}" if table else name, each.least, each.most) for table, entity, name, each in found]
+    return [
+        (f"{table}.{entity}{name}" if table else name, each.least, each.most) for table, entity, name, each in found
+    ]
 
 
 @pytest.mark.parametrize("scene", ["pick_and_place", "examples/path_tunnel", "examples/shaking_and_sticking"])

@@ -51,7 +51,12 @@ def _state(store: ParameterStore) -> tuple[Any, ...]:
 def _writable() -> list[tuple[str, Any]]:
     of_scene = [(name, each) for name, each in SCENE_RANGES.items() if each.written]
     own = [(f"tunnel.{name}", each) for name, each in RANGES["tunnels"].items() if each.written]
-    rows = [(f"{table}.one.{name}", each) for table, fields in RANGES.items() for name, each in fields.items() if each.written]
+    rows = [
+        (f"{table}.one.{name}", each)
+        for table, fields in RANGES.items()
+        for name, each in fields.items()
+        if each.written
+    ]
     return of_scene + own + rows
 
 
@@ -90,7 +95,7 @@ def test_each_name_takes_both_of_its_ends_and_nothing_beyond(name: str, span: An
     shape = np.shape(records[0][field])
     for beyond in (span.least - 1e-3 * max(1.0, abs(span.least)), 2.0 * span.most + 1.0, math.nan, math.inf, -math.inf):
         before = _state(store)
-        for value in ({beyond} if not shape else [np.append(np.zeros(shape[0] - 1), beyond)]):
+        for value in {beyond} if not shape else [np.append(np.zeros(shape[0] - 1), beyond)]:
             with pytest.raises(UsageError, match="is refused"):
                 store.change({name: value})
         assert _state(store) == before

@@ -173,17 +173,23 @@ class ParameterStore:
         """
         for name, value in values.items():
             self._check(name.removeprefix(_PREFIX), value, may)
-        before = {name: [record[field].copy() for record in records]
-                  for name, (records, field) in ((name, self._find(name)) for name in values)}  # fmt: skip
+        before = {name: self._present(name) for name in values}
+        revision = int(self._block[0]["objects"]["revision"])
         changed = any([self._set(name, value) for name, value in values.items()])
         if changed:
             try:
                 check_values(self._block, self._rows)
             except ValueError as error:
+                self._block[0]["objects"]["revision"] = revision
                 self._restore(before)
                 raise UsageError(f"{', '.join(values)} cannot be set: {error}") from None
         self._ordered.update(values)
         return changed
+
+    def _present(self, name: str) -> list[Any]:
+        """Return copies of a value, one for each row of the name."""
+        records, field = self._find(name)
+        return [record[field].copy() for record in records]
 
     def _restore(self, values: Mapping[str, list[Any]]) -> None:
         for name, kept in values.items():

@@ -361,7 +361,9 @@ def act(
         rise, most = scene.force_rate_limit * dt, scene.force_limit
         if is_stopped(state):
             fill(f, 0.0)
-        elif not limit_force(state.f_wanted, state.ramp, most, rise, state.v_world, scene.power_limit, f, acting.limited):
+        elif not limit_force(
+            state.f_wanted, state.ramp, most, rise, state.v_world, scene.power_limit, f, acting.limited
+        ):
             latch(state, SafetyState.SAFE_STOP, TripCause.NOT_FINITE)
     _book(state)
     if is_stopped(state):

@@ -255,9 +255,7 @@ def _control_motion(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt
 def _limit_drive(scene: SceneRecord, point: StateRecord, dt: float, wanted: Vec) -> None:
     """Move f_command towards `wanted` [N] within the limits of the force on the user."""
     rise = scene.force_rate_limit * dt
-    if not limit_force(
-        wanted, 1.0, scene.force_limit, rise, point.v, scene.power_limit, point.f_command, point.work_b
-    ):
+    if not limit_force(wanted, 1.0, scene.force_limit, rise, point.v, scene.power_limit, point.f_command, point.work_b):
         copy(wanted, point.f_command)  # not finite: the caller stops
 
 
