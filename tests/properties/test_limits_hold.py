@@ -86,7 +86,7 @@ BRAKE_TIME = 0.05
 
 @kernel
 def _change(force, last):
-    """Distance of a force from the nearest between zero and the last one [N]: of its change, the part that no fall is."""
+    """Distance of a force from the nearest one between zero and the last [N]: what no fall explains."""
     square = last[0] ** 2 + last[1] ** 2 + last[2] ** 2
     along = force[0] * last[0] + force[1] * last[1] + force[2] * last[2]
     kept = min(1.0, max(0.0, along / square)) if square > 0.0 else 0.0

@@ -161,7 +161,7 @@ def test_stop_key_takes_the_force_off_the_device_within_two_ticks():
 
 @pytest.mark.parametrize(("drive", "limit", "rate"), [(200.0, 15.0, 2000.0), (200.0, 60.0, 300.0), (5.0, 60.0, 2000.0)])
 def test_a_drive_to_the_start_keeps_the_limits_of_the_force_on_the_person(drive: float, limit: float, rate: float):
-    """Force, its change and its power, although the drive itself may be stronger; whoever holds the handle is not pulled."""
+    """Force, its change and its power, although the drive itself may be stronger."""
     bench = bench_of(build_device(Robot(device="simulated_impedance"), Patient(intent=False), seed=3), straight=None)
     values = impedance_values(Impedance(drive_stiffness=2e4, drive_damping=200.0, drive_force=drive))
     bench.publish(**values | {"controller": Controller.WORLD_PD, "target": (0.1, 0.08, -0.08)})

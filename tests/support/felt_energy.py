@@ -24,7 +24,7 @@ def paid(samples: Any, limits: Any, viscosity: Any = 0.0) -> np.ndarray:
     Args:
         samples: SAMPLE rows.
         limits: SCENE record.
-        viscosity: Damping of the virtual mass, a share of whose losses flows into the tank [N s/m]; a number, or one for each.
+        viscosity: Damping of the virtual mass, a share of whose losses flows into the tank [N s/m]; one, or one each.
     """
     speed = np.linalg.norm(samples["v_virtual"], axis=1)
     inflow = limits["tank_refill"] + limits["tank_return"] * viscosity * speed**2

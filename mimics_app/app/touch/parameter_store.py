@@ -1,7 +1,7 @@
 """Parameter store: the current haptic parameters, changed by dotted name and published as whole blocks.
 
 What may be written while a session runs is a closed list: the numbers of `contracts.field_ranges` that are marked as
-written, each within its range; by the task manager also controller and trial. A stop is left by a person alone (`reset`).
+written, each within its range; by the task manager also controller and trial. A person alone leaves a stop (`reset`).
 """
 
 from __future__ import annotations
@@ -136,7 +136,7 @@ class ParameterStore:
         return changed
 
     def order(self, values: Mapping[str, object], *, of_task: bool = False) -> dict[str, str]:
-        """Set what may be set of a task's, a scenario's or a plug-in's values; what may not ends that order, not the run.
+        """Set what may be set of the values of a task or a plug-in; the rest is refused, and the run goes on.
 
         Args:
             values: Values by dotted name.

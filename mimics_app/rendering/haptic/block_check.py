@@ -9,7 +9,7 @@ import numpy as np
 from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.bounded_fields import largest_values
 from mimics_app.contracts.field_ranges import RANGES, SCENE_RANGES, Range
-from mimics_app.contracts.haptic import LIMIT_NAMES
+from mimics_app.contracts.haptic import LIMIT_NAMES, SCENE
 from mimics_app.contracts.haptic_objects import STATIC, ShapeKind
 from mimics_app.contracts.loop_fields import MAX_CONTACTS
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, count_rows
@@ -64,8 +64,19 @@ def check_values(scene: Records, rows: Rows | None) -> None:
         ValueError: A number is not finite, a limit negative, a number outside its range, a rotation none, a shape
             without size, or a surface that would add energy.
     """
-    record = scene[0]
-    for name in _float_fields(scene.dtype):
+    _check_scene(scene[0])
+    if rows is None:
+        return
+    used = count_rows(scene[0]["objects"])
+    check_shapes(rows.shapes[: used["shapes"]])
+    check_points(rows.points[: used["points"]])
+    for table in (table for table, count in used.items() if count):
+        for name, span in RANGES[table].items():
+            _check_range_of_rows(f"{table}[{{}}].{name}", getattr(rows, table)[name][: used[table]], span)
+
+
+def _check_scene(record: np.void) -> None:
+    for name in _float_fields(SCENE):
         if not np.all(np.isfinite(record[name])):
             raise ValueError(f"SCENE.{name} is not finite")
     for name in _NOT_NEGATIVE:
@@ -77,14 +88,6 @@ def check_values(scene: Records, rows: Rows | None) -> None:
         raise ValueError(f"SCENE.ball_radius_min is {record['ball_radius_min']}; it must not be above ball_radius_max")
     if np.linalg.norm(record["R_world_from_robot"], 2) > 1.0 + _ROTATION_TOLERANCE:
         raise ValueError("SCENE.R_world_from_robot is not a rotation: it would amplify forces")
-    if rows is None:
-        return
-    used = count_rows(record["objects"])
-    check_shapes(rows.shapes[: used["shapes"]])
-    check_points(rows.points[: used["points"]])
-    for table in (table for table, count in used.items() if count):
-        for name, span in RANGES[table].items():
-            _check_range_of_rows(f"{table}[{{}}].{name}", getattr(rows, table)[name][: used[table]], span)
 
 
 def _check_range_of_rows(name: str, column: Records, span: Range) -> None:

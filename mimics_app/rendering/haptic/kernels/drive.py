@@ -217,7 +217,7 @@ def _velocities_finite(scene: SceneRecord, states: Table[StateRecord]) -> bool:
 
 @kernel
 def _keep_speed(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> None:
-    """Scale dq_virtual to `max_velocity` at every point, after all that changes it: limits of joints turn the motion."""
+    """Scale dq_virtual to `max_velocity` at every point, after all that changes it: joint limits turn the motion."""
     state, work = states[0], states[0].joint_work
     velocities_of(kin, scene, state.q, state.dq_virtual, work, work.velocities)
     share = _share_below(scene, work.velocities, scene.max_velocity * (1.0 + _ROUNDING))

@@ -139,7 +139,7 @@ def limit_force(
 
 @kernel
 def lever_of(jacobian: Vec, rows: int, joints: int, joint: int) -> float:
-    """Lever arm of a joint to the points of contact [m, or 1 for a joint that shifts them]: their way per its motion."""
+    """Lever arm of a joint to the points of contact, their way per its motion [m; 1 for a joint that shifts them]."""
     square = 0.0
     for row in range(rows):
         square += jacobian[row * joints + joint] ** 2
