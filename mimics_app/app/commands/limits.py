@@ -6,8 +6,6 @@ import argparse
 from collections.abc import Iterator, Mapping
 
 from mimics_app.app.terminal.output import answer
-from mimics_app.app.terminal.user_files import config_file
-from mimics_app.app.touch.ceilings import CEILINGS, FILE, read_ceiling, set_ceiling
 from mimics_app.contracts.errors import OutputError, UsageError
 
 __all__ = ["add_arguments", "run"]
@@ -27,6 +25,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Set a ceiling or put one back, and print those in force."""
+    from mimics_app.app.terminal.user_files import config_file
+    from mimics_app.app.touch.ceilings import CEILINGS, FILE, read_ceiling
+
     if args.reset == (args.value is not None) and (args.name or args.reset):
         raise UsageError("name a limit with a value, or with --reset", "mimics limits force_limit 60")
     if args.reset and args.name is None:
@@ -44,6 +45,9 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _keep(name: str, value: float | None) -> None:
+    from mimics_app.app.terminal.user_files import config_file
+    from mimics_app.app.touch.ceilings import CEILINGS, FILE, read_ceiling, set_ceiling
+
     set_ceiling(name, value)
     wanted = CEILINGS[name].conservative if value is None else value
     if read_ceiling()[name] != wanted:
@@ -51,6 +55,9 @@ def _keep(name: str, value: float | None) -> None:
 
 
 def _lines(ceiling: Mapping[str, float]) -> Iterator[str]:
+    from mimics_app.app.terminal.user_files import config_file
+    from mimics_app.app.touch.ceilings import CEILINGS, FILE
+
     yield f"Ceiling of this machine for the limits of every scene ({config_file(FILE)})"
     for name, bound in CEILINGS.items():
         side = "at least" if bound.is_floor else "at most"
