@@ -105,7 +105,9 @@ def _notes_on_limits(scene: Scene) -> list[str]:
     from mimics_app.scenarios.parts.robot_scene import robot_block
     from mimics_app.world.components.robot import Robot
 
-    return list(hold_limits(robot_block(scene), read_ceiling()).notes) if scene.components(Robot) else []
+    if not scene.components(Robot):
+        return []
+    return list(hold_limits(robot_block(scene), read_ceiling()).notes)
 
 
 def _check_devices(scene: Scene) -> None:

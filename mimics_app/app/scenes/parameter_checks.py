@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 
 from mimics_app.app.touch.haptic_side import HapticSide
 from mimics_app.app.touch.parameter_store import ParameterStore
-from mimics_app.contracts.errors import Issue, UsageError
+from mimics_app.contracts.errors import DeviceError, Issue, UsageError
 from mimics_app.rendering.haptic.block_check import check_values
 from mimics_app.scenarios.parts.robot_scene import robot_block
 from mimics_app.tasks.actions import settings_for
@@ -31,8 +31,10 @@ def check_parameters(scene: Scene) -> list[Issue]:
     """Return the faults of numbers that depend on each other, such as two friction coefficients of one surface."""
     if not scene.components(Robot):
         return []
-    side, block = HapticSide(scene), robot_block(scene)
-    block, rows, names = side.parameters(block)
+    try:
+        block, rows, names = HapticSide(scene).parameters(robot_block(scene))
+    except DeviceError:  # a device that does not exist is reported elsewhere
+        return []
     if rows is not None and names.get("tunnels"):
         block[0]["own_tunnel"] = names["tunnels"][own_tunnel(scene)][0]
     try:
