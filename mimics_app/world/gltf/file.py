@@ -230,7 +230,7 @@ def _turn_to_front(
 ) -> list[int]:
     if not skins:
         return roots
-    from mimics_app.world.gltf.front import turn_to_front
+    from mimics_app.world.gltf.looking_ahead import turn_to_front
 
     roots, way = turn_to_front(nodes, roots, skins, bones)
     if way:
