@@ -33,6 +33,7 @@ __all__ = ["GltfDocument", "GltfError", "load_gltf"]
 
 _SUPPORTED_EXTENSIONS = frozenset(
     {
+        "EXT_mesh_gpu_instancing",
         "KHR_audio_emitter",
         "KHR_lights_punctual",
         "KHR_materials_emissive_strength",
@@ -165,6 +166,7 @@ def _read(source: GltfSource) -> GltfDocument:
     meshes = GltfMeshes(source, accessors, materials).read_all()
     tree = GltfNodes(source, [mesh.farthest for mesh in meshes], [mesh.morphs for mesh in meshes])
     tree.read_all()
+    _expand_instances(source, accessors, tree.nodes)
     roots = tree.roots()
     skins, clips = (
         _read_skins(source, accessors, tree.nodes, meshes),
@@ -215,6 +217,14 @@ def _read_clips(
     from mimics_app.world.gltf.clips import GltfClips
 
     return GltfClips(source, accessors, nodes, meshes).read_all()
+
+
+def _expand_instances(source: GltfSource, accessors: GltfAccessors, nodes: list[GltfNode]) -> None:
+    if not any("extensions" in item for item in source.table("nodes")):
+        return
+    from mimics_app.world.gltf.instances import expand_instances
+
+    expand_instances(source, accessors, nodes)
 
 
 def _read_bones(source: GltfSource) -> dict[str, int]:
