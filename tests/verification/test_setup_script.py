@@ -346,11 +346,13 @@ def test_makefile_has_every_word() -> None:
 def test_automatic_check_ends_with_the_verdict_of_pytest(
     tmp_path: Path, verdict: str, code: int, fresh: int, passes: bool
 ) -> None:
-    """make says "Error 1" below a failure; whoever reads the last line wants pytest's. A fresh system may be red alone."""
+    """make says "Error 1" below a failure; the last line is pytest's. A fresh system may fail alone."""
     (tmp_path / ".ci").mkdir()
     shutil.copy(ROOT / ".ci" / "run", tmp_path / ".ci")
     shutil.copy(ROOT / "Makefile", tmp_path)
-    script = f'case $1 in test) echo "{verdict}"; exit {code} ;; fresh) echo "on a fresh system"; exit {fresh} ;; esac\n'
+    script = (
+        f'case $1 in test) echo "{verdict}"; exit {code} ;; fresh) echo "on a fresh system"; exit {fresh} ;; esac\n'
+    )
     (tmp_path / ".ci" / "dev.sh").write_text(script)
     done = subprocess.run([tmp_path / ".ci" / "run"], capture_output=True, text=True, check=False)
     assert (done.returncode == 0) == passes
