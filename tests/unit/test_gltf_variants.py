@@ -95,7 +95,7 @@ def test_rotation_keys_are_of_length_1_before_they_are_interpolated(tmp_path: Pa
             {
                 "name": "turn",
                 "samplers": [sampler],
-                "channels": [{"sampler": 0, "target": {"node": 0, "path": "rotation"}}],
+                "channels": [channel],
             }
         ],
     }
