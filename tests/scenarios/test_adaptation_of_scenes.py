@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -91,7 +92,12 @@ def test_duration_is_another() -> None:
 def test_the_avatar_goes_elsewhere() -> None:
     still, near = (Played(WALK, {"deed": deed}, 600) for deed in (3.0, 0.0))
     assert still.kinds["deed"] == "avatar"
-    assert near.visual["walk.avatar"] > still.visual["walk.avatar"] + 0.5
+    gaps = [math.dist(*(place(walk, who) for who in ("person", "avatar"))) for walk in (still, near)]
+    assert gaps[1] < gaps[0] - 0.5
+
+
+def place(played: Played, who: str) -> list[Any]:
+    return [played.visual[f"walk.{who}"], played.visual[f"walk.{who}_aside"]]
 
 
 @pytest.mark.parametrize("block", [0, 2])
