@@ -59,7 +59,8 @@ class Agent:
         """
         if result is None and reward is None:
             return None
-        propensity, values = 1.0, {}
+        propensity = 1.0
+        values: dict[str, float] = {}
         if reward is not None or not self._waits:
             self._learn(state, result, reward)
             propensity, values = self._act(now_ns)

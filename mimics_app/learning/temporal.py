@@ -20,7 +20,7 @@ _JUDGED = (len(_BINS) + 1) * 3
 STATES = _JUDGED + len(_THIRDS) + 1
 """Number of states: those after a trial, and the bins of the demand where a reward came without a trial."""
 _BEST = 2.0
-"""Rewards of 1 for ever, discounted by half: what is expected where no success is known, so that each action is tried."""
+"""Rewards of 1 for ever, discounted by half: first value where no success is known, so that each action is tried."""
 
 
 class _Table:
@@ -56,7 +56,7 @@ class _Table:
         return Choice(self._demand.copy(), chances[self._rows, self._move])
 
     def _chances(self, state: np.ndarray) -> F8:
-        """Return the probability of each action [n, actions]: epsilon-greedy, with a decaying epsilon, ties at random."""
+        """Return the probability of each action [n, actions]: epsilon-greedy, epsilon decaying, ties at random."""
         explore = max(0.05, 0.3 * (1.0 - self._trials / 15.0))
         values = self._table[self._rows, state]
         chances = np.full(values.shape, explore / len(MOVES))

@@ -1,4 +1,4 @@
-"""Loudspeakers live: every channel of 5.1 and 7.1 at the monitor of a sound server, with its direction and its pitch."""
+"""Loudspeakers live: each channel of 5.1 and 7.1 at the monitor of a sound server, its direction and its pitch."""
 
 from __future__ import annotations
 

@@ -23,7 +23,10 @@ def demands(policy: str, goal: str, *, rate: float = 0.0, trials: int = 45) -> f
     """Mean demand of four sessions after a third of them; arousal is the demand, 15 s late, with noise."""
     late = []
     for seed in range(4):
-        rng, space = np.random.default_rng([seed, 7]), ActionSpace([Parameter("demand", 0.5, 0.0, 1.0, 0.0, rate, harder=1)])
+        rng, space = (
+            np.random.default_rng([seed, 7]),
+            ActionSpace([Parameter("demand", 0.5, 0.0, 1.0, 0.0, rate, harder=1)]),
+        )
         agent, wanted, adaptation = Agent(policy, space, seed), build_goal(goal), Adaptation(space)
         arousal = 0.0
         for second in range(1, 20 * trials + 1):

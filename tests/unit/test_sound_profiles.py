@@ -1,7 +1,7 @@
 """Sounds against a stated profile: levels in octave bands, and how the level changes with time.
 
-The numbers are those of the sources named at each sound's synthesiser, or stated here where no source has one; a sound that is
-a tone, a steady noise or a band cut out of one fails them.
+The numbers are those of the sources named at each sound's synthesiser, or stated here where no source has one; a sound
+that is a tone, a steady noise or a band cut out of one fails them.
 """
 
 from __future__ import annotations
@@ -104,11 +104,9 @@ def test_a_cup_is_china_and_no_chime(speed: float) -> None:
 
 @pytest.mark.parametrize("take", range(synth_scene.STEP_TAKES))
 def test_a_step_on_asphalt_is_heel_and_sole_and_not_gravel(take: int) -> None:
-    """Heel first, the sole 3 to 16 dB below it about a tenth of a second later, and hardly a sound of the rolling foot."""
+    """Heel first, the sole 3 to 16 dB below it about a tenth of a second later, hardly a sound of the rolling foot."""
     step = synth_scene.synthesise_step("asphalt", take).astype(np.float64)
-    heel, sole, rolling, toe = (
-        level(step, *part) for part in ((0.0, 0.03), (0.07, 0.13), (0.19, 0.26), (0.31, 0.37))
-    )
+    heel, sole, rolling, toe = (level(step, *part) for part in ((0.0, 0.03), (0.07, 0.13), (0.19, 0.26), (0.31, 0.37)))
     assert 3.0 < heel - sole < 16.0
     assert rolling < heel - 25.0
     assert toe < heel - 12.0

@@ -87,7 +87,7 @@ def test_a_roused_crowd_is_brighter_and_a_kick_has_slap_and_body():
 
 def test_a_crowd_claps_the_more_the_more_it_is_roused_and_a_gust_is_brighter():
     def crest(samples: np.ndarray) -> float:
-        """Of the band of claps, above the vowels, in the middle quarter of a second: waves of the whole do not count."""
+        """Of the band of claps, above the vowels, in the middle quarter of a second, as the whole has waves."""
         spectrum = np.fft.rfft(samples.astype(np.float64))
         spectrum[np.fft.rfftfreq(len(samples), 1 / RATE) < 2000.0] = 0.0
         band = np.fft.irfft(spectrum, len(samples))

@@ -71,8 +71,8 @@ def draw_values(values: NDArray[np.float64], path: Path) -> None:
         parts.append(element("rect", class_="ring", x=x, y=y, width=width, height=height))
     whole = (_LEFT + len(names) * width + 20.0, _TOP + len(values) * height + 40.0)
     foot = [
-        "Expected reward of each action in this and later steps: distance gained [m], or what a state lacks to its band. "
-        "Framed: the best action; none where several are equal."
+        "Expected reward of each action in this and later steps: distance gained [m], or what a state lacks to its "
+        "band. Framed: the best action; none where several are equal."
     ]
     write_atomically(path, str(document(*whole, "What the avatar has learnt", parts, foot)).encode())
 

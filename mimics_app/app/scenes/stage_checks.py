@@ -77,7 +77,7 @@ def _check_sounds(scene: Scene) -> list[Issue]:
 
 
 def _check_learning(scene: Scene) -> list[Issue]:
-    """Check that the policy, the goal and the estimator that the task names exist, and that the policy can follow it."""
+    """Check that the policy, the goal and the estimator that the task names exist and fit."""
     task = scene.section(TaskSpec)
     if task is None:
         return []

@@ -1,7 +1,7 @@
 """The guided walk with simulated walkers: share that reaches the goal within seven minutes, by condition and guide.
 
-Guides that learn nothing are the controls: one that was never taught, and one for each action that does it all the time.
-A guide whose actions are permuted learns as well as any, unless the order of the actions helps.
+Guides that learn nothing are the controls: one that was never taught, and one for each action, done all the
+time. A guide whose actions are permuted learns as well as any, unless the order of the actions helps.
 """
 
 from __future__ import annotations

@@ -202,9 +202,7 @@ class Monitor:
         positions: PulseAudio's names of the positions of its channels.
     """
 
-    def __init__(
-        self, environment: Mapping[str, str], rate: int = _RATE, positions: Sequence[str] = _STEREO
-    ) -> None:
+    def __init__(self, environment: Mapping[str, str], rate: int = _RATE, positions: Sequence[str] = _STEREO) -> None:
         self._environment, self._rate, self._positions = environment, rate, positions
         self._chunks: list[tuple[int, bytes]] = []
 

@@ -40,8 +40,8 @@ class PulseStream:
         rate: Frames per second.
         period: Frames after which the server requests more.
         clock: Clock of the session, for the time-out.
-        channels: Number of channels, one of PULSE.POSITIONS: each goes to the loudspeaker of its position; the server mixes them for an output that has
-            others.
+        channels: Number of channels, one of PULSE.POSITIONS: each goes to the loudspeaker of its position; the server
+            mixes them for an output that has others.
 
     Attributes:
         rate: Frames per second.
@@ -142,9 +142,12 @@ class PulseStream:
         self._stream = self._call.pa_stream_new(self._context, b"session", ctypes.byref(form), ctypes.byref(places))
         grant = round(_GRANT_S * self.rate)
         sizes = BufferSizes(
-            longest=PULSE.SERVER_DEFAULT, target=grant * self._frame_bytes, prebuffer=0, request=period * self._frame_bytes,
+            longest=PULSE.SERVER_DEFAULT,
+            target=grant * self._frame_bytes,
+            prebuffer=0,
+            request=period * self._frame_bytes,
             fragment=PULSE.SERVER_DEFAULT,
-        )  # fmt: skip
+        )
         flags = PULSE.EARLY_REQUESTS | PULSE.AUTO_TIMING_UPDATE | PULSE.INTERPOLATE_TIMING
         if self._call.pa_stream_connect_playback(self._stream, None, ctypes.byref(sizes), flags, None, None) < 0:
             raise DeviceError(f"no audio device: {self._error()}")

@@ -50,7 +50,7 @@ class SoundStream(Protocol):
         ...
 
     def write(self, block: F4) -> int:
-        """Append a block, shape [frames, channels], after an empty queue as near as possible; return the frames then left."""
+        """Append a block, shape [frames, channels], after an empty queue as near as it can; return the frames left."""
         ...
 
     def flush(self) -> None:

@@ -1,10 +1,10 @@
 """Synthesised sound of a crowd in a stadium: shouts, murmur, chant and applause, in waves.
 
-The bands of the whole are those of voices. Levels in octaves for voices of normal effort are those of ANSI, as printed in
-M. Crocker, Handbook of Noise and Vibration Control, table of male voices at 1 m: 72.5, 74, 68, 62 and 57 dB at 250, 500, 1000,
-2000 and 4000 Hz. With effort the bands from 1 to 3 kHz grow by half as much again as the whole (Nordenberg & Sundberg,
-Logoped. Phoniatr. Vocol. 29, 2004), which is what arousal does here. How much a crowd swells: a match of 89 dB on average
-rises to 111 dB (P. Mapp, Sound & Communications, Occupational hazards, part 2).
+The bands of the whole are those of voices. For normal effort they are those of ANSI, as printed in M. Crocker, Handbook
+of Noise and Vibration Control, for male voices at 1 m: 72.5, 74, 68, 62 and 57 dB in the octaves of 250 to 4000 Hz.
+With effort the bands from 1 to 3 kHz grow by half as much again as the whole (Nordenberg & Sundberg, Logoped.
+Phoniatr. Vocol. 29, 2004), which is what arousal does here. How a crowd swells: in twelve minutes of a match with 89 dB
+on average the level rose to 111 dB (P. Mapp, Sound & Communications, Occupational hazards, part 2).
 All functions return float32 samples in [-1, 1], shape [n], one channel.
 """
 

@@ -96,7 +96,7 @@ class AlleyFigure:
             self._turn(self._towards(other) if facing is None else self._direction(facing[1], facing[0]), seconds)
 
     def _way(self, place: tuple[float, float], other: AlleyFigure) -> tuple[float, float]:
-        """Return the way to a place [m, m]: straight, or along the tangent past the other figure where it is between."""
+        """Return the way to a place [m, m]: straight, or past the other figure where it is between."""
         along, aside = place[0] - self.along, place[1] - self.aside
         to_other = (other.along - self.along, other.aside - self.aside)
         far, gap = math.hypot(along, aside), math.hypot(*to_other)
@@ -145,4 +145,3 @@ class AlleyFigure:
         left = math.remainder(wanted - self._yaw, 2.0 * math.pi)
         self._yaw += seconds * min(max(_TURN * left, -_FASTEST_TURN), _FASTEST_TURN)
         stand(self._node, (self.aside, self._height, -self.along), self._yaw, self._ahead)
-
