@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from mimics_app.learning.stepwise import StepValues, place_of
+from mimics_app.learning.stepwise import StepMethod, StepValues, place_of
 from mimics_app.tasks.kinds.guided_walk.kind import NEAREST
 from mimics_app.tasks.kinds.guided_walk.walk_people import STEP_S, Alley, Deed, Guide, Walker
 
@@ -62,7 +62,7 @@ def _walk(condition: str, seed: list[int], lesson: Lesson | Deed) -> float:
     alley = Alley()
     walker, guide = Walker(steps, alley), Guide(begins, alley, NEAREST[condition])
     always = int(lesson) if isinstance(lesson, Deed) else 0
-    method = "fixed" if isinstance(lesson, Deed) else "random" if condition == "random" else "q"
+    method: StepMethod = "fixed" if isinstance(lesson, Deed) else "random" if condition == "random" else "q"
     table = StepValues(len(Deed), chance, method, always)
     deeds = chance.permutation(len(Deed)) if lesson == "permuted" else np.arange(len(Deed))
     left, state = alley.left(walker.at), place_of(alley.observe(walker.at, guide.at))

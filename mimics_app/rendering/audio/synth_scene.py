@@ -76,7 +76,7 @@ SURFACES = {
 _STEP_S = 0.6
 _HEEL_S, _SOLE_S, _TOE_S = 0.006, 0.09, 0.34
 """Rise of the load at heel strike, and times of sole and toe after it [s] (Ekimov & Sabatier, J. Acoust. Soc. Am. 120,
-2006: an impact, and the friction of the rolling foot above 500 Hz; 129, 2011: 0.12 s and more to the weight's shift)."""
+2006: an impact, and the friction of the rolling foot above 500 Hz; 129, 2011: 0.12 s and more to the shift)."""
 
 _HEEL_END_S, _ALWAYS = 0.04, 0.1
 """End of the heel's part [s], and size of the grains that every heel sets free."""
@@ -161,8 +161,8 @@ def _burst(time: F8, rise: float) -> F8:
 def synthesise_kick(rate: int = 48_000) -> F4:
     """Synthesise a kicked ball: the thump of its shell in contact with the foot, and the slap of leather.
 
-    The force on the foot is like a half sine (J. Tol et al., 2002, in T. Iga et al., Basic mechanical analysis of soccer
-    ball impact), here of 9 ms; the thump is as short as the contact (J. Katz, Eur. J. Phys. 31, 2010).
+    The force on the foot is like a half sine (J. Tol et al., 2002, as T. Iga et al. report in Basic mechanical analysis
+    of soccer ball impact), here of 9 ms; the thump is as short as the contact (J. Katz, Eur. J. Phys. 31, 2010).
     """
     time, random = np.arange(int(0.3 * rate)) / rate, np.random.default_rng(23)
     force = np.where(time < _CONTACT_S, np.abs(np.sin(np.pi * time / _CONTACT_S)) ** 1.5, 0.0)
