@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from mimics_app.app.cues.motion_cues import MotionCues
 from mimics_app.app.picture.board import stability_card
 from mimics_app.app.session.core import SessionCore
 from mimics_app.app.session.safety_watch import SafetyWatch
-from mimics_app.app.session.watches import RecorderWatch, SignalWatch
+from mimics_app.app.session.watches import RecorderWatch, SignalWatch, TactileWatch
 from mimics_app.app.touch.loss_watch import LossWatch
 from mimics_app.app.touch.person_inbox import PersonInbox
 from mimics_app.contracts.board import Board
@@ -60,10 +61,12 @@ class Frames:
         self.number = 0
         self.orders = TaskOrders()
         self.snapshot: HapticSnapshot | None = None
+        self._refused: set[str] = set()
         self.losses = LossWatch(core.side.effect_entities, core.report)
         self.safety = SafetyWatch(core.report)
         self._recorder = RecorderWatch(core.recorder, core.report)
         self._signals = SignalWatch(core.inputs.signals, core.recorder, core.report)
+        self._taps = TactileWatch(core.recorder, core.report)
         self.events: NDArray[Any] = np.zeros(0, EVENT)
 
     @property
@@ -155,8 +158,16 @@ class Frames:
         """Let the scenario move its entities, and pass on its parameters and the next action of the hand."""
         core = self._core
         core.scenario.apply(orders, snapshot)
-        core.parameter_store.change(core.scenario.haptic_orders())
+        self._tell(core.parameter_store.order(core.scenario.haptic_orders()))
         core.inputs.aim(core.scenario.aim(snapshot))
+
+    def _tell(self, refused: Mapping[str, str]) -> None:
+        """Report orders that were refused, each name once: they ended, the session goes on."""
+        for name, why in refused.items():
+            if name not in self._refused:
+                self._refused.add(name)
+                self._core.report(f"an order of the scene or a plug-in ended: {why}")
+                self._core.recorder.journal("refused", {"name": name, "why": why})
 
     def _report_cords(self) -> None:
         for name, cord in self._core.world.cords.items():
@@ -165,8 +176,7 @@ class Frames:
 
     def _feel(self, orders: TaskOrders, now_ns: int) -> None:
         """Send the task's taps to the vibrators, and journal the time of each."""
-        for line in self._core.tactile.step(orders.touches, now_ns):
-            self._core.recorder.journal("tactile", {"t_ns": now_ns, **line})
+        self._taps.take(self._core.tactile.step(orders.touches, now_ns), now_ns)
 
     def _choose(self, state: UserState, result: TrialResult | None, now_ns: int) -> None:
         """Let the learning system choose, given the result of the task and its reward."""
@@ -196,10 +206,9 @@ class Frames:
         core = self._core
         if vr.pointer is not None and vr.pointer.stop:
             core.haptics.stop_key()
-        haptic = dict(orders.haptic)
+        self._tell(core.parameter_store.order(orders.haptic, of_task=True))
         if "r" in vr.pressed:
-            haptic["resets"] = int(core.parameter_store.block["resets"][0]) + 1
-        core.parameter_store.change(haptic)
+            core.parameter_store.reset()
         if orders.view.robot_leads:
             x, y, z = snapshot.hip_world
             core.inputs.hold_at((float(x), float(y), float(z)))
