@@ -21,6 +21,8 @@ from mimics_app.inputs.trackers.track import Track
 __all__ = ["Placed", "TrackerHub"]
 
 
+_MANY_REJECTED = 100
+"""Rejected reports of a tracker from which on this is told; a few are usual."""
 _UPSIDE_DOWN = -0.5
 """Cosine between a head's up and the room's below which its sensor is upside down: 120 degrees."""
 
@@ -70,6 +72,8 @@ class TrackerHub:
         for each in self._trackers:
             if problem := each.source.problem or each.calibration.fault:
                 self._note(_name(each), problem)
+            if each.source.rejected >= _MANY_REJECTED:
+                self._note(_name(each), f"over {_MANY_REJECTED} reports were damaged, no poses or implausible")
         if self._tape is not None and self._tape.problem:
             self._note("tape of the trackers", self._tape.problem)
         new = [what for what, taken in self._problems.items() if not taken]
@@ -154,7 +158,8 @@ class TrackerHub:
             self._tape = None
 
     def _take(self, number: int, sample: TrackerSample) -> None:
-        self._tracks.setdefault((number, sample.sensor), Track()).add(sample)
+        if sample.sensor in self._trackers[number].roles:
+            self._tracks.setdefault((number, sample.sensor), Track()).add(sample)
         if self._tape is not None:
             self._tape.take(sample)
 
