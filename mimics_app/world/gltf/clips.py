@@ -14,8 +14,10 @@ from mimics_app.world.gltf.meshes import GltfMesh
 from mimics_app.world.gltf.nodes import GltfNode
 from mimics_app.world.motion.clip import Clip, ClipEvent, Interpolation, Track, TrackPath, pack_clip
 
-__all__ = ["GltfClips"]
+__all__ = ["MAX_CHANNELS", "GltfClips"]
 
+MAX_CHANNELS = 40_000
+"""Maximum number of channels of all animations together: 200 motions of 66 bones have as many."""
 
 _PATHS = {
     "translation": (TrackPath.TRANSLATION, "VEC3", 3),
@@ -40,8 +42,18 @@ class GltfClips:
     def read_all(self) -> list[Clip]:
         """Read every animation that moves a node; faults are collected. An unnamed one is "clip" and its number."""
         animations = self._source.table("animations")
+        self._check_count(animations)
         clips = self._source.read_each(animations, "/animations", self._read, lambda: None)
         return [clip for clip in clips if clip is not None]
+
+    def _check_count(self, animations: list[dict[str, Any]]) -> None:
+        """Refuse more channels, in all animations together, than can be read in a second or two."""
+        found = 0
+        for i, item in enumerate(animations):
+            channels = item.get("channels")
+            found += len(channels) if isinstance(channels, list) else 0
+            if found > MAX_CHANNELS:
+                self._source.fail(f"/animations/{i}/channels", f"the model has more than {MAX_CHANNELS} channels")
 
     def _read(self, item: dict[str, Any], place: str) -> Clip | None:
         tracks: dict[tuple[int, TrackPath], Track] = {}
