@@ -9,7 +9,6 @@
 set -eu
 
 cd "$(dirname "$0")/.."
-checkout=$(pwd -P)
 place=$(mktemp -d "${TMPDIR:-/tmp}/mimics-fresh.XXXXXX")
 trap 'rm -rf "$place"' EXIT
 trap 'exit 130' INT
@@ -33,15 +32,15 @@ inside() { # root, command ...
         mount --rbind /dev "$1/dev" && mount -t proc proc "$1/proc" && mount -t tmpfs tmpfs "$1/dev/shm" || exit 69
         root=$1
         shift
-        exec chroot "$root" env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 "$@"
+        exec chroot "$root" env -i LANG=C.UTF-8 ${PIP_CERT:+PIP_CERT=/etc/network.crt} \
+            PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin "$@"
     ' sh "$root" "$@" </dev/null
 }
 
-# What a network of its own needs: the names of its hosts, and its certificates.
+# What a network of its own needs: the names of its hosts, and the certificate that pip is to trust.
 give_network() { # root
     cp /etc/resolv.conf "$1/etc/resolv.conf"
-    mkdir -p "$1/etc/ssl/certs"
-    [ ! -r /etc/ssl/certs/ca-certificates.crt ] || cp /etc/ssl/certs/ca-certificates.crt "$1/etc/ssl/certs/"
+    [ -z "${PIP_CERT:-}" ] || cp "$PIP_CERT" "$1/etc/network.crt"
 }
 
 make_root() { # version, root
@@ -52,16 +51,16 @@ make_root() { # version, root
     }
     give_network "$2"
     chroot "$2" useradd --create-home person
-    mkdir "$2/home/person/mimics"
-    git archive HEAD | tar -x -C "$2/home/person/mimics"
+    mkdir "$2/srv/mimics"
+    git archive HEAD | tar -x -C "$2/srv/mimics"
 }
 
 as_person() { # root, command
-    inside "$1" HOME=/home/person su person -c "cd /home/person/mimics && $2"
+    inside "$1" su --login --whitelist-environment=PIP_CERT person -c "cd /srv/mimics && $2"
 }
 
 as_root() { # root, command
-    inside "$1" HOME=/root sh -c "cd /home/person/mimics && $2"
+    inside "$1" HOME=/root sh -c "cd /srv/mimics && $2"
 }
 
 # An ordinary user without sudo is given one line to type; an administrator types it, as often as one is given.
@@ -81,7 +80,7 @@ try() { # version, user
     root=$place/root
     case $2 in root) does=by_root ;; user) does=with_line ;; esac
     make_root "$1" "$root"
-    [ "$2" = root ] || chroot "$root" chown -R person /home/person
+    [ "$2" = root ] || chroot "$root" chown -R person /srv/mimics
     begun=$(date +%s)
     for command in "sh .ci/dev.sh run --headless --seconds 5 --json" "sh .ci/dev.sh test -q $tests"; do
         say "Debian $1, as $2: $command"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import json
 import re
 import tomllib
 from collections.abc import Iterator
@@ -216,6 +217,22 @@ def test_no_path_of_a_developer_machine() -> None:
         for file in repository_files()
         for number, line in enumerate(file.read_text(encoding="utf-8", errors="replace").splitlines(), 1)
         if (hit := place.search(line))
+    ]
+    assert not found
+
+
+def test_figures_name_what_they_depend_on_and_no_product_or_kernel() -> None:
+    """A processor's name or a kernel's release says where a figure was made, and nothing that a reader can have too."""
+    machine = re.compile(r"\d+ cores, \w+, python [\d.]+, numba [\d.]+(?:, Mesa [\d.]+)?")
+    charts = sorted((ROOT / "docs" / "charts").glob("*.json"))
+    assert charts
+    for file in charts:
+        assert machine.fullmatch(json.loads(file.read_text(encoding="utf-8"))["machine"]), file
+    product = re.compile(r"\b(?:Xe" + r"on|EP" + r"YC|Ryz" + r"en|Thread" + r"ripper)\b|\bLinux [2-9]\.\d+")
+    found = [
+        str(file.relative_to(ROOT))
+        for file in repository_files()
+        if product.search(file.read_text(encoding="utf-8", errors="replace"))
     ]
     assert not found
 

@@ -335,18 +335,24 @@ def test_makefile_has_every_word() -> None:
 
 @needs_make
 @pytest.mark.parametrize(
-    ("output", "code", "last"),
+    ("verdict", "code", "fresh", "passes"),
     [
-        ("===== 3 passed in 1.20s =====", 0, "===== 3 passed in 1.20s ====="),
-        ("== 1 failed, 2 passed in 61.20s (0:01:01) ==", 1, "== 1 failed, 2 passed in 61.20s (0:01:01) =="),
+        ("===== 3 passed in 1.20s =====", 0, 0, True),
+        ("===== 3 passed in 1.20s =====", 0, 69, True),
+        ("===== 3 passed in 1.20s =====", 0, 1, False),
+        ("== 1 failed, 2 passed in 61.20s (0:01:01) ==", 1, 0, False),
     ],
 )
-def test_automatic_check_ends_with_the_verdict_of_pytest(tmp_path: Path, output: str, code: int, last: str) -> None:
-    """make says "Error 1" below a failure; whoever reads the last line wants pytest's."""
+def test_automatic_check_ends_with_the_verdict_of_pytest(
+    tmp_path: Path, verdict: str, code: int, fresh: int, passes: bool
+) -> None:
+    """make says "Error 1" below a failure; whoever reads the last line wants pytest's. A fresh system may be red alone."""
     (tmp_path / ".ci").mkdir()
     shutil.copy(ROOT / ".ci" / "run", tmp_path / ".ci")
     shutil.copy(ROOT / "Makefile", tmp_path)
-    (tmp_path / ".ci" / "dev.sh").write_text(f'[ "$1" = test ]\necho "{output}"\nexit {code}\n')
+    script = f'case $1 in test) echo "{verdict}"; exit {code} ;; fresh) echo "on a fresh system"; exit {fresh} ;; esac\n'
+    (tmp_path / ".ci" / "dev.sh").write_text(script)
     done = subprocess.run([tmp_path / ".ci" / "run"], capture_output=True, text=True, check=False)
-    assert (done.returncode == 0) == (code == 0)
-    assert done.stdout.splitlines()[-1] == last
+    assert (done.returncode == 0) == passes
+    assert done.stdout.splitlines()[-1] == verdict
+    assert ("make fresh: not run" in done.stdout) == (fresh == 69)
