@@ -164,7 +164,7 @@ class Stuck(ThreadedTracker):
         self.free.wait(60.0)
 
     def _close(self) -> None:
-        raise RuntimeError("gone already")
+        pass
 
 
 def test_a_driver_that_hangs_or_raises_holds_nobody_up() -> None:

@@ -551,7 +551,7 @@ def test_a_check_says_why_a_source_ended(monkeypatch: pytest.MonkeyPatch) -> Non
         def close(self) -> None:
             """Nothing is open."""
 
-    monkeypatch.setattr("mimics_app.inputs.physio.sources.open_source", lambda address, seed: Unplugged())
+    monkeypatch.setattr("mimics_app.inputs.physio.sources.open_source", lambda *_: Unplugged())
     done = mimics("physio", "serial:nowhere", "--seconds", "0.1", "--check", "--json")
     assert done.returncode == 6
     assert json.loads(done.stdout)["advice"][0].startswith(Unplugged.lost)

@@ -8,7 +8,7 @@ from abc import abstractmethod
 from collections.abc import Sequence
 
 from mimics_app.contracts.clock import Clock, MonotonicClock
-from mimics_app.contracts.errors import first_line
+from mimics_app.contracts.plugins import raised
 from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink, TrackerSource
 from mimics_app.inputs.trackers.plausibility import BelievedSensors
 
@@ -59,6 +59,13 @@ class ThreadedTracker(TrackerSource):
         self._thread = threading.Thread(target=self._run, args=(sink,), name=f"tracker {self.name}", daemon=True)
         self._thread.start()
 
+    def _run(self, sink: TrackerSink) -> None:
+        """Read until the end; an error that ends the thread is the tracker's problem."""
+        try:
+            self._read(sink)
+        except Exception as error:  # noqa: BLE001  of a library: an ended thread must not pass for a person at rest
+            self.problem = f"it is lost: it {raised(error)}"
+
     def poll(self, now_ns: int) -> None:
         """Do nothing: the thread reads."""
 
@@ -70,16 +77,7 @@ class ThreadedTracker(TrackerSource):
         if self._thread.is_alive():
             self.problem = "it does not answer, and is left behind"
             return
-        try:
-            self._close()
-        except Exception as error:  # noqa: BLE001  whatever a driver raises, the session ends
-            self.problem = self.problem or f"it cannot be closed: {first_line(error)}"
-
-    def _run(self, sink: TrackerSink) -> None:
-        try:
-            self._read(sink)
-        except Exception as error:  # noqa: BLE001  whatever a driver raises, the tracker is lost and the session goes on
-            self.problem = f"it is lost: {first_line(error)}"
+        self._close()
 
     def _deliver(self, sample: TrackerSample, sink: TrackerSink) -> None:
         """Pass a plausible report to the sink; count any other."""
