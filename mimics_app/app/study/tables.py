@@ -10,7 +10,8 @@ from statistics import fmean, stdev
 from typing import Any
 
 from mimics_app.app.study.subjects import SubjectRun
-from mimics_app.contracts.whole_file import whole_file
+from mimics_app.contracts.spreadsheet import as_cell, as_row
+from mimics_app.contracts.whole_file import private_text
 from mimics_app.recording.event_log import read_lines
 from mimics_app.recording.run_folder import FILES
 from mimics_app.recording.trial_table import read_trials
@@ -44,12 +45,12 @@ def read_study(runs: Sequence[SubjectRun]) -> tuple[list[Row], list[Row], list[R
 
 
 def write_table(file: Path, rows: Sequence[Mapping[str, Any]], columns: Sequence[str] = ()) -> None:
-    """Write rows as CSV; columns in the order given, else of first occurrence."""
+    """Write rows as CSV, for this user alone; columns in the order given, else of first occurrence."""
     names = list(columns) or list(dict.fromkeys(name for row in rows for name in row))
-    with whole_file(file), file.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.DictWriter(stream, names, extrasaction="ignore", restval="")
-        writer.writeheader()
-        writer.writerows(rows)
+    with private_text(file) as stream:
+        writer = csv.writer(stream)
+        writer.writerow(map(as_cell, names))
+        writer.writerows(as_row(row, names) for row in rows)
 
 
 def summarise_conditions(trials: Sequence[Row], measures: Sequence[str]) -> list[Row]:

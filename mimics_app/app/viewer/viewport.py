@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import sys
-
 from mimics_app.app.picture.lost_picture import draw_or_recover
 from mimics_app.app.picture.picture import draws_in_software, picture_quality
 from mimics_app.app.settings import Profile
+from mimics_app.app.terminal.output import say
 from mimics_app.app.viewer.orbit_camera import OrbitCamera
 from mimics_app.app.viewer.shown import Shown
 from mimics_app.app.viewer.studio import Studio, studio_settings
@@ -105,7 +104,7 @@ class Viewport:
     def _report(self, stats: FrameStats) -> FrameStats:
         """Report on stderr each deviation of the picture from the file, once."""
         for issue in self.renderer.take_issues():
-            sys.stderr.write(f"mimics: {issue}\n")
+            say(str(issue))
         return stats
 
     def _furnish(self, shown: Shown) -> RenderSettings:
