@@ -42,9 +42,7 @@ GUARDED = {
     "contracts/regular_file.py": "the one way",
     "rendering/audio/sound_file.py": "SoundFile is given an open regular file",
     "rendering/audio/spectral/sofa_store.py": "File is given an open regular file",
-    "inputs/physio/edf_file.py": "opened as a regular file before the library opens it",
-    "inputs/physio/csv_file.py": "read_csv is given an open regular file",
-    "inputs/physio/recording.py": "read_csv is given an open regular file; rdrecord files that were opened before",
+    "inputs/physio/recording.py": "rdrecord reads files that were opened before, as regular ones of one folder",
 }
 """Modules that hand a person's file to a library."""
 
