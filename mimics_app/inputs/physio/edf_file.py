@@ -84,7 +84,7 @@ class _EdfSamples:
         begin, end = first // self._count, -(-last // self._count)
         raw = b"".join(self._record(number) for number in range(begin, end))
         digital = _integers(raw, self._layout.width)[first - begin * self._count : last - begin * self._count]
-        return digital * self._gain + self._zero
+        return np.asarray(digital * self._gain + self._zero, np.float64)
 
     def _record(self, number: int) -> bytes:
         size = self._count * self._layout.width
