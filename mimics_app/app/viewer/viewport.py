@@ -19,6 +19,9 @@ from mimics_app.world.camera import Camera
 
 __all__ = ["Viewport"]
 
+_FEW_NOTES = 3
+"""Number of notes on what is not shown, where nothing is."""
+
 
 class Viewport:
     """View of one model or scene.
@@ -112,7 +115,8 @@ class Viewport:
             return picture_quality(shown.scene, self._profile)
         extent = shown.extent
         if extent is None:
-            raise SceneError(Issue(str(shown.path), "", "there is nothing to see: no mesh in its scene"))
+            why = "; ".join(shown.notes[:_FEW_NOTES]) or "no mesh in its scene"
+            raise SceneError(Issue(str(shown.path), "", f"there is nothing to see: {why}"))
         before, self.studio = self.studio, Studio(shown.world, extent, OrbitCamera().yaw)
         if before is not None:
             self.studio.take_over(before)

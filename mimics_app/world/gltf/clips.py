@@ -18,6 +18,8 @@ __all__ = ["MAX_CHANNELS", "GltfClips"]
 
 MAX_CHANNELS = 40_000
 """Maximum number of channels of all animations together: 200 motions of 66 bones have as many."""
+_AT_ONCE = np.float32(1e-6)
+"""Time between keys of the same time [s]."""
 
 _PATHS = {
     "translation": (TrackPath.TRANSLATION, "VEC3", 3),
@@ -26,6 +28,15 @@ _PATHS = {
     "weights": (TrackPath.WEIGHTS, "SCALAR", 1),
 }
 _KINDS = {"STEP": Interpolation.STEP, "LINEAR": Interpolation.LINEAR, "CUBICSPLINE": Interpolation.CUBIC}
+
+
+def _apart(times: F4, first: int) -> F4:
+    """Return times of which each is after the one before it: from a key on, those of one time follow within 1 us."""
+    apart = times.copy()
+    for n in range(first, len(apart)):
+        if not apart[n] > apart[n - 1]:
+            apart[n] = max(apart[n - 1] + _AT_ONCE, np.nextafter(apart[n - 1], np.float32(np.inf)))
+    return apart
 
 
 class GltfClips:
@@ -101,12 +112,18 @@ class GltfClips:
 
     def _times(self, sampler: dict[str, Any], where: str) -> F4:
         times = self._accessors.floats(sampler.get("input"), f"{where}/input", "SCALAR").reshape(-1)
-        wrong = np.flatnonzero(np.diff(times) <= 0.0)
+        steps = np.diff(times)
+        wrong = np.flatnonzero(steps < 0.0)
         if times[0] < 0.0:
             self._source.fail(f"{where}/input", f"begins at {times[0]:g} s, before 0")
         if wrong.size:
             after = int(wrong[0]) + 1
-            self._source.fail(f"{where}/input", f"time {after}, {times[after]:g} s, is not after the one before it")
+            self._source.fail(f"{where}/input", f"time {after}, {times[after]:g} s, is before the one before it")
+        same = np.flatnonzero(steps == 0.0)
+        if same.size:
+            first = int(same[0]) + 1
+            self._source.note(f"{where}/input: {same.size} keys have the time of the one before, the first is {first}")
+            times = _apart(times, first)
         return times
 
     def _values(self, sampler: dict[str, Any], where: str, path: str, width: int, keys: int, kind: Interpolation) -> F4:
