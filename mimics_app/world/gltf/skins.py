@@ -89,8 +89,9 @@ def check_bound_nodes(
     skinned = [i for i, node in enumerate(nodes) if node.skin is not None and node.mesh is not None]
     if len(skinned) > MAX_SKINNED:
         source.fail(f"/nodes/{skinned[MAX_SKINNED]}/skin", f"more than {MAX_SKINNED} nodes have a skin")
-    for i in skinned:
-        node = nodes[i]
+    for i, node in enumerate(nodes):
+        if node.skin is None or node.mesh is None:
+            continue
         joints = len(skins[node.skin].joints)
         other = [level for level in node.levels if nodes[level].skin not in (None, node.skin)]
         if other:

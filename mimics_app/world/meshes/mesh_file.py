@@ -80,7 +80,7 @@ def _bodies(path: Path) -> list[tuple[str, trimesh.Trimesh]]:
 def _load(path: Path, data: bytes) -> trimesh.Scene:
     import trimesh
 
-    class Beside(trimesh.resolvers.FilePathResolver):  # type: ignore[misc]  # the library is not typed
+    class Beside(trimesh.resolvers.FilePathResolver):
         """Gives the library what a mesh names beside it: regular files of its folder, materials and pictures."""
 
         def get(self, name: str) -> bytes:
