@@ -50,7 +50,15 @@ def started():
 
 def test_a_session_that_ends_before_its_sound_could_start_says_so(tmp_path, started):
     """As on a busy computer: the process is there and has not come so far."""
-    audio = started(SessionMemory(), sink="file", file=tmp_path / "a.wav", sounds=TICK, scrape="", stop_timeout_s=0.2)
+    audio = started(
+        SessionMemory(),
+        sink="file",
+        file=tmp_path / "a.wav",
+        sounds=TICK,
+        triggers={"contact": "tick"},
+        scrape="",
+        stop_timeout_s=0.2,
+    )
     os.kill(audio.pid, signal.SIGSTOP)
     report = audio.stop()
     assert report.crashed and "before its sound could start: nothing was heard" in report.status.notice
