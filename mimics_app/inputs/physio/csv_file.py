@@ -119,7 +119,9 @@ class CsvFile:
             return SceneError(
                 Issue(str(self._path), f"/{self.labels[int(column[1])]}", "the column holds more than numbers")
             )
-        return SceneError(Issue(str(self._path), "", f"it cannot be read: {first_line(error)}"))
+        return SceneError(
+            Issue(str(self._path), "", f"it cannot be read: {getattr(error, 'strerror', '') or first_line(error)}")
+        )
 
 
 class _Text(io.RawIOBase):
