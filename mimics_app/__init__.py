@@ -10,24 +10,23 @@
 The package imports nothing heavy: numpy, numba, OpenGL and OpenAL come in when a part that needs them does.
 """
 
-from importlib import import_module
-from typing import Any
-
 __all__ = ["__version__", "errors", "load", "open"]
 
 __version__ = "0.1.0"
 
-_PUBLIC = {
-    "open": "mimics_app.app.api.opened:open_scene",
-    "load": "mimics_app.app.api.recording:load",
-    "errors": "mimics_app.contracts.errors",
-}
-"""Public names, imported when they are used."""
 
+def __getattr__(name: str) -> object:
+    """Import what the package offers when it is used."""
+    if name == "open":
+        from mimics_app.app.api.opened import open
 
-def __getattr__(name: str) -> Any:
-    if name not in _PUBLIC:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    module, _, member = _PUBLIC[name].partition(":")
-    found = import_module(module)
-    return getattr(found, member) if member else found
+        return open
+    if name == "load":
+        from mimics_app.app.api.loaded_run import load
+
+        return load
+    if name == "errors":
+        from mimics_app.contracts import errors
+
+        return errors
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

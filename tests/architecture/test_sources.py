@@ -46,7 +46,7 @@ PLATFORM_HOMES = {
 }
 
 
-@pytest.mark.parametrize("path", [path for path in texts() if path.endswith("__init__.py")])
+@pytest.mark.parametrize("path", [path for path in texts() if path.endswith("/__init__.py")])
 def test_package_files_are_a_docstring_and_all(path: str) -> None:
     """Nothing is imported by importing a package: `mimics --help` passes through several of them."""
     tree = modules()[path]
@@ -60,6 +60,12 @@ def test_package_files_are_a_docstring_and_all(path: str) -> None:
     }
     assert "__all__" in names
     assert names <= {"__all__", "__version__"}
+
+
+def test_the_package_itself_imports_what_it_offers_when_it_is_used() -> None:
+    tree = modules()["__init__.py"]
+    assert {type(node) for node in tree.body} == {ast.Expr, ast.Assign, ast.FunctionDef}
+    assert [node.name for node in tree.body if isinstance(node, ast.FunctionDef)] == ["__getattr__"]
 
 
 def test_every_folder_with_modules_is_a_package() -> None:

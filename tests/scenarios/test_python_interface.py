@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import mimics_app as mimics
-from mimics_app.app.api.quantity import Quantity, Table
+from mimics_app.app.api.unit_array import Quantity, Table
 from mimics_app.contracts.resources import root
 from mimics_app.recording.run import Run
 from tests.support.command import mimics as command

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import fields, replace
 from pathlib import Path
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Self, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.app.api.quantity import Quantity, Table
+from mimics_app.app.api.unit_array import Quantity, Table
 from mimics_app.app.play.result import summarise
 from mimics_app.app.scenes.scene_search import find_scene
 from mimics_app.app.session.assembly import build_session
@@ -29,7 +29,7 @@ from mimics_app.world.scene.scene import Scene
 if TYPE_CHECKING:
     from mimics_app.app.picture.picture import Picture
 
-__all__ = ["Opened", "open_scene"]
+__all__ = ["Opened", "open"]
 
 _LATCHED = (SafetyState.SAFE_STOP, SafetyState.E_STOP)
 _NOT_HERE = {"scene", "headless", "journey", "video", "pictures", "display", "recipe", "size", "quality"}
@@ -179,7 +179,7 @@ class Opened:
             self._picture = None
 
 
-def open_scene(scene: Path | str, **settings: Any) -> Opened:
+def open(scene: Path | str, **settings: object) -> Opened:
     """Open a scene for playing by the simulated person, without a window; every run is recorded.
 
     Args:
@@ -208,7 +208,7 @@ def open_scene(scene: Path | str, **settings: Any) -> Opened:
         return Opened(session)
 
 
-def _settings(scene: Path, given: dict[str, Any]) -> RunSettings:
+def _settings(scene: Path, given: Mapping[str, object]) -> RunSettings:
     """Return the settings of a run.
 
     Raises:
@@ -220,7 +220,7 @@ def _settings(scene: Path, given: dict[str, Any]) -> RunSettings:
             raise UsageError(f'there is no setting "{name}"', nearest(name, known))
     paths = {name for name, hint in get_type_hints(RunSettings).items() if "Path" in str(hint)}
     plain: dict[str, Any] = {
-        name: Path(value) if name in paths and value is not None else value for name, value in given.items()
+        name: Path(str(value)) if name in paths and value is not None else value for name, value in given.items()
     }
     return replace(RunSettings(scene, headless=True, pictures=0, sound="off"), **plain)
 

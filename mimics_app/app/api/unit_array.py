@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from mimics_app.contracts.errors import UsageError, nearest
 
@@ -22,7 +22,7 @@ class Quantity(np.ndarray[Any, np.dtype[Any]]):
 
     units: str
 
-    def __new__(cls, values: Any, units: str = "") -> Self:
+    def __new__(cls, values: ArrayLike, units: str = "") -> Self:
         """Return a view of `values` with a unit."""
         made = np.asarray(values).view(cls)
         made.units = units
@@ -31,7 +31,7 @@ class Quantity(np.ndarray[Any, np.dtype[Any]]):
     def __array_finalize__(self, source: NDArray[Any] | None) -> None:
         self.units = getattr(source, "units", "")
 
-    def __array_wrap__(self, array: NDArray[Any], context: Any = None, return_scalar: bool = False) -> Any:
+    def __array_wrap__(self, array: NDArray[Any], context: object = None, return_scalar: bool = False) -> Any:
         """Return plain numbers from arithmetic: the unit of a product is not that of a factor."""
         return array[()] if return_scalar else np.asarray(array)
 
@@ -73,7 +73,10 @@ class Table(Mapping[str, Quantity]):
         Raises:
             UsageError: pandas is not installed.
         """
-        pandas = _installed("pandas")
+        try:
+            import pandas
+        except ImportError as error:
+            raise UsageError("pandas is not installed", "pip install pandas") from error
         flat = {part: values for name in self for part, values in _parts(name, self[name])}
         frame = pandas.DataFrame(flat)
         frame.attrs["units"] = self.units
@@ -85,7 +88,10 @@ class Table(Mapping[str, Quantity]):
         Raises:
             UsageError: xarray is not installed.
         """
-        xarray = _installed("xarray")
+        try:
+            import xarray
+        except ImportError as error:
+            raise UsageError("xarray is not installed", "pip install xarray") from error
         variables = {
             name: (("row", f"{name}_axis")[: column.ndim], np.asarray(column), {"units": column.units})
             for name, column in self._columns.items()
@@ -114,12 +120,3 @@ def _parts(name: str, column: Quantity) -> list[tuple[str, NDArray[Any]]]:
     if column.ndim == 1:
         return [(name, np.asarray(column))]
     return [(f"{name}[{i}]", np.asarray(column[:, i])) for i in range(column.shape[1])]
-
-
-def _installed(library: str) -> Any:
-    from importlib import import_module
-
-    try:
-        return import_module(library)
-    except ImportError as error:
-        raise UsageError(f"{library} is not installed", f"pip install {library}") from error
