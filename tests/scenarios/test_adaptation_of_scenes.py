@@ -15,6 +15,7 @@ from mimics_app.app.session.core import SessionCore, open_core
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
+from mimics_app.contracts.errors import SceneError, UsageError
 from mimics_app.contracts.messages import TaskAction, TrialResult, UserState
 from mimics_app.contracts.resources import root
 from mimics_app.learning.agent import Agent
@@ -134,6 +135,31 @@ def test_the_avatar_goes_elsewhere() -> None:
     assert still.kinds["deed"] == "avatar"
     gaps = [math.dist(*(place(walk, who) for who in ("person", "avatar"))) for walk in (still, near)]
     assert gaps[1] < gaps[0] - 0.5
+
+
+@pytest.mark.parametrize(
+    ("scene", "learn", "goal", "able"),
+    [
+        (TUNNEL, "kalman", "arousal:-0.2:0.3", "linucb, thompson, q, sarsa, actor_critic"),
+        (TUNNEL, "fixed", "effort:0:0.5", "linucb, thompson, q, sarsa, actor_critic"),
+        (WALK, "linucb", "task", "q, sarsa, random, fixed"),
+        (WALK, "random", "arousal:-1:-0.5", "q, sarsa"),
+    ],
+)
+def test_a_policy_that_cannot_follow_the_goal_is_refused_by_check_and_at_the_start(
+    scene: Path, learn: str, goal: str, able: str, tmp_path: Path
+) -> None:
+    document = json.loads(scene.read_text())
+    document["task"] |= {"learn": learn, "goal": goal}
+    file = tmp_path / "scene.json"
+    file.write_text(json.dumps(document))
+    with pytest.raises(SceneError) as refused:
+        load_checked_scene(file)
+    assert [issue.pointer for issue in refused.value.issues] == ["/task/learn"]
+    assert refused.value.issues[0].fix == f"these can: {able}"
+    with pytest.raises(UsageError, match=learn) as at_start:
+        prepare_scene(load_checked_scene(scene), RunSettings(scene, learn=learn, goal=goal))
+    assert at_start.value.fix == f"these can: {able}"
 
 
 def place(played: Played, who: str) -> list[Any]:
