@@ -174,7 +174,7 @@ def test_an_asset_that_cannot_be_read_is_reported_where_it_is_named(tmp_path, mo
         raise PermissionError(13, "Permission denied")
 
     (tmp_path / "path.csv").write_text("x,y,z\n")
-    monkeypatch.setattr("mimics_app.world.scene.assets.read_regular", refuse)
+    monkeypatch.setattr("mimics_app.world.scene.assets.open_regular", refuse)
     found = the_fault(tmp_path, scene(assets={"path": {"uri": "path.csv"}}))
     assert found == 'scene.json#/assets/path/uri: "path.csv" cannot be read: Permission denied'
 
@@ -217,7 +217,10 @@ def test_a_quaternion_written_with_four_decimals_and_a_mirror_pass(tmp_path):
             "robot/robot_to_world/rotation: is not a rotation: its rows are off by 0.1",
         ),
         ({"robot": {"joint_min": [0.3, -0.5, -0.2]}}, "robot/joint_max/0: 0.18 is not above joint_min, 0.3"),
-        ({"robot": {"joint_min": [-0.5, -0.5, -0.2]}}, "robot/joint_min/0: the arm could reach through the axis"),
+        ({"robot": {"joint_min": [-0.5, -0.5, -0.2]}}, "robot/joint_min/0: -0.5 is beyond the device's own, -0.18"),
+        ({"robot": {"joint_max": [0.1, 4.0, 0.2]}}, "robot/joint_max/1: 4 is beyond the device's own"),
+        ({"robot": {"velocity_limit": [1e5, 0.1, 0.1]}}, "robot/velocity_limit/0: 100000 is beyond the device's own"),
+        ({"robot": {"axis_offset": 0.1}}, "robot/joint_min/0: the arm could reach through the axis"),
         ({"robot": {"masses": [3, 0, 3]}}, "robot/masses/1: a moving mass must be greater than 0"),
         ({"tunnel": {}}, "tunnel: needs either control_points or a path_file"),
         ({"tunnel": {"control_points": [[0, 0, 0]]}}, "tunnel/control_points: 1 control points; a cubic takes 4 to 99"),

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mimics_app.app.terminal.output import errors_of, issue_lines, with_line, write_object
+from mimics_app.app.terminal.output import errors_of, issue_lines, one_line, with_line, write_object
 from mimics_app.contracts.errors import DeviceError, Issue, MimicsError, SceneError
 from mimics_app.contracts.plural import counted
 
@@ -40,7 +40,7 @@ def run(args: argparse.Namespace) -> int:
         write_object("check", {"files": findings, **errors_of(issues)})
         return code
     for finding in findings:
-        sys.stdout.writelines(_lines(finding))
+        sys.stdout.writelines(f"{one_line(line)}\n" for line in _lines(finding))
     sys.stderr.writelines(issue_lines(issues))
     return code
 
@@ -66,7 +66,7 @@ def examine(file: Path) -> dict[str, Any]:
     _check_devices(scene)
     from mimics_app.app.scenes.hints import hints
 
-    notes = [*scene.notes, *_notes_on_play(scene), *map(with_line, hints(scene))]
+    notes = [*scene.notes, *_notes_on_play(scene), *_notes_on_limits(scene), *map(with_line, hints(scene))]
     holds = {"entities": len(scene.entities), "materials": len(scene.materials), "assets": len(scene.assets)}
     return {"file": str(file), "ok": True, "kind": "scene", "hash": scene.hash, "holds": holds, "notes": notes}
 
@@ -98,6 +98,18 @@ def _notes_on_play(scene: Scene) -> list[str]:
     return []
 
 
+def _notes_on_limits(scene: Scene) -> list[str]:
+    """Return a note on each limit that the scene sets beyond its usual value."""
+    from mimics_app.app.touch.ceiling import hold_limits
+    from mimics_app.app.touch.ceilings import read_ceiling
+    from mimics_app.scenarios.parts.robot_scene import robot_block
+    from mimics_app.world.components.robot import Robot
+
+    if not scene.components(Robot):
+        return []
+    return list(hold_limits(robot_block(scene), read_ceiling()).notes)
+
+
 def _check_devices(scene: Scene) -> None:
     """Raise a DeviceError where the device of a robot does not exist."""
     from mimics_app.rendering.haptic.devices.device_names import check_device_name
@@ -115,4 +127,4 @@ def _lines(finding: dict[str, Any]) -> list[str]:
     if not finding["ok"]:
         return []
     holds = ", ".join(counted(number, what) for what, number in finding["holds"].items())
-    return [f"{finding['file']}: ok ({holds})\n", *(f"  {note}\n" for note in finding["notes"])]
+    return [f"{finding['file']}: ok ({holds})", *(f"  {note}" for note in finding["notes"])]
