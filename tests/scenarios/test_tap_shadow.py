@@ -16,7 +16,7 @@ from mimics_app.world.scene.file import build_world, load_scene
 ROOT = Path(__file__).parents[2]
 BALL, HEAD = 0.022, 0.13
 """Radius of the ball, and of a sphere that holds a head [m]."""
-GAPS = (0.005, 0.01, 0.02, 0.03, 0.045, 0.06, 0.09)
+GAPS = (0.005, 0.015, 0.03, 0.06, 0.09)
 
 
 def _sphere_between(points: np.ndarray, way: np.ndarray, centre: np.ndarray, radius: float) -> np.ndarray:
@@ -42,8 +42,8 @@ class _Seen:
         """Area of the ball's shadow on the cord that the subject's eyes see [cm2]."""
         curve, radius = self.cord.curve, self.cord.shown_radius
         ball, _ = self.cord.place(share, theta, gap + BALL)
-        s = np.linspace(max(share * curve.length - 0.12, 0.0), min(share * curve.length + 0.12, curve.length), 81)
-        angles = np.linspace(-np.pi, np.pi, 80, endpoint=False)
+        s = np.linspace(max(share * curve.length - 0.12, 0.0), min(share * curve.length + 0.12, curve.length), 49)
+        angles = np.linspace(-np.pi, np.pi, 48, endpoint=False)
         normals = np.array([curve.normal(each)[0] for each in s])
         out = np.cos(angles)[None, :, None] * normals[:, None] + np.sin(angles)[None, :, None] * curve.binormal
         points = curve.point(s)[:, None] + radius * out

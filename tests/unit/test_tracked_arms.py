@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -44,6 +45,12 @@ def rig(request: pytest.FixtureRequest, tmp_path: Path) -> Rig:
         path = write_person(tmp_path / "person.gltf", armature=True, places=resting(0.0))
     elif path == "many bones":
         path = write_person(tmp_path / "person.gltf", places=_many_bones())
+    return _rig_of(path)
+
+
+@cache
+def _rig_of(path: Path) -> Rig:
+    """The rig of a file; nothing here changes it."""
     return next(iter(load_model_world(path).motion.animators.values())).rig
 
 
@@ -90,7 +97,7 @@ def _assert_wrists(rig: Rig, count: int) -> None:
 
 def test_a_wrist_that_can_be_reached_is_where_it_is_tracked(rig: Rig) -> None:
     """Within 0.97 of the arm from where the shoulder comes to stand, and an elbow bent by 150 degrees at most."""
-    _assert_wrists(rig, 10_000)
+    _assert_wrists(rig, 4_000)
 
 
 @pytest.mark.slow
@@ -108,7 +115,7 @@ def _smooth(rng: np.random.Generator, count: int, size: int) -> np.ndarray:
 @pytest.mark.parametrize("near", [False, True], ids=["everywhere", "near the shoulder"])
 def test_an_elbow_moves_no_more_than_8_mm_per_mm_of_the_wrist(rig: Rig, near: bool) -> None:
     """Both from the upper arm's joint, so that what the trunk moves is left out; fastest hands about 3 m/s."""
-    rng, count = np.random.default_rng(5), 6_000
+    rng, count = np.random.default_rng(5), 3_000
     head, shoulders, lengths = _arms(rig)
     heads = np.zeros((count, 7))
     heads[:, :3] = head + 0.06 * _smooth(rng, count, 3) * (1.0, 0.5, 1.0)
@@ -122,7 +129,7 @@ def test_an_elbow_moves_no_more_than_8_mm_per_mm_of_the_wrist(rig: Rig, near: bo
     elbow = np.linalg.norm(np.diff(found[:, :, 3:6] - found[:, :, :3], axis=0), axis=2)
     wrist = np.linalg.norm(np.diff(hands[:, :, :3] - found[:, :, :3], axis=0), axis=2)
     far = np.linalg.norm(hands[:, :, :3] - found[:, :, :3], axis=2)
-    assert (far < 0.12).sum() > 100 if near else (far > 0.9 * lengths).sum() > 500, "where it is difficult"
+    assert (far < 0.12).sum() > 50 if near else (far > 0.9 * lengths).sum() > 200, "where it is difficult"
     assert (elbow / wrist).max() <= 8.0
     missed = np.linalg.norm(found[:, :, 6:] - hands[:, :, :3], axis=2)
     assert missed[(far < 0.97 * lengths) & (far > 0.40 * lengths)].max() < 1e-9, "it has caught up out there"
