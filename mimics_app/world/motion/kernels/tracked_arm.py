@@ -111,7 +111,7 @@ def _turn_direction(before: F8, wanted: F8, most: float) -> float:
     if angle <= most:
         return angle
     if length < _NO_LENGTH:  # straight back: towards any side
-        k = 0 if abs(before[0]) < 0.6 else 1
+        k = 0 if abs(before[0]) < abs(before[1]) else 1
         for i in range(3):
             side[i] = (1.0 if i == k else 0.0) - before[k] * before[i]
         length = math.sqrt(1.0 - before[k] ** 2)
