@@ -351,10 +351,10 @@ def test_a_tape_gives_back_every_bit(tmp_path: Path) -> None:
         assert found is None or found.tobytes() == poses[frame].tobytes()
     text = file.read_bytes()
     file.write_bytes(text[:-20])  # cut off by a crash
-    assert len(read_tape(file)) == text.count(b"\n") - 1
+    assert len(list(read_tape(file))) == text.count(b"\n") - 1
     file.write_bytes(b'{"sensor": 1}\n' + text)
     with pytest.raises(SceneError) as caught:
-        read_tape(file)
+        list(read_tape(file))
     assert caught.value.issues[0].pointer == "line 1"
 
 
@@ -369,7 +369,7 @@ def test_a_tape_that_does_not_fit_ends_and_the_tracker_goes_on(tmp_path: Path) -
         assert hub.pose("head", 2999 * 16 * MS).age_ns < 20 * MS
         hub.stop()
     assert problems == ["tape of the trackers: tape.jsonl ends here: File too large"]
-    assert 0 < len(read_tape(file)) < 3000
+    assert 0 < len(list(read_tape(file))) < 3000
 
 
 @pytest.mark.parametrize("rotation", ["[0,0,0,0]", "[0,0,0,1e200]"])
@@ -377,7 +377,7 @@ def test_a_tape_with_a_rotation_that_is_none_is_refused(tmp_path: Path, rotation
     file = tmp_path / "tape.jsonl"
     file.write_text(f'{{"sensor":"1","t_ns":0,"position":[0,0,0],"rotation":{rotation}}}\n')
     with pytest.raises(SceneError, match="unit quaternion"):
-        read_tape(file)
+        list(read_tape(file))
 
 
 def test_the_hub_brings_sensors_into_the_room_and_falls_back_to_whoever_still_sees() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -15,6 +14,7 @@ from mimics_app.app.picture.video import Film
 from mimics_app.app.planner.plan import plan_scene
 from mimics_app.app.planner.uses import shadow_distance_of, visual_of
 from mimics_app.app.settings import Profile
+from mimics_app.app.terminal.output import say
 from mimics_app.contracts.arrays import F8, Vec3
 from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import Clock
@@ -241,9 +241,9 @@ class Picture:
     def report_issues(self) -> None:
         """Report on stderr each deviation of the picture from the scene, once."""
         for issue in self.renderer.take_issues():
-            sys.stderr.write(f"mimics: {issue}\n")
+            say(str(issue))
         for fault in self.presenter.take_faults():
-            sys.stderr.write(f"mimics: {fault}\n")
+            say(fault)
 
     def lay_out(self, board: Board, views: Sequence[View]) -> None:
         """Draw a board over the picture of these views."""

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from mimics_app.contracts.plural import counted
+from mimics_app.contracts.regular_file import read_regular
 from mimics_app.contracts.resources import root
 
 __all__ = [
@@ -80,7 +81,7 @@ def find_shipped(name: str) -> ShippedScene | None:
 def is_only_looked_at(file: Path) -> bool:
     """Whether a scene file has no task and is only looked at; False where the file cannot be read."""
     try:
-        document = json.loads(file.read_text(encoding="utf-8"))
+        document = json.loads(read_regular(file))
     except (OSError, ValueError, RecursionError):
         return False
     return isinstance(document, dict) and document.get("scenario") == ONLY_LOOKED_AT

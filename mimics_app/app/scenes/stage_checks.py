@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import DeviceError, Issue, UsageError
 from mimics_app.estimation.registry import check_estimator
+from mimics_app.inputs.trackers.network_place import listening, place_of
 from mimics_app.learning.goals import build_goal
 from mimics_app.learning.registry import check_policy
 from mimics_app.rendering.haptic.devices.robot_checks import check_points, check_robot
@@ -62,7 +63,18 @@ def check_components(scene: Scene) -> list[Issue]:
         for kind, check in _OF_COMPONENTS
         for _, component, pointer in scene.components(kind)
         for issue in check(component, pointer, scene)
-    ] + _check_sounds(scene)
+    ] + [*_check_sounds(scene), *_check_addresses(scene)]
+
+
+def _check_addresses(scene: Scene) -> list[Issue]:
+    """Check that the trackers that listen have a port to listen at."""
+    issues = []
+    for pointer, address in listening(scene):
+        try:
+            place_of(address)
+        except UsageError as error:
+            issues.append(scene.issue(pointer, error.what, error.fix))
+    return issues
 
 
 def _check_sounds(scene: Scene) -> list[Issue]:

@@ -10,7 +10,7 @@ from typing import Any
 from mimics_app.app.study.subjects import SubjectRun
 from mimics_app.app.study.tables import Row, summarise_conditions
 from mimics_app.contracts.plural import counted
-from mimics_app.contracts.whole_file import whole_file
+from mimics_app.contracts.whole_file import private_text
 from mimics_app.plotting.page_templates import load_templates
 from mimics_app.recording.report_values import mapping
 from mimics_app.recording.session_header import read_session
@@ -36,8 +36,8 @@ def write_page(file: Path, scene: str, runs: Sequence[SubjectRun], trials: Seque
         taps=[_tap_line(label, taps) for label in dict.fromkeys(str(row.get("condition")) for row in taps)],
         subjects=[_subject_line(run, trials, file.resolve().parent) for run in runs],
     )
-    with whole_file(file):
-        file.write_text(page, encoding="utf-8")
+    with private_text(file) as stream:
+        stream.write(page)
 
 
 def _title_of(runs: Sequence[SubjectRun]) -> str:

@@ -8,9 +8,12 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
+from mimics_app.contracts.regular_file import read_regular
 from mimics_app.recording.run_folder import write_atomically
 
 __all__ = ["read_config", "write_config"]
+
+_MOST_BYTES = 1 << 20
 
 
 def _config_folder() -> Path:
@@ -25,7 +28,7 @@ def _config_folder() -> Path:
 def read_config(name: str) -> dict[str, object]:
     """Return the contents of a file; {} where it is missing or cannot be read."""
     try:
-        content = json.loads((_config_folder() / f"{name}.json").read_text(encoding="utf-8"))
+        content = json.loads(read_regular(_config_folder() / f"{name}.json", _MOST_BYTES))
     except (OSError, ValueError, RuntimeError):  # RuntimeError: nested too deeply, or an account without a home folder
         return {}
     return content if isinstance(content, dict) else {}

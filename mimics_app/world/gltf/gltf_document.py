@@ -15,6 +15,7 @@ from typing import Any, NoReturn, TypeVar
 
 from mimics_app.contracts.errors import Issue, SceneError, short_text
 from mimics_app.contracts.plural import counted, singular
+from mimics_app.contracts.read_budget import READ_BUDGET
 from mimics_app.world.scene.json_text import parse_json
 from mimics_app.world.scene.paths import PathFault, find_file
 from mimics_app.world.scene.scene_files import read_bytes
@@ -23,7 +24,7 @@ __all__ = ["MAX_ITEMS", "MAX_NOTES", "MAX_TOTAL_BYTES", "GltfError", "GltfSource
 
 T = TypeVar("T")
 
-MAX_TOTAL_BYTES = 256 * 1024 * 1024
+MAX_TOTAL_BYTES = READ_BUDGET
 """Maximum memory of one model [bytes]: buffers, decoded accessors, images, and the arrays of every primitive.
 
 An array that several primitives use counts once for each, as each of them is a mesh of its own in a world.
@@ -32,8 +33,8 @@ An array that several primitives use counts once for each, as each of them is a 
 MAX_ITEMS = 100_000
 """Maximum number of nodes, of meshes, of materials and so on, and of primitives of all meshes together."""
 
-_MORE_ITEMS = {"accessors": 4 * MAX_ITEMS, "bufferViews": 4 * MAX_ITEMS}
-"""Maximum length of lists that a mesh refers to several times."""
+_OTHER_ITEMS = {"accessors": 4 * MAX_ITEMS, "bufferViews": 4 * MAX_ITEMS, "animations": MAX_ITEMS // 10}
+"""Maximum length of lists that a mesh refers to several times, and of those whose items take longer to read."""
 
 MAX_NOTES = 100
 """Maximum number of notes kept one by one."""
@@ -135,7 +136,7 @@ class GltfSource:
         value = self.json.get(name, [])
         if not isinstance(value, list):
             self.fail(f"/{name}", "must be a list")
-        limit = _MORE_ITEMS.get(name, MAX_ITEMS)
+        limit = _OTHER_ITEMS.get(name, MAX_ITEMS)
         if len(value) > limit:
             self.fail(f"/{name}", f"{len(value)} {name} are more than {limit}")
         for i, item in enumerate(value):
