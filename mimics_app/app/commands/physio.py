@@ -122,6 +122,8 @@ def _advice(found: dict[str, Any], lost: str) -> list[str]:
         if signal["bad_share"] > _BAD_SHARE:
             advice.append(f"{name}: {100 * signal['bad_share']:.0f} % of the seconds are bad: check its electrodes")
         faults = signal.get("faults", {})
+        if faults.get("clock_sets"):
+            advice.append(f"{name}: the sender's clock was set {faults['clock_sets']} times: switch that off")
         if faults.get("wrong_rate"):
             advice.append(f"{name}: its rate is not the {signal['rate']:g} Hz stated: set the amplifier's rate")
         if faults.get("gaps"):

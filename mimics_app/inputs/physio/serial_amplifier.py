@@ -122,7 +122,7 @@ class SerialAmplifier(LiveSignals):
             self._clock.sleep_until_ns(self._clock.now_ns() + 5_000_000)
         self._header = self._reader.rate, self._reader.channels
         self._columns = columns_of(self._reader.channels)
-        self._grids = {name: Grid(name, self._reader.rate) for name in self._columns}
+        self._grids = {name: Grid(name, self._reader.rate, counted=True) for name in self._columns}
         if not self._columns:
             self._port.close()
             raise DeviceError(
