@@ -17,8 +17,8 @@ from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import SECOND_NS, MonotonicClock
 from mimics_app.contracts.errors import DeviceError, UsageError
 from mimics_app.contracts.messages import SignalBlock
+from mimics_app.inputs.physio.channel_names import NAMES_HINT, columns_of, say_columns, unit_factor
 from mimics_app.inputs.physio.integrity import Grid, LiveSignals
-from mimics_app.inputs.physio.recording import columns_of, unit_factor
 
 if TYPE_CHECKING:
     from pylsl import StreamInfo, StreamInlet
@@ -68,11 +68,9 @@ class LslSource(LiveSignals):
         pylsl = self._pylsl = _library()
         self._inlet: StreamInlet = pylsl.StreamInlet(find_stream(name), max_buflen=60, recover=True)
         info = self._description()
-        self._columns, self._factors = _columns(info)
+        self._columns, self._factors, self.notes = _columns(info)
         if not self._columns:
-            raise DeviceError(
-                f'no channel of the LSL stream "{name}" is a body signal', "label them ecg, gsr, emg or resp"
-            )
+            raise DeviceError(f'no channel of the LSL stream "{name}" is a body signal', NAMES_HINT)
         if info.channel_format() == pylsl.cf_string:
             raise DeviceError(f'the samples of the LSL stream "{name}" are texts', "send numbers, e.g. as float32")
         self._rate = float(info.nominal_srate())
@@ -176,8 +174,8 @@ def _quoted(name: str) -> str:
     return f'"{name}"'
 
 
-def _columns(info: object) -> tuple[dict[str, int], dict[str, float]]:
-    """Return the column of each body signal, and the factor from its unit to that of the signal."""
+def _columns(info: object) -> tuple[dict[str, int], dict[str, float], tuple[str, ...]]:
+    """Return the column of each body signal, the factor from its unit to that of the signal, and both in words."""
     channel = info.desc().child("channels").child("channel")  # type: ignore[attr-defined]
     labels, units = [], []
     for _ in range(info.channel_count()):  # type: ignore[attr-defined]
@@ -185,7 +183,7 @@ def _columns(info: object) -> tuple[dict[str, int], dict[str, float]]:
         units.append(channel.child_value("unit") or "")
         channel = channel.next_sibling()
     columns = columns_of(labels) or columns_of([info.type()])  # type: ignore[attr-defined]
-    return columns, {name: unit_factor(name, units[i]) for name, i in columns.items()}
+    return columns, {name: unit_factor(name, units[i]) for name, i in columns.items()}, say_columns(labels, columns)
 
 
 def _library() -> ModuleType:
