@@ -124,7 +124,7 @@ def _time_column(path: Path, labels: Sequence[str]) -> tuple[int, float]:
     Raises:
         SceneError: There is none.
     """
-    plain = {}
+    plain: dict[str, tuple[int, float]] = {}
     for number, label in enumerate(labels):
         name, unit = split_unit(label)
         if (unit := unit.lower()) in _PER_SECOND:
