@@ -44,7 +44,7 @@ class OwnPerson:
     def features(
         self, seconds: int, arousal: Callable[[int], float], power: Callable[[int], float]
     ) -> list[tuple[FeatureFrame, float]]:
-        """Frames of features, one a second, each with the true arousal, under the arousal aimed at and the power [W]."""
+        """Frames of features, one a second, each with the true arousal, for an arousal aimed at and a power [W]."""
         rng, counts, found = self._rng, deque[float](maxlen=60), []
         true = felt = fast = slow = heart = steps = drift = 0.0
         for second in range(seconds):
