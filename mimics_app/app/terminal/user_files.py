@@ -48,7 +48,7 @@ def read_strictly(name: str) -> dict[str, object]:
     """
     try:
         file = config_file(name)
-        content = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+        content = json.loads(read_regular(file, _MOST_BYTES)) if file.exists() else {}
     except RuntimeError:  # an account without a home folder
         return {}
     except (OSError, ValueError) as error:

@@ -8,11 +8,14 @@ import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import IO, TYPE_CHECKING
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import Issue, SceneError, first_line
 from mimics_app.contracts.regular_file import open_regular
+
+if TYPE_CHECKING:
+    from _typeshed import WriteableBuffer
 
 __all__ = ["CsvFile"]
 
@@ -99,7 +102,7 @@ class CsvFile:
                 file.seek(0)
                 suffix = self._path.suffix.lower()
                 codec = None if suffix == ".csv" else pa.Codec.detect(self._path.name).name
-                text: Any = file if codec is None else pa.CompressedInputStream(pa.PythonFile(file, "r"), codec)
+                text: IO[bytes] = file if codec is None else pa.CompressedInputStream(pa.PythonFile(file, "r"), codec)
                 limit = None if codec is None else _MOST_RATIO * size + _ROOM
                 yield io.BufferedReader(_Text(text, limit), _BATCH)
         except (pa.ArrowException, OSError, ValueError) as error:
@@ -141,23 +144,25 @@ class CsvFile:
             what = f"{where} holds {held}: more than numbers"
             fix = "leave a cell empty where there is no value"
             return SceneError(Issue(str(self._path), f"/{self.labels[int(column[1])]}", what, fix))
-        return SceneError(Issue(str(self._path), "", f"it cannot be read: {first_line(error)}"))
+        why = getattr(error, "strerror", "") or first_line(error)
+        return SceneError(Issue(str(self._path), "", f"it cannot be read: {why}"))
 
 
 class _Text(io.RawIOBase):
     """The text of a file; one that unpacks to far more than its size is no table of measurements."""
 
-    def __init__(self, source: Any, limit: int | None) -> None:
+    def __init__(self, source: IO[bytes], limit: int | None) -> None:
         self._source, self._left = source, limit
 
     def readable(self) -> bool:
         return True
 
-    def readinto(self, buffer: Any, /) -> int:
-        data = self._source.read(len(buffer))
+    def readinto(self, buffer: WriteableBuffer, /) -> int:
+        room = memoryview(buffer).cast("B")
+        data = self._source.read(len(room))
         if self._left is not None:
             self._left -= len(data)
             if self._left < 0:
                 raise OSError(f"it unpacks to more than {_MOST_RATIO} times its size")
-        buffer[: len(data)] = data
+        room[: len(data)] = data
         return len(data)

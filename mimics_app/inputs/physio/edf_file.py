@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.regular_file import open_regular
-from mimics_app.inputs.physio.stored_samples import Samples, kept
+from mimics_app.inputs.physio.stored_samples import Samples, SamplesInFile, kept
 
 __all__ = ["EdfChannel", "read_edf_channels"]
 
@@ -56,43 +57,43 @@ class _Layout:
     width: int
 
 
-class _EdfSamples:
-    """Samples of one channel, read and scaled where they are asked for.
+class _EdfSamples(SamplesInFile):
+    """Samples of one channel, scaled where they are read.
 
     Args:
-        stream: The file; closed with the last of its channels.
+        stream: The file, that of all channels.
         layout: Layout of its records.
         place: First byte of the channel in a record.
-        count: Its samples in a record.
-        gain: Unit of the signal per digital step.
+        each: Its samples in a record.
+        gain: Signal per digital step.
         zero: Signal at the digital 0.
     """
 
     def __init__(
-        self, stream: io.BufferedReader, layout: _Layout, place: int, count: int, gain: float, zero: float
+        self, stream: io.BufferedReader, layout: _Layout, place: int, each: int, gain: float, zero: float
     ) -> None:
-        self._stream, self._layout, self._place, self._count = stream, layout, place, count
-        self._gain, self._zero = gain, zero
-
-    def __len__(self) -> int:
-        return self._layout.records * self._count
+        super().__init__(stream, layout.records * each)
+        self._layout, self._place, self._each, self._gain, self._zero = layout, place, each, gain, zero
 
     def __getitem__(self, part: slice, /) -> NDArray[np.float64]:
         first, last, _ = part.indices(len(self))
         if last <= first:
             return np.zeros(0)
-        begin, end = first // self._count, -(-last // self._count)
+        begin, end = first // self._each, -(-last // self._each)
         raw = b"".join(self._record(number) for number in range(begin, end))
-        digital = _integers(raw, self._layout.width)[first - begin * self._count : last - begin * self._count]
+        digital = _integers(raw, self._layout.width)[first - begin * self._each : last - begin * self._each]
         return np.asarray(digital * self._gain + self._zero, np.float64)
 
     def _record(self, number: int) -> bytes:
-        size = self._count * self._layout.width
-        self._stream.seek(self._layout.first + number * self._layout.size + self._place)
-        data = self._stream.read(size)
+        size = self._each * self._layout.width
+        self._file.seek(self._layout.first + number * self._layout.size + self._place)
+        data = self._file.read(size)
         if len(data) < size:
             raise OSError("the file became shorter while it was read")
         return data
+
+    def __del__(self) -> None:
+        """Leave the file to the other channels."""
 
 
 def read_edf_channels(path: Path, factor: Callable[[str, str], float]) -> list[EdfChannel]:
@@ -106,10 +107,16 @@ def read_edf_channels(path: Path, factor: Callable[[str, str], float]) -> list[E
         SceneError: The file cannot be read, is cut off, or has gaps between its records (EDF+D).
     """
     try:
-        stream = open_regular(path)
-        return _channels(stream, path, factor)
+        with ExitStack() as stack:
+            stream = stack.enter_context(open_regular(path))
+            channels = _channels(stream, path, factor)
+            if any(isinstance(each.values, SamplesInFile) for each in channels):
+                stack.pop_all()  # the file stays open while it is played
+            return channels
     except (OSError, ValueError) as error:
-        raise SceneError(Issue(str(path), "", f"it cannot be read: {error}")) from error
+        raise SceneError(
+            Issue(str(path), "", f"it cannot be read: {getattr(error, 'strerror', '') or error}")
+        ) from error
 
 
 def _channels(stream: io.BufferedReader, path: Path, factor: Callable[[str, str], float]) -> list[EdfChannel]:

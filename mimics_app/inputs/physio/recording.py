@@ -27,7 +27,7 @@ from mimics_app.inputs.physio.channel_names import (
 from mimics_app.inputs.physio.csv_file import CsvFile
 from mimics_app.inputs.physio.edf_file import read_edf_channels
 from mimics_app.inputs.physio.integrity import Faults
-from mimics_app.inputs.physio.stored_samples import Samples
+from mimics_app.inputs.physio.stored_samples import Samples, SamplesInFile
 from mimics_app.inputs.physio.time_grid import HIGHEST_RATE, LONGEST_S, find_grid, on_grid
 from mimics_app.inputs.physio.wfdb_header import check_wfdb_header
 
@@ -222,4 +222,7 @@ class FileSource(SignalSource):
         """Do nothing: a recorded body does not react to the movement."""
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Close the files of signals that are read while they play."""
+        for signal in self._signals:
+            if isinstance(signal.values, SamplesInFile):
+                signal.values.close()

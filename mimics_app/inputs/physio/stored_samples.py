@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from typing import IO, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["KEPT_BYTES", "Samples", "StoredSamples", "kept"]
+__all__ = ["KEPT_BYTES", "Samples", "SamplesInFile", "StoredSamples", "kept"]
 
 KEPT_BYTES = 64 << 20
 """Size up to which the samples of a signal are kept in memory [bytes]: two hours at 1 kHz."""
@@ -25,11 +26,11 @@ class Samples(Protocol):
         ...
 
 
-class StoredSamples:
-    """Samples as float64 in a file that is this object's own.
+class SamplesInFile:
+    """Samples that are read where they are asked for, from a file that may be that of several signals.
 
     Args:
-        file: Open for reading; closed with the object.
+        file: The file, open for reading.
         count: Number of samples.
     """
 
@@ -38,6 +39,25 @@ class StoredSamples:
 
     def __len__(self) -> int:
         return self._count
+
+    @abstractmethod
+    def __getitem__(self, part: slice, /) -> NDArray[np.float64]:
+        """Return the samples of a slice without step.
+
+        Raises:
+            OSError: The file is no longer what it was.
+        """
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+    def __del__(self) -> None:
+        self.close()
+
+
+class StoredSamples(SamplesInFile):
+    """Samples as float64 in a file of their own."""
 
     def __getitem__(self, part: slice, /) -> NDArray[np.float64]:
         first, last, _ = part.indices(self._count)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Iterator
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -52,6 +53,11 @@ def find_grid(path: Path, batches: Iterator[F8]) -> TimeGrid:
     Raises:
         SceneError: Times run backwards, are too few, or state a grid that the rows do not fill.
     """
+    with np.errstate(over="ignore"):  # of times without measure, which are refused below
+        return _found(path, batches)
+
+
+def _found(path: Path, batches: Iterator[F8]) -> TimeGrid:
     first: list[F8] = []
     steps = _Steps()
     start = last = np.nan
@@ -130,21 +136,25 @@ def on_grid(grid: TimeGrid, batches: Iterator[tuple[F8, F8]]) -> tuple[Samples, 
         grid: Grid of the times.
         batches: Times and values, in batches of rows.
     """
-    file = tempfile.SpooledTemporaryFile(KEPT_BYTES)
-    written = rows = taken = 0
-    for times, values in batches:
-        rows += len(times)
-        known = np.isfinite(times)
-        places = grid.places(times[known]) - written
-        if not len(places) or places[-1] < 0:
-            continue
-        new = places >= 0  # another row of the last place of the batch before is left out
-        part = np.full(int(places[-1]) + 1, np.nan)
-        part[places[new][::-1]] = values[known][new][::-1]
-        taken += len(np.unique(places[new]))
-        file.write(part.tobytes())
-        written += len(part)
-    return kept(StoredSamples(file, written)), rows - taken
+    with ExitStack() as stack:
+        file = stack.enter_context(tempfile.SpooledTemporaryFile(KEPT_BYTES))
+        written = rows = taken = 0
+        for times, values in batches:
+            rows += len(times)
+            known = np.isfinite(times)
+            places = grid.places(times[known]) - written
+            if not len(places) or places[-1] < 0:
+                continue
+            new = places >= 0  # another row of the last place of the batch before is left out
+            part = np.full(int(places[-1]) + 1, np.nan)
+            part[places[new][::-1]] = values[known][new][::-1]
+            taken += len(np.unique(places[new]))
+            file.write(part.tobytes())
+            written += len(part)
+        samples = kept(StoredSamples(file, written))
+        if isinstance(samples, StoredSamples):
+            stack.pop_all()  # the file is the samples'
+        return samples, rows - taken
 
 
 def _plain_rate(rate: float) -> float:

@@ -11,7 +11,7 @@ import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -79,7 +79,7 @@ class SofaStore:
         _check_chunks(self, name, variable)
         return np.asarray(variable[()], np.float64)
 
-    def _variable(self, name: str) -> Any:
+    def _variable(self, name: str) -> h5py.Dataset:
         import h5py
 
         if not self.has(name):
@@ -94,7 +94,7 @@ class SofaStore:
         return variable
 
 
-def _check_chunks(store: SofaStore, name: str, variable: Any) -> None:
+def _check_chunks(store: SofaStore, name: str, variable: h5py.Dataset) -> None:
     """Check that what a variable's chunks unpack to is their size."""
     if variable.chunks is None:
         return
