@@ -17,6 +17,8 @@ _BAND = (0.05, 1.0)
 """Band-pass [Hz]."""
 _WINDOW_S = 60.0
 """Window of the variability [s]."""
+_FIRST_S = 20.0
+"""Time within which the first breath is known [s]."""
 _SHORT_S = 25.0
 """Window of rate, depth and ratio [s]."""
 
@@ -52,6 +54,8 @@ class Resp(Channel):
         quality = self._contact(raw)
         while self.breaths and self.breaths[0][0] < now_s - _WINDOW_S:
             self.breaths.popleft()
+        if not self.breaths and now_s < _FIRST_S:
+            return Found({}, quality)
         if quality == 0.0 or not self.breaths or now_s - self.breaths[-1][0] > 20.0:
             return Found({}, 0.0)
         rows = np.array(self.breaths)

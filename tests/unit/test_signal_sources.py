@@ -21,8 +21,9 @@ from mimics_app.contracts.plugins import PluginGroup
 from mimics_app.dsp.stage import PhysioDsp
 from mimics_app.inputs.physio import sources
 from mimics_app.inputs.physio.amplifier_frames import AmplifierReader
+from mimics_app.inputs.physio.channel_names import unit_factor
 from mimics_app.inputs.physio.integrity import Grid
-from mimics_app.inputs.physio.recording import FileSource, read_signal_file, unit_factor
+from mimics_app.inputs.physio.recording import FileSource, read_signal_file
 from mimics_app.inputs.physio.serial_amplifier import SerialAmplifier
 from mimics_app.inputs.physio.simulated.source import SimulatedBody
 from mimics_app.inputs.physio.sources import look_for_source, open_source
@@ -56,7 +57,7 @@ def test_a_table_is_read_on_its_grid_with_holes_where_rows_are_missing(tmp_path:
 @pytest.mark.parametrize(
     ("text", "what"),
     [
-        ("t_s,height\n0,1\n1,2\n", "no body signal"),
+        ("t_s,height\n0,1\n1,2\n", 'none of its columns is a body signal: "t_s", "height"'),
         ("ecg\n1\n2\n", "holds the time"),
         ("t_s,ecg\n0,1\n1,2\n0.5,3\n", "backwards"),
         ("t_s,ecg\n0,1\n", "fewer than two rows"),

@@ -19,6 +19,8 @@ __all__ = ["add_arguments", "run"]
 _CHECK_S = 60.0
 _PAGE_EVERY = 100
 """Number of polls of a live source between two pages: two seconds."""
+_LEAST_S = 10.0
+"""Shortest signal that is judged [s]."""
 _BAD_SHARE = 0.1
 """Largest acceptable share of bad seconds of a signal."""
 
@@ -71,6 +73,7 @@ def run(args: argparse.Namespace) -> int:
     if args.page is not None and watch.recent:
         _write_page(watch, args, live=False)
     found = watch.summary(source)
+    found["notes"] = [*getattr(source, "notes", ())]
     if args.check:
         found["advice"] = _advice(found, source.lost)
     answer(args, found, _lines(found))
@@ -84,7 +87,7 @@ def _open(args: argparse.Namespace) -> tuple[SignalSource, float, float, bool]:
     """
     from mimics_app.app.physio.watch import compile_channels
     from mimics_app.dsp.stage import check_rate
-    from mimics_app.inputs.physio.sources import look_for_source, open_source, source_kinds
+    from mimics_app.inputs.physio.sources import look_for_source, open_file, open_source, source_kinds
 
     kind, colon, _ = args.source.partition(":")
     misspelt = colon and kind != "file" and not Path(args.source).exists()
@@ -92,13 +95,9 @@ def _open(args: argparse.Namespace) -> tuple[SignalSource, float, float, bool]:
         compile_channels()
         look_for_source(args.source, say)
         return open_source(args.source, args.seed, check_rate), 0.0, args.seconds or _CHECK_S, kind != "sim"
-    from mimics_app.inputs.physio.recording import FileSource, read_signal_file
-
-    signals = read_signal_file(Path(args.source.removeprefix("file:")))
+    file = open_file(Path(args.source.removeprefix("file:")), check_rate)
     compile_channels()
-    first = min(signal.start_s for signal in signals)
-    length = max(signal.start_s - first + len(signal.values) / signal.rate for signal in signals)
-    return FileSource(signals), first, min(args.seconds or length, length), False
+    return file, file.start_s, min(args.seconds or file.seconds, file.seconds), False
 
 
 def _watch(watch: Watch, source: SignalSource, args: argparse.Namespace, seconds: float, *, live: bool) -> None:
@@ -124,9 +123,13 @@ def _advice(found: dict[str, Any], lost: str) -> list[str]:
         return ["no signal was received: check that the amplifier sends"]
     advice = [f"{lost}: check its cable and power"] if lost else []
     for name, signal in found["signals"].items():
-        if signal["bad_share"] > _BAD_SHARE:
+        if signal["seconds"] < _LEAST_S:
+            advice.append(f"{name}: {signal['seconds']:.1f} s are too short to judge it: read {_LEAST_S:g} s at least")
+        elif signal["bad_share"] > _BAD_SHARE:
             advice.append(f"{name}: {100 * signal['bad_share']:.0f} % of the seconds are bad: check its electrodes")
         faults = signal.get("faults", {})
+        if faults.get("clock_sets"):
+            advice.append(f"{name}: the sender's clock was set {faults['clock_sets']} times: switch that off")
         if faults.get("wrong_rate"):
             advice.append(f"{name}: its rate is not the {signal['rate']:g} Hz stated: set the amplifier's rate")
         if faults.get("gaps"):
@@ -140,6 +143,10 @@ def _lines(found: dict[str, Any]) -> Iterator[str]:
     for name, signal in found["signals"].items():
         bad = f"{100 * signal['bad_share']:.0f} % bad seconds"
         yield f"{name:6} {signal['seconds']:.1f} s at {signal['rate']:g} Hz, quality {signal['quality']:.2f}, {bad}"
+    yield from (f"note   {line}" for line in found["notes"])
+    for name, signal in found["signals"].items():
+        if dropped := signal.get("faults", {}).get("dropped"):
+            yield f"note   {name}: {dropped} samples were left out: they repeat others, or have no time"
     yield "found  " + (", ".join(f"{n} {kind}" for kind, n in found["events"].items()) or "nothing")
     units = {name: f" {unit}" for name, unit in FEATURE_UNITS.items() if unit != "1"}
     features = {name: value for name, value in found["features"].items() if name != "t_s"}

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import msgspec
 
 from mimics_app.app.settings import RunSettings
+from mimics_app.app.terminal.output import say
 from mimics_app.contracts.action_space import ActionSpace, Parameter
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.input_port import SignalSource
@@ -165,4 +166,7 @@ def _sources(settings: RunSettings, preset: str) -> tuple[SignalSource, ...]:
     from mimics_app.inputs.physio.sources import open_source
 
     address = f"sim:{preset}" if settings.physio == "sim" and preset else settings.physio
-    return (Movement(), open_source(address, settings.seed, check_rate))
+    source = open_source(address, settings.seed, check_rate)
+    for note in source.notes:
+        say(f"body signals: {note}")
+    return (Movement(), source)

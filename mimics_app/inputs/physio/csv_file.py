@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["CsvFile"]
 
+_BOM = b"\xef\xbb\xbf"
 _LONGEST_HEADER = 1 << 16
 _MOST_COLUMNS = 4096
 _BATCH = 1 << 20
@@ -27,9 +28,16 @@ _MOST_RATIO = 64
 """Largest ratio of a compressed file; tables of measurements have 3 to 10."""
 _ROOM = 64 << 20
 """Text beyond that ratio that is allowed [bytes]."""
-_EMPTY = ["", "nan", "NaN", "NA", "null"]
+_EMPTY = ["", "nan", "NaN", "NA", "N/A", "n/a", "null", "NULL", "#N/A", "#NV", "-", "--"]
 """Cells without a value."""
+_SEPARATORS = (",", ";", "\t")
+_COMMA = re.compile(r"^\s*[-+]?\d*,\d+(e[-+]?\d+)?\s*$", re.IGNORECASE)
+"""A number with a decimal comma, as spreadsheets of many countries write it."""
+_FEW_ROWS = 20
+"""Rows in which such a number is looked for."""
 _OF_COLUMN = re.compile(r"column #(\d+)")
+_OF_ROW = re.compile(r"Row #(\d+)")
+_VALUE = re.compile(r"invalid value '([^']*)'")
 
 
 class CsvFile:
@@ -47,8 +55,11 @@ class CsvFile:
 
     def __init__(self, path: Path) -> None:
         self._path = path
+        self._separator, self._point = ",", "."
         with self._opened() as stream:
             self.labels = self._header(stream)
+            if self._separator != ",":
+                self._point = self._decimal_point(stream)
 
     def batches(self, columns: Sequence[int]) -> Iterator[list[F8]]:
         """Yield some columns as float64, NaN where a cell is empty, a batch of rows at a time.
@@ -68,8 +79,9 @@ class CsvFile:
                 reader = arrow_csv.open_csv(
                     stream,
                     arrow_csv.ReadOptions(use_threads=False, block_size=_BATCH, column_names=names),
-                    convert_options=arrow_csv.ConvertOptions(
-                        column_types=types, include_columns=wanted, null_values=_EMPTY
+                    arrow_csv.ParseOptions(delimiter=self._separator),
+                    arrow_csv.ConvertOptions(
+                        column_types=types, include_columns=wanted, null_values=_EMPTY, decimal_point=self._point
                     ),
                 )
                 for batch in reader:
@@ -97,31 +109,43 @@ class CsvFile:
             raise self._refused(error) from error
 
     def _header(self, stream: io.BufferedReader) -> list[str]:
-        """Read the first row that is not empty."""
+        """Read the first row that is not empty, and note by what its names are separated."""
         line = b"\n"
-        while line and not line.strip():
+        while line and (not line.strip() or line.lower().lstrip(_BOM).startswith(b"sep=")):
             line = stream.readline(_LONGEST_HEADER + 1)
         if len(line) > _LONGEST_HEADER:
             raise SceneError(Issue(str(self._path), "", f"its first row has more than {_LONGEST_HEADER} characters"))
         try:
-            text = line.decode("utf-8-sig")
+            text = line.removeprefix(_BOM).decode("utf-8")
         except UnicodeDecodeError:
-            text = line.decode("latin-1")
-        labels = next(csv.reader([text.strip("\r\n")]), [])
+            text = line.removeprefix(_BOM).decode("latin-1")
+        text = text.strip("\r\n")
+        self._separator = max(_SEPARATORS, key=text.count)
+        labels = next(csv.reader([text], delimiter=self._separator), [])
         if not labels or len(labels) > _MOST_COLUMNS:
             what = "it is empty" if not labels else f"it has more than {_MOST_COLUMNS} columns"
             raise SceneError(Issue(str(self._path), "", what))
         return labels
 
+    def _decimal_point(self, stream: io.BufferedReader) -> str:
+        """Return the decimal point of the first rows."""
+        for _ in range(_FEW_ROWS):
+            row = stream.readline(_LONGEST_HEADER).decode("latin-1")
+            if any(_COMMA.match(cell.strip('"')) for cell in row.split(self._separator)):
+                return ","
+        return "."
+
     def _refused(self, error: Exception) -> SceneError:
-        column = _OF_COLUMN.search(str(error))
-        if column and "conversion error" in str(error):
-            return SceneError(
-                Issue(str(self._path), f"/{self.labels[int(column[1])]}", "the column holds more than numbers")
-            )
-        return SceneError(
-            Issue(str(self._path), "", f"it cannot be read: {getattr(error, 'strerror', '') or first_line(error)}")
-        )
+        text = str(error)
+        column, row, value = _OF_COLUMN.search(text), _OF_ROW.search(text), _VALUE.search(text)
+        if column and "conversion error" in text:
+            where = f"row {row[1]} of the column" if row else "the column"
+            held = f'"{value[1]}"' if value else "something"
+            what = f"{where} holds {held}: more than numbers"
+            fix = "leave a cell empty where there is no value"
+            return SceneError(Issue(str(self._path), f"/{self.labels[int(column[1])]}", what, fix))
+        why = getattr(error, "strerror", "") or first_line(error)
+        return SceneError(Issue(str(self._path), "", f"it cannot be read: {why}"))
 
 
 class _Text(io.RawIOBase):

@@ -13,11 +13,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import SECOND_NS, MonotonicClock
 from mimics_app.contracts.errors import DeviceError, UsageError
 from mimics_app.contracts.messages import SignalBlock
+from mimics_app.inputs.physio.channel_names import NAMES_HINT, columns_of, say_columns, unit_factor
 from mimics_app.inputs.physio.integrity import Grid, LiveSignals
-from mimics_app.inputs.physio.recording import columns_of, unit_factor
 
 if TYPE_CHECKING:
     from pylsl import StreamInfo, StreamInlet
@@ -37,6 +38,8 @@ _MOST = 4096
 """Samples taken in one read."""
 _GLANCE_S = 0.002
 """Time-out of a clock offset within a session [s]."""
+_JUMP_S = 0.05
+"""Step of the time stamps within samples that were taken together, beyond which they do not belong together [s]."""
 _ASK_OFFSET_NS = 5 * SECOND_NS
 """Period in which the clock offset is measured [ns]."""
 
@@ -62,22 +65,22 @@ class LslSource(LiveSignals):
     def __init__(self, name: str) -> None:
         super().__init__()
         self._name = name
-        pylsl = _library()
+        pylsl = self._pylsl = _library()
         self._inlet: StreamInlet = pylsl.StreamInlet(find_stream(name), max_buflen=60, recover=True)
-        info = self._inlet.info(_PATIENCE_S)
-        self._columns, self._factors = _columns(info)
+        info = self._description()
+        self._columns, self._factors, self.notes = _columns(info)
         if not self._columns:
-            raise DeviceError(
-                f'no channel of the LSL stream "{name}" is a body signal', "label them ecg, gsr, emg or resp"
-            )
+            raise DeviceError(f'no channel of the LSL stream "{name}" is a body signal', NAMES_HINT)
+        if info.channel_format() == pylsl.cf_string:
+            raise DeviceError(f'the samples of the LSL stream "{name}" are texts', "send numbers, e.g. as float32")
         self._rate = float(info.nominal_srate())
         if self._rate <= 0.0:
             raise DeviceError(f'the LSL stream "{name}" has no regular rate', "send it at one")
         self._grids = {name: Grid(name, self._rate) for name in self._columns}
         self._clock = MonotonicClock()
-        self._pylsl = pylsl
         self.offsets: list[float] = []
         self._ask_ns = 0
+        self._ended = False
         self._measure_offset(_PATIENCE_S)
 
     def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
@@ -85,26 +88,50 @@ class LslSource(LiveSignals):
         if now_ns >= self._ask_ns:
             self._ask_ns = now_ns + _ASK_OFFSET_NS
             self._measure_offset(_GLANCE_S)
-        samples, times = self._inlet.pull_chunk(timeout=0.0, max_samples=_MOST)
+        try:
+            samples, times = self._inlet.pull_chunk(timeout=0.0, max_samples=_MOST)
+        except self._pylsl.util.LostError:
+            self.lost = f'the LSL stream "{self._name}" has ended; without a source id it cannot be found again'
+            self._ended = True
+        if self._ended:
+            return ()
         self._listen(now_ns, heard=bool(times), source=f'the LSL stream "{self._name}"')
         if not times:
             return ()
+        return self._blocks(np.asarray(samples, float), np.asarray(times), now_ns)
+
+    def _blocks(self, rows: F8, times: F8, now_ns: int) -> tuple[SignalBlock, ...]:
+        """Return samples as blocks; a jump of their time stamps within them begins another one."""
         offset = self.offsets[-1] if self.offsets else 0.0
         here = self._pylsl.local_clock()
-        t_ns = now_ns - round((here - (times[0] + offset)) * SECOND_NS)
-        rows = np.asarray(samples, float)
-        blocks = (self._grids[name].take(t_ns, self._factors[name] * rows[:, i]) for name, i in self._columns.items())
+        jumps = np.abs(np.diff(times) - 1.0 / self._rate) > _JUMP_S
+        blocks = []
+        for part in np.split(np.arange(len(times)), np.flatnonzero(jumps) + 1):
+            t_ns = now_ns - round((here - (times[part[0]] + offset)) * SECOND_NS)
+            for name, i in self._columns.items():
+                blocks.append(self._grids[name].take(t_ns, self._factors[name] * rows[part, i], now_ns))
         return tuple(block for block in blocks if block is not None)
 
     def close(self) -> None:
         """Close the stream."""
         self._inlet.close_stream()
 
+    def _description(self) -> StreamInfo:
+        """Return the description of the stream.
+
+        Raises:
+            DeviceError: It does not come.
+        """
+        try:
+            return self._inlet.info(_PATIENCE_S)
+        except (self._pylsl.util.TimeoutError, self._pylsl.util.LostError, RuntimeError) as error:
+            raise DeviceError(f'the LSL stream "{self._name}" does not answer', "start its sender again") from error
+
     def _measure_offset(self, patience_s: float) -> None:
         """Append the offset of the sender's clock; after the first one the library measures in the background."""
         try:
             self.offsets.append(float(self._inlet.time_correction(patience_s)))
-        except (self._pylsl.util.TimeoutError, RuntimeError):
+        except (self._pylsl.util.TimeoutError, self._pylsl.util.LostError, RuntimeError):
             return  # the sender does not answer; the last offset remains valid
 
 
@@ -120,7 +147,8 @@ def find_stream(name: str, tell: Callable[[str], None] = _say_nothing) -> Stream
         DeviceError: No such stream answers.
     """
     pylsl = _library()
-    wanted = f"name='{name}' or type='{name}'"
+    quoted = _quoted(name)
+    wanted = f"name={quoted} or type={quoted}"
     found = pylsl.resolve_bypred(wanted, 1, _AT_ONCE_S)
     if not found:
         tell(f'waiting up to {_ANSWER_S:g} s for the LSL stream "{name}"')
@@ -133,8 +161,21 @@ def find_stream(name: str, tell: Callable[[str], None] = _say_nothing) -> Stream
     return stream
 
 
-def _columns(info: object) -> tuple[dict[str, int], dict[str, float]]:
-    """Return the column of each body signal, and the factor from its unit to that of the signal."""
+def _quoted(name: str) -> str:
+    """Return a name as a literal of the query, which knows no escapes: XPath 1.0.
+
+    Raises:
+        UsageError: It has quotes of both kinds.
+    """
+    if "'" not in name:
+        return f"'{name}'"
+    if '"' in name:
+        raise UsageError(f"the name {name} has quotes of both kinds", "name the stream by its type, or otherwise")
+    return f'"{name}"'
+
+
+def _columns(info: object) -> tuple[dict[str, int], dict[str, float], tuple[str, ...]]:
+    """Return the column of each body signal, the factor from its unit to that of the signal, and both in words."""
     channel = info.desc().child("channels").child("channel")  # type: ignore[attr-defined]
     labels, units = [], []
     for _ in range(info.channel_count()):  # type: ignore[attr-defined]
@@ -142,7 +183,7 @@ def _columns(info: object) -> tuple[dict[str, int], dict[str, float]]:
         units.append(channel.child_value("unit") or "")
         channel = channel.next_sibling()
     columns = columns_of(labels) or columns_of([info.type()])  # type: ignore[attr-defined]
-    return columns, {name: unit_factor(name, units[i]) for name, i in columns.items()}
+    return columns, {name: unit_factor(name, units[i]) for name, i in columns.items()}, say_columns(labels, columns)
 
 
 def _library() -> ModuleType:

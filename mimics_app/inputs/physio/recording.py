@@ -6,35 +6,38 @@ Missing samples are NaN; nothing is interpolated.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from mimics_app.contracts.clock import SECOND_NS
-from mimics_app.contracts.errors import Issue, SceneError, UsageError, first_line
+from mimics_app.contracts.errors import Issue, SceneError, UsageError, first_line, short_text
 from mimics_app.contracts.input_port import SignalSource
 from mimics_app.contracts.messages import Experience, SignalBlock
+from mimics_app.inputs.physio.channel_names import (
+    NAMES_HINT,
+    columns_of,
+    say_columns,
+    signal_of,
+    split_unit,
+    unit_factor,
+)
 from mimics_app.inputs.physio.csv_file import CsvFile
 from mimics_app.inputs.physio.edf_file import read_edf_channels
+from mimics_app.inputs.physio.integrity import Faults
 from mimics_app.inputs.physio.stored_samples import Samples, SamplesInFile
 from mimics_app.inputs.physio.time_grid import HIGHEST_RATE, LONGEST_S, find_grid, on_grid
 from mimics_app.inputs.physio.wfdb_header import check_wfdb_header
 
-__all__ = ["FileSource", "Recorded", "columns_of", "read_signal_file", "unit_factor"]
+__all__ = ["FileSource", "Recorded", "read_signal_file"]
 
-_NAMES = (
-    ("ecg", r"ecg|ekg|^ml?i+$|^v[1-6]$|^av[rlf]$|^i{1,3}$|lead"),
-    ("gsr", r"gsr|eda|scl?\b|conduct|skin"),
-    ("emg", r"emg|muscle"),
-    ("resp", r"resp|rsp|breath|thorax|abdom"),
-)
-_UNIT = re.compile(r"(|milli|micro|nano|[mun])(v|volts?|s|siemens)")
-_PREFIXES = {"": 1.0, "m": 1e-3, "milli": 1e-3, "u": 1e-6, "micro": 1e-6, "n": 1e-9, "nano": 1e-9}
-_PER_BASE = {"ecg": ("v", 1e3), "emg": ("v", 1e3), "gsr": ("s", 1e6)}
-"""First letter of the units of a signal, and its own units per volt or siemens."""
-_TIMES = ("t_s", "time_s", "time", "t", "seconds")
+_SECONDS = ("t_s", "time_s", "time", "t", "seconds", "timestamp", "zeit", "zeit_s")
+_MILLISECONDS = ("t_ms", "time_ms", "timestamp_ms", "milliseconds", "zeit_ms")
+"""Names of the column of the time of each row, the first that is there."""
+_PER_SECOND = {"": 1.0, "s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3}
+"""Seconds of the units that may follow its name in brackets."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,38 +49,18 @@ class Recorded:
         rate: Sampling rate [Hz].
         start_s: Time of the first sample as stated in the file [s].
         values: Samples in the unit of the signal, n of them, NaN where missing; long ones are read in parts.
+        label: Name of its channel in the file.
+        dropped: Number of samples left out: their rows have no time, or that of an earlier one.
+        notes: Which columns were read, and which were not.
     """
 
     name: str
     rate: float
     start_s: float
     values: Samples
-
-
-def _name_of_channel(label: str) -> str:
-    """Return the body signal that a channel label stands for, "" for none."""
-    plain = label.strip().lower()
-    return next((name for name, pattern in _NAMES if re.search(pattern, plain)), "")
-
-
-def columns_of(labels: Iterable[str]) -> dict[str, int]:
-    """Return the number of the first channel of each body signal, by the labels of the channels."""
-    columns: dict[str, int] = {}
-    for i, label in enumerate(labels):
-        name = _name_of_channel(label)
-        if name:
-            columns.setdefault(name, i)
-    return columns
-
-
-def unit_factor(name: str, unit: str) -> float:
-    """Return the factor from a stated unit to that of a body signal, e.g. 1e-3 for "uV" and "ecg".
-
-    1 where the unit is empty or not one of voltage or conductance: the values are then taken as they are.
-    """
-    base, per_base = _PER_BASE.get(name, ("", 1.0))
-    match = _UNIT.fullmatch(unit.strip().lower().replace("\u00b5", "u").replace("\u03bc", "u"))
-    return per_base * _PREFIXES[match[1]] if match and match[2][0] == base else 1.0
+    label: str = ""
+    dropped: int = 0
+    notes: tuple[str, ...] = ()
 
 
 def read_signal_file(path: Path) -> list[Recorded]:
@@ -96,7 +79,7 @@ def read_signal_file(path: Path) -> list[Recorded]:
                 raise SceneError(Issue(str(path), "", what, fix))
             signals.setdefault(signal.name, signal)
     if not signals:
-        raise SceneError(Issue(str(path), "", "it has no body signal", "name columns t_s, ecg, gsr, emg, resp"))
+        raise SceneError(Issue(str(path), "", "it has no body signal", NAMES_HINT))
     return list(signals.values())
 
 
@@ -118,30 +101,49 @@ def reader_of(path: Path) -> Callable[[Path], list[Recorded]]:
 
 
 def _read_csv(path: Path) -> list[Recorded]:
-    """Read a table with named columns; `t_s` is the time of each row [s]."""
+    """Read a table with named columns, one of them the time of each row."""
     file = CsvFile(path)
-    columns: dict[str, int] = {}
-    for number, label in enumerate(file.labels):
-        columns.setdefault(label.strip().lower(), number)
-    time = next((columns[name] for name in _TIMES if name in columns), None)
-    if time is None:
-        raise SceneError(Issue(str(path), "", "no column holds the time", "add a column t_s in seconds"))
-    grid = find_grid(path, (times for (times,) in file.batches([time])))
-    signals = []
-    for label, column in columns.items():
-        if (name := _name_of_channel(label)) and column != time:
-            rows = ((times, values) for times, values in file.batches([time, column]))
-            signals.append(Recorded(name, grid.rate, grid.start_s, on_grid(grid, rows)))
+    time, unit_s = _time_column(path, file.labels)
+    columns = columns_of("" if number == time else label for number, label in enumerate(file.labels))
+    if not columns:
+        what = "none of its columns is a body signal: " + ", ".join(f'"{label}"' for label in file.labels)
+        raise SceneError(Issue(str(path), "", what, NAMES_HINT))
+    grid = find_grid(path, (unit_s * times for (times,) in file.batches([time])))
+    notes, signals = say_columns(file.labels, columns, (time,)), []
+    for name, column in columns.items():
+        factor = unit_factor(name, split_unit(file.labels[column])[1])
+        rows = ((unit_s * times, factor * values) for times, values in file.batches([time, column]))
+        samples, dropped = on_grid(grid, rows)
+        signals.append(Recorded(name, grid.rate, grid.start_s, samples, file.labels[column], dropped, notes))
     return signals
+
+
+def _time_column(path: Path, labels: Sequence[str]) -> tuple[int, float]:
+    """Return the column of the time, and the seconds of its unit.
+
+    Raises:
+        SceneError: There is none.
+    """
+    plain: dict[str, tuple[int, float]] = {}
+    for number, label in enumerate(labels):
+        name, unit = split_unit(label)
+        if (unit := unit.lower()) in _PER_SECOND:
+            plain.setdefault(re.sub(r"[^a-z0-9]+", "_", name.lower()), (number, _PER_SECOND[unit]))
+    for names, seconds in ((_SECONDS, 1.0), (_MILLISECONDS, 1e-3)):
+        for name in names:
+            if name in plain:
+                return plain[name][0], min(seconds, plain[name][1])
+    fix = "add a column t_s in seconds, or t_ms in milliseconds"
+    raise SceneError(Issue(str(path), "", "no column holds the time", fix))
 
 
 def _read_edf(path: Path) -> list[Recorded]:
     def factor(label: str, unit: str) -> float:
-        name = _name_of_channel(label)
+        name = signal_of(label)
         return unit_factor(name, unit) if name else 0.0
 
     channels = read_edf_channels(path, factor)
-    return [Recorded(_name_of_channel(each.label), each.rate, 0.0, each.values) for each in channels]
+    return [Recorded(signal_of(each.label), each.rate, 0.0, each.values, each.label) for each in channels]
 
 
 def _read_wfdb(path: Path) -> list[Recorded]:
@@ -154,10 +156,10 @@ def _read_wfdb(path: Path) -> list[Recorded]:
         record = wfdb.rdrecord(str(path.with_suffix("")))
     except Exception as error:  # the library may raise anything on damaged files
         raise SceneError(Issue(str(path), "", f"it cannot be read: {first_line(error)}")) from error
-    names = [_name_of_channel(label) for label in record.sig_name]
+    names = [signal_of(label) for label in record.sig_name]
     factors = [unit_factor(name, unit) for name, unit in zip(names, record.units, strict=True)]
     return [
-        Recorded(name, float(record.fs), 0.0, factors[i] * np.asarray(record.p_signal[:, i], float))
+        Recorded(name, float(record.fs), 0.0, factors[i] * np.asarray(record.p_signal[:, i], float), record.sig_name[i])
         for i, name in enumerate(names)
     ]
 
@@ -174,6 +176,32 @@ class FileSource(SignalSource):
         self._first_s = min(signal.start_s for signal in signals)
         self._taken = dict.fromkeys((signal.name for signal in signals), 0)
         self._start_ns: int | None = None
+
+    @property
+    def start_s(self) -> float:
+        """Time of the first sample as stated in the file [s]."""
+        return self._first_s
+
+    @property
+    def seconds(self) -> float:
+        """Length of the longest signal [s]."""
+        return max(each.start_s - self._first_s + len(each.values) / each.rate for each in self._signals)
+
+    @property
+    def rates(self) -> Mapping[str, float]:
+        """Rate of each signal [Hz]."""
+        return {signal.name: signal.rate for signal in self._signals}
+
+    @property
+    def faults(self) -> Mapping[str, Faults]:
+        """Samples of each signal that were left out."""
+        return {each.name: Faults(dropped=each.dropped) for each in self._signals if each.dropped}
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Which columns were read, and which were not."""
+        named = tuple(f'{each.name} is "{short_text(each.label)}"' for each in self._signals if each.label)
+        return next((each.notes for each in self._signals if each.notes), named)
 
     def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
         """Return the samples due since the last read."""

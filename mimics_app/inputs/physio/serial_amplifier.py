@@ -8,8 +8,8 @@ from mimics_app.contracts.clock import SECOND_NS, Clock, MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.messages import SignalBlock
 from mimics_app.inputs.physio.amplifier_frames import AmplifierReader, Samples
+from mimics_app.inputs.physio.channel_names import NAMES_HINT, columns_of, say_columns
 from mimics_app.inputs.physio.integrity import Grid, LiveSignals
-from mimics_app.inputs.physio.recording import columns_of
 
 __all__ = ["SerialAmplifier"]
 
@@ -122,9 +122,8 @@ class SerialAmplifier(LiveSignals):
             self._clock.sleep_until_ns(self._clock.now_ns() + 5_000_000)
         self._header = self._reader.rate, self._reader.channels
         self._columns = columns_of(self._reader.channels)
-        self._grids = {name: Grid(name, self._reader.rate) for name in self._columns}
+        self._grids = {name: Grid(name, self._reader.rate, counted=True) for name in self._columns}
         if not self._columns:
             self._port.close()
-            raise DeviceError(
-                f'no channel of the amplifier at "{port}" is a body signal', "name them ecg, gsr, emg, resp"
-            )
+            raise DeviceError(f'no channel of the amplifier at "{port}" is a body signal', NAMES_HINT)
+        self.notes = say_columns(self._reader.channels, self._columns)

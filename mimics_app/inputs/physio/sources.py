@@ -9,14 +9,17 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
-from mimics_app.contracts.errors import DeviceError, UsageError, nearest, short_text
+from mimics_app.contracts.errors import DeviceError, Issue, SceneError, UsageError, nearest, short_text
 from mimics_app.contracts.input_port import SignalSource
 from mimics_app.contracts.plugins import PluginError, PluginGroup, fault_of_builder, made_by
 from mimics_app.inputs.physio.guarded_source import CheckRate, GuardedSource, any_rate
 
-__all__ = ["KINDS", "PLUGINS", "look_for_source", "open_source", "source_kinds"]
+if TYPE_CHECKING:
+    from mimics_app.inputs.physio.recording import FileSource
+
+__all__ = ["KINDS", "PLUGINS", "look_for_source", "open_file", "open_source", "source_kinds"]
 
 PLUGINS = PluginGroup("mimics_app.signal_sources", fault_of_builder(SignalSource))
 
@@ -64,7 +67,7 @@ def source_kinds() -> set[str]:
     return {*KINDS, *PLUGINS.names()}
 
 
-def open_source(address: str, seed: int, check_rate: CheckRate = any_rate) -> SignalSource:
+def open_source(address: str, seed: int, check_rate: CheckRate = any_rate) -> GuardedSource:
     """Open the source of an address; whatever it raises while it is read makes it a lost source.
 
     Args:
@@ -89,18 +92,36 @@ def open_source(address: str, seed: int, check_rate: CheckRate = any_rate) -> Si
     return GuardedSource(made, "its plug-in", check_rate)
 
 
+def open_file(path: Path, check_rate: CheckRate = any_rate) -> FileSource:
+    """Open a file of body signals.
+
+    Raises:
+        SceneError: It is missing, cannot be read, or has a rate that cannot be processed.
+    """
+    from mimics_app.inputs.physio.recording import FileSource, read_signal_file
+
+    source = FileSource(read_signal_file(path))
+    _check_rates(source, f"file:{path}", check_rate)
+    return source
+
+
 def _check_rates(source: SignalSource, address: str, check_rate: CheckRate) -> None:
     """Check the rates that a source knows before its first sample; close it where one cannot be processed.
 
     Raises:
-        DeviceError: See `open_source`.
+        DeviceError, SceneError: See `open_source`.
     """
+    from mimics_app.inputs.physio.recording import FileSource
+
     rates: Mapping[str, float] = getattr(source, "rates", {})
     try:
         for name, rate in rates.items():
             check_rate(name, rate)
     except DeviceError as error:
         source.close()
+        if isinstance(source, FileSource):
+            fix = f"{error.fix}; where the times are milliseconds, name their column t_ms"
+            raise SceneError(Issue(address.partition(":")[2], "", error.what, fix)) from error
         raise DeviceError(f"{short_text(address)}: {error.what}", error.fix) from error
 
 

@@ -26,6 +26,10 @@ _SPARSE = 100
 """Places of a grid per row beyond which a file claims more than it holds."""
 _SMALL = 10_000_000
 """Places of a grid that a file may have with any number of rows."""
+_REGULAR = 1.5
+"""Steps up to so many usual ones have no row missing in them."""
+_MOST_STILL = 0.05
+"""Share of rows with the time of the row before up to which they are repetitions, which are left out."""
 _FIRST_ROWS = 1 << 20
 """Rows from which the usual step is taken."""
 
@@ -89,6 +93,7 @@ class _Steps:
     def __init__(self) -> None:
         self.usual = self._sum = 0.0
         self._count = 0
+        self.still = 0
 
     def begin(self, steps: F8) -> None:
         """Take the first steps, from which the usual one is found."""
@@ -97,7 +102,8 @@ class _Steps:
 
     def add(self, steps: F8) -> None:
         """Take further steps."""
-        regular = steps[np.abs(steps - self.usual) < 0.3 * self.usual]
+        self.still += int(np.count_nonzero(steps == 0.0))
+        regular = steps[(steps > 0.0) & (steps < _REGULAR * self.usual)]
         self._sum, self._count = self._sum + float(regular.sum()), self._count + len(regular)
 
     @property
@@ -108,6 +114,9 @@ class _Steps:
 def _checked(path: Path, start: float, last: float, rows: int, steps: _Steps) -> TimeGrid:
     if steps.usual <= 0.0 or last - start > LONGEST_S:
         raise SceneError(Issue(str(path), "", "its rows have all the same time, or last more than a week"))
+    if steps.still > _MOST_STILL * rows:
+        what = f"{steps.still} of its {rows} rows have the time of the row before"
+        raise SceneError(Issue(str(path), "", what, "state the times with more decimals: each row is a sample"))
     rate = 1.0 / steps.mean
     places = (last - start) * rate
     if not rate <= HIGHEST_RATE or places >= _MOST_SAMPLES:
@@ -120,8 +129,8 @@ def _checked(path: Path, start: float, last: float, rows: int, steps: _Steps) ->
     return TimeGrid(start, rate, round((last - start) * rate) + 1)
 
 
-def on_grid(grid: TimeGrid, batches: Iterator[tuple[F8, F8]]) -> Samples:
-    """Return values on a grid: NaN without a row, of several rows of one place the first.
+def on_grid(grid: TimeGrid, batches: Iterator[tuple[F8, F8]]) -> tuple[Samples, int]:
+    """Return values on a grid, and how many were left out: NaN without a row, of several rows of one place the first.
 
     Args:
         grid: Grid of the times.
@@ -129,8 +138,9 @@ def on_grid(grid: TimeGrid, batches: Iterator[tuple[F8, F8]]) -> Samples:
     """
     with ExitStack() as stack:
         file = stack.enter_context(tempfile.SpooledTemporaryFile(KEPT_BYTES))
-        written = 0
+        written = rows = taken = 0
         for times, values in batches:
+            rows += len(times)
             known = np.isfinite(times)
             places = grid.places(times[known]) - written
             if not len(places) or places[-1] < 0:
@@ -138,12 +148,13 @@ def on_grid(grid: TimeGrid, batches: Iterator[tuple[F8, F8]]) -> Samples:
             new = places >= 0  # another row of the last place of the batch before is left out
             part = np.full(int(places[-1]) + 1, np.nan)
             part[places[new][::-1]] = values[known][new][::-1]
+            taken += len(np.unique(places[new]))
             file.write(part.tobytes())
             written += len(part)
         samples = kept(StoredSamples(file, written))
         if isinstance(samples, StoredSamples):
             stack.pop_all()  # the file is the samples'
-        return samples
+        return samples, rows - taken
 
 
 def _plain_rate(rate: float) -> float:
