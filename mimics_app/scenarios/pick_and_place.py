@@ -112,7 +112,7 @@ class PickAndPlace(Scenario):
     def _guide(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         """Let the guiding effect pull to the object, then above the mark; while it is off its target is unchanged.
 
-        Before the go it rests at the start: the soft start waits for small forces.
+        Before the go it rests at the start, and at the hand until a force is felt: the soft start waits for small ones.
         """
         stiffness = orders.haptic.get(_HELP_STIFFNESS)
         if isinstance(stiffness, int | float):
@@ -126,6 +126,8 @@ class PickAndPlace(Scenario):
     def _goal_of_help(self, orders: TaskOrders, snapshot: HapticSnapshot) -> NDArray[np.float64]:
         if orders.view.state is not TrialState.TRAVEL:
             return self._start
+        if snapshot.ramp == 0.0:
+            return snapshot.hip_world.copy()
         if snapshot.held_body == self._row:
             return np.array(self._mark) + [0.0, 2.0 * self._half_height, 0.0]
         return snapshot.poses[self._row, :3].copy()

@@ -241,7 +241,11 @@ class StartSpec(Component, frozen=True):
     ] = (0.005, 0.02, 0.005)
     hold_s: Annotated[Seconds, Meta(description="Time for which the errors must stay below [s].")] = 0.2
     ready_s: Annotated[
-        Seconds, Meta(description="Shortest time between arrival and go [s]; the soft start must be over too.")
+        Seconds, Meta(description="Shortest time between arrival and go [s], in which the robot holds the start.")
+    ] = 1.0
+    announce_s: Annotated[
+        Seconds,
+        Meta(description="Time for which the drive to the start is announced before it begins, after no rest [s]."),
     ] = 1.0
     countdown_s: Annotated[
         Seconds,
@@ -252,7 +256,7 @@ class StartSpec(Component, frozen=True):
     ] = 3.0
     limit_s: Annotated[
         PositiveSeconds,
-        Meta(description="Longest approach, and longest soft start [s]; then the attempt is aborted."),
+        Meta(description="Longest approach, and longest wait for the go [s]; then the attempt is aborted."),
     ] = 20.0
     attempts: Annotated[
         Annotated[int, Meta(ge=1, le=1000)],
@@ -339,6 +343,9 @@ class _TaskBase(Component, frozen=True):
         Meta(description="The blocks in order, or the name of a JSON file beside the scene that holds them."),
     ] = field(default_factory=lambda: [BlockSpec()])
     start: Annotated[StartSpec, Meta(description="Start of a trial.")] = StartSpec()
+    passive: Annotated[
+        bool, Meta(description="True: a trial may end well though the hand did nothing, as where the person watches.")
+    ] = False
     score: Annotated[ScoreSpec, Meta(description="Weights of the score.")] = ScoreSpec()
     time_limit_s: Annotated[PositiveSeconds, Meta(description="Longest travel [s].")] = 60.0
     rest_s: Annotated[Seconds, Meta(description="Pause between trials [s].")] = 3.0

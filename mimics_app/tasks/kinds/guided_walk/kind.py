@@ -113,12 +113,21 @@ class GuidedWalkPlay(KindPlay):
         return {"walk.person": round(walker, 4), "walk.avatar": round(guide, 4), "walk.deed": int(self._guide.deed)}
 
     @property
+    def lever(self) -> bool:
+        return True
+
+    @property
     def prompt(self) -> str:
         return f"The avatar {_WORDS[self._guide.deed]}"
 
     @property
     def measures(self) -> Values:
         return {"walk_steps": self._steps, "walk_left_m": abs(self._alley.place - self._walker.x)}
+
+    def told(self, row: Mapping[str, object], *, finished: bool) -> str:
+        if finished:
+            return f"The place is reached, in {row['time_s']:.0f} s"
+        return f"{abs(self._alley.place - self._walker.x):.1f} m left to the place"
 
     def holds(self, goal: Component, seen: Observation) -> bool:
         return self._reached
@@ -176,6 +185,7 @@ class GuidedWalkKind(TaskKind):
     completes = "brought"
     cards = ("gap", "steps")
     label = "Path"
+    touches = False
     report = GuidedWalkSection()
 
     def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:

@@ -39,7 +39,8 @@ class ProgressGoal(Component, frozen=True, tag="progress", tag_field="kind"):
 
 
 class _TunnelPlay(KindPlay):
-    def __init__(self) -> None:
+    def __init__(self, path_m: float) -> None:
+        self._path_m = path_m
         self._progress = 0.0
 
     @property
@@ -49,7 +50,19 @@ class _TunnelPlay(KindPlay):
     def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:
         snapshot = seen.snapshot
         self._progress = snapshot.progress
-        return structs.replace(seen, progress=snapshot.progress, distance=snapshot.distance)
+        return structs.replace(
+            seen,
+            progress=snapshot.progress,
+            distance=snapshot.distance,
+            progress_peak=snapshot.progress_peak,
+            distance_peak=snapshot.distance_peak,
+        )
+
+    def told(self, row: Mapping[str, object], *, finished: bool) -> str:
+        return "" if finished else f"{100.0 * self._progress:.0f} % of the tunnel done"
+
+    def way(self, goal: Component, seen: Observation) -> float:
+        return self._path_m * max(0.0, goal.at_least - seen.progress) if isinstance(goal, ProgressGoal) else 0.0
 
     def holds(self, goal: Component, seen: Observation) -> bool:
         return isinstance(goal, ProgressGoal) and seen.progress >= goal.at_least
@@ -90,7 +103,7 @@ class TunnelTask(TaskKind):
         return ((i, goal) for i, goal in enumerate(spec.goals) if isinstance(goal, ProgressGoal))
 
     def open(self, spec: TaskSpec, context: TaskContext, seed: int) -> KindPlay:
-        return _TunnelPlay()
+        return _TunnelPlay(context.path_m)
 
 
 def own_tunnel(scene: Scene) -> str:
