@@ -207,7 +207,7 @@ LOOP_FIELDS: tuple[LoopField, ...] = (
     LoopField("v_virtual", "m/s", Replay.OUTPUT, size=3),  # velocity of the virtual mass, robot frame
     _of_joints("command", Replay.OUTPUT, per=Per.JOINT_RATE),  # joint velocities sent
     LoopField("f_command", "N", Replay.OUTPUT, size=3),  # force sent, robot frame
-    LoopField("ramp", "1", Replay.OUTPUT, reader="tasks"),  # soft-start factor 0-1
+    LoopField("ramp", "1", Replay.OUTPUT, reader="scenarios"),  # soft-start factor 0-1
     LoopField("state", "1", Replay.OUTPUT, "state.safety", "i8", reader="tasks"),  # SafetyState
     LoopField(
         "cause", "1", Replay.OUTPUT, kind="i8", reader="tasks"

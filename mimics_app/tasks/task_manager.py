@@ -273,6 +273,7 @@ class TaskManager:
         if state is TrialState.APPROACH:
             self._set_out = False
             self._begin_attempt(seen.now_ns)
+            self._drive_to_start(seen, 0.0)
         elif state is TrialState.TRAVEL:
             self._goals.restart()
             self._attempts.let_go(seen)
