@@ -22,7 +22,7 @@ from mimics_app.maths.cord import hang
 from mimics_app.rendering.haptic.cord_field import cord
 from mimics_app.rendering.tactile.vibrators import NoVibrators, SerialVibrators
 from mimics_app.rendering.tactile.wire import FRAME_BYTES, Command, command_bytes
-from mimics_app.scenarios.avatar_cord import ball_motion
+from mimics_app.scenarios.avatar_cord import _EYES, ball_motion
 from mimics_app.tasks.kinds.avatar_cord.kind import KIND
 from mimics_app.tasks.kinds.avatar_cord.questions import Asking, felt_ownership
 from mimics_app.tasks.kinds.avatar_cord.spec import (
@@ -137,6 +137,23 @@ def test_a_person_answers_with_three_keys() -> None:
     assert asking.done and asking.text == ""
     assert asking.step(("enter",), 0.1) == []
     assert [answer.item for answer in asking.answers] == ["probe", "q0", "q1", "q2"]
+
+
+def test_the_mark_of_the_answer_is_shown_before_any_key_and_at_every_place() -> None:
+    """In the question itself, at its share of the way; the post in the scene is taller than the eyes look from."""
+    asking = Asking(questionnaire(), ConditionSpec(), random.Random(1), False, 1.2)
+    for mark_m in (asking.mark_m, 0.0, 0.3, 0.6, 1.2):
+        assert mark_m is not None
+        asking._value = mark_m
+        line = asking.text.splitlines()[1]
+        before, after = line.split("[x]")
+        assert line.index("you") < line.index("[x]") < line.index("figure")
+        share = before.count("-") / (before + after).count("-")
+        assert share == pytest.approx(mark_m / 1.2, abs=0.03)
+    document = json.loads((ROOT / "scenes" / "avatar_cord.json").read_text())
+    post = next(each for each in document["entities"] if each["id"] == "probe_post")
+    height = post["components"]["mesh"]["primitive"]["height"]
+    assert post["transform"]["translation"][1] + 0.5 * height > _EYES[1] + 0.3
 
 
 def test_a_simulated_subject_answers_by_the_condition_and_always_the_same() -> None:

@@ -568,3 +568,19 @@ def test_hud_names_and_own_messages_with_foreign_braces():
     assert orders.board.message == "Trial 1 of 1 {x.__class__}"
     assert set(orders.board.cards) >= {"progress", "time", "contacts", "force", "score", "state", "trial"}
     assert (orders.view.state, orders.view.trial, orders.view.trials) == ("ready", 1, 1)
+
+
+def test_the_times_of_a_row_are_those_of_its_travel_and_of_an_attempt_without_one_those_of_its_approach():
+    """The journal's events of the states are the judge; the approach before takes longer than the travel."""
+    entered = []
+    spec = two_trials(start={"ready_s": 3.0, "attempts": 1, "limit_s": 5.0})
+    player = Player(make_manager(spec, on_event=lambda kind, data: entered.append((kind, data))), speed=0.6)
+    player.until("rest")
+    player.change = lambda frame, p: {"q": np.array([0.1, 0.1, 0.1])}
+    player.until("done")
+    first, second = player.manager.rows
+    began = {(data["trial"], data["state"]): data["t_ns"] for kind, data in entered if kind == "state"}
+    assert (first["begin_ns"], first["end_ns"]) == (began[0, "travel"], began[0, "finished"])
+    assert first["time_s"] == pytest.approx((began[0, "finished"] - began[0, "travel"]) / 1e9)
+    assert first["begin_ns"] - began[0, "approach"] > 1e9 * first["time_s"] > 1e9
+    assert (second["outcome"], second["begin_ns"]) == ("aborted", began[1, "approach"])
