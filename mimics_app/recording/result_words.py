@@ -35,6 +35,9 @@ _COLUMNS: tuple[tuple[str, str, Callable[[float], str]], ...] = (
     ("walk_speed_mps", "Walking speed", lambda value: f"{value:.2f} m/s"),
     ("walk_steps", "Steps", lambda value: f"{value:.0f}"),
     ("walk_left_m", "Left to the place", lambda value: f"{value:.1f} m"),
+    ("taps", "Taps", lambda value: f"{value:.0f}"),
+    ("ownership", "Ownership", lambda value: f"{value:+.1f}"),
+    ("drift_m", "Drift", lambda value: f"{value:.2f} m"),
     ("path_m", "Path", lambda value: f"{value:.2f} m"),
     ("score", "Score of 100", lambda value: f"{value:.0f}"),
 )

@@ -366,9 +366,10 @@ class TaskManager:
 
     def _view(self, seen: Observation) -> TaskView:
         attempts, travels = self._attempts, self.state is TrialState.TRAVEL
+        waits = self.state in (TrialState.APPROACH, TrialState.READY)
         elapsed = self._elapsed_s(seen.now_ns)
         done = seen.progress if self._plays else elapsed / self._length_s() if travels else 0.0
-        progress = min(max(done, 0.0), 1.0)
+        progress = 0.0 if waits else min(max(done, 0.0), 1.0)
         which = attempts.number + 1, len(attempts.plan)
         return TaskView(self.state, progress, *which, elapsed, self._pause.on, self._countdown.reading)
 

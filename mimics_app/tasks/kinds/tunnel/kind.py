@@ -92,12 +92,23 @@ class TunnelTask(TaskKind):
             for place, name in named.items()
             if name != first
         ]
+        issues += self._check_leading(spec, scene)
         if not scene.components(Robot) or has_tunnel(scene):
             return issues
         written = "goals" in scene.task
         what = "the goal is a share of a tunnel's length, and the scene has no tunnel"
         places = (f"/task/goals/{i}" if written else "/task" for i, _ in self._own_goals(spec))
         return [scene.issue(place, what, "goals: duration, point") for place in places]
+
+    def _check_leading(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
+        """Check that a tunnel that leads the hand all the time is of a passive task."""
+        what = "leads every hand to the end, also one that does nothing"
+        fix = 'make it a parameter of the task, which waits for the hand, or write "passive": true in the task'
+        return [
+            scene.issue(f"{pointer}/advance", what, fix)
+            for _, tunnel, pointer in scene.components(Tunnel)
+            if tunnel.advance > 0.0 and not spec.passive
+        ]
 
     def _own_goals(self, spec: TaskSpec) -> Iterator[tuple[int, ProgressGoal]]:
         return ((i, goal) for i, goal in enumerate(spec.goals) if isinstance(goal, ProgressGoal))
