@@ -11,7 +11,7 @@ from mimics_app.contracts.trial_state import TrialState
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.task import StartSpec
 
-__all__ = ["Arrival", "RobotControl"]
+__all__ = ["Approach", "Arrival", "RobotControl"]
 
 _HOLDS = frozenset({TrialState.FINISHED, TrialState.TIMEOUT, TrialState.ABORTED, TrialState.REST, TrialState.DONE})
 
@@ -87,3 +87,36 @@ class Arrival:
         if self._since_ns is None:
             self._since_ns = seen.now_ns
         return (seen.now_ns - self._since_ns) / 1e9 >= self._spec.hold_s
+
+
+class Approach:
+    """The drive to the start of a trial: announced while the robot holds where it is, then carried out.
+
+    Attributes:
+        announced_s: Time of the present announcement [s].
+    """
+
+    def __init__(self, spec: StartSpec, arrival: Arrival, control: RobotControl) -> None:
+        self._spec, self._arrival, self._control = spec, arrival, control
+        self.announced_s = 0.0
+        self._set_out = False
+
+    def begin(self, *, told: bool) -> None:
+        """Begin an approach; `told`: its drive was announced before."""
+        self.announced_s = 0.0 if told else self._spec.announce_s
+        self._set_out = False
+        self._arrival.restart()
+
+    def restart(self) -> None:
+        """Begin the time of the arrival anew, after a pause."""
+        self._arrival.restart()
+
+    def drive(self, seen: Observation, elapsed_s: float) -> None:
+        """Set out once the drive was announced for its time [s]; at once where the robot is at the start already."""
+        if not self._set_out and (elapsed_s >= self.announced_s or self._arrival.near(seen)):
+            self._set_out = True
+            self._control.set_out()
+
+    def arrived(self, seen: Observation) -> bool:
+        """Whether the robot has arrived by this frame, or is still there. Call once per frame."""
+        return self._arrival.reached(seen) and self._set_out

@@ -73,6 +73,7 @@ class Tally:
         self._force_s = 0.0
         self._last = first
         self._on_path_s = 0.0
+        self._first_distance = first.distance or 0.0
         self._farthest = first.progress
         self._path = 0.0
         self._times_s = [0.0]
@@ -129,7 +130,7 @@ class Tally:
         return Measures(
             time_s=seconds,
             path_error_rms_m=self._path_error(),
-            path_error_max_m=self._last.distance_peak,
+            path_error_max_m=self._largest_distance(),
             contacts=self.contacts,
             contact_time_s=(self._contact_ns + open_ns) / 1e9,
             smoothness=sparc(resample_speed(np.array(self._times_s), np.array(self._speeds)), RESAMPLE_HZ),
@@ -141,6 +142,11 @@ class Tally:
 
     def _path_error(self) -> float | None:
         return math.sqrt(self._squared_distance_s / self._on_path_s) if self._on_path_s > 0.0 else self._last.distance
+
+    def _largest_distance(self) -> float | None:
+        """Return the largest distance of every tick, the one at which the travel began included [m]."""
+        peak = self._last.distance_peak
+        return None if peak is None else max(peak, self._first_distance)
 
     def _take_contact(self, contact: Contact) -> None:
         if contact.t_ns < self.begin_ns:

@@ -29,7 +29,7 @@ from mimics_app.tasks.actions import Changes, Settings, build_action_space, sett
 from mimics_app.tasks.adaptation import Adaptation
 from mimics_app.tasks.attempts import TIMEOUT, Attempts, Row
 from mimics_app.tasks.board_layout import BoardLayout, Times
-from mimics_app.tasks.control import Arrival, RobotControl
+from mimics_app.tasks.control import Approach, Arrival, RobotControl
 from mimics_app.tasks.countdown import Countdown
 from mimics_app.tasks.feedback import what_happened
 from mimics_app.tasks.goals import Goals
@@ -96,8 +96,8 @@ class TaskManager:
         self._attempts = Attempts(plan, score, most, on_trial, plays, counts, self._tell, first_trial, touches=touches)
         self._bodies = context.bodies
         self._fastest, self._least_s = context.fastest, 0.0
-        self._arrival = Arrival(spec.start, context.start_joints)
         self._control = RobotControl(context.home or Home(context.start_joints), context.feel)
+        self._approach = Approach(spec.start, Arrival(spec.start, context.start_joints), self._control)
         self._goals = Goals(spec.goals, [self._play_of(goal) for goal in spec.goals])
         self._triggers = Triggers(spec.triggers, [self._play_of(trigger.when) for trigger in spec.triggers])
         self._announcement, self._pause = Announcement(), Pause()
@@ -111,7 +111,6 @@ class TaskManager:
         self._layout = BoardLayout(plays, captions, messages, context.limb, has_score=has_score, neutral=mark)
         self.state = TrialState.APPROACH
         self._entered_ns: int | None = None
-        self._announced_s, self._set_out = 0.0, False
         self._last_ns = 0
         self._cause = 0
         self._result: TrialResult | None = None
@@ -191,7 +190,7 @@ class TaskManager:
         self._last_ns = now_ns
         self._entered_ns += paused_ns
         self._goals.restart()
-        self._arrival.restart()
+        self._approach.restart()
         self._announcement.put_off(paused_ns)
         if self._attempts.tally is not None:
             self._attempts.tally.pause(now_ns, paused_ns)
@@ -226,17 +225,18 @@ class TaskManager:
             self._attempts.tally.add(seen)
             goal = self._goals.met(seen, elapsed) and self._participation.acted
         elif self.state in (TrialState.APPROACH, TrialState.READY):
-            arrived = self._arrival.reached(seen)
+            arrived = self._approach.arrived(seen)
         self._countdown.see(self.state, elapsed, seen.pressed)
-        self._drive_to_start(seen, elapsed)
+        if self.state is TrialState.APPROACH:
+            self._approach.drive(seen, elapsed)
         return Conditions(
             elapsed_s=elapsed,
             latched=seen.latched,
-            arrived=arrived and self._set_out,
+            arrived=arrived,
             go=arrived and seen.quiet and elapsed >= max(start.ready_s, self._countdown.until_s),
             goal=goal,
             too_fast=goal and elapsed < self._least_s,
-            start_limit_s=start.limit_s + self._announced_s + self._countdown.until_s,
+            start_limit_s=start.limit_s + self._approach.announced_s + self._countdown.until_s,
             time_limit_s=self._time_limit_s() if self._participation.acted else self._length_s(),
             result_s=self._spec.result_s,
             rest_s=self._rest_s(),
@@ -244,13 +244,6 @@ class TaskManager:
             attempts_left=self._attempts.attempts_left,
             trials_left=self._attempts.trials_left,
         )
-
-    def _drive_to_start(self, seen: Observation, elapsed_s: float) -> None:
-        """Set out for the start once that was announced; at once where the robot is there already."""
-        due = elapsed_s >= self._announced_s or self._arrival.near(seen)
-        if self.state is TrialState.APPROACH and due and not self._set_out:
-            self._set_out = True
-            self._control.set_out()
 
     def _leave(self, state: TrialState, following: TrialState, seen: Observation) -> None:
         """Write the attempt's row if the next state ends it."""
@@ -266,14 +259,13 @@ class TaskManager:
             self._result = self._attempts.trial_result(values, seen.now_ns)
 
     def _enter(self, state: TrialState, seen: Observation) -> None:
-        told = self.state is TrialState.REST or state is not TrialState.APPROACH
-        self._announced_s = 0.0 if told else self._spec.start.announce_s
+        told = self.state is TrialState.REST  # that the robot will move, for some seconds
         self.state, self._entered_ns = state, seen.now_ns
         self._control.enter(state, seen.q)
         if state is TrialState.APPROACH:
-            self._set_out = False
             self._begin_attempt(seen.now_ns)
-            self._drive_to_start(seen, 0.0)
+            self._approach.begin(told=told)
+            self._approach.drive(seen, 0.0)
         elif state is TrialState.TRAVEL:
             self._goals.restart()
             self._attempts.let_go(seen)
@@ -297,7 +289,6 @@ class TaskManager:
                 play.begin_trial(self._attempts.trial.label, self._attempts.number)
         self._settle()
         self._participation.restart()
-        self._arrival.restart()
         self._triggers.restart()
         for play in self._plays.values():
             play.begin_attempt()

@@ -18,8 +18,6 @@ from mimics_app.tasks.kinds.avatar_cord.spec import (
 __all__ = ["Answer", "Asking", "felt_ownership"]
 
 _LEFT, _RIGHT, _TAKE = ({"left", "pad_dpad_left"}, {"right", "pad_dpad_right"}, {"enter", "pad_a", "mouse_left"})
-_LINE = 25
-"""Places of the mark in the line of text that shows it."""
 _WEIGHTS = {"ownership": 1.0, "touch": 0.9, "location": 0.8, "agency": 0.7, "control": -0.8, "other": 0.0}
 """Weight of the felt ownership in the answers of a simulated subject, by the scale of a statement; control statements
 are those without expected agreement."""
@@ -107,8 +105,7 @@ class Asking:
             return ""
         asked = self._left[0]
         if isinstance(asked, ProbeSpec):
-            asks = "Where do you feel you are? Put the green post there"
-            return f"{asks}\nyou  {self._line()}  figure    (left, right, Enter)"
+            return "Where do you feel you are?\nMove the mark with left and right, then press Enter"
         questionnaire = self._questionnaire
         span = range(questionnaire.least, questionnaire.most + 1)
         scale = "  ".join(f"[{value:+d}]" if value == self._value else f"{value:+d}" for value in span)
@@ -128,12 +125,6 @@ class Asking:
             elif name in _LEFT | _RIGHT and not self.done:
                 self._move(1.0 if name in _RIGHT else -1.0)
         return given
-
-    def _line(self) -> str:
-        """Return the way from the person to the figure as a line of text with the mark on it."""
-        share = self._value / self.distance if self.distance > 0.0 else 0.0
-        at = round(share * (_LINE - 1))
-        return f"|{'-' * at}[x]{'-' * (_LINE - 1 - at)}|"
 
     @property
     def _questionnaire(self) -> QuestionnaireSpec:

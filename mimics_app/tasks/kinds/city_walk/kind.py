@@ -27,10 +27,6 @@ _PUSH = 1.0
 """Largest acceleration of a walker [m/s^2]: from rest to a stroll in about a second."""
 
 
-_BY_HAND = "Raise the hand to walk, lower it to stop; aside to look about"
-_AT_POINTER = "Pointer above the ring: walk; in it or below: stand; aside: look about"
-
-
 class CityWalkSpec(Component, frozen=True):
     """A walk along a path; the higher the hand above where the trial began, the faster."""
 
@@ -54,12 +50,10 @@ class CityWalkPlay(KindPlay):
     Args:
         spec: Section of the task.
         metres: Distance to be walked [m].
-        by_pointer: Whether the person moves the hand by a pointer in a window.
     """
 
-    def __init__(self, spec: CityWalkSpec, metres: float, *, by_pointer: bool = False) -> None:
+    def __init__(self, spec: CityWalkSpec, metres: float) -> None:
         self._spec, self._metres = spec, metres
-        self._how = _AT_POINTER if by_pointer else _BY_HAND
         self._hand_from = 0.0
         self.begin_attempt()
 
@@ -90,7 +84,7 @@ class CityWalkPlay(KindPlay):
 
     @property
     def prompt(self) -> str:
-        return "" if self._speed > 0.0 else self._how
+        return "" if self._along > 0.0 else "Raise the hand to walk, lower it to stop; aside to look about"
 
     @property
     def measures(self) -> Values:
@@ -142,7 +136,7 @@ class CityWalkKind(TaskKind):
         section = spec.find(CityWalkSpec)
         assert section is not None
         metres = [goal.metres for goal in spec.goals if isinstance(goal, Walked)]
-        return CityWalkPlay(section, max(metres, default=100.0), by_pointer=context.by_pointer)
+        return CityWalkPlay(section, max(metres, default=100.0))
 
 
 KIND = CityWalkKind()
