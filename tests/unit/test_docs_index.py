@@ -29,7 +29,7 @@ def test_every_page_stands_in_the_index_and_every_link_leads_somewhere() -> None
 
 
 def _absent(page: str) -> list[str]:
-    """Files, and functions, classes and tables of files ("file.py: name"), that a page names and the repository lacks."""
+    """Files, and functions, classes and tables of them ("file.py: name"), that a page names and that do not exist."""
     stubs = PACKAGE.rglob("*.pyi")
     texts = {path.relative_to(ROOT).as_posix(): path for path in (*repository_files(), *stubs)}
     found = []
