@@ -8,9 +8,9 @@ from typing import Any
 
 from mimics_app.contracts.messages import TrialResult
 from mimics_app.contracts.trial_counts import ABORTED, FINISHED, SESSION_ENDED, count_trials, counted_rows
-from mimics_app.tasks.feedback import largest_losses
 from mimics_app.tasks.kinds.kind import KindPlay
 from mimics_app.tasks.observation import Observation
+from mimics_app.tasks.outcome_words import largest_losses
 from mimics_app.tasks.score import session_result, trial_points
 from mimics_app.tasks.tally import Measures, Tally
 from mimics_app.tasks.task import ScoreSpec
@@ -20,7 +20,7 @@ __all__ = ["TIMEOUT", "Attempts", "Row"]
 
 Row = dict[str, Any]
 """One attempt: trial, attempt, block, label, repetition, practice, outcome, cause, begin_ns, end_ns, the fields of
-`Measures`, what the task's kinds measure, score, happened and lost (words for the person, see `tasks.feedback`), and
+`Measures`, what the task's kinds measure, score, happened and lost (for the person, see `tasks.outcome_words`), and
 `parameter.NAME` for each adaptable parameter as it stood at the end. The same keys in every row; a measure is None
 where it does not apply or cannot be judged, the score where the attempt was aborted or the task has none. A trial that
 did not reach its goal has no points."""

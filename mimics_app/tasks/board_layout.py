@@ -12,9 +12,9 @@ from mimics_app.contracts.trial_counts import FINISHED, TrialCounts, count_trial
 from mimics_app.contracts.trial_state import TaskView, TrialState
 from mimics_app.tasks.attempts import Attempts
 from mimics_app.tasks.cards import count_card, force_card, progress_card, state_card, time_card, trial_card
-from mimics_app.tasks.feedback import result_lines
 from mimics_app.tasks.kinds.kind import KindPlay, TaskKind
 from mimics_app.tasks.observation import Observation
+from mimics_app.tasks.outcome_words import result_lines
 from mimics_app.tasks.prompt import aborted_words, cause_words, state_message
 from mimics_app.tasks.task import StateName
 

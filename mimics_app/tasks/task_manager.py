@@ -31,11 +31,11 @@ from mimics_app.tasks.attempts import TIMEOUT, Attempts, Row
 from mimics_app.tasks.board_layout import BoardLayout, Times
 from mimics_app.tasks.control import Approach, Arrival, RobotControl
 from mimics_app.tasks.countdown import Countdown
-from mimics_app.tasks.feedback import what_happened
 from mimics_app.tasks.goals import Goals
 from mimics_app.tasks.kinds.kind import KindPlay, TaskKind
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.observation import Observation, observe
+from mimics_app.tasks.outcome_words import what_happened
 from mimics_app.tasks.participation import Participation
 from mimics_app.tasks.prompt import ABORTED_CAUSES, Announcement, built_in_messages, cause_words
 from mimics_app.tasks.state_machine import PAUSED, Conditions, Pause, next_state

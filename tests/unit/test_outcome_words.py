@@ -10,8 +10,8 @@ import msgspec
 import numpy as np
 import pytest
 
-from mimics_app.tasks.feedback import largest_losses, result_lines, what_happened
 from mimics_app.tasks.kinds.kind import KindPlay
+from mimics_app.tasks.outcome_words import largest_losses, result_lines, what_happened
 from mimics_app.tasks.score import lost_points, trial_points
 from mimics_app.tasks.task import MEASURES, ScoreSpec, TaskSpec
 from tests.support.task_play import Player, make_manager
