@@ -92,18 +92,23 @@ class Arrival:
 class Approach:
     """The drive to the start of a trial: announced while the robot holds where it is, then carried out.
 
+    Args:
+        announce_s: Time of an announcement; 0 where nobody is to be told [s].
+        arrival: Arrival at the start.
+        control: Controller of the robot.
+
     Attributes:
         announced_s: Time of the present announcement [s].
     """
 
-    def __init__(self, spec: StartSpec, arrival: Arrival, control: RobotControl) -> None:
-        self._spec, self._arrival, self._control = spec, arrival, control
+    def __init__(self, announce_s: float, arrival: Arrival, control: RobotControl) -> None:
+        self._announce_s, self._arrival, self._control = announce_s, arrival, control
         self.announced_s = 0.0
         self._set_out = False
 
     def begin(self, *, told: bool) -> None:
         """Begin an approach; `told`: its drive was announced before."""
-        self.announced_s = 0.0 if told else self._spec.announce_s
+        self.announced_s = 0.0 if told else self._announce_s
         self._set_out = False
         self._arrival.restart()
 

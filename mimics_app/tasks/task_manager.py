@@ -97,7 +97,8 @@ class TaskManager:
         self._bodies = context.bodies
         self._fastest, self._least_s = context.fastest, 0.0
         self._control = RobotControl(context.home or Home(context.start_joints), context.feel)
-        self._approach = Approach(spec.start, Arrival(spec.start, context.start_joints), self._control)
+        arrival = Arrival(spec.start, context.start_joints)
+        self._approach = Approach(0.0 if context.simulated else spec.start.announce_s, arrival, self._control)
         self._goals = Goals(spec.goals, [self._play_of(goal) for goal in spec.goals])
         self._triggers = Triggers(spec.triggers, [self._play_of(trigger.when) for trigger in spec.triggers])
         self._announcement, self._pause = Announcement(), Pause()
