@@ -178,7 +178,7 @@ def tick(
     step_safety(scene, states, status, stop_word, held, dt)
     stepped = state.safety
     _act_on_user(scene, objects, states, held, period, dt)
-    follow_extremes(scene, state, dt)
+    follow_extremes(scene, states, dt)
     _watch_stability(scene, objects, states, period, dt)
     control(kin, scene, states, held, dt)
     if state.safety != stepped:  # force, stability or controller latched a stop
