@@ -44,8 +44,8 @@ __all__ = ["control", "note_arrival"]
 _EXTRA_DAMPING = 30.0
 """Addition to the virtual damping while the virtual force is off or ramping down [N s/m]."""
 
-_DRIVE_SPEED = 0.25
-"""Largest speed of a PD controller [m/s]: what ISO 10218-1 calls reduced speed."""
+_DRIVE_SPEED = 0.3
+"""Largest speed of a PD controller [m/s]."""
 
 _ARRIVED_DISTANCE = 1e-3
 """Largest distance from the target of a point that has arrived [m]."""
