@@ -48,6 +48,8 @@ MOST_SOUGHT = 1000
 
 _LONG_VALUE = re.compile(r"""(?P<mark>["'])(?P<quoted>(?:(?!(?P=mark)).){81,})(?P=mark)|[^\s/"']{81,}""", re.DOTALL)
 """Value of a file, quoted or not, of more than 80 characters; paths do not match."""
+_LONGEST_NAME = 255
+"""Longest name of a file on usual systems; what is longer names none."""
 _HEAD, _TAIL = 50, 25
 """Characters shown of the beginning and the end of such a value."""
 _MOST_TEXT = 1000
@@ -75,6 +77,10 @@ class Issue:
     fix: str = ""
 
     def __post_init__(self) -> None:
+        if len(self.file) > _LONGEST_NAME:
+            parts = self.file.split("/")
+            short = [part if len(part) <= _LONGEST_NAME else short_text(part) for part in parts]
+            object.__setattr__(self, "file", "/".join(short))
         object.__setattr__(self, "what", short_text(self.what))
         object.__setattr__(self, "fix", short_text(self.fix))
 

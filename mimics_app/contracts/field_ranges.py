@@ -54,7 +54,7 @@ def _built(least: float, most: float, unit: str = "") -> Range:
 
 
 SCENE_RANGES: Mapping[str, Range] = {
-    "virtual_mass": Range(1e-3, 1e3, "kg"),
+    "virtual_mass": Range(1e-3, 1e6, "kg"),
     "virtual_damping": _DAMPING,
     "ball_radius_min": Range(0.0, 10.0, "m"),
     "ball_radius_max": Range(0.0, 10.0, "m"),

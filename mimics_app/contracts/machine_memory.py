@@ -13,6 +13,8 @@ from typing import Generic, TypeVar
 
 import msgspec
 
+from mimics_app.contracts.regular_file import read_regular
+
 __all__ = ["MachineMemory", "machine_file"]
 
 _MAX_KEPT = 500
@@ -54,7 +56,7 @@ class MachineMemory(Generic[T]):
         if self._file is None:
             return {}
         with suppress(OSError, ValueError, RecursionError):
-            return msgspec.json.decode(self._file.read_bytes(), type=dict[str, self._kind])  # type: ignore[name-defined]
+            return msgspec.json.decode(read_regular(self._file), type=dict[str, self._kind])  # type: ignore[name-defined]
         return {}
 
 

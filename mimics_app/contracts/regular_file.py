@@ -40,7 +40,7 @@ def read_regular(path: str | os.PathLike[str], at_most: int | None = None) -> by
     Raises:
         OSError: See `open_regular`.
     """
-    with open_regular(Path(path)) as stream:
+    with open_regular(path) as stream:
         return stream.read() if at_most is None else stream.read(at_most)
 
 

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import os
+import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TextIO
 
-__all__ = ["whole_file"]
+__all__ = ["private_text", "whole_file"]
+
+_PRIVATE = 0o600
 
 
 @contextmanager
@@ -25,3 +30,18 @@ def whole_file(file: Path) -> Iterator[None]:
             if file.is_file():  # a device such as /dev/full stays
                 file.unlink()
         raise
+
+
+@contextmanager
+def private_text(file: Path) -> Iterator[TextIO]:
+    """Open a file to be written anew, as UTF-8 and with line ends as given, that only its user may read.
+
+    Raises:
+        OSError: See `whole_file`.
+    """
+    with whole_file(file):
+        descriptor = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | getattr(os, "O_CLOEXEC", 0), _PRIVATE)
+        with os.fdopen(descriptor, "w", encoding="utf-8", newline="") as stream:
+            if hasattr(os, "fchmod") and stat.S_ISREG(os.fstat(descriptor).st_mode):
+                os.fchmod(descriptor, _PRIVATE)  # one that was there before, with other rights
+            yield stream

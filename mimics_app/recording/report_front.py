@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from mimics_app.contracts.regular_file import open_regular
 from mimics_app.contracts.resources import root
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.plot import Plot
@@ -92,12 +93,12 @@ def _picture(folder: Path, scene: str) -> str:
     shipped = root() / "assets" / "pictures" / "scenes" / f"{Path(scene).name}.jpg"
     for file in (shipped, *sorted((folder / "pictures").glob("*.png"))[:1]):
         try:
-            with Image.open(file) as picture:
+            with open_regular(file) as stream, Image.open(stream) as picture:
                 small = picture.convert("RGB")
         except (OSError, ValueError, Image.DecompressionBombError):
             continue
         small.thumbnail(_PICTURE)
-        stream = io.BytesIO()
-        small.save(stream, "JPEG", quality=85)
-        return f"data:image/jpeg;base64,{base64.b64encode(stream.getvalue()).decode()}"
+        written = io.BytesIO()
+        small.save(written, "JPEG", quality=85)
+        return f"data:image/jpeg;base64,{base64.b64encode(written.getvalue()).decode()}"
     return ""

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.haptic import SCENE
 from mimics_app.contracts.loop_fields import Extent
 from mimics_app.contracts.object_rows import unpack_rows
+from mimics_app.contracts.regular_file import read_regular
 from mimics_app.recording.append_file import AppendFile
 from mimics_app.recording.arrow_format import (
     END_OF_STREAM,
@@ -169,7 +170,7 @@ class EventStream:
         self.earlier_trips = 0
         end = None
         if resume:
-            data = path.read_bytes() if path.exists() else b""
+            data = read_regular(path) if path.exists() else b""
             end = data.rfind(b"\n") + 1
             self.earlier_gaps = [json.loads(line) for line in find_lines(data, "recorder", "gap")]
             self.next_event = len(find_lines(data, "loop"))

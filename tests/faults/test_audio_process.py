@@ -15,6 +15,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mimics_app.app.cues.sound_stage import SoundStage
+from mimics_app.contracts.audio_port import AudioReport, AudioStatus
 from mimics_app.contracts.errors import DeviceError, MimicsError
 from mimics_app.contracts.messages import SoundEvent
 from mimics_app.contracts.session_memory import Capacities, ControlWord, SessionMemory
@@ -44,6 +46,39 @@ def started():
     for audio in running:
         audio.stop()
         assert not audio.alive
+
+
+def test_a_session_that_ends_before_its_sound_could_start_says_so(tmp_path, started):
+    """As on a busy computer: the process is there and has not come so far."""
+    audio = started(
+        SessionMemory(),
+        sink="file",
+        file=tmp_path / "a.wav",
+        sounds=TICK,
+        triggers={"contact": "tick"},
+        scrape="",
+        stop_timeout_s=0.2,
+    )
+    os.kill(audio.pid, signal.SIGSTOP)
+    report = audio.stop()
+    assert report.crashed and "before its sound could start: nothing was heard" in report.status.notice
+    assert not audio.alive
+
+
+def test_a_sound_that_takes_long_to_start_is_told_once_and_what_comes_of_it(capsys):
+    """Notices of a session: still starting, then nothing once it is there, then how it ended."""
+    status, report = [None], AudioReport(AudioStatus("none", "null", False, 0, 0.0, notice="nothing was heard"))
+    output = type("Output", (), {"ready": property(lambda self: status[0]), "stop": lambda self: report})()
+    stage = SoundStage.__new__(SoundStage)
+    stage.output, stage._notice, stage._begun_ns = output, "", None
+    for seconds in range(4, 30):
+        stage._show_notice(seconds * 1_000_000_000)
+    assert capsys.readouterr().err.count("still starting") == 1
+    status[0] = AudioStatus("pulse", "device", False, RATE, 6.0)
+    stage._show_notice(40_000_000_000)
+    assert capsys.readouterr().err == ""
+    stage.stop()
+    assert capsys.readouterr().err == "mimics: nothing was heard\n"
 
 
 def wait_until(condition, seconds: float = PATIENCE_S) -> bool:
@@ -288,6 +323,17 @@ def test_ctrl_c_is_left_to_the_app(started, capfd):
     assert audio.alive and audio.pid == first
     assert capfd.readouterr().err == ""
     assert not audio.stop().crashed
+
+
+def test_a_session_that_ends_before_its_sound_is_ready_says_so(started):
+    """A child that is held back while it starts, as by a busy machine: it is no crash, and nothing was played."""
+    audio = started(SessionMemory(), stop_timeout_s=0.3)
+    os.kill(audio.pid, signal.SIGSTOP)
+    report = audio.stop()
+    assert report.status.notice == "the session ended before the sound was ready: no sound was played"
+    assert not report.crashed
+    assert not report.rows
+    assert not audio.alive
 
 
 def test_closed_word_ends_the_child(started):

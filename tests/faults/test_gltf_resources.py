@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import SceneError
-from mimics_app.world.gltf import gltf_document, meshes
+from mimics_app.world.gltf import clips, gltf_document, meshes
+from mimics_app.world.gltf.clips import MAX_CHANNELS
 from mimics_app.world.gltf.file import load_gltf
 from mimics_app.world.gltf.gltf_document import MAX_ITEMS, MAX_NOTES, MAX_TOTAL_BYTES
+from mimics_app.world.gltf.skins import MAX_SKINNED
 from tests.support.gltf_maker import INDICES, POSITIONS, GltfMaker, square
 
 ROOM = 8 * 1024 * 1024
@@ -155,11 +157,11 @@ def few(monkeypatch):
     for module in (gltf_document, meshes):
         monkeypatch.setattr(module, "MAX_ITEMS", FEW)
     monkeypatch.setattr(
-        gltf_document, "_MORE_ITEMS", {name: most // 1000 for name, most in gltf_document._MORE_ITEMS.items()}
+        gltf_document, "_OTHER_ITEMS", {name: most // 1000 for name, most in gltf_document._OTHER_ITEMS.items()}
     )
 
 
-@pytest.mark.parametrize("name", ["nodes", "meshes", "materials", "textures", "cameras", "animations"])
+@pytest.mark.parametrize("name", ["nodes", "meshes", "materials", "textures", "cameras"])
 def test_lists_have_stated_limits(few, tmp_path, name):
     document = square()
     document[name] = [{} for _ in range(FEW + 1)]
@@ -172,6 +174,38 @@ def test_what_meshes_have_several_of_may_be_more(few, tmp_path, name):
     document = square()
     document[name] = [{} for _ in range(4 * FEW + 1)]
     with pytest.raises(SceneError, match=f"401 {name} are more than 400"):
+        load_gltf(save(tmp_path, document))
+
+
+def moving(animations: int, channels: int, nodes: int = 1, **more):
+    """Animations that move nodes; a channel is two numbers in the file."""
+    maker = GltfMaker()
+    times, places = maker.array(np.array([0, 1], np.float32)), maker.array(POSITIONS[:2])
+    target = {"sampler": 0, "target": {"node": 0, "path": "translation"}}
+    clip = {"channels": [target] * channels, "samplers": [{"input": times, "output": places}]}
+    maker.more = {"nodes": [{}] * nodes, "scenes": [{"nodes": [*range(nodes)]}], "animations": [clip] * animations}
+    return maker.document() | more
+
+
+@pytest.mark.parametrize(("animations", "channels"), [(1, MAX_CHANNELS + 1), (100, MAX_CHANNELS // 100 + 1)])
+def test_channels_of_all_animations_together_have_a_limit(tmp_path, animations, channels, monkeypatch):
+    monkeypatch.setattr(clips.GltfClips, "_read", lambda *_: pytest.fail("read before the limit is asked"))
+    with pytest.raises(SceneError, match="more than 40000 channels"):
+        load_gltf(save(tmp_path, moving(animations, channels)))
+
+
+def test_animations_have_a_limit_of_their_own(tmp_path):
+    assert len(load_gltf(save(tmp_path, moving(50, 1))).clips) == 50
+    with pytest.raises(SceneError, match="10001 animations are more than 10000"):
+        load_gltf(save(tmp_path, moving(10_001, 1)))
+
+
+def test_nodes_with_a_skin_have_a_limit(tmp_path):
+    document = square()
+    document["skins"] = [{"joints": [0]}]
+    document["nodes"] = [{}, *({"mesh": 0, "skin": 0} for _ in range(MAX_SKINNED + 1))]
+    document["scenes"] = [{"nodes": [*range(MAX_SKINNED + 2)]}]
+    with pytest.raises(SceneError, match="more than 5000 nodes have a skin"):
         load_gltf(save(tmp_path, document))
 
 

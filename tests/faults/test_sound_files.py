@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import json
+import os
+import tracemalloc
 
 import numpy as np
 import pytest
 import soundfile
 
 from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.contracts import read_budget
 from mimics_app.contracts.errors import SceneError
+from mimics_app.rendering.audio import sound_file
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.settings import SoundSpec
 from mimics_app.rendering.audio.sound_file import read_sound
@@ -150,3 +154,69 @@ def test_a_sound_that_says_it_lasts_for_days_is_refused_before_it_is_decoded(tmp
     path.write_bytes(content)
     with pytest.raises(SceneError, match="lasts 1431656 s; 1800 s at most"):
         read_sound(path, 48_000)
+
+
+def silence(path, channels: int, rate: int, seconds: float):
+    """A FLAC of silence, a thousandth of what it decodes to."""
+    with soundfile.SoundFile(path, "w", rate, channels, format="FLAC") as file:
+        for _ in range(round(seconds / 4)):
+            file.write(np.zeros((4 * rate, channels), np.int16))
+    return path
+
+
+@pytest.mark.parametrize(("channels", "rate", "seconds"), [(8, 48_000, 12), (1, 384_000, 48), (8, 8_000, 12)])
+def test_a_sound_is_refused_by_what_it_decodes_to_and_not_only_by_its_seconds(
+    tmp_path, channels, rate, seconds, monkeypatch
+):
+    """With a sixteenth of the budget, so that the file need not last for an hour."""
+    assert read_budget.READ_BUDGET <= 1 << 28
+    monkeypatch.setattr(read_budget, "READ_BUDGET", read_budget.READ_BUDGET // 16)
+    path = silence(tmp_path / "long.flac", channels, rate, seconds)
+    assert path.stat().st_size < 1 << 17
+    tracemalloc.start()
+    try:
+        with pytest.raises(SceneError, match="MB of memory"):
+            read_sound(path, 48_000)
+        assert tracemalloc.get_traced_memory()[1] < 1 << 20
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize("rate", [44_100, 44_101, 96_000])
+def test_a_long_sound_is_resampled_in_blocks_as_in_one_piece(tmp_path, rate, monkeypatch):
+    """Against the sines themselves, which are written at the other rate; the joints lie where the blocks meet."""
+    monkeypatch.setattr(sound_file, "_BLOCK", 60_000)
+
+    def sines(at: int) -> np.ndarray:
+        t = np.arange(4 * at) / at
+        return np.stack((0.5 * np.sin(2e3 * np.pi * t), 0.4 * np.cos(2.6e4 * np.pi * t)), axis=1)
+
+    soundfile.write(tmp_path / "long.wav", sines(rate), rate, "DOUBLE")
+    found = read_sound(tmp_path / "long.wav", 48_000)
+    assert found.shape == (192_000, 2)
+    # Both ends ring, where the sines begin and end abruptly.
+    assert np.abs(found - sines(48_000))[24_000:-24_000].max() < 1e-5
+
+
+def test_a_sound_that_is_cut_off_ends_where_it_is_cut(tmp_path):
+    path = tmp_path / "cut.wav"
+    soundfile.write(path, TONE, 48_000)
+    path.write_bytes(path.read_bytes()[:40_000])
+    assert len(read_sound(path, 24_000)) == (40_000 - 44) // 4 // 2
+
+
+def test_a_pipe_is_no_sound(tmp_path):
+    os.mkfifo(tmp_path / "pipe.wav")
+    with pytest.raises(SceneError, match="not a regular file"):
+        read_sound(tmp_path / "pipe.wav", 48_000)
+
+
+@pytest.mark.parametrize("name", ["hum.ogg", "hum.flac", "hum.wav"])
+def test_check_refuses_a_sound_that_a_run_would_not_play(tmp_path, name):
+    entities = [{"id": "hum", "components": {"sound": {"asset": "hum"}}}]
+    document = {"format": "mimics-scene", "version": 1, "name": "heard", "scenario": "none", "entities": entities}
+    (tmp_path / "scene.json").write_text(json.dumps(document | {"assets": {"hum": {"uri": name}}}))
+    head = {"hum.ogg": b"OggS", "hum.flac": b"fLaC", "hum.wav": b"RIFF\0\0\0\0WAVE"}[name]
+    (tmp_path / name).write_bytes(head + bytes(60))
+    with pytest.raises(SceneError, match=rf"{name} cannot be read as a sound"):
+        load_checked_scene(tmp_path / "scene.json")

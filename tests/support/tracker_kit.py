@@ -86,4 +86,4 @@ def _check_tape(taken: list[TrackerSample], tape: Path) -> None:
         raise AssertionError(f"a report can be written on a tape: {error}") from error
     finally:
         writer.close()
-    assert read_tape(tape) == taken, "a tape gives back what was reported"
+    assert list(read_tape(tape)) == taken, "a tape gives back what was reported"

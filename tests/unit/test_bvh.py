@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -96,3 +97,28 @@ def test_wrong_files_are_refused_with_their_line(tmp_path: Path, spoil, line: st
         read_bvh(file)
     (issue,) = refused.value.issues
     assert what in issue.what and issue.pointer.startswith(line or "line")
+
+
+@pytest.mark.parametrize(("frames", "joints"), [(1_000_000, 10), (50_000, 990), (400_000, 12)])
+def test_a_recording_is_refused_by_what_it_would_take_and_not_by_its_bytes(
+    tmp_path: Path, frames: int, joints: int
+) -> None:
+    """Two bytes a frame, and joints that do not move: a file of 2 MB could ask for 30 GB."""
+    head = "HIERARCHY\nROOT hips\n{\nOFFSET 0 0 0\nCHANNELS 1 Yrotation\n"
+    chain = "JOINT j\n{\nOFFSET 0 1 0\nCHANNELS 0\n" * joints + "}\n" * (joints + 1)
+    text = f"{head}{chain}MOTION\nFrames: {frames}\nFrame Time: 0.01\n" + "0\n" * frames
+    (tmp_path / "long.bvh").write_text(text)
+    with pytest.raises(SceneError, match="MB of memory"):
+        read_bvh(tmp_path / "long.bvh")
+    (tmp_path / "short.bvh").write_text(text[: -2 * frames].replace(f"Frames: {frames}", "Frames: 9000") + "0\n" * 5)
+    with pytest.raises(SceneError, match=r"5 lines for 9000 frames|MB of memory"):
+        read_bvh(tmp_path / "short.bvh")
+
+
+def test_a_recording_of_a_crowd_of_nodes_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "take.bvh").write_text(_bvh({}, 2000))
+    capture = read_bvh(tmp_path / "take.bvh")
+    rig = next(iter(load_model_world(write_person(tmp_path / "person.gltf")).motion.animators.values())).rig
+    crowd = replace(rig, names=rig.names * 200)
+    with pytest.raises(ValueError, match="MB of memory"):
+        capture_clip(capture, "take", crowd, find_humanoid(rig))

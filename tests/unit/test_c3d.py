@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import random
+import re
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,6 +15,7 @@ import pytest
 
 from mimics_app.app.cli import main
 from mimics_app.app.viewer.playing import read_motion
+from mimics_app.contracts import read_budget
 from mimics_app.contracts.errors import SceneError
 from mimics_app.world.gltf.model_world import load_model_world
 from mimics_app.world.motion.c3d_file import read_c3d
@@ -172,3 +175,64 @@ def test_the_viewer_plays_what_was_recorded(tmp_path: Path, capsys: pytest.Captu
     assert near < 0.031  # its vertices are 3 cm from the joints
     (tmp_path / "take.fbx").touch()
     assert main(["view", str(model), "--motion", str(tmp_path / "take.fbx"), "--vertices", str(out)]) == 2
+
+
+def _header(path: Path, **words: int) -> bytes:
+    """The bytes of a right file with words of its header replaced, by their byte: "at6" is the one of byte 6."""
+    data = bytearray(_write(path, _recorded()).read_bytes())
+    for place, value in words.items():
+        data[int(place[2:]) : int(place[2:]) + 2] = value.to_bytes(2, "little")
+    return bytes(data)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ({"at6": 60_000, "at8": 3}, ""),
+        ({"at6": 0, "at8": 0}, ""),
+        ({"at514": 0}, "damaged, or of an unknown kind of processor"),
+    ],
+)
+def test_a_header_that_lies_is_refused_in_words(
+    tmp_path: Path, words: dict[str, int], told: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "take.c3d"
+    path.write_bytes(_header(path, **words))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        try:
+            read_c3d(path)
+        except SceneError as error:
+            assert re.search(told, str(error)) and "variable" not in str(error)
+        else:
+            assert not told
+    assert capfd.readouterr().err == ""
+
+
+def test_bits_flipped_in_a_take_make_no_noise(tmp_path: Path) -> None:
+    """Refused or read; numbers that are none count as not seen, and numpy says nothing of them."""
+    chance, path = random.Random(32), tmp_path / "take.c3d"
+    whole, refused = _header(path), 0
+    for _ in range(300):
+        data = bytearray(whole)
+        for _ in range(4):
+            at = chance.randrange(len(data))
+            data[at] ^= 1 << chance.randrange(8)
+        path.write_bytes(data)
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                read_c3d(path)
+        except SceneError:
+            refused += 1
+    assert 10 < refused < 290
+
+
+def test_more_frames_than_are_read_at_once_are_refused_before_any_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = _write(tmp_path / "take.c3d", _recorded(40))
+    monkeypatch.setattr(read_budget, "READ_BUDGET", 32 * 40 * 14 - 1)
+    monkeypatch.setattr(c3d.Reader, "read_frames", None)
+    with pytest.raises(SceneError, match="memory"):
+        read_c3d(path)

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from mimics_app.app import cli
+from tests.support.gltf_maker import INDICES, POSITIONS, GltfMaker, write_gltf
 
 COMMAND = [sys.executable, "-m", "mimics_app.app.cli"]
 STAND_IN = (
@@ -218,3 +219,20 @@ def test_what_is_there_but_no_file_is_not_said_to_be_missing(
     assert "f.json: is not a regular file; name a scene file" in capsys.readouterr().err
     assert cli.main([name, str(tmp_path / "d.json")]) == 3
     assert "d.json: is a folder; name a scene file" in capsys.readouterr().err
+
+
+def test_a_locale_of_128_characters_is_no_error(tmp_path: Path) -> None:
+    """Names of files with other letters are found, and written into a pipe."""
+    maker = GltfMaker()
+    position, indices = maker.array(POSITIONS), maker.array(INDICES)
+    maker.more = {"meshes": [{"primitives": [{"attributes": {"POSITION": position}, "indices": indices}]}]}
+    document = maker.document()
+    (tmp_path / "r\u00e4ume.bin").write_bytes(maker.blob)
+    document["buffers"] = [{"byteLength": len(maker.blob), "uri": "r%C3%A4ume.bin"}]
+    write_gltf(tmp_path / "m\u00f6bel.gltf", document)
+    environment = {name: value for name, value in os.environ.items() if not name.startswith(("LC_", "LANG"))}
+    environment |= {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    program = [sys.executable, "-m", "mimics_app", "check", os.fsencode("m\u00f6bel.gltf")]
+    done = subprocess.run(program, env=environment, cwd=tmp_path, capture_output=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "m\u00f6bel.gltf: ok".encode() in done.stdout

@@ -187,7 +187,7 @@ def _spoil_negative(maker: GltfMaker) -> None:
 
 
 def _spoil_times(maker: GltfMaker) -> None:
-    add_clip(maker, "bad", [(2, "translation", [0.0, 0.5, 0.5], np.zeros((3, 3)), "LINEAR")])
+    add_clip(maker, "bad", [(2, "translation", [0.0, 0.6, 0.5], np.zeros((3, 3)), "LINEAR")])
 
 
 def _spoil_output(maker: GltfMaker) -> None:
@@ -212,13 +212,13 @@ def _spoil_channel(maker: GltfMaker) -> None:
     [
         (_spoil_joint, "/meshes/0/primitives/0/attributes/JOINTS_0", "follows joint 2; skin 0 has 2 joints"),
         (_spoil_cycle, "/nodes/", "loop"),
-        (_spoil_zero, "/meshes/0/primitives/0/attributes/WEIGHTS_0", "follows no joint"),
+        (_spoil_zero, "/meshes/0/primitives/0/attributes/WEIGHTS_0", "no vertex follows a joint"),
         (_spoil_bind, "/accessors/", "element 1 is not finite"),
         (_spoil_twice, "/skins/0/joints/2", "is a joint of this skin already"),
         (_spoil_empty, "/skins/0/joints", "has no joint"),
         (_spoil_few_binds, "/skins/0/inverseBindMatrices", "has 2 matrices, the skin has 3 joints"),
         (_spoil_negative, "/meshes/0/primitives/0/attributes/WEIGHTS_0", "negative weight"),
-        (_spoil_times, "/animations/0/samplers/0/input", "is not after the one before it"),
+        (_spoil_times, "/animations/0/samplers/0/input", "is before the one before it"),
         (_spoil_output, "/animations/0/samplers/0/output", "3 keys need 9"),
         (_spoil_quaternion, "/animations/0/samplers/0/output", "zero quaternion"),
         (_spoil_kind, "/animations/0/samplers/0/interpolation", "SINUS"),

@@ -165,6 +165,21 @@ def test_an_event_that_differs_is_found(field: str, row: int) -> None:
     assert (difference.tick, difference.count) == (one["tick"][row], 1)
 
 
+@pytest.mark.parametrize("field", ["force", "value"])
+@pytest.mark.parametrize(("recorded", "replayed"), [(np.nan, 0.5), (0.5, np.nan), (np.inf, 0.5), (0.5, -np.inf)])
+def test_a_number_in_place_of_none_is_a_difference(field: str, recorded: float, replayed: float) -> None:
+    """And both are named, wherever other rows have none on both sides."""
+    one, other = _events(50), _events(50)
+    for events in (one, other):
+        events[field][::3] = np.nan
+    one[field][31], other[field][31] = recorded, replayed
+    difference = compare_events(one, other, 10_000)
+    assert difference is not None and (difference.tick, difference.count) == (93, 1)
+    assert difference.column == f"event 31, {field}"
+    one[field][31] = other[field][31] = np.nan
+    assert compare_events(one, other, 10_000) is None
+
+
 def test_an_event_more_or_less_is_found_up_to_the_end(tmp_path: Path) -> None:
     events = _events(20)
     for one, other in ((events, events[:-1]), (events[:-1], events)):

@@ -10,6 +10,7 @@ from mimics_app.app.terminal.arguments import picture_file, real_number, whole_n
 from mimics_app.app.terminal.output import answer
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.plural import counted
+from mimics_app.contracts.regular_file import read_regular
 
 if TYPE_CHECKING:
     from mimics_app.world.simplify.level_writer import MeshLevels
@@ -145,4 +146,4 @@ def _draw(name: str, files: list[Path], picture: Path) -> None:
 def _digest(file: Path) -> str:
     import hashlib
 
-    return hashlib.sha256(file.read_bytes()).hexdigest()
+    return hashlib.sha256(read_regular(file)).hexdigest()

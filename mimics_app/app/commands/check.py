@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mimics_app.app.terminal.output import errors_of, issue_lines, with_line, write_object
+from mimics_app.app.terminal.output import errors_of, issue_lines, one_line, with_line, write_object
 from mimics_app.contracts.errors import DeviceError, Issue, MimicsError, SceneError
 from mimics_app.contracts.plural import counted
 
@@ -16,12 +16,12 @@ if TYPE_CHECKING:
 
 __all__ = ["add_arguments", "examine", "run"]
 
-_MODELS = (".glb", ".gltf")
+_MODELS = (".glb", ".gltf", ".vrm")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="scene (.json) or model (.glb, .gltf)")
+    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="scene (.json), model (.glb, .gltf, .vrm)")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -40,7 +40,7 @@ def run(args: argparse.Namespace) -> int:
         write_object("check", {"files": findings, **errors_of(issues)})
         return code
     for finding in findings:
-        sys.stdout.writelines(_lines(finding))
+        sys.stdout.writelines(f"{one_line(line)}\n" for line in _lines(finding))
     sys.stderr.writelines(issue_lines(issues))
     return code
 
@@ -127,4 +127,4 @@ def _lines(finding: dict[str, Any]) -> list[str]:
     if not finding["ok"]:
         return []
     holds = ", ".join(counted(number, what) for what, number in finding["holds"].items())
-    return [f"{finding['file']}: ok ({holds})\n", *(f"  {note}\n" for note in finding["notes"])]
+    return [f"{finding['file']}: ok ({holds})", *(f"  {note}" for note in finding["notes"])]

@@ -53,10 +53,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read the source to its end, and print its signals, their quality and the events found."""
-    from mimics_app.app.physio.watch import Watch, compile_channels
+    from mimics_app.app.physio.watch import Watch
     from mimics_app.contracts.errors import PartialDataError
 
-    compile_channels()
     source, start_s, seconds, live = _open(args)
     watch = Watch()
     try:
@@ -79,18 +78,24 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _open(args: argparse.Namespace) -> tuple[SignalSource, float, float, bool]:
-    """Return the source, the time of its first sample [s], the time to read [s], and whether it is live."""
+    """Return the source, the time of its first sample [s], the time to read [s], and whether it is live.
+
+    The channels are compiled before a live source is opened, and after a file was found to be right.
+    """
+    from mimics_app.app.physio.watch import compile_channels
     from mimics_app.dsp.stage import check_rate
     from mimics_app.inputs.physio.sources import look_for_source, open_source, source_kinds
 
     kind, colon, _ = args.source.partition(":")
     misspelt = colon and kind != "file" and not Path(args.source).exists()
     if misspelt or kind in source_kinds() - {"file"}:
+        compile_channels()
         look_for_source(args.source, say)
         return open_source(args.source, args.seed, check_rate), 0.0, args.seconds or _CHECK_S, kind != "sim"
     from mimics_app.inputs.physio.recording import FileSource, read_signal_file
 
     signals = read_signal_file(Path(args.source.removeprefix("file:")))
+    compile_channels()
     first = min(signal.start_s for signal in signals)
     length = max(signal.start_s - first + len(signal.values) / signal.rate for signal in signals)
     return FileSource(signals), first, min(args.seconds or length, length), False

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 
 from mimics_app.app.cues.cue_watch import CueWatch
 from mimics_app.app.cues.sound_surroundings import SoundSurroundings
+from mimics_app.app.terminal.output import say
 from mimics_app.contracts import triple_buffer
 from mimics_app.contracts.audio_port import AudioOutput, AudioReport
 from mimics_app.contracts.messages import SoundEvent, SoundTrigger, TaskOrders
@@ -23,6 +23,9 @@ __all__ = ["SoundStage"]
 
 _JUMP = 50.0
 """Largest speed of a movement [m/s]; a faster object was repositioned and has no Doppler shift."""
+
+_WAITED_NS = 5_000_000_000
+"""Time after which a sound that is still starting is told [ns]; usual are one to three seconds."""
 
 
 class SoundStage:
@@ -51,6 +54,7 @@ class SoundStage:
         self._gain = gain
         self._watch = CueWatch()
         self._notice = ""
+        self._begun_ns: int | None = None
         self._now = np.zeros(1, SOUND_SCENE)
         fill_defaults(self._now)
         self._placed = False
@@ -72,11 +76,12 @@ class SoundStage:
         for order in orders.sounds:
             self.output.play(order)
         self.output.advance(now_ns)
-        self._show_notice()
+        self._show_notice(now_ns)
 
     def stop(self) -> AudioReport:
         """Stop the output, keep for later sessions what its queue needed, and return its report."""
         report = self.output.stop()
+        self._show(report.status.notice)
         keep_needed_ms(report.queue)
         return report
 
@@ -105,13 +110,21 @@ class SoundStage:
         self._memory.sound_scenes[slot] = now
         triple_buffer.publish(self._memory.sound_scene_words)
 
-    def _show_notice(self) -> None:
-        """Report once on stderr where the sound is not, or no longer, the one requested."""
+    def _show_notice(self, now_ns: int) -> None:
+        """Report once on stderr where the sound is not yet, not, or no longer, the one requested."""
         status = self.output.ready
-        if status is not None and status.notice != self._notice:
-            self._notice = status.notice
-            if self._notice:
-                sys.stderr.write(f"mimics: {self._notice}\n")
+        if self._begun_ns is None:
+            self._begun_ns = now_ns
+        if status is not None:
+            self._show(status.notice)
+        elif now_ns - self._begun_ns > _WAITED_NS:
+            self._show("the sound is still starting: the computer is busy")
+
+    def _show(self, notice: str) -> None:
+        if notice != self._notice:
+            self._notice = notice
+            if notice:
+                say(notice)
 
 
 def _velocities(moved: NDArray[np.float64], span: float) -> NDArray[np.float64]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+from mimics_app.contracts.regular_file import read_regular
+
 __all__ = ["find_display_files"]
 
 _KINDS = {"mimics.walls/1": "cave", "mimics.headset/1": "sim-hmd"}
@@ -33,9 +35,8 @@ def _candidates(folder: Path) -> Iterator[Path]:
 def _kind_of(file: Path) -> str:
     """Return the kind of display that a file is for, by its format as text; "" for any other file."""
     try:
-        if file.stat().st_size > _MOST_BYTES:
-            return ""
-        text = file.read_text(encoding="utf-8")
+        data = read_regular(file, _MOST_BYTES + 1)
+        text = data.decode("utf-8") if len(data) <= _MOST_BYTES else ""
     except (OSError, UnicodeDecodeError):
         return ""
     return next((kind for format_, kind in _KINDS.items() if f'"{format_}"' in text), "")

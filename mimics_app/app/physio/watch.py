@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.clock import SECOND_NS, Clock
 from mimics_app.contracts.input_port import SignalSource
 from mimics_app.contracts.messages import SignalBlock
+from mimics_app.contracts.whole_file import private_text
 from mimics_app.dsp.channel import Event
 from mimics_app.dsp.stage import CHANNELS, PhysioDsp
 
@@ -112,7 +113,7 @@ class Watch:
             (event.t_s + self._offset[name] + start_s, event.known_s + self._offset[name] + start_s, event)
             for name, event in self.events
         ]
-        with path.open("w", newline="", encoding="utf-8") as file:
+        with private_text(path) as file:
             table = csv.writer(file, lineterminator="\n")
             table.writerow(["t_s", "known_s", "kind", "value", "quality"])
             for t_s, known_s, event in sorted(rows, key=lambda row: row[1]):
@@ -122,7 +123,7 @@ class Watch:
     def write_features(self, path: Path) -> None:
         """Write features and qualities, one row per second; unknown ones are empty."""
         names = sorted({name for row in self.features for name in row} - {"t_s"})
-        with path.open("w", newline="", encoding="utf-8") as file:
+        with private_text(path) as file:
             table = csv.DictWriter(file, ["t_s", *names], lineterminator="\n", restval="")
             table.writeheader()
             table.writerows({name: f"{value:.6g}" for name, value in row.items()} for row in self.features)

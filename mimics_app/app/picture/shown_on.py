@@ -7,8 +7,10 @@ from pathlib import Path
 
 from mimics_app.contracts.display_choice import DisplayChoice, kind_of_display, parse_display
 from mimics_app.contracts.display_port import Display
-from mimics_app.contracts.errors import SceneError, UsageError
+from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
 from mimics_app.rendering.visual.displays.display_kinds import check_display_file, make_display
+from mimics_app.rendering.visual.displays.display_size import check_drawn_size
+from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.world.components.systems import DisplaySettings
 from mimics_app.world.scene.paths import PathFault, find_file
@@ -27,12 +29,17 @@ def open_display(scene: Scene, requested: str, surface: Surface) -> Display:
 
     Raises:
         SceneError: The scene's display needs a file, or its file is faulty.
-        DeviceError: The display is not available.
+        DeviceError: The display is not available, or its picture is too large to be drawn.
     """
     settings = scene.system(DisplaySettings) or DisplaySettings()
     display, notice = make_display(chosen_display(scene, requested), settings, surface)
     if notice:
         sys.stderr.write(f"mimics: {notice}\n")
+    try:
+        check_drawn_size(display.kind, display.drawn_size(surface.size), read_capabilities(surface.ctx).texture_size)
+    except DeviceError:
+        display.close()
+        raise
     return display
 
 

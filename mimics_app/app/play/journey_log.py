@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from mimics_app.contracts.errors import MimicsError
+from mimics_app.contracts.regular_file import read_regular
 
 __all__ = ["JourneyLog", "read_journey"]
 
@@ -65,7 +66,7 @@ class JourneyLog:
 def read_journey(path: Path) -> dict[str, object]:
     """Return the newest value of each key; an incomplete last line is left for the next call."""
     noted: dict[str, object] = {}
-    for line in path.read_text(encoding="utf-8").splitlines(keepends=True):
+    for line in read_regular(path).decode().splitlines(keepends=True):
         if line.endswith("\n"):
             noted |= json.loads(line)
     return noted

@@ -9,7 +9,7 @@ from mimics_app.app.planner.plan import settle
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.scenes.scenario_choice import open_scenario
 from mimics_app.app.session.session import Session
-from mimics_app.app.terminal.output import issue_lines, with_line
+from mimics_app.app.terminal.output import issue_lines, say, with_line
 from mimics_app.app.touch.haptic_side import HapticSide
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.world.scene.file import build_world
@@ -61,7 +61,7 @@ class SceneReload:
         if issues:
             self._say(now_ns, str(issues[0]))
         for issue in issues:
-            sys.stderr.write(f"mimics: {issue}\n")
+            say(str(issue))
 
     def _take(self, now_ns: int) -> None:
         session = self._session

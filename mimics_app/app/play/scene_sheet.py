@@ -15,6 +15,7 @@ from mimics_app.app.play.stills import draw_stills
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.arrays import U1
 from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.regular_file import read_regular
 from mimics_app.maths.colour import linear_light
 from mimics_app.rendering.visual.effects.captions import caption_picture
 from mimics_app.rendering.visual.lighting import gather_lighting
@@ -133,11 +134,9 @@ def light_rows(lights: Sequence[SceneLight]) -> list[dict[str, object]]:
 
 def _is_scene(file: Path) -> bool:
     """Whether a path is a JSON file with the format of a scene."""
-    if not file.is_file():
-        return False
     try:
-        head = json.loads(file.read_bytes())
-    except (ValueError, RecursionError):
+        head = json.loads(read_regular(file))
+    except (OSError, ValueError, RecursionError):
         return False
     return isinstance(head, dict) and head.get("format") == "mimics-scene"
 

@@ -1,4 +1,4 @@
-"""Hints on a scene without faults: likely mistakes, such as lengths in millimetres or misspelt triggers."""
+"""Hints on a scene without faults: likely mistakes, such as lengths in millimetres, and ports open to the network."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.trial_state import TrialState
+from mimics_app.inputs.trackers.network_place import hears_the_network, listening, place_of
 from mimics_app.rendering.haptic.devices.robot_reach import Reach
 from mimics_app.world.components.haptic_shapes import (
     CapsuleSolid,
@@ -41,7 +42,19 @@ _ALIKE = 0.75
 
 def hints(scene: Scene) -> list[Issue]:
     """Return the hints on a scene that passed every check, each with its JSON pointer."""
-    return [*_triggers(scene), *_sizes(scene), *_out_of_reach(scene)]
+    return [*_triggers(scene), *_sizes(scene), *_out_of_reach(scene), *_open_doors(scene)]
+
+
+def _open_doors(scene: Scene) -> list[Issue]:
+    what, fix = (
+        "other machines can send poses here",
+        "give 127.0.0.1:PORT if the sender runs on this one",
+    )
+    return [
+        scene.issue(pointer, f'"{address}": {what}', fix)
+        for pointer, address in listening(scene)
+        if hears_the_network(place_of(address)[0])
+    ]
 
 
 def _triggers(scene: Scene) -> list[Issue]:

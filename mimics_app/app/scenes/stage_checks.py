@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from mimics_app.app.scenes.parameter_checks import check_parameters
 from mimics_app.contracts.errors import DeviceError, Issue, UsageError
 from mimics_app.estimation.registry import check_estimator
+from mimics_app.inputs.trackers.network_place import listening, place_of
+from mimics_app.learning.builder import check_learning
 from mimics_app.learning.goals import build_goal
 from mimics_app.learning.registry import check_policy
 from mimics_app.rendering.haptic.devices.robot_checks import check_points, check_robot
@@ -20,7 +22,7 @@ from mimics_app.rendering.haptic.force_fields import check_field
 from mimics_app.rendering.haptic.scene_effects import check_field_count, check_haptic_path
 from mimics_app.rendering.haptic.scene_objects import check_objects
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
-from mimics_app.tasks.actions import haptic_field
+from mimics_app.tasks.actions import build_learning_space, haptic_field
 from mimics_app.tasks.kinds.carry.spec import CarrySpec
 from mimics_app.tasks.kinds.tunnel.kind import own_tunnel
 from mimics_app.tasks.task import TaskSpec
@@ -64,7 +66,18 @@ def check_components(scene: Scene) -> list[Issue]:
         for kind, check in _OF_COMPONENTS
         for _, component, pointer in scene.components(kind)
         for issue in check(component, pointer, scene)
-    ] + _check_sounds(scene)
+    ] + [*_check_sounds(scene), *_check_addresses(scene)]
+
+
+def _check_addresses(scene: Scene) -> list[Issue]:
+    """Check that the trackers that listen have a port to listen at."""
+    issues = []
+    for pointer, address in listening(scene):
+        try:
+            place_of(address)
+        except UsageError as error:
+            issues.append(scene.issue(pointer, error.what, error.fix))
+    return issues
 
 
 def _check_sounds(scene: Scene) -> list[Issue]:
@@ -78,7 +91,7 @@ def _check_sounds(scene: Scene) -> list[Issue]:
 
 
 def _check_learning(scene: Scene) -> list[Issue]:
-    """Check that the policy, the goal and the estimator that the task names exist."""
+    """Check that the policy, the goal and the estimator that the task names exist and fit."""
     task = scene.section(TaskSpec)
     if task is None:
         return []
@@ -92,6 +105,11 @@ def _check_learning(scene: Scene) -> list[Issue]:
             issues.append(scene.issue(f"/task/{name}", error.what, error.fix))
         except ValueError as error:
             issues.append(scene.issue(f"/task/{name}", str(error)))
+    if task.learn and not issues:
+        try:
+            check_learning(task.learn, task.goal, build_learning_space(task))
+        except UsageError as error:
+            issues.append(scene.issue("/task/learn", error.what, error.fix))
     return issues
 
 

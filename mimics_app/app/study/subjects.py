@@ -11,10 +11,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mimics_app.app.play.journey_log import read_journey
+from mimics_app.contracts.regular_file import read_regular
 from mimics_app.recording.history import played_by
 
 __all__ = ["SubjectRun", "find_run", "run_subject"]
 
+_LARGEST = 64 << 20
+"""Largest header of a run [bytes]; usual are some ten thousand."""
 _LOOK_EVERY_S = 0.3
 """Interval at which the current trial is read [s]."""
 
@@ -49,12 +52,12 @@ def find_run(subject: int, folder: Path, scene: str) -> SubjectRun:
         scene: Name of the study's scene; a run of another one is a problem.
     """
     try:
-        session = json.loads((folder / "session.json").read_text(encoding="utf-8"))
+        session = json.loads(read_regular(folder / "session.json", _LARGEST))
         seed, (name, participant, preset) = int(session["seed"]), played_by(session)
         if name != scene:
             return SubjectRun(subject, seed, None, f"{folder} is a run of {name or 'no scene'}, not of {scene}")
         return SubjectRun(subject, seed, folder, participant=participant, simulated=bool(preset))
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+    except (ArithmeticError, OSError, ValueError, KeyError, TypeError, RecursionError):
         return SubjectRun(subject, 0, None, f"{folder} is no run folder: it has no readable session.json")
 
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from statistics import fmean, stdev
 from typing import Any
 
 from mimics_app.app.study.subjects import SubjectRun
-from mimics_app.contracts.whole_file import whole_file
+from mimics_app.contracts.whole_file import private_text
 from mimics_app.recording.event_log import read_lines
 from mimics_app.recording.run_folder import FILES
 from mimics_app.recording.trial_table import read_trials
@@ -24,6 +25,8 @@ TAP_COLUMNS += ["seen_display_ns", "felt_scheduled_ns", "felt_commanded_ns", "fe
 ANSWER_COLUMNS = ["subject", "trial", "condition", "item", "scale", "value", "seconds", "t_ns"]
 _TAPS_A_TRIAL = 10_000
 """Offset between the tap numbers of two trials: number = trial x offset + tap."""
+_FORMULA = re.compile("^[ \u00a0]*[=+\\-@\t\r\n\uff1d\uff0b\uff0d\uff20]")
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
 
 def read_study(runs: Sequence[SubjectRun]) -> tuple[list[Row], list[Row], list[Row]]:
@@ -44,12 +47,19 @@ def read_study(runs: Sequence[SubjectRun]) -> tuple[list[Row], list[Row], list[R
 
 
 def write_table(file: Path, rows: Sequence[Mapping[str, Any]], columns: Sequence[str] = ()) -> None:
-    """Write rows as CSV; columns in the order given, else of first occurrence."""
+    """Write rows as CSV, for this user alone; columns in the order given, else of first occurrence."""
     names = list(columns) or list(dict.fromkeys(name for row in rows for name in row))
-    with whole_file(file), file.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.DictWriter(stream, names, extrasaction="ignore", restval="")
-        writer.writeheader()
-        writer.writerows(rows)
+    with private_text(file) as stream:
+        writer = csv.writer(stream)
+        writer.writerow(map(_as_cell, names))
+        writer.writerows([_as_cell(row.get(name, "")) for name in names] for row in rows)
+
+
+def _as_cell(value: object) -> object:
+    """Return a value for a cell; text that a spreadsheet would run gets an apostrophe before it, numbers never."""
+    if isinstance(value, str) and _FORMULA.match(value) and not _NUMBER.fullmatch(value):
+        return f"'{value}"
+    return value
 
 
 def summarise_conditions(trials: Sequence[Row], measures: Sequence[str]) -> list[Row]:

@@ -17,7 +17,7 @@ from pathlib import PurePath
 from typing import Any, TextIO
 
 from mimics_app.app.terminal.places import line_and_column
-from mimics_app.contracts.errors import Issue, all_sought, listed_issues, more_issues
+from mimics_app.contracts.errors import Issue, all_sought, listed_issues, more_issues, short_text
 
 __all__ = [
     "answer",
@@ -26,6 +26,7 @@ __all__ = [
     "finite",
     "issue_lines",
     "object_written",
+    "one_line",
     "reserved_stdout",
     "say",
     "with_line",
@@ -58,12 +59,22 @@ def reserved_stdout() -> Iterator[None]:
     finally:
         stream, _target.stream = _target.stream, None
         if saved is not None and stream is not None:
+            _flush_libraries()
             with suppress(OSError):  # the reader is gone or the disk full, as `write_object` has reported
                 sys.stderr.flush()
                 stream.flush()
             os.dup2(saved, 1)
             with suppress(OSError):
                 stream.close()
+
+
+def _flush_libraries() -> None:
+    """Write what C libraries have printed and still hold, which would else follow the object when the process ends."""
+    if "ctypes" in sys.modules:  # no library of C prints before it is loaded, and loading one imports ctypes
+        import ctypes
+
+        with suppress(AttributeError, OSError, TypeError):
+            ctypes.CDLL(None).fflush(None)
 
 
 def _divert_descriptor(real: TextIO) -> int | None:
@@ -80,7 +91,7 @@ def _divert_descriptor(real: TextIO) -> int | None:
 
 def say(text: str) -> None:
     """Write a line of text for the person at the terminal, to stderr."""
-    sys.stderr.write(f"mimics: {text}\n")
+    sys.stderr.write(f"mimics: {one_line(short_text(text))}\n")
 
 
 def answer(args: Namespace, data: Mapping[str, Any], lines: Iterable[str]) -> None:
@@ -94,7 +105,7 @@ def answer(args: Namespace, data: Mapping[str, Any], lines: Iterable[str]) -> No
     if args.json:
         write_object(args.command, data)
     else:
-        sys.stdout.writelines(f"{line}\n" for line in lines)
+        sys.stdout.writelines(f"{one_line(line)}\n" for line in lines)
 
 
 def write_object(command: str, data: Mapping[str, Any], *, schema: str = "", version: int = 1) -> None:
@@ -138,7 +149,14 @@ def errors_of(issues: Sequence[Issue]) -> dict[str, Any]:
 
 
 _CONTROLS = {code: f"\\x{code:02x}" for code in (*range(9), *range(11, 32), *range(127, 160))}
-"""What a name from a file or an argument must not do to a terminal: colour it, clear it, retitle it."""
+_CONTROLS |= {code: f"\\u{code:04x}" for code in (0x200E, 0x200F, *range(0x2028, 0x202F), *range(0x2066, 0x206A))}
+"""What a name from a file or an argument must not do to a terminal: colour it, clear it, retitle it, turn its text."""
+_IN_A_LINE = _CONTROLS | {ord("\n"): "\\n"}
+
+
+def one_line(text: str) -> str:
+    """Return a text as one line for a terminal, without what would control the terminal."""
+    return text.translate(_IN_A_LINE)
 
 
 def issue_lines(issues: Sequence[Issue]) -> list[str]:

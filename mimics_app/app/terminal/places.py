@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 from functools import lru_cache
-from pathlib import Path
 
 from mimics_app.contracts.errors import Issue
+from mimics_app.contracts.regular_file import read_regular
 
 __all__ = ["line_and_column"]
 
@@ -35,7 +35,7 @@ def line_and_column(issue: Issue) -> tuple[int, int] | None:
 def _text_of(file: str) -> str:
     """Return the text of a JSON file; "" for any other file."""
     try:
-        text = Path(file).read_text(encoding="utf-8-sig") if Path(file).is_file() else ""
+        text = read_regular(file, _MOST_CHARACTERS + 1).decode("utf-8-sig")
         if not text or len(text) > _MOST_CHARACTERS:
             return ""
         json.loads(text)

@@ -9,9 +9,12 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.regular_file import read_regular
 from mimics_app.recording.run_folder import write_atomically
 
 __all__ = ["config_file", "read_config", "read_strictly", "write_config"]
+
+_MOST_BYTES = 1 << 20
 
 
 def _config_folder() -> Path:
@@ -26,7 +29,7 @@ def _config_folder() -> Path:
 def read_config(name: str) -> dict[str, object]:
     """Return the contents of a file; {} where it is missing or cannot be read."""
     try:
-        content = json.loads((_config_folder() / f"{name}.json").read_text(encoding="utf-8"))
+        content = json.loads(read_regular(_config_folder() / f"{name}.json", _MOST_BYTES))
     except (OSError, ValueError, RuntimeError):  # RuntimeError: nested too deeply, or an account without a home folder
         return {}
     return content if isinstance(content, dict) else {}
@@ -45,7 +48,7 @@ def read_strictly(name: str) -> dict[str, object]:
     """
     try:
         file = config_file(name)
-        content = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+        content = json.loads(read_regular(file, _MOST_BYTES)) if file.exists() else {}
     except RuntimeError:  # an account without a home folder
         return {}
     except (OSError, ValueError) as error:

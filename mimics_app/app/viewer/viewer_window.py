@@ -9,7 +9,7 @@ from pathlib import Path
 from mimics_app.app.picture.overlay_keys import toggle_overlay
 from mimics_app.app.picture.window_opening import open_window, remember_size
 from mimics_app.app.settings import Profile
-from mimics_app.app.terminal.output import with_line
+from mimics_app.app.terminal.output import say, with_line
 from mimics_app.app.viewer.controls import ViewerControls
 from mimics_app.app.viewer.page import KEYS, draw_caption, draw_hint, draw_message
 from mimics_app.app.viewer.selection import Selection
@@ -240,7 +240,7 @@ class ViewerSession:
         renderer = self._viewport.renderer
         before = renderer.shaders_replaced
         for issue in renderer.reload_shaders():
-            sys.stderr.write(f"mimics: {issue}\n")
+            say(str(issue))
             self._say(str(issue), alarm=True)
         self._controls.dirty = self._controls.dirty or renderer.shaders_replaced != before
         if self._selection.holding or not self._watcher.changed():

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import sys
-
 from mimics_app.app.picture.lost_picture import draw_or_recover
 from mimics_app.app.picture.picture import draws_in_software, picture_quality
 from mimics_app.app.settings import Profile
+from mimics_app.app.terminal.output import say
 from mimics_app.app.viewer.orbit_camera import OrbitCamera
 from mimics_app.app.viewer.shown import Shown
 from mimics_app.app.viewer.studio import Studio, studio_settings
@@ -19,6 +18,9 @@ from mimics_app.rendering.visual.view import View
 from mimics_app.world.camera import Camera
 
 __all__ = ["Viewport"]
+
+_FEW_NOTES = 3
+"""Number of notes on what is not shown, where nothing is."""
 
 
 class Viewport:
@@ -105,7 +107,7 @@ class Viewport:
     def _report(self, stats: FrameStats) -> FrameStats:
         """Report on stderr each deviation of the picture from the file, once."""
         for issue in self.renderer.take_issues():
-            sys.stderr.write(f"mimics: {issue}\n")
+            say(str(issue))
         return stats
 
     def _furnish(self, shown: Shown) -> RenderSettings:
@@ -113,7 +115,8 @@ class Viewport:
             return picture_quality(shown.scene, self._profile)
         extent = shown.extent
         if extent is None:
-            raise SceneError(Issue(str(shown.path), "", "there is nothing to see: no mesh in its scene"))
+            why = "; ".join(shown.notes[:_FEW_NOTES]) or "no mesh in its scene"
+            raise SceneError(Issue(str(shown.path), "", f"there is nothing to see: {why}"))
         before, self.studio = self.studio, Studio(shown.world, extent, OrbitCamera().yaw)
         if before is not None:
             self.studio.take_over(before)

@@ -11,22 +11,18 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.errors import Issue, SceneError, UsageError, first_line
 from mimics_app.contracts.input_port import SignalSource
 from mimics_app.contracts.messages import Experience, SignalBlock
+from mimics_app.inputs.physio.csv_file import CsvFile
 from mimics_app.inputs.physio.edf_file import read_edf_channels
+from mimics_app.inputs.physio.stored_samples import Samples, SamplesInFile
+from mimics_app.inputs.physio.time_grid import HIGHEST_RATE, LONGEST_S, find_grid, on_grid
+from mimics_app.inputs.physio.wfdb_header import check_wfdb_header
 
 __all__ = ["FileSource", "Recorded", "columns_of", "read_signal_file", "unit_factor"]
-
-_LONGEST_S = 7 * 24 * 3600.0
-"""Longest recording [s]."""
-_HIGHEST_RATE = 20_000.0
-"""Highest sampling rate [Hz]."""
-_MOST_SAMPLES = 1 << 28
-"""Longest grid: 74 h at 1 kHz, 2 GiB."""
 
 _NAMES = (
     ("ecg", r"ecg|ekg|^ml?i+$|^v[1-6]$|^av[rlf]$|^i{1,3}$|lead"),
@@ -49,13 +45,13 @@ class Recorded:
         name: "ecg", "gsr", "emg" or "resp".
         rate: Sampling rate [Hz].
         start_s: Time of the first sample as stated in the file [s].
-        values: Samples in the unit of the signal, shape [n]; NaN where missing.
+        values: Samples in the unit of the signal, n of them, NaN where missing; long ones are read in parts.
     """
 
     name: str
     rate: float
     start_s: float
-    values: NDArray[np.float64]
+    values: Samples
 
 
 def _name_of_channel(label: str) -> str:
@@ -94,6 +90,10 @@ def read_signal_file(path: Path) -> list[Recorded]:
     signals: dict[str, Recorded] = {}
     for signal in reader_of(path)(path):
         if signal.name and len(signal.values):
+            if not (signal.rate <= HIGHEST_RATE and len(signal.values) <= LONGEST_S * signal.rate):
+                what = f"its {signal.name} has {len(signal.values)} samples at {signal.rate:g} Hz"
+                fix = f"at most {HIGHEST_RATE:g} Hz, and a week"
+                raise SceneError(Issue(str(path), "", what, fix))
             signals.setdefault(signal.name, signal)
     if not signals:
         raise SceneError(Issue(str(path), "", "it has no body signal", "name columns t_s, ecg, gsr, emg, resp"))
@@ -119,65 +119,29 @@ def reader_of(path: Path) -> Callable[[Path], list[Recorded]]:
 
 def _read_csv(path: Path) -> list[Recorded]:
     """Read a table with named columns; `t_s` is the time of each row [s]."""
-    import pyarrow as pa
-    from pyarrow import csv
-
-    try:
-        options = csv.ConvertOptions(null_values=["", "nan", "NaN", "NA", "null"])
-        table = csv.read_csv(path, convert_options=options)
-    except (pa.ArrowException, OSError) as error:
-        raise SceneError(Issue(str(path), "", f"it cannot be read: {first_line(error)}")) from error
-    columns: dict[str, NDArray[np.float64]] = {}
-    for i, label in enumerate(table.column_names):
-        try:
-            columns.setdefault(label.strip().lower(), table.column(i).cast(pa.float64()).to_numpy())
-        except (pa.ArrowException, ValueError) as error:
-            if _name_of_channel(label) or label.strip().lower() in _TIMES:
-                raise SceneError(Issue(str(path), f"/{label}", "the column holds more than numbers")) from error
-    times = next((columns[name] for name in _TIMES if name in columns), None)
-    if times is None:
+    file = CsvFile(path)
+    columns: dict[str, int] = {}
+    for number, label in enumerate(file.labels):
+        columns.setdefault(label.strip().lower(), number)
+    time = next((columns[name] for name in _TIMES if name in columns), None)
+    if time is None:
         raise SceneError(Issue(str(path), "", "no column holds the time", "add a column t_s in seconds"))
-    signals = [(_name_of_channel(label), values) for label, values in columns.items()]
-    return [_on_grid(path, name, times, values) for name, values in signals if name]
-
-
-def _on_grid(path: Path, name: str, times: NDArray[np.float64], values: NDArray[np.float64]) -> Recorded:
-    """Place rows on the regular grid of their times: NaN without a row, of several rows of one place the first."""
-    keep = np.isfinite(times)
-    times, values = times[keep], values[keep]
-    if len(times) < 2:
-        raise SceneError(Issue(str(path), "", "fewer than two rows have a time"))
-    steps = np.diff(times)
-    if not (steps >= 0.0).all():
-        row = int(np.argmax(steps < 0.0)) + 1
-        raise SceneError(Issue(str(path), "", f"time runs backwards in row {row}", "sort the rows by time"))
-    usual = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
-    if usual <= 0.0 or times[-1] - times[0] > _LONGEST_S:
-        raise SceneError(Issue(str(path), "", "its rows have all the same time, or last more than a week"))
-    regular = steps[np.abs(steps - usual) < 0.3 * usual]  # printed times are rounded: their mean is not
-    rate = 1.0 / (float(np.mean(regular)) if len(regular) else usual)
-    if not rate <= _HIGHEST_RATE or (times[-1] - times[0]) * rate >= _MOST_SAMPLES:
-        what = f"its rows are {usual:g} s apart over {times[-1] - times[0]:g} s"
-        raise SceneError(Issue(str(path), "", what, f"at most {_HIGHEST_RATE:g} Hz, and {_MOST_SAMPLES} samples"))
-    rate = _plain_rate(rate)
-    places = np.round((times - times[0]) * rate).astype(np.int64)
-    grid = np.full(int(places[-1]) + 1, np.nan)
-    grid[places[::-1]] = values[::-1]
-    return Recorded(name, rate, float(times[0]), grid)
-
-
-def _plain_rate(rate: float) -> float:
-    """Return the nominal rate: whole hertz where the estimate agrees with it to 0.02 %."""
-    whole = round(rate)
-    return float(whole) if whole and abs(rate / whole - 1.0) < 2e-4 else rate
+    grid = find_grid(path, (times for (times,) in file.batches([time])))
+    signals = []
+    for label, column in columns.items():
+        if (name := _name_of_channel(label)) and column != time:
+            rows = ((times, values) for times, values in file.batches([time, column]))
+            signals.append(Recorded(name, grid.rate, grid.start_s, on_grid(grid, rows)))
+    return signals
 
 
 def _read_edf(path: Path) -> list[Recorded]:
-    signals = []
-    for channel in read_edf_channels(path, lambda label: bool(_name_of_channel(label))):
-        name = _name_of_channel(channel.label)
-        signals.append(Recorded(name, channel.rate, 0.0, unit_factor(name, channel.unit) * channel.values))
-    return signals
+    def factor(label: str, unit: str) -> float:
+        name = _name_of_channel(label)
+        return unit_factor(name, unit) if name else 0.0
+
+    channels = read_edf_channels(path, factor)
+    return [Recorded(_name_of_channel(each.label), each.rate, 0.0, each.values) for each in channels]
 
 
 def _read_wfdb(path: Path) -> list[Recorded]:
@@ -185,9 +149,10 @@ def _read_wfdb(path: Path) -> list[Recorded]:
         import wfdb
     except ImportError as error:
         raise UsageError("WFDB is read by wfdb, which is not installed", 'pip install "mimics_app[signals]"') from error
+    check_wfdb_header(path.with_suffix(".hea"))
     try:
         record = wfdb.rdrecord(str(path.with_suffix("")))
-    except (OSError, ValueError, KeyError, IndexError) as error:
+    except Exception as error:  # the library may raise anything on damaged files
         raise SceneError(Issue(str(path), "", f"it cannot be read: {first_line(error)}")) from error
     names = [_name_of_channel(label) for label in record.sig_name]
     factors = [unit_factor(name, unit) for name, unit in zip(names, record.units, strict=True)]
@@ -229,4 +194,7 @@ class FileSource(SignalSource):
         """Do nothing: a recorded body does not react to the movement."""
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Close the files of signals that are read while they play."""
+        for signal in self._signals:
+            if isinstance(signal.values, SamplesInFile):
+                signal.values.close()

@@ -24,6 +24,8 @@ from mimics_app.inputs.trackers.track import Track
 __all__ = ["Placed", "TrackerHub"]
 
 
+_MANY_REJECTED = 100
+"""Rejected reports of a tracker from which on this is told; a few are usual."""
 _UPSIDE_DOWN = -0.5
 """Cosine between a head's up and the room's below which its sensor is upside down: 120 degrees."""
 
@@ -82,6 +84,8 @@ class TrackerHub:
     def _note_fault(self, tracker: Placed) -> None:
         if problem := tracker.source.problem or tracker.calibration.fault:
             self._note(_name(tracker), problem)
+        if tracker.source.rejected >= _MANY_REJECTED:
+            self._note(_name(tracker), f"over {_MANY_REJECTED} reports were damaged, no poses or implausible")
 
     def _heard(self) -> Iterator[tuple[int, Placed]]:
         """Yield the trackers that are not lost, with their numbers."""
@@ -186,7 +190,8 @@ class TrackerHub:
             self._tape = None
 
     def _take(self, number: int, sample: TrackerSample) -> None:
-        self._tracks.setdefault((number, sample.sensor), Track()).add(sample)
+        if sample.sensor in self._trackers[number].roles:
+            self._tracks.setdefault((number, sample.sensor), Track()).add(sample)
         if self._tape is not None:
             self._tape.take(sample)
 

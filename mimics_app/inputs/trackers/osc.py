@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from pythonosc.dispatcher import Dispatcher
-from pythonosc.osc_server import BlockingOSCUDPServer
+import socket
 
 from mimics_app.contracts.clock import Clock
-from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.errors import DeviceError, UsageError
 from mimics_app.contracts.tracker_port import TrackerSink
+from mimics_app.inputs.trackers.network_place import hears_the_network, place_of
+from mimics_app.inputs.trackers.osc_wire import OscMessage, read_datagram
 from mimics_app.inputs.trackers.threaded_tracker import POSE_NUMBERS, ThreadedTracker
 
 __all__ = ["OscTracker"]
 
 _PREFIX = "/pose/"
 _LOOK_S = 0.05
+"""Period in which a waiting thread checks whether to end [s]."""
+_LARGEST = 1 << 16
+"""Largest datagram [bytes]."""
 
 
 class OscTracker(ThreadedTracker):
     """Tracker of the messages at a port; the sensor's name follows /pose/, e.g. "subject/wrist_left".
+
+    A pose counts when it arrives; the time tag of its bundle is kept as the device's time.
 
     Args:
         name: Name in the scene.
@@ -32,32 +36,39 @@ class OscTracker(ThreadedTracker):
 
     def __init__(self, name: str, address: str, clock: Clock | None = None) -> None:
         super().__init__(name, clock)
-        host, _, port = address.rpartition(":")
-        self._place = (host or "127.0.0.1", int(port) if port.isdigit() else 0)
-        self.port = 0
+        self._address, self.port = address, 0
 
     def _open(self) -> None:
-        self._dispatcher = Dispatcher()
+        self._line = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
-            # The blocking server answers in the thread that reads: no thread per message.
-            self._server = BlockingOSCUDPServer(self._place, self._dispatcher)
-        except OSError as error:
-            what = f"OSC cannot be received at {self._place[0]}:{self._place[1]}: {error.strerror or error}"
-            raise DeviceError(what, "give another port") from None
-        self.port = int(self._server.server_address[1])
+            self._line.bind(place_of(self._address))
+        except (OSError, UsageError) as error:
+            self._line.close()
+            why = error.strerror or error if isinstance(error, OSError) else error
+            raise DeviceError(f"OSC cannot be received at {self._address}: {why}", "give another port") from None
+        self._line.settimeout(_LOOK_S)
+        host, self.port = self._line.getsockname()
+        if hears_the_network(host):
+            self.problem = f"whoever is on the network can send it poses: it listens at {host}, not at 127.0.0.1"
 
     def _read(self, sink: TrackerSink) -> None:
-        self._dispatcher.set_default_handler(lambda address, *values: self._take(address, values, sink))
-        self._server.timeout = _LOOK_S
         while not self._stopping.is_set():
-            self._server.handle_request()
+            try:
+                data = self._line.recv(_LARGEST)
+            except TimeoutError:
+                continue
+            try:
+                for message in read_datagram(data):
+                    self._take(message, sink)
+            except ValueError:
+                self.rejected += 1
 
     def _close(self) -> None:
-        self._server.server_close()
+        self._line.close()
 
-    def _take(self, address: str, values: tuple[Any, ...], sink: TrackerSink) -> None:
-        numbers = [float(value) for value in values if isinstance(value, int | float)]
-        if not address.startswith(_PREFIX) or not len(values) == len(numbers) == POSE_NUMBERS:
+    def _take(self, message: OscMessage, sink: TrackerSink) -> None:
+        numbers = message.numbers
+        if not message.address.startswith(_PREFIX) or numbers is None or len(numbers) != POSE_NUMBERS:
             self.rejected += 1
             return
-        self._deliver_pose(address[len(_PREFIX) :], numbers, self._clock.now_ns(), sink)
+        self._deliver_pose(message.address[len(_PREFIX) :], numbers, self._clock.now_ns(), sink, message.sent_ns)

@@ -6,7 +6,12 @@ import math
 
 from mimics_app.contracts.tracker_port import TrackerSample
 
-__all__ = ["Plausibility"]
+__all__ = ["MOST_SENSORS", "BelievedSensors", "Plausibility"]
+
+MOST_SENSORS = 256
+"""Sensors of one tracker; a suit has 60."""
+_LONGEST_NAME = 200
+"""Longest name of a sensor [characters]."""
 
 _REACH = 20.0
 """Largest distance from a tracker's origin [m]."""
@@ -23,14 +28,19 @@ class Plausibility:
 
     The first report, and one after a leap, is dropped unless the next agrees with it: a record made of line noise
     agrees with no other.
+
+    Attributes:
+        heard_ns: Time of the newest report, plausible or not [ns].
     """
 
     def __init__(self) -> None:
+        self.heard_ns = 0
         self._last: TrackerSample | None = None
         self._waiting: TrackerSample | None = None
 
     def admits(self, sample: TrackerSample) -> bool:
         """Whether this report is plausible."""
+        self.heard_ns = sample.t_ns
         if not _possible(sample):
             self._waiting = None
             return False
@@ -43,6 +53,32 @@ class Plausibility:
             return True
         self._waiting = sample
         return False
+
+
+class BelievedSensors:
+    """Filters of all sensors of a tracker, at most `MOST_SENSORS`: one that was not heard for long makes room."""
+
+    def __init__(self) -> None:
+        self._filters: dict[str, Plausibility] = {}
+
+    def __len__(self) -> int:
+        return len(self._filters)
+
+    def admits(self, sample: TrackerSample) -> bool:
+        """Whether this report is plausible, and its sensor among those that are followed."""
+        known = self._filters.get(sample.sensor)
+        if known is None:
+            if len(sample.sensor) > _LONGEST_NAME or not self._has_room(sample.t_ns):
+                return False
+            known = self._filters[sample.sensor] = Plausibility()
+        return known.admits(sample)
+
+    def _has_room(self, now_ns: int) -> bool:
+        if len(self._filters) >= MOST_SENSORS:
+            oldest = min(self._filters, key=lambda name: self._filters[name].heard_ns)
+            if now_ns - self._filters[oldest].heard_ns > _FORGET_NS:
+                del self._filters[oldest]
+        return len(self._filters) < MOST_SENSORS
 
 
 def _possible(sample: TrackerSample) -> bool:

@@ -12,13 +12,14 @@ import msgspec
 
 from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.regular_file import open_regular
 from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink
 from mimics_app.inputs.trackers.polled_tracker import PolledTracker
 
 __all__ = ["TapeTracker", "TapeWriter", "read_tape"]
 
-_LARGEST = 512 << 20
-"""Largest tape that is read [bytes]: some ten hours of one person at 120 Hz."""
+_LONGEST = 4096
+"""Longest line of a tape [bytes]; a report has 200."""
 
 _UNIT = 0.1
 """Largest deviation of a quaternion's length from 1."""
@@ -69,34 +70,42 @@ class TapeWriter:
             self.problem = f"{self._path.name} ends here: {error.strerror}"
 
 
-def read_tape(file: Path) -> list[TrackerSample]:
-    """Read the reports of a tape in their order; a last line that was cut off is left out.
+def read_tape(file: Path) -> Iterator[TrackerSample]:
+    """Yield the reports of a tape in their order; a last line that was cut off is left out.
 
     Raises:
         SceneError: The file is missing, or a line is not a report.
     """
     try:
-        if file.stat().st_size > _LARGEST:
-            raise SceneError(Issue(str(file), "", f"has more than {_LARGEST >> 20} MB"))
-        lines = file.read_bytes().splitlines(keepends=True)
+        with open_regular(file) as stream:
+            number = 0
+            while line := stream.readline(_LONGEST + 1):
+                number += 1
+                if (sample := _report(line, file, number, last=not stream.peek(1))) is not None:
+                    yield sample
     except OSError as error:
         raise SceneError(Issue(str(file), "", f"cannot be read: {error.strerror}")) from None
-    samples = []
-    for number, line in enumerate(lines, start=1):
-        try:
-            read = msgspec.json.decode(line, type=_Line)
-        except (msgspec.DecodeError, json.JSONDecodeError) as error:
-            if number == len(lines) and not line.endswith(b"\n"):
-                break
-            raise SceneError(Issue(str(file), f"line {number}", f"is no report of a tracker: {error}")) from None
-        if not abs(math.hypot(*read.rotation) - 1.0) <= _UNIT:
-            raise SceneError(Issue(str(file), f"line {number}", "its rotation is no unit quaternion"))
-        samples.append(TrackerSample(read.sensor, read.t_ns, read.position, read.rotation, read.device_ns))
-    return samples
+
+
+def _report(line: bytes, file: Path, number: int, last: bool) -> TrackerSample | None:
+    """Return the report of a line, None for one that was cut off."""
+    try:
+        if len(line) > _LONGEST:
+            raise msgspec.DecodeError(f"it has more than {_LONGEST} bytes")
+        read = msgspec.json.decode(line, type=_Line)
+    except (msgspec.DecodeError, json.JSONDecodeError) as error:
+        if last and not line.endswith(b"\n"):
+            return None
+        raise SceneError(Issue(str(file), f"line {number}", f"is no report of a tracker: {error}")) from None
+    if not abs(math.hypot(*read.rotation) - 1.0) <= _UNIT:
+        raise SceneError(Issue(str(file), f"line {number}", "its rotation is no unit quaternion"))
+    return TrackerSample(read.sensor, read.t_ns, read.position, read.rotation, read.device_ns)
 
 
 class TapeTracker(PolledTracker):
     """Tracker that plays a tape in session time: a report is delivered with the frame after its own time.
+
+    The whole tape is checked when the tracker is built, and read while it plays, so that it may be long.
 
     Args:
         name: Name in the scene.
@@ -108,19 +117,21 @@ class TapeTracker(PolledTracker):
 
     def __init__(self, name: str, file: Path) -> None:
         super().__init__(name)
+        for _ in read_tape(file):
+            pass
         self._samples = read_tape(file)
-        self._next = 0
+        self._next = next(self._samples, None)
+        # A tape of a live session starts at its first report, one of the virtual clock at zero.
+        self._first_ns = 0 if self._next is None or self._next.t_ns < SECOND_NS else self._next.t_ns
         self._begun_ns: int | None = None
 
     def _report(self, now_ns: int, sink: TrackerSink) -> None:
-        if not self._samples:
-            return
         if self._begun_ns is None:
-            # A tape of a live session starts at its first report, one of the virtual clock at zero.
-            first = self._samples[0].t_ns
-            self._begun_ns = 0 if first < SECOND_NS else first - now_ns
-        while self._next < len(self._samples) and self._samples[self._next].t_ns - self._begun_ns <= now_ns:
-            sample = self._samples[self._next]
+            self._begun_ns = self._first_ns and self._first_ns - now_ns
+        while (sample := self._next) is not None and sample.t_ns - self._begun_ns <= now_ns:
             moved = sample.t_ns - self._begun_ns
             sink(TrackerSample(sample.sensor, moved, sample.position, sample.rotation, sample.device_ns))
-            self._next += 1
+            try:
+                self._next = next(self._samples, None)
+            except SceneError as error:  # it was changed after it was checked
+                self.problem, self._next = f"the tape ends here: {error}", None

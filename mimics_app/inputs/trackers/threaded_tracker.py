@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.plugins import raised
 from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink, TrackerSource
-from mimics_app.inputs.trackers.plausibility import Plausibility
+from mimics_app.inputs.trackers.plausibility import BelievedSensors
 
 __all__ = ["POSE_NUMBERS", "ThreadedTracker"]
 
@@ -19,6 +19,8 @@ POSE_NUMBERS = 7
 
 _SHORTEST, _LONGEST = 0.9, 1.1
 """Range of a received unit quaternion's length."""
+_PATIENCE_S = 0.8
+"""Time that `stop` waits for the thread [s]; one that hangs in a driver is left behind, and ends with the process."""
 
 
 class ThreadedTracker(TrackerSource):
@@ -32,7 +34,7 @@ class ThreadedTracker(TrackerSource):
     def __init__(self, name: str, clock: Clock | None = None) -> None:
         self.name, self.problem, self.rejected = name, "", 0
         self._clock = clock or MonotonicClock()
-        self._believed: dict[str, Plausibility] = {}
+        self._believed = BelievedSensors()
         self._stopping = threading.Event()
         self._thread: threading.Thread | None = None
 
@@ -69,13 +71,17 @@ class ThreadedTracker(TrackerSource):
 
     def stop(self) -> None:
         self._stopping.set()
-        if self._thread is not None:
-            self._thread.join()
-            self._close()
+        if self._thread is None:
+            return
+        self._thread.join(_PATIENCE_S)
+        if self._thread.is_alive():
+            self.problem = "it does not answer, and is left behind"
+            return
+        self._close()
 
     def _deliver(self, sample: TrackerSample, sink: TrackerSink) -> None:
         """Pass a plausible report to the sink; count any other."""
-        if self._believed.setdefault(sample.sensor, Plausibility()).admits(sample):
+        if self._believed.admits(sample):
             sink(sample)
         else:
             self.rejected += 1

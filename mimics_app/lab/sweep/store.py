@@ -14,6 +14,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from mimics_app.contracts.regular_file import read_regular
 from mimics_app.contracts.whole_file import whole_file
 from mimics_app.lab.sweep.quantity import Columns, Kind, SweepExperiment
 from mimics_app.lab.sweep.spec import Sweep
@@ -121,7 +122,7 @@ class ChunkStore:
 
         file = self._file(chunk)
         try:
-            table = pa.ipc.open_file(pa.py_buffer(file.read_bytes())).read_all()
+            table = pa.ipc.open_file(pa.py_buffer(read_regular(file))).read_all()
         except (OSError, pa.ArrowInvalid):
             return None
         return table if table.num_rows == chunk[1] - chunk[0] else None

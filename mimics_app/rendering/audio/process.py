@@ -33,6 +33,9 @@ _SILENT = AudioStatus(device="none", sink="null", hrtf=False, rate=0, latency_ms
 _STARTS = 2
 """Number of attempts: a start that fails for a transient reason (memory, a signal) is repeated once."""
 
+_STILL_STARTING = "the session ended before its sound could start: nothing was heard; picture and touch ran on"
+_LOST = "sound was lost; picture and touch ran on"
+
 _GONE_S = 0.01
 """Time-out for the exit code of a child that has closed its end of the pipe [s], shorter than a frame."""
 
@@ -167,8 +170,12 @@ class AudioProcess:
         if isinstance(message, AudioReport):
             self._status = message.status
             return replace(message, orders_dropped=self._orders_dropped)
+        if not self._given_up and self._status is None and self.alive:
+            self._give_up("the session ended before the sound was ready: no sound was played")
+            return AudioReport(self._status or _SILENT, orders_dropped=self._orders_dropped)
         if not self._given_up:
-            self._give_up(f"the audio process ended early{self._cause()}: sound was lost; picture and touch ran on")
+            starting = self._status is None and not self._hung_up and self.alive
+            self._give_up(_STILL_STARTING if starting else f"the audio process ended early{self._cause()}: {_LOST}")
         file = self._settings.file
         written = str(file) if file is not None and file.exists() else ""
         return AudioReport(self._status or _SILENT, orders_dropped=self._orders_dropped, file=written, crashed=True)

@@ -9,7 +9,7 @@ from typing import Any
 from mimics_app.contracts.errors import Issue, SceneError, nearest
 from mimics_app.contracts.shared_fields import shared_fields
 from mimics_app.rendering.audio.settings import AROUSAL, AudioSettings, SoundSpec
-from mimics_app.rendering.audio.sound_file import frames_of
+from mimics_app.rendering.audio.sound_file import check_sound_file
 from mimics_app.world.components.systems import AudioSettings as AudioSystem
 from mimics_app.world.components.visible import Sound, SoundEmitter
 from mimics_app.world.scene.assets import SceneAsset
@@ -79,10 +79,11 @@ def _trigger(sound: Sound) -> str:
 def check_sound(sound: Sound, pointer: str, scene: Scene) -> list[Issue]:
     """Return the faults of one sound: an unknown recipe or parameter, or a file that cannot be played."""
     issues = _faults(sound, pointer, scene.issue)
-    path = None if sound.asset is None or sound.asset not in scene.assets else scene.assets[sound.asset].path
-    if path is not None and path.suffix.lower() == ".wav":
+    asset = scene.assets.get(sound.asset or "")
+    if asset is not None:
+        path = asset.path
         try:
-            frames_of(path)
+            check_sound_file(path, asset.inside, whole=path.suffix.lower() == ".wav")
         except SceneError as error:
             issues += [scene.issue(f"{pointer}/asset", f"{path.name} {one.what}", one.fix) for one in error.issues]
     return issues

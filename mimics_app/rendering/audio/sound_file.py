@@ -1,23 +1,46 @@
-"""Sound files, read by libsndfile."""
+"""Sound files, read by libsndfile in blocks."""
 
 from __future__ import annotations
 
 import io
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.regular_file import read_regular
+from mimics_app.contracts.read_budget import afford
+from mimics_app.contracts.regular_file import open_regular
 
-__all__ = ["frames_of", "read_sound"]
+if TYPE_CHECKING:
+    import soundfile
+
+__all__ = ["check_sound_file", "read_sound"]
 
 _LONGEST_S = 1800.0
-"""Longest sound that is read [s]: half an hour of two channels takes 700 MB of memory."""
+"""Longest sound that is read [s]."""
 
 _LARGEST_BYTES = 1 << 30
 _RATES = range(1000, 768_001)
+_BLOCK = 1 << 20
+"""Frames that are resampled at once; a shorter sound in one piece."""
+_FADE = 1 << 13
+"""Frames by which the blocks of a longer sound overlap on each side."""
+
+
+def check_sound_file(path: Path, inside: int | None, whole: bool) -> None:
+    """Check that a file, or sound number `inside` of a model, can be played, by its header or by all of its samples.
+
+    Raises:
+        SceneError: See `read_sound`.
+    """
+    with _opened(path, inside) as sound:
+        for _ in _resampled(path, sound, sound.samplerate) if whole else ():
+            pass
 
 
 def read_sound(path: Path, rate: int, inside: int | None = None) -> NDArray[np.float32]:
@@ -26,50 +49,80 @@ def read_sound(path: Path, rate: int, inside: int | None = None) -> NDArray[np.f
     Raises:
         SceneError: The file is missing, damaged, too long, or of an unknown format.
     """
-    frames, own = frames_of(path, inside)
-    return np.stack([_resample(each, own, rate) for each in frames.T], axis=1).astype(np.float32)
+    with _opened(path, inside) as sound:
+        count = round(sound.frames * rate / sound.samplerate)
+        afford(str(path), "", 4 * sound.channels * count, "cut it, or save it with fewer channels")
+        samples, written = np.empty((count, sound.channels), np.float32), 0
+        for block in _resampled(path, sound, rate):
+            samples[written : written + len(block)] = block
+            written += len(block)
+    return samples[:written]
 
 
-def frames_of(path: Path, inside: int | None = None) -> tuple[NDArray[np.float64], int]:
-    """Read a sound without resampling; return samples, shape [n, channels], and rate [Hz]; raises as `read_sound`."""
+@contextmanager
+def _opened(path: Path, inside: int | None) -> Iterator[soundfile.SoundFile]:
+    """Open a sound whose header is plausible; raises as `read_sound`, also for faults found while it is open."""
+    import soundfile
+
     try:
-        size = path.stat().st_size
-    except OSError as error:
-        raise _refused(path, f"cannot be read: {error.strerror}") from error
-    if size > _LARGEST_BYTES:
-        raise _refused(path, f"has {size / 1e9:.1f} GB", "a sound has 1 GB at most: cut it, or save it as OGG")
-    try:
-        frames, rate = _decode(path, read_regular(path) if inside is None else _taken_out(path, inside))
+        with _stream(path, inside) as stream, soundfile.SoundFile(stream) as sound:
+            if sound.frames > _LONGEST_S * sound.samplerate:
+                raise _refused(path, f"lasts {sound.frames / sound.samplerate:.0f} s", f"{_LONGEST_S:.0f} s at most")
+            if sound.frames == 0 or sound.samplerate not in _RATES:
+                raise _refused(path, f"holds no sound, at {sound.samplerate} Hz")
+            # Decoding takes time even where little of it is kept.
+            afford(str(path), "", sound.frames * sound.channels, "cut it, or save it with fewer channels")
+            yield sound
     except (MemoryError, OSError, RuntimeError, ValueError) as error:
         why = str(error).rpartition(": ")[2]
         raise _refused(path, f"cannot be read as a sound ({why[:80]})", "save it as WAV, FLAC or OGG") from error
-    if len(frames) == 0 or rate not in _RATES or not np.isfinite(frames).all():
-        raise _refused(path, f"holds no sound, or values that are not finite, at {rate} Hz")
-    return frames, rate
 
 
-def _decode(path: Path, raw: bytes) -> tuple[NDArray[np.float64], int]:
-    """Return samples, shape [n, channels], and their rate; of a sound that is too long, none is decoded.
+def _stream(path: Path, inside: int | None) -> io.BufferedIOBase:
+    if inside is not None:
+        return io.BytesIO(_taken_out(path, inside))
+    try:
+        stream = open_regular(path)
+    except OSError as error:
+        raise _refused(path, f"cannot be read: {error.strerror}") from error
+    if (size := stream.seek(0, io.SEEK_END)) > _LARGEST_BYTES:
+        stream.close()
+        raise _refused(path, f"has {size / 1e9:.1f} GB", "a sound has 1 GB at most: cut it, or save it as OGG")
+    stream.seek(0)
+    return stream
 
-    Raises:
-        SceneError: Its header says that it is too long.
-        RuntimeError: libsndfile does not know the format.
-    """
-    import soundfile
 
-    with soundfile.SoundFile(io.BytesIO(raw)) as sound:
-        if sound.frames > _LONGEST_S * sound.samplerate:
-            raise _refused(path, f"lasts {sound.frames / sound.samplerate:.0f} s", f"{_LONGEST_S:.0f} s at most")
-        return sound.read(dtype="float64", always_2d=True), sound.samplerate
+def _resampled(path: Path, sound: soundfile.SoundFile, rate: int) -> Iterator[NDArray[np.float64]]:
+    """Yield the samples at a rate in blocks, shape [n, channels]; these overlap and are faded before resampling."""
+    own = sound.samplerate
+    unit = own // math.gcd(own, rate)  # frames after which both rates have a sample at the same time
+    step = max(_BLOCK // unit, 1) * unit
+    margin = 0 if rate == own else -(-_FADE // unit) * unit
+    fade = 0.5 - 0.5 * np.cos(np.pi * (np.arange(margin) + 0.5) / max(margin, 1))
+    for start in range(0, sound.frames, step):
+        before = min(start, margin)
+        sound.seek(start - before)
+        block = sound.read(before + step + margin, dtype="float64", always_2d=True)
+        if not np.isfinite(block).all():
+            raise _refused(path, "holds values that are not finite")
+        kept, after = min(len(block) - before, step), max(len(block) - before - step, 0)
+        if kept <= 0:
+            return  # cut off before the length that its header states
+        block[:before] *= fade[:before, None]
+        block[len(block) - after :] *= fade[::-1][:after, None]
+        first = before * rate // own
+        channels = [_resample(each, own, rate)[first : first + round(kept * rate / own)] for each in block.T]
+        yield np.stack(channels, axis=1)
 
 
 def _resample(samples: NDArray[np.float64], rate_in: int, rate_out: int) -> NDArray[np.float64]:
     """Resample by truncating or zero-padding the spectrum, exact for content below both Nyquist frequencies."""
     if rate_in == rate_out:
         return samples
-    pad = rate_in // 10  # padding, so that the end does not wrap around to the beginning
-    padded = np.concatenate([samples, np.zeros(pad)])
-    count = round(len(padded) * rate_out / rate_in)
+    unit = rate_in // math.gcd(rate_in, rate_out)  # a whole number of which is a whole number of samples at both rates
+    pad = rate_in // 10  # so that the end does not wrap around to the beginning
+    padded = np.concatenate([samples, np.zeros(pad + -(len(samples) + pad) % unit)])
+    count = len(padded) // unit * (rate_out * unit // rate_in)
     resampled = np.fft.irfft(np.fft.rfft(padded)[: count // 2 + 1], count) * (count / len(padded))
     return resampled[: round(len(samples) * rate_out / rate_in)]
 

@@ -14,8 +14,12 @@ from mimics_app.world.gltf.meshes import GltfMesh
 from mimics_app.world.gltf.nodes import GltfNode
 from mimics_app.world.motion.clip import Clip, ClipEvent, Interpolation, Track, TrackPath, pack_clip
 
-__all__ = ["GltfClips"]
+__all__ = ["MAX_CHANNELS", "GltfClips"]
 
+MAX_CHANNELS = 40_000
+"""Maximum number of channels of all animations together: 200 motions of 66 bones have as many."""
+_AT_ONCE = np.float32(1e-6)
+"""Time between keys of the same time [s]."""
 
 _PATHS = {
     "translation": (TrackPath.TRANSLATION, "VEC3", 3),
@@ -24,6 +28,15 @@ _PATHS = {
     "weights": (TrackPath.WEIGHTS, "SCALAR", 1),
 }
 _KINDS = {"STEP": Interpolation.STEP, "LINEAR": Interpolation.LINEAR, "CUBICSPLINE": Interpolation.CUBIC}
+
+
+def _apart(times: F4, first: int) -> F4:
+    """Return times of which each is after the one before it: from a key on, those of one time follow within 1 us."""
+    apart = times.copy()
+    for n in range(first, len(apart)):
+        if not apart[n] > apart[n - 1]:
+            apart[n] = max(apart[n - 1] + _AT_ONCE, np.nextafter(apart[n - 1], np.float32(np.inf)))
+    return apart
 
 
 class GltfClips:
@@ -40,8 +53,18 @@ class GltfClips:
     def read_all(self) -> list[Clip]:
         """Read every animation that moves a node; faults are collected. An unnamed one is "clip" and its number."""
         animations = self._source.table("animations")
+        self._check_count(animations)
         clips = self._source.read_each(animations, "/animations", self._read, lambda: None)
         return [clip for clip in clips if clip is not None]
+
+    def _check_count(self, animations: list[dict[str, Any]]) -> None:
+        """Refuse more channels, in all animations together, than can be read in a second or two."""
+        found = 0
+        for i, item in enumerate(animations):
+            channels = item.get("channels")
+            found += len(channels) if isinstance(channels, list) else 0
+            if found > MAX_CHANNELS:
+                self._source.fail(f"/animations/{i}/channels", f"the model has more than {MAX_CHANNELS} channels")
 
     def _read(self, item: dict[str, Any], place: str) -> Clip | None:
         tracks: dict[tuple[int, TrackPath], Track] = {}
@@ -89,12 +112,18 @@ class GltfClips:
 
     def _times(self, sampler: dict[str, Any], where: str) -> F4:
         times = self._accessors.floats(sampler.get("input"), f"{where}/input", "SCALAR").reshape(-1)
-        wrong = np.flatnonzero(np.diff(times) <= 0.0)
+        steps = np.diff(times)
+        wrong = np.flatnonzero(steps < 0.0)
         if times[0] < 0.0:
             self._source.fail(f"{where}/input", f"begins at {times[0]:g} s, before 0")
         if wrong.size:
             after = int(wrong[0]) + 1
-            self._source.fail(f"{where}/input", f"time {after}, {times[after]:g} s, is not after the one before it")
+            self._source.fail(f"{where}/input", f"time {after}, {times[after]:g} s, is before the one before it")
+        same = np.flatnonzero(steps == 0.0)
+        if same.size:
+            first = int(same[0]) + 1
+            self._source.note(f"{where}/input: {same.size} keys have the time of the one before, the first is {first}")
+            times = _apart(times, first)
         return times
 
     def _values(self, sampler: dict[str, Any], where: str, path: str, width: int, keys: int, kind: Interpolation) -> F4:
@@ -110,6 +139,8 @@ class GltfClips:
             lengths = np.linalg.norm(values[:, parts // 2].astype(np.float64), axis=1)
             if lengths.min() < 1e-6:
                 source.fail(f"{where}/output", f"key {int(np.argmin(lengths))} is a zero quaternion")
+            # Before they are interpolated: between keys of other lengths the path bends.
+            values = (values / lengths[:, None, None]).astype(np.float32)
         return values
 
     def _events(self, item: dict[str, Any], place: str) -> tuple[ClipEvent, ...]:

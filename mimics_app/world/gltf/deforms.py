@@ -117,9 +117,12 @@ class GltfDeforms:
         """Sort by falling weight, drop unused columns, and normalise each vertex's weights to a sum of 1."""
         sums = weights.sum(axis=1)
         without = np.flatnonzero(sums <= 0.0)
+        if without.size == len(sums):
+            self._source.fail(pointer, "no vertex follows a joint: all weights are 0", "bind every vertex to a joint")
         if without.size:
-            what = f"vertex {int(without[0])} follows no joint: all its weights are 0 ({without.size} such vertices)"
-            self._source.fail(pointer, what, "bind every vertex to a joint")
+            note = f"{pointer}: {without.size} vertices have no weight, the first is {int(without[0])}"
+            self._source.note(f"{note}; each follows the joint that it names first")
+            weights[without, 0] = sums[without] = 1.0
         off = np.abs(sums - 1.0) > _UNNORMALISED
         if off.any():
             worst = float(sums[np.argmax(np.abs(sums - 1.0))])

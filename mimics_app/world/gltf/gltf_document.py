@@ -15,25 +15,38 @@ from typing import Any, NoReturn, TypeVar
 
 from mimics_app.contracts.errors import Issue, SceneError, short_text
 from mimics_app.contracts.plural import counted, singular
+from mimics_app.contracts.read_budget import READ_BUDGET
 from mimics_app.world.scene.json_text import parse_json
 from mimics_app.world.scene.paths import PathFault, find_file
 from mimics_app.world.scene.scene_files import read_bytes
 
-__all__ = ["MAX_ITEMS", "MAX_NOTES", "MAX_TOTAL_BYTES", "GltfError", "GltfSource", "open_gltf", "parse_gltf"]
+__all__ = [
+    "GLTF_SUFFIXES",
+    "MAX_ITEMS",
+    "MAX_NOTES",
+    "MAX_TOTAL_BYTES",
+    "GltfError",
+    "GltfSource",
+    "open_gltf",
+    "parse_gltf",
+]
 
 T = TypeVar("T")
 
-MAX_TOTAL_BYTES = 256 * 1024 * 1024
+MAX_TOTAL_BYTES = READ_BUDGET
 """Maximum memory of one model [bytes]: buffers, decoded accessors, images, and the arrays of every primitive.
 
 An array that several primitives use counts once for each, as each of them is a mesh of its own in a world.
 """
 
+GLTF_SUFFIXES = (".glb", ".gltf", ".vrm")
+"""Endings of glTF files; those of VRM are binary glTF with a table of bones."""
+
 MAX_ITEMS = 100_000
 """Maximum number of nodes, of meshes, of materials and so on, and of primitives of all meshes together."""
 
-_MORE_ITEMS = {"accessors": 4 * MAX_ITEMS, "bufferViews": 4 * MAX_ITEMS}
-"""Maximum length of lists that a mesh refers to several times."""
+_OTHER_ITEMS = {"accessors": 4 * MAX_ITEMS, "bufferViews": 4 * MAX_ITEMS, "animations": MAX_ITEMS // 10}
+"""Maximum length of lists that a mesh refers to several times, and of those whose items take longer to read."""
 
 MAX_NOTES = 100
 """Maximum number of notes kept one by one."""
@@ -135,7 +148,7 @@ class GltfSource:
         value = self.json.get(name, [])
         if not isinstance(value, list):
             self.fail(f"/{name}", "must be a list")
-        limit = _MORE_ITEMS.get(name, MAX_ITEMS)
+        limit = _OTHER_ITEMS.get(name, MAX_ITEMS)
         if len(value) > limit:
             self.fail(f"/{name}", f"{len(value)} {name} are more than {limit}")
         for i, item in enumerate(value):
@@ -278,7 +291,7 @@ def parse_gltf(data: bytes, path: Path, root: Path, file: str) -> GltfSource:
     Raises:
         GltfError: it is damaged, or is another version.
     """
-    if path.suffix.lower() == ".glb" and data[:4] != _MAGIC and data.lstrip()[:1] != b"{":
+    if path.suffix.lower() in (".glb", ".vrm") and data[:4] != _MAGIC and data.lstrip()[:1] != b"{":
         raise SceneError(Issue(file, "", "is not a GLB: it does not begin with glTF", "export it again as binary glTF"))
     text, binary = _chunks(data, file) if data[:4] == _MAGIC else (data, None)
     document, issues = parse_json(text, file)

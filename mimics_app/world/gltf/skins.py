@@ -14,10 +14,13 @@ from mimics_app.world.gltf.gltf_document import GltfSource
 from mimics_app.world.gltf.meshes import GltfMesh
 from mimics_app.world.gltf.nodes import GltfNode
 
-__all__ = ["MAX_JOINTS", "GltfSkin", "GltfSkins", "check_bound_nodes"]
+__all__ = ["MAX_JOINTS", "MAX_SKINNED", "GltfSkin", "GltfSkins", "check_bound_nodes"]
 
 MAX_JOINTS = 1365
 """Maximum joints of a skin: matrices of three rows of four floats that fit the 64 KiB every uniform block may have."""
+
+MAX_SKINNED = 5_000
+"""Maximum number of nodes with a skin: each is bound and deformed by itself."""
 
 _LAST_ROW = 1e-4
 """Tolerance of the last row of an inverse bind matrix, 0 0 0 1."""
@@ -83,6 +86,9 @@ def check_bound_nodes(
     source: GltfSource, nodes: Sequence[GltfNode], meshes: Sequence[GltfMesh], skins: Sequence[GltfSkin]
 ) -> None:
     """Report joints of vertices that their skin lacks; note meshes without joints on a node with a skin."""
+    skinned = [i for i, node in enumerate(nodes) if node.skin is not None and node.mesh is not None]
+    if len(skinned) > MAX_SKINNED:
+        source.fail(f"/nodes/{skinned[MAX_SKINNED]}/skin", f"more than {MAX_SKINNED} nodes have a skin")
     for i, node in enumerate(nodes):
         if node.skin is None or node.mesh is None:
             continue

@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.read_budget import READ_BUDGET, afford
+from mimics_app.contracts.regular_file import read_regular
 from mimics_app.maths.colour import linear_light
 from mimics_app.world.materials.material import Material, TextureData
 from mimics_app.world.meshes.mesh import FARTHEST, MeshData
@@ -28,7 +30,6 @@ __all__ = ["MESH_SUFFIXES", "add_mesh_file"]
 MESH_SUFFIXES = (".stl", ".obj", ".ply", ".off")
 """Supported endings of file names."""
 
-_MAX_BYTES = 512 * 1024 * 1024
 _MAX_TRIANGLES = 20_000_000
 _GREY = (0.62, 0.62, 0.64, 1.0)
 
@@ -41,7 +42,7 @@ def add_mesh_file(world: World, node: SceneNode, path: Path) -> None:
     """
     for number, (name, body) in enumerate(_bodies(path)):
         key = f"{path.stem}#{number}"
-        mesh, material = _mesh(path, body), _material(key, body, world)
+        mesh, material = _mesh(path, body), _material(path, key, body, world)
         world.replace_mesh(key, mesh)
         world.set_material(material)
         node.create_child(name if name not in world else "").create_entity(key, key)
@@ -51,7 +52,7 @@ def _bodies(path: Path) -> list[tuple[str, trimesh.Trimesh]]:
     """Return every body of a file, in the file's own frame."""
     import trimesh
 
-    data = read_bytes(path, str(path), _MAX_BYTES)
+    data = read_bytes(path, str(path), READ_BUDGET)
     logging.getLogger("trimesh").setLevel(logging.CRITICAL + 1)  # its faults are reported below, in one line
     try:
         try:
@@ -79,8 +80,15 @@ def _bodies(path: Path) -> list[tuple[str, trimesh.Trimesh]]:
 def _load(path: Path, data: bytes) -> trimesh.Scene:
     import trimesh
 
-    beside = trimesh.resolvers.FilePathResolver(os.fspath(path))
+    class Beside(trimesh.resolvers.FilePathResolver):
+        """Gives the library what a mesh names beside it: regular files of its folder, materials and pictures."""
+
+        def get(self, name: str) -> bytes:
+            place = self.absolute(name.strip().lstrip("/"))
+            return read_regular(place if place.exists() else self.absolute(os.path.split(name)[-1]), READ_BUDGET)
+
     kind = path.suffix[1:].lower()
+    beside = Beside(os.fspath(path))
     return trimesh.load_scene(io.BytesIO(data), file_type=kind, resolver=beside, process=False)
 
 
@@ -106,11 +114,12 @@ def _vertex_colours(body: trimesh.Trimesh) -> NDArray[np.float32] | None:
     return np.concatenate([linear_light(values[:, :3]), values[:, 3:]], axis=1).astype(np.float32)
 
 
-def _material(key: str, body: trimesh.Trimesh, world: World) -> Material:
+def _material(path: Path, key: str, body: trimesh.Trimesh, world: World) -> Material:
     """Return a material with the file's texture, else its colour, else plain grey."""
     given: Any = getattr(body.visual, "material", None)
     picture = getattr(given, "image", None) or getattr(given, "baseColorTexture", None)
     if picture is not None:
+        afford(str(path), "", 4 * picture.width * picture.height, "give its texture fewer pixels")
         world.textures[key] = TextureData(np.array(picture.convert("RGBA"), np.uint8))
         return Material(key, base_colour=(1.0, 1.0, 1.0, 1.0), base_texture=key, double_sided=True)
     if getattr(body.visual, "kind", None) == "vertex":

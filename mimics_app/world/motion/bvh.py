@@ -13,6 +13,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.read_budget import afford, over_budget
 from mimics_app.world.motion.animator import Rig
 from mimics_app.world.motion.clip import Clip, clip_of_poses
 from mimics_app.world.motion.humanoid import HumanoidMap, find_humanoid
@@ -25,6 +26,8 @@ __all__ = ["MotionCapture", "capture_clip", "read_bvh"]
 
 _MAX_BYTES = 64 * 1024 * 1024
 _MAX_JOINTS, _MAX_FRAMES = 1000, 1_000_000
+_JOINT_BYTES = 56
+"""Memory of a joint in a frame: rotation and translation."""
 _MAX_NUMBER = 1e9
 """Bound of all numbers, far beyond any angle or length: products of a few stay finite in single precision."""
 _AXES = {"Xrotation": 0, "Yrotation": 1, "Zrotation": 2}
@@ -77,13 +80,16 @@ def capture_clip(capture: MotionCapture, name: str, target: Rig, bones: Humanoid
         bones: Bones of the model.
 
     Raises:
-        ValueError: the recorded skeleton is not humanoid.
+        ValueError: the recorded skeleton is not humanoid, or the model has too many nodes for so many frames.
     """
     found = find_humanoid(capture.rig)
     if found.missing:
         raise ValueError(f"the recorded skeleton has no {', '.join(found.missing)}")
+    frames = len(capture.rotations)
+    if what := over_budget(frames * len(target.names) * _JOINT_BYTES):
+        raise ValueError(f"{frames} frames of {len(target.names)} nodes {what}")
     retarget = Retarget(capture.rig, found, target, bones)
-    pose, frames = target.rest.copy(), len(capture.rotations)
+    pose = target.rest.copy()
     rotations = np.zeros((frames, len(target.names), 4))
     places = np.zeros((frames, 3))
     for k in range(frames):
@@ -109,8 +115,14 @@ class _Reader:
         seconds = self._numbers(self._labelled("Frame", "Time:"), 1)[0]
         if not (1 <= frames <= _MAX_FRAMES and 0.0 < seconds < 10.0):
             self._fail(f"{frames:g} frames of {seconds:g} s are out of range")
-        width = sum(len(joint.channels) for joint in self._joints)
-        values = np.array([self._numbers(self._next(), width) for _ in range(int(frames))])
+        width, count = sum(len(joint.channels) for joint in self._joints), int(frames)
+        fix = "cut the recording, or leave out joints"
+        afford(self._file, f"line {self._at}", count * (_JOINT_BYTES * len(self._joints) + 8 * width), fix)
+        if count > len(self._lines) - self._at:
+            self._fail(f"ends too early: {len(self._lines) - self._at} lines for {count} frames")
+        values = np.empty((count, width))
+        for row in values:
+            row[:] = self._numbers(self._next(), width)
         return self._capture(values, seconds)
 
     def _read_joints(self) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import Issue, SceneError, UsageError, first_line
+from mimics_app.contracts.read_budget import afford
 from mimics_app.world.scene.scene_files import read_bytes
 
 __all__ = ["MarkerTake", "read_c3d"]
@@ -21,6 +22,9 @@ _MAX_BYTES = 256 * 1024 * 1024
 _METRES = {"mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "in": 0.0254}
 """Metres per unit, by the name in POINT:UNITS."""
 
+_MAX_FRAMES = 1_000_000
+_POINT_BYTES = 32
+"""Memory of a marker in a frame: position and residual."""
 _AXES = "XYZ"
 _MAX_COORDINATE = 1e9
 """Bound of coordinates in the file's unit; a marker beyond it counts as not seen."""
@@ -60,12 +64,25 @@ def read_c3d(path: Path) -> MarkerTake:
             warnings.simplefilter("ignore")  # on inconsistent headers, which most files have
             reader = c3d.Reader(io.BytesIO(data))
             names = [str(label).strip() for label in reader.point_labels]
+            _check_count(str(path), reader.last_frame - reader.first_frame + 1, reader.point_used)
             frames = [points[:, :4].copy() for _, points, _ in reader.read_frames(copy=False)]
             rate = float(reader.point_rate)
             unit, screen = (_text(reader.get(key)) for key in ("POINT:UNITS", "POINT:Y_SCREEN"))
+    except SceneError:
+        raise
     except Exception as error:  # the library may raise anything on damaged files
-        raise SceneError(Issue(str(path), "", f"is not a readable C3D file: {first_line(error)}")) from error
-    return _taken(str(path), names, frames, rate, unit.lower(), screen)
+        told = isinstance(error, ValueError | OSError | EOFError | AssertionError) and str(error)
+        why = first_line(error) if told else "it is damaged, or of an unknown kind of processor"
+        raise SceneError(Issue(str(path), "", f"is not a readable C3D file: {why}")) from error
+    with np.errstate(all="ignore"):  # a damaged place is no number; it counts as not seen
+        return _taken(str(path), names, frames, rate, unit.lower(), screen)
+
+
+def _check_count(file: str, frames: int, markers: int) -> None:
+    """Refuse a recording whose header announces more than is read at once, or nothing."""
+    if not 1 <= frames <= _MAX_FRAMES or markers < 1:
+        raise SceneError(Issue(file, "/POINT", f"announces {frames} frames of {markers} markers", "export it again"))
+    afford(file, "/POINT", _POINT_BYTES * frames * markers, "cut the recording, or leave out markers")
 
 
 def _taken(file: str, names: list[str], frames: list[F8], rate: float, unit: str, screen: str) -> MarkerTake:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Literal
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.regular_file import open_regular, read_regular
+from mimics_app.contracts.regular_file import open_regular
 from mimics_app.world.components.struct_reader import FAILED, read_struct
 from mimics_app.world.gltf.file import GltfDocument, load_gltf
 from mimics_app.world.gltf.images import PictureFault, read_picture
@@ -29,11 +29,15 @@ __all__ = [
     "sounds_of_model",
 ]
 
+_PART = 1 << 20
+"""Bytes of a file that are hashed at once: a recording need not fit into memory."""
+
 AssetKind = Literal["model", "picture", "sound", "head", "path"]
 
 _KINDS: dict[str, AssetKind] = {
     ".glb": "model",
     ".gltf": "model",
+    ".vrm": "model",
     ".png": "picture",
     ".jpg": "picture",
     ".jpeg": "picture",
@@ -182,7 +186,9 @@ def find_in_model(assets: dict[str, SceneAsset], reference: str) -> ModelPart:
 def _digest(files: Sequence[Path]) -> str:
     digest = hashlib.sha256()
     for file in files:
-        digest.update(read_regular(file))
+        with open_regular(file) as stream:
+            while part := stream.read(_PART):
+                digest.update(part)
     return digest.hexdigest()
 
 

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.rendering.audio.spectral.head import HeadResponses, directions_from_angles
-
-if TYPE_CHECKING:
-    import h5py
+from mimics_app.rendering.audio.spectral.sofa_store import SofaStore, open_store
 
 __all__ = ["read_sofa"]
 
@@ -23,98 +20,121 @@ _FEWEST = 12
 """Minimum number of directions."""
 
 _MOST = 100_000
-_LARGEST_BYTES = 1 << 30
+_LONGEST_DELAY_S = 0.02
+"""Largest difference of the delays of a head [s]: sound travels 7 m meanwhile."""
+_RING = 64
+"""Room for the ringing of a delay by part of a sample [samples]."""
+_AT_ONCE = 256
+"""Directions whose spectra are held at once."""
+_UNEVEN = 0.1
+"""Deviation of a distance from the median of all within which they are one distance."""
 _WIDEST_GAP = np.radians(45.0)
 """Largest angle from a horizontal direction to the nearest measured one [rad]."""
 
 
 def read_sofa(path: Path) -> HeadResponses:
-    """Read the responses of a SOFA file.
+    """Read the responses of a SOFA file; delays that it states apart from them (Data.Delay) are applied.
 
     Raises:
         SceneError: The file is missing, damaged, of another convention, or has implausible values.
     """
-    import h5py
-
-    try:
-        if path.stat().st_size > _LARGEST_BYTES:
-            raise _refused(path, "is larger than 1 GB", "a head of 50,000 directions has a tenth of that")
-        with h5py.File(path, "r") as file:
-            _check_convention(path, file)
-            arrays = {name: _array(path, file, name) for name in ("Data.IR", "SourcePosition", "Data.SamplingRate")}
-            angles = _angles(path, file["SourcePosition"], arrays["SourcePosition"])
-    except OSError as error:
-        text = "cannot be read" if path.exists() else "does not exist"
-        raise _refused(
-            path, f"{text}, or is no SOFA file ({_short(error)})", "take another, or copy it again"
-        ) from error
-    responses, rate = arrays["Data.IR"], float(arrays["Data.SamplingRate"].reshape(-1)[0])
-    _check_responses(path, responses, len(angles), rate)
-    directions = directions_from_angles(angles[:, 0], angles[:, 1])
+    with open_store(path) as store:
+        _check_convention(path, store)
+        _check_shapes(path, store)
+        rate = _rate(path, store)
+        directions = _directions(path, store)
+        responses = store.numbers("Data.IR")
+        delays = store.numbers("Data.Delay") if store.has("Data.Delay") else np.zeros((1, 2))
+    _check_responses(path, responses)
     _check_coverage(path, directions)
-    return HeadResponses(directions, responses, rate, path.stem)
+    return HeadResponses(directions, _delayed(path, responses, delays, rate), rate, path.stem)
 
 
 def _refused(path: Path, what: str, fix: str) -> SceneError:
     return SceneError(Issue(str(path), "", what, fix))
 
 
-def _short(error: OSError) -> str:
-    return str(error).split("(")[0].strip()[:80] or "no reason given"
-
-
-def _text(value: object) -> str:
-    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
-
-
-def _check_convention(path: Path, file: h5py.File) -> None:
-    convention = _text(file.attrs.get("SOFAConventions", ""))
+def _check_convention(path: Path, store: SofaStore) -> None:
+    convention = store.text("SOFAConventions")
     if convention not in ("SimpleFreeFieldHRIR", "SimpleFreeFieldSOS"):
         convention_text = f'is of the convention "{convention}"' if convention else "names no SOFA convention"
         raise _refused(path, convention_text, "a head is SimpleFreeFieldHRIR")
-    if "Data.IR" not in file:
+    if not store.has("Data.IR"):
         raise _refused(path, "has no impulse responses (Data.IR)", "export it as SimpleFreeFieldHRIR")
 
 
-def _array(path: Path, file: h5py.File, name: str) -> F8:
-    """Return a variable as numbers.
-
-    Raises:
-        SceneError: It is missing or not numeric.
-    """
-    if name not in file:
-        raise _refused(path, f"has no {name}", "export it again")
-    try:
-        return np.asarray(file[name][()], np.float64)
-    except (TypeError, ValueError) as error:
-        raise _refused(path, f"{name} holds no numbers", "export it again") from error
-
-
-def _angles(path: Path, variable: h5py.Dataset, position: F8) -> F8:
-    """Return clockwise azimuth and elevation [rad], shape [n, 2], of spherical or cartesian positions."""
-    if position.ndim != 2 or position.shape[1] != 3 or not np.isfinite(position).all():
+def _check_shapes(path: Path, store: SofaStore) -> None:
+    """Check the shapes of all variables against each other, before any of them is read."""
+    shape, places = store.shape("Data.IR"), store.shape("SourcePosition")
+    if len(shape) != 3 or shape[1] != 2:
+        raise _refused(path, f"Data.IR has the shape {shape}", "a head has two receivers, its ears")
+    if len(places) != 2 or places[1] != 3:
         raise _refused(path, "SourcePosition is not three finite numbers for each direction", "export it again")
-    if _text(variable.attrs.get("Type", "spherical")) == "cartesian":  # x ahead, y left, z up
-        x, y, z = position.T
-        return np.stack((np.arctan2(-y, x), np.arctan2(z, np.hypot(x, y))), axis=1)
-    return np.radians(np.stack((-position[:, 0], np.clip(position[:, 1], -90.0, 90.0)), axis=1))
+    if shape[0] != places[0] or not _FEWEST <= shape[0] <= _MOST:
+        raise _refused(path, f"{shape[0]} responses for {places[0]} directions", f"at least {_FEWEST} of each")
+    if not _TAPS[0] <= shape[2] <= _TAPS[1]:
+        raise _refused(path, f"responses of {shape[2]} samples", "between 16 and 16,384")
+    rates = store.shape("Data.SamplingRate")
+    if rates not in ((), (1,), (shape[0],)):
+        raise _refused(path, f"Data.SamplingRate has the shape {rates}", "give one rate")
+    if store.has("Data.Delay") and (delays := store.shape("Data.Delay")) not in ((1, 2), (shape[0], 2)):
+        raise _refused(path, f"Data.Delay has the shape {delays}", "a delay per ear, or per direction and ear")
 
 
-def _check_responses(path: Path, responses: F8, directions: int, rate: float) -> None:
+def _rate(path: Path, store: SofaStore) -> float:
+    rates = store.numbers("Data.SamplingRate").reshape(-1)
+    rate = float(rates[0])
     if not (np.isfinite(rate) and _RATES[0] <= rate <= _RATES[1]):
         raise _refused(path, f"has a sampling rate of {rate:g} Hz", "heads are measured at 44,100 or 48,000 Hz")
-    if responses.ndim != 3 or responses.shape[1] != 2:
-        raise _refused(path, f"Data.IR has the shape {responses.shape}", "a head has two receivers, its ears")
-    if len(responses) != directions or not _FEWEST <= directions <= _MOST:
-        raise _refused(path, f"{len(responses)} responses for {directions} directions", f"at least {_FEWEST} of each")
-    if not _TAPS[0] <= responses.shape[2] <= _TAPS[1]:
-        raise _refused(path, f"responses of {responses.shape[2]} samples", "between 16 and 16,384")
+    if not (rates == rate).all():
+        raise _refused(path, "holds responses of several sampling rates", "resample them to one")
+    return rate
+
+
+def _directions(path: Path, store: SofaStore) -> F8:
+    """Return unit vectors, shape [n, 3], of spherical or cartesian positions at one distance."""
+    position = store.numbers("SourcePosition")
+    if not np.isfinite(position).all():
+        raise _refused(path, "SourcePosition is not three finite numbers for each direction", "export it again")
+    cartesian = store.text("Type", "SourcePosition") == "cartesian"  # x ahead, y left, z up
+    distance = np.linalg.norm(position, axis=1) if cartesian else position[:, 2]
+    middle = float(np.median(distance))
+    if (np.abs(distance - middle) > _UNEVEN * abs(middle)).any():
+        what = f"holds responses at distances from {distance.min():g} to {distance.max():g} m"
+        raise _refused(path, what, "a head is measured at one distance: export the farthest")
+    if cartesian:
+        x, y, z = position.T
+        return directions_from_angles(np.arctan2(-y, x), np.arctan2(z, np.hypot(x, y)))
+    azimuth, elevation = np.radians(-position[:, 0]), np.radians(np.clip(position[:, 1], -90.0, 90.0))
+    return directions_from_angles(azimuth, elevation)
+
+
+def _check_responses(path: Path, responses: F8) -> None:
     if not np.isfinite(responses).all():
         raise _refused(path, "holds values that are not finite", "measure or export it again")
-    energy = (responses**2).sum(axis=2)
-    if energy.min() < 1e-9 * energy.max():
+    energy = np.einsum("net,net->ne", responses, responses)
+    if energy.min() <= 1e-9 * energy.max():
         at = int(np.argmin(energy.min(axis=1)))
         raise _refused(path, f"is silent in an ear in direction {at}", "measure or export it again")
+
+
+def _delayed(path: Path, responses: F8, delays: F8, rate: float) -> F8:
+    """Return responses with the delays of the ears [samples], shape [1 or n, 2], but for what is common to all."""
+    later = delays - delays.min() if np.isfinite(delays).all() else delays
+    if not later.max() <= _LONGEST_DELAY_S * rate:
+        raise _refused(path, "has delays (Data.Delay) of over 20 ms, or none that are numbers", "export it again")
+    if not later.any():
+        return responses
+    later = np.broadcast_to(later, (len(responses), 2))
+    taps = responses.shape[2] + int(np.ceil(later.max()))
+    size = 1 << int(np.ceil(np.log2(taps + _RING)))
+    turn = -2.0 * np.pi * np.fft.rfftfreq(size)
+    delayed = np.empty((len(responses), 2, taps))
+    for first in range(0, len(responses), _AT_ONCE):
+        part = slice(first, first + _AT_ONCE)
+        spectra = np.fft.rfft(responses[part], size) * np.exp(1j * turn * later[part, :, None])
+        delayed[part] = np.fft.irfft(spectra, size)[:, :, :taps]
+    return delayed
 
 
 def _check_coverage(path: Path, directions: F8) -> None:

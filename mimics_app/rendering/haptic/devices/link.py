@@ -32,6 +32,8 @@ LINK_LENGTH = 8
 _OFFER, _UP, _FD = 0, 1, 2
 
 _LOOK_EVERY_S = 0.1
+_PATIENCE_S = 0.8
+"""Time that `close` waits for the keeper [s], which may hang in the driver of a port."""
 
 
 @kernel
@@ -108,7 +110,7 @@ class LinkKeeper:
         """End the keeper and close the line; the loop must have ended. A second call does nothing."""
         self._ended.set()
         if self._thread is not threading.current_thread():
-            self._thread.join()
+            self._thread.join(_PATIENCE_S)
         self._words[_UP] = self._words[_OFFER] = 0
         self._words[_FD] = -1
         self._release()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -9,6 +10,7 @@ import numpy as np
 from msgspec import Meta, field
 
 from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.rendering.visual.displays.display_size import too_many_pixels
 from mimics_app.world.components.bounds import Point, Quaternion
 from mimics_app.world.components.registry import Component
 from mimics_app.world.scene.struct_file import read_struct_file
@@ -106,6 +108,8 @@ def load_headset(path: Path) -> HeadsetSpec:
     """
     spec, file = read_struct_file(path, HeadsetSpec), str(path)
     issues = [issue for name in ("left", "right") for issue in _check_eye(getattr(spec, name), f"/{name}", file)]
+    drawn = 2 * math.prod(spec.pixels or (0, 0))
+    issues += [Issue(file, "/pixels", what, "give the pixels of one eye") for what in too_many_pixels(drawn)]
     for number, pose in enumerate(spec.poses):
         if number and pose.t <= spec.poses[number - 1].t:
             issues.append(Issue(file, f"/poses/{number}/t", "is not later than the one before", "order poses by time"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -9,6 +10,7 @@ import numpy as np
 from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.rendering.visual.displays.display_size import too_many_pixels
 from mimics_app.rendering.visual.displays.off_axis import Rectangle
 from mimics_app.world.components.bounds import Point
 from mimics_app.world.components.registry import Component
@@ -16,7 +18,7 @@ from mimics_app.world.scene.struct_file import read_struct_file
 
 __all__ = ["WallSpec", "WallsSpec", "load_walls", "rectangle_of"]
 
-_Pixels = Annotated[int, Meta(ge=1, le=16384)]
+_Pixels = Annotated[int, Meta(ge=1, le=8192)]
 _Name = Annotated[str, Meta(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,31}$", description="Letters, digits, - and _")]
 
 _SQUARE = 1e-3
@@ -68,6 +70,8 @@ def load_walls(path: Path) -> WallsSpec:
     """
     walls = read_struct_file(path, WallsSpec)
     issues = [issue for number in range(len(walls.walls)) for issue in _check(walls, number, str(path))]
+    drawn = sum((2 if walls.stereo else 1) * math.prod(wall.pixels) for wall in walls.walls if wall.pixels)
+    issues += [Issue(str(path), "/walls", what, "give fewer walls or pixels") for what in too_many_pixels(drawn)]
     if issues:
         raise SceneError(issues)
     return walls

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from mimics_app.contracts.arrays import U1
+from mimics_app.contracts.regular_file import open_regular
 
 __all__ = ["load_thumbnail"]
 
@@ -20,7 +21,7 @@ def load_thumbnail(file: Path | None) -> U1:
 
     if file is not None:
         try:
-            with Image.open(file) as picture:
+            with open_regular(file) as stream, Image.open(stream) as picture:
                 fitted = ImageOps.fit(picture.convert("RGBA"), _THUMBNAIL, Image.Resampling.LANCZOS)
                 return np.array(fitted, np.uint8)
         except OSError:
