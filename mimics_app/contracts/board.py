@@ -67,6 +67,7 @@ class Board(msgspec.Struct, frozen=True):
         cards: Cards by their name in a scene's `hud.show`.
         message: Text in the centre, possibly of several lines; "" for none.
         alarm: True if the message is a warning.
+        neutral: Place of the middle of the hand's lever in the window, each coordinate -1 to 1; None: no lever.
         count: Countdown figure, large in the centre; 0 for none.
     """
 
@@ -74,6 +75,7 @@ class Board(msgspec.Struct, frozen=True):
     message: str = ""
     alarm: bool = False
     count: int = 0
+    neutral: tuple[float, float] | None = None
 
     def saying(self, message: str) -> Board:
         """Return the board with another message; unchanged for an empty one."""

@@ -207,7 +207,7 @@ LOOP_FIELDS: tuple[LoopField, ...] = (
     LoopField("v_virtual", "m/s", Replay.OUTPUT, size=3),  # velocity of the virtual mass, robot frame
     _of_joints("command", Replay.OUTPUT, per=Per.JOINT_RATE),  # joint velocities sent
     LoopField("f_command", "N", Replay.OUTPUT, size=3),  # force sent, robot frame
-    LoopField("ramp", "1", Replay.OUTPUT, reader="tasks"),  # soft-start factor 0-1
+    LoopField("ramp", "1", Replay.OUTPUT, reader="scenarios"),  # soft-start factor 0-1
     LoopField("state", "1", Replay.OUTPUT, "state.safety", "i8", reader="tasks"),  # SafetyState
     LoopField(
         "cause", "1", Replay.OUTPUT, kind="i8", reader="tasks"
@@ -239,6 +239,12 @@ LOOP_FIELDS: tuple[LoopField, ...] = (
     _of_others("others_margin", "1", Replay.OUTPUT),  # stability margin of what each touches
     _of_others("others_share", "1", Replay.OUTPUT),  # of the stiffness of what each touches that is rendered, 0-1
     _of_others("others_energy", "J", Replay.OUTPUT),  # taken by each since its contact began
+    # of the trial so far, over the ticks in which the person leads
+    LoopField("force_peak", "N", Replay.ABSENT, reader="tasks"),  # largest force felt
+    LoopField("distance_peak", "m", Replay.ABSENT, reader="tasks"),  # largest distance of the ball from the bisector
+    LoopField("progress_peak", "1", Replay.ABSENT, reader="tasks"),  # largest progress in the task's own tunnel
+    LoopField("own_work", "J", Replay.ABSENT, reader="tasks"),  # of the person on the handle
+    LoopField("quiet_ticks", "1", Replay.ABSENT, "state.quiet_ticks", "i8", reader="tasks"),  # without a force to begin
     LoopField("others_seen", "m", Replay.ABSENT, "state.others_world", size=3 * _OTHERS, reader="scenarios"),
 )
 """All numbers that leave the loop, recorded columns in the order of the recording."""
@@ -276,6 +282,11 @@ class HapticSnapshot:
     margin: float
     energy: float
     stiffness_share: float
+    force_peak: float
+    distance_peak: float
+    progress_peak: float
+    own_work: float
+    quiet_ticks: int
     others_seen: Vec
     poses: Vec
 

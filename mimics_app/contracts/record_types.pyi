@@ -361,6 +361,11 @@ class SnapshotRecord:
     margin: float
     energy: float
     stiffness_share: float
+    force_peak: float
+    distance_peak: float
+    progress_peak: float
+    own_work: float
+    quiet_ticks: int
     others_seen: Floats
 
 class EventRecord:
@@ -829,6 +834,10 @@ class StateRecord:
     others_margin: Floats
     others_share: Floats
     others_energy: Floats
+    force_peak: float
+    distance_peak: float
+    progress_peak: float
+    own_work: float
     tick: int
     safety: int
     resets: int

@@ -48,6 +48,8 @@ class TaskContext:
         simulated: No person is present: questions to the person are answered automatically.
         by_pointer: The person uses mouse, keys or gamepad; prompts name the keys.
         limb: Name of the device's first point of contact, e.g. "hand" or "right foot".
+        path_m: Length of the task's own path [m]; 0: it has none.
+        fastest: Speed beyond which the loop stops the robot [m/s]; 0: unknown.
         introduced: The page of keys is shown before the first trial, which then starts with a countdown.
     """
 
@@ -60,6 +62,8 @@ class TaskContext:
     simulated: bool = False
     by_pointer: bool = False
     limb: str = "hand"
+    path_m: float = 0.0
+    fastest: float = 0.0
     introduced: bool = False
 
 

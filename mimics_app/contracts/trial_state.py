@@ -12,17 +12,17 @@ class TrialState(StrEnum):
     """States of a trial; transitions are in `tasks.state_machine`."""
 
     APPROACH = "approach"  # PD drives the robot to the start
-    READY = "ready"  # start cue; soft start of the force
-    TRAVEL = "travel"  # the person acts; the clock runs
+    READY = "ready"  # start cue; the robot holds the start
+    TRAVEL = "travel"  # the person acts, the force begins softly; the clock runs
     FINISHED = "finished"  # goal reached; the result is shown
     TIMEOUT = "timeout"  # time over; the result is shown
-    ABORTED = "aborted"  # start not reached, or soft start not finished, in time
+    ABORTED = "aborted"  # start not reached or not held in time, or goal reached too fast
     STOPPED = "stopped"  # safety stop; waits for the operator
     REST = "rest"  # pause before the next trial
     DONE = "done"  # the last trial is over
 
 
-_PERSON_LEADS = frozenset({TrialState.READY, TrialState.TRAVEL, TrialState.STOPPED})
+_PERSON_LEADS = frozenset({TrialState.TRAVEL, TrialState.STOPPED})
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,7 +19,7 @@ __all__ = ["Plot", "envelope"]
 
 _LEFT, _RIGHT, _TOP, _BOTTOM = 62.0, 22.0, 10.0, 40.0
 _GRID_PX = 0.25
-_WIDTH, _MOST_HEIGHT = 860.0, 620.0
+_WIDTH, _MOST_HEIGHT = 860.0, 400.0
 """Width, and largest height of a plot with equal scales, whose height follows from its ranges [px]."""
 
 

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from itertools import islice, takewhile
 from pathlib import Path
 from typing import Any
 
 from mimics_app.contracts.clock import SECOND_NS
+from mimics_app.contracts.trial_counts import FINISHED
 from mimics_app.recording.append_file import is_claimed
 from mimics_app.recording.manifest import Manifest, read_manifest
 from mimics_app.recording.report_values import mapping, number
@@ -20,7 +21,7 @@ from mimics_app.recording.session_header import read_session
 from mimics_app.recording.session_totals import session_totals
 from mimics_app.recording.trial_table import read_trials
 
-__all__ = ["EarlierRun", "cut_off_runs", "earlier_runs", "played_by", "recent_runs"]
+__all__ = ["EarlierRun", "cut_off_runs", "earlier_runs", "finished_times", "played_by", "recent_runs"]
 
 _MOST_FOLDERS = 400
 """Newest run folders that are read, by their names: each takes about a millisecond."""
@@ -40,6 +41,8 @@ class EarlierRun:
         scene, participant: Scene and code of the participant.
         simulated: Preset of the simulated person who played; "" for a person.
         utc: Wall time of its start as recorded in the header; "" where missing.
+        times: Mean time of the finished trials of each condition [s], see `finished_times`.
+        alike: Whether it was played with the same device as the run that it is compared with.
     """
 
     folder: Path
@@ -51,6 +54,8 @@ class EarlierRun:
     participant: str = ""
     simulated: str = ""
     utc: str = ""
+    times: Mapping[str, float] = field(default_factory=dict)
+    alike: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,9 +75,42 @@ def earlier_runs(folder: Path) -> list[EarlierRun]:
     They are those beside it, of the same scene and participant (also of none); a simulated person is compared with
     those of its preset only.
     """
-    mine = played_by(read_session(folder)[0])
+    header = read_session(folder)[0]
+    mine, device = played_by(header), _device(header)
     earlier = takewhile(lambda each: each.folder != folder, _in_order(folder.parent, _MOST_FOLDERS, folder))
-    return [run for each in earlier if played_by(each.header) == mine and (run := _closed(each)) is not None]
+    return [
+        replace(run, alike=_device(each.header) == device)
+        for each in earlier
+        if played_by(each.header) == mine and (run := _closed(each)) is not None
+    ]
+
+
+def finished_times(rows: Iterable[Mapping[str, Any]]) -> dict[str, float]:
+    """Return the mean time of the trials that reached their goal [s] by their condition, without practice.
+
+    Args:
+        rows: Rows of trials.csv.
+
+    Returns:
+        A condition is a text of the label and the values of the adaptable parameters.
+    """
+    times: dict[str, list[float]] = {}
+    for row in rows:
+        time_s = number(row.get("time_s"))
+        if row.get("outcome") == FINISHED and not row.get("practice") and time_s is not None:
+            times.setdefault(_condition(row), []).append(time_s)
+    return {condition: sum(each) / len(each) for condition, each in times.items()}
+
+
+def _condition(row: Mapping[str, Any]) -> str:
+    values = sorted((name, number(value)) for name, value in row.items() if name.startswith("parameter."))
+    return " ".join(
+        [str(row.get("label", "")), *(f"{name}={value:.6g}" for name, value in values if value is not None)]
+    )
+
+
+def _device(header: Mapping[str, Any]) -> str:
+    return str(mapping(header.get("moved_by")).get("device", ""))
 
 
 def recent_runs(parent: Path, most: int) -> list[EarlierRun]:
@@ -143,17 +181,22 @@ def _closed(begun: _Begun) -> EarlierRun | None:
         number(task.get("time_s")),
         *played_by(begun.header),
         str(mapping(begun.header.get("clock")).get("utc", "")),
+        finished_times(_rows(begun.folder)),
     )
+
+
+def _rows(folder: Path) -> list[dict[str, Any]]:
+    """Return the rows of trials.csv; [] where they cannot be read."""
+    with suppress(OSError):
+        return read_trials(folder / FILES["trials"])
+    return []
 
 
 def _totals(folder: Path, manifest: Manifest | None) -> Mapping[str, Any]:
     """Return the totals of a closed run; {} where it is open or its trials cannot be read."""
     if manifest is None:
         return {}
-    with suppress(OSError):
-        rows = [] if manifest.summary.get("task") else read_trials(folder / FILES["trials"])
-        return session_totals(manifest.summary, rows)
-    return {}
+    return session_totals(manifest.summary, [] if manifest.summary.get("task") else _rows(folder))
 
 
 def played_by(header: dict[str, Any]) -> tuple[str, str, str]:

@@ -229,7 +229,7 @@ def _local_time(utc: object) -> str:
 
 def _cards(run: Run, attempts: list[Attempt], section: ReportSection) -> dict[str, str]:
     task = session_totals(run.summary, run.trials)
-    felt = [row_norms(attempt.samples[attempt.free]["f_user_world"]).max(initial=0.0) for attempt in attempts]
+    felt = [_largest_force(attempt) for attempt in attempts]
     return {
         **_trial_cards(run),
         "score of 100": _points(task.get("score")),
@@ -240,6 +240,13 @@ def _cards(run: Run, attempts: list[Attempt], section: ReportSection) -> dict[st
         "largest force felt": one(float(max(felt, default=0.0)) or None, "N"),
         "safety stops": shown(_stops_and_holds(run)["safety stops"]),
     }
+
+
+def _largest_force(attempt: Attempt) -> float:
+    """Return the largest force felt in an attempt [N]: that of its row, where that is of every tick."""
+    peak = number(attempt.row.get("force_peak_n")) if "happened" in attempt.row or "lost" in attempt.row else None
+    samples = attempt.samples[attempt.free]["f_user_world"]
+    return float(row_norms(samples).max(initial=0.0)) if peak is None else peak
 
 
 def _points(score: object) -> str:
@@ -264,7 +271,22 @@ def _trial_cards(run: Run) -> dict[str, str]:
         "trials finished": (counts.completed, counts.trials),
         "practice finished": (counts.practice_completed, counts.practice_trials),
     }
-    return {name: f"{completed} of {trials}" for name, (completed, trials) in ended.items() if trials}
+    cards = {name: f"{completed} of {trials}" for name, (completed, trials) in ended.items() if trials}
+    planned = _planned(run)
+    if planned > counts.trials > 0:
+        cards["trials finished"] += f", {planned} planned"
+    return cards
+
+
+def _planned(run: Run) -> int:
+    """Return the number of trials that the recorded task plans, without practice; 0 where it does not say."""
+    blocks = mapping(mapping(run.session.get("task")).get("spec")).get("trials")
+    counts = [mapping(block) for block in blocks] if isinstance(blocks, list) else []
+    return sum(
+        len(block["trials"]) * int(number(block.get("repetitions")) or 1)
+        for block in counts
+        if not block.get("practice") and isinstance(block.get("trials"), list)
+    )
 
 
 def _stops_and_holds(run: Run) -> dict[str, int]:

@@ -56,7 +56,7 @@ def front_of(run: Run) -> Front:
     earlier = earlier_runs(run.folder)
     head, lines = trial_lines(run.trials)
     return Front(
-        sentence=result_sentence(task, earlier) if run.summary or task else "",
+        sentence=result_sentence(task, run.trials, earlier) if run.summary or task else "",
         picture=_picture(run.folder, name),
         trials=Table(head, lines) if lines else None,
         trend=_trend(task, earlier[1 - _MOST_SESSIONS :], participant),

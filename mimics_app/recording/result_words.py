@@ -7,10 +7,18 @@ from typing import Any
 
 from mimics_app.contracts.plural import counted
 from mimics_app.contracts.trial_counts import COUNTED_TRIALS, FINISHED, SESSION_ENDED
-from mimics_app.recording.history import EarlierRun
+from mimics_app.recording.history import EarlierRun, finished_times
 from mimics_app.recording.report_values import number
 
-__all__ = ["mean_time", "outcome_word", "result_sentence", "trial_lines", "trial_names"]
+__all__ = [
+    "finished_time",
+    "mean_time",
+    "of_same_settings",
+    "outcome_word",
+    "result_sentence",
+    "trial_lines",
+    "trial_names",
+]
 
 _OUTCOMES = {FINISHED: "finished", "timeout": "time over", "aborted": "broken off"}
 
@@ -27,17 +35,24 @@ _COLUMNS: tuple[tuple[str, str, Callable[[float], str]], ...] = (
     ("walk_speed_mps", "Walking speed", lambda value: f"{value:.2f} m/s"),
     ("walk_steps", "Steps", lambda value: f"{value:.0f}"),
     ("walk_left_m", "Left to the place", lambda value: f"{value:.1f} m"),
-    ("path_m", "Hand path", lambda value: f"{value:.2f} m"),
+    ("taps", "Taps", lambda value: f"{value:.0f}"),
+    ("ownership", "Ownership", lambda value: f"{value:+.1f}"),
+    ("drift_m", "Drift", lambda value: f"{value:.2f} m"),
+    ("path_m", "Path", lambda value: f"{value:.2f} m"),
     ("score", "Score of 100", lambda value: f"{value:.0f}"),
 )
 """Measures of a trial that the table shows where a trial has them: column of trials.csv, caption, text."""
 
+_OF_FINISHED = frozenset({"score"})
+"""Columns that say something about trials that reached their goal only."""
 
-def result_sentence(task: Mapping[str, Any], earlier: Sequence[EarlierRun]) -> str:
-    """Return a sentence: number of finished trials, and their time relative to the previous session.
+
+def result_sentence(task: Mapping[str, Any], rows: Sequence[Mapping[str, Any]], earlier: Sequence[EarlierRun]) -> str:
+    """Return what happened, and the time of finished trials against the last session with the same settings.
 
     Args:
         task: Totals under the keys of `mimics run --json`.
+        rows: Rows of trials.csv.
         earlier: Sessions of the same scene and participant before this one, oldest first.
     """
     trials = number(task.get("trials"))
@@ -46,8 +61,32 @@ def result_sentence(task: Mapping[str, Any], earlier: Sequence[EarlierRun]) -> s
         ended = number(practice.get("trials")) if isinstance(practice, Mapping) else None
         return f"Practice only: {counted(int(ended), 'trials')}." if ended else "No trial came to its end."
     completed = number(task.get("completed")) or 0.0
-    parts = [f"{completed:.0f} of {counted(int(trials), 'trials')} finished", *_against_last(task, earlier)]
-    return ", ".join(parts) + "."
+    words = [str(row["happened"]) for row in rows if _counts(row) and row.get("happened")]
+    parts = words[-1:] if trials == 1 else []
+    parts = parts or [f"{completed:.0f} of {counted(int(trials), 'trials')} finished"]
+    sentence = ", ".join([*parts, *_against_last(rows, earlier)]) + "."
+    missed = [str(row["happened"]) for row in rows if _counts(row) and not _finished(row) and row.get("happened")]
+    return f"{sentence} {missed[-1]}." if missed and trials > 1 else sentence
+
+
+def finished_time(rows: Sequence[Mapping[str, Any]]) -> float | None:
+    """Return the mean time of the trials that reached their goal [s], without practice; None without any."""
+    times = [time_s for row in rows if _counts(row) and _finished(row) and (time_s := number(row.get("time_s")))]
+    return sum(times) / len(times) if times else None
+
+
+def of_same_settings(rows: Sequence[Mapping[str, Any]], earlier: Sequence[EarlierRun]) -> list[EarlierRun]:
+    """Return the earlier sessions that finished trials of the same conditions as this one, on the same device."""
+    mine = finished_times(rows)
+    return [run for run in earlier if run.alike and run.times and run.times.keys() == mine.keys()]
+
+
+def _counts(row: Mapping[str, Any]) -> bool:
+    return not row.get("practice")
+
+
+def _finished(row: Mapping[str, Any]) -> bool:
+    return bool(row.get("outcome") == FINISHED)
 
 
 def mean_time(task: Mapping[str, Any]) -> float | None:
@@ -78,12 +117,16 @@ def outcome_word(row: Mapping[str, Any]) -> str:
 
 
 def _outcome(row: Mapping[str, Any]) -> str:
+    if row.get("happened"):
+        return str(row["happened"])
     outcome, cause = outcome_word(row), row.get("cause")
     return f"{outcome}: {cause}" if cause and cause != SESSION_ENDED else outcome
 
 
 def _has(row: Mapping[str, Any], column: str) -> bool:
-    """Whether a row has a measure; an attempt without travel has none."""
+    """Whether a row has a measure; an attempt without travel has none, one that did not finish no points."""
+    if column in _OF_FINISHED and not _finished(row):
+        return False
     return number(row.get(column)) is not None and row.get("time_s") != 0.0
 
 
@@ -91,10 +134,16 @@ def _cells(row: Mapping[str, Any], shown: Sequence[tuple[str, str, Callable[[flo
     return [text(float(row[key])) if _has(row, key) else "" for key, _, text in shown]
 
 
-def _against_last(task: Mapping[str, Any], earlier: Sequence[EarlierRun]) -> list[str]:
-    """Return the comparison of the mean time with that of the last run; [] where either has none."""
-    now, before = mean_time(task), next((run.time_s for run in reversed(earlier) if run.time_s), None)
-    if now is None or before is None:
+def _against_last(rows: Sequence[Mapping[str, Any]], earlier: Sequence[EarlierRun]) -> list[str]:
+    """Return the comparison of the mean time of finished trials with that of the last run of the same settings, if any.
+
+    The means are over the conditions, each of which counts once.
+    """
+    alike, mine = of_same_settings(rows, earlier), finished_times(rows)
+    if not alike or not mine:
+        return []
+    now, before = (sum(times.values()) / len(times) for times in (mine, alike[-1].times))
+    if not before > 0.0:
         return []
     change = (before - now) / before
     if abs(change) < _NOTABLE:

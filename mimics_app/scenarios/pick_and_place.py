@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from itertools import count, takewhile
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from mimics_app.scenarios.parts.robot_scene import robot_block, robot_facts, sta
 from mimics_app.tasks.kinds.carry.spec import CarrySpec
 from mimics_app.tasks.scene_section import section_of
 from mimics_app.world.components.hand import GraspingHand
+from mimics_app.world.extent import world_extent
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.scene_node import SceneNode
 from mimics_app.world.world import World
@@ -82,8 +84,10 @@ class PickAndPlace(Scenario):
                 "body": self._carry.body,
                 "row": self._row,
                 "mark_world": self._mark,
+                "above_m": self._half_height,
                 "within_m": self._carry.within,
                 "grasp_n": [grip.least, grip.most],
+                "obstacles": self._outlines(),
             },
             **robot_facts(self._scene),
         }
@@ -96,9 +100,9 @@ class PickAndPlace(Scenario):
         self._guide(orders, snapshot)
         self._show_hand(snapshot)
         self._show_mark(orders, snapshot)
-        count = orders.visual.get("obstacles")
-        if isinstance(count, int | float):
-            self._show_obstacles(round(float(count)))
+        obstacles = orders.visual.get("obstacles")
+        if isinstance(obstacles, int | float):
+            self._show_obstacles(round(float(obstacles)))
 
     def aim(self, snapshot: HapticSnapshot) -> Aim | None:
         if not snapshot.poses[self._row, 3:7].any():
@@ -112,7 +116,7 @@ class PickAndPlace(Scenario):
     def _guide(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         """Let the guiding effect pull to the object, then above the mark; while it is off its target is unchanged.
 
-        Before the go it rests at the start: the soft start waits for small forces.
+        Before the go it rests at the start, and at the hand until a force is felt: the soft start waits for small ones.
         """
         stiffness = orders.haptic.get(_HELP_STIFFNESS)
         if isinstance(stiffness, int | float):
@@ -126,6 +130,8 @@ class PickAndPlace(Scenario):
     def _goal_of_help(self, orders: TaskOrders, snapshot: HapticSnapshot) -> NDArray[np.float64]:
         if orders.view.state is not TrialState.TRAVEL:
             return self._start
+        if snapshot.ramp == 0.0:
+            return snapshot.hip_world.copy()
         if snapshot.held_body == self._row:
             return np.array(self._mark) + [0.0, 2.0 * self._half_height, 0.0]
         return snapshot.poses[self._row, :3].copy()
@@ -162,13 +168,20 @@ class PickAndPlace(Scenario):
             for node in self._mark_node.children:
                 _dress(node, self._world, "mark_reached" if over else "mark", f"{self._carry.to}_")
 
-    def _show_obstacles(self, count: int) -> None:
-        """Show the first `count` entities named obstacle_1, obstacle_2 and so on."""
-        number = 1
-        while f"obstacle_{number}" in self._world:
-            node = self._world.find(f"obstacle_{number}")
-            node.visible = number <= count
-            number += 1
+    def _outlines(self) -> list[list[float]]:
+        """Return left, bottom, right, top of each obstacle in the frontal plane, world [m]."""
+        self._world.update()
+        boxes = (world_extent(self._world, self._world.find(name).index) for name in self._obstacles())
+        return [[*box[0][:2].tolist(), *box[1][:2].tolist()] for box in boxes if box is not None]
+
+    def _obstacles(self) -> Iterator[str]:
+        """Yield the entities named obstacle_1, obstacle_2 and so on."""
+        return takewhile(self._world.__contains__, (f"obstacle_{number}" for number in count(1)))
+
+    def _show_obstacles(self, shown: int) -> None:
+        """Show the first obstacles."""
+        for number, name in enumerate(self._obstacles()):
+            self._world.find(name).visible = number < shown
 
 
 def _half_height(objects: SceneObjects, row: int) -> float:

@@ -50,7 +50,7 @@ class WavyTunnel(Scenario):
     @property
     def task_context(self) -> TaskContext:
         start = start_at(self._scene, self._curve.point(0.0))
-        return TaskContext(*start, places=Places(self._scene), offers=frozenset({"tunnel"}))
+        return TaskContext(*start, places=Places(self._scene), offers=frozenset({"tunnel"}), path_m=self._curve.length)
 
     @property
     def via_points_world(self) -> NDArray[np.float64]:

@@ -10,6 +10,7 @@ from mimics_app.contracts.messages import TrialResult
 from mimics_app.contracts.trial_counts import ABORTED, FINISHED, SESSION_ENDED, count_trials, counted_rows
 from mimics_app.tasks.kinds.kind import KindPlay
 from mimics_app.tasks.observation import Observation
+from mimics_app.tasks.outcome_words import largest_losses
 from mimics_app.tasks.score import session_result, trial_points
 from mimics_app.tasks.tally import Measures, Tally
 from mimics_app.tasks.task import ScoreSpec
@@ -19,9 +20,10 @@ __all__ = ["TIMEOUT", "Attempts", "Row"]
 
 Row = dict[str, Any]
 """One attempt: trial, attempt, block, label, repetition, practice, outcome, cause, begin_ns, end_ns, the fields of
-`Measures`, what the task's kinds measure, score, and `parameter.NAME` for each adaptable parameter as it stood at the
-end. The same keys in every row; a measure is None where it does not apply or cannot be judged, the score where the
-attempt was aborted or the task has none."""
+`Measures`, what the task's kinds measure, score, happened and lost (for the person, see `tasks.outcome_words`), and
+`parameter.NAME` for each adaptable parameter as it stood at the end. The same keys in every row; a measure is None
+where it does not apply or cannot be judged, the score where the attempt was aborted or the task has none. A trial that
+did not reach its goal has no points."""
 
 TIMEOUT = "timeout"
 
@@ -44,6 +46,8 @@ class Attempts:
         on_row: Called with each row.
         plays: The task's kinds.
         counts: Their names for the number of trials that reached their goal.
+        touches: Whether contacts are counted.
+        tell: Returns in words how the travel of a row ended.
         first: Trial to begin with, 0 first.
     """
 
@@ -55,7 +59,10 @@ class Attempts:
         on_row: Callable[[Row], None],
         plays: Sequence[KindPlay] = (),
         counts: Sequence[str] = (),
+        tell: Callable[[Row], str] = lambda row: "",
         first: int = 0,
+        *,
+        touches: bool = True,
     ) -> None:
         self.plan = tuple(plan)
         self.number = first - 1
@@ -69,6 +76,8 @@ class Attempts:
         self._on_row = on_row
         self._plays = tuple(plays)
         self._counts = tuple(counts)
+        self._tell = tell
+        self._touches = touches
         self._begin_ns = 0
         self._open = False
 
@@ -151,10 +160,15 @@ class Attempts:
         self._on_row(row)
 
     def trial_result(self, values: Mapping[str, float], now_ns: int) -> TrialResult:
-        """Return the result of the attempt that just finished or timed out, for a learning system."""
+        """Return the result of the attempt that just finished or timed out, for a learning system.
+
+        The performance of a trial whose time was over is that of its measures, times its progress.
+        """
         row = self.rows[-1]
         finished = row["outcome"] == FINISHED
-        performance = float(finished) if row["score"] is None else row["score"] / 100.0
+        performance = float(finished)
+        if self._score_spec is not None:
+            performance = trial_points(self._score_spec, row, finished=finished) / 100.0
         return TrialResult(
             row["trial"], now_ns, row["outcome"], performance, performance, bool(row["practice"]), dict(values)
         )
@@ -177,7 +191,9 @@ class Attempts:
 
     def _row(self, outcome: str, cause: str, parameters: Mapping[str, float], now_ns: int) -> Row:
         measures = self.tally.row() if self.tally else self._blank()
-        return {
+        if not self._touches:
+            measures |= dict.fromkeys(("contacts", "contact_time_s"))
+        row = {
             "trial": self.number,
             "attempt": self.attempt,
             "block": self.trial.block,
@@ -190,14 +206,16 @@ class Attempts:
             "end_ns": now_ns,
             **measures,
             "score": self._points(measures, outcome),
-            **{f"parameter.{name}": value for name, value in parameters.items()},
         }
+        row["happened"] = "" if outcome == ABORTED else self._tell(row)
+        row["lost"] = largest_losses(self._score_spec, row) if self._score_spec and outcome == FINISHED else ""
+        return row | {f"parameter.{name}": value for name, value in parameters.items()}
 
     def _points(self, measures: Mapping[str, object], outcome: str) -> float | None:
         """Return the score of a row; None where the attempt was aborted or the task has none."""
         if self._score_spec is None or outcome == ABORTED:
             return None
-        return trial_points(self._score_spec, measures, finished=outcome == FINISHED)
+        return trial_points(self._score_spec, measures, finished=True) if outcome == FINISHED else 0.0
 
     def _blank(self) -> dict[str, Any]:
         """Return the measures of an attempt without travel, with the same columns."""

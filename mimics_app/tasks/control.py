@@ -11,15 +11,16 @@ from mimics_app.contracts.trial_state import TrialState
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.task import StartSpec
 
-__all__ = ["Arrival", "RobotControl"]
+__all__ = ["Approach", "Arrival", "RobotControl"]
 
-_FREE = (TrialState.READY, TrialState.TRAVEL)
+_HOLDS = frozenset({TrialState.FINISHED, TrialState.TIMEOUT, TrialState.ABORTED, TrialState.REST, TrialState.DONE})
 
 
 class RobotControl:
-    """Approach: PD to the start. Ready, travel: the person moves the robot. Stopped: off. Otherwise, or paused: hold.
+    """Controller and target of each state.
 
-    Holding between trials supports the arm without moving it.
+    Approach: hold, then PD to the start. Ready: hold the start. Travel: the person moves the robot. Stopped: off.
+    Otherwise, or paused: hold. Holding between trials supports the arm without moving it.
     """
 
     def __init__(self, home: Home, feel: Controller = Controller.ADMITTANCE) -> None:
@@ -33,17 +34,18 @@ class RobotControl:
     def enter(self, state: TrialState, q: tuple[float, ...]) -> None:
         """Begin a state with the joints at q [m or rad]."""
         held_before = self._holding
-        self._holding = state not in (TrialState.APPROACH, TrialState.STOPPED, *_FREE)
+        self._holding = state in _HOLDS
         if state is TrialState.STOPPED:
             self._controller = Controller.OFF
-        elif state in _FREE:
+        elif state is TrialState.TRAVEL:
             self._controller = self._feel
-        else:
+        elif state is not TrialState.READY:
             self._controller = Controller.JOINT_PD
-        if state is TrialState.APPROACH:
-            self._controller, self._target = self._home.controller, self._home.target
-        elif self._holding and not held_before:
-            self._target = q
+            self._target = self._target if held_before else q
+
+    def set_out(self) -> None:
+        """Drive to the start, and hold it until the travel."""
+        self._controller, self._target = self._home.controller, self._home.target
 
     def pause(self, q: tuple[float, ...]) -> None:
         """Hold the robot where it is, at the joints q [m or rad], until `go_on`."""
@@ -71,14 +73,55 @@ class Arrival:
         """Reset at the beginning of an approach."""
         self._since_ns = None
 
-    def reached(self, seen: Observation) -> bool:
-        """Whether the robot has arrived by this frame. Call once per frame of an approach."""
+    def near(self, seen: Observation) -> bool:
+        """Whether the joint errors are within tolerance in this frame."""
         errors = (abs(q - start) for q, start in zip(seen.q, self._start, strict=True))
         most = chain(self._spec.tolerance, repeat(self._spec.tolerance[-1]))
-        near = all(error <= limit for error, limit in zip(errors, most, strict=False))
-        if not (near and seen.movable):
+        return all(error <= limit for error, limit in zip(errors, most, strict=False))
+
+    def reached(self, seen: Observation) -> bool:
+        """Whether the robot has arrived by this frame, or is still there. Call once per frame."""
+        if not (self.near(seen) and seen.movable):
             self._since_ns = None
             return False
         if self._since_ns is None:
             self._since_ns = seen.now_ns
         return (seen.now_ns - self._since_ns) / 1e9 >= self._spec.hold_s
+
+
+class Approach:
+    """The drive to the start of a trial: announced while the robot holds where it is, then carried out.
+
+    Args:
+        announce_s: Time of an announcement; 0 where nobody is to be told [s].
+        arrival: Arrival at the start.
+        control: Controller of the robot.
+
+    Attributes:
+        announced_s: Time of the present announcement [s].
+    """
+
+    def __init__(self, announce_s: float, arrival: Arrival, control: RobotControl) -> None:
+        self._announce_s, self._arrival, self._control = announce_s, arrival, control
+        self.announced_s = 0.0
+        self._set_out = False
+
+    def begin(self, *, told: bool) -> None:
+        """Begin an approach; `told`: its drive was announced before."""
+        self.announced_s = 0.0 if told else self._announce_s
+        self._set_out = False
+        self._arrival.restart()
+
+    def restart(self) -> None:
+        """Begin the time of the arrival anew, after a pause."""
+        self._arrival.restart()
+
+    def drive(self, seen: Observation, elapsed_s: float) -> None:
+        """Set out once the drive was announced for its time [s]; at once where the robot is at the start already."""
+        if not self._set_out and (elapsed_s >= self.announced_s or self._arrival.near(seen)):
+            self._set_out = True
+            self._control.set_out()
+
+    def arrived(self, seen: Observation) -> bool:
+        """Whether the robot has arrived by this frame, or is still there. Call once per frame."""
+        return self._arrival.reached(seen) and self._set_out

@@ -29,10 +29,20 @@ class Goals:
         """Reset at the beginning of a travel."""
         self._since_ns = [None] * len(self._specs)
 
+    def way(self, seen: Observation) -> float:
+        """Return the longest of the shortest ways of the hand to each goal, at the beginning of a travel [m]."""
+        return max(self._way(i, goal, seen) for i, goal in enumerate(self._specs))
+
     def met(self, seen: Observation, travelled_s: float) -> bool:
         """Whether all goals are met in this frame, `travelled_s` [s] after the travel began. Call once per frame."""
         done = [self._is_met(i, goal, seen, travelled_s) for i, goal in enumerate(self._specs)]
         return all(done)
+
+    def _way(self, i: int, goal: GoalSpec, seen: Observation) -> float:
+        if isinstance(goal, PointGoal):
+            return max(0.0, math.dist(seen.ball_world, goal.position_world) - goal.within)
+        play = self._plays[i]
+        return 0.0 if play is None else play.way(goal, seen)
 
     def _is_met(self, i: int, goal: GoalSpec, seen: Observation, travelled_s: float) -> bool:
         if not self._holds(i, goal, seen, travelled_s):

@@ -20,6 +20,8 @@ __all__ = ["Contact", "Observation", "observe"]
 
 _LATCHED = (SafetyState.SAFE_STOP, SafetyState.E_STOP)
 _MOVABLE = (SafetyState.READY, SafetyState.ACTIVE, SafetyState.DEGRADED)
+_QUIET_TICKS = 100
+"""Ticks without a large force after which the loop begins its soft start at once."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +47,7 @@ class Observation(msgspec.Struct, frozen=True):
         now_ns: Time of the frame [ns].
         latched: The loop is in SAFE_STOP or E_STOP.
         movable: The robot follows its controller.
-        soft_start_over: The force has its full scale.
+        quiet: The virtual force has been small enough to begin with it for a tenth of a second.
         cause: TripCause.
         q: Joints [m, rad, m].
         ball_world: Its centre [m].
@@ -53,6 +55,10 @@ class Observation(msgspec.Struct, frozen=True):
         force: Felt by the user [N].
         progress: Share of the trial's path that is done, 0-1, as the kind of task means it.
         distance: From the path that the task gives [m]; None where it gives none.
+        force_peak: Largest force felt in the trial so far, of every tick [N].
+        distance_peak: Largest distance from the path likewise [m]; None where the loop does not follow a path.
+        progress_peak: Largest progress likewise, 0-1; None where the loop does not follow a path.
+        own_work: Work of the person on the handle in the trial so far [J]; at most 0 for a hand that does nothing.
         touching: Number of partners in contact now: wall of the tunnel, static scene, bodies.
         contacts: Since the last frame, oldest first.
         grasp: Grasp force [N].
@@ -68,7 +74,7 @@ class Observation(msgspec.Struct, frozen=True):
     now_ns: int
     latched: bool
     movable: bool
-    soft_start_over: bool
+    quiet: bool
     cause: int
     q: tuple[float, ...]
     ball_world: Vec3
@@ -78,6 +84,10 @@ class Observation(msgspec.Struct, frozen=True):
     distance: float | None
     touching: int
     contacts: tuple[Contact, ...]
+    force_peak: float = 0.0
+    distance_peak: float | None = None
+    progress_peak: float | None = None
+    own_work: float = 0.0
     grasp: float = 0.0
     bodies: Mapping[str, Vec3] = msgspec.field(default_factory=dict)
     held: str = ""
@@ -111,7 +121,7 @@ def observe(
         now_ns=now_ns,
         latched=snapshot.state in _LATCHED,
         movable=snapshot.state in _MOVABLE,
-        soft_start_over=snapshot.state == SafetyState.ACTIVE and snapshot.ramp >= 1.0 - 1e-9,
+        quiet=snapshot.quiet_ticks >= _QUIET_TICKS,
         cause=snapshot.cause,
         q=tuple(snapshot.q.tolist()),
         ball_world=_vector(snapshot.hip_world),
@@ -123,6 +133,8 @@ def observe(
         shown_ns=timing.display_ns,
         period_ns=timing.period_ns,
         contacts=_contacts(events) if len(events) else (),
+        force_peak=snapshot.force_peak,
+        own_work=snapshot.own_work,
         grasp=snapshot.grasp,
         bodies={
             name: (x, y, z) for name, (x, y, z) in zip(bodies, snapshot.poses[: len(bodies), :3].tolist(), strict=True)

@@ -8,44 +8,61 @@ from mimics_app.contracts.haptic import TripCause
 from mimics_app.contracts.trial_state import TrialState
 from mimics_app.tasks.task import StateName
 
-__all__ = ["BUILT_IN", "Announcement", "built_in_messages", "cause_words", "state_message"]
+__all__ = [
+    "ABORTED_CAUSES",
+    "BUILT_IN",
+    "Announcement",
+    "aborted_words",
+    "built_in_messages",
+    "cause_words",
+    "state_message",
+]
 
 BUILT_IN: Mapping[TrialState, str] = {
-    TrialState.APPROACH: "The robot moves to the start",
+    TrialState.APPROACH: "The robot moves to the start. Space stops it",
     TrialState.READY: "{which}: get ready",
     TrialState.TRAVEL: "Go!",
-    TrialState.FINISHED: "Well done: {score} of 100 points",
-    TrialState.TIMEOUT: "Time is over: {score} of 100 points",
-    TrialState.ABORTED: "The start was not reached",
+    TrialState.FINISHED: "{result}",
+    TrialState.TIMEOUT: "{result}",
+    TrialState.ABORTED: "{aborted}",
     TrialState.STOPPED: "Stopped: {cause}. When it is safe, the operator allows force again: R",
-    TrialState.REST: "Rest: {seconds} s",
-    TrialState.DONE: "Finished: {score} of 100 points",
+    TrialState.REST: "Rest: {seconds} s. Then the robot moves to the start",
+    TrialState.DONE: "The session is over: {completed}",
 }
-"""Text of each state unless the scene has its own; {score}, {seconds}, {cause}, {trial}, {trials} and {which}
-(practice, or which trial of how many) are filled in."""
-
-_WITHOUT_SCORE: Mapping[TrialState, str] = {
-    TrialState.FINISHED: "Well done",
-    TrialState.TIMEOUT: "Time is over",
-    TrialState.DONE: "Finished",
-}
-"""Lines that differ for a task without a score."""
+"""Text of each state unless the scene has its own; filled in are {result} (what happened, and the points with what cost
+the most), {happened} (the first of the two), {score}, {seconds}, {cause}, {trial}, {trials}, {completed} ("3 of 4
+trials finished"), {aborted} and {which} (practice, or which trial of how many)."""
 
 _AT_POINTER: Mapping[TrialState, str] = {
     TrialState.APPROACH: "Moving to the start",
     TrialState.STOPPED: "Stopped: {cause}. R goes on",
+    TrialState.REST: "Rest: {seconds} s",
 }
 """Lines that differ without a robot."""
 
 _CAUSES = {int(cause): cause.name.lower().replace("_", " ") for cause in TripCause if cause != TripCause.NONE}
 
+ABORTED_CAUSES: Mapping[TrialState, str] = {
+    TrialState.APPROACH: "start not reached",
+    TrialState.READY: "start not held",
+    TrialState.TRAVEL: "goal reached faster than the way allows",
+}
+"""Cause in the row of an attempt that was aborted in a state."""
+
+_ABORTED: Mapping[str, str] = {
+    ABORTED_CAUSES[TrialState.APPROACH]: "The start was not reached",
+    ABORTED_CAUSES[TrialState.READY]: "The start was not held, or something pushes there",
+    ABORTED_CAUSES[TrialState.TRAVEL]: "Faster than the way to the goal allows: it does not count",
+}
+"""The same for the person."""
+
 _GO_S = 1.5
 """Time for which the travel's message is shown [s]."""
 
 
-def built_in_messages(*, with_score: bool, by_pointer: bool) -> Mapping[StateName, str]:
-    """Return the built-in lines of the states; without a score they mention no points."""
-    lines = {**BUILT_IN, **({} if with_score else _WITHOUT_SCORE), **(_AT_POINTER if by_pointer else {})}
+def built_in_messages(*, by_pointer: bool) -> Mapping[StateName, str]:
+    """Return the built-in lines of the states."""
+    lines = {**BUILT_IN, **(_AT_POINTER if by_pointer else {})}
     return {state.value: text for state, text in lines.items()}
 
 
@@ -63,6 +80,11 @@ def state_message(
         for name, value in fields.items():
             text = text.replace("{" + name + "}", value)
     return text
+
+
+def aborted_words(cause: str) -> str:
+    """Return the line about an aborted attempt with a cause of `ABORTED_CAUSES`."""
+    return _ABORTED.get(cause, _ABORTED[ABORTED_CAUSES[TrialState.APPROACH]])
 
 
 def cause_words(cause: int) -> str:

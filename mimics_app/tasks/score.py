@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from mimics_app.tasks.kinds.kind import Measure, ScorePartSpec
 from mimics_app.tasks.task import MEASURES, ScoreSpec
 
-__all__ = ["part_marks", "session_result", "trial_points"]
+__all__ = ["lost_points", "part_marks", "session_result", "trial_points"]
 
 
 def trial_points(spec: ScoreSpec, row: Mapping[str, object], *, finished: bool) -> float:
@@ -32,6 +32,17 @@ def trial_points(spec: ScoreSpec, row: Mapping[str, object], *, finished: bool) 
     marks = sum(spec.part(m.part).weight * part_marks(spec.part(m.part), _value(m, row)) for m in taken) / total
     share = 0.0 if row.get("progress") is None else _number(row, "progress")
     return 100.0 * marks * (1.0 if finished else min(max(share, 0.0), 1.0))
+
+
+def lost_points(spec: ScoreSpec, row: Mapping[str, object]) -> dict[str, float]:
+    """Return the points that each part of the score costs a finished trial; they and its score sum up to 100."""
+    taken = [(measure, spec.part(measure.part)) for measure in MEASURES if _is_taken(measure, row)]
+    total = sum(part.weight for _, part in taken)
+    return {
+        measure.part: 100.0 * part.weight / total * (1.0 - part_marks(part, _value(measure, row)))
+        for measure, part in taken
+        if part.weight > 0.0
+    }
 
 
 def _is_taken(measure: Measure, row: Mapping[str, object]) -> bool:

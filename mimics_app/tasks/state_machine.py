@@ -1,8 +1,8 @@
 """The state machine of a trial.
 
-approach --arrived--> ready --soft start over--> travel --goal--> finished --> rest --> approach of the next trial
-   |                    |                          `--time over--> timeout -----^ `--> done after the last one
-   `----- too slow -----+--> aborted --> approach of the same trial, or rest when its attempts are spent
+approach --arrived--> ready --go--> travel --goal--> finished --> rest --> approach of the next trial
+   |                    |            |  `--time over--> timeout -----^ `--> done after the last one
+   `----- too slow -----+-- too fast-+--> aborted --> approach of the same trial, or rest when its attempts are spent
 any state but done --SAFE_STOP, E_STOP--> stopped --operator's reset--> as after aborted; rest when the trial was over
 """
 
@@ -30,9 +30,10 @@ class Conditions(msgspec.Struct, frozen=True):
         elapsed_s: Time in the present state [s].
         latched: A safety stop is latched.
         arrived: The robot has stayed at the start for the hold time.
-        go: The soft start is over and the start cue was shown for its time.
-        goal: All goals are met.
-        start_limit_s: Longest approach, and longest soft start [s].
+        go: The start was held until now, no force waits there, and the start cue was shown for its time.
+        goal: All goals are met, and the person took part.
+        too_fast: The goal was reached sooner than the way to it allows.
+        start_limit_s: Longest approach, and longest wait for the go [s].
         time_limit_s: Longest travel [s].
         result_s: Time for which a result is shown [s].
         rest_s: Rest between trials [s].
@@ -46,6 +47,7 @@ class Conditions(msgspec.Struct, frozen=True):
     arrived: bool = False
     go: bool = False
     goal: bool = False
+    too_fast: bool = False
     start_limit_s: float = 20.0
     time_limit_s: float = 60.0
     result_s: float = 2.0
@@ -79,6 +81,8 @@ def _leave_ready(seen: Conditions) -> TrialState:
 
 
 def _leave_travel(seen: Conditions) -> TrialState:
+    if seen.too_fast:
+        return TrialState.ABORTED
     if seen.goal:
         return TrialState.FINISHED
     return TrialState.TIMEOUT if seen.elapsed_s >= seen.time_limit_s else TrialState.TRAVEL

@@ -22,13 +22,14 @@ class Measures:
 
     Attributes:
         time_s: Duration [s].
-        path_error_rms_m: Root mean square distance over time from the task's path [m]; None without a path.
-        path_error_max_m: Largest distance [m]; None without a path.
+        path_error_rms_m: Root mean square distance from the task's path over the time in which there is one [m]; None
+            without a path.
+        path_error_max_m: Largest distance [m], of every tick; None where the loop follows no path.
         contacts: Number of contacts, including those that lasted when the travel began.
         contact_time_s: Time in contact with at least one partner [s].
         smoothness: SPARC [-], negative; None without movement.
         force_mean_n: Time mean of the force felt [N].
-        force_peak_n: Largest force felt [N].
+        force_peak_n: Largest force felt [N], of every tick.
         progress: Largest progress, 0-1; None where the task has none.
         path_m: Length of the hand's path [m].
     """
@@ -46,8 +47,9 @@ class Measures:
 
 
 class Tally:
-    """Accumulator of one travel, frame by frame. Contacts have the loop's resolution of 1 ms, the rest that of frames.
+    """Accumulator of one travel, frame by frame.
 
+    Contacts and extremes are the loop's, of every tick; means and sums are of frames.
     Means are integrals by the trapezoidal rule, so that frames are weighted by their duration.
 
     Args:
@@ -70,8 +72,8 @@ class Tally:
         self._squared_distance_s = 0.0
         self._force_s = 0.0
         self._last = first
-        self._largest_distance = first.distance
-        self._largest_force = first.force
+        self._on_path_s = 0.0
+        self._first_distance = first.distance or 0.0
         self._farthest = first.progress
         self._path = 0.0
         self._times_s = [0.0]
@@ -93,8 +95,7 @@ class Tally:
         seconds = (seen.now_ns - self._last_ns) / 1e9
         self._add_distance(seen, seconds)
         self._force_s += 0.5 * seconds * (seen.force + self._last.force)
-        self._largest_force = max(self._largest_force, seen.force)
-        self._farthest = max(self._farthest, seen.progress)
+        self._farthest = max(self._farthest, seen.progress, seen.progress_peak or 0.0)
         self._path += math.dist(seen.ball_world, self._last.ball_world)
         for play in self._plays:
             play.travel(seen, seconds)
@@ -111,9 +112,9 @@ class Tally:
     def _add_distance(self, seen: Observation, seconds: float) -> None:
         if seen.distance is None:
             return
-        before = self._last.distance or 0.0
+        before = seen.distance if self._last.distance is None else self._last.distance
+        self._on_path_s += seconds
         self._squared_distance_s += 0.5 * seconds * (seen.distance**2 + before**2)
-        self._largest_distance = max(self._largest_distance or 0.0, seen.distance)
 
     def row(self) -> dict[str, Any]:
         """Return all measures by column of the trial table."""
@@ -128,21 +129,24 @@ class Tally:
         seconds = self.time_s
         return Measures(
             time_s=seconds,
-            path_error_rms_m=self._path_error(seconds),
-            path_error_max_m=self._largest_distance,
+            path_error_rms_m=self._path_error(),
+            path_error_max_m=self._largest_distance(),
             contacts=self.contacts,
             contact_time_s=(self._contact_ns + open_ns) / 1e9,
             smoothness=sparc(resample_speed(np.array(self._times_s), np.array(self._speeds)), RESAMPLE_HZ),
             force_mean_n=self._force_s / seconds if seconds > 0.0 else self._last.force,
-            force_peak_n=self._largest_force,
+            force_peak_n=self._last.force_peak,
             progress=self._farthest if self._plays else None,
             path_m=self._path,
         )
 
-    def _path_error(self, seconds: float) -> float | None:
-        if self._largest_distance is None:
-            return None
-        return math.sqrt(self._squared_distance_s / seconds) if seconds > 0.0 else self._last.distance
+    def _path_error(self) -> float | None:
+        return math.sqrt(self._squared_distance_s / self._on_path_s) if self._on_path_s > 0.0 else self._last.distance
+
+    def _largest_distance(self) -> float | None:
+        """Return the largest distance of every tick, the one at which the travel began included [m]."""
+        peak = self._last.distance_peak
+        return None if peak is None else max(peak, self._first_distance)
 
     def _take_contact(self, contact: Contact) -> None:
         if contact.t_ns < self.begin_ns:

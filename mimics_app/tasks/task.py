@@ -13,6 +13,7 @@ from msgspec import Meta, defstruct, field
 from mimics_app.tasks.kinds.kind import Measure, ScorePartSpec
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.kinds.tunnel.kind import ProgressGoal
+from mimics_app.tasks.start_spec import StartSpec
 from mimics_app.world.components.bounds import Factor, Figure, Force, Length, Point, PositiveSeconds, Seconds, Share
 from mimics_app.world.components.registry import Component
 
@@ -46,7 +47,6 @@ __all__ = [
 ]
 
 _Steps = Annotated[float, Meta(ge=0.0, le=1e12)]
-_Tolerance = Annotated[float, Meta(gt=0.0, le=100.0)]
 _Values = Annotated[dict[str, Figure], Meta(max_length=1000)]
 _Table = Annotated[list[Figure | str], Meta(max_length=10_000)]
 
@@ -232,34 +232,6 @@ class BlockSpec(Component, frozen=True):
     ] = False
 
 
-class StartSpec(Component, frozen=True):
-    """Approach of the robot to the start of a trial."""
-
-    tolerance: Annotated[
-        Annotated[tuple[_Tolerance, ...], Meta(min_length=1, max_length=8)],
-        Meta(description="Largest joint error at the start pose [m or rad]; the last one also for all further joints."),
-    ] = (0.005, 0.02, 0.005)
-    hold_s: Annotated[Seconds, Meta(description="Time for which the errors must stay below [s].")] = 0.2
-    ready_s: Annotated[
-        Seconds, Meta(description="Shortest time between arrival and go [s]; the soft start must be over too.")
-    ] = 1.0
-    countdown_s: Annotated[
-        Seconds,
-        Meta(
-            description="Countdown before the first trial of a session in a window, after the page of keys [s]; "
-            "0: none."
-        ),
-    ] = 3.0
-    limit_s: Annotated[
-        PositiveSeconds,
-        Meta(description="Longest approach, and longest soft start [s]; then the attempt is aborted."),
-    ] = 20.0
-    attempts: Annotated[
-        Annotated[int, Meta(ge=1, le=1000)],
-        Meta(description="Largest number of attempts at one trial; then the next trial follows."),
-    ] = 5
-
-
 _OWN_MEASURES = (
     Measure.totalled("time_s", "time", "Duration of the travel [s].", 8.0, 40.0, weight=0.3),
     Measure(
@@ -339,6 +311,9 @@ class _TaskBase(Component, frozen=True):
         Meta(description="The blocks in order, or the name of a JSON file beside the scene that holds them."),
     ] = field(default_factory=lambda: [BlockSpec()])
     start: Annotated[StartSpec, Meta(description="Start of a trial.")] = StartSpec()
+    passive: Annotated[
+        bool, Meta(description="True: a trial may end well though the hand did nothing, as where the person watches.")
+    ] = False
     score: Annotated[ScoreSpec, Meta(description="Weights of the score.")] = ScoreSpec()
     time_limit_s: Annotated[PositiveSeconds, Meta(description="Longest travel [s].")] = 60.0
     rest_s: Annotated[Seconds, Meta(description="Pause between trials [s].")] = 3.0

@@ -6,7 +6,6 @@ trials.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -30,16 +29,19 @@ from mimics_app.contracts.trial_state import TaskView, TrialState
 from mimics_app.tasks.actions import Changes, Settings, build_action_space, settings_for
 from mimics_app.tasks.adaptation import Adaptation
 from mimics_app.tasks.attempts import TIMEOUT, Attempts, Row
-from mimics_app.tasks.cards import count_card, force_card, progress_card, state_card, time_card, trial_card
-from mimics_app.tasks.control import Arrival, RobotControl
+from mimics_app.tasks.board_layout import BoardLayout, Times
+from mimics_app.tasks.control import Approach, Arrival, RobotControl
 from mimics_app.tasks.countdown import Countdown
 from mimics_app.tasks.goals import Goals
 from mimics_app.tasks.kinds.kind import KindPlay, TaskKind
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.observation import Observation, observe
-from mimics_app.tasks.prompt import Announcement, built_in_messages, cause_words, state_message
+from mimics_app.tasks.outcome_words import what_happened
+from mimics_app.tasks.participation import Participation
+from mimics_app.tasks.prompt import ABORTED_CAUSES, Announcement, built_in_messages, cause_words
 from mimics_app.tasks.state_machine import PAUSED, Conditions, Pause, next_state
-from mimics_app.tasks.task import ActionDeed, Deed, DurationGoal, MessageDeed, ScoreSpec, SoundDeed, TaskSpec
+from mimics_app.tasks.task import ActionDeed, Deed, MessageDeed, ScoreSpec, SoundDeed, TaskSpec
+from mimics_app.tasks.trial_times import TrialTimes
 from mimics_app.tasks.trials import Trial, check_first_trial, plan_trials, trial_blocks
 from mimics_app.tasks.triggers import Moment, Triggers
 
@@ -85,15 +87,19 @@ class TaskManager:
         check_first_trial(first_trial + 1, len(plan))
         kinds = [kind for kind in task_kinds() if kind.takes(spec, context.offers)]
         self._plays = {kind.name: kind.open(spec, context, seed) for kind in kinds}
-        self._captions: TaskKind | type[TaskKind] = kinds[-1] if kinds else TaskKind
         counts = [kind.completes for kind in kinds if kind.completes]
-        self._has_score = any(kind.scored for kind in kinds) or spec.score != ScoreSpec()  # own weights
-        score = spec.score if self._has_score else None
+        has_score = any(kind.scored for kind in kinds) or spec.score != ScoreSpec()  # own weights
+        score = spec.score if has_score else None
         plays = tuple(self._plays.values())
-        self._attempts = Attempts(plan, score, spec.start.attempts, on_trial, plays, counts, first_trial)
-        self._bodies, self._by_pointer, self._limb = context.bodies, context.by_pointer, context.limb
-        self._arrival = Arrival(spec.start, context.start_joints)
+        self._participation, self._limb = Participation(passive=spec.passive), context.limb
+        touches, most = all(kind.touches for kind in kinds), spec.start.attempts
+        self._times = TrialTimes(spec)
+        self._attempts = Attempts(plan, score, most, on_trial, plays, counts, self._tell, first_trial, touches=touches)
+        self._bodies = context.bodies
+        self._fastest, self._least_s = context.fastest, 0.0
         self._control = RobotControl(context.home or Home(context.start_joints), context.feel)
+        arrival = Arrival(spec.start, context.start_joints)
+        self._approach = Approach(0.0 if context.simulated else spec.start.announce_s, arrival, self._control)
         self._goals = Goals(spec.goals, [self._play_of(goal) for goal in spec.goals])
         self._triggers = Triggers(spec.triggers, [self._play_of(trigger.when) for trigger in spec.triggers])
         self._announcement, self._pause = Announcement(), Pause()
@@ -101,8 +107,10 @@ class TaskManager:
         self._seen: Observation | None = None
         self._haptic, self._visual, self._audio = Changes(), Changes(), Changes()
         self._settings, self._settled = Settings(), dict[str, float]()
-        built_in = built_in_messages(with_score=self._has_score, by_pointer=self._by_pointer)
-        self._messages = {**built_in, **spec.messages}
+        messages = {**built_in_messages(by_pointer=context.by_pointer), **spec.messages}
+        captions = kinds[-1] if kinds else TaskKind
+        mark = (0.0, 0.0) if context.by_pointer and self.lever and not spec.passive else None
+        self._layout = BoardLayout(plays, captions, messages, context.limb, has_score=has_score, neutral=mark)
         self.state = TrialState.APPROACH
         self._entered_ns: int | None = None
         self._last_ns = 0
@@ -118,6 +126,11 @@ class TaskManager:
     def plan(self) -> tuple[Trial, ...]:
         """The trials of the session in order."""
         return self._attempts.plan
+
+    @property
+    def lever(self) -> bool:
+        """Whether the hand is a lever, whose deflection from the start counts, and not its place."""
+        return any(play.lever for play in self._plays.values())
 
     @property
     def rows(self) -> tuple[Row, ...]:
@@ -180,7 +193,7 @@ class TaskManager:
         self._last_ns = now_ns
         self._entered_ns += paused_ns
         self._goals.restart()
-        self._arrival.restart()
+        self._approach.restart()
         self._announcement.put_off(paused_ns)
         if self._attempts.tally is not None:
             self._attempts.tally.pause(now_ns, paused_ns)
@@ -194,8 +207,11 @@ class TaskManager:
             self._last_ns = seen.now_ns
             self._enter(TrialState.APPROACH, seen)
             return None, TrialState.APPROACH
-        self._adaptation.step(max(0, seen.now_ns - self._last_ns) / 1e9)
+        seconds = max(0, seen.now_ns - self._last_ns) / 1e9
+        self._adaptation.step(seconds)
         self._settle()
+        if self.state is TrialState.TRAVEL:
+            self._participation.see(seen, seconds)
         self._last_ns = seen.now_ns
         left, following = self.state, next_state(self.state, self._look(seen))
         if following is left:
@@ -206,20 +222,25 @@ class TaskManager:
 
     def _look(self, seen: Observation) -> Conditions:
         """Observe the robot in the present state and return the conditions of the next one."""
-        elapsed = self._elapsed_s(seen.now_ns)
-        goal = False
+        elapsed, start = self._elapsed_s(seen.now_ns), self._spec.start
+        goal = arrived = False
         if self.state is TrialState.TRAVEL and self._attempts.tally is not None:
             self._attempts.tally.add(seen)
-            goal = self._goals.met(seen, elapsed)
+            goal = self._goals.met(seen, elapsed) and self._participation.acted
+        elif self.state in (TrialState.APPROACH, TrialState.READY):
+            arrived = self._approach.arrived(seen)
         self._countdown.see(self.state, elapsed, seen.pressed)
+        if self.state is TrialState.APPROACH:
+            self._approach.drive(seen, elapsed)
         return Conditions(
             elapsed_s=elapsed,
             latched=seen.latched,
-            arrived=self.state is TrialState.APPROACH and self._arrival.reached(seen),
-            go=seen.soft_start_over and elapsed >= max(self._spec.start.ready_s, self._countdown.until_s),
+            arrived=arrived,
+            go=arrived and seen.quiet and elapsed >= max(start.ready_s, self._countdown.until_s),
             goal=goal,
-            start_limit_s=self._spec.start.limit_s + self._countdown.until_s,
-            time_limit_s=self._time_limit_s(),
+            too_fast=goal and elapsed < self._least_s,
+            start_limit_s=start.limit_s + self._approach.announced_s + self._countdown.until_s,
+            time_limit_s=self._time_limit_s() if self._participation.acted else self._length_s(),
             result_s=self._spec.result_s,
             rest_s=self._rest_s(),
             trial_over=self._attempts.trial_over,
@@ -234,23 +255,30 @@ class TaskManager:
             self._cause = seen.cause
             self._attempts.end(ABORTED, cause_words(seen.cause), values, seen.now_ns)
         elif following is TrialState.ABORTED:
-            cause = "start not reached" if state is TrialState.APPROACH else "soft start not over"
-            self._attempts.end(ABORTED, cause, values, seen.now_ns)
+            self._attempts.end(ABORTED, ABORTED_CAUSES[state], values, seen.now_ns)
         elif following in (TrialState.FINISHED, TrialState.TIMEOUT):
             outcome = FINISHED if following is TrialState.FINISHED else TIMEOUT
             self._attempts.end(outcome, "", values, seen.now_ns)
             self._result = self._attempts.trial_result(values, seen.now_ns)
 
     def _enter(self, state: TrialState, seen: Observation) -> None:
+        told = self.state is TrialState.REST  # that the robot will move, for some seconds
         self.state, self._entered_ns = state, seen.now_ns
         self._control.enter(state, seen.q)
         if state is TrialState.APPROACH:
             self._begin_attempt(seen.now_ns)
+            self._approach.begin(told=told)
+            self._approach.drive(seen, 0.0)
         elif state is TrialState.TRAVEL:
             self._goals.restart()
             self._attempts.let_go(seen)
+            self._least_s = self._goals.way(seen) / self._fastest if self._fastest > 0.0 else 0.0
         trial = {"trial": self._attempts.number, "attempt": self._attempts.attempt}
         self._on_event("state", {"t_ns": seen.now_ns, "state": state.value, **trial})
+
+    def _tell(self, row: Row) -> str:
+        acted = self._participation.acted
+        return what_happened(self._spec.goals, tuple(self._plays.values()), row, acted=acted, limb=self._limb)
 
     def _begin_attempt(self, now_ns: int) -> None:
         if self._attempts.trial_over:
@@ -263,7 +291,7 @@ class TaskManager:
             for play in self._plays.values():
                 play.begin_trial(self._attempts.trial.label, self._attempts.number)
         self._settle()
-        self._arrival.restart()
+        self._participation.restart()
         self._triggers.restart()
         for play in self._plays.values():
             play.begin_attempt()
@@ -303,7 +331,7 @@ class TaskManager:
             touches += play.take_touches()
             for kind, data in play.take_events():
                 self._on_event(kind, data)
-        haptic |= {**self._control.wanted(), "trial": self._attempts.begun}
+        haptic = {**self._participation.allow(haptic), **self._control.wanted(), "trial": self._attempts.begun}
         view = self._view(seen)
         return TaskOrders(
             haptic=self._haptic.since_last(haptic),
@@ -332,45 +360,21 @@ class TaskManager:
 
     def _view(self, seen: Observation) -> TaskView:
         attempts, travels = self._attempts, self.state is TrialState.TRAVEL
+        waits = self.state in (TrialState.APPROACH, TrialState.READY)
         elapsed = self._elapsed_s(seen.now_ns)
         done = seen.progress if self._plays else elapsed / self._length_s() if travels else 0.0
-        progress = min(max(done, 0.0), 1.0)
+        progress = 0.0 if waits else min(max(done, 0.0), 1.0)
         which = attempts.number + 1, len(attempts.plan)
         return TaskView(self.state, progress, *which, elapsed, self._pause.on, self._countdown.reading)
 
     def _lay_out(self, seen: Observation, view: TaskView) -> Board:
-        attempts = self._attempts
-        score = self.result().get("score", 0.0) if self.done else attempts.score
-        fields = {
-            **({"score": f"{score:.0f}"} if self._has_score else {}),
-            "cause": cause_words(self._cause),
-            "seconds": str(max(0, math.ceil(self._rest_s() - view.elapsed_s))),
-            "trial": str(view.trial),
-            "trials": str(view.trials),
-            "which": attempts.which,
-        }
-        prompt = ""
-        for play in self._plays.values():
-            fields |= play.words
-            prompt = play.prompt or prompt
-        line = state_message(self.state, self._messages, view.elapsed_s, fields, prompt)
-        cards = {
-            "trial": trial_card(attempts.which),
-            "state": state_card(view.state),
-            **({"progress": progress_card(view.progress, self._captions.label)} if self._plays else {}),
-            "time": time_card(attempts.tally.time_s if attempts.tally else 0.0, self._left_s(view), self._length_s()),
-            "contacts": count_card(self._captions.contacts, attempts.tally.contacts if attempts.tally else 0),
-            "force": force_card(seen.force, self._limb),
-            **({"score": count_card("Score", score, width=130.0)} if self._has_score else {}),
-        }
-        for play in self._plays.values():
-            cards |= play.cards(seen, attempts.finished)
-        line = PAUSED if self._pause.on else self._announcement.line(seen.now_ns, line)
-        return Board(cards, line, alarm=self.state is TrialState.STOPPED, count=self._countdown.count)
-
-    def _left_s(self, view: TaskView) -> float | None:
-        """Return the time left of the travel [s]; None outside of one."""
-        return max(0.0, self._length_s() - view.elapsed_s) if self.state is TrialState.TRAVEL else None
+        rest_s = max(0.0, self._rest_s() - view.elapsed_s)
+        travels = self.state is TrialState.TRAVEL
+        left_s = max(0.0, self._length_s() - view.elapsed_s) if travels else None
+        times = Times(view.elapsed_s, rest_s, left_s, self._length_s())
+        board = self._layout.lay_out(seen, view, self._attempts, self._cause, times)
+        line = PAUSED if self._pause.on else self._announcement.line(seen.now_ns, board.message)
+        return structs.replace(board, message=line, count=self._countdown.count)
 
     def _play_of(self, part: object) -> KindPlay | None:
         """Return the kind of task of a goal or a condition; None for the task's own."""
@@ -383,17 +387,10 @@ class TaskManager:
         return 0.0 if self._entered_ns is None else max(0, now_ns - self._entered_ns) / 1e9
 
     def _time_limit_s(self) -> float:
-        """Return the trial's own limit, else a parameter's, else the task's [s]."""
-        return self._setting(self._attempts.trial.time_limit_s, "time_limit_s", self._spec.time_limit_s)
+        return self._times.limit_s(self._attempts.trial, self._settings.task)
 
     def _length_s(self) -> float:
-        """Return the duration of a trial without a path: that of its goals, at most its limit [s]."""
-        asked = max((goal.seconds for goal in self._spec.goals if isinstance(goal, DurationGoal)), default=0.0)
-        return min(asked, self._time_limit_s()) if asked > 0.0 else self._time_limit_s()
+        return self._times.length_s(self._attempts.trial, self._settings.task)
 
     def _rest_s(self) -> float:
-        return self._setting(self._attempts.trial.rest_s, "rest_s", self._spec.rest_s)
-
-    def _setting(self, own: float | None, name: str, otherwise: float) -> float:
-        value = own if own is not None else self._settings.task.get(name, otherwise)
-        return float(value) if isinstance(value, int | float) else otherwise
+        return self._times.rest_s(self._attempts.trial, self._settings.task)

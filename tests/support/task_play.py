@@ -41,6 +41,11 @@ def make_snapshot(now_ns: int = 0, **changes: Any) -> HapticSnapshot:
         "margin": 2.0,
         "energy": 0.0,
         "stiffness_share": 1.0,
+        "force_peak": 0.0,
+        "distance_peak": 0.0,
+        "progress_peak": 0.0,
+        "own_work": 1.0,
+        "quiet_ticks": 1000,
         "others_seen": np.zeros((3, 3)),
         "poses": np.zeros((0, 7)),
     }
@@ -70,6 +75,7 @@ class Player:
     frame: int = 0
     now_ns: int = 0
     progress: float = 0.0
+    peaks: dict[str, float] = field(default_factory=dict)
     q: np.ndarray = field(default_factory=lambda: np.zeros(3))
     scene: dict[str, Any] = field(default_factory=dict)
     states: list[str] = field(default_factory=list)
@@ -84,7 +90,7 @@ class Player:
         **changes: Any,
     ) -> TaskOrders:
         values = {"q": self.q.copy(), "progress": self.progress} | self.change(self.frame, self) | changes
-        snapshot = make_snapshot(self.now_ns, **values)
+        snapshot = make_snapshot(self.now_ns, **self._with_peaks(values))
         orders = self.manager.step(VRInput(pressed=pressed), action, snapshot, make_events(*rows), self.now_ns)
         self.scene.update(orders.haptic)
         if self.scene["controller"] == Controller.JOINT_PD:
@@ -98,6 +104,19 @@ class Player:
         self.frame += 1
         self.now_ns += frame_ns
         return orders
+
+    def _with_peaks(self, values: dict[str, Any]) -> dict[str, Any]:
+        """The values with the extremes of the trial, as the loop follows them while the person leads."""
+        if self.scene.get("controller") not in (Controller.ADMITTANCE, Controller.IMPEDANCE):
+            self.peaks = {}
+        else:
+            now = {
+                "force_peak": float(np.linalg.norm(values.get("f_user_world", np.zeros(3)))),
+                "distance_peak": values.get("distance", 0.0),
+                "progress_peak": values.get("progress", 0.0),
+            }
+            self.peaks = {name: max(value, self.peaks.get(name, 0.0)) for name, value in now.items()}
+        return self.peaks | values
 
     def until(self, state: str, most_frames: int = 20_000) -> int:
         """Step until the state is entered; the frames it took. AssertionError when it never is."""

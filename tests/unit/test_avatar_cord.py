@@ -23,7 +23,7 @@ from mimics_app.maths.cord import hang
 from mimics_app.rendering.haptic.cord_field import cord
 from mimics_app.rendering.tactile.vibrators import NoVibrators, SerialVibrators
 from mimics_app.rendering.tactile.wire import FRAME_BYTES, Command, command_bytes
-from mimics_app.scenarios.avatar_cord import ball_motion
+from mimics_app.scenarios.avatar_cord import _EYES, ball_motion
 from mimics_app.tasks.kinds.avatar_cord.kind import KIND, AvatarCordPlay
 from mimics_app.tasks.kinds.avatar_cord.questions import Asking, felt_ownership
 from mimics_app.tasks.kinds.avatar_cord.spec import (
@@ -140,6 +140,14 @@ def test_a_person_answers_with_three_keys() -> None:
     assert asking.done and asking.text == ""
     assert asking.step(("enter",), 0.1) == []
     assert [answer.item for answer in asking.answers] == ["probe", "q0", "q1", "q2"]
+
+
+def test_the_mark_of_the_answer_rises_over_the_height_of_the_eyes() -> None:
+    """A post up to the chin would be behind the question, at the lower edge of the picture."""
+    document = json.loads((ROOT / "scenes" / "avatar_cord.json").read_text())
+    post = next(each for each in document["entities"] if each["id"] == "probe_post")
+    height = post["components"]["mesh"]["primitive"]["height"]
+    assert post["transform"]["translation"][1] + 0.5 * height > _EYES[1] + 0.3
 
 
 def test_a_simulated_subject_answers_by_the_condition_and_always_the_same() -> None:

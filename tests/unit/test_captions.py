@@ -97,6 +97,17 @@ def test_the_mark_hovers_over_what_is_next_and_goes_on_when_it_is_reached(tmp_pa
     assert not mark.visible
 
 
+def test_the_mark_hovers_over_the_goal_of_the_task_whatever_the_simulated_person_visits(tmp_path):
+    scene = load_scene(scene_with(tmp_path, text="next"))
+    world = build_world(scene)
+    mark, goals = world.find("mark"), [((0.0, 0.1, 0.2), 0.02), ((0.3, 0.1, 0.2), 0.02)]
+    station = NextStation(scene, world, ("cube", "place"), "ball", goals)
+    for hip, over in (((0.1, 0.265, 0.0), 0.0), ((0.0, 0.11, 0.2), 0.3), ((0.0, 0.13, 0.2), 0.0)):
+        station.follow(np.array(hip))
+        np.testing.assert_allclose(mark.position, (over, 0.13, 0.2), atol=1e-9)
+    assert mark.visible
+
+
 @pytest.mark.parametrize("name", ["springs_and_magnets", "shaking_and_sticking"])
 def test_no_glass_that_bounds_the_hand_lies_before_a_caption(name):
     scene = load_scene(root() / "scenes" / "examples" / f"{name}.json")

@@ -143,7 +143,7 @@ def test_distance_is_off_the_straight_way_seen_from_above():
     carry.see(frame((-0.1, 0.03, 0.0), held=True))
     assert carry.see(frame((0.0, 0.3, 0.04), held=True)).distance == pytest.approx(0.04)
     assert carry.see(frame((0.13, 0.3, 0.04), held=True)).distance == pytest.approx(0.05), "beyond the mark: to it"
-    assert carry.see(frame((0.0, 0.3, 0.04))).distance == 0.0
+    assert carry.see(frame((0.0, 0.3, 0.04))).distance is None, "a hand without it is on no way"
 
 
 def test_stages_say_what_to_do_next():

@@ -84,9 +84,9 @@ def test_an_attempt_that_never_got_to_its_go_leaves_the_count_to_the_next() -> N
     assert ready_s(player, {1.0: "enter"})[1] == [3, 2, 1]
 
 
-def test_a_soft_start_may_take_its_time_after_the_count() -> None:
-    """The limit of the soft start counts from the go, not from the page."""
-    player = make_player(change=lambda frame, _: {"ramp": 0.5 if frame < 22.0 * FRAMES_A_SECOND else 1.0})
+def test_a_force_at_the_start_may_fade_after_the_count() -> None:
+    """The limit of the wait for the go counts from the count, not from the page."""
+    player = make_player(change=lambda frame, _: {"quiet_ticks": 0 if frame < 22.0 * FRAMES_A_SECOND else 100})
     duration, counted = ready_s(player, {1.0: "enter"})
     assert counted == [3, 2, 1] and player.manager.state == "travel" and duration > 20.0
 

@@ -25,8 +25,8 @@ FRAME_NS = 20_000_000
 
 
 def straight_ray(right, up):
-    """An eye that looks along -z; the window's rim is the rim of the reach."""
-    return (0.3 * right, 1.0 + 0.2 * up, 1.0), (0.0, 0.0, -1.0)
+    """An eye that looks along -z; nine tenths of the window are the reach."""
+    return (0.3 * right / 0.9, 1.0 + 0.2 * up / 0.9, 1.0), (0.0, 0.0, -1.0)
 
 
 def key(name, pressed=True, repeat=False):
@@ -107,7 +107,7 @@ def test_ray_just_steeper_than_grazing_stops_at_the_reach():
 
 def test_mouse_takes_the_last_place_of_a_frame():
     pointer = Pointer(PLANE, straight_ray)
-    state = play(pointer, frame(InputEvent("move", x=-1.0), InputEvent("move", x=0.5, y=-0.5)))
+    state = play(pointer, frame(InputEvent("move", x=-1.0), InputEvent("move", x=0.45, y=-0.45)))
     assert state.target_world == pytest.approx((0.15, 0.9, -0.5))
     assert state.active
 
@@ -290,7 +290,7 @@ def test_first_active_pointer_has_the_cursor_and_any_may_stop():
     assert pointer.target_world == (0.0, 0.0, 0.0) and pointer.active and pointer.stop
     inputs = Inputs(
         [SimulatedPatient(intent=False), Pointer(PLANE, straight_ray)],
-        window=PaperWindow([[InputEvent("move", x=0.5)]]),
+        window=PaperWindow([[InputEvent("move", x=0.45)]]),
     )
     assert inputs.poll(0).pointer.target_world[0] == pytest.approx(0.15)
 

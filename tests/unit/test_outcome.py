@@ -36,8 +36,10 @@ def ended(**task: Any) -> dict[str, Any]:
     return answer(completed=1, trials=2, counted="trials", score=45.0, time_s=4.0, **task)
 
 
-def run_before(time_s: float | None, score: float | None = None) -> EarlierRun:
-    return EarlierRun(Path("runs/before"), 2, 2, score, time_s)
+def run_before(time_s: float | None, score: float | None = None, **more: Any) -> EarlierRun:
+    """A run before, in which a trial of the same condition was finished in a time, or in none."""
+    times = {} if time_s is None else {"": time_s}
+    return EarlierRun(Path("runs/before"), 2, 2, score, time_s, **{"times": times, **more})
 
 
 @pytest.mark.parametrize(
@@ -54,6 +56,45 @@ def test_the_sentence_compares_with_the_last_run_that_has_a_time(before: float, 
     assert content.sentence == f"1 of 2 trials finished, {words}."
 
 
+TIME_OUT = {
+    "trial": 0,
+    "outcome": "timeout",
+    "time_s": 60.0,
+    "score": 0.0,
+    "happened": "Time is over: it was not picked up",
+}
+OF_OTHERS = [
+    run_before(None, 80.0),
+    run_before(5.0, 80.0, alike=False),
+    run_before(5.0, 80.0, times={"stiff": 5.0}),
+    run_before(5.0, 80.0, times={" parameter.radius=0.6": 5.0}),
+    run_before(5.0, 80.0, times={"": 5.0, "stiff": 7.0}),
+]
+"""Runs that finished nothing, played with another device, or finished trials of other conditions."""
+
+
+@pytest.mark.parametrize("before", OF_OTHERS)
+def test_nothing_is_compared_but_finished_trials_of_the_same_settings(before: EarlierRun) -> None:
+    content = result_content("Tunnel", ended(), ROWS, [before])
+    assert content.sentence == "1 of 2 trials finished." and "Best so far" not in dict(content.tiles)
+
+
+def test_a_time_out_is_told_as_it_was_and_has_neither_points_nor_a_time() -> None:
+    task = answer(completed=0, trials=1, counted="trials", score=0.0, time_s=60.0, contacts=0)
+    content = result_content("Market", task, [TIME_OUT], [run_before(50.0, 11.0)])
+    assert content.sentence == "Time is over: it was not picked up."
+    assert not {"Score of 100", "Best so far", "Time", "Mean time"} & set(dict(content.tiles))
+    assert dict(zip(content.head, content.rows[0], strict=True)) == {
+        "Trial": "1", "Result": "Time is over: it was not picked up", "Time": "60.0 s",
+    }  # fmt: skip
+
+
+def test_who_misses_some_is_told_what_was_missing() -> None:
+    rows = [*ROWS, {**TIME_OUT, "trial": 3}]
+    content = result_content("Market", ended(), rows, [])
+    assert content.sentence == "1 of 2 trials finished. Time is over: it was not picked up."
+
+
 def test_a_figure_that_does_not_apply_is_left_out() -> None:
     content = result_content("Tunnel", answer(contacts=1, counted="under way"), [], [])
     assert (
@@ -65,7 +106,7 @@ def test_a_figure_that_does_not_apply_is_left_out() -> None:
 
 def test_best_is_over_this_run_and_the_earlier_ones() -> None:
     tiles = dict(result_content("Tunnel", ended(), ROWS, [run_before(5.0, 71.0)]).tiles)
-    assert tiles["Score of 100"] == "45" and tiles["Best so far"] == "71" and tiles["Mean time"] == "4.0 s"
+    assert tiles["Score of 100"] == "45" and tiles["Best so far"] == "71" and tiles["Time"] == "4.0 s"
 
 
 def test_rows_are_in_words() -> None:

@@ -31,7 +31,7 @@ from mimics_app.recording.report_tables import contact_rows, governor_tables, pl
 from mimics_app.recording.report_values import Seconds, shown, thousands
 from mimics_app.recording.result_words import trial_lines
 from mimics_app.recording.run import Run
-from mimics_app.recording.trial_table import TrialTable
+from mimics_app.recording.trial_table import TrialTable, read_trials, table_text
 from mimics_app.tasks.kinds.registry import report_sections
 from tests.support.synthetic_run import RADIUS, bisector, samples_of_session, scene_block, write_synthetic_run
 
@@ -113,6 +113,11 @@ def _play(parent: Path, name: str, time_s: float, score: float, preset: str = "s
     manifest["summary"]["task"] = task
     (folder / "session.json").write_text(json.dumps(session))
     (folder / "manifest.json").write_text(json.dumps(manifest))
+    rows = [
+        {**row, "practice": False, "outcome": "finished", "time_s": time_s}
+        for row in read_trials(folder / "trials.csv")
+    ]
+    (folder / "trials.csv").write_bytes(table_text(rows))
     return folder
 
 

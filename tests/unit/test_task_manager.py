@@ -11,6 +11,7 @@ import pytest
 from mimics_app.contracts.haptic import Controller, EventKind, SafetyState, TripCause
 from mimics_app.contracts.messages import TaskAction
 from mimics_app.contracts.scenario_port import TaskContext
+from mimics_app.tasks.prompt import ABORTED_CAUSES
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.task_manager import TaskManager
 from tests.support.task_play import FRAME_NS, START, Player, make_manager
@@ -44,14 +45,14 @@ def test_each_state_has_its_controller_and_only_travel_lets_the_person_act():
         state = player.manager.state.value
         seen.setdefault(state, set()).add((player.scene["controller"], orders.person_may_act))
     assert seen["approach"] == {(Controller.JOINT_PD, False)}
-    assert seen["ready"] == {(Controller.ADMITTANCE, False)}
+    assert seen["ready"] == {(Controller.JOINT_PD, False)}
     assert seen["travel"] == {(Controller.ADMITTANCE, True)}
     assert seen["finished"] == seen["rest"] == seen["done"] == {(Controller.JOINT_PD, False)}
 
 
 def test_approach_aims_at_the_start_and_holding_at_where_the_robot_is():
     player = Player(make_manager(two_trials()))
-    player.step()
+    player.until("ready")
     assert player.scene["target"] == START
     player.until("travel")
     end = np.array([0.1, 0.3, -0.1])
@@ -109,14 +110,117 @@ def test_a_robot_that_is_not_ready_has_not_arrived():
     assert player.manager.state == "approach"
 
 
-def test_travel_waits_for_the_soft_start():
+def test_travel_waits_until_no_force_pushes_at_the_start():
     player = Player(make_manager(task()))
     player.until("ready")
     for _ in range(120):
-        player.step(ramp=0.99)
+        player.step(quiet_ticks=99)
     assert player.manager.state == "ready"
-    player.step(ramp=1.0)
+    player.step(quiet_ticks=100)
     assert player.manager.state == "travel"
+
+
+def test_until_the_go_the_robot_holds_the_start():
+    player = Player(make_manager(task()))
+    player.until("ready")
+    while player.manager.state == "ready":
+        assert (player.scene["controller"], player.scene["target"]) == (Controller.JOINT_PD, START)
+        assert not player.orders[-1].person_may_act and player.orders[-1].view.robot_leads
+        player.step()
+    assert player.scene["controller"] == Controller.ADMITTANCE
+
+
+def test_a_start_that_is_not_held_has_no_go():
+    player = Player(make_manager(task(start={"limit_s": 2.0, "attempts": 1})))
+    player.until("ready")
+    player.change = lambda frame, p: {"q": np.array(START) + [0.006, 0.0, 0.0]}
+    player.until("done")
+    assert [row["cause"] for row in player.manager.rows] == ["start not held"]
+
+
+@pytest.mark.parametrize(
+    ("after", "announced"), [("begin", True), ("aborted", True), ("stopped", True), ("rest", False)]
+)
+def test_the_drive_to_the_start_is_announced(after, announced):
+    """A second in which the robot holds where it is and the line says what comes; the rest has said it already."""
+    away = np.array([0.05, 0.1, 0.0])
+    player = Player(make_manager(two_trials()))
+    if after != "begin":
+        player.until("travel")
+        player.q = away
+        player.step(**(STOPPED if after == "stopped" else {}))
+        if after == "aborted":
+            player.manager._least_s = 1e9
+        player.until("approach")
+    else:
+        player.q = away
+        player.step()
+    held_s = 0.0
+    while player.manager.state == "approach" and player.scene["target"] == tuple(away):
+        assert (
+            player.scene["controller"] == Controller.JOINT_PD
+            and "moves to the start" in player.orders[-1].board.message
+        )
+        held_s += FRAME_NS / 1e9
+        player.step()
+    assert held_s == pytest.approx(1.0 if announced else 0.0, abs=0.02)
+    assert player.scene["target"] == START
+
+
+def limp(**task_fields):
+    """A player whose hand does no work on the handle, though everything else goes as if it travelled."""
+    return Player(make_manager(task(**task_fields)), change=lambda frame, p: {"own_work": 0.004})
+
+
+@pytest.mark.parametrize("goal", [{"kind": "progress"}, {"kind": "point", "position_world": [0, 0, 0], "within": 1.0}])
+def test_a_limp_hand_reaches_no_goal(goal):
+    player = limp(goals=[goal], time_limit_s=6.0)
+    player.until("done")
+    (row,) = player.manager.rows
+    assert (row["outcome"], row["score"] or 0.0) == ("timeout", 0.0)
+    assert row["happened"] == "Time is over: the hand did nothing"
+
+
+def test_a_limp_hand_in_a_task_of_a_duration_ends_with_its_time():
+    player = limp(goals=[{"kind": "duration", "seconds": 2.0}], time_limit_s=6.0)
+    player.until("done")
+    (row,) = player.manager.rows
+    assert row["outcome"] == "timeout" and row["time_s"] == pytest.approx(2.0, abs=0.05)
+
+
+def test_a_passive_task_says_so_and_may_end_well():
+    player = limp(passive=True)
+    player.until("done")
+    assert [row["outcome"] for row in player.manager.rows] == ["finished"]
+
+
+def test_assistance_that_leads_waits_for_the_hand_and_rises():
+    help_ = {"min": 0.0, "max": 3.0, "default": 2.0, "maps": [{"to": "haptic.tunnel.advance"}]}
+    player = Player(
+        make_manager(task(parameters={"help": help_})), speed=0.0, change=lambda frame, p: {"own_work": 0.0}
+    )
+    player.until("travel")
+    for _ in range(60):
+        assert player.scene["tunnel.advance"] == 0.0
+        player.step()
+    player.change = lambda frame, p: {"own_work": 0.006}
+    given = [player.step().haptic.get("tunnel.advance") for _ in range(40)]
+    rise = np.diff([value for value in given if value is not None])
+    assert given[0] < 0.1 and max(rise) < 0.1 and player.scene["tunnel.advance"] == 2.0
+    player.until("done")
+
+
+def test_a_goal_reached_faster_than_the_way_allows_does_not_count():
+    """A metre at no more than 0.5 m/s takes two seconds."""
+    for speed, outcome in ((0.6, "aborted"), (0.4, "finished")):
+        spec = task(start={"attempts": 1}, goals=[{"kind": "progress", "at_least": 1.0}])
+        context = TaskContext(START, path_m=1.0, fastest=0.5, offers=frozenset({"tunnel"}))
+        player = Player(TaskManager(spec, context, 1), speed=speed)
+        player.until("aborted" if outcome == "aborted" else "finished")
+        assert "does not count" in player.orders[-1].board.message or outcome == "finished"
+        (row,) = player.manager.rows
+        assert (row["outcome"], row["cause"]) == (outcome, "" if outcome == "finished" else ABORTED_CAUSES["travel"])
+        assert row["score"] is None or outcome == "finished"
 
 
 def test_start_never_reached_is_aborted_tried_again_and_given_up():
@@ -129,10 +233,11 @@ def test_start_never_reached_is_aborted_tried_again_and_given_up():
     assert player.manager.result() == {"completed": 0, "trials": 2}  # nobody was let go: nothing was measured
 
 
-def test_soft_start_never_over_is_aborted():
-    player = Player(make_manager(task(start={"limit_s": 2.0, "attempts": 1})), change=lambda frame, p: {"ramp": 0.5})
+def test_a_force_that_always_pushes_at_the_start_aborts():
+    spec = task(start={"limit_s": 2.0, "attempts": 1})
+    player = Player(make_manager(spec), change=lambda frame, p: {"quiet_ticks": 0})
     player.until("done")
-    assert [row["cause"] for row in player.manager.rows] == ["soft start not over"]
+    assert [row["cause"] for row in player.manager.rows] == ["start not held"]
 
 
 def test_goal_exactly_at_its_limit_counts():
@@ -337,7 +442,9 @@ def test_a_task_without_a_way_has_no_progress_no_path_error_and_no_score():
     assert {row[name] for name in ("path_error_rms_m", "path_error_max_m", "progress", "score")} == {None}
     assert list(player.manager.result()) == ["completed", "trials", "time_s", "contacts", "path_m", "counted"]
     board = player.orders[-1].board
-    assert board.message == "Finished" and not {"score", "progress"} & set(board.cards)
+    assert board.message == "The session is over: 1 of 1 trial finished" and not {"score", "progress"} & set(
+        board.cards
+    )
 
 
 def test_a_trial_that_was_stopped_has_ended_and_is_not_completed():
@@ -461,3 +568,19 @@ def test_hud_names_and_own_messages_with_foreign_braces():
     assert orders.board.message == "Trial 1 of 1 {x.__class__}"
     assert set(orders.board.cards) >= {"progress", "time", "contacts", "force", "score", "state", "trial"}
     assert (orders.view.state, orders.view.trial, orders.view.trials) == ("ready", 1, 1)
+
+
+def test_the_times_of_a_row_are_those_of_its_travel_and_of_an_attempt_without_one_those_of_its_approach():
+    """The journal's events of the states are the judge; the approach before takes longer than the travel."""
+    entered = []
+    spec = two_trials(start={"ready_s": 3.0, "attempts": 1, "limit_s": 5.0})
+    player = Player(make_manager(spec, on_event=lambda kind, data: entered.append((kind, data))), speed=0.6)
+    player.until("rest")
+    player.change = lambda frame, p: {"q": np.array([0.1, 0.1, 0.1])}
+    player.until("done")
+    first, second = player.manager.rows
+    began = {(data["trial"], data["state"]): data["t_ns"] for kind, data in entered if kind == "state"}
+    assert (first["begin_ns"], first["end_ns"]) == (began[0, "travel"], began[0, "finished"])
+    assert first["time_s"] == pytest.approx((began[0, "finished"] - began[0, "travel"]) / 1e9)
+    assert first["begin_ns"] - began[0, "approach"] > 1e9 * first["time_s"] > 1e9
+    assert (second["outcome"], second["begin_ns"]) == ("aborted", began[1, "approach"])

@@ -38,6 +38,8 @@ _HEIGHT = 62.0
 _GAP = 12.0
 _COUNT, _COUNT_SIZE = 180.0, 120.0
 """Diameter of the disc of a countdown, and height of its digit [hud px]."""
+_NEUTRAL = 46.0
+"""Diameter of the ring at the middle of a lever [hud px]."""
 _TEXT, _LINE = 30.0, 38.0
 """Font size and line spacing of a message [hud px]."""
 
@@ -70,7 +72,7 @@ class BoardLayout:
             keys: Page of keys, () for none.
         """
         cards = tuple((name, board.cards[name]) for name in show if name in board.cards)
-        said = (board.message, board.alarm, board.count)
+        said = (board.message, board.alarm, board.count, board.neutral)
         wanted = (id(hud), cards, said, force_full, hud.width, hud.height, tuple(keys))
         if self._laid == (wanted, hud.revision):
             return
@@ -83,6 +85,8 @@ class BoardLayout:
             x += card.width + _GAP
         if rows:
             hud.extend(_by_kind(np.concatenate(rows)))
+        if board.neutral is not None:
+            _draw_neutral(hud, board.neutral)
         if board.message:
             panel = _ALARM_PANEL if board.alarm else _PANEL
             hud.extend(self._rows("", hud, (_draw_message, board.message, panel, hud.width)))
@@ -146,6 +150,12 @@ def _draw_count(hud: Hud, count: int) -> None:
     x, y = 0.5 * hud.width, 0.5 * hud.height
     hud.box(x - 0.5 * _COUNT, y - 0.5 * _COUNT, _COUNT, _COUNT, _PANEL, radius=0.5 * _COUNT)
     hud.text(x, y - 0.36 * _COUNT_SIZE, str(count), _COUNT_SIZE, INK, bold=True, align="centre")
+
+
+def _draw_neutral(hud: Hud, place: tuple[float, float]) -> None:
+    """Draw the ring at which the pointer asks for nothing."""
+    x, y = 0.5 * hud.width * (1.0 + place[0]), 0.5 * hud.height * (1.0 + place[1])
+    hud.box(x - 0.5 * _NEUTRAL, y - 0.5 * _NEUTRAL, _NEUTRAL, _NEUTRAL, INK, radius=0.5 * _NEUTRAL, border=3.0)
 
 
 def _draw_message(hud: Hud, message: str, panel: Colour, canvas_width: float) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 from mimics_app.contracts.trial_counts import COUNTED_TRIALS
 from mimics_app.recording.history import EarlierRun
-from mimics_app.recording.result_words import mean_time, result_sentence, trial_lines
+from mimics_app.recording.result_words import finished_time, of_same_settings, result_sentence, trial_lines
 from mimics_app.rendering.visual.figures.key_page import Keys
 from mimics_app.rendering.visual.launcher.result_page import Button, ResultContent
 
@@ -42,8 +42,8 @@ def result_content(
     head, lines = trial_lines(rows)
     return ResultContent(
         title=title,
-        sentence=result_sentence(task, earlier),
-        tiles=_tiles(task, earlier),
+        sentence=result_sentence(task, rows, earlier),
+        tiles=_tiles(task, rows, earlier),
         head=head,
         rows=lines,
         buttons=_BUTTONS if answer.get("report") else tuple(each for each in _BUTTONS if each.name != "report"),
@@ -52,16 +52,23 @@ def result_content(
     )
 
 
-def _tiles(task: Mapping[str, Any], earlier: Sequence[EarlierRun]) -> list[tuple[str, str]]:
-    """Return the totals that apply; the best score is that of this run and the earlier ones."""
+def _tiles(
+    task: Mapping[str, Any], rows: Sequence[Mapping[str, Any]], earlier: Sequence[EarlierRun]
+) -> list[tuple[str, str]]:
+    """Return the totals that apply.
+
+    Points and time are those of finished trials; the best score is that of this run and of earlier ones with the same
+    settings.
+    """
     if task.get("counted") != COUNTED_TRIALS:
         return []
     tiles = []
-    if "score" in task:
-        best = max([task["score"], *(run.score for run in earlier if run.score is not None)])
-        tiles += [("Score of 100", f"{task['score']:.0f}"), ("Best so far", f"{best:.0f}")]
-    if (time_s := mean_time(task)) is not None:
-        tiles.append(("Mean time" if task["trials"] > 1 else "Time", f"{time_s:.1f} s"))
+    if "score" in task and task.get("completed"):
+        alike = [run.score for run in of_same_settings(rows, earlier) if run.score is not None]
+        tiles.append(("Score of 100", f"{task['score']:.0f}"))
+        tiles += [("Best so far", f"{max([task['score'], *alike]):.0f}")] if alike else []
+    if (time_s := finished_time(rows)) is not None:
+        tiles.append(("Mean time" if task["completed"] > 1 else "Time", f"{time_s:.1f} s"))
     if task.get("contacts") or ("contacts" in task and "path_error_m" in task):
         tiles.append(("Contacts", f"{task['contacts']}"))
     if "placed" in task:

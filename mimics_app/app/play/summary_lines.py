@@ -39,9 +39,8 @@ def summary_lines(answer: Mapping[str, Any]) -> list[str]:
 def _trials(task: Mapping[str, Any]) -> str:
     trials = task["trials"]
     if trials:
-        return "; ".join(
-            [f"{task['completed']} of {counted(trials, 'trials')} finished", *_points_and_time(task, trials)]
-        )
+        figures = _points_and_time(task, trials) if task["completed"] else []
+        return "; ".join([f"{task['completed']} of {counted(trials, 'trials')} finished", *figures])
     under_way = "time_s" in task and not _is_practice(task)
     return "no trial ended" + (f"; {task['time_s']:.1f} s under way" if under_way else "")
 
@@ -65,7 +64,8 @@ def _practice(task: Mapping[str, Any]) -> list[tuple[str, str]]:
     practice = task.get("practice")
     if practice is None:
         return []
-    figures = _points_and_time(task, practice["trials"]) if _is_practice(task) else []
+    measured = _is_practice(task) and practice["completed"]
+    figures = _points_and_time(task, practice["trials"]) if measured else []
     return [
         (
             "practice",

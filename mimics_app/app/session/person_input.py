@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from mimics_app.app.session.core import simulated_person
 from mimics_app.app.session.session import Session
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.input_port import Ray
+from mimics_app.contracts.scenario_port import Scenario
 from mimics_app.contracts.window_input import GamepadState, InputEvent
 from mimics_app.inputs.interaction.plane import FrontalPlane
 from mimics_app.inputs.interaction.pointer import Pointer, PointerSettings
@@ -18,11 +20,12 @@ from mimics_app.inputs.stage import Inputs
 from mimics_app.maths import mat
 from mimics_app.rendering.haptic.devices.robot_reach import Reach
 from mimics_app.world.components.robot import Ball, Robot
+from mimics_app.world.scene.scene import Scene
 
 if TYPE_CHECKING:
     from mimics_app.app.picture.picture import Picture
 
-__all__ = ["person_inputs", "ray_to_the_hand"]
+__all__ = ["person_inputs", "pointer_plane", "ray_to_the_hand"]
 
 _LEAST_HALF = 0.1
 """Smallest half width and half height of the plane of the cursor [m]."""
@@ -31,24 +34,39 @@ _LEAST_HALF = 0.1
 def person_inputs(session: Session) -> Inputs:
     """Return the input stage of a window; the cursor moves in the frontal plane through the robot's centre.
 
+    Where the hand is a lever, the middle of the plane is the start of a trial.
+
     With a robot that runs in real time the person moves the robot, and only the stops of the mouse count; the simulated
     person of an emulated robot follows the target of the scene.
     """
     picture = session.picture
     if picture is None:
         raise RuntimeError("a person needs a window")
-    robot, ball = session.scene.first(Robot) or Robot(), session.scene.first(Ball)
-    centre = robot.robot_to_world.translation
-    half_width, half_height = _half_sizes(Reach(robot))
-    plane = FrontalPlane(centre, half_width=half_width, half_height=half_height)
+    ball, lever = session.scene.first(Ball), session.tasks.lever
+    plane = pointer_plane(session.scene, session.scenario, lever=lever)
     settings = PointerSettings() if ball is None else PointerSettings(grasp_full=ball.grasp_force_full)
 
     def ray(right: float, up: float) -> Ray | None:
         return ray_to_the_hand(picture.ray(right, up), session.scenario.hand_frame())
 
-    at_mouse = Pointer(plane, ray, settings)
+    at_mouse = Pointer(plane, ray, settings, lever=lever)
     on_robot = [simulated_person(session.scene, session.scenario)] if session.haptics.plugin.real_time else []
     return Inputs([*on_robot, at_mouse], session.inputs.signals, window=_WindowAndHands(picture))
+
+
+def pointer_plane(scene: Scene, scenario: Scenario, *, lever: bool) -> FrontalPlane:
+    """Return the plane of the cursor, through the centre of the robot's workspace; of a lever through its middle."""
+    robot = scene.first(Robot) or Robot()
+    centre = _start(robot, scenario) if lever else robot.robot_to_world.translation
+    half_width, half_height = _half_sizes(Reach(robot))
+    return FrontalPlane(centre, half_width=half_width, half_height=half_height)
+
+
+def _start(robot: Robot, scenario: Scenario) -> Vec3:
+    """Return the place of the hand at the start of a trial, world [m]."""
+    place = Reach(robot).points(np.array(scenario.task_context.start_joints))[0]
+    x, y, z = np.array(robot.robot_to_world.rotation) @ place + np.array(robot.robot_to_world.translation)
+    return float(x), float(y), float(z)
 
 
 def ray_to_the_hand(ray: Ray | None, world_from_hand: NDArray[np.float64] | None) -> Ray | None:

@@ -89,6 +89,7 @@ class Preparation:
             simulated=not self.live,
             limb=(self.plugin.descriptor or HAPTICMASTER).contacts[0],
             by_pointer=self.robot.device == POINTER,
+            fastest=float(self.parameter_store.block["velocity_limit"][0]),
             introduced=self.live and self.settings.journey is not None,
         )
 

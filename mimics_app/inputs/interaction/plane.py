@@ -35,10 +35,10 @@ class FrontalPlane:
     half_width: float = 0.3
     half_height: float = 0.2
 
-    def meet(self, ray: Ray | None) -> Vec3 | None:
-        """Return the intersection of a ray with the plane, clamped to the rectangle [m].
+    def crossing(self, ray: Ray | None) -> tuple[float, float] | None:
+        """Return where a ray crosses the plane, to the right and up of the centre [m].
 
-        None without one in front of the camera, or at a grazing angle.
+        None without a crossing in front of the camera, or at a grazing angle.
         """
         if ray is None:
             return None
@@ -53,7 +53,13 @@ class FrontalPlane:
         distance = _dot(_minus(self.centre, origin), normal) / slope
         if not 0.0 <= distance < math.inf:
             return None
-        return self.clamp(_plus(origin, direction, distance / length))
+        offset = _minus(_plus(origin, direction, distance / length), self.centre)
+        return _dot(offset, self.right), _dot(offset, self.up)
+
+    def meet(self, ray: Ray | None) -> Vec3 | None:
+        """Return where a ray crosses the plane, clamped to the rectangle [m]; None where `crossing` has none."""
+        here = self.crossing(ray)
+        return None if here is None else self.clamp(self.at(*here))
 
     def clamp(self, point: Vec3) -> Vec3:
         """Return the point of the rectangle nearest to a point [m]."""

@@ -11,6 +11,7 @@ from mimics_app.contracts.input_port import RayFromWindow, WindowFrame
 from mimics_app.contracts.messages import Aim, PointerState
 from mimics_app.inputs.interaction.grasp import GraspControl
 from mimics_app.inputs.interaction.plane import FrontalPlane
+from mimics_app.inputs.interaction.window_reach import levered, pointed
 
 __all__ = ["Pointer", "PointerSettings", "StickResponse"]
 
@@ -73,20 +74,28 @@ class PointerSettings:
 class Pointer:
     """A `PointerSource` for a person at a window.
 
-    The mouse is absolute: the cursor is where its ray meets the plane. The plane lies at the depth of the present
-    target, so that a flat device reaches every target. Arrow keys and sticks are relative: they move the cursor at a
-    speed, within reach. The last one used counts. Space or gamepad B requests a stop in the frame it is pressed and as
-    long as it is held. `active` is False before the first movement.
+    The mouse is absolute: the cursor is where its ray meets the plane, stretched where a part of the reach is not in
+    the window (see `window_reach`); of a lever it is the deflection from the window's centre. The plane lies at the
+    depth of the present target, so that a flat device reaches every target. Arrow keys and sticks are relative: they
+    move the cursor at a speed, within reach. The last one used counts. Space or gamepad B requests a stop in the frame
+    it is pressed and as long as it is held. `active` is False before the first movement.
 
     Args:
         plane: Plane of the cursor.
         ray_from_window: Ray of the view through a point of the window.
         settings: Speeds, response curve and grasp force.
+        lever: True where the hand is a lever, whose deflection from the plane's centre counts, and not its place.
     """
 
     def __init__(
-        self, plane: FrontalPlane, ray_from_window: RayFromWindow, settings: PointerSettings | None = None
+        self,
+        plane: FrontalPlane,
+        ray_from_window: RayFromWindow,
+        settings: PointerSettings | None = None,
+        *,
+        lever: bool = False,
     ) -> None:
+        self._lever = lever
         self._plane = plane
         self._ray = ray_from_window
         self._settings = settings or PointerSettings()
@@ -130,7 +139,9 @@ class Pointer:
 
     def _aim(self, place: tuple[float, float] | None) -> None:
         """Move the cursor to the last mouse position of a frame, unless its ray misses the plane."""
-        point = self._plane.meet(self._ray(*place)) if place else None
+        if place is None:
+            return
+        point = levered(self._plane, *place) if self._lever else pointed(self._plane, self._ray, *place)
         if point is not None:
             self._cursor, self._active = point, True
 

@@ -17,6 +17,8 @@ from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.scenarios.parts.body_nodes import BodyNodes
 from mimics_app.scenarios.parts.next_station import NextStation
 from mimics_app.scenarios.parts.robot_scene import SPACING, Places, even_points, robot_block, robot_facts, start_at
+from mimics_app.tasks.scene_section import task_of
+from mimics_app.tasks.task import PointGoal
 from mimics_app.world.components.objects import HapticObject, HapticPath, InteractionPoints
 from mimics_app.world.components.robot import Ball, Patient, Robot
 from mimics_app.world.meshes.primitives import tube
@@ -36,7 +38,7 @@ class TouchScene(Scenario):
     """Everything that components alone say (D2.1 4.2.12).
 
     A trial begins where the entity with the `ball` stands. The simulated person goes to the entities its component
-    names, in turn; without names along the paths, else to every haptic object.
+    names, in turn; without names along the paths, else to every haptic object; then to the points of the task's goals.
 
     Args:
         scene: The checked scene; needs a `robot`.
@@ -65,7 +67,9 @@ class TouchScene(Scenario):
         self._show_paths()
         patient = scene.first(Patient)
         visits = patient.visits if patient is not None else ()
-        self._next = NextStation(scene, world, visits, balls[0][0] if balls else "")
+        self._goals = [goal for goal in task_of(scene).goals if isinstance(goal, PointGoal)]
+        aims = [(goal.position_world, goal.within) for goal in self._goals]
+        self._next = NextStation(scene, world, visits, balls[0][0] if balls else "", aims)
 
     @property
     def task_context(self) -> TaskContext:
@@ -111,6 +115,7 @@ class TouchScene(Scenario):
                 points += list(even_points(curve_of_path(self._scene, name)))
             else:
                 points.append(pose_of(self._scene, name)[0])
+        points += [np.array(goal.position_world) for goal in self._goals]
         return points
 
     def _reachable(self, point: NDArray[np.float64]) -> NDArray[np.float64]:

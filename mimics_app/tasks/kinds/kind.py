@@ -123,6 +123,11 @@ class KindPlay:
         return ""
 
     @property
+    def lever(self) -> bool:
+        """Whether the hand is a lever: its deflection from where the travel began counts, and not its place."""
+        return False
+
+    @property
     def measures(self) -> Values:
         """Measures of the travel so far: a value for each column of `TaskKind.measures`."""
         return {}
@@ -151,6 +156,10 @@ class KindPlay:
     def travel(self, seen: Observation, seconds: float) -> None:
         """Take a frame of the travel with its duration [s]; called after `see`."""
 
+    def way(self, goal: Component, seen: Observation) -> float:
+        """Return the shortest way of the hand to a goal from where the travel begins [m]; 0 where there is none."""
+        return 0.0
+
     def holds(self, goal: Component, seen: Observation) -> bool:
         """Whether a goal of this kind is met in this frame, its hold time aside."""
         raise TypeError(f"{type(self).__name__} has no goals")
@@ -158,6 +167,16 @@ class KindPlay:
     def happens(self, condition: Component, seen: Observation) -> bool:
         """Whether the condition of a trigger of this kind begins in this frame."""
         raise TypeError(f"{type(self).__name__} has no conditions")
+
+    def told(self, row: Mapping[str, object], *, finished: bool) -> str:
+        """Return in words how a travel ended, "" for the task's own words.
+
+        Args:
+            row: Measures by column of the trial table.
+            finished: True: a sentence without its full stop, e.g. "Goal reached in 8.3 s"; False, when the time was
+                over: what is missing, e.g. "80 % of the tunnel done".
+        """
+        return ""
 
     def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:
         """Cards for the board by name; `finished` trials have reached their goal."""
@@ -180,6 +199,7 @@ class TaskKind(ABC):
         journals: Kinds of the journal lines from `take_events`, which a replay compares.
         label: Caption of the progress card.
         contacts: Caption of the card that counts contacts.
+        touches: Whether the hand can touch something, so that contacts are counted.
         implied: Whether it also takes scenes whose task does not name it; another kind of the same task then gives the
             captions and the report.
         report: Its section in the report of a run, or None.
@@ -197,6 +217,7 @@ class TaskKind(ABC):
     journals: ClassVar[tuple[str, ...]] = ()
     label: ClassVar[str] = "Progress"
     contacts: ClassVar[str] = "Contacts"
+    touches: ClassVar[bool] = True
     implied: ClassVar[bool] = False
     report: ClassVar[ReportSection | None] = None
 

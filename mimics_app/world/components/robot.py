@@ -162,7 +162,10 @@ class Patient(Component, frozen=True):
 
 @component("next_mark")
 class NextMark(Component, frozen=True):
-    """A mark over the next of the entities that `patient` names, in turn; hidden where there is none."""
+    """A mark over the point that is the task's goal, else the next of the entities that `patient` names, in turn.
+
+    It is hidden where there is neither.
+    """
 
     above: Annotated[Reach, Meta(description="Height over the top of the entity's body [m]")] = 0.03
     within: Annotated[Reach, Meta(description="Distance to the body's outline that counts as reached [m]")] = 0.02

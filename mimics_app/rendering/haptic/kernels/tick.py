@@ -21,6 +21,7 @@ from mimics_app.rendering.haptic.kernels.contacts import (
     share_device_state,
 )
 from mimics_app.rendering.haptic.kernels.drive import control, note_arrival
+from mimics_app.rendering.haptic.kernels.extremes import follow_extremes, forget_extremes
 from mimics_app.rendering.haptic.kernels.jumps import note_jump, note_lag
 from mimics_app.rendering.haptic.kernels.objects.object_inputs import write_object_inputs
 from mimics_app.rendering.haptic.kernels.objects.published import sum_motions
@@ -48,13 +49,14 @@ __all__ = ["tick"]
 
 @kernel
 def _begin_tick(scene: SceneRecord, objects: ObjectWork, state: StateRecord) -> None:
-    """Note whether parameters changed; a new trial restarts the tracking of the tunnels."""
+    """Note whether parameters changed; a new trial restarts the tracking of the tunnels and the extremes."""
     state.tripped = 0
     state.parameters_taken = 1 if scene.sequence != state.sequence else 0
     state.sequence = scene.sequence
     if scene.trial != state.trial:
         state.trial = scene.trial
         forget_tunnels(objects.tunnels, state)
+        forget_extremes(state)
 
 
 @kernel
@@ -176,6 +178,7 @@ def tick(
     step_safety(scene, states, status, stop_word, held, dt)
     stepped = state.safety
     _act_on_user(scene, objects, states, held, period, dt)
+    follow_extremes(scene, states, dt)
     _watch_stability(scene, objects, states, period, dt)
     control(kin, scene, states, held, dt)
     if state.safety != stepped:  # force, stability or controller latched a stop

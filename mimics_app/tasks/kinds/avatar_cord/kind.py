@@ -144,6 +144,9 @@ class AvatarCordPlay(KindPlay):
             if self._asking.done:
                 self._enter(_Phase.OVER, seen.now_ns)
 
+    def told(self, row: Mapping[str, object], *, finished: bool) -> str:
+        return "All questions are answered" if finished else "the questions are not all answered"
+
     def holds(self, goal: Component, seen: Observation) -> bool:
         return self._phase is _Phase.OVER
 
@@ -249,6 +252,7 @@ class AvatarCordKind(TaskKind):
     section = AvatarCordSpec
     goals: ClassVar[tuple[type[Component], ...]] = (ExperimentGoal,)
     label = "Taps"
+    touches = False
     cards = ("taps",)
     scored = False
     journals = ("phase", "tap_felt", "tap_seen", "threat", "answer")

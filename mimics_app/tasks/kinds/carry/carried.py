@@ -17,6 +17,8 @@ _LOST_S = 2.0
 """Time out of reach after which the object falls again [s]."""
 _NEAR = 0.02
 """Distance from the object's centre at which the hand may close [m]."""
+_FROM_OUTSIDE = 0.1
+"""Distance from the object's centre at which any hand has surely reached it [m]."""
 _SHARE_OF_REACH = 0.3
 """Progress when the object is in the hand."""
 _FIRST_SPAWN = 2
@@ -46,7 +48,7 @@ class CarriedFrame:
         held: It is in the hand.
         grasp_error: Deviation of the grasp force from the right range, while it is held [N].
         progress: Share of the path, 0-1.
-        distance: Horizontal distance from the straight path [m], while it is held.
+        distance: Horizontal distance from the straight path [m]; None while it is not held.
         stage: Next step of the person.
     """
 
@@ -59,7 +61,7 @@ class CarriedFrame:
     held: bool = False
     grasp_error: float = 0.0
     progress: float = 0.0
-    distance: float = 0.0
+    distance: float | None = None
     stage: Stage = Stage.REACH
 
 
@@ -99,6 +101,19 @@ class Carried:
         self._restart()
         self._fall()
 
+    @property
+    def picked(self) -> bool:
+        """Whether it was in the hand in this attempt."""
+        return self._picked_at is not None
+
+    def way(self, seen: Observation) -> float:
+        """Return the way of the hand to the object and with it to the mark, level for the latter [m]."""
+        place = seen.bodies.get(self._spec.body)
+        if place is None:
+            return 0.0
+        reach = max(0.0, math.dist(seen.ball_world, place) - _FROM_OUTSIDE)
+        return reach + max(0.0, _level(place, self._target) - self.within)
+
     def see(self, seen: Observation) -> CarriedFrame | None:
         """Take a frame and return the object's state; None while the loop has not placed it."""
         place = seen.bodies.get(self._spec.body)
@@ -126,7 +141,7 @@ class Carried:
             held=held,
             grasp_error=self._grasp_error(seen.grasp) if held else 0.0,
             progress=self._progress(seen.ball_world, place, held=held, at_mark=at_mark),
-            distance=self._off_line(place) if held else 0.0,
+            distance=self._off_line(place) if held else None,
             stage=self._stage(seen.ball_world, place, held=held, at_mark=at_mark),
         )
 

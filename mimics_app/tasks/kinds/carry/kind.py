@@ -109,6 +109,15 @@ class _CarryPlay(KindPlay):
             self._held_s += seconds
             self._squared_error_s += seconds * self._now.grasp_error**2
 
+    def told(self, row: Mapping[str, object], *, finished: bool) -> str:
+        body = self._spec.body.replace("_", " ")
+        if finished:
+            return f"The {body} is at its mark, in {row['time_s']:.1f} s"
+        return f"the {body} was not {'set down at its mark' if self._carried.picked else 'picked up'}"
+
+    def way(self, goal: Component, seen: Observation) -> float:
+        return self._carried.way(seen)
+
     def holds(self, goal: Component, seen: Observation) -> bool:
         return self._now.placed
 

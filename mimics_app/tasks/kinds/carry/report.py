@@ -8,19 +8,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.report_section import Curve, Marks, ReportedAttempt, ReportSection, Traces, frontal
 
 __all__ = ["CarrySection"]
 
 
 class CarrySection(ReportSection):
-    """Path of the empty hand blue, that of the hand with the object orange, the mark green.
+    """Path of the empty hand blue, that of the hand with the object orange, mark and obstacles green.
 
-    Facts under "carry": body, row, mark_world [m], within_m, grasp_n [N].
+    Facts under "carry": body, row, mark_world [m], within_m, grasp_n [N]; above_m: height of the middle of the object
+    above what it lies on [m]; obstacles: left, bottom, right, top of each [m]. Older recordings lack the last two.
     """
 
     heading = "Carrying"
-    colours = "The path of the empty hand is blue, that of the hand with the object orange, the mark green."
+    colours = (
+        "The path of the empty hand is blue, that of the hand with the object orange. Green is where the middle of the "
+        "object lies at its mark, and the outline of the obstacles."
+    )
     path_error = "distance from the straight line"
     from_floor = True
 
@@ -37,9 +42,17 @@ class CarrySection(ReportSection):
         }
 
     def behind(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Curve]:
-        mark, within = np.array(facts["carry"]["mark_world"], np.float64), float(facts["carry"]["within_m"])
-        ends = np.array([[mark[0] - within, mark[1]], [mark[0] + within, mark[1]]])
-        return [Curve(ends, "wall", "mark")]
+        carry = facts["carry"]
+        mark, within = np.array(carry["mark_world"], np.float64), float(carry["within_m"])
+        height = mark[1] + float(carry.get("above_m", 0.0))
+        ends = np.array([[mark[0] - within, height], [mark[0] + within, height]])
+        shown = int(attempt.row.get("parameter.obstacles", len(carry.get("obstacles", ()))))
+        outlines = [_outline(box) for box in carry.get("obstacles", ())[:shown]]
+        labels = ["obstacle", *[""] * len(outlines)]
+        return [
+            Curve(ends, "wall", "mark"),
+            *(Curve(o, "wall", label) for o, label in zip(outlines, labels, strict=False)),
+        ]
 
     def hand(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Curve]:
         path, held = frontal(attempt), _is_held(attempt, facts)
@@ -71,6 +84,12 @@ class CarrySection(ReportSection):
                 "binormal": ("forwards", grip[:, 2]),
             },
         }
+
+
+def _outline(box: Sequence[float]) -> F8:
+    left, bottom, right, top = box
+    corners = [[left, bottom], [left, top], [right, top], [right, bottom], [left, bottom]]
+    return np.array(corners, np.float64)
 
 
 def _is_held(attempt: ReportedAttempt, facts: Mapping[str, Any]) -> NDArray[np.bool_]:

@@ -79,12 +79,21 @@ class CityWalkPlay(KindPlay):
         return {"walk.along": round(self._along, 4), "walk.speed": round(self._speed, 4)}
 
     @property
+    def lever(self) -> bool:
+        return True
+
+    @property
     def prompt(self) -> str:
         return "" if self._along > 0.0 else "Raise the hand to walk, lower it to stop; aside to look about"
 
     @property
     def measures(self) -> Values:
         return {"walked_m": self._along, "walk_speed_mps": self._along / self._seconds if self._seconds else None}
+
+    def told(self, row: Mapping[str, object], *, finished: bool) -> str:
+        if finished:
+            return f"{self._along:.0f} m walked in {row['time_s']:.0f} s"
+        return f"{self._along:.0f} of {self._metres:.0f} m walked"
 
     def holds(self, goal: Component, seen: Observation) -> bool:
         assert isinstance(goal, Walked)
@@ -116,6 +125,7 @@ class CityWalkKind(TaskKind):
     completes = "walks"
     cards = ("speed", "walked")
     label = "Path"
+    touches = False
     report = CityWalkSection()
 
     def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:

@@ -115,12 +115,21 @@ class GuidedWalkPlay(KindPlay):
         return {**dict(zip(PLACES, places, strict=True)), "walk.deed": int(self._guide.deed)}
 
     @property
+    def lever(self) -> bool:
+        return True
+
+    @property
     def prompt(self) -> str:
         return f"The avatar {_WORDS[self._guide.deed]}"
 
     @property
     def measures(self) -> Values:
         return {"walk_steps": self._steps, "walk_left_m": self._alley.left(self._walker.at)}
+
+    def told(self, row: Mapping[str, object], *, finished: bool) -> str:
+        if finished:
+            return f"The place is reached, in {row['time_s']:.0f} s"
+        return f"{abs(self._alley.place - self._walker.x):.1f} m left to the place"
 
     def holds(self, goal: Component, seen: Observation) -> bool:
         return self._reached
@@ -183,6 +192,7 @@ class GuidedWalkKind(TaskKind):
     completes = "brought"
     cards = ("gap", "steps")
     label = "Path"
+    touches = False
     report = GuidedWalkSection()
 
     def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:

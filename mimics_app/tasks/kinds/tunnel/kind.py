@@ -39,7 +39,8 @@ class ProgressGoal(Component, frozen=True, tag="progress", tag_field="kind"):
 
 
 class _TunnelPlay(KindPlay):
-    def __init__(self) -> None:
+    def __init__(self, path_m: float) -> None:
+        self._path_m = path_m
         self._progress = 0.0
 
     @property
@@ -49,7 +50,19 @@ class _TunnelPlay(KindPlay):
     def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:
         snapshot = seen.snapshot
         self._progress = snapshot.progress
-        return structs.replace(seen, progress=snapshot.progress, distance=snapshot.distance)
+        return structs.replace(
+            seen,
+            progress=snapshot.progress,
+            distance=snapshot.distance,
+            progress_peak=snapshot.progress_peak,
+            distance_peak=snapshot.distance_peak,
+        )
+
+    def told(self, row: Mapping[str, object], *, finished: bool) -> str:
+        return "" if finished else f"{100.0 * self._progress:.0f} % of the tunnel done"
+
+    def way(self, goal: Component, seen: Observation) -> float:
+        return self._path_m * max(0.0, goal.at_least - seen.progress) if isinstance(goal, ProgressGoal) else 0.0
 
     def holds(self, goal: Component, seen: Observation) -> bool:
         return isinstance(goal, ProgressGoal) and seen.progress >= goal.at_least
@@ -79,6 +92,7 @@ class TunnelTask(TaskKind):
             for place, name in named.items()
             if name != first
         ]
+        issues += self._check_leading(spec, scene)
         if not scene.components(Robot) or has_tunnel(scene):
             return issues
         written = "goals" in scene.task
@@ -86,11 +100,21 @@ class TunnelTask(TaskKind):
         places = (f"/task/goals/{i}" if written else "/task" for i, _ in self._own_goals(spec))
         return [scene.issue(place, what, "goals: duration, point") for place in places]
 
+    def _check_leading(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
+        """Check that a tunnel that leads the hand all the time is of a passive task."""
+        what = "leads every hand to the end, also one that does nothing"
+        fix = 'make it a parameter of the task, which waits for the hand, or write "passive": true in the task'
+        return [
+            scene.issue(f"{pointer}/advance", what, fix)
+            for _, tunnel, pointer in scene.components(Tunnel)
+            if tunnel.advance > 0.0 and not spec.passive
+        ]
+
     def _own_goals(self, spec: TaskSpec) -> Iterator[tuple[int, ProgressGoal]]:
         return ((i, goal) for i, goal in enumerate(spec.goals) if isinstance(goal, ProgressGoal))
 
     def open(self, spec: TaskSpec, context: TaskContext, seed: int) -> KindPlay:
-        return _TunnelPlay()
+        return _TunnelPlay(context.path_m)
 
 
 def own_tunnel(scene: Scene) -> str:
