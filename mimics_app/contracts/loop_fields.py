@@ -239,6 +239,9 @@ LOOP_FIELDS: tuple[LoopField, ...] = (
     _of_others("others_margin", "1", Replay.OUTPUT),  # stability margin of what each touches
     _of_others("others_share", "1", Replay.OUTPUT),  # of the stiffness of what each touches that is rendered, 0-1
     _of_others("others_energy", "J", Replay.OUTPUT),  # taken by each since its contact began
+    # oscillation
+    LoopField("calm", "1", Replay.OUTPUT, reader="app"),  # share of the force that the detector of oscillation left
+    LoopField("f_ordered", "N", Replay.OUTPUT, "totals.ordered_force", size=3),  # effects and ripples meant to shake
     LoopField("others_seen", "m", Replay.ABSENT, "state.others_world", size=3 * _OTHERS, reader="scenarios"),
 )
 """All numbers that leave the loop, recorded columns in the order of the recording."""
@@ -276,6 +279,7 @@ class HapticSnapshot:
     margin: float
     energy: float
     stiffness_share: float
+    calm: float
     others_seen: Vec
     poses: Vec
 

@@ -27,6 +27,7 @@ MODULES = (
     f"{_HAPTIC}.objects.contact_scratch",
     f"{_HAPTIC}.objects.totals",
     f"{_HAPTIC}.objects.touches",
+    f"{_HAPTIC}.closed_region",
     f"{_HAPTIC}.directions",
     f"{_HAPTIC}.passivity",
     f"{_HAPTIC}.acting",
