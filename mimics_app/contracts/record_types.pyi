@@ -746,6 +746,26 @@ class SpanRecord:
     limit: float
     margin: float
 
+class SwingRecord:
+    """`mimics_app.rendering.haptic.kernels.oscillation.SWING`."""
+
+    line: Floats
+    stages: Floats
+    power: float
+    force: float
+    lately: float
+    speed: float
+    ordered: float
+    time: float
+    free: float
+    settling: float
+    begun: int
+    told: int
+    calm: float
+    least_calm: float
+    count: int
+    worst: float
+
 class ObserverRecord:
     """`mimics_app.rendering.haptic.kernels.passivity.OBSERVER`."""
 
@@ -797,26 +817,6 @@ class JointWorkRecord:
     wish: Floats
     reached: Floats
     forces: Floats
-
-class SwingRecord:
-    """`mimics_app.rendering.haptic.kernels.state.SWING`."""
-
-    line: Floats
-    stages: Floats
-    power: float
-    force: float
-    lately: float
-    speed: float
-    ordered: float
-    time: float
-    free: float
-    settling: float
-    begun: int
-    told: int
-    calm: float
-    least_calm: float
-    count: int
-    worst: float
 
 class HoldingRecord:
     """`mimics_app.rendering.haptic.kernels.state.HOLDING`."""

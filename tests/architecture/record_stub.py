@@ -29,6 +29,7 @@ MODULES = (
     f"{_HAPTIC}.objects.touches",
     f"{_HAPTIC}.closed_region",
     f"{_HAPTIC}.directions",
+    f"{_HAPTIC}.oscillation",
     f"{_HAPTIC}.passivity",
     f"{_HAPTIC}.acting",
     f"{_HAPTIC}.state",

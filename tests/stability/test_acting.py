@@ -121,7 +121,8 @@ def _swing(rows: np.ndarray) -> tuple[float, float]:
 def test_the_cap_brings_an_unstable_wall_to_rest(times: float):
     wild, _ = _pushed(times, cap=0, passivity=0)
     calm, _ = _pushed(times, cap=1, passivity=0)
-    assert _swing(wild)[1] > 0.08 and _swing(calm)[1] < 0.25 * _swing(calm)[0]
+    assert _swing(wild)[1] > 0.08 or wild["cause"][-1] == TripCause.OSCILLATION
+    assert _swing(calm)[1] < 0.25 * _swing(calm)[0] and calm["calm"][1:].min() == 1.0
     assert calm["margin"].min() == pytest.approx(0.2, rel=1e-9)
 
 

@@ -41,6 +41,7 @@ def make_snapshot(now_ns: int = 0, **changes: Any) -> HapticSnapshot:
         "margin": 2.0,
         "energy": 0.0,
         "stiffness_share": 1.0,
+        "calm": 1.0,
         "others_seen": np.zeros((3, 3)),
         "poses": np.zeros((0, 7)),
     }

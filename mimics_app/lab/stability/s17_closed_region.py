@@ -3,8 +3,8 @@
 For a light device that takes forces (0.2 kg) and a virtual mass of 3 kg behind a servo, at 500, 1000 and 2000 Hz, with
 three filters of the velocity and delays of 0 to 3 ticks. More damping raises the largest stable stiffness only up to
 a peak, and beyond a finite damping no stiffness is stable: (b + B) / (T/2 + delay), the common rule, grows for ever.
-An arm makes the region larger where it is stiff, by up to four times, and by up to 10 % smaller near its end, which the
-cap's margin covers: the live limit assumes a limp hand.
+An arm makes the region larger where it is stiff, by up to four times, and smaller by less than the cap's margin near
+its end: the live limit assumes a limp hand.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ def _holds_with_an_arm(loop: Loop) -> bool:
     """Whether what the cap leaves of contacts of a limp hand is stable with an arm, too."""
     held = replace(loop, hand=_ARM)
     dampings = [share * damping_at_end(loop) for share in (0.1, 0.4, 0.7, 0.9)]
-    return all(is_stable(held, _curve(loop, B) / _CAPPED, B) for B in dampings)
+    return all(is_stable(held, _curve(loop, B) / _CAPPED, B / _CAPPED) for B in dampings)
 
 
 def _simulate_grid(points: int) -> Outcome:

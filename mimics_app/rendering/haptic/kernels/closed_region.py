@@ -13,9 +13,9 @@ peak, and returns to K = 0 at a finite damping: beyond it no contact is stable, 
     takes velocities  G: the virtual mass m with damping b (semi-implicit), then servo and integration
     both              V: backward difference, then the first-order filter of the velocity
 
-The device is alone or has a limp hand with damping b: that is the worst hand but for the last 10 % of the region, less
-than the margin of the cap (lab/stability, S17). The region is kept as half-planes a K + c B <= d: the first is the
-linear condition, the others join points of the curve, which is concave, so that the polygon lies inside.
+The device is alone or has a limp hand with damping b: that is the worst hand but for the end of the region, where an
+arm takes less than the margin of the cap (lab/stability, S17). The region is kept as half-planes a K + c B <= d: the
+first is the linear condition, the others join points of the curve, which is concave: the polygon lies inside.
 """
 
 from __future__ import annotations
