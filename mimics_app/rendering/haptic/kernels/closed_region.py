@@ -20,7 +20,6 @@ first is the linear condition, the others join points of the curve, which is con
 
 from __future__ import annotations
 
-import cmath
 import math
 from typing import TYPE_CHECKING
 
@@ -131,13 +130,14 @@ def curve_point(
         lag: Part of it that is a first-order lag of a servo [s].
         filtering: Time constant of the filter of the measured velocity [s].
     """
-    z = cmath.exp(1j * theta)
+    z = complex(math.cos(theta), math.sin(theta))
     if driven == 1:
         inverse = _servo_inverse(z, mass, damping, lag, T)
         late = max(0.0, delay - lag) if lag > 0.0 else delay + 0.5 * T  # a servo without lag is unknown, not ideal
     else:
         inverse, late = _mass_inverse(z, mass, damping, T), delay
-    inverse *= cmath.exp(1j * theta * late / T)
+    turned = theta * late / T
+    inverse *= complex(math.cos(turned), math.sin(turned))
     share = _pole(filtering, T)
     speed = (1.0 - 1.0 / z) / T * share / (1.0 - (1.0 - share) / z)
     B = -inverse.imag / speed.imag
