@@ -784,8 +784,11 @@ class ActingRecord:
     displacement: Floats
     contact: Floats
     active: Floats
+    rest: Floats
+    limited: Floats
     contacts: Floats
     actives: Floats
+    rests: Floats
     credit: float
     ramp: float
     free_ticks: int
@@ -915,6 +918,7 @@ class StateRecord:
     last_hip: Floats
     f_contact: Floats
     f_active: Floats
+    f_rest: Floats
     f_wanted: Floats
     f_user: Floats
     in_contact: int

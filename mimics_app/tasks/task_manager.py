@@ -14,6 +14,7 @@ from msgspec import structs
 from numpy.typing import NDArray
 
 from mimics_app.contracts.board import Board
+from mimics_app.contracts.display_port import FrameTiming
 from mimics_app.contracts.messages import (
     HapticSnapshot,
     SoundEvent,
@@ -135,9 +136,10 @@ class TaskManager:
         snapshot: HapticSnapshot,
         events: NDArray[Any],
         now_ns: int,
+        timing: FrameTiming | None = None,
     ) -> TaskOrders:
         """Process one frame: `events` are the EVENT records since the last one, shape [n]; `now_ns` never decreases."""
-        seen = observe(snapshot, events, now_ns, self._bodies, vr.pressed)
+        seen = observe(snapshot, events, now_ns, self._bodies, vr.pressed, timing)
         if action is not None:
             self._take(action, now_ns)
         self._result = None
@@ -293,7 +295,7 @@ class TaskManager:
         return []
 
     def _orders(self, seen: Observation, sounds: tuple[SoundEvent, ...]) -> TaskOrders:
-        haptic = {**self._settings.haptic, **self._control.wanted(), "trial": self._attempts.begun}
+        haptic = dict(self._settings.haptic)
         visual, touches = dict(self._settings.visual), list[TactileEvent]()
         for play in self._plays.values():
             haptic |= play.orders
@@ -301,6 +303,7 @@ class TaskManager:
             touches += play.take_touches()
             for kind, data in play.take_events():
                 self._on_event(kind, data)
+        haptic |= {**self._control.wanted(), "trial": self._attempts.begun}
         view = self._view(seen)
         return TaskOrders(
             haptic=self._haptic.since_last(haptic),

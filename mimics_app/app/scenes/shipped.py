@@ -49,6 +49,7 @@ class ShippedScene:
         group: One of GROUPS.
         takes: Body part or tracker that a person plays it with.
         lasts: Number of trials and longest duration; "" without a task.
+        limits: Limits that it sets beyond the usual ones; "" for none.
     """
 
     name: str
@@ -58,6 +59,7 @@ class ShippedScene:
     group: str
     takes: str
     lasts: str
+    limits: str = ""
 
 
 @cache
@@ -109,7 +111,23 @@ def _describe(file: Path) -> ShippedScene:
         group=group,
         takes="a look round" if looked_at else _takes(document),
         lasts="" if looked_at else _lasts(document.get("task") or {}),
+        limits=_limits(document),
     )
+
+
+def _limits(document: Mapping[str, Any]) -> str:
+    """Return the limits of the scene's own `safety` that are beyond the usual ones."""
+    parts = (each.get("components", {}).get("safety") for each in document.get("entities", ()))
+    stated = next((part for part in parts if part), None)
+    if stated is None:
+        return ""
+    import msgspec
+
+    from mimics_app.app.touch.ceilings import CEILINGS, asked_of, notes_on
+    from mimics_app.world.components.robot import Safety
+
+    asked = {name: bound.conservative for name, bound in CEILINGS.items()} | asked_of(msgspec.convert(stated, Safety))
+    return ", ".join(line.partition(",")[0] for line in notes_on(asked, asked))
 
 
 def _takes(document: Mapping[str, Any]) -> str:

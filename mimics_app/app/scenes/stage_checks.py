@@ -9,6 +9,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.app.scenes.parameter_checks import check_parameters
 from mimics_app.contracts.errors import DeviceError, Issue, UsageError
 from mimics_app.estimation.registry import check_estimator
 from mimics_app.learning.goals import build_goal
@@ -47,13 +48,14 @@ _REACH_CHECKS = 100
 
 def check_stages(scene: Scene) -> list[Issue]:
     """Return the faults that only a stage can find; those of the whole scene only where its components have none."""
-    return check_components(scene) or [
+    found = check_components(scene) or [
         *_check_learning(scene),
         *_check_widest_tunnel(scene),
         *_check_reach(scene),
         *_check_carry_reach(scene),
         *(check_objects(scene) or check_stability(scene)),
     ]
+    return found or check_parameters(scene)
 
 
 def check_components(scene: Scene) -> list[Issue]:

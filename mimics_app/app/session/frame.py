@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -12,11 +13,12 @@ from mimics_app.app.cues.motion_cues import MotionCues
 from mimics_app.app.picture.board import stability_card
 from mimics_app.app.session.core import SessionCore
 from mimics_app.app.session.safety_watch import SafetyWatch
-from mimics_app.app.session.watches import RecorderWatch, SignalWatch
+from mimics_app.app.session.watches import RecorderWatch, SignalWatch, TactileWatch
 from mimics_app.app.touch.loss_watch import LossWatch
 from mimics_app.app.touch.person_inbox import PersonInbox
 from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import FRAMES_PER_SECOND, TICK_NS, ticks_until_frame
+from mimics_app.contracts.display_port import FrameTiming
 from mimics_app.contracts.haptic import EVENT
 from mimics_app.contracts.messages import (
     Experience,
@@ -48,6 +50,7 @@ class Frames:
         safety: Stops and holds of the loop.
         events: EVENT records of the haptic loop since the previous frame.
         timer: Timer of the frame's stages.
+        timing: When the next frame is displayed; None where no display tells.
     """
 
     def __init__(self, core: SessionCore) -> None:
@@ -57,13 +60,16 @@ class Frames:
         self._motion = MotionCues(core.world)
         self._action: TaskAction | None = None
         self.timer = UNTIMED
+        self.timing: FrameTiming | None = None
         self.number = 0
         self.orders = TaskOrders()
         self.snapshot: HapticSnapshot | None = None
+        self._refused: set[str] = set()
         self.losses = LossWatch(core.side.effect_entities, core.report)
         self.safety = SafetyWatch(core.report)
         self._recorder = RecorderWatch(core.recorder, core.report)
         self._signals = SignalWatch(core.inputs.signals, core.recorder, core.report)
+        self._taps = TactileWatch(core.recorder, core.report)
         self.events: NDArray[Any] = np.zeros(0, EVENT)
 
     @property
@@ -120,21 +126,22 @@ class Frames:
             self._signals.look(now_ns)
         with stage("tasks"):
             taken = self._action
-            orders = core.tasks.step(vr, taken, snapshot, events, now_ns)
+            timing = self.timing or FrameTiming.expected(now_ns)
+            orders = core.tasks.step(vr, taken, snapshot, events, now_ns, timing)
             if orders.result is not None:
                 state = core.estimation.judge(orders.result)
             self._choose(state, orders.result, now_ns)
             self._touch(vr, orders, snapshot)
             self._feel(orders, now_ns)
         with stage("scenario"):
-            self._track(now_ns)
+            self._track(now_ns, timing.display_ns)
             self._play(orders, snapshot)
         with stage("world update"):
             self._motion.step(orders, events, now_ns)
             core.world.update()
             self._report_cords()
         with stage("sound"):
-            self._effects.step(orders, events, now_ns)
+            self._effects.step(orders, events, timing.display_ns)
             core.sound.step(orders, core.world, now_ns)
         with stage("record"):
             core.inputs.feel(_experience_of(orders, snapshot, core.trackers.pose("head", now_ns), now_ns))
@@ -142,21 +149,29 @@ class Frames:
             self._journal(vr, taken, snapshot, len(events), now_ns)
         self.number, self.orders, self.snapshot, self.events = self.number + 1, orders, snapshot, events
 
-    def _track(self, now_ns: int) -> None:
-        """Poll the trackers, and let the scenario see the body."""
+    def _track(self, now_ns: int, shown_ns: int) -> None:
+        """Poll the trackers, and let the scenario see the body at the time of display."""
         core = self._core
         core.trackers.see(core.inputs.frame)
         core.trackers.poll(now_ns)
         for problem in core.trackers.take_problems():
             core.report(problem)
-        core.scenario.see_body(core.part_of_body, now_ns)
+        core.scenario.see_body(core.part_of_body, shown_ns)
 
     def _play(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         """Let the scenario move its entities, and pass on its parameters and the next action of the hand."""
         core = self._core
         core.scenario.apply(orders, snapshot)
-        core.parameter_store.change(core.scenario.haptic_orders())
+        self._tell(core.parameter_store.order(core.scenario.haptic_orders()))
         core.inputs.aim(core.scenario.aim(snapshot))
+
+    def _tell(self, refused: Mapping[str, str]) -> None:
+        """Report orders that were refused, each name once: they ended, the session goes on."""
+        for name, why in refused.items():
+            if name not in self._refused:
+                self._refused.add(name)
+                self._core.report(f"an order of the scene or a plug-in ended: {why}")
+                self._core.recorder.journal("refused", {"name": name, "why": why})
 
     def _report_cords(self) -> None:
         for name, cord in self._core.world.cords.items():
@@ -165,8 +180,7 @@ class Frames:
 
     def _feel(self, orders: TaskOrders, now_ns: int) -> None:
         """Send the task's taps to the vibrators, and journal the time of each."""
-        for line in self._core.tactile.step(orders.touches, now_ns):
-            self._core.recorder.journal("tactile", {"t_ns": now_ns, **line})
+        self._taps.take(self._core.tactile.step(orders.touches, now_ns), now_ns)
 
     def _choose(self, state: UserState, result: TrialResult | None, now_ns: int) -> None:
         """Let the learning system choose, given the result of the task and its reward."""
@@ -180,6 +194,8 @@ class Frames:
     ) -> None:
         """Journal the inputs of this frame that a replay of the task needs, and the poses of the bodies."""
         line: dict[str, object] = {"frame": self.number, "tick": snapshot.tick, "t_ns": now_ns}
+        if self.timing is not None:
+            line |= {"shown_ns": self.timing.display_ns, "period_ns": self.timing.period_ns}
         if events:
             line["events"] = events
         if vr.pressed:
@@ -196,10 +212,9 @@ class Frames:
         core = self._core
         if vr.pointer is not None and vr.pointer.stop:
             core.haptics.stop_key()
-        haptic = dict(orders.haptic)
+        self._tell(core.parameter_store.order(orders.haptic, of_task=True))
         if "r" in vr.pressed:
-            haptic["resets"] = int(core.parameter_store.block["resets"][0]) + 1
-        core.parameter_store.change(haptic)
+            core.parameter_store.reset()
         if orders.view.robot_leads:
             x, y, z = snapshot.hip_world
             core.inputs.hold_at((float(x), float(y), float(z)))
