@@ -751,6 +751,7 @@ class SwingRecord:
 
     line: Floats
     stages: Floats
+    moved: Floats
     power: float
     force: float
     lately: float

@@ -17,7 +17,6 @@ SCENES = Path(__file__).parents[2] / "scenes"
 FELT = [
     "examples/surfaces.json",
     "examples/shaking_and_sticking.json",
-    "examples/springs_and_magnets.json",
     "examples/impedance_control.json",
 ]
 ALL = sorted(str(path.relative_to(SCENES)) for path in [*SCENES.glob("*.json"), *SCENES.glob("examples/*.json")])

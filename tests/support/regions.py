@@ -9,7 +9,7 @@ import numpy as np
 from mimics_app.contracts.haptic import SCENE
 from mimics_app.rendering.haptic.kernels.closed_region import REGION, find_region
 
-HEAVY = {"virtual_mass": 1e6}
+HEAVY = {"virtual_mass": 1e3}
 """Of a mass whose region ends far beyond every contact: what is left is the linear condition."""
 
 

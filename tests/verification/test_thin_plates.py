@@ -27,6 +27,8 @@ def _through(thickness: float, radius: float, deepest: float, speed: float = 0.2
 @pytest.mark.parametrize("speed", [0.02, 0.2, 1.0])
 def test_a_plate_pushes_back_however_deep_the_hand_is_behind_it(thickness: float, radius: float, speed: float):
     """F = k (t / 2 + r - z) all the way: through 2 mm at 15.9 N it used to be 0 in the next tick."""
+    if speed * 1e-3 > thickness + 2.0 * radius:
+        pytest.skip("a point without a ball that is in front in one tick and behind in the next was never in the plate")
     z, force = _through(thickness, radius, 0.06, speed)
     depth = np.maximum(0.0, 0.5 * thickness + radius - z)
     entered = np.flatnonzero(depth > 0.0)[0]

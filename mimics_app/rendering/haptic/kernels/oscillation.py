@@ -71,6 +71,7 @@ SWING = np.dtype(
     [
         ("line", "f8", (_LINE, 3)),  # force on the user less the ordered one, by tick [N]
         ("stages", "f8", (3, _STAGES + 1, 3)),  # of force, velocity, ordered force: input, output of each filter
+        ("moved", "f8", (3,)),  # mean velocity of the last tick [m/s]: a filtered one would lag and turn the sign
         ("power", "f8"),  # mean of f.v [W]
         ("force", "f8"),  # mean of |f|^2 [N^2]
         ("lately", "f8"),  # the same over the last 25 ms [N^2]
@@ -179,11 +180,12 @@ def watch_swing(state: StateRecord, totals: TotalsRecord, late: int, dt: float) 
         swing.settling = _SETTLING
     swing.settling = max(0.0, swing.settling - dt)
     swing.free = swing.free + dt if quiet else 0.0
-    acts = (state.tick - min(late, _LINE - 1)) % _LINE
+    acted = (state.tick + _LINE - 1 - min(late, _LINE - 2)) % _LINE
     for i in range(3):
-        acting[i] = swing.line[acts, i]
+        acting[i] = swing.line[acted, i]
+        swing.moved[i] = state.acting.displacement[i] / dt
     _filter(swing, 0, acting, dt)
-    _filter(swing, 1, state.acting.v, dt)
+    _filter(swing, 1, swing.moved, dt)
     _filter(swing, 2, ordered, dt)
     _average(swing, dt)
     _fade(swing, is_felt(state) and swing.settling == 0.0 and _is_fed(swing), dt)
