@@ -84,6 +84,7 @@ class TripCause(IntEnum):
     ENERGY = 11
     SENSOR = 12
     NOT_FOLLOWING = 13
+    OSCILLATION = 14
 
 
 class Controller(IntEnum):
@@ -133,6 +134,7 @@ class EventKind(IntEnum):
     STALE = 9
     LEFT_OUT = 10
     QUARANTINE = 11
+    OSCILLATION = 12
 
 
 LIMITS: list[tuple[Any, ...]] = [
@@ -157,6 +159,9 @@ LIMITS: list[tuple[Any, ...]] = [
     ("cap_margin", "f8"),  # [-] stability margin that a capped contact keeps
     ("device_delay", "f8"),  # from command to motion [s]; as the device plug-in states it
     ("device_damping", "f8"),  # [N s/m] of a force driven device itself
+    ("device_mass", "f8"),  # [kg] of a force driven device at its points of contact; 0: not known
+    ("device_lag", "f8"),  # [s] part of device_delay that is the first-order lag of a velocity servo
+    ("device_filter", "f8"),  # [s] time constant of the filter of the measured velocity
     ("arm_damping", "f8"),  # of the person's arm [N s/m], assumed in the stability limit
     ("passivity", "i8"),  # 1: energy that a contact generates is dissipated; 0: only counted
     ("passivity_damping", "f8"),  # [N s/m] largest damping of that dissipation
@@ -250,8 +255,9 @@ EVENT = np.dtype(
         ("normal_world", "f4", (3,)),  # out of the touched surface
         ("speed", "f4"),  # approach speed [m/s]
         ("force", "f4"),  # [N]; STATE, TRIP, PARAMETERS, MARGIN: the new state, cause, sequence or margin;
-        # CAP: remaining share of the stiffness; STALE: age of the device's data [s]; LEFT_OUT: number of pairs of
-        # close shapes beyond the capacity, which do not collide; QUARANTINE: row of the effect of the force field
+        # CAP: remaining share of the stiffness; OSCILLATION: its root mean square [N]; STALE: age of the device's data
+        # [s]; LEFT_OUT: number of pairs of close shapes beyond the capacity, which do not collide; QUARANTINE: row of
+        # the effect of the force field
         ("value", "f4"),  # kind-specific: tunnel parameter s of a contact
     ]
 )

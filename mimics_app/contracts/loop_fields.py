@@ -239,6 +239,9 @@ LOOP_FIELDS: tuple[LoopField, ...] = (
     _of_others("others_margin", "1", Replay.OUTPUT),  # stability margin of what each touches
     _of_others("others_share", "1", Replay.OUTPUT),  # of the stiffness of what each touches that is rendered, 0-1
     _of_others("others_energy", "J", Replay.OUTPUT),  # taken by each since its contact began
+    # oscillation
+    LoopField("calm", "1", Replay.OUTPUT, reader="app"),  # share of the force that the detector of oscillation left
+    LoopField("f_ordered", "N", Replay.OUTPUT, "totals.ordered_force", size=3),  # effects and ripples meant to shake
     # of the trial so far, over the ticks in which the person leads
     LoopField("force_peak", "N", Replay.ABSENT, reader="tasks"),  # largest force felt
     LoopField("distance_peak", "m", Replay.ABSENT, reader="tasks"),  # largest distance of the ball from the bisector
@@ -282,6 +285,7 @@ class HapticSnapshot:
     margin: float
     energy: float
     stiffness_share: float
+    calm: float
     force_peak: float
     distance_peak: float
     progress_peak: float

@@ -61,6 +61,7 @@ __all__ = [
     "INBOX_LENGTH",
     "INBOX_TARGET",
     "INBOX_TRIAL",
+    "LIGHTEST_DEVICE",
     "MAX_FIELDS",
     "READ",
     "WRITE",
@@ -127,6 +128,9 @@ FIELD_PARAMETERS = 8
 FIELD = types.void(_VECTOR, _VECTOR, _VECTOR, types.float64, _VECTOR)
 """Signature of a force field `field(parameters, p, v, t, out)`; compile it with `typed_kernel(FIELD)`."""
 
+LIGHTEST_DEVICE = 0.05
+"""Mass [kg] assumed of a device that takes forces and does not state its own; lighter is stricter."""
+
 MAX_FIELDS = 4
 """Largest number of different force fields of a session."""
 
@@ -153,6 +157,10 @@ class DevicePlugin:
         memory: State of the plug-in, float64, shape [n]; changed in place by `read` and `write`.
         close: Called once, after the loop has ended and the device was disabled.
         delay: Delay from command to motion [s], for the stability limit: transport and servo lag.
+        lag: Part of `delay` that is the first-order lag of a velocity servo [s].
+        filtering: Time constant of the filter of the measured velocity [s].
+        mass: Smallest mass at a point of contact of a device that takes forces [kg], without a hand; 0: not known, then
+            the stability limit assumes LIGHTEST_DEVICE.
         follows: Part of the command that moves the device: joint velocities (admittance), force or torque (impedance),
             or nothing ("vibration" moves nothing either).
         real_time: True for a device that cannot run faster than real time.
@@ -168,6 +176,9 @@ class DevicePlugin:
     memory: NDArray[np.float64]
     close: Callable[[], None] = _nothing
     delay: float = 0.0
+    lag: float = 0.0
+    filtering: float = 0.0
+    mass: float = 0.0
     follows: Literal["velocity", "force", "torque", "vibration", "nothing"] = "velocity"
     real_time: bool = False
     simulated: bool = False

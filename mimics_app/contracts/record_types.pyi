@@ -245,6 +245,9 @@ class SceneRecord:
     cap_margin: float
     device_delay: float
     device_damping: float
+    device_mass: float
+    device_lag: float
+    device_filter: float
     arm_damping: float
     passivity: int
     passivity_damping: float
@@ -335,6 +338,8 @@ class SampleRecord:
     others_margin: Floats
     others_share: Floats
     others_energy: Floats
+    calm: float
+    f_ordered: Floats
 
 class SnapshotRecord:
     """`mimics_app.contracts.haptic.SNAPSHOT`."""
@@ -361,6 +366,7 @@ class SnapshotRecord:
     margin: float
     energy: float
     stiffness_share: float
+    calm: float
     force_peak: float
     distance_peak: float
     progress_peak: float
@@ -437,6 +443,9 @@ class TunnelStateRecord:
     force_world: Floats
     assist_world: Floats
     softening: float
+    easing: float
+    most_drag: float
+    most_centring: float
     share: float
     force_tnb: Floats
     wall_force: float
@@ -506,6 +515,7 @@ class WallTouchRecord:
 
     row: int
     depth: float
+    lowered: float
     rate: float
     normal: Floats
     direction: Floats
@@ -640,7 +650,9 @@ class ContactScratchRecord:
     p: Floats
     v: Floats
     slope: Floats
+    lowered: float
     rate: float
+    ripple: Floats
     force: Floats
     normal: Floats
     stiffness: float
@@ -668,6 +680,7 @@ class TotalsRecord:
 
     shape_force: Floats
     effect_force: Floats
+    ordered_force: Floats
     grip_force: Floats
     stiffness: float
     even_stiffness: float
@@ -698,6 +711,23 @@ class TouchRecord:
     clear_ticks: int
     change: int
 
+class RegionRecord:
+    """`mimics_app.rendering.haptic.kernels.closed_region.REGION`."""
+
+    known: int
+    period: float
+    delay: float
+    mass: float
+    damping: float
+    driven: int
+    most_damping: float
+    best_damping: float
+    viscosity: float
+    stiffness_factor: Floats
+    damping_factor: Floats
+    bound: Floats
+    edge: Floats
+
 class TouchedRecord:
     """`mimics_app.rendering.haptic.kernels.directions.TOUCHED`."""
 
@@ -715,10 +745,32 @@ class SpanRecord:
     stiffness: Floats
     damping: Floats
     tensor: Floats
+    scaled: Floats
     vectors: Floats
     direction: Floats
     limit: float
     margin: float
+
+class SwingRecord:
+    """`mimics_app.rendering.haptic.kernels.oscillation.SWING`."""
+
+    line: Floats
+    stages: Floats
+    moved: Floats
+    power: float
+    force: float
+    lately: float
+    speed: float
+    ordered: float
+    time: float
+    free: float
+    settling: float
+    begun: int
+    told: int
+    calm: float
+    least_calm: float
+    count: int
+    worst: float
 
 class ObserverRecord:
     """`mimics_app.rendering.haptic.kernels.passivity.OBSERVER`."""
@@ -744,15 +796,18 @@ class ActingRecord:
     actives: Floats
     rests: Floats
     credit: float
+    ramp: float
     free_ticks: int
     tank: float
     filled: int
     inflow: float
     wall_share: float
     shape_share: float
+    effect_share: float
     both_share: float
     touching: int
     tank_share: float
+    felt_share: float
     passivity: float
     least_share: float
     least_tank: float
@@ -834,6 +889,7 @@ class StateRecord:
     others_margin: Floats
     others_share: Floats
     others_energy: Floats
+    calm: float
     force_peak: float
     distance_peak: float
     progress_peak: float
@@ -888,6 +944,10 @@ class StateRecord:
     wall_margin: float
     wall_touched: int
     least_wall_margin: float
+    swing: SwingRecord
+    swing_told: int
+    reported_swing: float
+    region: RegionRecord
     span: SpanRecord
     least_energy: float
     dq_virtual: Floats

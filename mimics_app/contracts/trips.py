@@ -35,6 +35,10 @@ _WORDS: Mapping[TripCause, tuple[str, str]] = {
         "the device does not move as it is driven",
         "look at its position sensors and its drives",
     ),
+    TripCause.OSCILLATION: (
+        "the rendered force shook the hand and did not calm down",
+        "make what was touched softer and less damped, or look at the device's delay",
+    ),
     TripCause.ENERGY: ("a contact gave more energy than energy_limit", "make what was touched softer or more damped"),
 }
 """What happened and what to do, by cause."""

@@ -45,6 +45,7 @@ _TOLD = {
     "stale": "age_s",
     "left_out": "pairs",
     "quarantine": "effect",
+    "oscillation": "rms_n",
 }
 """Name of the value of an event in its line, by kind; `force` [N] for the other kinds. In memory, and in the lines of
 older recordings, all kinds hold it in the field `force`."""

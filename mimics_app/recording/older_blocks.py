@@ -36,8 +36,15 @@ _OF_DEVICES = {
 }
 """Values that such a block implies."""
 
-_WITHOUT = {"late_latches": 1, "measured_force_limit": 1e9}
-"""Parameters that earlier versions lack, with the value of their behaviour: late ticks always latched, forces never."""
+_WITHOUT = {
+    "late_latches": 1,
+    "measured_force_limit": 1e9,
+    "device_mass": 0.0,
+    "device_lag": 0.0,
+    "device_filter": 0.0,
+}
+"""Parameters that earlier versions lack, with the value of their behaviour: late ticks always latched, forces never,
+and the stability limit knew nothing of the device but its delay."""
 
 _WIDER = {"target", "kp", "kd", "joint_min", "joint_max"}
 """Vectors that had three joints, or one point."""

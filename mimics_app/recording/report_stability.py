@@ -69,11 +69,13 @@ def stability_tables(run: Run) -> dict[str, Table]:
     touching = samples[_touching(samples)]
     lost = run.events[run.events["kind"] == EventKind.MARGIN]
     capped = run.events[run.events["kind"] == EventKind.CAP]
+    shaken = run.events[run.events["kind"] == EventKind.OSCILLATION]
     rows: list[tuple[str, Any]] = [
         ("mean period, weighted by length [ms]", 1e3 * float(samples["period_s"].mean())),
         ("longest it was [ms]", 1e3 * float(samples["period_s"].max())),
         ("times the margin was lost", len(lost)),
         ("contacts with reduced stiffness", len(capped)),
+        ("oscillations that were calmed", len(shaken)),
         ("ticks in which the passivity controller acted", int((samples["passivity"] > 0.0).sum())),
         ("smallest level of the energy tank [J]", float(samples["tank"].min())),
         ("smallest share of active forces it allowed [%]", 100.0 * float(samples["tank_share"].min())),
@@ -93,6 +95,10 @@ def stability_tables(run: Run) -> dict[str, Table]:
         tables["Smallest margins"] = Table(["touched", "along its normal [%]"], contacts)
     if len(lost):
         tables["Margin lost"] = Table(["at [s]", "margin [%]"], _percentages(run, lost))
+    if len(shaken):
+        at = [Seconds(run.seconds(event["tick"])) for event in shaken[:_MOST_LOSSES]]
+        sizes = [float(event["force"]) for event in shaken[:_MOST_LOSSES]]
+        tables["Oscillations"] = Table(["from [s]", "root mean square [N]"], list(zip(at, sizes, strict=True)))
     if len(capped):
         tables["Softened by the cap"] = Table(["from [s]", "to [%]"], _percentages(run, capped))
     return tables

@@ -13,11 +13,13 @@ from mimics_app.contracts.haptic import EventKind, SafetyState, TripCause
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.lab.stability.s05b_energy_dissipated import UNLIMITED, given_by_taps
 from mimics_app.rendering.haptic.kernels.acting import payable_share, settle_account
+from mimics_app.rendering.haptic.kernels.closed_region import contact_share
 from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, middle_velocity
-from mimics_app.rendering.haptic.kernels.stability import contact_share, spring_share
+from mimics_app.rendering.haptic.kernels.stability import spring_share
 from mimics_app.world.components.robot import Robot
 from tests.support.haptic_bench import FORCE, PUSH, Bench, glide, patient_bench, pushed_bench, script, scripted
 from tests.support.object_bench import scripted_with, shape_below
+from tests.support.regions import HEAVY, linear_region
 
 T = 1e-3
 OWN, WALL = 8.0, 20.0  # damping [N s/m] of the virtual mass and of the wall
@@ -34,7 +36,8 @@ def _pressed(stiffness: float, delay: float, **values: float) -> Bench:
     glide(rows, 850, 2, 0.0102)
     glide(rows, 1100, 2, 0.0)
     bench = scripted(rows)
-    bench.publish(tunnel__stiffness=stiffness, tunnel__damping=WALL, virtual_damping=OWN, device_delay=delay, **values)
+    bench.publish(tunnel__stiffness=stiffness, tunnel__damping=WALL, virtual_damping=OWN, device_delay=delay)
+    bench.publish(**{**HEAVY, **values})
     return bench
 
 
@@ -89,7 +92,7 @@ def test_a_contact_may_soften_but_never_stiffens_while_it_lasts():
 def test_shares_keep_the_margin_and_are_the_largest_that_do(
     stiffness: float, damping: float, own: float, lag: float, margin: float
 ):
-    share = contact_share(stiffness, damping, own, lag, margin)
+    share = contact_share(linear_region(own, lag), stiffness, damping, margin)
     assert 0.0 <= share <= 1.0
     assert share * stiffness * lag * (1 + margin) <= (own + share * damping) * (1 + 1e-9)
     more = 1.001 * share + 1e-9
@@ -120,7 +123,8 @@ def _swing(rows: np.ndarray) -> tuple[float, float]:
 def test_the_cap_brings_an_unstable_wall_to_rest(times: float):
     wild, _ = _pushed(times, cap=0, passivity=0)
     calm, _ = _pushed(times, cap=1, passivity=0)
-    assert _swing(wild)[1] > 0.08 and _swing(calm)[1] < 0.25 * _swing(calm)[0]
+    assert _swing(wild)[1] > 0.08 or wild["cause"][-1] == TripCause.OSCILLATION
+    assert _swing(calm)[1] < 0.25 * _swing(calm)[0] and calm["calm"][1:].min() == 1.0
     assert calm["margin"].min() == pytest.approx(0.2, rel=1e-9)
 
 
@@ -326,7 +330,7 @@ def test_the_wall_is_capped_for_the_period_the_loop_has():
     stiffness = 3.0 * _limit(OWN + WALL, 1e-3)
     rows = script(100)
     bench = scripted(rows, rate=2000)
-    bench.publish(tunnel__stiffness=stiffness, tunnel__damping=WALL, virtual_damping=OWN, device_delay=1e-3)
+    bench.publish(tunnel__stiffness=stiffness, tunnel__damping=WALL, virtual_damping=OWN, device_delay=1e-3, **HEAVY)
     share = bench.advance(100)["stiffness_share"]
     assert share == pytest.approx((OWN + WALL) / (0.25e-3 + 1e-3) / 1.2 / stiffness, rel=1e-12)
 

@@ -11,12 +11,13 @@ import pytest
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.lab.stability.contacts_loop import Contact, Device, exact_matrix
 from mimics_app.lab.stability.linear import spectral_radius
+from mimics_app.rendering.haptic.kernels.closed_region import contact_share
 from mimics_app.rendering.haptic.kernels.kinematics import inverse
-from mimics_app.rendering.haptic.kernels.stability import contact_share
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel
 from tests.support.haptic_bench import Bench, script
 from tests.support.object_bench import scripted_with
+from tests.support.regions import HEAVY, linear_region
 from tests.support.touch_play import RIM, SOLIDS, add_point, new_touch_play
 
 T = 1e-3
@@ -68,7 +69,8 @@ def _pressed(
     for row, step in zip(rows, steps, strict=True):
         inverse(scene["R_world_from_robot"].T @ (step * WAY * way), float(scene["geometry"][0]), row[:3])
     bench = scripted_with(play, rows)
-    bench.publish(virtual_damping=OWN, device_delay=DELAY * T, arm_damping=0.0, device_damping=0.0, **values)
+    bench.publish(virtual_damping=OWN, device_delay=DELAY * T, arm_damping=0.0, device_damping=0.0)
+    bench.publish(**{**HEAVY, **values})
     samples = bench.advance(rest + 200)
     assert samples["touching"][-1] == len(surfaces)
     return samples, bench
@@ -129,7 +131,7 @@ def test_the_cap_keeps_its_margin_in_every_direction_in_any_order_of_touching(an
 
 def test_a_damped_block_from_the_side_lends_the_plate_nothing_in_either_order():
     """10,000 N/m beside 100 N/m and 60 N s/m: the share is that of the plate alone."""
-    alone = contact_share(*PLATE, OWN, LAG, CAP)
+    alone = contact_share(linear_region(OWN, LAG), *PLATE, CAP)
     for order in ((0, 1), (1, 0)):
         samples, bench = _pressed(_normals(90.0, 2), [PLATE, BLOCK], order, rest=700)
         assert samples["stiffness_share"][-1] == pytest.approx(alone, rel=1e-9)
@@ -178,7 +180,7 @@ def test_the_tunnels_wall_and_a_shape_behind_it_are_one_spring(capped: int):
     bench = scripted_with(play, rows)
     build_tunnel([[-0.15, 0.0, 0.0], [0.15, 0.0, 0.0]], 0.04).fill(bench.tunnel)
     bench.publish(tunnel__stiffness=wall[0], tunnel__damping=wall[1], tunnel__drag=0.0, tunnel__drag_growth=0.0)
-    bench.publish(virtual_damping=OWN, device_delay=DELAY * T, cap=capped)
+    bench.publish(virtual_damping=OWN, device_delay=DELAY * T, cap=capped, **HEAVY)
     samples = bench.advance(400)
     assert samples["touching"][-1] == 1.0 and samples["penetration"][-1] > 0.0
     together = (OWN + 30.0) / LAG / 9000.0 - 1.0
@@ -186,7 +188,7 @@ def test_the_tunnels_wall_and_a_shape_behind_it_are_one_spring(capped: int):
     if not capped:
         assert samples["margin"][-1] == pytest.approx(together, rel=1e-9)
         return
-    share = contact_share(9000.0, 30.0, OWN, LAG, CAP)
+    share = contact_share(linear_region(OWN, LAG), 9000.0, 30.0, CAP)
     assert samples["stiffness_share"][-1] == pytest.approx(share, rel=1e-9)
     assert samples["margin"][-1] >= CAP
     push = samples["f_virt_world"][-1][1] - samples["f_shapes"][-1][1]

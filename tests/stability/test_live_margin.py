@@ -11,6 +11,7 @@ from mimics_app.contracts.haptic import EventKind
 from mimics_app.rendering.haptic.kernels.stability import LARGEST_MARGIN, follow_period, margin_of
 from mimics_app.world.components.robot import Robot
 from tests.support.haptic_bench import DELAY, PUSH, Bench, patient_bench, pushed_bench, script, scripted
+from tests.support.regions import HEAVY
 
 T = 1e-3
 
@@ -18,7 +19,7 @@ T = 1e-3
 def _at_rest(ticks: int = 10, **values: float) -> Bench:
     """A device at rest in the middle of a straight tunnel."""
     bench = scripted(script(ticks))
-    bench.publish(**values)
+    bench.publish(**{**HEAVY, **values})
     return bench
 
 
@@ -168,7 +169,7 @@ def test_a_delay_the_device_measures_lowers_the_limit_and_is_recorded_for_replay
     rows[20:, DELAY] = 9e-3
     rows[40:, DELAY] = 1e-3  # less than the stated 4 ms: that one counts
     bench = scripted(rows)
-    bench.publish(device_delay=4e-3)
+    bench.publish(device_delay=4e-3, **HEAVY)
     out = bench.advance(60)
     ratio = out["stiffness_limit"] / out["stiffness_limit"][10]
     assert ratio[25] == pytest.approx((0.5e-3 + 4e-3) / (0.5e-3 + 9e-3), rel=1e-12)

@@ -13,15 +13,16 @@ from mimics_app.lab.stability.contacts_loop import (
     Device,
     exact_limit,
     exact_matrix,
-    needed,
     rule_margin,
+    rule_share,
     simulated_limit,
 )
 from mimics_app.lab.stability.linear import spectral_radius
 from mimics_app.lab.stability.s16_contact_directions import EXPERIMENT, compare
 from mimics_app.lab.stability.wall_loop import Wall
 from mimics_app.lab.stability.wall_loop import exact_limit as exact_wall
-from mimics_app.rendering.haptic.kernels.stability import contact_share, share_of_need
+from mimics_app.rendering.haptic.kernels.closed_region import contact_share
+from tests.support.regions import linear_region
 
 ANGLES = [0.0, 30.0, 60.0, 90.0]
 CAP = 0.2
@@ -53,10 +54,10 @@ def test_one_tick_of_delay_more_than_thought_is_seen():
 
 @given(k=st.floats(10.0, 1e5), B=st.floats(0.0, 60.0), b=st.floats(0.5, 30.0), angle=st.floats(0.0, 3.0))
 def test_of_one_contact_the_worst_direction_is_its_normal(k: float, B: float, b: float, angle: float):
-    device = Device(damping=b)
+    device = Device(mass=1e6, damping=b)
     contacts = (Contact(angle, k, B, 0.3),)
-    share = share_of_need(needed(device, contacts, CAP), b)
-    assert share == pytest.approx(contact_share(k, B, b, device.lag, CAP), rel=1e-9)
+    share = contact_share(linear_region(b, device.lag), k, B, CAP)
+    assert rule_share(device, contacts, CAP) == pytest.approx(share, rel=1e-9)
     assert rule_margin(device, contacts) == pytest.approx(min(99.0, (b + B) / device.lag / k - 1.0), rel=1e-9, abs=1e-9)
 
 
@@ -94,9 +95,9 @@ def test_what_the_cap_leaves_of_several_contacts_is_stable(
     """Two and three contacts, unlike in stiffness and damping, at 0, 30, 60 and 90 degrees: no eigenvalue reaches 1."""
     device = Device(mass=mass, damping=b, delay=delay)
     contacts = _contacts(angles, k[:count], B[:count])
-    share = share_of_need(needed(device, contacts, CAP), b)
+    share = rule_share(device, contacts, CAP)
     assert _stable(device, contacts, share)
-    assert share_of_need(needed(device, contacts[::-1], CAP), b) == pytest.approx(share, rel=1e-12)
+    assert rule_share(device, contacts[::-1], CAP) == pytest.approx(share, rel=1e-12)
 
 
 def _scaled(contacts: tuple[Contact, ...], times: float) -> tuple[Contact, ...]:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.rendering.haptic.devices.dynamics import servo_dynamics
 from mimics_app.rendering.haptic.devices.emulators.faults import apply_order
 from mimics_app.rendering.haptic.devices.emulators.hapticmaster import HapticMasterEmulator
 from mimics_app.rendering.haptic.devices.emulators.hapticmaster_machine import RATE
@@ -20,7 +21,6 @@ from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_hapticmaster import (
     build_simulated_hapticmaster,
-    robot_delay,
     write_robot,
     write_robot_memory,
 )
@@ -94,7 +94,8 @@ def pushed_serial_rig(folder: Path) -> Iterator[Rig]:
     memory = np.zeros(PUSH + 3)
     write_robot_memory(memory[:PUSH], request)
     emulator = SerialRobotEmulator(
-        DevicePlugin("pushed", read_pushed, write_robot, memory, delay=robot_delay(request)), folder / "robot"
+        DevicePlugin("pushed", read_pushed, write_robot, memory, **servo_dynamics(request.robot, request.rate)),
+        folder / "robot",
     )
     try:
         yield Rig(emulator, "serial")

@@ -28,13 +28,14 @@ from mimics_app.contracts.loop_ports import (
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.contracts.session_memory import Capacities, SessionMemory
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
+from mimics_app.rendering.haptic.devices.dynamics import servo_dynamics
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
-from mimics_app.rendering.haptic.devices.simulated_hapticmaster import robot_delay, write_robot, write_robot_memory
+from mimics_app.rendering.haptic.devices.simulated_hapticmaster import write_robot, write_robot_memory
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.kernels.robot import ROBOT_LENGTH, sense, step_robot
 from mimics_app.rendering.haptic.replay import replay_run
-from mimics_app.rendering.haptic.scene_block import scene_from_components
+from mimics_app.rendering.haptic.scene_block import dynamics_of, scene_from_components
 from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel
 from mimics_app.world.components.robot import Patient, Robot
 
@@ -165,7 +166,8 @@ def bench_of(
     kinematics, period_ns = (plugin.descriptor or HAPTICMASTER).kinematics, 1_000_000_000 // kwargs.get("rate", 1000)
     engine = HapticEngine(memory, plugin, **kwargs)
     bench = Bench(memory, engine, scene_from_components(), kinematics=kinematics, period_ns=period_ns)
-    bench.scene[0]["device_delay"] = plugin.delay
+    for name, value in dynamics_of(plugin).items():
+        bench.scene[0][name] = value
     record = bench.tunnel
     record["radius_scale"] = 1.0
     if straight is not None:
@@ -197,7 +199,10 @@ def pushed_bench(robot: Robot, **kwargs: Any) -> Bench:
     memory = np.zeros(ROBOT_LENGTH + 3)
     request = DeviceRequest(robot=robot)
     write_robot_memory(memory[:ROBOT_LENGTH], request)
-    return bench_of(DevicePlugin("pushed", read_pushed, write_robot, memory, delay=robot_delay(request)), **kwargs)
+    return bench_of(
+        DevicePlugin("pushed", read_pushed, write_robot, memory, **servo_dynamics(request.robot, request.rate)),
+        **kwargs,
+    )
 
 
 def patient_bench(

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.contracts.object_rows import ObjectCapacities
+from mimics_app.rendering.haptic.devices.dynamics import servo_dynamics
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
-from mimics_app.rendering.haptic.devices.simulated_hapticmaster import robot_delay, write_robot, write_robot_memory
+from mimics_app.rendering.haptic.devices.simulated_hapticmaster import write_robot, write_robot_memory
 from mimics_app.rendering.haptic.kernels.robot import ROBOT_LENGTH
 from mimics_app.world.components.robot import Robot
 from tests.support.body_play import Play
@@ -51,4 +52,6 @@ def pushed_with(play: Play, robot: Robot) -> Bench:
     memory = np.zeros(ROBOT_LENGTH + 3)
     request = DeviceRequest(robot=robot)
     write_robot_memory(memory[:ROBOT_LENGTH], request)
-    return bench_with(play, DevicePlugin("pushed", read_pushed, write_robot, memory, delay=robot_delay(request)))
+    return bench_with(
+        play, DevicePlugin("pushed", read_pushed, write_robot, memory, **servo_dynamics(request.robot, request.rate))
+    )

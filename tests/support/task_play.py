@@ -41,6 +41,7 @@ def make_snapshot(now_ns: int = 0, **changes: Any) -> HapticSnapshot:
         "margin": 2.0,
         "energy": 0.0,
         "stiffness_share": 1.0,
+        "calm": 1.0,
         "force_peak": 0.0,
         "distance_peak": 0.0,
         "progress_peak": 0.0,

@@ -180,9 +180,10 @@ def _broken(hud: Hud, part: str, room: float) -> list[str]:
 def stability_card(snapshot: HapticSnapshot) -> Card:
     """Return the card with the stability margin of the touched wall, and the energy of the newest contact.
 
-    Of a wall that is softened to stay stable it shows the remaining share of the stiffness instead.
+    Of a wall that is softened to stay stable, and of forces that fade because they shook the hand, it shows the
+    remaining share instead.
     """
-    margin, energy, share = snapshot.margin, snapshot.energy, snapshot.stiffness_share
+    margin, energy, share = snapshot.margin, snapshot.energy, snapshot.stiffness_share * snapshot.calm
     text = f"{100.0 * min(margin, _MAX_SHOWN):+.0f} %" if margin < _MAX_SHOWN else f"> {100.0 * _MAX_SHOWN:.0f} %"
     tone = _tone(margin)
     if share < _SOFTENED:

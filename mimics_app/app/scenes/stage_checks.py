@@ -22,6 +22,7 @@ from mimics_app.rendering.haptic.force_fields import check_field
 from mimics_app.rendering.haptic.scene_effects import check_field_count, check_haptic_path
 from mimics_app.rendering.haptic.scene_objects import check_objects
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
+from mimics_app.rendering.haptic.stability_checks import check_stability
 from mimics_app.tasks.actions import build_learning_space, haptic_field
 from mimics_app.tasks.kinds.carry.spec import CarrySpec
 from mimics_app.tasks.kinds.tunnel.kind import own_tunnel
@@ -54,7 +55,7 @@ def check_stages(scene: Scene) -> list[Issue]:
         *_check_widest_tunnel(scene),
         *_check_reach(scene),
         *_check_carry_reach(scene),
-        *check_objects(scene),
+        *(check_objects(scene) or check_stability(scene)),
     ]
     return found or check_parameters(scene)
 

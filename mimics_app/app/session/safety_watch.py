@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mimics_app.app.terminal.output import say
 from mimics_app.contracts.clock import TICKS_PER_SECOND
-from mimics_app.contracts.haptic import SafetyState
+from mimics_app.contracts.haptic import EventKind, SafetyState
 from mimics_app.contracts.trips import Trip, TripReader
 from mimics_app.rendering.haptic.histogram import LatenessReport
 
@@ -46,6 +46,12 @@ class SafetyWatch:
 
     def see(self, events: NDArray[Any]) -> None:
         """Take the EVENT records of a frame, oldest first, and report the trips among them on the terminal."""
+        for event in events[events["kind"] == EventKind.OSCILLATION] if len(events) else ():
+            seconds = int(event["tick"]) / TICKS_PER_SECOND
+            self._report(
+                f"{seconds:.3f} s: the rendered force shook the hand ({float(event['force']):.1f} N) and fades; "
+                "make what was touched softer or less damped"
+            )
         for trip in self._reader.take(events):
             if trip.latched:
                 self.stop = trip

@@ -11,7 +11,7 @@ from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.contracts.plural import counted
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.described import descriptor_of
-from mimics_app.rendering.haptic.scene_block import impedance_values, kinematic_values
+from mimics_app.rendering.haptic.scene_block import dynamics_of, impedance_values, kinematic_values
 from mimics_app.world.components.robot import Admittance, Impedance, Robot
 from mimics_app.world.scene.scene import Scene
 
@@ -21,8 +21,8 @@ _TAKES_FORCES = ("force", "torque")
 
 
 def device_values(plugin: DevicePlugin, scene: Scene) -> Mapping[str, object]:
-    """Return the SCENE fields set by the device: joints, delay, kind of command, and whether late ticks latch."""
-    values: dict[str, object] = {"device_delay": plugin.delay, "late_latches": int(not plugin.simulated)}
+    """Return the SCENE fields set by the device: joints, dynamics, kind of command, and whether late ticks latch."""
+    values: dict[str, object] = {"late_latches": int(not plugin.simulated), **dynamics_of(plugin)}
     values |= _joint_values(plugin, scene)
     if plugin.follows in _TAKES_FORCES:
         values |= impedance_values(scene.first(Impedance) or Impedance())

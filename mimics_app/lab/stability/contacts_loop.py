@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Mat, Vec
+from mimics_app.contracts.haptic import SCENE
 from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.stability.growth import dies_away, note_peak
 from mimics_app.lab.stability.linear import find_limit, spectral_radius
@@ -25,9 +26,15 @@ from mimics_app.lab.stability.wall_loop import (
     SOFT,
     delayed_loop,
 )
+from mimics_app.rendering.haptic.kernels.closed_region import REGION, find_region
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
-from mimics_app.rendering.haptic.kernels.directions import SPAN, add_contact, begin_span, needed_damping
-from mimics_app.rendering.haptic.kernels.directions import worst_direction as find_worst_direction
+from mimics_app.rendering.haptic.kernels.directions import (
+    SPAN,
+    add_contact,
+    begin_span,
+    span_share,
+    worst_direction,
+)
 from mimics_app.rendering.haptic.kernels.integrators import step_free
 
 __all__ = [
@@ -35,9 +42,9 @@ __all__ = [
     "Device",
     "exact_limit",
     "exact_matrix",
-    "needed",
     "rule_limit",
     "rule_margin",
+    "rule_share",
     "simulated_limit",
     "sum_limit",
 ]
@@ -200,21 +207,30 @@ def _span_of(contacts: Contacts) -> NDArray[np.void]:
     return span
 
 
+def _region_of(device: Device) -> NDArray[np.void]:
+    """Return the region of the live loop for a device that takes forces, shape [1]."""
+    scene, region = np.zeros(1, SCENE), np.zeros(1, REGION)
+    scene[0]["force_driven"], scene[0]["device_mass"] = 1, device.mass
+    scene[0]["device_damping"] = device.damping
+    find_region(scene[0], device.delay / device.rate, 1.0 / device.rate, region[0])
+    return region
+
+
 def rule_margin(device: Device, contacts: Contacts) -> float:
     """Return the stability margin of the worst direction [-], as the loop computes it."""
     span = _span_of(contacts)
-    find_worst_direction(span[0], device.damping, device.lag)
+    worst_direction(span[0], _region_of(device)[0])
     return float(span[0]["margin"])
 
 
-def needed(device: Device, contacts: Contacts, margin: float = 0.0) -> float:
-    """Return the damping of the device that gives a margin in every direction, as in the stiffness cap [N s/m]."""
-    return float(needed_damping(_span_of(contacts)[0], device.lag * (1.0 + margin)))
+def rule_share(device: Device, contacts: Contacts, margin: float = 0.0) -> float:
+    """Return the share of all contacts that gives a margin in every direction, as in the stiffness cap, 0-1."""
+    return float(span_share(_span_of(contacts)[0], _region_of(device)[0], margin))
 
 
 def rule_limit(device: Device, contacts: Contacts) -> float:
     """Return the largest stiffness of the first contact by the worst direction, the rule of the loop [N/m]."""
-    return find_limit(lambda first: needed(device, _stiffer(contacts, first)) < device.damping, SOFT, _HARD)
+    return find_limit(lambda first: rule_share(device, _stiffer(contacts, first)) >= 1.0, SOFT, _HARD)
 
 
 def sum_limit(device: Device, contacts: Contacts) -> float:

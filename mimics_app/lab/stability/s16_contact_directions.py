@@ -28,6 +28,9 @@ __all__ = ["EXPERIMENT", "compare"]
 _DEVICE = Device()
 _PLATE = Contact(0.0, 1.0, 0.0)
 _SOFT = 100.0
+_ROUNDING = 2e-3
+"""Relative excess of a limit over the truth that counts as none: the corners of the region's polygon [-]."""
+
 _DAMPINGS = (10.0, 30.0, 60.0)
 
 
@@ -74,7 +77,6 @@ def _simulate_grid(points: int) -> Outcome:
         for B, block in zip(_DAMPINGS, blocks, strict=True)
     }
     rules["sum of all, B = 60 N s/m"] = points_of(blocks[-1], "angle_deg", "sum_n_m")
-    alone = min(row["exact_above_rule"] for row in rows if row["angle_deg"] == 0.0)
     least = min(row["exact_above_rule"] for row in rows)
     promised = blocks[-1][-1]["sum_n_m"] / blocks[-1][-1]["exact_n_m"]
     return Outcome(
@@ -82,11 +84,10 @@ def _simulate_grid(points: int) -> Outcome:
         simulated=points_of(drawn, "angle_deg", "simulated_n_m"),
         exact=points_of(drawn, "angle_deg", "exact_n_m"),
         rules=rules,
-        holds=least >= alone,
+        holds=least > -_ROUNDING,
         note="An undamped plate beside a block of 100 N/m and 10, 30, 60 N s/m (lowest to highest curve); 3 kg, "
         f"8 N s/m, 4 ticks late. At 90 degrees the sum promises {promised:.0f} times the truth; the worst "
-        f"direction is below it, but for the {-100.0 * alone:.0f} % by which the rule for one contact errs where both "
-        "face the same way.",
+        "direction is nowhere above it.",
     )
 
 

@@ -77,11 +77,13 @@ def _begin(work: Work, t_ns: int, body_a: int, body_b: int, speed: float, value:
 
 @kernel
 def _publish_monitor(channels: Channels, work: Work, state: StateRecord) -> None:
-    """Publish the reports of the monitors of stability and of stale device data."""
+    """Publish the reports of the monitors of stability, oscillation and stale device data."""
     if state.margin_lost == 1:
         _publish(channels, work, EventKind.MARGIN, state.reported_margin)
     if state.cap_began == 1:
         _publish(channels, work, EventKind.CAP, state.reported_share)
+    if state.swing_told == 1:
+        _publish(channels, work, EventKind.OSCILLATION, state.reported_swing)
     if state.stale_began == 1:
         _publish(channels, work, EventKind.STALE, state.age)
 
@@ -90,7 +92,7 @@ def _publish_monitor(channels: Channels, work: Work, state: StateRecord) -> None
 def _publish_tick(channels: Channels, work: Work, t_ns: int) -> None:
     state, event = work.state[0], work.event[0]
     news = state.parameters_taken + state.state_changed + state.tripped + state.contact_change
-    if news + state.margin_lost + state.cap_began + state.stale_began == 0:
+    if news + state.margin_lost + state.cap_began + state.swing_told + state.stale_began == 0:
         return
     _begin(work, t_ns, 0, -1, state.tunnel.approach_speed, state.tunnel.s)
     copy(state.tunnel.normal_world, event.normal_world)

@@ -15,6 +15,7 @@ from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.device_descriptor import DeviceDescriptor
 from mimics_app.contracts.haptic import SCENE, AdmittanceForm, Controller
 from mimics_app.contracts.loop_fields import MAX_JOINTS
+from mimics_app.contracts.loop_ports import LIGHTEST_DEVICE, DevicePlugin
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.descriptors.joint_limits import joint_limits
 from mimics_app.world.components.robot import Admittance, Ball, Impedance, JointPd, Robot, Safety, WorldPd
@@ -22,6 +23,7 @@ from mimics_app.world.components.robot import Admittance, Ball, Impedance, Joint
 __all__ = [
     "apply_robot",
     "apply_safety",
+    "dynamics_of",
     "impedance_values",
     "kinematic_values",
     "robot_from_world",
@@ -117,6 +119,17 @@ def impedance_values(impedance: Impedance) -> dict[str, object]:
         "virtual_damping": impedance.damping,
         "device_damping": impedance.device_damping,
         **_drive_values(impedance),
+    }
+
+
+def dynamics_of(plugin: DevicePlugin) -> dict[str, float]:
+    """Return the SCENE fields of a device's dynamics, for the stability limit."""
+    takes_forces = plugin.follows in ("force", "torque")
+    return {
+        "device_delay": plugin.delay,
+        "device_lag": min(plugin.lag, plugin.delay),
+        "device_filter": plugin.filtering,
+        "device_mass": plugin.mass or LIGHTEST_DEVICE if takes_forces else 0.0,
     }
 
 

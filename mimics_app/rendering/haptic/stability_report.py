@@ -21,6 +21,8 @@ class StabilityReport:
         stiffness_limit: Smallest stiffness limit during contacts [N/m]; without a contact the present one.
         energy: Smallest energy taken by a contact [J]: 0 while all were passive, negative: energy that one generated.
         stiffness_share: Smallest share of the authored stiffness that was rendered [-]; below 1 the cap acted.
+        oscillations: Times that the virtual force fed an oscillation and faded.
+        calm: Smallest share of the virtual force that was left then [-].
         passivity_ticks: Ticks in which the passivity controller reduced the force.
         tank: Lowest level of the energy tank [J].
         wall: Smallest margin of the tunnel's wall along its normal [-]; None where it was not touched.
@@ -31,6 +33,8 @@ class StabilityReport:
     stiffness_limit: float
     energy: float
     stiffness_share: float
+    oscillations: int
+    calm: float
     passivity_ticks: int
     tank: float
     wall: float | None
@@ -54,7 +58,8 @@ class StabilityReport:
                 "energy_j": self.energy,
                 "stiffness_share_min": self.stiffness_share,
             }
-        return {**of_contacts, "passivity_ticks": self.passivity_ticks, "tank_min_j": self.tank}
+        fading = {"oscillations": self.oscillations, "calm_min": self.calm} if self.oscillations else {}
+        return {**of_contacts, **fading, "passivity_ticks": self.passivity_ticks, "tank_min_j": self.tank}
 
 
 def stability_of(states: NDArray[Any], margins: NDArray[np.float64]) -> StabilityReport:
@@ -73,6 +78,8 @@ def stability_of(states: NDArray[Any], margins: NDArray[np.float64]) -> Stabilit
         stiffness_limit=limit if np.isfinite(limit) else 0.0,
         energy=float(states["least_energy"].min()),
         stiffness_share=float(met["acting"]["least_share"].min()) if touched else 1.0,
+        oscillations=int(states["swing"]["count"].sum()),
+        calm=float(states["swing"]["least_calm"][states["swing"]["begun"] == 1].min(initial=1.0)),
         passivity_ticks=int(acting["passivity_ticks"].sum()),
         tank=float(record["acting"]["least_tank"]),
         wall=float(record["least_wall_margin"]) if record["wall_touched"] else None,

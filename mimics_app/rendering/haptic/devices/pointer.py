@@ -17,8 +17,9 @@ from mimics_app.contracts.loop_ports import (
     DevicePlugin,
 )
 from mimics_app.rendering.haptic.devices.device_settings import write_settings
+from mimics_app.rendering.haptic.devices.dynamics import servo_dynamics
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
-from mimics_app.rendering.haptic.devices.simulated_hapticmaster import robot_delay, write_robot, write_robot_memory
+from mimics_app.rendering.haptic.devices.simulated_hapticmaster import write_robot, write_robot_memory
 from mimics_app.rendering.haptic.kernels import virtual_coupling
 from mimics_app.rendering.haptic.kernels.robot import HANDLE, ROBOT_LENGTH, TICK, sense, step_robot
 from mimics_app.rendering.haptic.kernels.virtual_coupling import COUPLING_FORCE, COUPLING_LENGTH, step_coupling
@@ -64,4 +65,6 @@ def build_pointer(request: DeviceRequest) -> DevicePlugin:
     write_robot_memory(memory[:ROBOT_LENGTH], request)
     own = memory[ROBOT_LENGTH:]
     write_settings(own, _SETTINGS, request.robot.settings, "pointer")
-    return DevicePlugin("pointer", _read_pointer, write_robot, memory, delay=robot_delay(request), simulated=True)
+    return DevicePlugin(
+        "pointer", _read_pointer, write_robot, memory, simulated=True, **servo_dynamics(request.robot, request.rate)
+    )

@@ -16,6 +16,7 @@ from mimics_app.contracts.loop_ports import (
     DevicePlugin,
 )
 from mimics_app.rendering.haptic.descriptors.hapticmaster import axis_offset
+from mimics_app.rendering.haptic.devices.dynamics import servo_dynamics
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_person import move_person, write_person
 from mimics_app.rendering.haptic.kernels import robot
@@ -32,7 +33,7 @@ from mimics_app.rendering.haptic.kernels.robot import (
 )
 from mimics_app.rendering.haptic.kernels.vectors import all_finite
 
-__all__ = ["build_simulated_hapticmaster", "read_patient", "robot_delay", "write_robot", "write_robot_memory"]
+__all__ = ["build_simulated_hapticmaster", "read_patient", "write_robot", "write_robot_memory"]
 
 
 _ENCODER_QUANTUM = 4e-6
@@ -87,17 +88,16 @@ def write_robot_memory(memory: Vec, request: DeviceRequest) -> None:
     robot.place_handle(memory)
 
 
-def robot_delay(request: DeviceRequest) -> float:
-    """Return the delay from command to motion [s]: the delay line plus the servo's lag at low frequency."""
-    robot = request.robot
-    return robot.delay_ticks / request.rate + 1.0 / (2.0 * math.pi * robot.servo_bandwidth_hz)
-
-
 def build_simulated_hapticmaster(request: DeviceRequest) -> DevicePlugin:
     """Build the simulated robot with the request's patient, or a relaxed arm."""
     memory = np.zeros(ROBOT_LENGTH + ARM_LENGTH)
     write_robot_memory(memory[:ROBOT_LENGTH], request)
     write_person(memory[ROBOT_LENGTH:], request)
     return DevicePlugin(
-        "simulated_hapticmaster", read_patient, write_robot, memory, delay=robot_delay(request), simulated=True
+        "simulated_hapticmaster",
+        read_patient,
+        write_robot,
+        memory,
+        simulated=True,
+        **servo_dynamics(request.robot, request.rate),
     )

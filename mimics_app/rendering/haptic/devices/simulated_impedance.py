@@ -15,6 +15,7 @@ from mimics_app.contracts.loop_ports import (
 )
 from mimics_app.rendering.haptic.descriptors.hapticmaster import axis_offset
 from mimics_app.rendering.haptic.devices.device_settings import write_settings
+from mimics_app.rendering.haptic.devices.dynamics import LIGHT_MASS, force_dynamics
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_person import move_person, write_person
 from mimics_app.rendering.haptic.kernels import light_robot
@@ -34,7 +35,7 @@ __all__ = ["build_simulated_impedance", "write_force"]
 
 
 _SETTINGS = {
-    "mass": (light_robot.MASS, 0.2),  # felt at the handle [kg]
+    "mass": (light_robot.MASS, LIGHT_MASS),  # felt at the handle [kg]
     "friction": (light_robot.DAMPING, 0.5),  # [N s/m]
     "motor_force": (light_robot.MOTOR_FORCE, 30.0),  # [N]
     "encoder": (light_robot.ENCODER, 2e-5),  # [m]
@@ -73,9 +74,14 @@ def build_simulated_impedance(request: DeviceRequest) -> DevicePlugin:
     memory = np.zeros(LENGTH + ARM_LENGTH)
     _write_robot(memory[:LENGTH], request)
     write_person(memory[LENGTH:], request)
-    delay = request.robot.delay_ticks / request.rate
     return DevicePlugin(
-        "simulated_impedance", _read_light_patient, write_force, memory, delay=delay, follows="force", simulated=True
+        "simulated_impedance",
+        _read_light_patient,
+        write_force,
+        memory,
+        **force_dynamics(request.robot, request.rate),
+        follows="force",
+        simulated=True,
     )
 
 

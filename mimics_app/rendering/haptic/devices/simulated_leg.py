@@ -67,6 +67,9 @@ _COM_SHARE = 0.433
 _GYRATION_SHARE = 0.32
 """Centre of mass and radius of gyration of a segment as shares of its length (Winter)."""
 
+_END_SHARE = 1.0 / (1.0 + ((1.0 - _COM_SHARE) / _GYRATION_SHARE) ** 2)
+"""Share of a free segment's mass that is felt at its end: less than that of a shank on its thigh."""
+
 
 @typed_kernel(READ)
 def read_legs(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
@@ -157,6 +160,9 @@ def build_simulated_leg(request: DeviceRequest) -> DevicePlugin:
         write_legs,
         memory,
         delay=request.robot.delay_ticks / request.rate + lag,
+        lag=lag,
+        filtering=1.0 / (2.0 * math.pi * machine.SPEED_FILTER_HZ),
+        mass=memory[_LEGS + machine.SHANK_MASS] * _END_SHARE,
         follows="velocity" if mode == "motion" else "torque",
         simulated=True,
     )

@@ -18,8 +18,10 @@ import numpy as np
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic import Controller, SafetyState, TripCause
 from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.closed_region import contact_share
 from mimics_app.rendering.haptic.kernels.contact_limits import common_share, is_pressed
 from mimics_app.rendering.haptic.kernels.limiter import limit_force, limit_held
+from mimics_app.rendering.haptic.kernels.oscillation import begin_swing
 from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, middle_velocity
 from mimics_app.rendering.haptic.kernels.safety import HOLD, is_felt, is_stopped, latch
 from mimics_app.rendering.haptic.kernels.tunnels import share_in_touch
@@ -34,8 +36,8 @@ __all__ = [
     "account",
     "act",
     "acting_contact",
+    "delay_ticks",
     "device_delay",
-    "own_damping",
     "payable_share",
     "settle_account",
 ]
@@ -58,15 +60,18 @@ ACTING = np.dtype(
         ("actives", "f8", (_LINE, 3)),  # delay line of `active`
         ("rests", "f8", (_LINE, 3)),  # delay line of `rest`
         ("credit", "f8"),  # energy contacts may still give [J]; below 0: debt
+        ("ramp", "f8"),  # soft-start factor of the last tick
         ("free_ticks", "i8"),  # in a row without a contact
         ("tank", "f8"),  # level [J]
         ("filled", "i8"),  # 1 once the tank was filled
         ("inflow", "f8"),  # into the tank [W]
         ("wall_share", "f8"),  # rendered share of the tunnel wall's stiffness
         ("shape_share", "f8"),  # rendered share of the forces of touched shapes
+        ("effect_share", "f8"),  # rendered share of the forces of effects and of a held body
         ("both_share", "f8"),  # common share of wall and shapes in the last tick while both were touched, else 1
         ("touching", "i8"),  # 1: a shape was touched in the last tick
         ("tank_share", "f8"),  # share of the active forces that the tank pays
+        ("felt_share", "f8"),  # share of the wanted force that limiter and detector of oscillation left
         ("passivity", "f8"),  # magnitude removed by the passivity controller [N]
         ("least_share", "f8"),  # smallest stiffness share felt in a contact; 0: none yet
         ("least_tank", "f8"),  # lowest level of the tank [J]
@@ -119,12 +124,6 @@ def device_delay(scene: SceneRecord, state: StateRecord) -> float:
 
 
 @kernel
-def own_damping(scene: SceneRecord) -> float:
-    """Damping available to every contact: virtual, of the device, and of the arm [N s/m]."""
-    return scene.virtual_damping + scene.device_damping + scene.arm_damping
-
-
-@kernel
 def _find_displacement(scene: SceneRecord, state: StateRecord, dt: float) -> None:
     """Set displacement and velocity of virtual mass or device since the last tick, exact for a held force.
 
@@ -147,7 +146,7 @@ def _find_displacement(scene: SceneRecord, state: StateRecord, dt: float) -> Non
 
 
 @kernel
-def _delay_ticks(scene: SceneRecord, state: StateRecord, dt: float) -> int:
+def delay_ticks(scene: SceneRecord, state: StateRecord, dt: float) -> int:
     """Ticks until a force acts: none on the virtual mass, the device's delay on a force-driven device."""
     if scene.force_driven == 0:
         return 0
@@ -167,7 +166,7 @@ def _store_shares(state: StateRecord) -> None:
 @kernel
 def acting_contact(scene: SceneRecord, state: StateRecord, dt: float, f: Vec) -> None:
     """Write to f the contacts' share of the force that acts from this tick on, world [N]; call after `act`."""
-    late = _delay_ticks(scene, state, dt)
+    late = delay_ticks(scene, state, dt)
     slot = (state.tick - late) % _LINE
     for i in range(3):
         f[i] = state.acting.contacts[slot, i] if state.tick >= late else 0.0
@@ -178,7 +177,7 @@ def _energy_in_flight(scene: SceneRecord, state: StateRecord, dt: float) -> floa
     """Energy [J] that contact forces sent but still in the delay line will give at the present velocity."""
     acting = state.acting
     energy = 0.0
-    for late in range(1, min(_delay_ticks(scene, state, dt), state.tick) + 1):
+    for late in range(1, min(delay_ticks(scene, state, dt), state.tick) + 1):
         slot = (state.tick - late) % _LINE
         for i in range(3):
             energy += acting.contacts[slot, i] * acting.v[i] * dt
@@ -196,11 +195,12 @@ def account(scene: SceneRecord, state: StateRecord, dt: float) -> None:
     if acting.known == 0:
         acting.wall_share = 1.0
         acting.shape_share = 1.0
+        acting.effect_share = 1.0
         acting.both_share = 1.0
     _find_displacement(scene, state, dt)
     acting.known = 1
     active, rest = 0.0, 0.0
-    acted = state.tick - 1 - _delay_ticks(scene, state, dt)
+    acted = state.tick - 1 - delay_ticks(scene, state, dt)
     if acted >= 0:
         slot = acted % _LINE
         for i in range(3):
@@ -214,32 +214,39 @@ def account(scene: SceneRecord, state: StateRecord, dt: float) -> None:
 
 
 @kernel
-def _cap_shapes(
-    scene: SceneRecord, state: StateRecord, totals: TotalsRecord, touched: Table[TouchedRecord], period: float
-) -> None:
+def _cap_effects(scene: SceneRecord, state: StateRecord, totals: TotalsRecord) -> None:
+    """Set the rendered share of effects and held bodies; it does not rise while one of them holds."""
+    acting = state.acting
+    k, b, share = totals.even_stiffness, totals.even_damping, 1.0
+    if scene.cap == 1:
+        share = contact_share(state.region, k, b, scene.cap_margin)
+    acting.effect_share = share_in_touch(acting.effect_share, share, k > 0.0 or b > 0.0)
+
+
+@kernel
+def _cap_shapes(scene: SceneRecord, state: StateRecord, totals: TotalsRecord, touched: Table[TouchedRecord]) -> None:
     """Set the rendered share of the touched shapes; it does not rise while any is touched."""
     acting = state.acting
     share, is_touching = 1.0, totals.touching > 0
     if scene.cap == 1 and is_touching:
-        lag = 0.5 * period + device_delay(scene, state)
-        share = common_share(scene, state, totals, touched, own_damping(scene), lag)
+        share = common_share(scene, state, totals, touched)
     acting.both_share = share if is_touching and is_pressed(state) else 1.0
     acting.shape_share = share_in_touch(acting.shape_share, share, is_touching and acting.touching == 1)
     acting.touching = 1 if is_touching else 0
 
 
 @kernel
-def _split_forces(scene: SceneRecord, state: StateRecord, totals: TotalsRecord) -> None:
-    """Set state.f_contact, f_active and f_rest [N], shapes at their capped share."""
+def _split_forces(state: StateRecord, totals: TotalsRecord) -> None:
+    """Set state.f_contact, f_active and f_rest [N], shapes and effects at their capped shares."""
     acting = state.acting
-    viscosity = scene.virtual_damping if scene.controller == Controller.IMPEDANCE else 0.0
     movable = totals.touching > totals.static_touching
     for i in range(3):
         shapes = acting.shape_share * totals.shape_force[i]
         state.f_contact[i] = state.tunnel.wall_force * state.tunnel.normal_world[i]
-        state.f_active[i] = state.tunnel.assist_world[i] + totals.effect_force[i] + totals.grip_force[i]
-        state.f_rest[i] = state.f_virt_world[i] - totals.shape_force[i] - state.f_contact[i] - state.f_active[i]
-        state.f_rest[i] -= viscosity * state.v_world[i]
+        effects = totals.effect_force[i] + totals.grip_force[i]
+        state.f_active[i] = state.tunnel.assist_world[i] + acting.effect_share * effects
+        state.f_rest[i] = state.f_virt_world[i] - totals.shape_force[i] - state.f_contact[i] - effects
+        state.f_rest[i] -= state.tunnel.assist_world[i] + state.region.viscosity * state.v_world[i]
         if movable:
             state.f_active[i] += shapes
         else:
@@ -256,6 +263,8 @@ def _limit_credit(state: StateRecord, totals: TotalsRecord, dt: float) -> None:
     stored = acting.wall_share * state.tunnel.stiffness * depth * depth
     if totals.touching > 0:
         stored += acting.shape_share * totals.stiffness * totals.depth * totals.depth
+    acting.credit += 0.5 * stored * max(0.0, state.ramp - acting.ramp)  # the soft start stiffens what is pressed
+    acting.ramp = state.ramp
     acting.credit = min(acting.credit, stored)  # lost energy is no credit: it would hide energy generated later
     if acting.free_ticks * dt >= FREE_TIME:
         acting.credit = 0.0
@@ -263,7 +272,7 @@ def _limit_credit(state: StateRecord, totals: TotalsRecord, dt: float) -> None:
 
 @kernel
 def _passivity_factor(scene: SceneRecord, state: StateRecord, dt: float) -> float:
-    """Factor >= 0 of the passivity controller on the contacts' force; contacts never pull."""
+    """Factor 0-1 of the passivity controller on the contacts' force."""
     acting = state.acting
     acting.passivity = 0.0
     if scene.passivity == 0 or not is_felt(state):
@@ -277,7 +286,7 @@ def _passivity_factor(scene: SceneRecord, state: StateRecord, dt: float) -> floa
         middle_velocity(acting.v, state.work_a, state.f_meas_world, scene.virtual_mass, dt, v)
     credit = acting.credit - _energy_in_flight(scene, state, dt)
     factor = contact_scale(credit, state.f_contact, v, dt, most)
-    acting.passivity = abs(1.0 - factor) * norm(state.f_contact)
+    acting.passivity = (1.0 - factor) * norm(state.f_contact)
     acting.passivity_ticks += 1 if acting.passivity > 0.0 else 0
     return factor
 
@@ -302,15 +311,18 @@ def _compose(
     state: StateRecord,
     totals: TotalsRecord,
     touched: Table[TouchedRecord],
-    period: float,
     dt: float,
 ) -> None:
     """Set state.f_wanted, the sum of the accounts after cap, passivity controller and tank."""
-    _cap_shapes(scene, state, totals, touched, period)
-    _split_forces(scene, state, totals)
+    _cap_effects(scene, state, totals)
+    _cap_shapes(scene, state, totals, touched)
+    _split_forces(state, totals)
     _limit_credit(state, totals, dt)
     scale(state.f_contact, _passivity_factor(scene, state, dt))
     _pay(state)
+    scale(state.f_contact, state.swing.calm)
+    scale(state.f_active, state.swing.calm)
+    scale(state.f_rest, state.swing.calm)
     for i in range(3):
         state.f_wanted[i] = state.f_contact[i] + state.f_active[i] + state.f_rest[i]
 
@@ -337,7 +349,6 @@ def act(
     totals: TotalsRecord,
     touched: Table[TouchedRecord],
     held: int,
-    period: float,
     dt: float,
 ) -> None:
     """Set the force on the user: held in a late tick, zero in a stop state, else composed, limited and ramped.
@@ -348,16 +359,16 @@ def act(
         totals: TOTALS record of this point of contact.
         touched: TOUCHED records of its contacts.
         held: Late-tick class.
-        period: Measured period [s].
         dt: Tick [s].
     """
     acting = state.acting
     f = state.f_user_world
+    begin_swing(state.swing)
     acting.limited[0], acting.limited[1] = 0.0, 0.0
     if held == HOLD and not is_stopped(state):
         acting.limited[0] = limit_held(state.v_world, scene.power_limit, f)
     else:
-        _compose(scene, state, totals, touched, period, dt)
+        _compose(scene, state, totals, touched, dt)
         rise, most = scene.force_rate_limit * dt, scene.force_limit
         if is_stopped(state):
             fill(f, 0.0)
@@ -365,6 +376,7 @@ def act(
             state.f_wanted, state.ramp, most, rise, state.v_world, scene.power_limit, f, acting.limited
         ):
             latch(state, SafetyState.SAFE_STOP, TripCause.NOT_FINITE)
+        acting.felt_share = acting.limited[1] * state.swing.calm
     _book(state)
     if is_stopped(state):
         acting.credit = 0.0

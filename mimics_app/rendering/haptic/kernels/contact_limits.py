@@ -9,14 +9,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.closed_region import (
+    contact_share,
+    region_margin,
+    stiffness_limit,
+)
 from mimics_app.rendering.haptic.kernels.directions import (
     add_contact,
     along,
     begin_span,
-    needed_damping,
+    span_share,
     worst_direction,
 )
-from mimics_app.rendering.haptic.kernels.stability import contact_share, margin_of, share_of_need
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import SceneRecord, StateRecord, Table, TotalsRecord, TouchedRecord
@@ -40,8 +44,8 @@ def _gather(
     state: StateRecord, totals: TotalsRecord, touched: Table[TouchedRecord], share: float, wall_share: float
 ) -> None:
     """Sum all contacts of the tick into state.span: shapes scaled by `share`, the wall's spring by `wall_share`."""
-    span = state.span
-    begin_span(span, totals.even_stiffness, totals.even_damping)
+    span, even = state.span, state.acting.effect_share
+    begin_span(span, even * totals.even_stiffness, even * totals.even_damping)
     for i in range(totals.listed):
         c = touched[i]
         k, b, hold, hold_b = c.stiffness, c.damping, c.hold_stiffness, c.hold_damping
@@ -52,9 +56,7 @@ def _gather(
 
 
 @kernel
-def common_share(
-    scene: SceneRecord, state: StateRecord, totals: TotalsRecord, touched: Table[TouchedRecord], own: float, lag: float
-) -> float:
+def common_share(scene: SceneRecord, state: StateRecord, totals: TotalsRecord, touched: Table[TouchedRecord]) -> float:
     """Share 0-1 of all contacts, springs and dampers alike, that keeps SCENE.cap_margin in every direction.
 
     Args:
@@ -62,51 +64,51 @@ def common_share(
         state: STATE record.
         totals: TOTALS record with a contact.
         touched: TOUCHED records.
-        own: Damping available to every contact [N s/m].
-        lag: T / 2 + delay [s].
     """
+    region, margin = state.region, scene.cap_margin
     if not _is_alone(state, totals):
         _gather(state, totals, touched, 1.0, 1.0)
-        return share_of_need(needed_damping(state.span, lag * (1.0 + scene.cap_margin)), own)
-    c, k, b = touched[0], totals.even_stiffness, totals.even_damping
-    share = contact_share(c.stiffness + k, c.damping + b, own, lag, scene.cap_margin)
+        return span_share(state.span, region, margin)
+    even = state.acting.effect_share
+    c, k, b = touched[0], even * totals.even_stiffness, even * totals.even_damping
+    share = contact_share(region, c.stiffness + k, c.damping + b, margin)
     if c.hold_stiffness > c.stiffness:
-        share = min(share, contact_share(c.hold_stiffness + k, c.hold_damping + b, own, lag, scene.cap_margin))
+        share = min(share, contact_share(region, c.hold_stiffness + k, c.hold_damping + b, margin))
     return share
 
 
 @kernel
-def _margin_alone(state: StateRecord, totals: TotalsRecord, contact: TouchedRecord, own: float, lag: float) -> None:
+def _margin_alone(state: StateRecord, totals: TotalsRecord, contact: TouchedRecord) -> None:
     """Set state.span.limit and margin of a single contact."""
-    span, share = state.span, state.acting.shape_share
-    span.limit = (own + share * contact.damping + totals.even_damping) / lag
-    span.margin = margin_of(span.limit, share * contact.stiffness + totals.even_stiffness)
+    span, region, share, even = state.span, state.region, state.acting.shape_share, state.acting.effect_share
+    k, b = even * totals.even_stiffness, even * totals.even_damping
+    damping = share * contact.damping + b
+    span.limit = stiffness_limit(region, damping)
+    span.margin = region_margin(region, share * contact.stiffness + k, damping)
     if contact.hold_stiffness > contact.stiffness:
-        limit = (own + share * contact.hold_damping + totals.even_damping) / lag
-        margin = margin_of(limit, share * contact.hold_stiffness + totals.even_stiffness)
+        damping = share * contact.hold_damping + b
+        margin = region_margin(region, share * contact.hold_stiffness + k, damping)
         if margin < span.margin:
-            span.limit = limit
+            span.limit = stiffness_limit(region, damping)
             span.margin = margin
     contact.margin = span.margin
 
 
 @kernel
-def touched_margin(
-    state: StateRecord, totals: TotalsRecord, touched: Table[TouchedRecord], own: float, lag: float
-) -> None:
+def touched_margin(state: StateRecord, totals: TotalsRecord, touched: Table[TouchedRecord]) -> None:
     """Set limit and margin of the worst direction, as rendered, in state.span, and the margin of each contact's normal.
 
     The margin of the worst direction is the smallest of all. Arguments as of `common_share`.
     """
     if _is_alone(state, totals):
-        _margin_alone(state, totals, touched[0], own, lag)
+        _margin_alone(state, totals, touched[0])
         return
-    span = state.span
+    span, region = state.span, state.region
     _gather(state, totals, touched, state.acting.shape_share, state.acting.wall_share)
     for i in range(totals.listed):
         n = touched[i].normal
-        touched[i].margin = margin_of((own + along(span.damping, n)) / lag, along(span.stiffness, n))
+        touched[i].margin = region_margin(region, along(span.stiffness, n), along(span.damping, n))
     if is_pressed(state):
         n = state.tunnel.normal_world
-        state.wall_margin = margin_of((own + along(span.damping, n)) / lag, along(span.stiffness, n))
-    worst_direction(span, own, lag)
+        state.wall_margin = region_margin(region, along(span.stiffness, n), along(span.damping, n))
+    worst_direction(span, region)

@@ -6,10 +6,11 @@ device, in the first record.
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.haptic import SafetyState, TripCause
+from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.safety import latch
 from mimics_app.rendering.haptic.kernels.vectors import copy
@@ -56,20 +57,27 @@ def set_virtual_forces(
 
 @kernel
 def collect_events(scene: SceneRecord, states: Table[StateRecord]) -> None:
-    """Take over the events of the other points: a stop, a margin below 0, a cap that began."""
+    """Take over the events of the other points: a stop, a margin below 0, a cap or a fading force that began."""
     state = states[0]
     state.reported_margin = state.margin
     state.reported_share = state.stiffness_share
+    state.swing_told = state.swing.told
+    state.reported_swing = math.sqrt(state.swing.force)
+    state.calm = state.swing.calm
     for c in range(1, scene.contacts):
         other = states[c]
         if other.safety >= SafetyState.SAFE_STOP and state.safety < SafetyState.SAFE_STOP:
-            latch(state, SafetyState.SAFE_STOP, TripCause.NOT_FINITE)
+            latch(state, SafetyState.SAFE_STOP, other.cause)
         if other.margin_lost == 1 and state.margin_lost == 0:
             state.margin_lost = 1
             state.reported_margin = other.margin
         if other.cap_began == 1 and state.cap_began == 0:
             state.cap_began = 1
             state.reported_share = other.stiffness_share
+        if other.swing.told == 1 and state.swing_told == 0:
+            state.swing_told = 1
+            state.reported_swing = math.sqrt(other.swing.force)
+        state.calm = min(state.calm, other.swing.calm)
 
 
 @kernel

@@ -9,6 +9,10 @@ a negative damper, M x'' + (b + B - L K) x' + K x = 0, which is stable where
 One contact: K < (b + B) / L, the limit of `stability`. Contacts at right angles: each its own limit. In general the
 worst direction decides, by the largest eigenvalue of L (b + B)^-1/2 K (b + B)^-1/2; damping perpendicular to it does
 not help. The condition is sufficient, not necessary: coupled contacts are stable slightly beyond it.
+
+Beyond first order the same holds for every side of the closed region (`closed_region`): at an eigenvalue e^{i theta} of
+the loop -1/G = u*K u + V u*B u for a complex unit vector u, so that the loop is stable where (u*K u, u*B u) lies in the
+region for every u. For one half-plane that is an eigenvalue of a K + c B.
 """
 
 from __future__ import annotations
@@ -20,12 +24,13 @@ import numpy as np
 
 from mimics_app.contracts.arrays import Mat, Vec
 from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.closed_region import share_of, sides_of, stiffness_limit
 from mimics_app.rendering.haptic.kernels.eigen import diagonalise, largest
 from mimics_app.rendering.haptic.kernels.stability import LARGEST_MARGIN, margin_of
 from mimics_app.rendering.haptic.kernels.vectors import copy
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import SpanRecord, TouchedRecord
+    from mimics_app.contracts.record_types import RegionRecord, SpanRecord, TouchedRecord
 
 __all__ = [
     "MAX_TOUCHED",
@@ -34,8 +39,8 @@ __all__ = [
     "add_contact",
     "along",
     "begin_span",
-    "needed_damping",
     "note_contact",
+    "span_share",
     "worst_direction",
 ]
 
@@ -62,6 +67,7 @@ SPAN = np.dtype(
         ("stiffness", "f8", (3, 3)),  # K, world [N/m]
         ("damping", "f8", (3, 3)),  # B [N s/m]
         ("tensor", "f8", (3, 3)),  # scratch
+        ("scaled", "f8", (3, 3)),  # scratch
         ("vectors", "f8", (3, 3)),  # scratch: eigenvectors
         ("direction", "f8", (3,)),  # the worst one, world, unit
         ("limit", "f8"),  # largest stable stiffness in that direction [N/m]
@@ -135,25 +141,42 @@ def along(matrix: Mat, u: Vec) -> float:
 
 
 @kernel
-def needed_damping(span: SpanRecord, lag: float) -> float:
-    """Damping b [N s/m] that device and arm must have in the worst direction: the largest eigenvalue of L K - B."""
+def _most(span: SpanRecord, a: float, c: float) -> float:
+    """Largest eigenvalue of a K + c B."""
     for i in range(3):
         for j in range(3):
-            span.tensor[i, j] = lag * span.stiffness[i, j] - span.damping[i, j]
+            span.tensor[i, j] = a * span.stiffness[i, j] + c * span.damping[i, j]
     diagonalise(span.tensor, span.vectors)
     column = largest(span.tensor)
     return span.tensor[column, column]
 
 
 @kernel
-def _factor(span: SpanRecord, own: float) -> None:
-    """Set span.tensor to the lower triangle C of own + B = C C^T (Cholesky), with a floor for undamped directions."""
+def span_share(span: SpanRecord, region: RegionRecord, margin: float) -> float:
+    """Largest common share 0-1 of all contacts that keeps a margin to every side of the region in every direction.
+
+    Args:
+        span: SPAN record with all contacts at full stiffness.
+        region: REGION record.
+        margin: Stability margin to keep [-].
+    """
+    share = 1.0
+    for i in range(sides_of(region)):
+        more = 1.0 + margin if region.damping_factor[i] > 0.0 else 1.0
+        need = _most(span, region.stiffness_factor[i] * (1.0 + margin), region.damping_factor[i] * more)
+        share = min(share, share_of(need, region.bound[i]))
+    return share
+
+
+@kernel
+def _factor(span: SpanRecord, own: float, share: float) -> None:
+    """Set span.tensor to the lower triangle C of own + share B = C C^T (Cholesky), with a floor where undamped."""
     C = span.tensor
-    trace = span.damping[0, 0] + span.damping[1, 1] + span.damping[2, 2]
+    trace = share * (span.damping[0, 0] + span.damping[1, 1] + span.damping[2, 2])
     least = _ROUNDING * (own + trace) + _SMALLEST_DAMPING
     for i in range(3):
         for j in range(i + 1):
-            total = span.damping[i, j] + (own if i == j else 0.0)
+            total = share * span.damping[i, j] + (own if i == j else 0.0)
             for k in range(j):
                 total -= C[i, k] * C[j, k]
             C[i, j] = math.sqrt(max(total, least)) if i == j else total / C[j, j]
@@ -177,23 +200,10 @@ def _transpose(M: Mat) -> None:
 
 
 @kernel
-def worst_direction(span: SpanRecord, own: float, lag: float) -> None:
-    """Set direction, limit and margin of the direction nearest to its limit; `span.stiffness` is overwritten.
-
-    Args:
-        span: SPAN record with all contacts.
-        own: Damping b of device and arm [N s/m].
-        lag: T / 2 + delay [s].
-    """
-    C, scaled = span.tensor, span.stiffness
-    _factor(span, own)
-    _divide(C, scaled)
-    _transpose(scaled)
-    _divide(C, scaled)
-    diagonalise(scaled, span.vectors)
-    column = largest(scaled)
-    size = 0.0
-    for i in range(2, -1, -1):  # u = C^-T y
+def _point_along(span: SpanRecord, column: int) -> None:
+    """Set span.direction to the unit vector along C^-T y of an eigenvector y."""
+    C, size = span.tensor, 0.0
+    for i in range(2, -1, -1):
         u = span.vectors[i, column]
         for k in range(i + 1, 3):
             u -= C[k, i] * span.direction[k]
@@ -201,5 +211,55 @@ def worst_direction(span: SpanRecord, own: float, lag: float) -> None:
         size += span.direction[i] * span.direction[i]
     for i in range(3):
         span.direction[i] /= math.sqrt(size)
-    span.limit = (own + along(span.damping, span.direction)) / lag
-    span.margin = margin_of(1.0, scaled[column, column] * lag)
+
+
+@kernel
+def _rising_side(span: SpanRecord, a: float, c: float, bound: float) -> float:
+    """Margin to a side of which damping leads away, c <= 0; its direction is set: a K (1 + margin) <= d - c B."""
+    C, scaled = span.tensor, span.scaled
+    for i in range(3):
+        copy(span.stiffness[i], scaled[i])
+    _factor(span, bound, -c)
+    _divide(C, scaled)
+    _transpose(scaled)
+    _divide(C, scaled)
+    diagonalise(scaled, span.vectors)
+    column = largest(scaled)
+    _point_along(span, column)
+    return margin_of(1.0, scaled[column, column] * a)
+
+
+@kernel
+def _falling_side(span: SpanRecord, a: float, c: float, bound: float) -> float:
+    """Margin to a side to which damping leads, c > 0; its direction is set: (a K + c B) (1 + margin) <= d."""
+    need = _most(span, a, c)
+    column = largest(span.tensor)
+    for i in range(3):
+        span.direction[i] = span.vectors[i, column]
+    return margin_of(bound, need)
+
+
+@kernel
+def worst_direction(span: SpanRecord, region: RegionRecord) -> None:
+    """Set direction, limit and margin of the direction nearest to a side of the region.
+
+    Args:
+        span: SPAN record with all contacts.
+        region: REGION record.
+    """
+    span.margin = math.inf
+    worst = 0
+    for i in range(sides_of(region)):
+        margin = _side(span, region, i)
+        if margin < span.margin:
+            span.margin = margin
+            worst = i
+    _side(span, region, worst)
+    span.limit = stiffness_limit(region, along(span.damping, span.direction))
+
+
+@kernel
+def _side(span: SpanRecord, region: RegionRecord, i: int) -> float:
+    """Margin to side i of the region; its direction is set."""
+    a, c, bound = region.stiffness_factor[i], region.damping_factor[i], region.bound[i]
+    return _falling_side(span, a, c, bound) if c > 0.0 else _rising_side(span, a, c, bound)

@@ -44,6 +44,9 @@ __all__ = ["control", "note_arrival"]
 _EXTRA_DAMPING = 30.0
 """Addition to the virtual damping while the virtual force is off or ramping down [N s/m]."""
 
+_MOST_DAMPING = 0.5
+"""Largest virtual damping [virtual masses per tick]; from 2 on the virtual mass would oscillate alone."""
+
 _DRIVE_SPEED = 0.3
 """Largest speed of a PD controller [m/s]."""
 
@@ -151,6 +154,7 @@ def _follow_hand(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: f
     damping = scene.virtual_damping
     if state.safety != SafetyState.ACTIVE:
         damping += _EXTRA_DAMPING
+    damping = min(damping, _MOST_DAMPING * scene.virtual_mass / dt)
     if scene.polar == 0:
         admit_joints(kin, scene, states, scene.virtual_mass, damping, dt, state.dq_virtual)
         _find_velocities(kin, scene, states, state.dq_virtual)

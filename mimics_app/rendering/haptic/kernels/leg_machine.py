@@ -39,6 +39,7 @@ __all__ = [
     "SHANK_COM",
     "SHANK_INERTIA",
     "SHANK_MASS",
+    "SPEED_FILTER_HZ",
     "SUPPORT",
     "THIGH_COM",
     "THIGH_INERTIA",
@@ -95,7 +96,7 @@ _GRAVITY = 9.81  # [m/s^2]
 _STOP_GAP = 0.02
 """Distance of the mechanical end stops beyond the joint limits [rad]."""
 
-_SPEED_FILTER_HZ = 60.0
+SPEED_FILTER_HZ = 60.0
 """Corner frequency of the encoder velocity filter [Hz]."""
 
 _BRAKE = 40.0
@@ -247,7 +248,7 @@ def step_leg(leg: Vec) -> None:
 @kernel
 def sense_leg(leg: Vec, q: Vec, dq: Vec, torque: Vec) -> None:
     """Read the sensors of one leg: angles, filtered velocities and torques of the person, shape [2] each."""
-    blend = 1.0 - math.exp(-2.0 * math.pi * _SPEED_FILTER_HZ * leg[TICK])
+    blend = 1.0 - math.exp(-2.0 * math.pi * SPEED_FILTER_HZ * leg[TICK])
     for i in range(2):
         shown = quantised(leg[Q + i], leg[ENCODER])
         leg[SPEED + i] += blend * ((shown - leg[MEASURED + i]) / leg[TICK] - leg[SPEED + i])

@@ -27,6 +27,7 @@ __all__ = [
     "MAX_DELAY",
     "MOTOR_FORCE",
     "SEEN",
+    "SPEED_FILTER_HZ",
     "TICK",
     "command_force",
     "sense_position",
@@ -54,7 +55,7 @@ BRAKING = 32  # 1 while the motors are disabled and brake
 LINE = 33  # ring of the last MAX_DELAY + 1 forces
 LENGTH = LINE + 3 * (MAX_DELAY + 1)
 
-_SPEED_FILTER_HZ = 150.0
+SPEED_FILTER_HZ = 150.0
 """Corner frequency of the encoder velocity filter [Hz]."""
 
 _BRAKE = 60.0
@@ -112,7 +113,7 @@ def step_light_robot(robot: Vec, hand: Vec) -> None:
 @kernel
 def sense_position(robot: Vec, data: Vec) -> None:
     """Fill the data vector from the encoders; forces are 0, grasp and buttons are set by the caller."""
-    blend = 1.0 - math.exp(-2.0 * math.pi * _SPEED_FILTER_HZ * robot[TICK])
+    blend = 1.0 - math.exp(-2.0 * math.pi * SPEED_FILTER_HZ * robot[TICK])
     for i in range(3):
         shown = quantised(robot[HANDLE + i], robot[ENCODER])
         difference = (shown - robot[SEEN + i]) / robot[TICK]

@@ -1,13 +1,15 @@
 """Passivity controller: dissipates the energy that a rendered contact has generated (after Hannaford & Ryu 2002).
 
-A contact may return no more energy than it took. Its credit counts the exact work of held forces:
+A contact may return no more energy than it took, from its begin to its end. Its credit counts the exact work of held
+forces:
 
     impedance    a device that takes forces: the device itself, E -= F_{k-1}.(x_k - x_{k-1})
     admittance   a device that takes velocities: the virtual mass, which the force moves before the device follows
 
 When the coming tick would overdraw the credit, a damper -E / (T v^2) along the contact's force, in parallel with the
-contact, dissipates the difference. The contact never pulls: the factor on its force is at least 0. A debt could be paid
-by a pull only, so none may arise: the tick is predicted with the velocity at its midpoint (`middle_velocity`).
+contact, dissipates the difference. It takes from the force and never adds: the factor is within 0 and 1, so that the
+contact neither pulls nor pushes harder than the virtual one. A debt could be paid by more force only, so none may
+arise: the tick is predicted with the velocity at its midpoint (`middle_velocity`).
 
 Hannaford and Ryu put a mobility -E / (T f^2) in series under admittance. It would act only after the lag of the servo,
 and cannot be observed at the measured position: a wall far beyond its limit becomes unstable by the energy that the lag
@@ -44,9 +46,7 @@ def middle_velocity(v: Vec, force: Vec, hand: Vec, mass: float, dt: float, out: 
 
 @kernel
 def contact_scale(credit: float, force: Vec, v: Vec, dt: float, max_damping: float) -> float:
-    """Factor >= 0 on the contact's force, which adds a damper alpha along it; 1 while the credit lasts.
-
-    The factor exceeds 1 only while moving in with a debt: the damper then absorbs more than the contact does.
+    """Factor 0-1 on the contact's force, which adds a damper alpha along it; 1 while the credit lasts, and moving in.
 
     Args:
         credit: Energy the contact may still give [J]; below 0: debt.
@@ -60,7 +60,7 @@ def contact_scale(credit: float, force: Vec, v: Vec, dt: float, max_damping: flo
     if not (overdraft > 0.0 and size > 0.0):
         return 1.0
     along = (force[0] * v[0] + force[1] * v[1] + force[2] * v[2]) / size
-    if along == 0.0:
+    if along <= 0.0:
         return 1.0
     alpha = min(max_damping, overdraft / (dt * along * along))
     return max(0.0, 1.0 - alpha * along / size)

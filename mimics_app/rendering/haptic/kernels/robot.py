@@ -34,6 +34,7 @@ __all__ = [
     "SENSOR_NOISE",
     "SENSOR_QUANTUM",
     "SERVO",
+    "SPEED_FILTER_HZ",
     "TICK",
     "VELOCITY_LIMIT",
     "Q",
@@ -73,7 +74,7 @@ ROBOT_LENGTH = LINE + 3 * (MAX_DELAY + 1)
 _STOP_GAP = 0.005
 """Distance of the mechanical end stops beyond the joint limits [m, rad]."""
 
-_SPEED_FILTER_HZ = 150.0
+SPEED_FILTER_HZ = 150.0
 """Corner frequency of the encoder velocity filter [Hz]."""
 
 
@@ -151,7 +152,7 @@ def sense(robot: Vec, f: Vec, data: Vec) -> None:
         f: Force of the hand on the handle, robot frame [N].
         data: Shape [DATA_LENGTH]; grasp and buttons are set by the caller.
     """
-    blend = 1.0 - math.exp(-2.0 * math.pi * _SPEED_FILTER_HZ * robot[TICK])
+    blend = 1.0 - math.exp(-2.0 * math.pi * SPEED_FILTER_HZ * robot[TICK])
     for i in range(3):
         shown = quantised(robot[Q + i], robot[ENCODER + i])
         difference = (shown - robot[MEASURED + i]) / robot[TICK]

@@ -1,11 +1,12 @@
-"""Live stability limit: the largest stiffness of a wall for the measured period and delay of the loop.
+"""Period of the live loop, stability margin, and the linear stability condition near the origin.
 
 A wall of stiffness K and damping B, touched through a device with damping b of its own, is stable while (linear
 condition of Gil et al. 2004, Hulin et al. 2014)
 
     K < (b + B) / (T / 2 + delay)
 
-and several contacts at once where this holds in each direction (`directions`). T / 2 is the mean age of a force that is
+and several contacts at once where this holds in each direction (`directions`). It holds for small damping only; the
+whole region is in `closed_region`. T / 2 is the mean age of a force that is
 held for a period T. Where periods differ, a force held for T_i is T_i / 2 old on average and acts for the fraction
 T_i / sum(T) of the time, so that T is the mean weighted by length, sum(T_i^2) / sum(T_i): a stall counts although the
 ticks that catch up after it bring the plain mean back to nominal.
@@ -17,12 +18,9 @@ from mimics_app.contracts.kernel import kernel
 
 __all__ = [
     "LARGEST_MARGIN",
-    "contact_share",
     "follow_period",
     "margin_of",
-    "share_of_need",
     "spring_share",
-    "stiffness_limit",
 ]
 
 LARGEST_MARGIN = 99.0
@@ -47,12 +45,6 @@ def follow_period(total: float, squares: float, length: float, nominal: float) -
 
 
 @kernel
-def stiffness_limit(damping: float, period: float, delay: float) -> float:
-    """Largest stable stiffness [N/m] for the damping of wall and device together [N s/m], period and delay [s] > 0."""
-    return damping / (0.5 * period + delay)
-
-
-@kernel
 def margin_of(limit: float, stiffness: float) -> float:
     """Stability margin limit / stiffness - 1 [-], at most LARGEST_MARGIN; below 0 the contact may be unstable."""
     if stiffness * (1.0 + LARGEST_MARGIN) <= limit or stiffness <= 0.0:
@@ -65,25 +57,3 @@ def spring_share(stiffness: float, limit: float, margin: float) -> float:
     """Share 0-1 of a spring [N/m] that keeps a margin [-] to a limit [N/m]; its damper is not scaled."""
     allowed = max(0.0, limit) / (1.0 + margin)
     return allowed / stiffness if stiffness > allowed else 1.0
-
-
-@kernel
-def contact_share(stiffness: float, damping: float, own_damping: float, lag: float, margin: float) -> float:
-    """Share s, 0-1, of a whole contact, spring and damper alike, that keeps a margin to its own limit.
-
-    From s K (1 + margin) lag <= b + s B.
-
-    Args:
-        stiffness: K [N/m].
-        damping: B of the contact [N s/m].
-        own_damping: b of device and arm [N s/m].
-        lag: T / 2 + delay [s].
-        margin: Stability margin to keep [-].
-    """
-    return share_of_need(stiffness * lag * (1.0 + margin) - damping, own_damping)
-
-
-@kernel
-def share_of_need(needed: float, own_damping: float) -> float:
-    """Share 0-1 of contacts that at full stiffness need the damping `needed` [N s/m], for that available [N s/m]."""
-    return own_damping / needed if needed > own_damping else 1.0

@@ -6,8 +6,10 @@ import numpy as np
 
 from mimics_app.contracts.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, state_fields
 from mimics_app.rendering.haptic.kernels.acting import ACTING
+from mimics_app.rendering.haptic.kernels.closed_region import REGION
 from mimics_app.rendering.haptic.kernels.directions import SPAN
 from mimics_app.rendering.haptic.kernels.joints import JOINT_WORK
+from mimics_app.rendering.haptic.kernels.oscillation import SWING
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER
 from mimics_app.rendering.haptic.kernels.tunnels import HOLDING, OWN_TUNNEL
 
@@ -76,6 +78,10 @@ STATE = np.dtype(
         ("wall_margin", "f8"),  # of the wall of the tunnel that holds the ball, along its normal [-]
         ("wall_touched", "i8"),  # 1 once the wall pushed: least_wall_margin is valid
         ("least_wall_margin", "f8"),  # smallest so far [-]
+        ("swing", SWING),  # of an oscillation that the force feeds
+        ("swing_told", "i8"),  # 1: the force began to fade at some point of contact
+        ("reported_swing", "f8"),  # its root mean square there [N]
+        ("region", REGION),  # of stable contacts, at present
         ("span", SPAN),  # sum of all contacts of this tick
         ("least_energy", "f8"),  # lowest observed energy so far [J]
         # controller

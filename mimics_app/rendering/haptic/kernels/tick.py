@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.device_descriptor import Kin
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.acting import account, act, device_delay, own_damping
+from mimics_app.rendering.haptic.kernels.acting import account, act, delay_ticks, device_delay
+from mimics_app.rendering.haptic.kernels.closed_region import find_region
 from mimics_app.rendering.haptic.kernels.contacts import (
     collect_events,
     publish_others,
@@ -26,6 +27,7 @@ from mimics_app.rendering.haptic.kernels.jumps import note_jump, note_lag
 from mimics_app.rendering.haptic.kernels.objects.object_inputs import write_object_inputs
 from mimics_app.rendering.haptic.kernels.objects.published import sum_motions
 from mimics_app.rendering.haptic.kernels.objects.touches import follow_touch, follow_touches
+from mimics_app.rendering.haptic.kernels.oscillation import watch_swing
 from mimics_app.rendering.haptic.kernels.rows import write_command, write_inputs, write_outputs
 from mimics_app.rendering.haptic.kernels.safety import is_felt, step_safety
 from mimics_app.rendering.haptic.kernels.sensing import find_motion, size_ball, take_data
@@ -86,8 +88,9 @@ def _find_virtual_forces(
 ) -> None:
     """Virtual force on every point of contact, from tunnels and objects, which advance by one tick."""
     state = states[0]
-    own, delay = own_damping(scene), device_delay(scene, state)
-    follow_tunnels(scene, rows.tunnels, objects.tunnels, state, own, delay, period)
+    for c in range(max(1, scene.contacts)):
+        find_region(scene, device_delay(scene, state), period, states[c].region)
+    follow_tunnels(scene, rows.tunnels, objects.tunnels, state)
     write_object_inputs(states, scene.contacts, dt, objects.inputs)
     simulate(rows, objects, scene.objects, objects.inputs, fields, dt, objects.force)
     state.objects_failed = objects.totals[0].status
@@ -95,13 +98,11 @@ def _find_virtual_forces(
 
 
 @kernel
-def _act_on_user(
-    scene: SceneRecord, objects: ObjectWork, states: Table[StateRecord], held: int, period: float, dt: float
-) -> None:
+def _act_on_user(scene: SceneRecord, objects: ObjectWork, states: Table[StateRecord], held: int, dt: float) -> None:
     """Force on the user at every point of contact, and the contacts that begin or end with it."""
     share_device_state(scene, states)
     for c in range(max(1, scene.contacts)):
-        act(scene, states[c], objects.totals[c], objects.touched[c], held, period, dt)
+        act(scene, states[c], objects.totals[c], objects.touched[c], held, dt)
     state = states[0]
     felt = is_felt(state)
     state.contact_change = follow_touch(state, felt and state.tunnel.wall_force > 0.0, felt, dt)
@@ -112,11 +113,12 @@ def _act_on_user(
 def _watch_stability(
     scene: SceneRecord, objects: ObjectWork, states: Table[StateRecord], period: float, dt: float
 ) -> None:
-    """Stability margin and contact energy of every point of contact, and their events."""
+    """Stability margin, contact energy and oscillation of every point of contact, and their events."""
     for c in range(max(1, scene.contacts)):
         totals, touched = objects.totals[c], objects.touched[c]
         watch_margin(scene, states[c], totals, touched, period)
         watch_contact(scene, states[c], totals, touched, objects.margins, dt)
+        watch_swing(states[c], totals, delay_ticks(scene, states[c], dt), dt)
     collect_events(scene, states)
 
 
@@ -177,7 +179,7 @@ def tick(
     note_arrival(kin, scene, states)
     step_safety(scene, states, status, stop_word, held, dt)
     stepped = state.safety
-    _act_on_user(scene, objects, states, held, period, dt)
+    _act_on_user(scene, objects, states, held, dt)
     follow_extremes(scene, states, dt)
     _watch_stability(scene, objects, states, period, dt)
     control(kin, scene, states, held, dt)

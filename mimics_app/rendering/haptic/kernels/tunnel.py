@@ -128,9 +128,16 @@ def tunnel_force(tunnel: TunnelRecord, p: Vec, v: Vec, ball_radius: float, state
 
 
 @kernel
-def _push(tunnel: TunnelRecord, softening: float, depth: float, rate: float) -> float:
+def _push(tunnel: TunnelRecord, state: TunnelStateRecord, depth: float, rate: float) -> float:
     """Spring-damper of wall and caps [N], for a depth > 0 [m] that grows at `rate` [m/s]; it never pulls."""
-    return max(0.0, tunnel.stiffness * (1.0 - softening) * depth + tunnel.damping * rate)
+    spring = tunnel.stiffness * (1.0 - state.softening) * depth
+    return max(0.0, spring + tunnel.damping * (1.0 - state.easing) * rate)
+
+
+@kernel
+def _within(value: float, most: float) -> float:
+    """A value of a row within a limit; 0: no limit."""
+    return min(value, most) if most > 0.0 else value
 
 
 @kernel
@@ -156,7 +163,7 @@ def _wall(
     dy = e[1] / rho - lean * state.tangent[1]
     dz = e[2] / rho - lean * state.tangent[2]
     rate = v[0] * dx + v[1] * dy + v[2] * dz - clearance_rate
-    push = _push(tunnel, state.softening, rho - clearance, rate)
+    push = _push(tunnel, state, rho - clearance, rate)
     f[0] = -push * dx
     f[1] = -push * dy
     f[2] = -push * dz
@@ -173,7 +180,7 @@ def _add_cap(
         return 0.0, 0.0
     outwards = 1.0 if along > 0.0 else -1.0
     rate = outwards * v_t - clearance_rate
-    push = _push(tunnel, state.softening, depth, rate)
+    push = _push(tunnel, state, depth, rate)
     for i in range(3):
         state.force_world[i] -= outwards * push * state.tangent[i]
     return depth, rate
@@ -222,11 +229,12 @@ def _add_forces(
     cap = _add_cap(tunnel, along, v_t, clearance, clearance_rate, state)
     _write_contact(wall, cap, state)
 
-    drag = -(tunnel.drag + tunnel.drag_growth * max(0.0, ball_radius - state.radius)) * v_t
+    drag = -_within(tunnel.drag + tunnel.drag_growth * max(0.0, ball_radius - state.radius), state.most_drag) * v_t
     advance = 0.0 if along > 0.0 else tunnel.advance * fade_at_end(remaining)
-    helping = advance - tunnel.centring * along
+    centring = _within(tunnel.centring, state.most_centring)
+    helping = advance - centring * along
     for i in range(3):
-        state.assist_world[i] = helping * state.tangent[i] - tunnel.centring * e[i]
+        state.assist_world[i] = helping * state.tangent[i] - centring * e[i]
         state.force_world[i] += drag * state.tangent[i] + state.assist_world[i]
     _resolve(e, state)
 

@@ -11,12 +11,14 @@ are those of the task's tunnel (SCENE.own_tunnel); force and depth are 0 while a
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.stability import spring_share, stiffness_limit
+from mimics_app.rendering.haptic.kernels.closed_region import stiffness_limit
+from mimics_app.rendering.haptic.kernels.stability import spring_share
 from mimics_app.rendering.haptic.kernels.tunnel import tunnel_force
 from mimics_app.rendering.haptic.kernels.tunnel_state import TunnelStatus, restart_tracking
 from mimics_app.rendering.haptic.kernels.vectors import copy, fill
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
     from mimics_app.contracts.record_types import (
         HoldingRecord,
         OwnTunnelRecord,
+        RegionRecord,
         SceneRecord,
         StateRecord,
         Table,
@@ -50,8 +53,8 @@ HOLDING = np.dtype(
         ("normal_world", "f8", (3,)),  # out of the touched surface, unit; kept from the last contact
         # of its row
         ("stiffness", "f8"),  # [N/m]
-        ("damping", "f8"),  # [N s/m]
-        ("centring", "f8"),  # [N/m]
+        ("damping", "f8"),  # as rendered [N s/m]
+        ("centring", "f8"),  # as rendered [N/m]
     ],
     align=True,
 )
@@ -88,30 +91,38 @@ def forget_tunnels(tunnels: Table[TunnelStateRecord], state: StateRecord) -> Non
 
 
 @kernel
-def _stable_share(
-    scene: SceneRecord, tunnel: TunnelRecord, state: StateRecord, own: float, delay: float, period: float
-) -> float:
-    """Stable share 0-1 of the wall's stiffness for the measured period and delay."""
+def _ease(scene: SceneRecord, tunnel: TunnelRecord, region: RegionRecord, memory: TunnelStateRecord) -> float:
+    """Set what is removed of damping, drag and centring so that a stable rest remains; return the wall's damping.
+
+    The damping is lowered to that of the largest stable stiffness where more of it leaves no room for the wall.
+    """
+    keep = 1.0 + scene.cap_margin
+    memory.most_drag = region.most_damping / keep
+    memory.most_centring = stiffness_limit(region, 0.0) / keep
+    best, damping = region.best_damping, tunnel.damping
+    eased = damping > best and stiffness_limit(region, damping) < keep * (tunnel.stiffness + tunnel.centring)
+    memory.easing = 1.0 - best / damping if eased else 0.0
+    return best if eased else damping
+
+
+@kernel
+def _stable_share(scene: SceneRecord, tunnel: TunnelRecord, state: StateRecord, memory: TunnelStateRecord) -> float:
+    """Stable share 0-1 of the wall's stiffness for the measured period and delay; its damping is eased."""
     if scene.cap != 1 or tunnel.pieces <= 0:
+        memory.easing, memory.most_drag, memory.most_centring = 0.0, math.inf, math.inf
         return 1.0
-    limit = stiffness_limit(own + tunnel.damping, period, delay)
-    helping = tunnel.centring * (1.0 + scene.cap_margin)
+    damping = _ease(scene, tunnel, state.region, memory)
+    limit = stiffness_limit(state.region, damping)
+    helping = min(tunnel.centring, memory.most_centring) * (1.0 + scene.cap_margin)
     return min(spring_share(tunnel.stiffness, limit - helping, scene.cap_margin), state.acting.both_share)
 
 
 @kernel
 def _follow_one(
-    scene: SceneRecord,
-    tunnel: TunnelRecord,
-    memory: TunnelStateRecord,
-    state: StateRecord,
-    own: float,
-    delay: float,
-    period: float,
-    holds: bool,
+    scene: SceneRecord, tunnel: TunnelRecord, memory: TunnelStateRecord, state: StateRecord, holds: bool
 ) -> None:
     """Compute the force of one tunnel as if it held the ball, its wall no stiffer than stable."""
-    share = _stable_share(scene, tunnel, state, own, delay, period)
+    share = _stable_share(scene, tunnel, state, memory)
     if holds:
         share = share_in_touch(state.acting.wall_share, share, state.tunnel.penetration > 0.0)
     memory.share = share
@@ -152,8 +163,8 @@ def _hold(tunnel: TunnelRecord, memory: TunnelStateRecord, holding: HoldingRecor
     copy(memory.assist_world, holding.assist_world)
     copy(memory.normal_world, holding.normal_world)
     holding.stiffness = tunnel.stiffness
-    holding.damping = tunnel.damping
-    holding.centring = tunnel.centring
+    holding.damping = tunnel.damping * (1.0 - memory.easing)
+    holding.centring = min(tunnel.centring, memory.most_centring)
 
 
 @kernel
@@ -191,9 +202,6 @@ def follow_tunnels(
     rows: Table[TunnelRecord],
     tunnels: Table[TunnelStateRecord],
     state: StateRecord,
-    own: float,
-    delay: float,
-    period: float,
 ) -> None:
     """Advance every tunnel by one tick; set state.tunnel, the one that holds the ball, and state.own_tunnel.
 
@@ -201,10 +209,7 @@ def follow_tunnels(
         scene: SCENE record.
         rows: TUNNEL records, written by the main thread.
         tunnels: TUNNEL_STATE records, advanced by one tick.
-        state: STATE record after `size_ball`.
-        own: Damping available to every contact [N s/m].
-        delay: Delay of the device [s].
-        period: Measured period [s].
+        state: STATE record after `size_ball`, with the region of this tick.
     """
     count = scene.objects.tunnels
     if count < 1:
@@ -214,7 +219,7 @@ def follow_tunnels(
         fill(state.own_tunnel.force_tnb, 0.0)
         return
     for k in range(count):
-        _follow_one(scene, rows[k], tunnels[k], state, own, delay, period, k == state.tunnel.row)
+        _follow_one(scene, rows[k], tunnels[k], state, k == state.tunnel.row)
     row = _holder(tunnels, count, state)
     state.tunnel.row = row
     state.tunnel.chosen = 1

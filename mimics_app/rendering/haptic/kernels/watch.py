@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.acting import FREE_TIME, acting_contact, device_delay, own_damping
+from mimics_app.rendering.haptic.kernels.acting import FREE_TIME, acting_contact
+from mimics_app.rendering.haptic.kernels.closed_region import region_margin, stiffness_limit
 from mimics_app.rendering.haptic.kernels.contact_limits import is_pressed, touched_margin
 from mimics_app.rendering.haptic.kernels.passivity import observe, reset_observer
 from mimics_app.rendering.haptic.kernels.safety import is_felt
-from mimics_app.rendering.haptic.kernels.stability import LARGEST_MARGIN, margin_of, stiffness_limit
+from mimics_app.rendering.haptic.kernels.stability import LARGEST_MARGIN
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import SceneRecord, StateRecord, Table, TotalsRecord, TouchedRecord
@@ -23,10 +24,10 @@ _CALM_MARGIN = 0.05
 
 @kernel
 def _felt_share(state: StateRecord, totals: TotalsRecord) -> float:
-    """Rendered share 0-1 of the authored stiffness: of touched shapes, else of the tunnel's wall."""
-    share = 1.0
+    """Rendered share 0-1 of the authored stiffness: of touched shapes, else of the tunnel's wall; and of effects."""
+    share = state.acting.effect_share
     if totals.touching > 0:
-        share = state.acting.shape_share
+        share = min(share, state.acting.shape_share)
     if state.tunnel.there == 1 and (totals.touching == 0 or state.tunnel.penetration > 0.0):
         share = min(share, state.acting.wall_share)
     return share
@@ -49,15 +50,15 @@ def watch_margin(
         period: Measured period [s].
     """
     tunnel = state.tunnel
-    own = own_damping(scene)
-    delay = device_delay(scene, state)
     state.period = period
-    state.stiffness_limit = stiffness_limit(own + tunnel.damping, period, delay)
-    stiffness = state.acting.wall_share * tunnel.stiffness + tunnel.centring if tunnel.there == 1 else 0.0
-    state.margin = margin_of(state.stiffness_limit, stiffness)
+    state.stiffness_limit = stiffness_limit(state.region, tunnel.damping)
+    state.margin = LARGEST_MARGIN
+    if tunnel.there == 1:
+        stiffness = state.acting.wall_share * tunnel.stiffness + tunnel.centring
+        state.margin = region_margin(state.region, stiffness, tunnel.damping)
     state.wall_margin = state.margin
     if totals.touching > 0:
-        touched_margin(state, totals, touched, own, 0.5 * period + delay)
+        touched_margin(state, totals, touched)
         if state.span.margin < state.margin or tunnel.there == 0:
             state.margin = state.span.margin
             state.stiffness_limit = state.span.limit
@@ -118,7 +119,8 @@ def watch_contact(
     felt = is_felt(state)
     _follow_observer(scene, state, felt, dt)
     state.cap_began = 0
-    if not (felt and (state.in_touch == 1 or totals.touching > 0)):
+    acts = state.in_touch == 1 or totals.touching > 0 or state.acting.effect_share < 1.0
+    if not (felt and acts):
         state.capped = 0
         return
     _keep_smallest(state, touched, totals.listed, margins)

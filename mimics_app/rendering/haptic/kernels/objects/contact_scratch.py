@@ -39,7 +39,9 @@ CONTACT_SCRATCH = np.dtype(
         ("p", "f8", 3),  # the point in the frame of the shape [m]
         ("v", "f8", 3),  # its velocity relative to the shape, same frame [m/s]
         ("slope", "f8", 3),  # of the rippled surface, same frame [-]
+        ("lowered", "f8"),  # depth less the rippled depth [m]
         ("rate", "f8"),  # of the rippled depth [m/s]
+        ("ripple", "f8", 3),  # part of the force that the ripple makes, world [N]
         ("force", "f8", 3),  # on the user, world [N]
         ("normal", "f8", 3),  # of the touched surface, world
         ("stiffness", "f8"),  # of the contact [N/m]

@@ -211,6 +211,9 @@ def _deliver(
     else:
         for i in range(3):
             totals.effect_force[i] += memory.force[i]
+    if effect.kind == EffectKind.VIBRATION or effect.kind == EffectKind.STICK_SLIP:
+        for i in range(3):
+            totals.ordered_force[i] += memory.force[i]
     if memory.held != 0:
         stiffness = memory.stiffness if effect.kind != EffectKind.VISCOSITY else 0.0
         totals.stiffness += stiffness

@@ -103,6 +103,7 @@ WALL_TOUCH = np.dtype(
     [
         ("row", np.int64),  # of the shape
         ("depth", np.float64),  # [m]
+        ("lowered", "f8"),  # depth less the rippled depth [m]
         ("rate", np.float64),  # of the depth [m/s]
         ("normal", np.float64, 3),  # world, unit
         ("direction", np.float64, 3),  # of its stiffness, world, unit: see corner.orthogonalise

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact import cube, remember
+from mimics_app.rendering.haptic.kernels.vectors import fill
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import ContactRecord
@@ -42,14 +43,43 @@ def _in_core(p: Vec, core: Vec) -> bool:
 
 
 @kernel
-def _still_held(p: Vec, core: Vec, contact: ContactRecord) -> bool:
-    """True while the point is behind the face by which it entered the core."""
+def _still_held(p: Vec, core: Vec, reach: float, contact: ContactRecord) -> bool:
+    """True while the point is behind the face by which it entered the core, and not beside that face.
+
+    However far behind: a point pressed through a plate is still pushed back to where it came from.
+    """
     face = contact.feature
-    if contact.inside == 0 or face == SHELL:
+    if contact.inside == 0 or face == SHELL or face == 0:
         return False
-    axis = abs(face) - 1
-    along = p[axis] if face > 0 else -p[axis]
-    return along <= 0.5 * core[axis]
+    for i in range(3):
+        if i == abs(face) - 1:
+            along = p[i] if face > 0 else -p[i]
+            if not along <= 0.5 * core[i]:
+                return False
+        elif not abs(p[i]) < 0.5 * core[i] + reach:
+            return False
+    return True
+
+
+@kernel
+def _faces(p: Vec, core: Vec) -> int:
+    """Face in front of which the point is; 0: in front of an edge or corner."""
+    face = 0
+    for i in range(3):
+        if abs(p[i]) >= 0.5 * core[i]:
+            if face != 0:
+                return 0
+            face = i + 1 if p[i] > 0.0 else -i - 1
+    return face
+
+
+@kernel
+def _went_through(p: Vec, core: Vec, contact: ContactRecord) -> bool:
+    """True for a point in the shell that was in the shell before the opposite face: it passed the core in one tick."""
+    if contact.inside == 0 or contact.feature != SHELL:
+        return False
+    face = _faces(p, core)
+    return face != 0 and face == -_faces(contact.previous, core)
 
 
 @kernel
@@ -67,7 +97,8 @@ def box(p: Vec, v: Vec, core: Vec, reach: float, contact: ContactRecord) -> None
     """Find depth and normal in the offset surface of a box.
 
     In the shell around the core the normal is continuous around the edges. Deeper than the reach the face by which the
-    point entered the core is held (Figure 27) until the point is outside of the shape or in front of that face again.
+    point entered the core is held (Figure 27) until the point is beside that face or in front of it again: on the other
+    side of a thin plate too, as by a proxy on the face.
 
     Args:
         p: HIP' [m].
@@ -82,11 +113,15 @@ def box(p: Vec, v: Vec, core: Vec, reach: float, contact: ContactRecord) -> None
         cube(p, v, core, contact)
         contact.depth += reach
         return
+    if _went_through(p, core, contact):
+        contact.feature = _faces(contact.previous, core)
     distance = _distance(p, core)
-    if distance < reach and _still_held(p, core, contact):
+    if _still_held(p, core, reach, contact):
         axis = abs(contact.feature) - 1
-        along = p[axis] if contact.feature > 0 else -p[axis]
-        contact.depth = 0.5 * core[axis] - along + reach
+        sign = 1.0 if contact.feature > 0 else -1.0
+        contact.depth = 0.5 * core[axis] - sign * p[axis] + reach
+        fill(contact.normal, 0.0)
+        contact.normal[axis] = sign
     elif 0.0 < distance < reach:
         _shell(p, core, reach, distance, contact)
     else:

@@ -17,6 +17,7 @@ TOTALS = np.dtype(
     [
         ("shape_force", "f8", (3,)),  # of all touched shapes on the user, world [N]
         ("effect_force", "f8", (3,)),  # of all effects on the user, world [N]
+        ("ordered_force", "f8", (3,)),  # its part that shakes by order, and that of ripples, world [N]
         ("grip_force", "f8", (3,)),  # of the held body on the user, world [N]
         ("stiffness", "f8"),  # sum over contacts, effects and grip, of any direction [N/m]
         ("even_stiffness", "f8"),  # its isotropic part: of grip and effects [N/m]
@@ -51,6 +52,7 @@ def clear_totals(totals: TotalsRecord) -> None:
     for i in range(3):
         totals.shape_force[i] = 0.0
         totals.effect_force[i] = 0.0
+        totals.ordered_force[i] = 0.0
         totals.grip_force[i] = 0.0
     totals.stiffness = 0.0
     totals.even_stiffness = 0.0

@@ -107,8 +107,10 @@ def _probe(scratch: ContactScratchRecord, shape: ShapeRecord, memory: MemoryReco
         probe_mesh(meshes, shape.mesh, scratch, contact)
     else:
         probe_shape(shape, scratch, contact)
+    scratch.lowered = contact.depth
     if contact.depth > 0.0:
         lower_by_ripple(shape, scratch.p, contact, scratch.slope)
+    scratch.lowered -= contact.depth
     if not contact.depth > 0.0:
         memory.touching = 0
         return False
@@ -127,6 +129,9 @@ def _press(scratch: ContactScratchRecord, shape: ShapeRecord, memory: MemoryReco
     for i in range(3):
         touched[i] = scratch.p[i] - scratch.radius * n[i]
     rub(shape, touched, scratch.v, n, push, scratch.damping, memory, force)
+    for i in range(3):
+        scratch.c[i] = -scratch.stiffness * scratch.lowered * n[i] - push * scratch.slope[i]
+    rotate(scratch.rotation, scratch.c, scratch.ripple)
     scratch.hold = anchor_stiffness(shape) if memory.sticking == 1 else 0.0
     for i in range(3):
         force[i] += push * (n[i] - scratch.slope[i])
@@ -158,6 +163,7 @@ def _count(
         totals.even_stiffness += max(scratch.stiffness, scratch.hold)
     for i in range(3):
         totals.shape_force[i] += scratch.force[i]
+        totals.ordered_force[i] += scratch.ripple[i]
         scratch.felt[i] += scratch.force[i]
     if depth > totals.depth:
         totals.depth = depth
@@ -191,6 +197,7 @@ def _note_wall(scratch: ContactScratchRecord, wall: WallTouchRecord, row: int, c
     wall.row = row
     wall.depth = contact.depth
     wall.rate = scratch.rate
+    wall.lowered = scratch.lowered
     rotate(scratch.rotation, contact.normal, wall.normal)
     copy(wall.normal, wall.direction)
     copy(scratch.slope, wall.slope)
@@ -235,6 +242,7 @@ def _apply_walls(scratch: ContactScratchRecord, point: int, met: int, rows: Rows
         _to_shape(scratch)
         copy(walls[k].slope, scratch.slope)
         scratch.rate = walls[k].rate
+        scratch.lowered = walls[k].lowered
         _apply(scratch, shape, row, memory, walls[k].depth, walls[k].direction, rows, work)
 
 
@@ -265,10 +273,10 @@ def touch_points(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, dt: f
 
     Args:
         rows: Tables of objects.
-        work: ObjectWork with points and shapes placed for this tick; `point_forces`, `totals` (shape_force, stiffness,
-            touching, static_touching, listed, even_stiffness, depth, shape, normal, approach_speed, status), `touched`
-            and the bodies' force, torque, force_user, touched are updated. A force that is not finite is dropped and
-            sets status.
+        work: ObjectWork with points and shapes placed for this tick; `point_forces`, `totals` (shape_force,
+            ordered_force, stiffness, touching, static_touching, listed, even_stiffness, depth, shape, normal,
+            approach_speed, status), `touched` and the bodies' force, torque, force_user, touched are updated. A force
+            that is not finite is dropped and sets status.
         counts: SCENE.objects.
         dt: Tick [s].
     """
