@@ -12,8 +12,6 @@ The package imports nothing heavy: numpy, numba, OpenGL and OpenAL come in when 
 
 __all__ = ["__version__", "errors", "load", "open"]
 
-__version__ = "0.1.0"
-
 
 def __getattr__(name: str) -> object:
     """Import what the package offers when it is used."""
@@ -25,6 +23,10 @@ def __getattr__(name: str) -> object:
         from mimics_app.app.api.loaded_run import load
 
         return load
+    if name == "__version__":
+        from mimics_app.contracts.version import __version__
+
+        return __version__
     if name == "errors":
         from mimics_app.contracts import errors
 

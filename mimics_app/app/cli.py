@@ -18,9 +18,9 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from typing import Any
 
-from mimics_app import __version__
 from mimics_app.app.terminal.command_parser import CommandParser, HelpFormatter, examples_of
 from mimics_app.contracts.errors import Issue, MimicsError, SceneError, require_choice
+from mimics_app.contracts.version import __version__
 
 __all__ = ["COMMANDS", "main", "parse"]
 

@@ -8,8 +8,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import mimics_app
 from mimics_app.contracts.clock import MonotonicClock, wall_time
+from mimics_app.contracts.version import __version__
 
 __all__ = ["boot_id", "clock_pair", "describe_environment"]
 
@@ -35,7 +35,7 @@ def describe_environment() -> dict[str, dict[str, Any]]:
     """Return the `versions` of application and libraries, and the `machine`, without names of persons or hosts."""
     from importlib.metadata import PackageNotFoundError, version
 
-    versions = {"mimics_app": mimics_app.__version__, "python": platform.python_version()}
+    versions = {"mimics_app": __version__, "python": platform.python_version()}
     for library in _LIBRARIES:
         try:
             versions[library] = version(library)

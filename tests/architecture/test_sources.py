@@ -58,8 +58,7 @@ def test_package_files_are_a_docstring_and_all(path: str) -> None:
         for target in (node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)])
         if isinstance(target, ast.Name)
     }
-    assert "__all__" in names
-    assert names <= {"__all__", "__version__"}
+    assert names == {"__all__"}
 
 
 def test_the_package_itself_imports_what_it_offers_when_it_is_used() -> None:

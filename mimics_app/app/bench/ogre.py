@@ -12,7 +12,6 @@ from pathlib import Path
 
 from PIL import Image
 
-import mimics_app
 from mimics_app.world.materials.sprite_pictures import sprite_picture
 
 __all__ = ["OGRE_WORKLOADS", "measure_ogre", "measure_ogre_particles"]
@@ -88,7 +87,7 @@ def _row_of(program: list[str], size: tuple[int, int], report: Callable[[str], N
             text=True,
             timeout=_TIMEOUT_S,
             check=True,
-            env=os.environ | {"PYTHONPATH": str(Path(mimics_app.__file__).parents[1])},
+            env=os.environ | {"PYTHONPATH": str(Path(__file__).resolve().parents[3])},
         )
         line = next(line for line in done.stdout.splitlines() if line.startswith("RESULT "))
         row: dict[str, float] = json.loads(line.removeprefix("RESULT "))

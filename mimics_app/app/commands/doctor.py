@@ -11,10 +11,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from mimics_app import __version__
 from mimics_app.app.installation import system_packages
 from mimics_app.app.terminal.output import answer, applicable
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.version import __version__
 
 __all__ = ["add_arguments", "examine", "run"]
 
