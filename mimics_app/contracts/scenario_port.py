@@ -48,7 +48,8 @@ class TaskContext:
         simulated: No person is present: questions to the person are answered automatically.
         by_pointer: The person uses mouse, keys or gamepad; prompts name the keys.
         limb: Name of the device's first point of contact, e.g. "hand" or "right foot".
-        introduced: The page of keys is shown before the first trial, which then starts with a countdown.
+        introduced: The page of what is to be done is shown before the first trial, which then starts with a countdown.
+        waits: That page stays until somebody confirms it.
     """
 
     start_joints: tuple[float, ...]
@@ -61,6 +62,7 @@ class TaskContext:
     by_pointer: bool = False
     limb: str = "hand"
     introduced: bool = False
+    waits: bool = False
 
 
 class Scenario(Protocol):

@@ -96,7 +96,7 @@ class TaskManager:
         self._goals = Goals(spec.goals, [self._play_of(goal) for goal in spec.goals])
         self._triggers = Triggers(spec.triggers, [self._play_of(trigger.when) for trigger in spec.triggers])
         self._announcement, self._pause = Announcement(), Pause()
-        self._countdown = Countdown(spec.start.countdown_s, introduced=context.introduced)
+        self._countdown = Countdown(spec.start.countdown_s, introduced=context.introduced, waits=context.waits)
         self._seen: Observation | None = None
         self._haptic, self._visual, self._audio = Changes(), Changes(), Changes()
         self._settings, self._settled = Settings(), dict[str, float]()
@@ -346,7 +346,7 @@ class TaskManager:
             "trials": str(view.trials),
             "which": attempts.which,
         }
-        prompt = ""
+        prompt = self._spec.prompt
         for play in self._plays.values():
             fields |= play.words
             prompt = play.prompt or prompt

@@ -12,6 +12,7 @@ from mimics_app.contracts.board import Bar, Board, Card
 from mimics_app.contracts.haptic import TripCause
 from mimics_app.contracts.trial_state import TrialState
 from mimics_app.rendering.visual.figures.hud import Hud
+from mimics_app.rendering.visual.figures.key_page import KeyPage
 from mimics_app.tasks.cards import time_card
 from mimics_app.tasks.prompt import BUILT_IN, cause_words
 from tests.support.cut_words import watch_cut_words
@@ -59,7 +60,7 @@ def test_what_stays_is_not_laid_out_again(monkeypatch):
     layout, hud, text = BoardLayout(), Hud(), Hud.text
     monkeypatch.setattr(Hud, "text", lambda self, *args, **more: laid.append(args[2]) or text(self, *args, **more))
 
-    def lay(time: str, newtons: float, message: str = "", keys=()) -> list[str]:
+    def lay(time: str, newtons: float, message: str = "", keys=None) -> list[str]:
         laid.clear()
         cards = {"time": Card("Time", time), "force": Card("Force", "1 N", bar=Bar(newtons, None))}
         layout.lay(hud, Board(cards, message), ["time", "gone", "force"], 30.0, keys)
@@ -75,7 +76,7 @@ def test_what_stays_is_not_laid_out_again(monkeypatch):
     assert lay("2 s", 2.0) == ["Time", "2 s"] and hud.revision > before
     assert lay("2 s", 3.0) == ["Force", "1 N"]
     assert lay("2 s", 3.0, "Well done") == ["Well done"]
-    assert lay("2 s", 3.0, "", [("H", "keys")]) == ["H", "keys"]
+    assert lay("2 s", 3.0, "", KeyPage([("H", "keys")])) == ["H", "keys"]
     hud.clear()
     assert lay("2 s", 3.0) == [], "what somebody else took off is put back, from what was laid out"
 

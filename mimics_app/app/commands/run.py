@@ -177,24 +177,35 @@ def run(args: argparse.Namespace) -> int:
 
     with JourneyLog(args.journey).reporting():
         check_names(args)
+        _check_screen(args)
     from mimics_app.app.scenes.shipped import is_only_looked_at
 
     if is_only_looked_at(args.scene) and not args.headless:
         return _look(args)
     settings = RunSettings(**{field.name: getattr(args, field.name) for field in fields(RunSettings)})
     if _is_for_a_person(settings) and not args.json:
-        from mimics_app.app.play.journey import play_through
+        return _play_with_pages(settings)
+    return _play(settings, as_json=args.json)
 
-        ended = play_through(settings)
+
+def _play_with_pages(settings: RunSettings) -> int:
+    """Play the scene in a process of its own, with pages before and after it in a window of this one."""
+    from mimics_app.app.play.journey import play_through
+    from mimics_app.app.play.journey_window import JourneyWindow
+    from mimics_app.app.scenes.shipped import find_shipped
+
+    with JourneyWindow(settings.size, from_launcher=False) as window:
+        known = find_shipped(settings.scene.stem)
+        window.title = settings.scene.stem if known is None else known.title
+        ended = play_through(settings, window)
         if ended.code < 0:  # killed: its own process could not report it
             say(ended.error)
             return 128 - ended.code
-        if not ended.other:
+        if ended.following != "other":
             return ended.code
-        from mimics_app.app.commands.launch import run as launch
+        from mimics_app.app.commands.launch import launch_in
 
-        return launch(args)
-    return _play(settings, as_json=args.json)
+        return launch_in(window)
 
 
 def _play(settings: RunSettings, *, as_json: bool) -> int:
@@ -232,7 +243,7 @@ def _look(args: argparse.Namespace) -> int:
 
     with ViewerSession(open_shown(args.scene, "y"), args.size, args.profile, "", "y") as session:
         session.run(log.shown)
-    log.chose("other")
+    log.looked_at()
     answer(args, {"looked_at": args.scene}, ())
     return 0
 
@@ -242,6 +253,16 @@ def _is_for_a_person(settings: RunSettings) -> bool:
     from mimics_app.app.terminal.display import has_display
 
     return not settings.headless and has_display() and settings.seconds is None and settings.journey is None
+
+
+def _check_screen(args: argparse.Namespace) -> None:
+    """Check that the screen of a session in a window answers."""
+    from mimics_app.app.terminal.display import has_display
+
+    if has_display() and not args.headless:
+        from mimics_app.rendering.visual.surfaces.screen_check import check_screen
+
+        check_screen()
 
 
 def check_names(args: argparse.Namespace) -> None:

@@ -11,7 +11,7 @@ from mimics_app.contracts.arrays import F4
 from mimics_app.contracts.board import Bar, Board, Card, Tone
 from mimics_app.contracts.messages import HapticSnapshot
 from mimics_app.rendering.visual.figures.hud import KIND, Colour, Hud
-from mimics_app.rendering.visual.figures.key_page import Keys, draw_keys
+from mimics_app.rendering.visual.figures.key_page import KeyPage, draw_page
 from mimics_app.rendering.visual.figures.palette import ACCENT, FAINT, INK
 
 __all__ = ["OPERATORS_CARDS", "BoardLayout", "stability_card"]
@@ -19,7 +19,7 @@ __all__ = ["OPERATORS_CARDS", "BoardLayout", "stability_card"]
 OPERATORS_CARDS = frozenset({"margin"})
 """Cards for the operator, shown with the forces (F5)."""
 
-_PANEL: Colour = (0.06, 0.08, 0.11, 0.62)
+_PANEL: Colour = (0.06, 0.08, 0.11, 0.80)
 _ALARM_PANEL: Colour = (0.55, 0.08, 0.08, 0.86)
 _RIGHT: Colour = (0.36, 0.78, 0.47, 0.34)
 _COLOURS: dict[Tone, Colour] = {
@@ -59,19 +59,19 @@ class BoardLayout:
         self._laid: tuple[Hashable, int] | None = None
         self._cards: dict[str, tuple[tuple[Any, ...], F4]] = {}
 
-    def lay(self, hud: Hud, board: Board, show: Sequence[str], force_full: float, keys: Keys = ()) -> None:
-        """Replace the contents of a display by a board, and a page of keys over it.
+    def lay(self, hud: Hud, board: Board, show: Sequence[str], force_full: float, page: KeyPage | None = None) -> None:
+        """Replace the contents of a display by a board, and a page over it.
 
         Args:
             hud: The display.
             board: The board.
             show: Names of the cards to show, in order; those that the board does not have are left out.
             force_full: Full scale of bars without a scale of their own [N].
-            keys: Page of keys, () for none.
+            page: Page over the board, None for none.
         """
         cards = tuple((name, board.cards[name]) for name in show if name in board.cards)
         said = (board.message, board.alarm, board.count)
-        wanted = (id(hud), cards, said, force_full, hud.width, hud.height, tuple(keys))
+        wanted = (id(hud), cards, said, force_full, hud.width, hud.height, page)
         if self._laid == (wanted, hud.revision):
             return
         hud.clear()
@@ -83,13 +83,13 @@ class BoardLayout:
             x += card.width + _GAP
         if rows:
             hud.extend(_by_kind(np.concatenate(rows)))
-        if board.message:
+        if board.message and (page is None or board.alarm):
             panel = _ALARM_PANEL if board.alarm else _PANEL
             hud.extend(self._rows("", hud, (_draw_message, board.message, panel, hud.width)))
         if board.count:
             _draw_count(hud, board.count)
-        if keys:
-            draw_keys(hud, keys)
+        if page is not None:
+            draw_page(hud, page)
         self._laid = wanted, hud.revision
 
     def _rows(self, name: str, hud: Hud, wanted: tuple[Any, ...]) -> F4:

@@ -22,8 +22,10 @@ from mimics_app.contracts.display_port import Display
 from mimics_app.contracts.errors import SceneError, nearest
 from mimics_app.contracts.input_port import Ray
 from mimics_app.contracts.stage_timer import UNTIMED, StageTimer
-from mimics_app.rendering.visual.figures.key_page import Keys
+from mimics_app.rendering.visual.figures.hud import Hud
+from mimics_app.rendering.visual.figures.key_page import KeyPage
 from mimics_app.rendering.visual.frame_stats import FrameStats
+from mimics_app.rendering.visual.launcher.thumbnail import load_thumbnail
 from mimics_app.rendering.visual.passes.hud import plane_of_views
 from mimics_app.rendering.visual.presenting.presenter import Presenter
 from mimics_app.rendering.visual.renderer import Renderer
@@ -109,7 +111,7 @@ class Picture:
         presenter: Presenter of the drawn frames on the display.
         renderer: The renderer.
         film: Video of the shown frames; None without one.
-        keys: Page of keys over the picture; () for none.
+        page: Page over the picture; None for none.
         stats: Cost of the last frame; None before the first.
 
     Raises:
@@ -133,8 +135,9 @@ class Picture:
         self.presenter = Presenter(display or open_display(scene, "", surface), surface)
         self.renderer = Renderer(self.presenter.drawn, world, settings, sparse=sparse)
         self.film: Film | None = None
-        self.keys: Keys = ()
+        self.page: KeyPage | None = None
         self._layout = BoardLayout()
+        self._image: Path | None = None
         self.stats: FrameStats | None = None
         self._software = draws_in_software(surface)
         self.show(scene, world)
@@ -258,7 +261,15 @@ class Picture:
         operator, wanted = self.renderer.shows("forces"), () if self._board is None else self._board.show
         show = [name for name in wanted if operator or name not in OPERATORS_CARDS]
         force_full = 0.0 if self._board is None else self._board.force_full
-        self._layout.lay(hud, board, show, force_full, self.keys)
+        self._show_image(hud, None if self.page is None else self.page.picture)
+        self._layout.lay(hud, board, show, force_full, self.page)
+
+    def _show_image(self, hud: Hud, file: Path | None) -> None:
+        """Give the canvas the image of the page, as long as it is shown."""
+        if file == self._image:
+            return
+        self._image = file
+        hud.images = None if file is None else load_thumbnail(file)[None]
 
     def ray(self, right: float, up: float) -> Ray | None:
         """Return the ray through a point of the window, each coordinate in [-1, 1]."""
@@ -275,14 +286,13 @@ class Picture:
             self.film.forget()
             self.film.finish()
 
-    def close(self, *, keep_surface: bool = False) -> None:
-        """Finish the video and release everything, the surface included unless it is kept."""
+    def close(self) -> None:
+        """Finish the video and release everything, the surface included."""
         if self.film is not None:
             self.film.finish()
         self.renderer.release()
         self.presenter.release()
-        if not keep_surface:
-            self.surface.close()
+        self.surface.close()
 
 
 def _triple(values: F8) -> Vec3:
