@@ -2,10 +2,10 @@
 # The targets of the Makefile, for any machine with a POSIX shell:
 #
 #   sh .ci/dev.sh run [arguments of mimics run]      install what is missing, then run the wavy tunnel
-#   sh .ci/dev.sh setup | test | test-long | nightly | check | bench | docs | clean | pins
+#   sh .ci/dev.sh setup | test | test-long | nightly | check | bench | docs | fresh | clean | pins
 #
-# It is never interactive. Python packages are installed into .venv, pinned and verified by hash (requirements.txt). System
-# packages are installed by apt if this user is root or may use sudo without a password; otherwise the command is printed.
+# It is never interactive. Python packages are installed into .venv, pinned and verified by hash: those of requirements.txt to
+# run, those of requirements-test.txt besides to test. System packages are installed by apt if this user is root or may use sudo without a password; otherwise the command is printed.
 # All its own messages go to stderr, so that `run --json` leaves one object on stdout.
 #   PYTHON=/path/to/python3     interpreter for .venv
 #   MIMICS_SKIP_SYSTEM=1        continue without missing system packages
@@ -15,7 +15,6 @@ cd "$(dirname "$0")/.."
 root=$(pwd -P)
 venv=$root/.venv
 vpython=$venv/bin/python
-mark=$venv/.mimics-ready
 log=$root/.setup.log
 needs=mimics_app/app/installation/system_packages.py
 oldest='(3, 11)'
@@ -167,16 +166,25 @@ build_requirements() {
     printf '%s\n' "$venv/build-requirements.txt"
 }
 
+# The files of pins that a command needs: what runs, and what tests need besides.
+pins_of() {
+    case " $1 " in
+        *" test "*) printf 'requirements.txt requirements-test.txt\n' ;;
+        *) printf 'requirements.txt\n' ;;
+    esac
+}
+
 install_into_venv() { # the command of an installer: uv pip install ..., or python -m pip install ...
-    "$@" --require-hashes -r "$(build_requirements)" &&
-        "$@" --require-hashes --no-build-isolation -r requirements.txt &&
-        "$@" --no-deps --no-build-isolation -e .
+    "$@" --require-hashes -r "$(build_requirements)" || return 1
+    for pins in $(pins_of "$kinds"); do set -- "$@" -r "$pins"; done
+    "$@" --require-hashes --no-build-isolation || return 1
 }
 
 with_uv() {
     have_uv || return 1
     [ -x "$vpython" ] || uv venv --quiet --python "${python:-$(uv_range)}" "$venv" || return 1
-    install_into_venv uv pip install --python "$vpython"
+    install_into_venv uv pip install --python "$vpython" &&
+        uv pip install --python "$vpython" --no-deps --no-build-isolation -e .
 }
 
 uv_range() { printf '>=3.11,<3.15'; }
@@ -188,7 +196,8 @@ with_pip() {
         "$python" -m venv "$venv" || return 1
     fi
     trust_system_certificates
-    install_into_venv "$vpython" -m pip install
+    install_into_venv "$vpython" -m pip install &&
+        "$vpython" -m pip install --no-deps --no-build-isolation -e .
 }
 
 # A hospital's network may present a certificate that the system trusts and pip's own list does not.
@@ -204,20 +213,32 @@ identity() {
     "$vpython" -c 'import platform, sys; print(sys.implementation.cache_tag, platform.machine())' 2>/dev/null
 }
 
-content() {
-    cat pyproject.toml requirements.txt | { sha256sum 2>/dev/null || shasum -a 256; }
+content() { # of the kinds
+    # shellcheck disable=SC2046
+    cat pyproject.toml $(pins_of "$1") | { sha256sum 2>/dev/null || shasum -a 256; }
 }
 
-ready() {
-    [ -x "$vpython" ] && [ -f "$mark" ] && [ "$(cat "$mark")" = "$(identity && content)" ]
+# One mark for what runs and one for what tests need besides: changed pins of the tests leave `make run` as it is.
+mark_of() {
+    case " $1 " in *" test "*) printf '%s\n' "$venv/.mimics-test-ready" ;; *) printf '%s\n' "$venv/.mimics-ready" ;; esac
+}
+
+ready() { # for the kinds
+    mark=$(mark_of "$1")
+    [ -x "$vpython" ] && [ -f "$mark" ] && [ "$(cat "$mark")" = "$(identity && content "$1")" ]
 }
 
 same_place() {
-    [ -x "$vpython" ] && [ -f "$mark" ] && [ "$(head -n 1 "$mark")" = "$(identity)" ]
+    for mark in "$venv/.mimics-ready" "$venv/.mimics-test-ready"; do
+        [ -x "$vpython" ] && [ -f "$mark" ] && [ "$(head -n 1 "$mark")" = "$(identity)" ] && return 0
+    done
+    return 1
 }
 
 build() {
-    say "setting up .venv (about 260 MB to download the first time)"
+    size=180
+    case " $kinds " in *" test "*) size=290 ;; esac
+    say "setting up .venv (about $size MB to download the first time)"
     same_place || rm -rf "$venv"
     ensure_python
     if ! with_uv; then
@@ -225,8 +246,11 @@ build() {
         [ -n "$python" ] || { say "Python 3.11 to 3.14 is needed"; exit 69; }
         with_pip || { say "the packages could not be installed; check the network. The reason is printed above."; exit 69; }
     fi
-    { identity && content; } >"$mark.new"
-    mv "$mark.new" "$mark"
+    for each in run "$kinds"; do
+        mark=$(mark_of "$each")
+        { identity && content "$each"; } >"$mark.new"
+        mv "$mark.new" "$mark"
+    done
     say "ready"
 }
 
@@ -244,9 +268,9 @@ lock() {
 
 prepare() { # the kinds of system packages this command needs: run, test
     kinds=$*
-    if ! ready; then
+    if ! ready "$kinds"; then
         lock
-        ready || build 1>&2
+        ready "$kinds" || build 1>&2
         exec 9>&-
     fi
     system_packages "$@"
@@ -256,6 +280,38 @@ prepare() { # the kinds of system packages this command needs: run, test
 # usually waits for a window, a robot or a second of sound. Files are in the order of tests/conftest.py, the longest first.
 # Skipped tests are listed with their reason.
 pytest_beside() { "$vpython" -m pytest --numprocesses=3 --dist=loadfile --no-loadscope-reorder -rfEs "$@"; }
+
+# --- pins --------------------------------------------------------------------------------------------------------
+
+compile_pins() { # file of pins, options: the newest versions that suit every Python of the README
+    uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest --group build --upgrade \
+        --generate-hashes --no-header --no-annotate --no-emit-index-url --no-emit-find-links \
+        "$@" pyproject.toml >/dev/null
+}
+
+# Pins of one file, without those of another: a package stands in one of them only.
+without() {
+    awk 'FNR == 1 { file++ } /^[A-Za-z0-9]/ { split($1, name, "=="); taken = name[1] }
+        file == 1 { of_other[taken] = 1; next } !(taken in of_other)' "$2" "$1"
+}
+
+# PyOpenAL exists as source only, and needs no compiler.
+every_python_has_wheels() {
+    for version in 3.11 3.12 3.13 3.14; do
+        uv pip install --quiet --dry-run --target .pins-wheels --python-version $version --only-binary :all: \
+            --no-binary pyopenal --require-hashes -r requirements.txt -r requirements-test.txt || return 1
+    done
+}
+
+pins() {
+    for name in requirements requirements-test; do sed -n '/^#/p' $name.txt >$name.head; done
+    compile_pins --output-file requirements.new
+    compile_pins --group test --constraint requirements.new --output-file requirements-test.all
+    without requirements-test.all requirements.new >requirements-test.new
+    for name in requirements requirements-test; do cat $name.head $name.new >$name.txt; done
+    rm requirements.head requirements.new requirements-test.head requirements-test.new requirements-test.all
+    every_python_has_wheels || { say "a pin has no wheel for one of the Pythons that the README promises"; exit 65; }
+}
 
 # --- commands ----------------------------------------------------------------------------------------------------
 
@@ -302,7 +358,7 @@ case $word in
             $(grep -l --recursive --include='test_*.py' '^from hypothesis import' tests)
         ;;
     check)
-        prepare run
+        prepare run test
         check
         ;;
     bench)
@@ -319,17 +375,15 @@ case $word in
         rm -rf "$venv" build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache .setup.log
         find . -name runs -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
         ;;
+    fresh)
+        exec sh .ci/fresh.sh "$@"
+        ;;
     pins)
         have_uv || { say "pins need uv"; exit 69; }
-        header=$(sed -n '/^#/p' requirements.txt)
-        uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest --group dev --upgrade \
-            --generate-hashes --no-header --no-annotate --no-emit-index-url --no-emit-find-links \
-            --output-file requirements.txt.new pyproject.toml >/dev/null
-        { printf '%s\n' "$header"; cat requirements.txt.new; } >requirements.txt
-        rm requirements.txt.new
+        pins
         ;;
     *)
-        say "sh .ci/dev.sh setup | run | test | test-long | nightly | check | bench | docs | clean | pins"
+        say "sh .ci/dev.sh setup | run | test | test-long | nightly | check | bench | docs | fresh | clean | pins"
         exit 2
         ;;
 esac

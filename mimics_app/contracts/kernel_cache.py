@@ -40,46 +40,6 @@ __all__ = [
     "unseal",
 ]
 
-# --- numba's start ------------------------------------------------------------------------------------------------
-
-
-def _load_arrays() -> None:
-    """Import numba's array functions without scipy.linalg, which numba imports only to check that it is installed.
-
-    Machine code that calls BLAS imports it later; the check of scipy's integer width is kept. A numba of another
-    structure imports everything as usual.
-    """
-    from numba.np import linalg
-
-    ensure_blas: Any = linalg.ensure_blas
-    linalg.ensure_blas = getattr(linalg, "_check_lapack_int_width", ensure_blas)
-    try:
-        from numba.np import arraymath  # noqa: F401
-    finally:
-        linalg.ensure_blas = ensure_blas
-
-
-_load_arrays()
-
-
-def _load_without_cffi() -> None:
-    """Import numba's cffi support as if cffi were not installed, which avoids loading its C parser.
-
-    No kernel calls a cffi function; cffi is installed for wrappers of sound libraries.
-    """
-    known = sys.modules.get("cffi")
-    sys.modules["cffi"] = None  # type: ignore[assignment]  # makes `import cffi` fail
-    try:
-        from numba.core.typing import cffi_utils  # noqa: F401
-    finally:
-        del sys.modules["cffi"]
-        if known is not None:
-            sys.modules["cffi"] = known
-
-
-_load_without_cffi()
-
-
 # --- which folder ---------------------------------------------------------------------------------------------------
 
 

@@ -136,9 +136,9 @@ def _middle(costs: Collection[float]) -> float:
 def saved_file() -> Path | None:
     """Return the file of this machine's table; None where nothing is writable."""
     from mimics_app.contracts.kernel_cache import cache_folder
-    from mimics_app.contracts.machine import describe_machine
+    from mimics_app.contracts.machine import machine_key
 
-    return None if cache_folder is None else cache_folder.parent / f"methods-{describe_machine().key}.json"
+    return None if cache_folder is None else cache_folder.parent / f"methods-{machine_key()}.json"
 
 
 def shipped_file() -> Path:

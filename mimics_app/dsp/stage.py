@@ -17,7 +17,7 @@ from mimics_app.dsp.gsr import Gsr
 from mimics_app.dsp.movement import Head, Power, Speed
 from mimics_app.dsp.resp import Resp
 
-__all__ = ["CHANNELS", "PhysioDsp"]
+__all__ = ["CHANNELS", "PhysioDsp", "check_rate"]
 
 CHANNELS: dict[str, Callable[[float], Channel]] = {c.name: c for c in (Ecg, Gsr, Emg, Resp, Speed, Power, Head)}
 """Processing of each signal by its name; signals of other names are recorded and not processed."""
@@ -110,11 +110,20 @@ class PhysioDsp:
         return {"rsa": 1e3 * float(np.mean(swings))} if len(swings) >= 3 else {}
 
 
-def _open(block: SignalBlock) -> Channel:
-    lowest = getattr(CHANNELS[block.name], "lowest_rate", 0.0)
-    if not lowest <= block.rate <= 20_000.0:
+def check_rate(name: str, rate: float) -> None:
+    """Check that a signal can be processed at a rate [Hz]; one that is only recorded has any.
+
+    Raises:
+        DeviceError: It cannot.
+    """
+    lowest = getattr(CHANNELS[name], "lowest_rate", 0.0) if name in CHANNELS else 0.0
+    if not lowest <= rate <= 20_000.0:
         raise DeviceError(
-            f'the rate of the signal "{block.name}" is {block.rate:g} Hz, which cannot be processed',
+            f'the rate of the signal "{name}" is {rate:g} Hz, which cannot be processed',
             f"set a rate from {lowest:g} to 20000 Hz",
         )
+
+
+def _open(block: SignalBlock) -> Channel:
+    check_rate(block.name, block.rate)
     return CHANNELS[block.name](block.rate)

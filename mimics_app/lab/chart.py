@@ -10,9 +10,9 @@ from statistics import median
 
 from markupsafe import Markup
 
-from mimics_app.contracts.machine import describe_machine
 from mimics_app.lab.figure import Figure
 from mimics_app.lab.measure import Measured, MeasuredGroup
+from mimics_app.lab.measured_on import measured_on
 from mimics_app.plotting.axis import Axis, format_number
 from mimics_app.plotting.drawing import SERIES, document, legend, wrapped
 from mimics_app.plotting.marks import word
@@ -46,7 +46,7 @@ def draw_chart(measured: MeasuredGroup) -> Figure:
     rows = measured.rows
     chosen_from = [row for row in rows if row.method.runnable]
     front = [chosen_from[i].method.name for i in pareto_front([(row.cost_us, row.error) for row in chosen_from])]
-    machine = str(describe_machine())
+    machine = str(measured_on())
     name = measured.group.name
     command = f'mimics lab chart "{name}"'
     return Figure(

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from mimics_app.contracts.errors import MimicsError, short_text
-from mimics_app.contracts.machine import describe_machine
 from mimics_app.contracts.method_table import Row, Table
 from mimics_app.contracts.methods import Group, Method, Registry
+from mimics_app.lab.measured_on import measured_on
 
 __all__ = ["Growth", "Measured", "MeasuredGroup", "as_dict", "count_probes", "fit_exponent", "measure", "to_table"]
 
@@ -188,7 +188,7 @@ def to_table(groups: Sequence[MeasuredGroup]) -> Table:
     groups = [one for one in groups if one.rows]
     return Table(
         groups={one.group.name: [_table_row(row) for row in one.rows if row.method.runnable] for one in groups},
-        machine=describe_machine().as_dict(),
+        machine=measured_on().as_dict(),
         reference_us={one.group.name: one.reference_us for one in groups},
     )
 

@@ -1,4 +1,4 @@
-"""Lines of code of the package by part: `python -m tests.architecture.code_lines` prints the table of decision 137.
+"""Lines of code of the package by part: `python -m tests.architecture.code_lines` prints the table of decision 008.
 
 A line counts that holds code: no docstring, no comment, no blank line, no import, no `__all__`. With a commit the
 command also prints how many of today's lines are in files that existed then, renamed ones included.

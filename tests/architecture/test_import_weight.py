@@ -92,14 +92,6 @@ def test_the_recorder_process_reaches_no_compiler() -> None:
     assert not _modules_after("import mimics_app.recording.recorder_process") & {"numba", "llvmlite", "scipy"}
 
 
-def test_a_compiled_function_loads_no_linear_algebra_until_it_calls_it() -> None:
-    """numba would import scipy.linalg to see whether it is there."""
-    code = "from mimics_app.contracts.probe import run_reference; run_reference(1, 1e-3, 0.0)"
-    loaded = _modules_after(code)
-    assert "numba.np.arraymath" in loaded
-    assert "scipy.linalg" not in loaded
-
-
 def test_linear_algebra_can_still_be_called_by_compiled_functions() -> None:
     def product(a, b):
         return np.dot(a, b)

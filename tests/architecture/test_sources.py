@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import json
 import re
 import tomllib
 from collections.abc import Iterator
@@ -220,16 +221,36 @@ def test_no_path_of_a_developer_machine() -> None:
     assert not found
 
 
-def _pins() -> list[str]:
-    """The requirement lines with their hashes, one string each."""
-    text = (ROOT / "requirements.txt").read_text(encoding="utf-8")
+def test_figures_name_what_they_depend_on_and_no_product_or_kernel() -> None:
+    """A processor's name or a kernel's release says where a figure was made, and nothing that a reader can have too."""
+    machine = re.compile(r"\d+ cores, \w+, python [\d.]+, numba [\d.]+(?:, Mesa [\d.]+)?")
+    charts = sorted((ROOT / "docs" / "charts").glob("*.json"))
+    assert charts
+    for file in charts:
+        assert machine.fullmatch(json.loads(file.read_text(encoding="utf-8"))["machine"]), file
+    product = re.compile(r"\b(?:Xe" + r"on|EP" + r"YC|Ryz" + r"en|Thread" + r"ripper)\b|\bLinux [2-9]\.\d+")
+    found = [
+        str(file.relative_to(ROOT))
+        for file in repository_files()
+        if product.search(file.read_text(encoding="utf-8", errors="replace"))
+    ]
+    assert not found
+
+
+PINS = ("requirements.txt", "requirements-test.txt")
+
+
+def _pins(*files: str) -> list[str]:
+    """The requirement lines of files of pins with their hashes, one string each."""
+    text = "\n".join((ROOT / file).read_text(encoding="utf-8") for file in files)
     lines = "\n".join(line for line in text.splitlines() if not line.startswith("#"))
     return [" ".join(pin.split()) for pin in lines.replace("\\\n", " ").splitlines() if pin.strip()]
 
 
-def test_requirements_name_no_place() -> None:
+@pytest.mark.parametrize("file", PINS)
+def test_requirements_name_no_place(file: str) -> None:
     """Any registry will do: what is installed is decided by the hashes."""
-    text = (ROOT / "requirements.txt").read_text(encoding="utf-8")
+    text = (ROOT / file).read_text(encoding="utf-8")
     assert "://" not in text
     assert not re.search(r"^\s*-|--(?:index|extra|find|trusted)", re.sub(r"--hash=", "", text), re.MULTILINE)
     assert not re.search(r"\b[\w-]+\.(?:org|com|net|io|dev)\b", text)
@@ -237,17 +258,23 @@ def test_requirements_name_no_place() -> None:
 
 
 def test_every_requirement_is_exact_and_hashed() -> None:
-    for pin in _pins():
+    for pin in _pins(*PINS):
         assert re.match(r"^[a-z0-9._-]+==[\w.]+(?: ; .+?)?(?: --hash=sha256:[0-9a-f]{64})+$", pin), pin
 
 
+def _names(*wants: list[str]) -> set[str]:
+    return {re.split(r"[<>=!~ ;\[]", want)[0].lower().replace("_", "-") for group in wants for want in group}
+
+
 def test_requirements_hold_what_pyproject_asks_for() -> None:
+    """What running needs stands in one file, what only tests need in the other; no package stands in both."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    wanted = [*project["project"]["dependencies"], *project["dependency-groups"]["dev"]]
-    names = {re.split(r"[<>=!~ ;\[]", want)[0].lower().replace("_", "-") for want in wanted}
-    pinned = {pin.split("==")[0] for pin in _pins()}
-    assert names <= pinned
-    assert not list(ROOT.glob("uv.lock")), "a lock file names a host for every file: requirements.txt is the lock"
+    groups = project["dependency-groups"]
+    runs, tests = ({pin.split("==")[0] for pin in _pins(file)} for file in PINS)
+    assert _names(project["project"]["dependencies"], groups["build"]) <= runs
+    assert _names(groups["test"]) <= tests
+    assert not runs & tests
+    assert not list(ROOT.glob("uv.lock")), "a lock file names a host for every file: the requirements are the lock"
 
 
 def test_files_that_begin_first_are_there() -> None:

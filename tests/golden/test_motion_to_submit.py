@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -145,10 +144,9 @@ def test_the_bench_of_displays_says_what_it_promises(monkeypatch: pytest.MonkeyP
     assert [each["workload"] for each in row["stereo"]] == ["draws"]
     motion = row["motion_to_submit_ms"]
     assert motion["frames"] == 4
-    parts = [motion, motion["undrawn"]]  # Mesa's driver that does nothing is there wherever these tests run
+    parts = [motion, motion["undrawn"]]
     assert all(0.0 < part["latched"]["p50"] <= part["latched"]["max"] for part in parts)
     assert all(part["latched"]["p50"] < part["queued"]["p50"] for part in parts)
     assert 0.5 < row["before_drawing"]["ratio"] < 3.0
     assert {"fastrak", "flock"} < row["record_to_pose_ms"].keys()
-    assert "GALLIUM_NOOP" not in os.environ
     assert len(reported) == 3

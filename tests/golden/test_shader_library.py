@@ -190,7 +190,7 @@ def test_a_uniform_is_sent_where_it_changes_and_to_a_reloaded_program(folder):
 
 def test_meshes_materials_and_visibility_follow_the_world(assert_same):
     """What changes between frames is seen in the next one: the same picture as of a world built so from the start, but
-    for edges of shadows, whose map stays where it was (decision 117).
+    for edges of shadows, whose map stays where it was (decision 118).
     """
 
     def draw_new(world) -> np.ndarray:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import edfio
 import numpy as np
 import pytest
 
@@ -117,12 +118,8 @@ def write_csv(folder: Path, ecg: Any) -> Path:
 
 
 def write_edf(folder: Path, ecg: Any) -> Path:
-    import pyedflib as edf
-
-    writer = edf.EdfWriter(str(folder / "body.edf"), 1)
-    writer.setSignalHeader(0, {"label": "ECG", "sample_frequency": RATE, "physical_min": -4, "physical_max": 4})
-    writer.writeSamples([ecg])
-    writer.close()
+    whole = ecg[: len(ecg) // RATE * RATE]  # records of one second
+    edfio.Edf([edfio.EdfSignal(whole, RATE, label="ECG", physical_range=(-4, 4))]).write(folder / "body.edf")
     return folder / "body.edf"
 
 

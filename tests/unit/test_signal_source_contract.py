@@ -115,7 +115,7 @@ FAULTS = {
     "Again": "each sample comes once",
     "Endless": "a missing sample is NaN",
     "Whole": "values are float64",
-    "Wavering": "the rate of a signal stays",
+    "Wavering": "changed from",
     "Shared": "stays what it was",
     "Sparse": "keeps the pace",
     "Silent": "it delivers signals",

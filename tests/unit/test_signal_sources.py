@@ -9,6 +9,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import edfio
 import numpy as np
 import pytest
 
@@ -79,31 +80,54 @@ def test_a_column_that_is_there_twice_counts_once(tmp_path: Path) -> None:
 
 
 def test_edf_is_read_by_its_library(tmp_path: Path) -> None:
-    import pyedflib as edf
-
     path, wave = tmp_path / "a.edf", np.sin(np.arange(2000) / 30.0)
-    writer = edf.EdfWriter(str(path), 1)
-    writer.setSignalHeader(0, {"label": "ECG II", "sample_frequency": 200, "physical_min": -2, "physical_max": 2})
-    writer.writeSamples([wave])
-    writer.close()
+    edfio.Edf([edfio.EdfSignal(wave, 200, label="ECG II", physical_range=(-2, 2))]).write(path)
     (signal,) = read_signal_file(path)
     assert (signal.name, signal.rate) == ("ecg", 200.0)
     np.testing.assert_allclose(signal.values, wave, atol=1e-3)
 
 
 def test_edf_in_microvolts_is_read_in_millivolts(tmp_path: Path) -> None:
-    import pyedflib as edf
-
     path, wave = tmp_path / "a.edf", 900.0 * np.sin(np.arange(2000) / 30.0)
-    writer = edf.EdfWriter(str(path), 2)
-    for i, label in enumerate(("EMG biceps", "Resp")):
-        limits = {"sample_frequency": 1000, "physical_min": -1000, "physical_max": 1000}
-        writer.setSignalHeader(i, {"label": label, "dimension": "uV", **limits})
-    writer.writeSamples([wave, wave])
-    writer.close()
+    options = {"physical_dimension": "uV", "physical_range": (-1000, 1000)}
+    edfio.Edf([edfio.EdfSignal(wave, 1000, label=label, **options) for label in ("EMG biceps", "Resp")]).write(path)
     emg, breath = read_signal_file(path)
     np.testing.assert_allclose(emg.values, 1e-3 * wave, atol=1e-4)
     np.testing.assert_allclose(breath.values, wave, atol=0.1)  # breath has no unit of its own
+
+
+def _edf(path: Path) -> bytes:
+    edfio.Edf([edfio.EdfSignal(np.sin(np.arange(2000) / 30.0), 200, label="ECG")]).write(path)
+    return path.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("at", "text", "what"),
+    [
+        (192, b"EDF+D", "gaps between its records"),
+        (244, b"0       ", "cannot be read"),  # duration of a record
+        (244, b"-1      ", "cannot be read"),
+        (244, b"soon    ", "cannot be read"),
+        (236, b"99999999", "cannot be read"),  # number of records
+        (252, b"9999", "cannot be read"),  # number of signals
+        (184, b"2       ", "cannot be read"),  # length of the header
+        (0, b"\xff" * 256, "cannot be read"),
+    ],
+)
+def test_a_damaged_edf_is_refused_in_one_line(at: int, text: bytes, what: str, tmp_path: Path) -> None:
+    path = tmp_path / "a.edf"
+    whole = _edf(path)
+    path.write_bytes(whole[:at] + text + whole[at + len(text) :])
+    with pytest.raises(SceneError, match=what):
+        read_signal_file(path)
+
+
+@pytest.mark.parametrize("length", [0, 100, 256, 511, 600, 4000])
+def test_a_cut_off_edf_is_refused(length: int, tmp_path: Path) -> None:
+    path = tmp_path / "a.edf"
+    path.write_bytes(_edf(path)[:length])
+    with pytest.raises(SceneError, match="cannot be read"):
+        read_signal_file(path)
 
 
 @pytest.mark.parametrize(
@@ -527,7 +551,7 @@ def test_a_check_says_why_a_source_ended(monkeypatch: pytest.MonkeyPatch) -> Non
         def close(self) -> None:
             """Nothing is open."""
 
-    monkeypatch.setattr("mimics_app.inputs.physio.sources.open_source", lambda address, seed: Unplugged())
+    monkeypatch.setattr("mimics_app.inputs.physio.sources.open_source", lambda *_: Unplugged())
     done = mimics("physio", "serial:nowhere", "--seconds", "0.1", "--check", "--json")
     assert done.returncode == 6
     assert json.loads(done.stdout)["advice"][0].startswith(Unplugged.lost)

@@ -49,7 +49,7 @@ class Bench:
         self.tools.mkdir()
         self.calls.touch()
         shutil.copy(ROOT / ".ci" / "dev.sh", self.root / ".ci")
-        for name in ("pyproject.toml", "requirements.txt"):
+        for name in ("pyproject.toml", "requirements.txt", "requirements-test.txt"):
             shutil.copy(ROOT / name, self.root)
         (installation / "system_packages.py").write_text(_SYSTEM_PACKAGES)
         self.stand_in("uv", _UV)
@@ -110,7 +110,7 @@ def test_source_package_finds_its_builder_installed_before_it(bench: Bench) -> N
     bench.word("setup")
     steps = [line for line in bench.called.splitlines() if "-r " in line]
     assert "build-requirements.txt" in steps[0]
-    assert steps[1].endswith("-r requirements.txt")
+    assert steps[1].endswith("-r requirements.txt --require-hashes --no-build-isolation")
     first = (bench.root / ".venv" / "build-requirements.txt").read_text()
     assert first.startswith("setuptools==")
     assert "--hash=sha256:" in first
@@ -126,6 +126,26 @@ def test_changed_requirements_are_installed_into_the_same_environment(bench: Ben
     assert bench.word("setup").returncode == 0
     assert bench.installed
     assert keep.exists()
+
+
+def test_running_installs_no_tool_of_the_tests(bench: Bench) -> None:
+    """A linter, a type checker and a peer of physics are of no use to who only runs a scene."""
+    bench.word("run")
+    assert "requirements-test.txt" not in bench.called
+    assert bench.word("check").returncode != 69
+    assert "-r requirements.txt -r requirements-test.txt" in bench.called
+    bench.word("run")
+    assert not bench.installed, "what tests need stays where it is"
+
+
+def test_changed_pins_of_the_tests_leave_running_alone(bench: Bench) -> None:
+    bench.word("check")
+    with (bench.root / "requirements-test.txt").open("a") as file:
+        file.write("# changed\n")
+    bench.word("run")
+    assert not bench.installed
+    bench.word("check")
+    assert bench.installed
 
 
 def test_moved_folder_is_built_anew(bench: Bench) -> None:
@@ -299,7 +319,7 @@ needs_make = pytest.mark.skipif(
 
 @needs_make
 def test_makefile_has_every_word() -> None:
-    words = "setup run test test-long nightly check bench clean".split()
+    words = "setup run test test-long nightly check bench docs fresh clean pins".split()
     text = (ROOT / "Makefile").read_text()
     assert all(word in text for word in words)
     for word in words:
@@ -315,18 +335,24 @@ def test_makefile_has_every_word() -> None:
 
 @needs_make
 @pytest.mark.parametrize(
-    ("output", "code", "last"),
+    ("verdict", "code", "fresh", "passes"),
     [
-        ("===== 3 passed in 1.20s =====", 0, "===== 3 passed in 1.20s ====="),
-        ("== 1 failed, 2 passed in 61.20s (0:01:01) ==", 1, "== 1 failed, 2 passed in 61.20s (0:01:01) =="),
+        ("===== 3 passed in 1.20s =====", 0, 0, True),
+        ("===== 3 passed in 1.20s =====", 0, 69, True),
+        ("===== 3 passed in 1.20s =====", 0, 1, False),
+        ("== 1 failed, 2 passed in 61.20s (0:01:01) ==", 1, 0, False),
     ],
 )
-def test_automatic_check_ends_with_the_verdict_of_pytest(tmp_path: Path, output: str, code: int, last: str) -> None:
-    """make says "Error 1" below a failure; whoever reads the last line wants pytest's."""
+def test_automatic_check_ends_with_the_verdict_of_pytest(
+    tmp_path: Path, verdict: str, code: int, fresh: int, passes: bool
+) -> None:
+    """make says "Error 1" below a failure; whoever reads the last line wants pytest's. A fresh system may be red alone."""
     (tmp_path / ".ci").mkdir()
     shutil.copy(ROOT / ".ci" / "run", tmp_path / ".ci")
     shutil.copy(ROOT / "Makefile", tmp_path)
-    (tmp_path / ".ci" / "dev.sh").write_text(f'[ "$1" = test ]\necho "{output}"\nexit {code}\n')
+    script = f'case $1 in test) echo "{verdict}"; exit {code} ;; fresh) echo "on a fresh system"; exit {fresh} ;; esac\n'
+    (tmp_path / ".ci" / "dev.sh").write_text(script)
     done = subprocess.run([tmp_path / ".ci" / "run"], capture_output=True, text=True, check=False)
-    assert (done.returncode == 0) == (code == 0)
-    assert done.stdout.splitlines()[-1] == last
+    assert (done.returncode == 0) == passes
+    assert done.stdout.splitlines()[-1] == verdict
+    assert ("make fresh: not run" in done.stdout) == (fresh == 69)

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from functools import partial
-from multiprocessing import get_context
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -42,8 +39,6 @@ _GOAL_MS = 3.0
 """Largest time from a pose to the submission of its frame, without drawing [ms]."""
 _QUEUE_GOAL = 1.15
 """Largest ratio of the time of simulation, animation and culling for two eyes to that for one."""
-_NO_DRAWING = "GALLIUM_NOOP"
-"""Environment variable of Mesa for a driver that does not draw."""
 _SETTLE = 10
 """Number of first frames that do not count, in which buffers grow and the driver compiles."""
 
@@ -68,9 +63,7 @@ def measure_displays(scene: Path, size: Size, frames: int, report: Callable[[str
         rows.append({"workload": workload, "two_pass_ms": median(two) * 1e-3, "ratio": median(ratios)})
     report(f"displays: from pose to submission, {frames} frames of {scene.stem}")
     motion = _measure_motion(scene, size, frames)
-    with _driver_that_draws_nothing() as spawned:
-        undrawn = spawned.submit(_measure_undrawn, scene, size, frames).result()
-    motion |= {} if undrawn is None else {"undrawn": undrawn}
+    motion["undrawn"] = _measure_undrawn(scene, size, frames)
     report(f"displays: what comes before drawing, for one eye and for two, {frames} frames of {scene.stem}")
     queueing = _measure_queueing(scene, size, frames)
     records = measure_records()
@@ -121,20 +114,6 @@ def _measure_motion(scene: Path, size: Size, frames: int) -> Row:
     return {"goal": _GOAL_MS, "frames": frames, "latched": _spread(latched), "queued": _spread(queued)}
 
 
-@contextmanager
-def _driver_that_draws_nothing() -> Iterator[ProcessPoolExecutor]:
-    """Yield a process in which Mesa ignores every call; other drivers draw there as usual."""
-    before = os.environ.get(_NO_DRAWING)
-    os.environ[_NO_DRAWING] = "1"
-    try:
-        with ProcessPoolExecutor(1, get_context("spawn")) as spawned:
-            yield spawned
-    finally:
-        os.environ.pop(_NO_DRAWING)
-        if before is not None:
-            os.environ[_NO_DRAWING] = before
-
-
 class _ProcessorClock:
     """Clock of the processor time of this process, independent of other processes."""
 
@@ -142,21 +121,27 @@ class _ProcessorClock:
         return round(1e9 * process_seconds())
 
 
-def _measure_undrawn(scene: Path, size: Size, frames: int) -> Row | None:
-    """Measure the time from both poses to submission with all driver calls but no drawing; None where it draws."""
+def _measure_undrawn(scene: Path, size: Size, frames: int) -> Row:
+    """Measure the time from both poses to submission with all calls of the driver but no drawing.
+
+    The frame is drawn on the condition of an occlusion query in which no sample passed: the driver takes every call and
+    discards it (OpenGL 3.0, conditional rendering).
+    """
     clock = _ProcessorClock()
     runtime = MotionTimes(HeadsetSpec(), clock)
     latched, queued = [], []
     with _played(scene, size, HeadsetDisplay("sim-hmd", runtime)) as (play, [(renderer, presenter)], surface):
-        if surface.ctx.info["GL_RENDERER"] != "NOOP":
-            return None
         camera = renderer.world.cameras[0]
+        nothing = surface.ctx.query(any_samples=True)
+        with nothing:
+            pass
         for number in range(frames + _SETTLE):
             play.play_on()
             runtime.asked_ns.clear()
             presenter.begin(number * FRAME_NS)
-            renderer.draw(presenter.views(camera), partial(presenter.views, camera))
-            presenter.present()
+            with nothing.crender:
+                renderer.draw(presenter.views(camera), partial(presenter.views, camera))
+                presenter.present()
             if number >= _SETTLE:
                 queued.append(1e-6 * (runtime.given_ns - runtime.asked_ns[0][0]))
                 latched.append(1e-6 * (runtime.given_ns - runtime.asked_ns[-1][0]))

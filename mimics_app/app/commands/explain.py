@@ -44,9 +44,15 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
+def _of_machine(machine: dict[str, Any]) -> Iterator[str]:
+    if "cores" in machine:
+        yield f"{machine['cores']} cores"
+    yield from (str(machine[name]) for name in ("architecture", "software") if name in machine)
+
+
 def _lines(explained: dict[str, Any], plan: Plan) -> Iterator[str]:
     where = "measured on this machine" if plan.origin == "saved" else f"the {plan.origin} method table"
-    yield f"profile {plan.profile}; costs by {where} ({explained['table']['machine'].get('processor', '')})"
+    yield f"profile {plan.profile}; costs by {where} ({', '.join(_of_machine(explained['table']['machine']))})"
     yield "accepts " + ", ".join(f"{name} {value:g}" for name, value in plan.tolerances.items())
     if plan.pixels:
         yield f"live picture of {plan.pixels / 1e6:.3g} million pixels, drawn without a graphics card"

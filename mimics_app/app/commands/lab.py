@@ -127,15 +127,16 @@ def _measure(groups: list[str], rounds: int) -> list[MeasuredGroup]:
 
 
 def _show_table(args: argparse.Namespace, measured: list[MeasuredGroup]) -> int:
-    from mimics_app.contracts.machine import describe_machine
     from mimics_app.lab.measure import as_dict
+    from mimics_app.lab.measured_on import measured_on
 
     saved = _save_table(measured, shipped=args.shipped) if args.save or args.shipped else None
-    lines = [f"{describe_machine()}\n", *(line for one in measured for line in _group_lines(one))]
+    machine = measured_on()
+    lines = [f"{machine}\n", *(line for one in measured for line in _group_lines(one))]
     if args.save or args.shipped:
         lines.append(f"saved in {saved}" if saved else "not saved: no folder of this user is writable")
     groups = {one.group.name: as_dict(one) for one in measured}
-    answer(args, applicable({"machine": describe_machine().as_dict(), "groups": groups, "saved": saved}), lines)
+    answer(args, applicable({"machine": machine.as_dict(), "groups": groups, "saved": saved}), lines)
     return 0
 
 

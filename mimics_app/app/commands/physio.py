@@ -80,13 +80,14 @@ def run(args: argparse.Namespace) -> int:
 
 def _open(args: argparse.Namespace) -> tuple[SignalSource, float, float, bool]:
     """Return the source, the time of its first sample [s], the time to read [s], and whether it is live."""
+    from mimics_app.dsp.stage import check_rate
     from mimics_app.inputs.physio.sources import look_for_source, open_source, source_kinds
 
     kind, colon, _ = args.source.partition(":")
     misspelt = colon and kind != "file" and not Path(args.source).exists()
     if misspelt or kind in source_kinds() - {"file"}:
         look_for_source(args.source, say)
-        return open_source(args.source, args.seed), 0.0, args.seconds or _CHECK_S, kind != "sim"
+        return open_source(args.source, args.seed, check_rate), 0.0, args.seconds or _CHECK_S, kind != "sim"
     from mimics_app.inputs.physio.recording import FileSource, read_signal_file
 
     signals = read_signal_file(Path(args.source.removeprefix("file:")))

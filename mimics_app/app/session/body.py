@@ -151,7 +151,8 @@ def _sources(settings: RunSettings, preset: str) -> tuple[SignalSource, ...]:
 
     if not settings.physio:
         return (Movement(),)
+    from mimics_app.dsp.stage import check_rate
     from mimics_app.inputs.physio.sources import open_source
 
     address = f"sim:{preset}" if settings.physio == "sim" and preset else settings.physio
-    return (Movement(), open_source(address, settings.seed))
+    return (Movement(), open_source(address, settings.seed, check_rate))

@@ -12,7 +12,7 @@ from mimics_app.app.cues.motion_cues import MotionCues
 from mimics_app.app.picture.board import stability_card
 from mimics_app.app.session.core import SessionCore
 from mimics_app.app.session.safety_watch import SafetyWatch
-from mimics_app.app.session.watches import RecorderWatch, SignalWatch
+from mimics_app.app.session.watches import RecorderWatch, SignalWatch, TactileWatch
 from mimics_app.app.touch.loss_watch import LossWatch
 from mimics_app.app.touch.person_inbox import PersonInbox
 from mimics_app.contracts.board import Board
@@ -64,6 +64,7 @@ class Frames:
         self.safety = SafetyWatch(core.report)
         self._recorder = RecorderWatch(core.recorder, core.report)
         self._signals = SignalWatch(core.inputs.signals, core.recorder, core.report)
+        self._taps = TactileWatch(core.recorder, core.report)
         self.events: NDArray[Any] = np.zeros(0, EVENT)
 
     @property
@@ -165,8 +166,7 @@ class Frames:
 
     def _feel(self, orders: TaskOrders, now_ns: int) -> None:
         """Send the task's taps to the vibrators, and journal the time of each."""
-        for line in self._core.tactile.step(orders.touches, now_ns):
-            self._core.recorder.journal("tactile", {"t_ns": now_ns, **line})
+        self._taps.take(self._core.tactile.step(orders.touches, now_ns), now_ns)
 
     def _choose(self, state: UserState, result: TrialResult | None, now_ns: int) -> None:
         """Let the learning system choose, given the result of the task and its reward."""

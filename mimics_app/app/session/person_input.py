@@ -75,7 +75,7 @@ class _WindowAndHands:
 
     def poll(self) -> Sequence[InputEvent]:
         """Return the events of both since the last call; a controller's button has no release event."""
-        names = self._picture.presenter.display.take_pressed()
+        names = self._picture.presenter.take_pressed()
         return [*self._picture.surface.poll(), *(InputEvent("pad", name, pressed=True) for name in names)]
 
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from mimics_app.app.session.switched_off import RecorderPort
 from mimics_app.app.terminal.output import say
 from mimics_app.contracts.input_port import SignalSource
 from mimics_app.contracts.loop_ports import DevicePlugin
 
-__all__ = ["DeviceWatch", "RecorderWatch", "SignalWatch"]
+__all__ = ["DeviceWatch", "RecorderWatch", "SignalWatch", "TactileWatch"]
 
 
 class RecorderWatch:
@@ -62,6 +62,28 @@ class SignalWatch:
                 self._known[i] = (source, lost)
                 self._report(f"body signals are lost: {lost}" if lost else "body signals are back")
                 self._recorder.journal("signal_source", {"t_ns": now_ns, "lost": lost})
+
+
+class TactileWatch:
+    """Journals the taps of the vibrators, and reports each of their problems once; the session goes on.
+
+    Args:
+        recorder: Recorder of each tap.
+        report: Shows a line to the person.
+    """
+
+    def __init__(self, recorder: RecorderPort, report: Callable[[str], None]) -> None:
+        self._recorder, self._report = recorder, report
+        self._told: set[str] = set()
+
+    def take(self, lines: Sequence[Mapping[str, object]], now_ns: int) -> None:
+        """Take the lines of a frame, see `Vibrators.step`."""
+        for line in lines:
+            self._recorder.journal("tactile", {"t_ns": now_ns, **line})
+            problem = str(line.get("problem", ""))
+            if problem and problem not in self._told:
+                self._told.add(problem)
+                self._report(problem)
 
 
 class DeviceWatch:

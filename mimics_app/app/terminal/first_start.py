@@ -11,9 +11,6 @@ from mimics_app.contracts.clock import Clock, MonotonicClock
 
 __all__ = ["CompileLine", "is_cold", "say_if_cold"]
 
-_USUAL = 350
-"""Number of functions that a cold run of the wavy tunnel compiles; with haptic objects about twice as many."""
-
 _NS = 1_000_000_000
 _SOON_NS = 2 * _NS
 """Compile time up to which no progress is shown [ns]."""
@@ -41,7 +38,9 @@ def is_cold(folder: Path | None) -> bool:
 
 
 class CompileLine:
-    """Number of compiled functions of about how many: in place on a terminal, else a line every ten seconds.
+    """Number of functions compiled so far: in place on a terminal, else a line every ten seconds.
+
+    How many there will be depends on the scene and is not known before, so no total is shown.
 
     Args:
         stream: Stream to write to.
@@ -71,7 +70,7 @@ class CompileLine:
 
     @property
     def _text(self) -> str:
-        return f"{self._done}{f' of about {_USUAL}' if self._done <= _USUAL else ''} functions"
+        return f"{self._done} functions done"
 
     def _write(self, now_ns: int) -> None:
         if self._stream.closed:  # by a caller that captured it

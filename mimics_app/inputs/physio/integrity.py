@@ -58,11 +58,12 @@ class Grid:
         rate: Stated sampling rate [Hz].
 
     Attributes:
+        rate: Stated sampling rate [Hz].
         faults: Faults so far.
     """
 
     def __init__(self, name: str, rate: float) -> None:
-        self._name, self._rate = name, rate
+        self._name, self.rate = name, rate
         self._jitter_s = max(_JITTER_S, _JITTER_SAMPLES / rate)
         self._start_ns: float | None = None
         self._first_ns = 0
@@ -82,7 +83,7 @@ class Grid:
             return None
         if self._start_ns is None:
             self._start_ns, self._first_ns = float(t_ns), t_ns
-        late = (t_ns - self._start_ns) / SECOND_NS - self._count / self._rate
+        late = (t_ns - self._start_ns) / SECOND_NS - self._count / self.rate
         self._received += len(values)
         if abs(late) > _PAUSE_S:
             self._first_ns += round(late * SECOND_NS)
@@ -90,20 +91,20 @@ class Grid:
             self.faults.gaps += 1
             self._start_ns, self._count, late = float(t_ns), 0, 0.0
         elif late > self._jitter_s:
-            missing = round(late * self._rate)
+            missing = round(late * self.rate)
             self.faults.gaps += 1
             self.faults.lost += missing
             values = np.concatenate([np.full(missing, np.nan), values])
         elif late < -self._jitter_s:
-            twice = min(round(-late * self._rate), len(values))
+            twice = min(round(-late * self.rate), len(values))
             self.faults.repeats += 1
             self.faults.dropped += twice
             values = values[twice:]
         else:
             self._follow(late, t_ns)
-        block_ns = round(self._start_ns + self._count / self._rate * SECOND_NS)
+        block_ns = round(self._start_ns + self._count / self.rate * SECOND_NS)
         self._count += len(values)
-        return SignalBlock(self._name, self._rate, block_ns, values) if len(values) else None
+        return SignalBlock(self._name, self.rate, block_ns, values) if len(values) else None
 
     def _follow(self, late: float, t_ns: int) -> None:
         """Let the grid follow the source's clock, and measure its drift and rate."""
@@ -113,7 +114,7 @@ class Grid:
         elapsed = (t_ns - self._first_ns) / SECOND_NS
         if elapsed > _SETTLED_S:
             self.faults.drift_ppm = -1e6 * self._followed / elapsed
-            off = abs(self._received / elapsed / self._rate - 1.0)
+            off = abs(self._received / elapsed / self.rate - 1.0)
             self.faults.wrong_rate = off > _RATE_OFF and elapsed > _RATE_SETTLED_S
 
 
@@ -128,6 +129,11 @@ class LiveSignals:
         self.lost = ""
         self._heard_ns = 0
         self._grids: dict[str, Grid] = {}
+
+    @property
+    def rates(self) -> Mapping[str, float]:
+        """Stated rate of each signal [Hz]."""
+        return {name: grid.rate for name, grid in self._grids.items()}
 
     @property
     def faults(self) -> Mapping[str, Faults]:

@@ -17,6 +17,7 @@ from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.errors import Issue, SceneError, UsageError, first_line
 from mimics_app.contracts.input_port import SignalSource
 from mimics_app.contracts.messages import Experience, SignalBlock
+from mimics_app.inputs.physio.edf_file import read_edf_channels
 
 __all__ = ["FileSource", "Recorded", "columns_of", "read_signal_file", "unit_factor"]
 
@@ -172,27 +173,11 @@ def _plain_rate(rate: float) -> float:
 
 
 def _read_edf(path: Path) -> list[Recorded]:
-    try:
-        import pyedflib
-    except ImportError as error:
-        raise UsageError(
-            "EDF is read by pyedflib, which is not installed", 'pip install "mimics_app[signals]"'
-        ) from error
-    try:
-        with pyedflib.EdfReader(str(path)) as file:
-            names = [(i, _name_of_channel(label)) for i, label in enumerate(file.getSignalLabels())]
-            return [
-                Recorded(
-                    name,
-                    float(file.getSampleFrequency(i)),
-                    0.0,
-                    unit_factor(name, file.getPhysicalDimension(i)) * np.asarray(file.readSignal(i), float),
-                )
-                for i, name in names
-                if name
-            ]
-    except (OSError, ValueError) as error:
-        raise SceneError(Issue(str(path), "", f"it cannot be read: {first_line(error)}")) from error
+    signals = []
+    for channel in read_edf_channels(path, lambda label: bool(_name_of_channel(label))):
+        name = _name_of_channel(channel.label)
+        signals.append(Recorded(name, channel.rate, 0.0, unit_factor(name, channel.unit) * channel.values))
+    return signals
 
 
 def _read_wfdb(path: Path) -> list[Recorded]:

@@ -7,14 +7,14 @@ its object called with (rest of the address, seed).
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import cast
 
-from mimics_app.contracts.errors import DeviceError, UsageError, nearest
+from mimics_app.contracts.errors import DeviceError, UsageError, nearest, short_text
 from mimics_app.contracts.input_port import SignalSource
 from mimics_app.contracts.plugins import PluginError, PluginGroup, fault_of_builder, made_by
-from mimics_app.inputs.physio.guarded_source import GuardedSource
+from mimics_app.inputs.physio.guarded_source import CheckRate, GuardedSource, any_rate
 
 __all__ = ["KINDS", "PLUGINS", "look_for_source", "open_source", "source_kinds"]
 
@@ -64,21 +64,44 @@ def source_kinds() -> set[str]:
     return {*KINDS, *PLUGINS.names()}
 
 
-def open_source(address: str, seed: int) -> SignalSource:
-    """Open the source of an address.
+def open_source(address: str, seed: int, check_rate: CheckRate = any_rate) -> SignalSource:
+    """Open the source of an address; whatever it raises while it is read makes it a lost source.
+
+    Args:
+        address: Address of the source.
+        seed: Seed of a simulated person.
+        check_rate: Checks the rate of each signal.
 
     Raises:
         UsageError: The address names no kind of source, or an option it does not have.
-        DeviceError: The source is not available, or its plug-in fails.
-        SceneError: The file is missing or cannot be read.
+        DeviceError: The source is not available, its plug-in fails, or a signal has a rate that cannot be processed.
+        SceneError: The file is missing, cannot be read, or has a rate that cannot be processed.
     """
     kind, rest = _split(address)
     if kind in KINDS:
-        return KINDS[kind](rest, seed)
+        source = KINDS[kind](rest, seed)
+        _check_rates(source, address, check_rate)
+        return GuardedSource(source, f'the source "{short_text(address)}"', check_rate)
     try:
-        return GuardedSource(cast(SignalSource, made_by(_plugin(kind), SignalSource, rest, seed)))
+        made = cast(SignalSource, made_by(_plugin(kind), SignalSource, rest, seed))
     except PluginError as error:
         raise DeviceError(f'the source of body signals "{kind}" cannot be opened: {error}') from error
+    return GuardedSource(made, "its plug-in", check_rate)
+
+
+def _check_rates(source: SignalSource, address: str, check_rate: CheckRate) -> None:
+    """Check the rates that a source knows before its first sample; close it where one cannot be processed.
+
+    Raises:
+        DeviceError: See `open_source`.
+    """
+    rates: Mapping[str, float] = getattr(source, "rates", {})
+    try:
+        for name, rate in rates.items():
+            check_rate(name, rate)
+    except DeviceError as error:
+        source.close()
+        raise DeviceError(f"{short_text(address)}: {error.what}", error.fix) from error
 
 
 def look_for_source(address: str, tell: Callable[[str], None]) -> None:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.display_port import MAX_PREDICTION_NS
+from mimics_app.contracts.errors import DeviceError, MimicsError
 from mimics_app.contracts.input_port import WindowFrame
+from mimics_app.contracts.plugins import raised
 from mimics_app.contracts.tracker_port import TrackedPose, TrackerSample, TrackerSource
 from mimics_app.inputs.trackers.calibration import Calibration
 from mimics_app.inputs.trackers.headset_tracker import HeadsetTracker
@@ -59,6 +62,7 @@ class TrackerHub:
         self._tape = tape
         self._tracks: dict[tuple[int, str], Track] = {}
         self._problems: dict[str, bool] = {}
+        self._lost: set[int] = set()
 
     @property
     def roles(self) -> tuple[str, ...]:
@@ -67,14 +71,29 @@ class TrackerHub:
 
     def take_problems(self) -> list[str]:
         """Return the problems of trackers and tape since the last call, one line each; each is reported once."""
-        for each in self._trackers:
-            if problem := each.source.problem or each.calibration.fault:
-                self._note(_name(each), problem)
+        for number, each in self._heard():
+            self._ask(number, partial(self._note_fault, each))
         if self._tape is not None and self._tape.problem:
             self._note("tape of the trackers", self._tape.problem)
         new = [what for what, taken in self._problems.items() if not taken]
         self._problems = dict.fromkeys(self._problems, True)
         return new
+
+    def _note_fault(self, tracker: Placed) -> None:
+        if problem := tracker.source.problem or tracker.calibration.fault:
+            self._note(_name(tracker), problem)
+
+    def _heard(self) -> Iterator[tuple[int, Placed]]:
+        """Yield the trackers that are not lost, with their numbers."""
+        return ((number, each) for number, each in enumerate(self._trackers) if number not in self._lost)
+
+    def _ask(self, number: int, call: Callable[[], None]) -> None:
+        """Call a tracker; what it raises makes it a lost one, whose poses grow stale: the session goes on."""
+        try:
+            call()
+        except Exception as error:  # noqa: BLE001  of a library or a third party: it must not end the session
+            self._lost.add(number)
+            self._note(_name(self._trackers[number]), f"it is lost: it {raised(error)}")
 
     def _note(self, part: str, problem: str) -> None:
         self._problems.setdefault(f"{part}: {problem}", False)
@@ -95,21 +114,34 @@ class TrackerHub:
         Raises:
             DeviceError: A tracker is not available; those started before it are stopped.
         """
-        begun: list[TrackerSource] = []
+        begun: list[int] = []
         try:
             for number, each in enumerate(self._trackers):
-                each.source.start(lambda sample, number=number: self._take(number, sample))  # type: ignore[misc]
-                begun.append(each.source)
+                self._start(number, each.source)
+                begun.append(number)
         except BaseException:
-            for source in begun:
-                source.stop()
+            for number in begun:
+                self._ask(number, self._trackers[number].source.stop)
             raise
+
+    def _start(self, number: int, source: TrackerSource) -> None:
+        """Start a tracker.
+
+        Raises:
+            DeviceError: It is not available, or its plug-in fails.
+        """
+        try:
+            source.start(lambda sample: self._take(number, sample))
+        except MimicsError:
+            raise
+        except Exception as error:
+            raise DeviceError(f"the tracker {source.name} cannot be started: it {raised(error)}") from error
 
     def see(self, frame: WindowFrame) -> None:
         """Pass the window's events to the trackers that follow mouse and gamepad."""
-        for each in self._trackers:
+        for number, each in self._heard():
             if isinstance(each.source, PointerTracker):
-                each.source.see(frame)
+                self._ask(number, partial(each.source.see, frame))
 
     def listen_to(self, display: Callable[[], Sequence[TrackerSample]]) -> None:
         """Pass the display's own tracking of head and hands to the trackers that report it."""
@@ -119,8 +151,8 @@ class TrackerHub:
 
     def poll(self, now_ns: int) -> None:
         """Poll all trackers; call once a frame."""
-        for each in self._trackers:
-            each.source.poll(now_ns)
+        for number, each in self._heard():
+            self._ask(number, partial(each.source.poll, now_ns))
 
     def pose(self, role: str, at_ns: int) -> TrackedPose | None:
         """Return room_from_part of a role at a time [ns]; None where no tracker has reported it yet."""
@@ -147,8 +179,8 @@ class TrackerHub:
 
     def stop(self) -> None:
         """Stop all trackers and close the tape."""
-        for each in self._trackers:
-            each.source.stop()
+        for number, each in enumerate(self._trackers):
+            self._ask(number, each.source.stop)
         if self._tape is not None:
             self._tape.close()
             self._tape = None

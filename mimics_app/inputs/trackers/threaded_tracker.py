@@ -8,6 +8,7 @@ from abc import abstractmethod
 from collections.abc import Sequence
 
 from mimics_app.contracts.clock import Clock, MonotonicClock
+from mimics_app.contracts.plugins import raised
 from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink, TrackerSource
 from mimics_app.inputs.trackers.plausibility import Plausibility
 
@@ -53,8 +54,15 @@ class ThreadedTracker(TrackerSource):
 
     def start(self, sink: TrackerSink) -> None:
         self._open()
-        self._thread = threading.Thread(target=self._read, args=(sink,), name=f"tracker {self.name}", daemon=True)
+        self._thread = threading.Thread(target=self._run, args=(sink,), name=f"tracker {self.name}", daemon=True)
         self._thread.start()
+
+    def _run(self, sink: TrackerSink) -> None:
+        """Read until the end; an error that ends the thread is the tracker's problem."""
+        try:
+            self._read(sink)
+        except Exception as error:  # noqa: BLE001  of a library: an ended thread must not pass for a person at rest
+            self.problem = f"it is lost: it {raised(error)}"
 
     def poll(self, now_ns: int) -> None:
         """Do nothing: the thread reads."""

@@ -40,5 +40,5 @@ compare(
     cost=lambda settings, _: city_us(settings, _SIZE, _FRAMES),
     error=city_error,
     default="frame by frame",
-    few="each thread on one core for good lost where the submitting thread is busy for long (decision 259)",
+    few="each thread on one core for good lost where the submitting thread is busy for long (decision 118)",
 )

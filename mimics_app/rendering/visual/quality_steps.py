@@ -59,7 +59,7 @@ def quality_steps(renderer: Renderer) -> list[PictureStep]:
     """Return the steps of a renderer, least noticeable first: bloom first, shadows and plain shading last.
 
     Each starts at the present quality; an effect that is off already is left out. Shading becomes plain at once: matt
-    shading saves only a twentieth of a frame (decision 128).
+    shading saves only a twentieth of a frame (decision 114).
     """
     now, world, size = renderer.settings, renderer.world, renderer.settings.shadow_size
     lit = any(emitter.lit for emitter in world.effects.emitters.values())

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["MAX_TRIANGLES_OF_FEW_PIXELS", "DrawRun", "FrameBuffers"]
 
 MAX_TRIANGLES_OF_FEW_PIXELS = 2_000
-"""Number of triangles after which a flush follows in a small picture, which one thread rasterises (decision 173)."""
+"""Number of triangles after which a flush follows in a small picture, which one thread rasterises (decision 118)."""
 _FLUSHES_APART = 16
 """Number of flushes after each of which the driver is waited for up to the one before: once 64 are pending, llvmpipe
 never draws ahead again."""

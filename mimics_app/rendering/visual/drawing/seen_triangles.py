@@ -1,4 +1,4 @@
-"""Triangles that a picture shows, as lists of indices behind those of the meshes (decision 236)."""
+"""Triangles that a picture shows, as lists of indices behind those of the meshes (decision 118)."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ from mimics_app.contracts.kernel import kernel
 __all__ = ["MAX_TRIANGLES", "write_commands", "write_instances"]
 
 MAX_TRIANGLES = 6_000
-"""Number of triangles after which a command of many instances ends, and a flush follows (decision 173)."""
+"""Number of triangles after which a command of many instances ends, and a flush follows (decision 118)."""
 
 
 @kernel

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -12,6 +15,7 @@ from mimics_app.contracts.arrays import F8, U1
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.display_port import Composing, Display, DisplayFrame, Eye, FrameTiming, HeadSource, Viewpoint
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.plugins import raised
 from mimics_app.contracts.tracker_port import TrackerSample
 from mimics_app.rendering.visual.displays.desktop import DesktopDisplay
 from mimics_app.rendering.visual.presenting.beside import BesideWindows
@@ -24,6 +28,7 @@ from mimics_app.world.camera import Camera
 
 __all__ = ["Presenter"]
 
+_Answer = TypeVar("_Answer")
 
 _REST_HEIGHT = 1.7
 """Eye height of a person at rest, for trackers with room coordinates and displays without [m]."""
@@ -58,6 +63,7 @@ class Presenter:
 
     def __init__(self, display: Display, surface: Surface) -> None:
         self.display, self.surface = display, surface
+        self._compose: ComposePass | None = None
         self._fixed = None if surface.backend == "window" else surface.size
         if self._fixed is not None and display.kind in _WALLS:
             surface.resize(display.drawn_size(self._fixed))
@@ -70,7 +76,6 @@ class Presenter:
         self._eyes: list[Eye] = []
         self._views: list[View] = []
         self._seen: object = None
-        self._compose: ComposePass | None = None
 
     def follow(self, head: HeadSource) -> None:
         """Set the source of the head pose, room_from_head, of displays without a tracker of their own."""
@@ -94,11 +99,7 @@ class Presenter:
         if self._begun:
             self.skip()
         self._begun = True
-        try:
-            self.timing = self.display.begin_frame(now_ns)
-        except DeviceError as error:
-            self._show_on_desktop(error)
-            self.timing = self.display.begin_frame(now_ns)
+        self.timing = self._ask(lambda display: display.begin_frame(now_ns))
         return self.timing
 
     def begin_seen(self, now_ns: int) -> FrameTiming:
@@ -109,20 +110,37 @@ class Presenter:
             clock.sleep_until_ns(clock.now_ns() + _STEP_NS)
         return self.timing
 
-    def _show_on_desktop(self, error: DeviceError) -> None:
+    def _ask(self, call: Callable[[Display], _Answer]) -> _Answer:
+        """Return the display's answer; what it raises makes it a lost one: the session goes on, on the desktop."""
+        try:
+            return call(self.display)
+        except Exception as error:  # of a library or a third party: it must not end the session
+            if self.surface.reset_status():
+                raise  # the whole context is lost and will be made again
+            self._show_on_desktop(error)
+        return call(self.display)
+
+    def _show_on_desktop(self, error: Exception) -> None:
         """Replace a display that was lost for good by the desktop."""
-        faults = self.display.take_faults()
-        self.display.close()
+        what = str(error) if isinstance(error, DeviceError) else f"the display {self.display.kind} {raised(error)}"
+        faults: list[str] = []
+        with suppress(Exception):  # it is lost already
+            faults = self.display.take_faults()
+        with suppress(Exception):
+            self.display.close()
         desktop = DesktopDisplay()
-        for fault in [*faults, f"{error}: the picture is shown on the desktop"]:
+        for fault in [*faults, f"{what}: the picture is shown on the desktop"]:
             desktop.note(fault)
         self.display = desktop
+        if self._compose is not None:
+            self._compose.release()
+            self._compose = None
 
     def tracked(self) -> list[TrackerSample]:
         """Return head and hands as tracked by the display, in room coordinates."""
         return [
             replace(each, position=(each.position[0], each.position[1] + _REST_HEIGHT, each.position[2]))
-            for each in self.display.tracked()
+            for each in self._ask(lambda display: display.tracked())
         ]
 
     def views(self, camera: Camera) -> list[View]:
@@ -130,7 +148,8 @@ class Presenter:
         if self.drawn is not self.surface:
             self.drawn.resize(self._wanted())
         viewpoint = Viewpoint(camera.world_from_eye, camera.vertical_fov)
-        self._eyes = self.display.eyes(viewpoint, self.drawn.size, self.timing.display_ns)
+        size, at_ns = self.drawn.size, self.timing.display_ns
+        self._eyes = self._ask(lambda display: display.eyes(viewpoint, size, at_ns))
         near, far = camera.near, camera.far
         seen = [(eye.world_from_eye.tobytes(), eye.tangents, eye.rectangle, eye.screen, eye.pair) for eye in self._eyes]
         if self._seen != (seen, near, far):
@@ -168,11 +187,11 @@ class Presenter:
         texture = self.drawn.texture.glo if isinstance(self.drawn, EyeBuffer) else 0
         frame = DisplayFrame(self._eyes, self.drawn.size, texture, self._read)
         if self.display.kind in _HEADSETS:
-            self.display.end_frame(frame)
+            self._ask(lambda display: display.end_frame(frame))
             self._show_on_surface()
         else:
             self._show_on_surface()
-            self.display.end_frame(frame)
+            self._ask(lambda display: display.end_frame(frame))
 
     def _show_on_surface(self) -> None:
         if isinstance(self.drawn, EyeBuffer):
@@ -186,7 +205,7 @@ class Presenter:
     def skip(self) -> None:
         """End a frame without a picture."""
         self._begun = False
-        self.display.end_frame(None)
+        self._ask(lambda display: display.end_frame(None))
 
     def save(self, file: Path, write: WritePng = write_png) -> list[Path]:
         """Save the shown picture as PNG, and each eye's picture beside it where there are several.
@@ -204,19 +223,26 @@ class Presenter:
         write(read_pixels(self.surface), file)
         return [file, *eyes]
 
+    def take_pressed(self) -> Sequence[str]:
+        """Return the gamepad buttons pressed on the display's controllers since the last call."""
+        return self._ask(lambda display: display.take_pressed())
+
     @property
     def leaving(self) -> bool:
         """Whether the display requests the end of the session, or one of its windows was closed."""
-        return self.display.leaving or (self._beside is not None and self._beside.should_close)
+        return self._ask(lambda display: display.leaving) or (self._beside is not None and self._beside.should_close)
 
     def take_faults(self) -> list[str]:
         """Return new faults since the last call, a line each; each fault is reported once."""
-        return [*self.display.take_faults(), *(self._beside.take_faults() if self._beside is not None else ())]
+        return [
+            *self._ask(lambda display: display.take_faults()),
+            *(self._beside.take_faults() if self._beside is not None else ()),
+        ]
 
     def renew(self) -> None:
         """Create the GPU objects again after the surface's context was lost."""
         self._compose = None
-        self.display.renew()
+        self._ask(lambda display: display.renew())
         if self._beside is not None:
             self._beside = BesideWindows(
                 self.display, self.surface
@@ -230,10 +256,11 @@ class Presenter:
             self._compose.release()
         if self._beside is not None:
             self._beside.close()
-        self.display.close()
+        with suppress(Exception):  # of a library or a third party: everything else is closed after it
+            self.display.close()
 
     def _wanted(self) -> Size:
-        return self.display.drawn_size(self._fixed or self.surface.size)
+        return self._ask(lambda display: display.drawn_size(self._fixed or self.surface.size))
 
     def _read(self) -> U1:
         return read_pixels(self.drawn)

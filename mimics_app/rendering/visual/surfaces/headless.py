@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from mimics_app.contracts.whole_file import whole_file
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.surface import Size, Surface
 
-__all__ = ["WritePng", "open_offscreen", "read_pixels", "save_png", "write_png"]
+__all__ = ["WritePng", "mesa_version", "open_offscreen", "read_pixels", "save_png", "write_png"]
 
 _OFFSCREEN = ("egl", "osmesa")
 """Offscreen backends in the order in which "auto" tries them."""
@@ -41,6 +42,16 @@ def open_offscreen(backend: str, size: Size) -> Surface:
         except DeviceError as error:
             refused.append(f"{name}: {error}")
     raise DeviceError("no offscreen backend works; " + "; ".join(refused))
+
+
+def mesa_version() -> str:
+    """Return the version of Mesa that draws off screen in this process, "" where another driver or none does."""
+    try:
+        with open_offscreen("auto", (1, 1)) as surface:
+            match = re.search(r"\bMesa (\d[\w.]*)", surface.ctx.info["GL_VERSION"])
+    except DeviceError:
+        return ""
+    return match[1] if match else ""
 
 
 def read_pixels(surface: Surface) -> U1:

@@ -1,4 +1,4 @@
-"""Threads of llvmpipe's rasteriser, kept on cores where they wait for nobody (decision 259)."""
+"""Threads of llvmpipe's rasteriser, kept on cores where they wait for nobody (decision 118)."""
 
 from __future__ import annotations
 
