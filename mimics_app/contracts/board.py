@@ -68,16 +68,24 @@ class Board(msgspec.Struct, frozen=True):
         message: Text in the centre, possibly of several lines; "" for none.
         alarm: True if the message is a warning.
         count: Countdown figure, large in the centre; 0 for none.
+        asks: Whether the message is a question that the person answers; it stands at the top, off what it asks about.
     """
 
     cards: Mapping[str, Card] = msgspec.field(default_factory=dict)
     message: str = ""
     alarm: bool = False
     count: int = 0
+    asks: bool = False
 
     def saying(self, message: str) -> Board:
         """Return the board with another message; unchanged for an empty one."""
-        return msgspec.structs.replace(self, message=message) if message else self
+        return msgspec.structs.replace(self, message=message, asks=False) if message else self
+
+    def for_wearer(self) -> Board:
+        """Return what the wearer of a headset sees: a countdown, a question, a warning; all else is the operator's."""
+        return Board(
+            message=self.message if self.asks or self.alarm else "", alarm=self.alarm, count=self.count, asks=self.asks
+        )
 
     def with_cards(self, cards: Mapping[str, Card]) -> Board:
         """Return the board with more cards."""

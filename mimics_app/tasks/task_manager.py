@@ -362,8 +362,9 @@ class TaskManager:
         }
         for play in self._plays.values():
             cards |= play.cards(seen, attempts.finished)
+        asks = self.state is TrialState.TRAVEL and any(play.asks for play in self._plays.values())
         line = PAUSED if self._pause.on else self._announcement.line(seen.now_ns, line)
-        return Board(cards, line, alarm=self.state is TrialState.STOPPED, count=self._countdown.count)
+        return Board(cards, line, alarm=self.state is TrialState.STOPPED, count=self._countdown.count, asks=asks)
 
     def _left_s(self, view: TaskView) -> float | None:
         """Return the time left of the travel [s]; None outside of one."""

@@ -97,3 +97,33 @@ def test_why_the_force_stopped_is_read_whole_in_any_window(size: tuple[int, int]
 
 def _as_drawn(colours: set[tuple[float, ...]]) -> set[tuple[float, ...]]:
     return {tuple(np.round(np.array(colour, np.float32), 2).tolist()) for colour in colours}
+
+
+@pytest.mark.parametrize(
+    ("board", "seen"),
+    [
+        (Board({"time": Card("Time", "2 s")}, "Look at the figure"), Board()),
+        (Board({"taps": Card("Taps", "3")}, "Where are you?", asks=True), Board(message="Where are you?", asks=True)),
+        (Board({"time": Card("Time", "2 s")}, "Stopped", alarm=True), Board(message="Stopped", alarm=True)),
+        (Board({"time": Card("Time", "2 s")}, "Get ready", count=3), Board(count=3)),
+    ],
+)
+def test_the_wearer_of_a_headset_sees_only_what_is_meant_for_the_wearer(board: Board, seen: Board) -> None:
+    assert board.for_wearer() == seen
+
+
+def test_a_question_stands_off_what_it_asks_about() -> None:
+    hud, heights = Hud(), []
+    for asks in (False, True):
+        BoardLayout().lay(hud, Board(message="Where are you?", asks=asks), [], 30.0)
+        boxes = hud.rows()["box"]
+        heights.append(float((boxes[:, 1] + 0.5 * boxes[:, 3]).mean()) / hud.height)
+    assert heights[0] < 0.25 and 0.6 < heights[1] < 0.9
+
+
+def test_a_page_replaces_the_message_below_it_but_no_warning() -> None:
+    for alarm in (False, True):
+        hud, alone = Hud(), Hud()
+        BoardLayout().lay(hud, Board(message="Get ready", alarm=alarm), [], 30.0, KeyPage([("H", "keys")]))
+        BoardLayout().lay(alone, Board(), [], 30.0, KeyPage([("H", "keys")]))
+        assert (len(hud.rows()) > len(alone.rows())) is alarm

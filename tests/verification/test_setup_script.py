@@ -350,7 +350,9 @@ def test_automatic_check_ends_with_the_verdict_of_pytest(
     (tmp_path / ".ci").mkdir()
     shutil.copy(ROOT / ".ci" / "run", tmp_path / ".ci")
     shutil.copy(ROOT / "Makefile", tmp_path)
-    script = f'case $1 in test) echo "{verdict}"; exit {code} ;; fresh) echo "on a fresh system"; exit {fresh} ;; esac\n'
+    script = (
+        f'case $1 in test) echo "{verdict}"; exit {code} ;; fresh) echo "on a fresh system"; exit {fresh} ;; esac\n'
+    )
     (tmp_path / ".ci" / "dev.sh").write_text(script)
     done = subprocess.run([tmp_path / ".ci" / "run"], capture_output=True, text=True, check=False)
     assert (done.returncode == 0) == passes

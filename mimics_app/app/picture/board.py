@@ -70,7 +70,7 @@ class BoardLayout:
             page: Page over the board, None for none.
         """
         cards = tuple((name, board.cards[name]) for name in show if name in board.cards)
-        said = (board.message, board.alarm, board.count)
+        said = (board.message, board.alarm, board.count, board.asks)
         wanted = (id(hud), cards, said, force_full, hud.width, hud.height, page)
         if self._laid == (wanted, hud.revision):
             return
@@ -85,7 +85,7 @@ class BoardLayout:
             hud.extend(_by_kind(np.concatenate(rows)))
         if board.message and (page is None or board.alarm):
             panel = _ALARM_PANEL if board.alarm else _PANEL
-            hud.extend(self._rows("", hud, (_draw_message, board.message, panel, hud.width)))
+            hud.extend(self._rows("", hud, (_draw_message, board.message, panel, (hud.width, hud.height), board.asks)))
         if board.count:
             _draw_count(hud, board.count)
         if page is not None:
@@ -148,12 +148,15 @@ def _draw_count(hud: Hud, count: int) -> None:
     hud.text(x, y - 0.36 * _COUNT_SIZE, str(count), _COUNT_SIZE, INK, bold=True, align="centre")
 
 
-def _draw_message(hud: Hud, message: str, panel: Colour, canvas_width: float) -> None:
+def _draw_message(hud: Hud, message: str, panel: Colour, canvas: tuple[float, float], at_top: bool) -> None:
+    canvas_width, canvas_height = canvas
     room = canvas_width - 2.0 * _MARGIN - 64.0
     lines = [line for part in message.split("\n") for line in _broken(hud, part, room)]
     width = min(max(hud.measure(line, _TEXT, bold=True) for line in lines), room) + 64.0
-    x, y = 0.5 * (canvas_width - width), 46.0
-    hud.box(x, y, width, 64.0 + _LINE * (len(lines) - 1), panel, radius=18.0)
+    high = 64.0 + _LINE * (len(lines) - 1)
+    x = 0.5 * (canvas_width - width)
+    y = canvas_height - 2.0 * _MARGIN - _HEIGHT - high if at_top else 46.0
+    hud.box(x, y, width, high, panel, radius=18.0)
     for number, line in enumerate(reversed(lines)):
         place = 0.5 * canvas_width, y + 21.0 + _LINE * number
         hud.text(*place, line, _TEXT, INK, bold=True, align="centre", width=width - 32.0)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 from mimics_app.app.picture.board import OPERATORS_CARDS, BoardLayout
 from mimics_app.app.picture.lost_picture import draw_or_recover
 from mimics_app.app.picture.methods import with_methods
+from mimics_app.app.picture.operator_board import OperatorBoard
 from mimics_app.app.picture.shown_on import open_display
 from mimics_app.app.picture.video import Film
 from mimics_app.app.planner.plan import plan_scene
@@ -138,6 +140,7 @@ class Picture:
         self.page: KeyPage | None = None
         self._layout = BoardLayout()
         self._image: Path | None = None
+        self._operators: OperatorBoard | None = None
         self.stats: FrameStats | None = None
         self._software = draws_in_software(surface)
         self.show(scene, world)
@@ -222,6 +225,7 @@ class Picture:
         """
         if self.film is not None:
             self.film.forget()
+        self._operators = None
         self.surface.renew()
         self.presenter.renew()
         self.renderer.renew()
@@ -232,6 +236,8 @@ class Picture:
         draw = self.renderer.draw if self._software else self.renderer.draw_finished
         self.stats = draw(views, self._latch, partial(self.lay_out, board, views))
         self.presenter.present()
+        if self.presenter.mirrored:
+            self._draw_for_operator(board)
         waited_ns = clock.now_ns()
         with self.timer.stage("swap"):
             self.surface.swap()
@@ -258,11 +264,23 @@ class Picture:
         screen = [view for view in views if view.screen == views[0].screen]
         plane = plane_of_views(screen, self.renderer.settings.hud_depth)
         hud.width, hud.height = plane.canvas_width, plane.canvas_height
-        operator, wanted = self.renderer.shows("forces"), () if self._board is None else self._board.show
-        show = [name for name in wanted if operator or name not in OPERATORS_CARDS]
-        force_full = 0.0 if self._board is None else self._board.force_full
-        self._show_image(hud, None if self.page is None else self.page.picture)
-        self._layout.lay(hud, board, show, force_full, self.page)
+        worn, page = self.presenter.worn, None if self.presenter.mirrored else self.page
+        self._show_image(hud, None if page is None else page.picture)
+        self._layout.lay(hud, board.for_wearer() if worn else board, *self._shown_cards(), page)
+
+    def _shown_cards(self) -> tuple[list[str], float]:
+        """Return the names of the cards to show, and the full scale of their bars [N]."""
+        if self._board is None:
+            return [], 0.0
+        operator = self.renderer.shows("forces")
+        return [name for name in self._board.show if operator or name not in OPERATORS_CARDS], self._board.force_full
+
+    def _draw_for_operator(self, board: Board) -> None:
+        """Draw the whole board over the mirror of a headset."""
+        if self._operators is None:
+            self._operators = OperatorBoard(self.surface)
+        page = None if self.page is None else replace(self.page, picture=None)
+        self._operators.draw(board, *self._shown_cards(), page)
 
     def _show_image(self, hud: Hud, file: Path | None) -> None:
         """Give the canvas the image of the page, as long as it is shown."""
@@ -290,6 +308,8 @@ class Picture:
         """Finish the video and release everything, the surface included."""
         if self.film is not None:
             self.film.finish()
+        if self._operators is not None:
+            self._operators.release()
         self.renderer.release()
         self.presenter.release()
         self.surface.close()

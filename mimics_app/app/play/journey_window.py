@@ -71,7 +71,7 @@ class JourneyWindow(Pages):
 
     def show(self, place: list[int]) -> None:
         if place:
-            self.surface.move_to(Place(*place[:4], whole=bool(place[4])))
+            self.surface.move_to(Place.of(place))
         self._looked = 0
         self.surface.show()
 

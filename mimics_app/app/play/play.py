@@ -148,7 +148,7 @@ def _play_in_window(session: Session, frames: Frames, log: JourneyLog) -> None:
     vsync = kind not in ("openxr", "sim-hmd")
     surface = open_window(session.settings.size, title, vsync=vsync, stereo=kind == "quad", visible=not log.asked)
     if place := log.place:
-        surface.move_to(Place(*place[:2], whole=bool(place[4])))
+        surface.move_to(Place.of(place)._replace(width=0, height=0))
     open_picture(session, surface)
     session.inputs = person_inputs(session)
 

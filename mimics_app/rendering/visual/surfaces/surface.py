@@ -37,6 +37,12 @@ class Place(NamedTuple):
     height: int = 0
     whole: bool = False
 
+    @classmethod
+    def of(cls, numbers: Sequence[int]) -> Place:
+        """Return the place whose five fields are given as numbers."""
+        x, y, width, height, whole = numbers
+        return cls(x, y, width, height, bool(whole))
+
 
 _NAMES = ("glGetGraphicsResetStatus", "glGetGraphicsResetStatusKHR", "glGetGraphicsResetStatusARB")
 """Names of one function: OpenGL 4.5, KHR_robustness, ARB_robustness."""
