@@ -38,9 +38,7 @@ def world_of(person: Path, folder: Path) -> World:
 
 
 @pytest.mark.parametrize("person", PEOPLE, ids=lambda file: file.stem)
-def test_nothing_of_a_head_is_farther_before_its_eyes_than_where_they_begin_to_see(
-    person: Path, tmp_path: Path
-) -> None:
+def test_a_head_is_within_the_distance_from_which_its_eyes_see(person: Path, tmp_path: Path) -> None:
     world = world_of(person, tmp_path)
     rig = next(iter(world.motion.animators.values())).rig
     slots, places = find_humanoid(rig).slots, Chain(rig).places

@@ -10,7 +10,7 @@ import pytest
 
 from mimics_app.app.play.reload import SceneReload
 from mimics_app.app.play.session_keys import OPERATORS_PAGE
-from mimics_app.app.play.view_keys import ViewKeys
+from mimics_app.app.play.view_keys import ViewKeys, rate_note
 from mimics_app.contracts.clock import VirtualClock
 from mimics_app.contracts.errors import DeviceError, Issue
 from mimics_app.contracts.haptic import EVENT
@@ -27,7 +27,9 @@ class Picture:
 
     def __init__(self, issues: list[Issue] | None = None) -> None:
         self.layers: set[str] = set()
-        overlay = SimpleNamespace(toggle=lambda layer: self.layers.symmetric_difference_update({layer}), arrows=[])
+        overlay = SimpleNamespace(
+            note="", toggle=lambda layer: self.layers.symmetric_difference_update({layer}), arrows=[]
+        )
         self.renderer = SimpleNamespace(
             overlay=overlay, shows=lambda layer: layer in self.layers, reload_shaders=lambda: issues or []
         )
@@ -157,3 +159,16 @@ def test_a_broken_shader_is_reported_over_the_picture_and_on_stderr(tmp_path, ca
     wanted = "lit.frag#line 7: `what' undeclared"
     assert reload.message == (wanted if issues else "")
     assert capsys.readouterr().err == (f"mimics: {wanted}\n" if issues else "")
+
+
+@pytest.mark.parametrize(
+    ("times_ms", "lowered", "words"),
+    [
+        ([0.0], [], "full quality"),
+        ([0.0, 40.0, 80.0], [], "25 frames per second; full quality"),
+        ([0.0, 100.0], ["resolution scale 0.75", "resolution scale 0.5", "shadows off"],
+         "10 frames per second; given up: resolution scale 0.5, shadows off"),
+    ],
+)  # fmt: skip
+def test_the_window_says_how_fast_it_is_and_what_was_given_up_for_it(times_ms, lowered, words):
+    assert rate_note([round(1e6 * each) for each in times_ms], lowered) == words

@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 
 from mimics_app.app.picture.board import OPERATORS_CARDS, BoardLayout
+from mimics_app.app.picture.contact_shadow import ContactShadow
 from mimics_app.app.picture.lost_picture import draw_or_recover
 from mimics_app.app.picture.methods import with_methods
 from mimics_app.app.picture.operator_board import OperatorBoard
@@ -138,6 +139,7 @@ class Picture:
         self.renderer = Renderer(self.presenter.drawn, world, settings, sparse=sparse)
         self.film: Film | None = None
         self.page: KeyPage | None = None
+        self._contact: ContactShadow | None = None
         self._layout = BoardLayout()
         self._image: Path | None = None
         self._operators: OperatorBoard | None = None
@@ -155,8 +157,14 @@ class Picture:
             raise SceneError(scene.issue("/entities", what, nearest(self._wanted, cameras)))
         self._camera = cameras[self._wanted] if self._wanted else world.cameras[0]
         self.renderer.world = world
+        if self._contact is not None and self._contact.world is not world:
+            self._contact = ContactShadow(scene, world)
         board = scene.components(HudComponent)
         self._board = board[0][1] if board else None
+
+    def keep_contact_shadow(self, scene: Scene) -> None:
+        """Draw a shadow under the hand from now on whenever the quality has no other shadows."""
+        self._contact = ContactShadow(scene, self.renderer.world)
 
     @property
     def views(self) -> list[View]:
@@ -207,6 +215,8 @@ class Picture:
         Raises:
             DeviceError: The context was lost and cannot be created again.
         """
+        if self._contact is not None:
+            self._contact.follow()
         if not self.presenter.begin(clock.now_ns()).render:
             self.presenter.skip()
             return clock.now_ns()

@@ -179,7 +179,9 @@ def open_picture(session: Session, surface: Surface) -> None:
     drawn, full = display.drawn_size(surface.size), settings.quality == "full"
     quality = live_quality(scene, settings.profile, surface, drawn, full=full)
     session.recorder.journal("quality", asdict(quality))
-    session.show(Picture(surface, scene, session.world, quality, display=display))
+    picture = Picture(surface, scene, session.world, quality, display=display)
+    picture.keep_contact_shadow(scene)
+    session.show(picture)
 
 
 def _play_headless(session: Session, frames: Frames, log: JourneyLog) -> Album:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from collections import deque
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -13,6 +15,7 @@ from mimics_app.app.scenes.shipped import thumbnail_of
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.mover import mover_of
 from mimics_app.app.session.session import Session
+from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.errors import MimicsError
 from mimics_app.contracts.messages import TaskOrders
 from mimics_app.contracts.trial_state import TrialState
@@ -21,9 +24,10 @@ from mimics_app.rendering.visual.figures.key_page import KeyPage
 from mimics_app.tasks.scene_section import task_of
 
 if TYPE_CHECKING:
+    from mimics_app.app.picture.governor import FrameGovernor
     from mimics_app.app.picture.picture import Picture
 
-__all__ = ["ViewKeys"]
+__all__ = ["ViewKeys", "rate_note"]
 
 _KEEP, _KEYS = "f12", "h"
 _FIRST = (TrialState.APPROACH, TrialState.READY)
@@ -35,6 +39,10 @@ _COMES = "One moment, please"
 _GO_ON = "H: the operator's keys; once more: go on"
 
 
+_RATED = 31
+"""Number of frames whose rate is shown."""
+
+
 class ViewKeys:
     """Handles the window's events once a frame."""
 
@@ -42,12 +50,13 @@ class ViewKeys:
         self._session = session
         self._arrows = ForceArrows()
         self._kept = 0
+        self._seen = deque[int](maxlen=_RATED)
         self._page = _page_of(session)
         self._waits = mover_of(session.haptics.plugin) != "simulated"
         self._introduces = session.settings.journey is not None
 
-    def step(self, frames: Frames) -> None:
-        """Before a frame is drawn: switch layers of the overlay, save a picture, update the arrows of forces."""
+    def step(self, frames: Frames, governor: FrameGovernor | None = None) -> None:
+        """Before a frame is drawn: switch layers of the overlay, save a picture, update arrows and frame rate."""
         picture, events = self._session.picture, self._session.inputs.frame.events
         if picture is None:
             return
@@ -56,6 +65,9 @@ class ViewKeys:
         if _KEEP in pressed:
             self._keep()
         self._show_pages(picture, frames.orders, asked=_KEYS in pressed)
+        self._seen.append(self._session.clock.now_ns())
+        if picture.renderer.shows("graph"):
+            picture.renderer.overlay.note = rate_note(self._seen, () if governor is None else governor.lowered)
         if picture.renderer.shows("forces") and frames.snapshot is not None:
             now_ns = self._session.clock.now_ns()
             picture.renderer.overlay.arrows = self._arrows.of(frames.snapshot, frames.events, now_ns)
@@ -113,3 +125,12 @@ def _page_of(session: Session) -> KeyPage:
     limb = (plugin.descriptor or HAPTICMASTER).contacts[0]
     picture = thumbnail_of(scene.name)
     return task_page(scene.title or scene.name, words, mover_of(plugin), limb, picture if picture.is_file() else None)
+
+
+def rate_note(seen_ns: Sequence[int], lowered: Sequence[str]) -> str:
+    """Return the frames per second, from the times of the newest frames [ns], and what was given up for them."""
+    span_ns = seen_ns[-1] - seen_ns[0] if len(seen_ns) > 1 else 0
+    rate = f"{(len(seen_ns) - 1) * SECOND_NS / span_ns:.0f} frames per second" if span_ns > 0 else ""
+    last = {label.rpartition(" ")[0]: label for label in lowered}  # of a step with several levels the lowest
+    given_up = f"given up: {', '.join(last.values())}" if last else "full quality"
+    return "; ".join(part for part in (rate, given_up) if part)

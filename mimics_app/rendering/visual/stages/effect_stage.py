@@ -49,7 +49,8 @@ class EffectStage:
         self._sprites.particle_light = settings.particle_light
         self._field.cuts = settings.profile != "study"
         self._field.update(world)
-        self._projectors.update(world)
+        by_maps = settings.shadows.startswith("texture")
+        self._projectors.update(world, shadows=settings.shadow_size > 0 or not by_maps)
 
     @property
     def sprites(self) -> F8:
