@@ -114,7 +114,7 @@ docs() {
         { say "$builder cannot be installed; the pages can be read as they are, in docs/"; exit 69; }
     rm -rf build/pages build/site
     mkdir -p build/pages/assets
-    for page in README.md SECURITY.md CHANGELOG.md LICENSE CITATION.cff docs; do ln -s "$root/$page" build/pages/; done
+    for page in README.md CONTRIBUTING.md SECURITY.md CHANGELOG.md LICENSE CITATION.cff docs; do ln -s "$root/$page" build/pages/; done
     ln -s "$root/assets/pictures" build/pages/assets/
     NO_MKDOCS_2_WARNING=1 "$venv/bin/mkdocs" build --quiet --config-file .ci/mkdocs.yml "$@"
     printf '%s\n' "$root/build/site/index.html"

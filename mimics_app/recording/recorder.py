@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts import ring
+from mimics_app.contracts.child_main import main_hidden
 from mimics_app.contracts.child_signals import signals_blocked
 from mimics_app.contracts.clock import TICKS_PER_SECOND, Clock, MonotonicClock
 from mimics_app.contracts.errors import PartialDataError
@@ -128,7 +129,7 @@ class Recorder:
         """Start the process; its target's module imports no compiler, which would double the start-up time."""
         arguments = (self._memory, self._outbox.reader, self._status, self.folder, self.restarts)
         self._process = get_context("spawn").Process(target=record, args=arguments, name="mimics recorder")
-        with signals_blocked(*IGNORED):
+        with signals_blocked(*IGNORED), main_hidden():
             self._process.start()
 
     @property

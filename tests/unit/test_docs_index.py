@@ -29,14 +29,15 @@ def test_every_page_stands_in_the_index_and_every_link_leads_somewhere() -> None
 
 
 def _absent(page: str) -> list[str]:
-    """Files, and functions and classes of files ("file.py: name"), that a page names and the repository lacks."""
+    """Files, and functions, classes and tables of them ("file.py: name"), that a page names and that do not exist."""
     stubs = PACKAGE.rglob("*.pyi")
     texts = {path.relative_to(ROOT).as_posix(): path for path in (*repository_files(), *stubs)}
     found = []
     for place, name in re.findall(r"`([\w/]*/[\w./]*|\w+\.pyi?)(?:: (\w+)[^`]*)?`", page):
         ending = re.compile(rf"(^|/){re.escape(place.rstrip('/'))}(/|$)")
         files = [path for where, path in texts.items() if ending.search(where)]
-        defined = any(re.search(rf"(def|class) {name}\b", file.read_text(encoding="utf-8")) for file in files if name)
+        defines = re.compile(rf"(?:def|class) {name}\b|^{name}\b.*=", re.MULTILINE)
+        defined = any(defines.search(file.read_text(encoding="utf-8")) for file in files if name)
         if "NAME" not in place and (not files or (name and not defined)):
             found.append(f"{place}: {name}")
     return found

@@ -346,7 +346,7 @@ def test_makefile_has_every_word() -> None:
 def test_automatic_check_ends_with_the_verdict_of_pytest(
     tmp_path: Path, verdict: str, code: int, fresh: int, passes: bool
 ) -> None:
-    """make says "Error 1" below a failure; whoever reads the last line wants pytest's. A fresh system may be red alone."""
+    """make says "Error 1" below a failure; the last line is pytest's. A fresh system may fail alone."""
     (tmp_path / ".ci").mkdir()
     shutil.copy(ROOT / ".ci" / "run", tmp_path / ".ci")
     shutil.copy(ROOT / "Makefile", tmp_path)

@@ -15,6 +15,7 @@ from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING
 
 from mimics_app.contracts.audio_port import AudioOrder, AudioReport, AudioStatus
+from mimics_app.contracts.child_main import main_hidden
 from mimics_app.contracts.child_signals import signals_blocked
 from mimics_app.contracts.errors import MimicsError, nearest
 from mimics_app.contracts.messages import SoundEvent
@@ -83,7 +84,7 @@ class AudioProcess:
             name="mimics-audio",
             daemon=True,
         )
-        with signals_blocked(*IGNORED):
+        with signals_blocked(*IGNORED), main_hidden():
             self._process.start()
         # With our copies of the child's ends open, a read would wait for a child that has ended.
         orders_child.close()

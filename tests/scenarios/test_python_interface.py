@@ -1,0 +1,140 @@
+"""`import mimics_app`: a scene played from Python, and its recording as arrays with units."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mimics_app as mimics
+from mimics_app.app.api.quantity import Quantity, Table
+from mimics_app.contracts.resources import root
+from mimics_app.recording.run import Run
+from tests.support.command import mimics as command
+
+TUNNEL = root() / "scenes" / "wavy_tunnel.json"
+PAGE = root() / "docs" / "python.md"
+
+
+def test_the_examples_of_the_page_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    snippets = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    assert len(snippets) >= 7
+    assert all(snippet.count("\n") <= 10 for snippet in snippets)
+    names: dict[str, object] = {"runs": tmp_path}
+    for snippet in snippets:
+        exec(compile(snippet, str(PAGE), "exec"), names)
+    assert len(names["rows"]) >= 1  # type: ignore[arg-type]
+    assert names["pixels"].std() > 5.0  # type: ignore[attr-defined]
+    assert 'there is no setting "sed"; did you mean "seed"' in capsys.readouterr().out
+
+
+def test_played_in_steps_it_is_the_run_of_the_command(tmp_path: Path) -> None:
+    done = command("run", TUNNEL, "--headless", "--seconds", "1.5", "--seed", "3", "--pictures", "0", "--json",
+                   "--runs", tmp_path / "a")  # fmt: skip
+    with mimics.open("wavy_tunnel", seed=3, seconds=1.5, runs=tmp_path / "b") as session:
+        session.step(0.5)
+        session.picture(64, 36)
+        session.run()
+    assert session.result["state_hash"] == json.loads(done.stdout)["state_hash"]
+    assert session.run_dir.parent == tmp_path / "b"
+
+
+def test_a_script_without_a_guard_is_played_once(tmp_path: Path) -> None:
+    """Recorder and sound are processes of their own, and must not import the program that opens the scene."""
+    script = tmp_path / "play.py"
+    script.write_text(
+        "import mimics_app as mimics\n"
+        f"with mimics.open('wavy_tunnel', seconds=0.5, runs={str(tmp_path / 'runs')!r}) as session:\n"
+        "    print(session.run()['ticks'])\n"
+    )
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=False, cwd=root())
+    assert (done.stdout, done.returncode) == ("500\n", 0), done.stderr
+    assert len(list((tmp_path / "runs").iterdir())) == 1
+
+
+def test_one_scene_at_a_time_and_one_after_the_other(tmp_path: Path) -> None:
+    with mimics.open("wavy_tunnel", runs=tmp_path) as session:
+        with pytest.raises(mimics.errors.UsageError, match="another scene is open"):
+            mimics.open("wavy_tunnel", runs=tmp_path)
+        session.step()
+    with pytest.raises(mimics.errors.UsageError):
+        session.step()
+    with mimics.open("wavy_tunnel", runs=tmp_path) as second:
+        second.step()
+    assert session.run_dir != second.run_dir
+
+
+@pytest.mark.parametrize(
+    ("settings", "what"),
+    [
+        ({"sed": 1}, 'no setting "sed"'),
+        ({"headless": False}, 'no setting "headless"'),
+        ({"device": "nothing"}, "nothing"),
+    ],
+)
+def test_a_wrong_setting_is_refused_before_a_run_begins(settings: dict[str, object], what: str, tmp_path: Path) -> None:
+    with pytest.raises(mimics.errors.MimicsError, match=what):
+        mimics.open("wavy_tunnel", runs=tmp_path / "runs", **settings)
+    assert not (tmp_path / "runs").exists()
+    with mimics.open("wavy_tunnel", runs=tmp_path):
+        pass  # a refusal leaves nothing open
+
+
+@pytest.mark.parametrize("seconds", [0.0, -1.0, float("nan"), float("inf")])
+def test_time_goes_forward(seconds: float, tmp_path: Path) -> None:
+    with (
+        mimics.open("wavy_tunnel", runs=tmp_path) as session,
+        pytest.raises(mimics.errors.UsageError, match="cannot play"),
+    ):
+        session.step(seconds)
+
+
+@pytest.mark.parametrize("name", ["run_0_1_0", "run_0_1_0_block", "run_0_1_0_objects", "run_0_1_0_tunnel"])
+def test_a_recording_has_the_numbers_of_its_files(name: str) -> None:
+    folder = root() / "tests" / "data" / name
+    recording, run = mimics.load(folder), Run.open(folder)
+    for column in ("t", "hip_world", "f_user_world"):
+        np.testing.assert_array_equal(recording.haptic[column], run.haptic[column])
+    assert recording.haptic.units["hip_world"] == "m" and recording.haptic["f_user_world"].units == "N"
+    lines = [line for line in run.lines if line["source"] == "loop"]
+    loop = recording.events.where(source="loop")
+    assert loop.rows == len(lines)
+    np.testing.assert_array_equal(loop["position_world"], [line["position_world"] for line in lines])
+    np.testing.assert_array_equal(loop["kind"], [line["kind"] for line in lines])
+    assert recording.trials.rows == len(run.trials)
+
+
+def test_a_recording_that_was_cut_off_is_read_and_says_what_it_lacks(tmp_path: Path) -> None:
+    source = root() / "tests" / "data" / "run_0_1_0"
+    whole = mimics.load(source).haptic.rows
+    for file in source.iterdir():
+        data = file.read_bytes()
+        if file.name != "manifest.json":
+            (tmp_path / file.name).write_bytes(data[: len(data) * 2 // 3] if file.name == "haptic.arrows" else data)
+    cut = mimics.load(tmp_path)
+    assert 0 < cut.haptic.rows < whole
+    assert any("never closed" in problem for problem in cut.problems)
+    assert any("haptic.arrows" in problem or "ticks" in problem for problem in cut.problems)
+
+
+def test_a_table_says_what_it_has() -> None:
+    table = Table({"t": Quantity([0.0, 1.0], "s"), "p": Quantity(np.eye(2), "m"), "kind": Quantity(["a", "b"])})
+    assert table.units == {"t": "s", "p": "m", "kind": ""}
+    assert table["p"][0].units == "m" and not hasattr(table["p"] * 2.0, "units")
+    assert table.where(kind="b")["t"].tolist() == [1.0]
+    with pytest.raises(mimics.errors.UsageError, match='no column "T"'):
+        table["T"]
+
+
+def test_the_import_is_light() -> None:
+    code = "import sys, mimics_app; print(len({m.split('.')[0] for m in sys.modules} & {'numpy', 'numba', 'moderngl'}))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=root())
+    assert done.stdout == "0\n"
+    assert {"open", "load", "errors"} <= set(dir(mimics)) | set(mimics.__all__)
+    with pytest.raises(AttributeError, match="has no attribute"):
+        mimics.lode  # type: ignore[attr-defined]  # noqa: B018
