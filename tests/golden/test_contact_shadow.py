@@ -8,8 +8,8 @@ from contextlib import contextmanager
 import numpy as np
 import pytest
 
-from mimics_app.app.picture.frame_load import hand_of, nudges_of
 from mimics_app.app.picture.held_quality import measure_frame_ms
+from mimics_app.app.picture.nudges import hand_of, nudges_of
 from mimics_app.app.picture.picture import Picture, live_quality
 from mimics_app.app.scenes.shipped import find_shipped
 from mimics_app.contracts.arrays import U1

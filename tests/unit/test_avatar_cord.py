@@ -360,16 +360,3 @@ def test_the_cord_is_felt_where_its_surface_is() -> None:
     parameters[4] = 0.0
     cord(parameters, np.zeros(3), np.zeros(3), 0.0, out)
     assert not out.any()
-
-
-def test_the_mark_is_read_off_the_question_itself() -> None:
-    """The mark may stand where no eye looks, or behind a hand: the question shows where it is."""
-    asking = Asking(questionnaire(), ConditionSpec(), random.Random(3), False, 1.0)
-    seen = []
-    for _ in range(20):
-        line = asking.text.splitlines()[1]
-        assert line.startswith("you ") and line.endswith(" the figure") and line.count("|") == 1
-        seen.append(line.index("|"))
-        asking.step(("right",), 0.01)
-    assert seen == sorted(seen) and seen[-1] > seen[0]
-    assert asking.mark_m == 1.0 and asking.text.splitlines()[1].index("|") == len("you ") + 24

@@ -13,7 +13,7 @@ from mimics_app.app import cli
 from mimics_app.app.play import journey
 from mimics_app.app.play.journey import Pages, play_through, run_words
 from mimics_app.app.play.journey_log import JourneyLog, read_journey
-from mimics_app.app.play.launching import launcher_cards
+from mimics_app.app.play.launching import launcher_cards, launcher_settings
 from mimics_app.app.play.outcome import result_content
 from mimics_app.app.play.played_run import played_run
 from mimics_app.app.settings import RunSettings
@@ -158,9 +158,27 @@ def test_a_session_that_could_not_say_its_end_counts_with_the_trials_it_left(tmp
     assert front.sentence == "1 of 2 trials finished."
 
 
-@pytest.mark.parametrize(("typed", "code"), [(" P07 ", "P07"), ("Mu\u0308ller", "M\u00fcller"), ("../x", "../x")])
+@pytest.mark.parametrize(
+    ("typed", "code"),
+    [
+        (" P07 ", "P07"),
+        ("mu\u0308ller", "m\u00fcller"),
+        ("P 07", "P 07"),
+        ("Anna7", "Anna7"),
+        ("CONTROL", "CONTROL"),
+        ("../x", "../x"),
+    ],
+)
 def test_a_code_has_one_form(typed: str, code: str) -> None:
     assert cli.parse(["run", f"--participant={typed}"]).participant == code
+
+
+@pytest.mark.parametrize("typed", ["Hans M\u00fcller/3", "Mu\u0308ller", "anna maria", "M\u00fcller, H.", "Anna"])
+def test_a_name_is_refused_on_the_command_line_and_in_the_launcher(typed: str) -> None:
+    with pytest.raises(UsageError, match="looks like a name"):
+        cli.parse(["run", f"--participant={typed}"])
+    (field,) = (each for each in launcher_settings() if each.name == "participant")
+    assert "name" in field.refuse(typed) and field.refuse("P07") == field.refuse("") == ""
 
 
 @pytest.mark.parametrize("typed", ["a\nb", "a" * 300, "\udcff"])

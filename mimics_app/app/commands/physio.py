@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.terminal.arguments import file_to_write, positive_time, random_seed
 from mimics_app.app.terminal.output import answer, say
+from mimics_app.contracts.plural import counted
 
 if TYPE_CHECKING:
     from mimics_app.app.physio.watch import Watch
@@ -129,13 +130,18 @@ def _advice(found: dict[str, Any], lost: str) -> list[str]:
     return advice
 
 
+_EVENTS = {"r_peak": "heart beats", "scr": "skin responses", "breath": "breaths", "emg_onset": "muscle onsets"}
+"""Events in words; others have the name of the column `kind`."""
+
+
 def _lines(found: dict[str, Any]) -> Iterator[str]:
     from mimics_app.dsp.feature_units import FEATURE_UNITS
 
     for name, signal in found["signals"].items():
         bad = f"{100 * signal['bad_share']:.0f} % bad seconds"
         yield f"{name:6} {signal['seconds']:.1f} s at {signal['rate']:g} Hz, quality {signal['quality']:.2f}, {bad}"
-    yield "found  " + (", ".join(f"{n} {kind}" for kind, n in found["events"].items()) or "nothing")
+    events = (counted(n, _EVENTS.get(kind, kind)) for kind, n in found["events"].items())
+    yield "found  " + (", ".join(events) or "nothing")
     units = {name: f" {unit}" for name, unit in FEATURE_UNITS.items() if unit != "1"}
     features = {name: value for name, value in found["features"].items() if name != "t_s"}
     yield "last   " + ", ".join(f"{name} {value:.4g}{units.get(name, '')}" for name, value in features.items())

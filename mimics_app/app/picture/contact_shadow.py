@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from mimics_app.app.picture.frame_load import hand_of
+from mimics_app.app.picture.nudges import hand_of
 from mimics_app.maths import quat
 from mimics_app.world.components.effects import Projector
 from mimics_app.world.scene.scene import Scene

@@ -12,7 +12,6 @@ from mimics_app.app.picture.board import OPERATORS_CARDS, BoardLayout
 from mimics_app.app.picture.contact_shadow import ContactShadow
 from mimics_app.app.picture.lost_picture import draw_or_recover
 from mimics_app.app.picture.methods import with_methods
-from mimics_app.app.picture.operator_board import OperatorBoard
 from mimics_app.app.picture.shown_on import open_display
 from mimics_app.app.picture.video import Film
 from mimics_app.app.planner.plan import plan_scene
@@ -28,6 +27,7 @@ from mimics_app.contracts.stage_timer import UNTIMED, StageTimer
 from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.figures.key_page import KeyPage
 from mimics_app.rendering.visual.frame_stats import FrameStats
+from mimics_app.rendering.visual.launcher.page_surface import PageSurface
 from mimics_app.rendering.visual.launcher.thumbnail import load_thumbnail
 from mimics_app.rendering.visual.passes.hud import plane_of_views
 from mimics_app.rendering.visual.presenting.presenter import Presenter
@@ -142,7 +142,7 @@ class Picture:
         self._contact: ContactShadow | None = None
         self._layout = BoardLayout()
         self._image: Path | None = None
-        self._operators: OperatorBoard | None = None
+        self._operators: tuple[PageSurface, BoardLayout] | None = None
         self.stats: FrameStats | None = None
         self._software = draws_in_software(surface)
         self.show(scene, world)
@@ -288,9 +288,12 @@ class Picture:
     def _draw_for_operator(self, board: Board) -> None:
         """Draw the whole board over the mirror of a headset."""
         if self._operators is None:
-            self._operators = OperatorBoard(self.surface)
+            self._operators = PageSurface(self.surface), BoardLayout()
+        canvas, layout = self._operators
+        canvas.fit()
         page = None if self.page is None else replace(self.page, picture=None)
-        self._operators.draw(board, *self._shown_cards(), page)
+        layout.lay(canvas.hud, board, *self._shown_cards(), page)
+        canvas.draw(over=True)
 
     def _show_image(self, hud: Hud, file: Path | None) -> None:
         """Give the canvas the image of the page, as long as it is shown."""
@@ -319,7 +322,7 @@ class Picture:
         if self.film is not None:
             self.film.finish()
         if self._operators is not None:
-            self._operators.release()
+            self._operators[0].release()
         self.renderer.release()
         self.presenter.release()
         self.surface.close()

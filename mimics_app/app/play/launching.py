@@ -13,6 +13,7 @@ from mimics_app.app.scenes.shipped import GROUPS, ShippedScene, find_shipped, sh
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal.user_files import read_config, write_config
 from mimics_app.contracts.display_choice import display_names, kind_of_display
+from mimics_app.contracts.participant import canonical_code, why_no_code
 from mimics_app.recording.history import EarlierRun, cut_off_runs, recent_runs
 from mimics_app.rendering.haptic.devices.device_names import BUILT_IN
 from mimics_app.rendering.visual.launcher.launcher import LauncherChoice, ScenarioCard
@@ -58,6 +59,7 @@ def _person_settings() -> list[Setting]:
             "A code, never a name. Results are compared with earlier ones of this code.",
             typed=True,
             empty="none",
+            refuse=lambda typed: why_no_code(canonical_code(typed)),
         ),
     ]
 
@@ -122,7 +124,7 @@ def settings_of_choice(choice: LauncherChoice) -> RunSettings:
         scene=choice.scene,
         device=device,
         patient=chosen["patient"] if chosen["device"] in _SIMULATED else "",
-        participant=chosen["participant"].strip(),
+        participant=canonical_code(chosen["participant"]),
         difficulty=chosen["difficulty"],  # type: ignore[arg-type]
         trials=int(chosen["trials"] or 0),
         profile=chosen["profile"],  # type: ignore[arg-type]

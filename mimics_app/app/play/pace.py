@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from mimics_app.app.picture.frame_load import nudges_of
 from mimics_app.app.picture.governor import FrameGovernor
 from mimics_app.app.picture.held_quality import held_quality, measure_frame_ms, name_of_picture
+from mimics_app.app.picture.nudges import nudges_of
 from mimics_app.app.planner.tolerances import tolerances_of
 from mimics_app.app.play.leaving import Leaving
 from mimics_app.app.play.reload import SceneReload

@@ -70,9 +70,10 @@ class ScenarioCard:
 def refused_setting(
     card: ScenarioCard, settings: Sequence[Setting], values: Mapping[str, str]
 ) -> tuple[Setting, str] | None:
-    """Return the first setting whose present value a scene refuses, and why; None where it can be played."""
+    """Return the first setting whose present value it refuses itself, or the scene, and why; None for none."""
     for setting in settings:
-        why = card.refuses.get((setting.name, values.get(setting.name, "")))
+        value = values.get(setting.name, "")
+        why = card.refuses.get((setting.name, value)) or (setting.refuse(value) if setting.refuse else "")
         if why:
             return setting, why
     return None

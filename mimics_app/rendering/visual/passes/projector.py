@@ -42,6 +42,8 @@ class ProjectorPass:
         projected: Sequence[BeamRuns],
         lights: frozenset[str],
         eyes: tuple[str, ...],
+        *,
+        whole: bool,
     ) -> int:
         """Draw over the opaque surfaces of a view; depth state is restored afterwards.
 
@@ -52,6 +54,7 @@ class ProjectorPass:
             projected: Projectors with the surfaces they hit.
             lights: Shader features that the frame's light needs.
             eyes: Additional defines where both eyes are drawn in one pass.
+            whole: Whether one view is drawn as a whole, so that the pass may set the scissor rectangle.
 
         Returns:
             Draw calls made.
@@ -61,9 +64,8 @@ class ProjectorPass:
         ctx, draws = self._ctx, 0
         target.depth_mask = False
         ctx.depth_func = "=="
-        whole = target.scissor
         for each in projected:
-            if whole is None and not eyes:
+            if whole:
                 target.scissor = _bounds(each.beam, view, target.viewport)
             texture = self._textures.get(each.beam.key, each.beam.picture)
             texture.repeat_x = texture.repeat_y = False
@@ -75,7 +77,8 @@ class ProjectorPass:
                 _describe(shader, each.beam, view)
                 frame.draw(run, shader)
                 draws += 1
-        target.scissor = whole
+        if whole:
+            target.scissor = None  # type: ignore[assignment]  # disables it
         ctx.depth_func = "<"
         ctx.cull_face = "back"
         target.depth_mask = True

@@ -98,9 +98,11 @@ class EffectStage:
         view: View,
         projected: Sequence[BeamRuns],
         eyes: tuple[str, ...],
+        *,
+        whole: bool,
     ) -> int:
-        """Draw projected textures onto the opaque surfaces; return the draw calls."""
-        return self._projecting.draw(target, frame, view, projected, self._lights, eyes)
+        """Draw projected textures onto the opaque surfaces, see `ProjectorPass.draw`; return the draw calls."""
+        return self._projecting.draw(target, frame, view, projected, self._lights, eyes, whole=whole)
 
     def draw_mixed(self, target: moderngl.Framebuffer, frame: FrameBuffers, runs: Sequence[DrawRun | SpriteRun]) -> int:
         """Draw sprites and blended surfaces in order; return the draw calls."""

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["WindowSurface"]
 
-_NO_DISPLAY = "give the session a display, or run headless: --headless, --backend egl"
+_NO_DISPLAY = "give the session a screen; without one: --headless, or --backend egl"
 _FIX_GL = "install it with: apt-get install libgl1 libgl1-mesa-dri, or run headless: --headless"
 _ALIASES = {"kp_enter": "enter"}
 _FIX_QUAD = "it takes a workstation's graphics card; else --display sbs, tb, interleaved or anaglyph"
@@ -297,7 +297,7 @@ def _open_window(glfw: ModuleType, wanted: Size | None, title: str, *, stereo: b
     # Errors are return values, raised as one DeviceError here, instead of warnings on stderr.
     glfw.ERROR_REPORTING = False  # type: ignore[attr-defined]  # the module's documented switch
     if not glfw.init():
-        raise DeviceError("no display for a window", _NO_DISPLAY)
+        raise DeviceError("no screen answers", _NO_DISPLAY)
     glfw.default_window_hints()
     glfw.window_hint(glfw.CONTEXT_VERSION_MAJOR, 4)
     glfw.window_hint(glfw.CONTEXT_VERSION_MINOR, 3)

@@ -23,11 +23,6 @@ _WEIGHTS = {"ownership": 1.0, "touch": 0.9, "location": 0.8, "agency": 0.7, "con
 are those without expected agreement."""
 
 
-_WHERE = "Where do you feel you are? The green post is the mark: left and right move it, Enter answers"
-_RULER = 25
-"""Characters of the line that shows the mark's place."""
-
-
 @dataclass(frozen=True, slots=True)
 class Answer:
     """An answer: "probe" or the id of an item, its scale and value, and the response time [s]."""
@@ -110,16 +105,11 @@ class Asking:
             return ""
         asked = self._left[0]
         if isinstance(asked, ProbeSpec):
-            return f"{_WHERE}\nyou {self._ruler()} the figure"
+            return "Where do you feel you are?\nMove the mark with left and right, then press Enter"
         questionnaire = self._questionnaire
         span = range(questionnaire.least, questionnaire.most + 1)
         scale = "  ".join(f"[{value:+d}]" if value == self._value else f"{value:+d}" for value in span)
         return f"{asked.text}\ndisagree  {scale.replace('+0', '0')}  agree    (left, right, Enter)"
-
-    def _ruler(self) -> str:
-        """Return the place of the mark between the person and the figure as a line of text."""
-        at = round((_RULER - 1) * self._value / max(self.distance, 1e-9))
-        return "\u00b7" * at + "|" + "\u00b7" * (_RULER - 1 - at)
 
     def step(self, pressed: tuple[str, ...], seconds: float) -> list[Answer]:
         """Take the keys of a frame and return the answers given in it."""

@@ -26,9 +26,6 @@ __all__ = ["KIND", "CityWalkPlay", "CityWalkSpec"]
 _PUSH = 1.0
 """Largest acceleration of a walker [m/s^2]: from rest to a stroll in about a second."""
 
-_ASKS_AFTER_S = 3.0
-"""Time of standing after which the person is told again how to walk [s]."""
-
 
 class CityWalkSpec(Component, frozen=True):
     """A walk along a path; the higher the hand above where the trial began, the faster."""
@@ -62,7 +59,6 @@ class CityWalkPlay(KindPlay):
 
     def begin_attempt(self) -> None:
         self._along, self._speed, self._seconds = 0.0, 0.0, 0.0
-        self._stood_s = _ASKS_AFTER_S
 
     def let_go(self, seen: Observation) -> None:
         self._hand_from = seen.ball_world[1]
@@ -76,7 +72,6 @@ class CityWalkPlay(KindPlay):
         change = self._spec.fastest * max(raised, 0.0) - self._speed
         self._speed += min(max(change, -_PUSH * seconds), _PUSH * seconds)
         self._along += self._speed * seconds
-        self._stood_s = 0.0 if self._speed > 0.0 else self._stood_s + seconds
         self._seconds += seconds
 
     @property
@@ -85,7 +80,7 @@ class CityWalkPlay(KindPlay):
 
     @property
     def prompt(self) -> str:
-        return "" if self._stood_s < _ASKS_AFTER_S else "Raise the hand to walk, lower it to stop; aside to look about"
+        return "" if self._along > 0.0 else "Raise the hand to walk, lower it to stop; aside to look about"
 
     @property
     def measures(self) -> Values:
