@@ -66,7 +66,7 @@ def press(name: str) -> InputEvent:
 def make_frames() -> SimpleNamespace:
     push = np.array([4.0, 0.0, 0.0])
     still = np.zeros(3)
-    snapshot = SimpleNamespace(hip_world=still, f_user_world=push, f_meas_world=still, f_grip=still)
+    snapshot = SimpleNamespace(ball_radius=0.02, hip_world=still, f_user_world=push, f_meas_world=still, f_grip=still)
     return SimpleNamespace(snapshot=snapshot, events=np.zeros(0, EVENT), orders=TaskOrders())
 
 

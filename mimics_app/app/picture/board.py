@@ -181,8 +181,8 @@ def stability_card(snapshot: HapticSnapshot) -> Card:
     if share < _SOFTENED:
         text, tone = f"soft {100.0 * share:.0f} %", Tone.WARN
     remark_tone = Tone.ALARM if energy < -_LEAK else Tone.FAINT
-    remark = f"{round(1e3 * energy, 1) + 0.0:.1f} mJ"  # never -0.0
-    return Card("Stability", text, tone, remark=remark, remark_tone=remark_tone, width=220.0)
+    remark = f"contact {round(1e3 * energy, 1) + 0.0:.1f} mJ"  # never -0.0
+    return Card("Stability", text, tone, remark=remark, remark_tone=remark_tone, width=290.0)
 
 
 def _tone(margin: float) -> Tone:

@@ -66,9 +66,7 @@ def check_apart(scene: Scene) -> list[Issue]:
     faults = []
     for kind, check in _OF_COMPONENTS:
         for _, component, pointer in scene.components(kind):
-            faults += _looked(
-                lambda check=check, component=component, pointer=pointer: check(component, pointer, scene)
-            )
+            faults += _looked(partial(check, component, pointer, scene))
     for whole in (_check_sounds, _check_learning, _check_scales):
         faults += _looked(partial(whole, scene))
     return faults
