@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from typing import ClassVar
 
 import numpy as np
@@ -54,6 +55,7 @@ class Ecg(Channel):
             state[LAST], state[UNSTEADY] = -1.0, 0.5  # it takes a dozen beats until the rhythm counts as steady
         self._forms.state[FITTED], self._forms.state[PROVISIONAL] = -np.inf, 1.0
         self._wide = np.zeros(self._length)
+        self._bad: deque[bool] = deque(maxlen=_DOUBTED_S)
         self.rhythm = Rhythm()
 
     def _take(self, piece: Floats) -> list[Event]:
@@ -61,6 +63,8 @@ class Ecg(Channel):
         found = self._energy.out[: find_beats(piece, self._filters, self._energy, wide)]
         count = choose_beats(wide, found, self._forms)
         events = []
+        if self.found.quality < _LEAST_QUALITY and self.samples > _FIRST_S * self.rate:
+            self.rhythm.pause()  # what is found in noise gives no interval
         for at, known in self._forms.out[:count].tolist():
             t_s = max(at, 0.0) / self.rate
             interval = self.rhythm.beat(t_s)
@@ -75,6 +79,9 @@ class Ecg(Channel):
         silent = now_s - state[LAST] / self.rate if state[LAST] >= 0.0 else np.inf
         clear = (state[SPK] / max(state[NPK], 1e-12) - _UNCLEAR) / (_CLEAR - _UNCLEAR)
         quality = self._contact(raw) * float(np.clip(clear, 0.0, 1.0)) * (1.0 if silent < 3.0 else 0.0)
+        self._bad.append(quality < _LEAST_QUALITY)
+        if sum(self._bad) >= _MOSTLY * _DOUBTED_S:
+            self.rhythm.forget(now_s - _DOUBTED_S)
         return Found(features if quality > 0.0 else {}, quality)
 
 
@@ -82,6 +89,13 @@ _QRS = (13.0, 20.0, 13.0)
 """Frequency at which the group delay of each band is taken [Hz]: where most of a QRS's power in it lies."""
 _UNCLEAR, _CLEAR = 1.8, 4.0
 """Ratio of signal level to noise level at which the quality is 0, and at which it is 1."""
+
+_LEAST_QUALITY = 0.2
+"""Quality below which the beats that are found make no intervals."""
+_DOUBTED_S, _MOSTLY = 10, 0.8
+"""Where so much of so many seconds is bad, the intervals found in the others are dropped too [s]."""
+_FIRST_S = 5.0
+"""Time in which the quality is not known yet [s]."""
 
 _TEMPLATE_HZ = 180.0
 """Sampling rate of the templates, approximately [Hz]."""

@@ -10,13 +10,24 @@ import numpy as np
 from mimics_app.dsp.channel import Channel, Event, Found
 from mimics_app.dsp.filters import Floats, delay_of, low_pass
 from mimics_app.dsp.kernels.slow import TURN_STATE, find_responses
+from mimics_app.dsp.skin_noise import SkinNoise
 
 __all__ = ["Gsr"]
 
 _SMOOTH_HZ = 2.0
 """Corner of the low-pass [Hz]."""
 _LEAST = 0.02
-"""Smallest response that counts [uS]; 0.01 to 0.05 is the convention (Boucsein 2012)."""
+"""Smallest response that counts in a clean signal [uS]; 0.01 to 0.05 is the convention (Boucsein 2012)."""
+_OVER_STEPS, _OVER_NOISE = 1.5, 6.0
+"""... and in steps of the converter, and in standard deviations of the noise."""
+_QUIET, _LOUD = 0.002, 0.008
+"""Noise in the band of the responses at which the quality begins to fall, and at which it is 0 [uS]."""
+_FEW = 8
+"""Number of different values in a second up to which the converter is coarse: a still second is then no fault."""
+_COARSE = 0.004
+"""... and step of the converter from which on it is coarse whatever their number [uS]."""
+_STILL_S = 40
+"""Time after which an unchanged value is no skin in any case [s]."""
 _WINDOW_S = 60.0
 """Window of the response rate, their sum and the slope of the level [s]."""
 _COVERED = 0.4
@@ -32,7 +43,7 @@ class Gsr(Channel):
 
     name: ClassVar[str] = "gsr"
     latency_s: ClassVar[float] = 0.5
-    lowest_rate: ClassVar[float] = 8.0
+    lowest_rate: ClassVar[float] = 4.0
     phase: ClassVar[float] = 0.2
 
     def __init__(self, rate: float) -> None:
@@ -45,12 +56,15 @@ class Gsr(Channel):
         self._smooth = np.zeros(self._length)
         self._levels: deque[tuple[float, float]] = deque(maxlen=round(_WINDOW_S))
         self._contact_s = 0.0
+        self._noise = SkinNoise(rate)
+        self._least = _LEAST
+        self._values, self._still_s = 1, 0
         self._responses: deque[tuple[float, float]] = deque()
 
     def _take(self, piece: Floats) -> list[Event]:
         at = self._place
         smooth = self._smooth[at : at + len(piece)]
-        count = find_responses(piece, self._sos, self._z, self._state, self.rate, _LEAST, self._out, smooth)
+        count = find_responses(piece, self._sos, self._z, self._state, self.rate, self._least, self._out, smooth)
         events = []
         for peak, known, size, _ in self._out[:count].tolist():
             t_s = max(peak - self._delay, 0.0) / self.rate
@@ -60,9 +74,7 @@ class Gsr(Channel):
 
     def _look_back(self, raw: Floats) -> Found:
         now_s = self.samples / self.rate
-        good = raw[np.isfinite(raw)]
-        plausible = float(len(good) > 0 and 0.01 < float(np.median(good)) < 100.0)
-        quality = self._contact(raw, steps=_JUMP) * plausible
+        quality = self._quality(raw)
         while self._responses and self._responses[0][0] < now_s - _WINDOW_S:
             self._responses.popleft()
         if quality == 0.0:
@@ -84,3 +96,19 @@ class Gsr(Channel):
             features["scr_sum"] = 60.0 * sum(size for _, size in self._responses) / covered
             features["scl_slope"] = float(np.polynomial.polynomial.polyfit((times - now_s) / 60.0, levels, 1)[1])
         return Found(features, quality)
+
+    def _quality(self, raw: Floats) -> float:
+        """Return the share of samples with contact, less for noise in the band of the responses."""
+        good = raw[np.isfinite(raw)]
+        if not len(good) or not 0.01 < float(np.median(good)) < 100.0:
+            return 0.0
+        different = len(np.unique(good))
+        self._still_s = self._still_s + 1 if different == 1 else 0
+        self._values = different if different > 1 else self._values
+        coarse = self._values <= _FEW or self._noise.step > _COARSE
+        self._noise.take(raw, coarse=coarse)
+        self._least = max(_LEAST, _OVER_STEPS * self._noise.step, _OVER_NOISE * self._noise.sd)
+        contact = self._contact(raw, steps=_JUMP)
+        if coarse and self._still_s < _STILL_S:
+            contact = len(good) / len(raw)
+        return contact * float(np.clip((_LOUD - self._noise.sd) / (_LOUD - _QUIET), 0.0, 1.0))

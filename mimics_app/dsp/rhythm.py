@@ -1,7 +1,7 @@
 """Heart rhythm from a stream of R peaks: classification of the RR intervals, heart rate and its variability.
 
 After Lipponen & Tarvainen, J Med Eng Technol 43(3), 2019, made causal: an interval is classified when the next one is
-known. Intervals that are not normal are left out of the variability, never interpolated.
+known. Intervals that are not normal are left out of the variability; the spectrum alone fills them in.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from collections import deque
 import numpy as np
 
 from mimics_app.dsp.filters import Floats
+from mimics_app.dsp.spectrum import band_power
 
 __all__ = ["Rhythm"]
 
@@ -24,8 +25,6 @@ _LEAST_SPECTRUM_S = 120.0
 """Shortest history for LF and HF [s]."""
 _SPECTRUM_EVERY_S = 5.0
 """Period in which the spectrum is computed anew [s]."""
-_RESAMPLED = 4.0
-"""Resampling rate of the intervals for their spectrum [Hz]."""
 _LF, _HF = (0.04, 0.15), (0.15, 0.4)
 """Bands of the heart-rate variability [Hz]; Task Force, Circulation 93, 1996."""
 _PLAUSIBLE = (0.27, 2.0)
@@ -66,6 +65,15 @@ class Rhythm:
     def pause(self) -> None:
         """Note that contact was lost: the next beat has no interval."""
         self._last, self._pending, self._after_pause = None, None, True
+
+    def forget(self, since_s: float) -> None:
+        """Drop the intervals that ended after a time [s]."""
+        while self._normal and self._normal[-1][0] > since_s:
+            self._normal.pop()
+            self._table = None
+        self._pending, self._after_pause = None, True
+        self._recent.clear()
+        self._jumps.clear()
 
     def _judge(self, first: tuple[float, float], second: tuple[float, float]) -> tuple[float, float] | None:
         """Classify an interval now that the next one is known, and return the one to be classified next."""
@@ -137,13 +145,5 @@ class Rhythm:
         times, lengths, _ = self.intervals(now_s - _SPECTRUM_S)
         if len(times) < 60 or times[-1] - times[0] < _LEAST_SPECTRUM_S:
             return {}
-        grid = np.arange(times[0], times[-1], 1.0 / _RESAMPLED)
-        values = 1e3 * np.interp(grid, times, lengths)
-        line = np.polynomial.polynomial.polyfit(grid - grid[0], values, 1)
-        window = np.hanning(len(grid))
-        detrended = (values - line[0] - line[1] * (grid - grid[0])) * window
-        power = 2.0 * np.abs(np.fft.rfft(detrended)) ** 2 / (_RESAMPLED * float(np.sum(window**2)))
-        frequency = np.fft.rfftfreq(len(grid), 1.0 / _RESAMPLED)
-        step = float(frequency[1])
-        low, high = (step * float(np.sum(power[(frequency >= a) & (frequency < b)])) for a, b in (_LF, _HF))
+        low, high = (band_power(times, 1e3 * lengths, *band) for band in (_LF, _HF))
         return {"lf": low, "hf": high, **({"lf_hf": low / high} if high > 0.0 else {})}

@@ -219,7 +219,9 @@ def _settings(scene: Path, given: dict[str, Any]) -> RunSettings:
         if name not in known:
             raise UsageError(f'there is no setting "{name}"', nearest(name, known))
     paths = {name for name, hint in get_type_hints(RunSettings).items() if "Path" in str(hint)}
-    plain = {name: Path(value) if name in paths and value is not None else value for name, value in given.items()}
+    plain: dict[str, Any] = {
+        name: Path(value) if name in paths and value is not None else value for name, value in given.items()
+    }
     return replace(RunSettings(scene, headless=True, pictures=0, sound="off"), **plain)
 
 

@@ -65,7 +65,7 @@ class Table(Mapping[str, Quantity]):
         chosen = np.ones(self.rows, bool)
         for name, value in wanted.items():
             chosen &= np.asarray(self[name] == value)
-        return Table({name: column[chosen] for name, column in self._columns.items()})
+        return Table({name: Quantity(column[chosen], column.units) for name, column in self._columns.items()})
 
     def to_pandas(self) -> Any:
         """Return a pandas DataFrame; a column of k numbers becomes NAME[0] .. NAME[k-1]; units are in `attrs`.

@@ -135,11 +135,13 @@ def _measure_undrawn(scene: Path, size: Size, frames: int) -> Row:
         nothing = surface.ctx.query(any_samples=True)
         with nothing:
             pass
+        unseen = nothing.crender
+        assert unseen is not None
         for number in range(frames + _SETTLE):
             play.play_on()
             runtime.asked_ns.clear()
             presenter.begin(number * FRAME_NS)
-            with nothing.crender:
+            with unseen:
                 renderer.draw(presenter.views(camera), partial(presenter.views, camera))
                 presenter.present()
             if number >= _SETTLE:

@@ -41,12 +41,32 @@ __all__ = ["ECG_STATE", "MISSING", "NPK", "SPK", "EnergyDetector", "Filters", "f
     UPPER,
     BEGIN,
     FOUND,
-) = range(RHYTHM, RHYTHM + 19)
-ECG_STATE = RHYTHM + 19
+    SAME,
+    FAR,
+    FAR_T,
+    PAIRS,
+    PAIRED,
+    LAST_V,
+    HELD_T,
+    HELD_V,
+) = range(RHYTHM, RHYTHM + 27)
+ECG_STATE = RHYTHM + 27
 """Length of the state vector: the rhythm, signal level and noise level, candidate and its energy, running sum of
-squares, best rejected candidate, samples seen, last valid input, consecutive NaN, whether the levels are learnt,
-candidates kept until then, means of the second and fourth power of the lower and of the upper band, share of the upper
-band in the filtered signal, sample at which the learning phase began, beats found in the newest samples."""
+squares, best rejected candidate, samples seen, last valid input, consecutive missing samples, whether the levels are
+learnt, candidates kept until then, means of the second and fourth power of the lower and of the upper band, share of
+the upper band in the filtered signal, sample at which the learning phase began, beats found in the newest samples,
+consecutive samples of one value, peaks in succession that are far above a signal level that faded in noise, and sample
+of the last of them, share of the beats that a second peak follows, whether one followed the last beat, its energy, peak
+that waits for a second one and its energy (0: none)."""
+
+_FLAT_S = 2.0
+"""Time after which samples of one value are as good as missing [s]: a flat line is no heart at rest."""
+_FORGET_S = 30.0
+"""Time without a signal after which the levels are learnt anew [s]: the electrode may lie elsewhere."""
+
+_FAR, _FAR_UNCLEAR, _FAR_COUNT, _FAR_S = 6.0, 3.0, 3.0, 3.0
+"""So many peaks, each above so many signal levels and within so many seconds of the one before, are the heart again,
+where the levels had faded to the noise: their ratio is below the second figure."""
 
 _NEVER = 10.0
 """Time since the last beat that is assumed before the first one [s]."""
@@ -62,6 +82,13 @@ _MOST_GAIN = 8.0
 """Largest gain that scales the upper band to the amplitude of the lower one."""
 _LEAST_FACTOR = 0.1
 """Smallest threshold between the noise level (0) and the signal level (1), however well a peak is in time."""
+
+
+_PAIR_FROM, _PAIR_SIZE = 0.11, 0.5
+"""A second peak later than this after a beat [s], within the refractory time, and at least so large a share of it in
+energy is the QRS behind a P wave that is as steep: no T wave is."""
+_PAIR_FOLLOW, _MOSTLY_PAIRS = 0.25, 0.75
+"""Weight of a beat in the share of pairs, and share from which on a peak waits for the second one."""
 
 
 class _Tuning(NamedTuple):
@@ -154,20 +181,7 @@ def find_beats(x: Floats, filters: Filters, detector: EnergyDetector, wide: Floa
     w, m = int(_TUNING.window_s * rate), ring.shape[0]
     state[FOUND] = 0.0
     for i in range(x.shape[0]):
-        value = x[i]
-        if np.isnan(value):
-            state[MISSING] += 1.0
-            value = state[HELD]
-        else:
-            if state[MISSING] > 0.5 * rate or state[MISSING] == state[N]:
-                for band in range(sos.shape[0]):
-                    settle_sections(value, sos[band], z[band])
-                if state[LEARNT] == 0.0:
-                    state[LAST], state[BEGIN], state[KEPT] = -1.0, state[N], 0.0
-                else:
-                    state[LAST] = state[N]
-            state[MISSING] = 0.0
-            state[HELD] = value
+        value = _next_value(x[i], filters, state, rate)
         wide[i] = run_sections(value, sos[2], z[2])
         value = _blend(run_sections(value, sos[0], z[0]), run_sections(value, sos[1], z[1]), state, rate)
         n = int(state[N])
@@ -179,6 +193,26 @@ def find_beats(x: Floats, filters: Filters, detector: EnergyDetector, wide: Floa
             delay = filters.delays[0] + state[UPPER] * (filters.delays[1] - filters.delays[0])
             _follow(n, np.sqrt(state[SUM] / w), delay, detector)
     return int(state[FOUND])
+
+
+@kernel
+def _next_value(value: float, filters: Filters, state: Floats, rate: float) -> float:
+    """Return the sample, or the last valid one where it is missing; after a gap filters and rhythm begin anew."""
+    state[SAME] = state[SAME] + 1.0 if value == state[HELD] else 0.0
+    if np.isnan(value) or state[SAME] > _FLAT_S * rate:
+        state[MISSING] += 1.0
+        return state[HELD]
+    gap = state[MISSING]
+    if gap > 0.5 * rate or gap == state[N]:
+        for band in range(filters.sos.shape[0]):
+            settle_sections(value, filters.sos[band], filters.z[band])
+        if state[LEARNT] == 0.0 or gap > _FORGET_S * rate:
+            state[LAST], state[BEGIN], state[KEPT], state[LEARNT] = -1.0, state[N], 0.0, 0.0
+            state[SPK], state[NPK], state[RR], state[BACK_V] = 0.0, 0.0, 0.0, 0.0
+        else:
+            state[LAST] = state[N]
+    state[MISSING], state[HELD] = 0.0, value
+    return value
 
 
 @kernel
@@ -217,6 +251,7 @@ def _follow(n: int, energy: float, delay: float, detector: EnergyDetector) -> No
             _keep(t, v, state, detector.kept)
         else:
             _judge(t, v, n, delay, detector)
+    _end_wait(n, delay, detector)
     if n - state[BEGIN] >= learn and state[LEARNT] == 0.0:
         _learn(n, delay, detector)
     if state[RR] > 0.0 and state[BACK_V] > 0.0 and n - state[LAST] > _TUNING.late * state[RR]:
@@ -224,7 +259,8 @@ def _follow(n: int, energy: float, delay: float, detector: EnergyDetector) -> No
         if state[BACK_V] > threshold:
             _accept(int(state[BACK_T]), state[BACK_V], n, delay, detector)
         state[BACK_V] = 0.0
-    if n - max(state[LAST], state[BEGIN] + learn) > 2.0 * rate:  # no beat for so long: the amplitude has dropped
+    quiet = n - max(state[LAST], state[BEGIN] + learn) > 2.0 * rate
+    if quiet and state[MISSING] == 0.0:  # no beat for so long: the amplitude has dropped
         state[SPK] *= 1.0 - _TUNING.fade_per_s / rate
 
 
@@ -255,7 +291,16 @@ def _learn(n: int, delay: float, detector: EnergyDetector) -> None:
 def _judge(t: int, v: float, n: int, delay: float, detector: EnergyDetector) -> None:
     """Classify a peak of the energy as a beat or as noise."""
     state, rate = detector.state, detector.rate
+    if state[HELD_V] > 0.0:
+        if _is_second(t - state[HELD_T], v, state[HELD_V], rate):
+            _note_pair(1.0, state)
+            state[HELD_V] = 0.0
+            _accept(t, v, n, delay, detector)
+        return
     since = t - state[LAST] if state[LAST] >= 0.0 else _NEVER * rate
+    if state[PAIRED] == 0.0 and _is_second(since, v, state[LAST_V], rate):
+        state[PAIRED] = 1.0
+        _note_pair(1.0, state)
     if since < _TUNING.refractory_s * rate:
         return
     expected = state[RR] if state[RR] > 0.0 else USUAL_RR * rate
@@ -263,11 +308,59 @@ def _judge(t: int, v: float, n: int, delay: float, detector: EnergyDetector) -> 
     factor = _TUNING.due + (_TUNING.after - _TUNING.due) * max(1.0 - share / _TUNING.decay, 0.0)
     factor = max(factor + _rhythm(off_beat(t, share, state), state), _LEAST_FACTOR)
     if v > state[NPK] + factor * (state[SPK] - state[NPK]):
-        _accept(t, v, n, delay, detector)
+        _rise_from_noise(t, v, state, rate)
+        _accept_or_wait(t, v, n, delay, detector)
         return
     state[NPK] += _TUNING.noise_weight * (min(v, _NOISE_CAP * state[SPK]) - state[NPK])
     if v > state[BACK_V] and since > T_WAVE * rate:
         state[BACK_V], state[BACK_T] = v, t
+
+
+@kernel
+def _is_second(since: float, v: float, first: float, rate: float) -> bool:
+    """Return whether a peak is the QRS behind a P wave that was taken for the beat."""
+    return _PAIR_FROM * rate < since < _TUNING.refractory_s * rate and v > _PAIR_SIZE * first > 0.0
+
+
+@kernel
+def _note_pair(share: float, state: Floats) -> None:
+    state[PAIRS] += _PAIR_FOLLOW * (share - state[PAIRS])
+
+
+@kernel
+def _accept_or_wait(t: int, v: float, n: int, delay: float, detector: EnergyDetector) -> None:
+    """Take a peak as a beat, or wait for the second one where most beats are pairs."""
+    state = detector.state
+    if state[PAIRED] == 0.0:
+        _note_pair(0.0, state)
+    if state[PAIRS] > _MOSTLY_PAIRS:
+        state[HELD_T], state[HELD_V] = t, v
+        return
+    _accept(t, v, n, delay, detector)
+    state[PAIRED], state[LAST_V] = 0.0, v
+
+
+@kernel
+def _end_wait(n: int, delay: float, detector: EnergyDetector) -> None:
+    """Take the peak that waits as the beat when no second one came."""
+    state = detector.state
+    if state[HELD_V] > 0.0 and n - state[HELD_T] > (_TUNING.refractory_s + _TUNING.hold_s) * detector.rate:
+        _note_pair(0.0, state)
+        v, state[HELD_V] = state[HELD_V], 0.0
+        _accept(int(state[HELD_T]), v, n, delay, detector)
+
+
+@kernel
+def _rise_from_noise(t: int, v: float, state: Floats, rate: float) -> None:
+    """Set the signal level anew where an electrode is back after noise in which it had faded to nothing."""
+    again = state[FAR] > 0.0 and t - state[FAR_T] < _FAR_S * rate
+    faded = again or state[SPK] < _FAR_UNCLEAR * state[NPK]
+    if not faded or v < _FAR * state[SPK]:
+        return
+    state[FAR] = state[FAR] + 1.0 if again else 1.0
+    state[FAR_T] = t
+    if state[FAR] >= _FAR_COUNT:
+        state[SPK], state[FAR] = v, 0.0
 
 
 @kernel

@@ -9,16 +9,20 @@ from mimics_app.dsp.kernels.sections import Floats, run_sections, settle_section
 
 __all__ = ["TURN_STATE", "find_breaths", "find_responses"]
 
-N, RISING, LOW, LOW_T, HIGH, HIGH_T, SIZE, HELD, MISSING, LAST_T = range(10)
-TURN_STATE = 10
+N, RISING, LOW, LOW_T, HIGH, HIGH_T, SIZE, HELD, MISSING, LAST_T, MARK, MARK_T, ROSE = range(13)
+TURN_STATE = 13
 """Samples seen, whether the signal rises, last trough and its sample, last crest and its sample, mean depth of a
-breath, last valid input, consecutive NaN, sample of the trough before (0: unknown)."""
+breath, last valid input, consecutive NaN, sample of the trough before (0: unknown), value and sample from which the
+steepness of a rise is taken, and the rise up to there over the same time."""
 
-_BEGINS = 0.3
+_BEGINS = 0.4
 """Rise at which a response begins, as a share of the smallest amplitude."""
 
-_SLOWEST_RISE = 6.0
+_SLOWEST_RISE = 1.5
 """A rise that takes longer to reach it is a drift [s]."""
+
+_STEEPER = 1.5
+"""Ratio of a rise to the one before it above which a response begins on a drift."""
 
 _BACK, _LEAST_BACK = 0.02, 0.03
 """Return that confirms the peak of a response: the larger of a share of it and a share of the smallest amplitude."""
@@ -26,8 +30,11 @@ _BACK, _LEAST_BACK = 0.02, 0.03
 _SHORTEST_RESPONSE, _LONGEST_RESPONSE = 0.3, 8.0
 """Range of the rise time, from onset to peak [s]."""
 
-_WAY_BACK = 0.2
+_WAY_BACK = 0.35
 """Return that confirms an extremum, as a share of the mean depth of a breath."""
+
+_SETTLES, _FIRST = 0.5, 5.0
+"""Settling time of the filter, and time at whose end the range of the signal is the first mean depth [s]."""
 
 _NOTHING = 1e-9
 """Smallest return, in a signal at rest [its unit]."""
@@ -56,6 +63,31 @@ def _held(value: float, state: Floats, sos: Floats, z: Floats, rate: float) -> f
 
 
 @kernel
+def _await_rise(n: float, value: float, state: Floats, rate: float, least: float) -> None:
+    """Follow the signal down and along slow drifts, to the onset of a rise that is steep enough for a response."""
+    if value < state[LOW] or n - state[LOW_T] > _SLOWEST_RISE * rate:
+        state[LOW], state[LOW_T] = value, n
+    elif value > state[LOW] + _BEGINS * least:
+        state[RISING], state[HIGH], state[HIGH_T] = 1.0, value, n
+        state[MARK], state[MARK_T], state[ROSE] = value, n, np.inf
+
+
+@kernel
+def _levels_off(n: float, value: float, state: Floats, rate: float, least: float) -> bool:
+    """Return whether a rise has become a slow drift; a response that begins on a faster drift gets an onset of its own.
+
+    Both are seen from one stretch of `_SLOWEST_RISE` to the next.
+    """
+    if n - state[MARK_T] <= _SLOWEST_RISE * rate:
+        return False
+    rise = value - state[MARK]
+    if rise > _STEEPER * state[ROSE] + _BEGINS * least:
+        state[LOW], state[LOW_T] = state[MARK], state[MARK_T]
+    state[MARK], state[MARK_T], state[ROSE] = value, n, rise
+    return rise < _BEGINS * least
+
+
+@kernel
 def find_responses(
     x: Floats, sos: Floats, z: Floats, state: Floats, rate: float, least: float, out: Floats, smooth: Floats
 ) -> int:
@@ -81,17 +113,13 @@ def find_responses(
         n = state[N]
         state[N] += 1.0
         if state[RISING] == 0.0:
-            if value < state[LOW]:
-                state[LOW], state[LOW_T] = value, n
-            elif value > state[LOW] + _BEGINS * least:
-                state[RISING], state[HIGH], state[HIGH_T] = 1.0, value, n
-            elif n - state[LOW_T] > _SLOWEST_RISE * rate:  # a slow drift is no response
-                state[LOW], state[LOW_T] = value, n
+            _await_rise(n, value, state, rate, least)
             continue
         if value > state[HIGH]:
             state[HIGH], state[HIGH_T] = value, n
         size = state[HIGH] - state[LOW]
-        if value < state[HIGH] - max(_BACK * size, _LEAST_BACK * least):
+        falls = value < state[HIGH] - max(_BACK * size, _LEAST_BACK * least)
+        if falls or _levels_off(n, value, state, rate, least):
             rise = (state[HIGH_T] - state[LOW_T]) / rate
             if size >= least and _SHORTEST_RESPONSE <= rise <= _LONGEST_RESPONSE and count < out.shape[0]:
                 out[count, 0], out[count, 1], out[count, 2], out[count, 3] = state[HIGH_T], n, size, state[LOW_T]
@@ -101,8 +129,21 @@ def find_responses(
 
 
 @kernel
+def _first_range(n: float, value: float, state: Floats, rate: float) -> bool:
+    """Take the range of the first seconds as the first mean depth; return whether they last."""
+    if n < _SETTLES * rate:
+        state[LOW], state[HIGH] = value, value
+    elif n < _FIRST * rate:
+        state[LOW], state[HIGH] = min(state[LOW], value), max(state[HIGH], value)
+        state[SIZE] = state[HIGH] - state[LOW]
+    elif n < _FIRST * rate + 1.0:  # in the middle of a breath: its crest comes first
+        state[RISING], state[HIGH], state[HIGH_T] = 1.0, value, n
+    return n < _FIRST * rate
+
+
+@kernel
 def find_breaths(x: Floats, sos: Floats, z: Floats, state: Floats, rate: float, out: Floats) -> int:
-    """Write the breaths found: trough, crest and next trough, each confirmed by a return of a fifth of the mean depth.
+    """Write the breaths found: trough, crest and next trough, each confirmed by a return of a third of the mean depth.
 
     Args:
         x: Samples, shape [n].
@@ -121,10 +162,10 @@ def find_breaths(x: Floats, sos: Floats, z: Floats, state: Floats, rate: float, 
         value = run_sections(_held(x[i], state, sos, z, rate), sos, z)
         n = state[N]
         state[N] += 1.0
-        if n < 0.5 * rate:
-            state[LOW], state[HIGH] = value, value
+        if _first_range(n, value, state, rate):
             continue
-        back = _WAY_BACK * state[SIZE] + _NOTHING
+        usual = state[SIZE] if state[SIZE] > 0.0 else state[HIGH] - state[LOW]
+        back = _WAY_BACK * usual + _NOTHING
         if state[RISING] == 0.0:
             if value < state[LOW]:
                 state[LOW], state[LOW_T] = value, n

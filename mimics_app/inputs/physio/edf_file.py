@@ -75,6 +75,6 @@ def _check_header(path: Path) -> None:
         raise ValueError(f"its records last {duration_s:g} s")
 
 
-def _channel(signal: edfio.EdfSignal) -> EdfChannel:
+def _channel(signal: edfio.EdfSignal | edfio.BdfSignal) -> EdfChannel:
     values = np.asarray(signal.data, float)
     return EdfChannel(signal.label, signal.physical_dimension, float(signal.sampling_frequency), values)
