@@ -57,7 +57,7 @@ def draw_frame_graph(hud: Hud, frames: Sequence[FrameTimes], note: str = "") -> 
     hud.text(x + 14.0 + _WIDTH, budget + 3.0, "60 Hz", 11.0, FAINT, align="right")
     _write_stages(hud, known, stages, x + 14.0, bottom - 22.0)
     for number, line in enumerate(notes):
-        hud.text(x + 14.0, bottom - 22.0 - 19.0 * (len(stages) + number), line, _NOTE, INK, bold=number == 0)
+        hud.text(x + 14.0, bottom - 22.0 - 19.0 * (len(stages) + number), line, _NOTE, INK)
 
 
 def _write_head(hud: Hud, frames: Sequence[FrameTimes], x: float, y: float) -> None:
