@@ -34,6 +34,7 @@ COMMANDS: dict[str, str] = {
     "schema": "print the JSON Schema of scene files",
     "explain": "print the parts of a scene: their methods, costs and errors",
     "config": "print the values a run would begin with, and the source of each",
+    "limits": "show or set the ceiling of this machine, which no scene can raise",
     "doctor": "report what this machine has, what it lacks and how to install it",
     "devices": "list devices, simulators, displays, gamepads and serial ports",
     "replay": "simulate a recorded run again and compare every output",

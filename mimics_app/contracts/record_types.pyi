@@ -733,8 +733,11 @@ class ActingRecord:
     displacement: Floats
     contact: Floats
     active: Floats
+    rest: Floats
+    limited: Floats
     contacts: Floats
     actives: Floats
+    rests: Floats
     credit: float
     free_ticks: int
     tank: float
@@ -860,6 +863,7 @@ class StateRecord:
     last_hip: Floats
     f_contact: Floats
     f_active: Floats
+    f_rest: Floats
     f_wanted: Floats
     f_user: Floats
     in_contact: int

@@ -109,7 +109,11 @@ class Scenario(Protocol):
         return None
 
     def haptic_orders(self) -> Mapping[str, object]:
-        """Return haptic fields by dotted name from the scene itself; unchanged values cost nothing."""
+        """Return haptic fields by dotted name from the scene itself; unchanged values cost nothing.
+
+        Feel, targets, and numbers of tunnels, shapes, bodies and effects may be written, each within its range
+        (`contracts.field_ranges`). What is refused is told and ends that order; the session goes on.
+        """
         return {}
 
 

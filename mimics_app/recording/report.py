@@ -67,10 +67,11 @@ class Movement:
 
 @dataclass(frozen=True, slots=True)
 class Safety:
-    """Figures by name, states over time, trips, what was not simulated, the second before each trip, stability."""
+    """Figures by name, unusual limits, states, trips, what was not simulated, the seconds before trips, stability."""
 
     cards: dict[str, str]
     words: str
+    limits: list[str]
     states: Plot
     trips: Table | None
     losses: Table | None
@@ -301,10 +302,12 @@ def _person(run: Run) -> Person | None:
 
 
 def _safety(run: Run) -> Safety:
+    beyond = run.session.get("beyond_usual_limits")
     counts = _stops_and_holds(run)
     return Safety(
         cards={name: text for name, text in _operators_cards(run).items() if text != NONE},
         words=_TRIPS.format(", ".join(f"{name}: {number}" for name, number in counts.items())),
+        limits=[shown(line) for line in beyond] if isinstance(beyond, list) else [],
         states=draw_states(run.haptic),
         trips=trip_table(run),
         losses=loss_table(run),

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
-import numpy as np
-
 from mimics_app.contracts.errors import Issue, nearest
-from mimics_app.contracts.haptic import FEEL, LIMIT_NAMES
-from mimics_app.contracts.haptic_objects import BODY, EFFECT, SHAPE, TUNNEL
+from mimics_app.contracts.field_ranges import RANGES, Range, range_of, writable_names
+from mimics_app.contracts.haptic import LIMIT_NAMES, SCENE
+from mimics_app.contracts.object_rows import ROW_DTYPES
 from mimics_app.tasks.actions import TARGET_GROUPS, haptic_field, task_targets
 from mimics_app.tasks.kinds.kind import Fault
 from mimics_app.tasks.kinds.registry import task_kinds
@@ -64,21 +63,11 @@ def check_blocks(spec: TaskSpec, blocks: list[BlockSpec], pointer: str, file: st
     return [Issue(file, place, what, fix) for place, what, fix in faults]
 
 
-_TABLES = {"shapes": SHAPE, "bodies": BODY, "effects": EFFECT, "tunnels": TUNNEL}
-"""Tables of haptic objects with named rows."""
-
-_OWN_TUNNEL = {name for name in TUNNEL.names or () if TUNNEL[name] == np.float64}
-"""Scalar fields of a tunnel."""
-
-
 def object_of_target(name: str) -> str | None:
     """Return the entity of a haptic target such as "bodies.apple.mass"; None for other names and non-scalars."""
     table, *middle = name.split(".")
     field = middle.pop() if middle else ""
-    dtype = _TABLES.get(table)
-    if dtype is None or not middle or field not in (dtype.names or ()) or dtype[field].shape:
-        return None
-    if table == "tunnels" and field not in _OWN_TUNNEL:
+    if table not in RANGES or not middle or not _is_scalar_target(table, field):
         return None
     return ".".join(middle)
 
@@ -88,7 +77,19 @@ def haptic_targets() -> set[str]:
 
     Scalars of objects are checked by `object_of_target`. Limits of the loop are never among them.
     """
-    return {name for name, _ in FEEL} | {f"tunnel.{name}" for name in _OWN_TUNNEL}
+    own = {f"tunnel.{name}" for name in writable_names("tunnel") if _is_scalar_target("tunnels", name)}
+    return own | {name for name in writable_names("") if not SCENE[name].shape}
+
+
+def _is_scalar_target(table: str, field: str) -> bool:
+    return range_of(table, field) is not None and not ROW_DTYPES[table][field].shape
+
+
+def _range_of_target(name: str) -> Range | None:
+    """Return the range of a haptic target; None: a task may not write it."""
+    if name not in haptic_targets() and object_of_target(name) is None:
+        return None
+    return range_of(name.partition(".")[0] if "." in name else "", name.rpartition(".")[2])
 
 
 def _check_parameter(parameter: ParameterSpec, pointer: str) -> Iterator[Fault]:
@@ -112,7 +113,7 @@ def _check_map(target: MapSpec, parameter: ParameterSpec, pointer: str) -> Itera
         may = ", ".join(sorted(haptic_targets()))
         what = f'"{name}" is a limit of the haptic loop; no task and no adaptation may change it'
         yield f"{pointer}/to", what, f"set it once in the scene; a parameter may change {may}, and numbers of objects"
-    elif group == "haptic" and name not in haptic_targets() and object_of_target(name) is None:
+    elif group == "haptic" and _range_of_target(name) is None:
         what = f'"{name}" is no number of the haptic scene that a task may change'
         yield f"{pointer}/to", what, nearest(name, haptic_targets())
     elif group == "task" and name not in task_targets():
@@ -121,6 +122,19 @@ def _check_map(target: MapSpec, parameter: ParameterSpec, pointer: str) -> Itera
     if words and group in ("haptic", "task"):
         yield f"{pointer}/table", f'"{words[0]}" is a word where a number is needed', "write numbers"
     yield from _check_table(target, parameter, pointer)
+    if group == "haptic" and not words:
+        yield from _check_reach(target, name, parameter, pointer)
+
+
+def _check_reach(target: MapSpec, name: str, parameter: ParameterSpec, pointer: str) -> Iterator[Fault]:
+    """Check that every value of the parameter gives the target a value within its range."""
+    span = _range_of_target(name)
+    ends = target.table or [target.offset + target.scale * value for value in (parameter.min, parameter.max)]
+    numbers = [float(value) for value in ends]
+    if span is not None and not all(span.least <= number <= span.most for number in numbers):
+        what = f"sets {name} to {min(numbers):g} to {max(numbers):g}; it must be {span}"
+        place = "table" if target.table else "scale"
+        yield f"{pointer}/{place}", what, "change the map or the limits of the parameter"
 
 
 def _check_table(target: MapSpec, parameter: ParameterSpec, pointer: str) -> Iterator[Fault]:

@@ -293,7 +293,7 @@ class TaskManager:
         return []
 
     def _orders(self, seen: Observation, sounds: tuple[SoundEvent, ...]) -> TaskOrders:
-        haptic = {**self._settings.haptic, **self._control.wanted(), "trial": self._attempts.begun}
+        haptic = dict(self._settings.haptic)
         visual, touches = dict(self._settings.visual), list[TactileEvent]()
         for play in self._plays.values():
             haptic |= play.orders
@@ -301,6 +301,7 @@ class TaskManager:
             touches += play.take_touches()
             for kind, data in play.take_events():
                 self._on_event(kind, data)
+        haptic |= {**self._control.wanted(), "trial": self._attempts.begun}
         view = self._view(seen)
         return TaskOrders(
             haptic=self._haptic.since_last(haptic),

@@ -10,12 +10,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mimics_app.contracts.haptic import EventKind, SafetyState, TripCause
+from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.lab.stability.s05b_energy_dissipated import UNLIMITED, given_by_taps
 from mimics_app.rendering.haptic.kernels.acting import payable_share, settle_account
 from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, middle_velocity
 from mimics_app.rendering.haptic.kernels.stability import contact_share, spring_share
 from mimics_app.world.components.robot import Robot
 from tests.support.haptic_bench import FORCE, PUSH, Bench, glide, patient_bench, pushed_bench, script, scripted
+from tests.support.object_bench import scripted_with, shape_below
 
 T = 1e-3
 OWN, WALL = 8.0, 20.0  # damping [N s/m] of the virtual mass and of the wall
@@ -342,6 +344,25 @@ def test_the_wall_is_capped_for_the_period_that_was_measured():
     assert out["stiffness_share"][1001:] == pytest.approx(share, rel=1e-12)
     felt = np.linalg.norm(out["f_user_world"][1050]) / np.linalg.norm(rows["f_user_world"][1050])
     assert felt == pytest.approx(share / rows["stiffness_share"][1050], rel=1e-9)
+
+
+@pytest.mark.parametrize("kind", [ShapeKind.WALL, ShapeKind.BOX, ShapeKind.SPHERE])
+def test_a_shape_is_capped_for_the_period_that_was_measured(kind: ShapeKind):
+    """As the tunnel's wall: a loop that stalled renders less of a shape's stiffness, not its margin alone."""
+    rows = script(1100)
+    rows[:, 2] = 0.01
+    glide(rows, 850, 2, -0.0002)
+    bench = scripted_with(shape_below(kind, stiffness=1e5, damping=WALL), rows)
+    bench.publish(virtual_damping=OWN, device_delay=1e-3)
+    in_time = bench.advance(1080)
+    stalled = in_time.copy()
+    stalled["period_s"][1000:] = 4e-3
+    late = bench.replay(stalled)
+    assert in_time["touching"][1000] == 1 and late["stiffness_share"][999] == in_time["stiffness_share"][999] < 1.0
+    assert late["stiffness_share"][1001] < 0.8 * in_time["stiffness_share"][1001]
+    felt = [np.linalg.norm(rows["f_user_world"][1050]) for rows in (late, in_time)]
+    share = late["stiffness_share"][1050] / in_time["stiffness_share"][1050]
+    assert felt[0] == pytest.approx(share * felt[1], rel=1e-9)
 
 
 @pytest.mark.parametrize("rate", [500, 1000, 2000, 4000])

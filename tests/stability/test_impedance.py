@@ -15,6 +15,7 @@ from mimics_app.rendering.haptic.kernels import light_robot
 from mimics_app.rendering.haptic.kernels.light_robot import HANDLE, LENGTH, command_force, step_light_robot
 from mimics_app.rendering.haptic.scene_block import impedance_values
 from mimics_app.world.components.robot import Impedance, Patient, Robot
+from tests.support.felt_energy import fastest_change
 from tests.support.haptic_bench import Bench, bench_of, script, scripted, wavy
 
 T = 1e-3
@@ -156,6 +157,22 @@ def test_stop_key_takes_the_force_off_the_device_within_two_ticks():
     bench.engine.stop_key()
     rows = bench.advance(10)
     assert (rows["f_command"][2:] == 0.0).all() and rows["state"][-1] == SafetyState.E_STOP
+
+
+@pytest.mark.parametrize(("drive", "limit", "rate"), [(200.0, 15.0, 2000.0), (200.0, 60.0, 300.0), (5.0, 60.0, 2000.0)])
+def test_a_drive_to_the_start_keeps_the_limits_of_the_force_on_the_person(drive: float, limit: float, rate: float):
+    """Force, its change and its power, although the drive itself may be stronger."""
+    bench = bench_of(build_device(Robot(device="simulated_impedance"), Patient(intent=False), seed=3), straight=None)
+    values = impedance_values(Impedance(drive_stiffness=2e4, drive_damping=200.0, drive_force=drive))
+    bench.publish(**values | {"controller": Controller.WORLD_PD, "target": (0.1, 0.08, -0.08)})
+    bench.publish(force_limit=limit, force_rate_limit=rate, power_limit=3.0)
+    rows = bench.advance(1500)
+    sent, size = rows["f_command"], np.linalg.norm(rows["f_command"], axis=1)
+    assert size.max() <= min(drive, limit) * (1.0 + 1e-12)
+    assert fastest_change({"f_user_world": sent}) <= rate * T * (1.0 + 1e-9)
+    R = bench.scene[0]["R_world_from_robot"]
+    assert np.abs(np.sum(sent * (rows["v_world"] @ R), axis=1)).max() <= 3.0 * (1.0 + 1e-9)
+    assert size.max() > 0.5 * min(drive, limit, 10.0) and rows["state"].max() >= SafetyState.HOMED
 
 
 def test_a_reference_waits_for_a_device_that_cannot_follow():

@@ -33,7 +33,7 @@ NAMES = [*SCENE.names, *(f"tunnel.{name}" for name in TUNNEL.names)]
 
 
 def faults_of(target: str) -> list[Any]:
-    parameter = {"default": 1.0, "min": 0.0, "max": 2.0, "maps": [{"to": f"haptic.{target}"}]}
+    parameter = {"default": 1.0, "min": 0.5, "max": 2.0, "maps": [{"to": f"haptic.{target}"}]}
     return check_task(msgspec.convert({"parameters": {"p": parameter}}, TaskSpec), "/task", "scene.json")
 
 

@@ -322,8 +322,8 @@ def test_the_figure_that_was_markup(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("reported", "said"),
     [
-        ({}, "Figures are over finished trials"),
-        ({"counted": "trials"}, "Figures are over finished trials"),
+        ({}, "Averages of all trials that ended"),
+        ({"counted": "trials"}, "Averages of all trials that ended"),
         ({"counted": "practice"}, "figures are those of practice"),
         ({"counted": "under way"}, "figures are those of the one that was cut off"),
     ],

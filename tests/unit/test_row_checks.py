@@ -21,7 +21,6 @@ FAULTS = [
     (ShapeKind.CAPSULE, {"size": (0.1, -0.1, 0.0)}, "size"),
     (ShapeKind.BOX, {"rounding": 0.021}, "rounding"),
     (ShapeKind.CYLINDER, {"rounding": -0.001}, "rounding"),
-    (ShapeKind.MESH, {"mesh": 1}, "mesh is 1; it must be one of 1"),
     (ShapeKind.BOX, {"orientation": (0.0, 0.0, 0.0, 2.0)}, "orientation"),
     (ShapeKind.WALL, {"stiffness": 0.0}, "stiffness"),
     (ShapeKind.WALL, {"damping": -1.0}, "damping"),
@@ -37,7 +36,7 @@ def test_good_rows_pass():
     for kind in KINDS:
         play.add_shape(kind, SOLIDS.get(kind, ()))
     add_point(play)
-    check_shapes(play.rows.shapes[: len(KINDS)], meshes=1)
+    check_shapes(play.rows.shapes[: len(KINDS)])
     check_points(play.rows.points)
 
 
@@ -49,7 +48,7 @@ def test_bad_shapes_are_named(kind, fields, reported):
     for name, value in fields.items():
         play.rows.shapes[1][name] = value
     with pytest.raises(ValueError, match=rf"shapes\[1\]\.{reported}"):
-        check_shapes(play.rows.shapes[:2], meshes=1)
+        check_shapes(play.rows.shapes[:2])
 
 
 def test_the_door_of_the_loop_asks():
@@ -57,9 +56,9 @@ def test_the_door_of_the_loop_asks():
     play.add_shape(ShapeKind.MESH, ())
     add_point(play)
     scene = np.zeros(1, SCENE)
-    scene["sequence"], scene["objects"] = 1, play.counts[0]
+    scene["sequence"], scene["virtual_mass"], scene["objects"] = 1, 1.0, play.counts[0]
     check_block(scene, play.rows, ObjectCapacities(), meshes=1)
-    with pytest.raises(ValueError, match="mesh"):
+    with pytest.raises(ValueError, match=r"shapes\.mesh is 0"):
         check_block(scene, play.rows, ObjectCapacities(), meshes=0)
     scene["force_limit"] = -1.0
     with pytest.raises(ValueError, match=r"force_limit is -1.0"):

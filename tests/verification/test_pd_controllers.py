@@ -18,7 +18,6 @@ from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.kernels.joints import JOINT_WORK
 from mimics_app.rendering.haptic.kernels.kinematics import forward, inverse
 from mimics_app.rendering.haptic.scene_block import scene_from_components
-from mimics_app.world.components.robot import Robot
 
 T = 1e-3
 D1 = 0.46
@@ -130,7 +129,8 @@ def test_straight_world_pd_is_straight_to_first_order():
 def test_world_pd_target_behind_the_axis_is_reached_through_the_right_quadrant():
     u, still, work = np.zeros(MAX_JOINTS), np.zeros(MAX_JOINTS), np.zeros(1, JOINT_WORK)[0]
     target = np.array([-D1 - 0.1, 0.05, 0.0])
-    scene = scene_from_components(Robot(joint_min=(-1.0, -4.0, -1.0), joint_max=(1.0, 4.0, 1.0)))[0]
+    scene = scene_from_components()[0]
+    scene["joint_min"][:3], scene["joint_max"][:3] = (-1.0, -4.0, -1.0), (1.0, 4.0, 1.0)
     scene["target"][:3], scene["kp"], scene["kd"] = target, 1.0, 0.0
     assert world_pd_through_joints(KIN, scene, still, still, work, u) == KinematicsStatus.DONE
     q = np.zeros(3)

@@ -66,7 +66,7 @@ def examine(file: Path) -> dict[str, Any]:
     _check_devices(scene)
     from mimics_app.app.scenes.hints import hints
 
-    notes = [*scene.notes, *_notes_on_play(scene), *map(with_line, hints(scene))]
+    notes = [*scene.notes, *_notes_on_play(scene), *_notes_on_limits(scene), *map(with_line, hints(scene))]
     holds = {"entities": len(scene.entities), "materials": len(scene.materials), "assets": len(scene.assets)}
     return {"file": str(file), "ok": True, "kind": "scene", "hash": scene.hash, "holds": holds, "notes": notes}
 
@@ -96,6 +96,18 @@ def _notes_on_play(scene: Scene) -> list[str]:
             return ["a part, or a scene to look at with mimics view: mimics run needs a robot"]
         return [f"mimics run refuses it: {first.what}; {first.fix}"]
     return []
+
+
+def _notes_on_limits(scene: Scene) -> list[str]:
+    """Return a note on each limit that the scene sets beyond its usual value."""
+    from mimics_app.app.touch.ceiling import hold_limits
+    from mimics_app.app.touch.ceilings import read_ceiling
+    from mimics_app.scenarios.parts.robot_scene import robot_block
+    from mimics_app.world.components.robot import Robot
+
+    if not scene.components(Robot):
+        return []
+    return list(hold_limits(robot_block(scene), read_ceiling()).notes)
 
 
 def _check_devices(scene: Scene) -> None:

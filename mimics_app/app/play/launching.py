@@ -175,7 +175,11 @@ def _card(scene: ShippedScene, last: EarlierRun | None) -> ScenarioCard:
         picture=thumbnail_of(scene.name),
         scene=scene.file,
         group=GROUPS[scene.group],
-        facts=" · ".join(part for part in (scene.takes, scene.lasts) if part),
+        facts=" · ".join(part for part in (scene.takes, scene.lasts, _beyond(scene)) if part),
         refuses=refusals(scene),
         badge=f"last: {last.score:.0f} of 100" if last is not None and last.score is not None else "",
     )
+
+
+def _beyond(scene: ShippedScene) -> str:
+    return f"beyond the usual limits: {scene.limits}" if scene.limits else ""

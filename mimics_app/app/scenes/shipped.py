@@ -53,6 +53,7 @@ class ShippedScene:
         takes: Body part or tracker that a person plays it with.
         lasts: Number of trials and longest duration; "" without a task.
         device: Robot that it is made for; "" where it is only looked at.
+        limits: Limits that it sets beyond the usual ones; "" for none.
     """
 
     name: str
@@ -63,6 +64,7 @@ class ShippedScene:
     takes: str
     lasts: str
     device: str
+    limits: str = ""
 
 
 @cache
@@ -115,7 +117,28 @@ def _describe(file: Path) -> ShippedScene:
         takes="a look round" if looked_at else _takes(document),
         lasts="" if looked_at else _lasts(document.get("task") or {}),
         device="" if looked_at else next(iter(_devices(document)), SIMULATED),
+        limits=_limits(document),
     )
+
+
+def _limits(document: Mapping[str, Any]) -> str:
+    """Return the limits of the scene's own `safety` that are beyond the usual ones, with those of this machine."""
+    parts = (each.get("components", {}).get("safety") for each in document.get("entities", ()))
+    stated = next((part for part in parts if part), None)
+    if stated is None:
+        return ""
+    import msgspec
+
+    from mimics_app.app.touch.ceilings import CEILINGS, asked_of, notes_on, read_ceiling
+    from mimics_app.contracts.errors import UsageError
+    from mimics_app.world.components.robot import Safety
+
+    try:
+        ceiling = read_ceiling()
+    except UsageError:  # a run says what is wrong with the file
+        ceiling = {name: bound.conservative for name, bound in CEILINGS.items()}
+    asked = {name: bound.conservative for name, bound in CEILINGS.items()} | asked_of(msgspec.convert(stated, Safety))
+    return "; ".join(notes_on(asked, {name: CEILINGS[name].held(asked[name], ceiling[name]) for name in CEILINGS}))
 
 
 def _takes(document: Mapping[str, Any]) -> str:

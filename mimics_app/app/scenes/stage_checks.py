@@ -10,6 +10,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.app.scenes.parameter_checks import check_parameters
 from mimics_app.contracts.errors import DeviceError, Issue, SceneError, UsageError
 from mimics_app.estimation.registry import check_estimator
 from mimics_app.learning.goals import build_goal
@@ -58,7 +59,7 @@ def check_stages(scene: Scene) -> list[Issue]:
             found += check(scene)
         except SceneError as error:
             found += error.issues
-    return list(dict.fromkeys(found))
+    return list(dict.fromkeys(found)) or check_parameters(scene)
 
 
 def check_apart(scene: Scene) -> list[Issue]:

@@ -53,6 +53,7 @@ class SessionCore:
 
     Attributes:
         side: Haptic objects of the scene, as they were when the loop was built.
+        limit_notes: A line for each limit that the scene sets beyond its usual value.
         report: Shows a line to the person; discards it unless the session is a run.
         live: True when the haptic loop runs in real time; False on the virtual clock.
         ended: Whether `stop` was called: it plays no further frame.
@@ -75,6 +76,7 @@ class SessionCore:
         self.memory = memory
         self.clock: Clock = MonotonicClock() if parts.live else VirtualClock()
         self.parameter_store: ParameterStore = parts.parameter_store
+        self.limit_notes = parts.held.notes
         self.haptics: HapticEngine = parts.side.engine(memory, parts.plugin, recipe=parts.settings.recipe)
         seed = parts.settings.seed
         self.tasks = TaskManager(

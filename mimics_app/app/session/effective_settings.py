@@ -22,6 +22,7 @@ from mimics_app.world.scene.scene import Scene
 __all__ = ["EffectiveSetting", "effective_settings"]
 
 _DEFAULT = "default"
+_CEILING = "ceiling of this machine, see mimics limits"
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,8 +35,8 @@ class EffectiveSetting:
         name: As it is written in the section.
         value: In `unit`.
         unit: "" for a number without unit, a word or a truth value.
-        origin: "default", "profile NAME", "command line", "device NAME", or the place in a scene file as
-            file#/json/pointer.
+        origin: "default", "profile NAME", "command line", "device NAME", the ceiling of this machine, or the place in
+            a scene file as file#/json/pointer.
         meaning: Description for a person.
     """
 
@@ -77,6 +78,7 @@ def _limits(parts: Preparation) -> Iterator[EffectiveSetting]:
         origin = scene.place(f"{pointer}/{name}") if name in written else _DEFAULT
         meaning = _description(name)
         origin = device if value != getattr(stated, name) else origin
+        origin = _CEILING if name in parts.held.names else origin
         yield EffectiveSetting("safety", name, value, _unit(meaning), origin, meaning)
     latches = "Whether late ticks latch SAFE_STOP; of a simulated device they hold it"
     yield EffectiveSetting("safety", "late_latches", bool(block["late_latches"][0]), "", device, latches)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -60,6 +61,7 @@ class Frames:
         self.number = 0
         self.orders = TaskOrders()
         self.snapshot: HapticSnapshot | None = None
+        self._refused: set[str] = set()
         self.losses = LossWatch(core.side.effect_entities, core.report)
         self.safety = SafetyWatch(core.report)
         self._recorder = RecorderWatch(core.recorder, core.report)
@@ -156,8 +158,16 @@ class Frames:
         """Let the scenario move its entities, and pass on its parameters and the next action of the hand."""
         core = self._core
         core.scenario.apply(orders, snapshot)
-        core.parameter_store.change(core.scenario.haptic_orders())
+        self._tell(core.parameter_store.order(core.scenario.haptic_orders()))
         core.inputs.aim(core.scenario.aim(snapshot))
+
+    def _tell(self, refused: Mapping[str, str]) -> None:
+        """Report orders that were refused, each name once: they ended, the session goes on."""
+        for name, why in refused.items():
+            if name not in self._refused:
+                self._refused.add(name)
+                self._core.report(f"an order of the scene or a plug-in ended: {why}")
+                self._core.recorder.journal("refused", {"name": name, "why": why})
 
     def _report_cords(self) -> None:
         for name, cord in self._core.world.cords.items():
@@ -196,10 +206,9 @@ class Frames:
         core = self._core
         if vr.pointer is not None and vr.pointer.stop:
             core.haptics.stop_key()
-        haptic = dict(orders.haptic)
+        self._tell(core.parameter_store.order(orders.haptic, of_task=True))
         if "r" in vr.pressed:
-            haptic["resets"] = int(core.parameter_store.block["resets"][0]) + 1
-        core.parameter_store.change(haptic)
+            core.parameter_store.reset()
         if orders.view.robot_leads:
             x, y, z = snapshot.hip_world
             core.inputs.hold_at((float(x), float(y), float(z)))

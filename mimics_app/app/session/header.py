@@ -41,6 +41,7 @@ def describe_session(parts: Preparation) -> dict[str, Any]:
             **msgspec.structs.asdict(safety_of(parts.parameter_store.block)),
             "late_latches": bool(parts.parameter_store.block["late_latches"][0]),
         },
+        **({"beyond_usual_limits": list(parts.held.notes)} if parts.held.notes else {}),
         "settings": {
             name: str(value) if isinstance(value, Path) else value
             for name, value in asdict(settings).items()

@@ -17,6 +17,8 @@ from mimics_app.app.session.body import Body, open_body
 from mimics_app.app.session.mover import mover_of
 from mimics_app.app.session.requested import read_requested, with_requested_trials
 from mimics_app.app.settings import RunSettings
+from mimics_app.app.touch.ceiling import Held, hold_limits
+from mimics_app.app.touch.ceilings import read_ceiling
 from mimics_app.app.touch.device_fit import check_shape, feel_of
 from mimics_app.app.touch.haptic_side import HapticSide
 from mimics_app.app.touch.parameter_store import ParameterStore
@@ -54,6 +56,7 @@ class Preparation:
         scenario: The scenario of the scene.
         side: The haptic objects of the scene.
         parameter_store: The haptic parameters.
+        held: What the operator's ceiling makes of the scene's limits.
         task: The task; its trial file has been read, and its parameters' defaults taken from the scene.
         body: Body signals, their processing, the estimated state, and the learning system.
         robot: The scene's robot, with the device of this run.
@@ -70,6 +73,7 @@ class Preparation:
     scenario: Scenario
     side: HapticSide
     parameter_store: ParameterStore
+    held: Held
     task: TaskSpec
     body: Body
     robot: Robot
@@ -121,7 +125,8 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
     Raises:
         SceneError: The action file is faulty.
         DeviceError: The robot is not available.
-        UsageError: A sound device is requested, but the virtual clock would be too fast for it.
+        UsageError: A sound device is requested, but the virtual clock would be too fast for it; or the settings file of
+            this machine's limits is damaged.
     """
     plan = settle(scene, settings.profile, plan)
     world = build_world(scene)
@@ -129,6 +134,8 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
     scenario = open_scenario(scene, world)
     side = HapticSide(scene)
     store = side.parameter_store(scenario.scene_block())
+    held = hold_limits(store.block, read_ceiling())
+    store.fit(held.values)
     task = fill_defaults(resolve_files(task_of(scene), scene.path.parent, scene.root), store.value)
     task = with_requested_trials(eased(task, settings.difficulty), settings)
     robot, patient = _who_moves(settings, scene, live=live)
@@ -154,6 +161,7 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
         scenario=scenario,
         side=side,
         parameter_store=store,
+        held=held,
         task=task,
         body=body,
         robot=robot,

@@ -8,9 +8,10 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
+from mimics_app.contracts.errors import UsageError
 from mimics_app.recording.run_folder import write_atomically
 
-__all__ = ["read_config", "write_config"]
+__all__ = ["config_file", "read_config", "read_strictly", "write_config"]
 
 
 def _config_folder() -> Path:
@@ -29,6 +30,29 @@ def read_config(name: str) -> dict[str, object]:
     except (OSError, ValueError, RuntimeError):  # RuntimeError: nested too deeply, or an account without a home folder
         return {}
     return content if isinstance(content, dict) else {}
+
+
+def config_file(name: str) -> Path:
+    """Return the path of a settings file; it may not exist."""
+    return _config_folder() / f"{name}.json"
+
+
+def read_strictly(name: str) -> dict[str, object]:
+    """Return the contents of a file that must not be ignored where it is damaged; {} where it is missing.
+
+    Raises:
+        UsageError: It exists and cannot be read, or holds no JSON object.
+    """
+    try:
+        file = config_file(name)
+        content = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+    except RuntimeError:  # an account without a home folder
+        return {}
+    except (OSError, ValueError) as error:
+        raise UsageError(f"{file}: cannot be read: {error}", "correct it or remove it") from error
+    if not isinstance(content, dict):
+        raise UsageError(f"{file}: holds no object", "correct it or remove it")
+    return content
 
 
 def write_config(name: str, content: Mapping[str, object]) -> None:

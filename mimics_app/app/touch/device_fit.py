@@ -37,10 +37,8 @@ def feel_of(plugin: DevicePlugin) -> Controller:
 
 
 def _joint_values(plugin: DevicePlugin, scene: Scene) -> Mapping[str, object]:
-    """Return the parameters of a device that replaces the scene's own."""
+    """Return joints, points of contact and joint limits of the device, whatever the scenario's block says of them."""
     robot, descriptor = scene.first(Robot) or Robot(), plugin.descriptor or HAPTICMASTER
-    if descriptor is descriptor_of(robot.device):
-        return {}
     return kinematic_values(robot, descriptor, scene.first(Admittance))
 
 

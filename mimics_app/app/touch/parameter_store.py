@@ -1,16 +1,24 @@
-"""Parameter store: the current haptic parameters, changed by dotted name and published as whole blocks."""
+"""Parameter store: the current haptic parameters, changed by dotted name and published as whole blocks.
+
+What may be written while a session runs is a closed list: the numbers of `contracts.field_ranges` that are marked as
+written, each within its range; by the task manager also controller and trial. A person alone leaves a stop (`reset`).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import UsageError, nearest
-from mimics_app.contracts.haptic import LIMIT_NAMES, SCENE
+from mimics_app.contracts.field_ranges import Range, range_of, writable_names
+from mimics_app.contracts.haptic import LIMIT_NAMES, SCENE, Controller
 from mimics_app.contracts.object_rows import Rows
+from mimics_app.contracts.plural import counted
+from mimics_app.rendering.haptic.block_check import check_values
 
 __all__ = ["ParameterStore"]
 
@@ -18,6 +26,11 @@ _PREFIX = "haptic."
 
 _DERIVED = frozenset(Rows._fields) - {"tunnels"}
 """Tables whose changes must raise the revision, because the loop caches results derived from them."""
+
+_OF_TASK: Mapping[str, Range] = {"controller": Range(0, int(max(Controller))), "trial": Range(0, 2.0**62)}
+"""What the task manager writes besides."""
+
+_OF_SCENE: Mapping[str, Range] = {}
 
 Receiver = Callable[[NDArray[Any], Rows | None], object]
 """Takes a SCENE record, shape [1], and the tables of objects."""
@@ -89,14 +102,21 @@ class ParameterStore:
     ) -> bool:
         """Take the parameters of a reloaded scene; the values changed so far are set again, and the limits are kept.
 
+        A value that the new scene has no place for is left out.
+
         Returns:
             Whether the new parameters have other limits.
         """
-        block["sequence"] = self._block["sequence"]
+        for name in ("sequence", "resets"):
+            block[name] = self._block[name]
         kept = {name: self._block[0][name].copy() for name in LIMIT_NAMES}
         self._block, self._rows, self._names = block, rows, names or {}
-        for name, value in {**self._fitted, **self._ordered}.items():
+        for name, value in self._fitted.items():
             self._set(name, value)
+        ordered, self._ordered = self._ordered, {}
+        for name, value in ordered.items():
+            with suppress(UsageError):
+                self._write({name: value}, _OF_TASK)
         others = [self._set(name, value) for name, value in kept.items()]
         self._publish()
         return any(others)
@@ -108,19 +128,94 @@ class ParameterStore:
             Whether a value changed.
 
         Raises:
-            UsageError: A name is no field of the haptic scene, or a limit.
+            UsageError: A name may not be written, or a value is outside its range; then nothing changes.
         """
-        for name in values:
-            self._refuse_limit(name)
-        changed = [self._set(name, value) for name, value in values.items()]
-        self._ordered.update(values)
-        if any(changed):
+        changed = self._write(values, _OF_TASK)
+        if changed:
             self._publish()
-        return any(changed)
+        return changed
 
-    def _refuse_limit(self, name: str) -> None:
-        if name.removeprefix(_PREFIX) in LIMIT_NAMES:
+    def order(self, values: Mapping[str, object], *, of_task: bool = False) -> dict[str, str]:
+        """Set what may be set of the values of a task or a plug-in; the rest is refused, and the run goes on.
+
+        Args:
+            values: Values by dotted name.
+            of_task: Whether they come from the task manager.
+
+        Returns:
+            Why a value was refused, by its name.
+        """
+        may = _OF_TASK if of_task else _OF_SCENE
+        refused: dict[str, str] = {}
+        try:
+            changed = self._write(values, may)
+        except UsageError:
+            changed = False
+            for name, value in values.items():
+                try:
+                    changed |= self._write({name: value}, may)
+                except UsageError as error:
+                    refused[name] = error.what
+        if changed:
+            self._publish()
+        return refused
+
+    def reset(self) -> None:
+        """Let the loop leave a latched stop; only for a person's own key or button."""
+        self._block[0]["resets"] += 1
+        self._publish()
+
+    def _write(self, values: Mapping[str, object], may: Mapping[str, Range]) -> bool:
+        """Set values without sending them; return whether one differs. All or none are set.
+
+        Raises:
+            UsageError: A name may not be written, or a value is outside its range.
+        """
+        for name, value in values.items():
+            self._check(name.removeprefix(_PREFIX), value, may)
+        before = {name: self._present(name) for name in values}
+        revision = int(self._block[0]["objects"]["revision"])
+        changed = any([self._set(name, value) for name, value in values.items()])
+        if changed:
+            try:
+                check_values(self._block, self._rows)
+            except ValueError as error:
+                self._block[0]["objects"]["revision"] = revision
+                self._restore(before)
+                raise UsageError(f"{', '.join(values)} cannot be set: {error}") from None
+        self._ordered.update(values)
+        return changed
+
+    def _present(self, name: str) -> list[Any]:
+        """Return copies of a value, one for each row of the name."""
+        records, field = self._find(name)
+        return [record[field].copy() for record in records]
+
+    def _restore(self, values: Mapping[str, list[Any]]) -> None:
+        for name, kept in values.items():
+            records, field = self._find(name)
+            for record, value in zip(records, kept, strict=True):
+                record[field] = value
+
+    def _check(self, name: str, value: object, may: Mapping[str, Range]) -> None:
+        """Refuse a name that may not be written, and a value that is no number or outside its range."""
+        if name in LIMIT_NAMES:
             raise UsageError(f'"{name}" is a limit of the haptic loop, set once at the start', 'set it under "safety"')
+        records, field = self._find(name)
+        table = name.partition(".")[0] if "." in name else ""
+        span = may.get(name) or range_of(table, field)
+        if span is None:
+            hint = nearest(field, writable_names(table)) if table != "points" and table != "wires" else ""
+            raise UsageError(f'"{name}" may not be written while a session runs', hint)
+        try:
+            given = np.asarray(value, np.float64)
+        except (TypeError, ValueError):
+            given = np.zeros(0)
+        size = np.size(records[0][field])
+        if not 0 < given.size <= size:
+            raise UsageError(f'"{name}" = {value!r} is refused: it takes {counted(size, "numbers")}')
+        if not span.holds(given):
+            raise UsageError(f'"{name}" = {value} is refused: it must be {span}')
 
     def value(self, name: str) -> float:
         """Return the present value of a number by dotted name, e.g. "tunnel.stiffness".

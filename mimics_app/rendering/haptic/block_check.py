@@ -8,16 +8,17 @@ import numpy as np
 
 from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.bounded_fields import largest_values
-from mimics_app.contracts.haptic import FEEL, LIMIT_NAMES
-from mimics_app.contracts.haptic_objects import STATIC
+from mimics_app.contracts.field_ranges import RANGES, SCENE_RANGES, Range
+from mimics_app.contracts.haptic import LIMIT_NAMES, SCENE
+from mimics_app.contracts.haptic_objects import STATIC, ShapeKind
 from mimics_app.contracts.loop_fields import MAX_CONTACTS
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, count_rows
 from mimics_app.rendering.haptic.row_checks import check_points, check_shapes
 
-__all__ = ["check_block"]
+__all__ = ["check_block", "check_values"]
 
 
-_NOT_NEGATIVE = (*sorted(LIMIT_NAMES - {"joint_min", "joint_max"}), *(name for name, _ in FEEL))
+_NOT_NEGATIVE = sorted(LIMIT_NAMES - {"joint_min", "joint_max"})
 """Fields of SCENE that must be 0 or more: a negative limit would reverse a force."""
 
 _ROTATION_TOLERANCE = 1e-3
@@ -34,26 +35,71 @@ def check_block(scene: Records, rows: Rows | None, capacities: ObjectCapacities,
         meshes: Number of meshes that shapes may refer to.
 
     Raises:
-        ValueError: A number is not finite, a limit negative, a choice, count or row out of range, a rotation none, a
-            shape without size, a surface with negative damping, or `sequence` is not positive.
+        ValueError: A choice, count or row is out of range, `sequence` is not positive, or `check_values` refuses a
+            number.
     """
     if int(scene[0]["sequence"]) < 1:
         raise ValueError("SCENE.sequence must count up from 1")
     for name, largest in largest_values(scene.dtype).items():
         _check_whole(f"SCENE.{name}", int(scene[0][name]), 0, largest)
-    for name in _float_fields(scene.dtype):
-        if not np.all(np.isfinite(scene[0][name])):
-            raise ValueError(f"SCENE.{name} is not finite")
-    for name in _NOT_NEGATIVE:
-        if np.any(scene[0][name] < 0):
-            raise ValueError(f"SCENE.{name} is {scene[0][name]}; it must not be negative")
-    if np.linalg.norm(scene[0]["R_world_from_robot"], 2) > 1.0 + _ROTATION_TOLERANCE:
-        raise ValueError("SCENE.R_world_from_robot is not a rotation: it would amplify forces")
     _check_rows(scene[0]["objects"], rows, capacities)
     _check_whole("SCENE.own_tunnel", int(scene[0]["own_tunnel"]), 0, max(0, int(scene[0]["objects"]["tunnels"]) - 1))
+    check_values(scene, rows)
     if rows is not None:
-        check_shapes(rows.shapes[: scene[0]["objects"]["shapes"]], meshes)
-        check_points(rows.points[: scene[0]["objects"]["points"]])
+        shapes = rows.shapes[: scene[0]["objects"]["shapes"]]
+        of_mesh = shapes["mesh"][shapes["kind"] == ShapeKind.MESH]
+        _check_column("shapes.mesh", of_mesh, 0, meshes - 1)
+
+
+def check_values(scene: Records, rows: Rows | None) -> None:
+    """Refuse numbers of a block that are not physical; its counts, choices and references are right.
+
+    The same check holds for a scene that is read, for a run that begins, and for every value that is written later.
+
+    Args:
+        scene: SCENE record, shape [1].
+        rows: Tables of objects that the record counts; None where it counts none.
+
+    Raises:
+        ValueError: A number is not finite, a limit negative, a number outside its range, a rotation none, a shape
+            without size, or a surface that would add energy.
+    """
+    _check_scene(scene[0])
+    if rows is None:
+        return
+    used = count_rows(scene[0]["objects"])
+    check_shapes(rows.shapes[: used["shapes"]])
+    check_points(rows.points[: used["points"]])
+    for table in (table for table, count in used.items() if count):
+        for name, span in RANGES[table].items():
+            _check_range_of_rows(f"{table}[{{}}].{name}", getattr(rows, table)[name][: used[table]], span)
+
+
+def _check_scene(record: np.void) -> None:
+    for name in _float_fields(SCENE):
+        if not np.all(np.isfinite(record[name])):
+            raise ValueError(f"SCENE.{name} is not finite")
+    for name in _NOT_NEGATIVE:
+        if np.any(record[name] < 0):
+            raise ValueError(f"SCENE.{name} is {record[name]}; it must not be negative")
+    for name, span in SCENE_RANGES.items():
+        _check_range(f"SCENE.{name}", record[name], span)
+    if record["ball_radius_min"] > record["ball_radius_max"]:
+        raise ValueError(f"SCENE.ball_radius_min is {record['ball_radius_min']}; it must not be above ball_radius_max")
+    if np.linalg.norm(record["R_world_from_robot"], 2) > 1.0 + _ROTATION_TOLERANCE:
+        raise ValueError("SCENE.R_world_from_robot is not a rotation: it would amplify forces")
+
+
+def _check_range_of_rows(name: str, column: Records, span: Range) -> None:
+    good = ((column >= span.least) & (column <= span.most)).reshape(len(column), -1).all(axis=1)
+    if not good.all():
+        row = int(good.argmin())
+        _check_range(name.format(row), column[row], span)
+
+
+def _check_range(name: str, value: Records, span: Range) -> None:
+    if not span.holds(value):
+        raise ValueError(f"{name} is {value}; it must be {span}")
 
 
 def _check_rows(counts: np.void, rows: Rows | None, capacities: ObjectCapacities) -> None:
@@ -85,8 +131,9 @@ def _check_table(name: str, table: Records) -> None:
 
 
 def _check_column(name: str, values: Records, least: int, largest: int) -> None:
-    for value in values:
-        _check_whole(name, int(value), least, largest)
+    bad = (values < least) | (values > largest)
+    if bad.any():
+        _check_whole(name, int(values[bad.argmax()]), least, largest)
 
 
 def _check_whole(name: str, value: int, least: int, largest: int) -> None:

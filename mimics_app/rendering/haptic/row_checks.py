@@ -19,17 +19,16 @@ _UNIT = 1e-3
 """Largest deviation of a quaternion's length from 1."""
 
 
-def check_shapes(shapes: Records, meshes: int) -> None:
+def check_shapes(shapes: Records) -> None:
     """Refuse SHAPE rows that cannot be rendered.
 
     Args:
         shapes: Rows in use, finite, with valid kinds and laws.
-        meshes: Number of meshes in the loop.
 
     Raises:
         ValueError: The message names the row, the field and the rule.
     """
-    _check_forms(shapes, meshes)
+    _check_forms(shapes)
     stiffness, damping = shapes["stiffness"], shapes["damping"]
     _refuse(stiffness <= 0.0, "stiffness", stiffness, "must be above 0")
     _refuse(damping < 0.0, "damping", damping, "must not be negative: it would add energy")
@@ -48,14 +47,12 @@ def check_points(points: Records) -> None:
     _refuse(points["radius"] < 0.0, "radius", points["radius"], "must not be negative", "points")
 
 
-def _check_forms(shapes: Records, meshes: int) -> None:
+def _check_forms(shapes: Records) -> None:
     kind, size, rounding = shapes["kind"], shapes["size"], shapes["rounding"]
     empty = ((size <= 0.0) & (np.arange(3) < SIZE_COMPONENTS[kind][:, None])).any(axis=1)
     _refuse(empty, "size", size, "must be above 0")
     turn = np.linalg.norm(shapes["orientation"], axis=1)
     _refuse(np.abs(turn - 1.0) > _UNIT, "orientation", shapes["orientation"], "must be a unit quaternion")
-    missing = (kind == ShapeKind.MESH) & ((shapes["mesh"] < 0) | (shapes["mesh"] >= meshes))
-    _refuse(missing, "mesh", shapes["mesh"], f"must be one of {meshes}")
     room = np.full(len(shapes), math.inf)
     room[kind == ShapeKind.BOX] = size[kind == ShapeKind.BOX].min(axis=1) / 2.0
     round_ = kind == ShapeKind.CYLINDER

@@ -9,10 +9,9 @@ D2.1 4.2.5 and 4.2.6 command.
 
 from __future__ import annotations
 
-import math
-
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.limiter import lever_of
 from mimics_app.rendering.haptic.kernels.vectors import clamp_norm
 
 __all__ = ["draw_along", "draw_joints"]
@@ -68,10 +67,8 @@ def draw_joints(
     """
     joints = tau.shape[0]
     for j in range(joints):
-        square = 0.0
-        for row in range(rows):
-            square += jacobian[row * joints + j] ** 2
-        stiffness, damping, most = gains[0] * square, gains[1] * square, gains[2] * math.sqrt(square)
+        lever = lever_of(jacobian, rows, joints, j)
+        stiffness, damping, most = gains[0] * lever * lever, gains[1] * lever * lever, gains[2] * lever
         reach = most / stiffness if stiffness > 0.0 else 0.0
         gap = min(reach, max(-reach, reference[j] + dq_reference[j] * dt - q[j]))
         reference[j] = q[j] + gap

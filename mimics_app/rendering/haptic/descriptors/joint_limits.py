@@ -1,7 +1,8 @@
-"""Joint limits of a device in one scene: those of the scene's robot, else of the descriptor."""
+"""Joint limits of a device in one scene: those of its descriptor, which the scene's robot may narrow."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
 from mimics_app.contracts.errors import DeviceError
@@ -33,21 +34,21 @@ class JointLimits(NamedTuple):
 
 
 def joint_limits(robot: Robot, descriptor: DeviceDescriptor = HAPTICMASTER) -> JointLimits:
-    """Return the effective joint limits.
+    """Return the effective joint limits: the narrower of the robot's and of the device's own, for every joint.
 
     Raises:
         DeviceError: The robot's limits are for another number of joints than the device has.
     """
     joints = descriptor.joints
     return JointLimits(
-        _given(robot.joint_min, "joint_min", tuple(joint.lowest for joint in joints)),
-        _given(robot.joint_max, "joint_max", tuple(joint.highest for joint in joints)),
-        _given(robot.velocity_limit, "velocity_limit", tuple(joint.velocity for joint in joints)),
-        _given(robot.acceleration_limit, "acceleration_limit", tuple(joint.acceleration for joint in joints)),
+        _given(robot.joint_min, "joint_min", tuple(joint.lowest for joint in joints), max),
+        _given(robot.joint_max, "joint_max", tuple(joint.highest for joint in joints), min),
+        _given(robot.velocity_limit, "velocity_limit", tuple(joint.velocity for joint in joints), min),
+        _given(robot.acceleration_limit, "acceleration_limit", tuple(joint.acceleration for joint in joints), min),
     )
 
 
-def _given(values: Joints | None, name: str, own: Joints) -> Joints:
+def _given(values: Joints | None, name: str, own: Joints, narrower: Callable[[float, float], float]) -> Joints:
     if values is None:
         return own
     if len(values) != len(own):
@@ -55,4 +56,4 @@ def _given(values: Joints | None, name: str, own: Joints) -> Joints:
             f"the robot's {name} has {len(values)} numbers, its device {len(own)} joints",
             "give one number for each joint, or leave it out",
         )
-    return values
+    return tuple(narrower(asked, limit) for asked, limit in zip(values, own, strict=True))

@@ -36,7 +36,21 @@ def check_robot(robot: Robot, pointer: str, scene: Scene) -> list[Issue]:
         for name in _PER_JOINT
         if (given := getattr(robot, name)) is not None and len(given) != count
     ]
-    return issues or _check_range(robot, descriptor, pointer, scene)
+    return issues or _check_own(robot, descriptor, pointer, scene) or _check_range(robot, descriptor, pointer, scene)
+
+
+def _check_own(robot: Robot, descriptor: DeviceDescriptor, pointer: str, scene: Scene) -> list[Issue]:
+    """Return the faults of joint limits beyond those of the device: a scene may only narrow them."""
+    held = joint_limits(robot, descriptor)
+    pairs = zip(_PER_JOINT, (held.lowest, held.highest, held.velocity, held.acceleration), strict=True)
+    return [
+        scene.issue(
+            f"{pointer}/{name}/{i}", f"{asked:g} is beyond the device's own, {own:g}", "narrow it or leave it out"
+        )
+        for name, limits in pairs
+        for i, (asked, own) in enumerate(zip(getattr(robot, name) or limits, limits, strict=True))
+        if asked != own
+    ]
 
 
 def _check_range(robot: Robot, descriptor: DeviceDescriptor, pointer: str, scene: Scene) -> list[Issue]:

@@ -1,8 +1,10 @@
 """Force on the user: virtual forces after stiffness cap, passivity controller, energy tank and limiter.
 
     contacts   tunnel wall and static shapes: no stiffer than stable, and never giving more energy than they took
-    active     assistance, effects, held bodies, movable shapes: paid from the energy tank
-    the rest   drag: only dissipates
+    active     assistance, effects, held bodies, movable shapes: paid from the energy tank, which they fill as well
+    the rest   drag and viscosity: what they take is lost; what they would give, by a delay, the tank pays
+
+Every part of the force on the user is in one of these accounts: the rest is what the others leave of the whole.
 
 `account` runs before the safety state machine, `act` after it.
 """
@@ -50,8 +52,11 @@ ACTING = np.dtype(
         ("displacement", "f8", (3,)),  # of the same since the last tick [m]
         ("contact", "f8", (3,)),  # contacts' share of the force on the user, held since the last tick, world [N]
         ("active", "f8", (3,)),  # active forces' share of it [N]
+        ("rest", "f8", (3,)),  # what is neither [N]
+        ("limited", "f8", (2,)),  # shares of the last and of the wanted force in this tick's, by the limiter
         ("contacts", "f8", (_LINE, 3)),  # delay line of `contact`, by tick
         ("actives", "f8", (_LINE, 3)),  # delay line of `active`
+        ("rests", "f8", (_LINE, 3)),  # delay line of `rest`
         ("credit", "f8"),  # energy contacts may still give [J]; below 0: debt
         ("free_ticks", "i8"),  # in a row without a contact
         ("tank", "f8"),  # level [J]
@@ -156,6 +161,7 @@ def _store_shares(state: StateRecord) -> None:
     slot = state.tick % _LINE
     copy(acting.contact, acting.contacts[slot])
     copy(acting.active, acting.actives[slot])
+    copy(acting.rest, acting.rests[slot])
 
 
 @kernel
@@ -193,16 +199,17 @@ def account(scene: SceneRecord, state: StateRecord, dt: float) -> None:
         acting.both_share = 1.0
     _find_displacement(scene, state, dt)
     acting.known = 1
-    active = 0.0
+    active, rest = 0.0, 0.0
     acted = state.tick - 1 - _delay_ticks(scene, state, dt)
     if acted >= 0:
         slot = acted % _LINE
         for i in range(3):
             acting.credit -= acting.contacts[slot, i] * acting.displacement[i]
             active += acting.actives[slot, i] * acting.displacement[i]
+            rest += acting.rests[slot, i] * acting.displacement[i]
     speed = norm(acting.v)
     acting.inflow = scene.tank_refill + scene.tank_return * scene.virtual_damping * speed * speed
-    acting.tank = settle_account(acting.tank, active, acting.inflow, scene.tank_size, dt)
+    acting.tank = settle_account(acting.tank, active + max(0.0, rest), acting.inflow, scene.tank_size, dt)
     acting.least_tank = min(acting.least_tank, acting.tank)
 
 
@@ -222,14 +229,17 @@ def _cap_shapes(
 
 
 @kernel
-def _split_forces(state: StateRecord, totals: TotalsRecord) -> None:
-    """Set state.f_contact and state.f_active [N], shapes at their capped share."""
+def _split_forces(scene: SceneRecord, state: StateRecord, totals: TotalsRecord) -> None:
+    """Set state.f_contact, f_active and f_rest [N], shapes at their capped share."""
     acting = state.acting
+    viscosity = scene.virtual_damping if scene.controller == Controller.IMPEDANCE else 0.0
     movable = totals.touching > totals.static_touching
     for i in range(3):
         shapes = acting.shape_share * totals.shape_force[i]
         state.f_contact[i] = state.tunnel.wall_force * state.tunnel.normal_world[i]
         state.f_active[i] = state.tunnel.assist_world[i] + totals.effect_force[i] + totals.grip_force[i]
+        state.f_rest[i] = state.f_virt_world[i] - totals.shape_force[i] - state.f_contact[i] - state.f_active[i]
+        state.f_rest[i] -= viscosity * state.v_world[i]
         if movable:
             state.f_active[i] += shapes
         else:
@@ -273,12 +283,17 @@ def _passivity_factor(scene: SceneRecord, state: StateRecord, dt: float) -> floa
 
 
 @kernel
-def _tank_share(state: StateRecord) -> float:
-    """Share of the active forces that the tank can pay at the present velocity."""
-    power = 0.0
+def _pay(state: StateRecord) -> None:
+    """Scale the active forces, and dampers that would give energy, to what the tank can pay at the present velocity."""
+    acting = state.acting
+    active, rest = 0.0, 0.0
     for i in range(3):
-        power += state.f_active[i] * state.acting.v[i]
-    return payable_share(state.acting.tank, power, state.acting.inflow)
+        active += state.f_active[i] * acting.v[i]
+        rest += state.f_rest[i] * acting.v[i]
+    acting.tank_share = payable_share(acting.tank, active + max(0.0, rest), acting.inflow)
+    scale(state.f_active, acting.tank_share)
+    if rest > 0.0:
+        scale(state.f_rest, acting.tank_share)
 
 
 @kernel
@@ -290,20 +305,29 @@ def _compose(
     period: float,
     dt: float,
 ) -> None:
-    """Set state.f_wanted, the virtual force less the parts removed by cap, passivity controller and tank."""
-    acting = state.acting
+    """Set state.f_wanted, the sum of the accounts after cap, passivity controller and tank."""
     _cap_shapes(scene, state, totals, touched, period)
-    _split_forces(state, totals)
+    _split_forces(scene, state, totals)
     _limit_credit(state, totals, dt)
-    factor = _passivity_factor(scene, state, dt)
-    acting.tank_share = _tank_share(state)
-    viscosity = scene.virtual_damping if scene.controller == Controller.IMPEDANCE else 0.0
+    scale(state.f_contact, _passivity_factor(scene, state, dt))
+    _pay(state)
     for i in range(3):
-        removed = (1.0 - acting.shape_share) * totals.shape_force[i]
-        removed += (1.0 - factor) * state.f_contact[i] + (1.0 - acting.tank_share) * state.f_active[i]
-        state.f_wanted[i] = state.f_virt_world[i] - removed - viscosity * state.v_world[i]
-        acting.contact[i] = factor * state.f_contact[i]
-        acting.active[i] = acting.tank_share * state.f_active[i]
+        state.f_wanted[i] = state.f_contact[i] + state.f_active[i] + state.f_rest[i]
+
+
+@kernel
+def _book(state: StateRecord) -> None:
+    """Divide the force on the user among the accounts, by the limiter's shares of the last and of the wanted force."""
+    acting = state.acting
+    kept, new = acting.limited[0], acting.limited[1]
+    scale(acting.contact, kept)
+    scale(acting.active, kept)
+    scale(acting.rest, kept)
+    if new > 0.0:  # else the wanted force may not be finite
+        for i in range(3):
+            acting.contact[i] += new * state.f_contact[i]
+            acting.active[i] += new * state.f_active[i]
+            acting.rest[i] += new * state.f_rest[i]
 
 
 @kernel
@@ -329,21 +353,19 @@ def act(
     """
     acting = state.acting
     f = state.f_user_world
+    acting.limited[0], acting.limited[1] = 0.0, 0.0
     if held == HOLD and not is_stopped(state):
-        factor = limit_held(state.v_world, scene.power_limit, f)
-        scale(acting.contact, factor)
-        scale(acting.active, factor)
+        acting.limited[0] = limit_held(state.v_world, scene.power_limit, f)
     else:
         _compose(scene, state, totals, touched, period, dt)
-        rise = scene.force_rate_limit * dt
+        rise, most = scene.force_rate_limit * dt, scene.force_limit
         if is_stopped(state):
             fill(f, 0.0)
-        elif not limit_force(state.f_wanted, state.ramp, scene.force_limit, rise, state.v_world, scene.power_limit, f):
+        elif not limit_force(
+            state.f_wanted, state.ramp, most, rise, state.v_world, scene.power_limit, f, acting.limited
+        ):
             latch(state, SafetyState.SAFE_STOP, TripCause.NOT_FINITE)
-        wanted = norm(state.f_wanted)
-        felt = norm(f) / wanted if wanted > 0.0 else 0.0
-        scale(acting.contact, felt)
-        scale(acting.active, felt)
+    _book(state)
     if is_stopped(state):
         acting.credit = 0.0
     _store_shares(state)

@@ -25,7 +25,13 @@ from mimics_app.rendering.haptic.kernels.joints import (
     torques_of,
     velocities_of,
 )
-from mimics_app.rendering.haptic.kernels.limiter import brake_at_limits, limit_joints, settle
+from mimics_app.rendering.haptic.kernels.limiter import (
+    brake_at_limits,
+    limit_force,
+    limit_joints,
+    limit_torques,
+    settle,
+)
 from mimics_app.rendering.haptic.kernels.safety import HOLD, is_stopped, latch, lets_feel
 from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill, norm, scale
 
@@ -43,6 +49,9 @@ _DRIVE_SPEED = 0.3
 
 _ARRIVED_DISTANCE = 1e-3
 """Largest distance from the target of a point that has arrived [m]."""
+
+_ROUNDING = 1e-13
+"""Relative excess of a speed that is none [-]."""
 
 _ARRIVED_SPEED = 5e-3
 """Largest speed of a point that has arrived [m/s]."""
@@ -207,6 +216,17 @@ def _velocities_finite(scene: SceneRecord, states: Table[StateRecord]) -> bool:
 
 
 @kernel
+def _keep_speed(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> None:
+    """Scale dq_virtual to `max_velocity` at every point, after all that changes it: joint limits turn the motion."""
+    state, work = states[0], states[0].joint_work
+    velocities_of(kin, scene, state.q, state.dq_virtual, work, work.velocities)
+    share = _share_below(scene, work.velocities, scene.max_velocity * (1.0 + _ROUNDING))
+    if share < 1.0:
+        scale(state.dq_virtual, share)
+        _find_velocities(kin, scene, states, state.dq_virtual)
+
+
+@kernel
 def _control_motion(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
     """Set the joint velocities for a velocity-driven device."""
     state, work = states[0], states[0].joint_work
@@ -224,6 +244,7 @@ def _control_motion(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt
     )
     if brake_at_limits(state.q, scene.joint_min, scene.joint_max, state.dq_virtual) or limited:
         _find_velocities(kin, scene, states, state.dq_virtual)
+    _keep_speed(kin, scene, states)
     if all_finite(state.dq_virtual) and _velocities_finite(scene, states):
         copy(state.dq_virtual, state.command)
     else:
@@ -231,8 +252,19 @@ def _control_motion(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt
 
 
 @kernel
+def _limit_drive(scene: SceneRecord, point: StateRecord, dt: float, wanted: Vec) -> None:
+    """Move f_command towards `wanted` [N] within the limits of the force on the user."""
+    rise = scene.force_rate_limit * dt
+    if not limit_force(wanted, 1.0, scene.force_limit, rise, point.v, scene.power_limit, point.f_command, point.work_b):
+        copy(wanted, point.f_command)  # not finite: the caller stops
+
+
+@kernel
 def _control_force(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
-    """Set the forces for a force-driven device: the force on the user, or one that draws the device to a target."""
+    """Set the forces for a force-driven device: the force on the user, or one that draws the device to a target.
+
+    Both are within the same limits of force, of its change, and of power.
+    """
     state = states[0]
     drives = scene.controller == Controller.JOINT_PD or scene.controller == Controller.WORLD_PD
     if drives:
@@ -249,11 +281,12 @@ def _control_force(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt:
                 point.v_virtual,
                 scene.drive_stiffness,
                 scene.drive_damping,
-                scene.drive_force,
+                min(scene.drive_force, scene.force_limit),
                 dt,
                 point.reference,
-                point.f_command,
+                point.work_a,
             )
+            _limit_drive(scene, point, dt, point.work_a)
         else:
             copy(point.hip, point.reference)
             fill(point.v_virtual, 0.0)
@@ -268,14 +301,22 @@ def _control_force(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt:
 
 @kernel
 def _draw_joints(kin: Kin, scene: SceneRecord, state: StateRecord, dt: float) -> None:
-    """Set the torque_command that draws the joints along with dq_virtual."""
+    """Set the torque_command that draws the joints along with dq_virtual, within the limits of the force on the user.
+
+    The force of a joint's torque is that at the points of contact: the torque over its lever arm to them.
+    """
     work = state.joint_work
     find_jacobian(kin, scene, state.q, work)
     gains, joints = work.side, scene.joints
-    gains[0], gains[1], gains[2] = scene.drive_stiffness, scene.drive_damping, scene.drive_force
-    tau = state.torque_command[:joints]
+    gains[0], gains[1] = scene.drive_stiffness, scene.drive_damping
+    gains[2] = min(scene.drive_force, scene.force_limit)
+    tau = work.step[:joints]
     rows = 3 * scene.contacts
     draw_joints(state.q, state.dq, state.dq_virtual, work.jacobian, rows, gains, dt, state.joint_reference, tau)
+    rise = scene.force_rate_limit * dt
+    if not all_finite(tau):
+        fill(tau, 0.0)
+    limit_torques(tau, work.jacobian, rows, scene.force_limit, rise, state.torque_command[:joints])
 
 
 @kernel

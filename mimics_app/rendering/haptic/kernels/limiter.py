@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill, norm, scale
+from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill, scale
 
-__all__ = ["brake_at_limits", "limit_force", "limit_held", "limit_joints", "settle"]
+__all__ = ["brake_at_limits", "lever_of", "limit_force", "limit_held", "limit_joints", "limit_torques", "settle"]
 
 Limits = NDArray[np.float64] | NDArray[np.float32]
 
@@ -38,28 +38,78 @@ def _usable(limit: float) -> bool:
 
 
 @kernel
+def limit_held(v: Vec, power_limit: float, f: Vec) -> float:
+    """Scale a force [N] to |f.v| <= power_limit [W]; return the factor used, 0-1."""
+    total = 1.0
+    for _ in range(2):  # the first factor may be too small for all its digits
+        power = abs(f[0] * v[0] + f[1] * v[1] + f[2] * v[2])
+        if power <= power_limit:
+            break
+        factor = power_limit / power if math.isfinite(power) and _usable(power_limit) else 0.0
+        scale(f, factor)
+        total *= factor
+    return total
+
+
+@kernel
+def _largest(a: Vec) -> float:
+    """Largest magnitude of the components of a."""
+    return max(abs(a[0]), abs(a[1]), abs(a[2]))
+
+
+@kernel
+def _approach(wanted: Vec, largest: float, reach: float, rise_limit: float, f: Vec, shares: Vec) -> None:
+    """Move f [N] towards the target (wanted / largest) reach, at most `rise_limit` [N] from where a fall alone leads.
+
+    A fall leads to the point nearest to the target between zero and f. `largest` is that of wanted's components.
+    """
+    whole = max(reach, _largest(f))
+    if not whole > 0.0:
+        return
+    along, square = 0.0, 0.0
+    for i in range(3):
+        along += (f[i] / whole) * (wanted[i] / largest * (reach / whole))
+        square += (f[i] / whole) ** 2
+    kept = min(1.0, max(0.0, along / square)) if square > 0.0 else 0.0
+    gap = 0.0  # over `whole`
+    for i in range(3):
+        gap += (wanted[i] / largest * (reach / whole) - kept * (f[i] / whole)) ** 2
+    gap = math.sqrt(gap)
+    limited = whole * gap > rise_limit
+    shares[1] = rise_limit / (whole * gap) if limited else 1.0
+    shares[0] = kept * (1.0 - shares[1])
+    for i in range(3):
+        way = (wanted[i] / largest * (reach / whole) - kept * (f[i] / whole)) / gap if limited else 0.0
+        f[i] = kept * f[i] + rise_limit * way if limited else wanted[i] / largest * reach
+
+
+@kernel
 def limit_force(
-    wanted: Vec, ramp: float, force_limit: float, rise_limit: float, v: Vec, power_limit: float, f: Vec
+    wanted: Vec, ramp: float, force_limit: float, rise_limit: float, v: Vec, power_limit: float, f: Vec, shares: Vec
 ) -> bool:
-    """Limit the magnitude of the wanted virtual force; its direction is kept.
+    """Limit magnitude, change and power of a force.
+
+    The change is that of the vector, not of its length: f stays within `rise_limit` of the segment from zero to the
+    force of the last tick. A fall towards zero is free; a turn and a reversal are not.
 
     Args:
-        wanted: Force requested by the virtual environment [N], shape [3], any frame.
+        wanted: Force requested [N], shape [3], any frame.
         ramp: Soft-start factor, clipped to [0, 1].
         force_limit: Largest magnitude [N].
-        rise_limit: Largest rise of the magnitude in this tick [N]; falling is free.
+        rise_limit: Largest change in this tick [N]; falling is free.
         v: Velocity of the user [m/s], shape [3], same frame.
         power_limit: Largest |f.v|, generated or absorbed [W].
         f: On entry the force of the last tick, on exit that of this one [N].
+        shares: Out: f is shares[0] times the force of the last tick plus shares[1] times the wanted one.
 
     Returns:
         False when an input is not usable (NaN, infinite, a negative limit); f is then zero.
     """
-    last = norm(f)
+    shares[0], shares[1] = 0.0, 0.0
     if not (
         all_finite(wanted)
         and math.isfinite(ramp)
-        and math.isfinite(last)
+        and all_finite(f)
         and _usable(force_limit)
         and _usable(rise_limit)
         and all_finite(v)
@@ -67,34 +117,56 @@ def limit_force(
     ):
         fill(f, 0.0)
         return False
-    largest = max(abs(wanted[0]), abs(wanted[1]), abs(wanted[2]))
+    largest = _largest(wanted)
     if largest == 0.0 or ramp <= 0.0:
         fill(f, 0.0)
         return True
+    length = 0.0
     for i in range(3):
-        f[i] = wanted[i] / largest
-    share = norm(f)
-    magnitude = min(min(1.0, ramp) * min(largest * share, force_limit), last + rise_limit)
-    for i in range(3):
-        f[i] /= share
-    along = abs(f[0] * v[0] + f[1] * v[1] + f[2] * v[2])
-    if magnitude * along > power_limit:
-        magnitude = power_limit / along
-    if magnitude < _SMALLEST_FORCE:
-        magnitude = 0.0
-    scale(f, magnitude)
+        length += (wanted[i] / largest) ** 2
+    length = math.sqrt(length)  # of wanted / largest, 1 to 1.8
+    reach = min(min(1.0, ramp) * largest, force_limit / length)
+    _approach(wanted, largest, reach, rise_limit, f, shares)
+    shares[1] *= reach / largest
+    factor = limit_held(v, power_limit, f)
+    shares[0] *= factor
+    shares[1] *= factor
+    if not _largest(f) > _SMALLEST_FORCE:
+        fill(f, 0.0)
+        shares[0], shares[1] = 0.0, 0.0
     return True
 
 
 @kernel
-def limit_held(v: Vec, power_limit: float, f: Vec) -> float:
-    """Scale a force held from an earlier tick [N] to |f.v| <= power_limit [W]; return the factor used, 0-1."""
-    power = abs(f[0] * v[0] + f[1] * v[1] + f[2] * v[2])
-    if power <= power_limit:
-        return 1.0
-    factor = power_limit / power if math.isfinite(power) and _usable(power_limit) else 0.0
-    scale(f, factor)
-    return factor
+def lever_of(jacobian: Vec, rows: int, joints: int, joint: int) -> float:
+    """Lever arm of a joint to the points of contact, their way per its motion [m; 1 for a joint that shifts them]."""
+    square = 0.0
+    for row in range(rows):
+        square += jacobian[row * joints + joint] ** 2
+    return math.sqrt(square)
+
+
+@kernel
+def limit_torques(wanted: Vec, jacobian: Vec, rows: int, force_limit: float, rise_limit: float, tau: Vec) -> None:
+    """Limit the torques of a drive by the forces they make at the points of contact, each over its joint's lever arm.
+
+    Args:
+        wanted: Torques requested [N, N m], shape [joints].
+        jacobian: Jacobian of all points, row by row.
+        rows: Number of its rows.
+        force_limit: Largest root of the sum of their squares [N].
+        rise_limit: Largest change of each in this tick [N]; falling towards zero is free.
+        tau: On entry the torques of the last tick, on exit those of this one, shape [joints].
+    """
+    joints, square = tau.shape[0], 0.0
+    for j in range(joints):
+        lever = lever_of(jacobian, rows, joints, j)
+        free = min(max(wanted[j], min(0.0, tau[j])), max(0.0, tau[j]))  # what a fall alone reaches
+        rise = rise_limit * lever
+        tau[j] = free + min(rise, max(-rise, wanted[j] - free))
+        square += (tau[j] / lever) ** 2 if lever > 0.0 else 0.0
+    if square > force_limit * force_limit:
+        scale(tau, force_limit / math.sqrt(square))
 
 
 @kernel

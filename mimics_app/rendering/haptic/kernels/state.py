@@ -58,7 +58,8 @@ STATE = np.dtype(
         # forces
         ("f_contact", "f8", (3,)),  # contacts' part of the virtual force, world [N]
         ("f_active", "f8", (3,)),  # its part paid from the energy tank, world [N]
-        ("f_wanted", "f8", (3,)),  # input of the limiter, world [N]
+        ("f_rest", "f8", (3,)),  # what is neither: drag and viscosity, world [N]
+        ("f_wanted", "f8", (3,)),  # their sum, input of the limiter, world [N]
         ("f_user", "f8", (3,)),  # robot frame [N]
         # contact
         ("in_contact", "i8"),
