@@ -9,6 +9,7 @@ from typing import Protocol
 __all__ = [
     "FRAMES_PER_SECOND",
     "FRAME_NS",
+    "LONGEST_FRAME_NS",
     "SECOND_NS",
     "TICKS_PER_SECOND",
     "TICK_NS",
@@ -31,6 +32,10 @@ FRAMES_PER_SECOND = 60
 
 FRAME_NS = SECOND_NS // FRAMES_PER_SECOND
 """Shortest period of live frames [ns], a sixtieth of a second rounded down."""
+
+
+LONGEST_FRAME_NS = 17 * TICK_NS
+"""Longest period of frames on the virtual clock, of 16 and 17 ticks [ns]."""
 
 
 class Stopwatch(Protocol):

@@ -15,6 +15,7 @@ from typing import Protocol
 import numpy as np
 
 from mimics_app.contracts.arrays import F8, U1
+from mimics_app.contracts.clock import FRAME_NS, LONGEST_FRAME_NS
 from mimics_app.contracts.tracker_port import TrackerSample
 
 __all__ = [
@@ -127,6 +128,11 @@ class FrameTiming:
     display_ns: int
     period_ns: int = 0
     render: bool = True
+
+    @classmethod
+    def expected(cls, now_ns: int) -> FrameTiming:
+        """Return the timing of a frame that nothing tells of: shown a sixtieth of a second after it is begun."""
+        return cls(now_ns + FRAME_NS, LONGEST_FRAME_NS)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -94,8 +94,13 @@ class Scenario(Protocol):
         """Update the world from the newest haptic state and the task's visual parameters."""
         ...
 
-    def see_body(self, where: BodyPose, now_ns: int) -> None:
-        """Set the poses of the person's head and hands, before `apply`; ignored by scenes without a body."""
+    def see_body(self, where: BodyPose, shown_ns: int) -> None:
+        """Set the poses of the person's head and hands, before `apply`; ignored by scenes without a body.
+
+        Args:
+            where: Returns the pose of a part of the body at a time.
+            shown_ns: Predicted time at which this frame is displayed [ns].
+        """
 
     def stand_before_walls(self) -> None:
         """Hide the avatar of the person, whose real body is visible before the screens."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from mimics_app.contracts.action_space import ActionSpace, Parameter
 from mimics_app.contracts.messages import TaskAction, TrialResult, UserState
+from mimics_app.learning.goals import STATES
 from mimics_app.learning.policy import Outcome, Policy
 from mimics_app.learning.registry import EXPLORERS, build_policy
 
@@ -44,35 +45,58 @@ class Agent:
         self._policy.begin(np.array([self._demand]), self._rng)
         neutral = [p for p in space if p.harder == 0 and p.high > p.low] if policy in EXPLORERS else []
         self._arms = [_Arms(p, self._rng) for p in neutral]
+        self._waits = not set(STATES).isdisjoint(self._policy.follows)
         self._values = space.defaults()
+        self._held = dict(self._values)
         self._changed_ns: dict[str, int] = {}
 
     def choose(
         self, state: UserState, result: TrialResult | None, reward: float | None, now_ns: int
     ) -> TaskAction | None:
-        """Return the action after a trial, with all values chosen so far, or after a reward; None without any."""
+        """Return the action after a trial, with all values chosen so far, or after a reward; None without any.
+
+        A policy that follows rewards keeps its choice until one comes, however many trials that takes.
+        """
         if result is None and reward is None:
             return None
-        held = self._values if result is None else result.values
+        propensity = 1.0
+        values: dict[str, float] = {}
+        if reward is not None or not self._waits:
+            self._learn(state, result, reward)
+            propensity, values = self._act(now_ns)
+            self._changed_ns |= dict.fromkeys(values, now_ns)
+            self._values |= values
+        self._hold(values, ended=result is not None)
+        if result is not None:  # a choice that stays is repeated: the trial list would set its own value again
+            values = {name: self._values[name] for name in self._changed_ns}
+        if not values:
+            return None
+        return TaskAction(values, None if result is None else result.trial + 1, propensity)
+
+    def _learn(self, state: UserState, result: TrialResult | None, reward: float | None) -> None:
+        held = self._held if result is None else result.values
         self._policy.learn(self._outcome(state, result, reward, held))
         for arms in self._arms:
             cost = _cost([self._space[arms.name]], held)
             arms.learn(None if reward is None else reward - cost, held.get(arms.name))
+
+    def _act(self, now_ns: int) -> tuple[float, dict[str, float]]:
+        """Return the propensity of a new choice, and those of its values that change and may change now."""
         choice = self._policy.act()
         values, propensity = self._wanted(float(choice.demand[0])), float(choice.propensity[0])
         for arms in self._arms:
             if self._is_free(arms.name, now_ns):
                 value, chance = arms.act()
                 values[arms.name], propensity = value, propensity * chance
-        values = {n: value for n, value in values.items() if value != self._values[n] and self._is_free(n, now_ns)}
-        for name in values:
-            self._changed_ns[name] = now_ns
-        self._values |= values
-        if result is not None:  # a choice that stays is repeated: the trial list would set its own value again
-            values = {name: self._values[name] for name in self._changed_ns}
-        if not values:
-            return None
-        return TaskAction(values, None if result is None else result.trial + 1, propensity)
+        changed = {n: value for n, value in values.items() if value != self._values[n] and self._is_free(n, now_ns)}
+        return propensity, changed
+
+    def _hold(self, values: Mapping[str, float], *, ended: bool) -> None:
+        """Note what holds from now on: inside a trial only what has a rate changes, the others with the next trial."""
+        if ended:
+            self._held = dict(self._values)
+        else:
+            self._held |= {name: value for name, value in values.items() if self._space[name].rate > 0.0}
 
     def _outcome(
         self, state: UserState, result: TrialResult | None, reward: float | None, held: Mapping[str, float]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.learning.policy import LEVELS, TARGET, Choice, Outcome
+from mimics_app.learning.policy import LEVELS, REWARDS, TARGET, Choice, Outcome
 
 __all__ = ["LinUcb", "Thompson"]
 
@@ -22,6 +22,8 @@ _HOME = 0.35
 
 class _LinearBandit:
     """Linear reward model: radial basis functions over the demand, and the step indicated by the last trial."""
+
+    follows = REWARDS
 
     def begin(self, start: F8, rng: np.random.Generator) -> None:
         """Begin a session of people at these demands [n]."""

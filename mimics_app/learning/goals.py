@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from collections.abc import Collection
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -12,9 +13,11 @@ from mimics_app.contracts.messages import TrialResult, UserState
 from mimics_app.contracts.stages import Goal
 from mimics_app.learning.policy import TARGET
 
-__all__ = ["StateBand", "SuccessShare", "TaskGoal", "build_goal", "success_reward"]
+__all__ = ["STATES", "StateBand", "SuccessShare", "TaskGoal", "build_goal", "is_among", "success_reward"]
 
 Quantity = Literal["arousal", "valence", "effort"]
+STATES: tuple[str, ...] = get_args(Quantity)
+"""Names of the goals that are a band of a state."""
 
 _EVERY_NS = 30_000_000_000
 """Period of the rewards of a state: body signals are slow [ns]."""
@@ -63,11 +66,15 @@ class StateBand:
         self._next_ns: int | None = None
 
     def reward(self, state: UserState, result: TrialResult | None) -> float | None:
-        """Return 1 inside the band, less by the distance outside it; every half minute while the state is known."""
+        """Return 1 inside the band, less by the distance outside it; while the state is known.
+
+        It comes with every step inside a trial, where the task has steps, and every half minute otherwise.
+        """
         estimate = getattr(state, self._quantity)
         if self._next_ns is None:
             self._next_ns = state.t_ns + _EVERY_NS
-        if estimate is None or state.t_ns < self._next_ns:
+        step = result is not None and result.outcome == "step"
+        if estimate is None or (state.t_ns < self._next_ns and not step):
             return None
         self._next_ns = state.t_ns + _EVERY_NS
         away = max(self._low - estimate.mean, estimate.mean - self._high, 0.0)
@@ -80,15 +87,39 @@ def build_goal(words: str) -> Goal:
     Raises:
         ValueError: There is no such goal, or its numbers are out of range.
     """
-    name, *numbers = words.split(":")
-    try:
-        values = [float(number) for number in numbers]
-    except ValueError:
-        values = [math.nan]
-    if name == "task" and not values:
+    name, numbers = _read(words)
+    if name == "task":
         return TaskGoal()
-    if name == "success" and len(values) <= 1 and all(0.0 < value < 1.0 for value in values):
-        return SuccessShare(*values)
-    if name in ("arousal", "valence", "effort") and len(values) == 2 and -1.0 <= values[0] < values[1] <= 1.0:
-        return StateBand(name, *values)  # type: ignore[arg-type]
+    if name == "success":
+        return SuccessShare(*numbers)
+    return StateBand(name, *numbers)  # type: ignore[arg-type]
+
+
+def is_among(words: str, goals: Collection[str]) -> bool:
+    """Return whether a goal is one of `goals`: names ("success"), or goals with their numbers ("success:0.7").
+
+    Raises:
+        ValueError: There is no goal of these words.
+    """
+    name, numbers = _read(words)
+    return any(goal == name or (":" in goal and _read(goal) == (name, numbers)) for goal in goals)
+
+
+def _read(words: str) -> tuple[str, tuple[float, ...]]:
+    """Return name and numbers of a goal.
+
+    Raises:
+        ValueError: There is no such goal, or its numbers are out of range.
+    """
+    name, *texts = words.split(":")
+    try:
+        numbers = tuple(float(text) for text in texts)
+    except ValueError:
+        numbers = (math.nan,)
+    if name == "task" and not numbers:
+        return name, ()
+    if name == "success" and len(numbers) <= 1 and all(0.0 < number < 1.0 for number in numbers):
+        return name, numbers or (TARGET,)
+    if name in STATES and len(numbers) == 2 and -1.0 <= numbers[0] < numbers[1] <= 1.0:
+        return name, numbers
     raise ValueError(f'"{words}" is no goal: task, success:SHARE, or arousal, valence or effort with :LOW:HIGH')

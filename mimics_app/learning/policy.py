@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -10,12 +11,17 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.messages import UserState
 
-__all__ = ["LEVELS", "TARGET", "Choice", "Outcome", "Policy", "logit"]
+__all__ = ["CONTROL", "LEVELS", "REWARDS", "TARGET", "Choice", "Outcome", "Policy", "logit"]
 
 LEVELS = np.linspace(0.0, 1.0, 11)
 """Demands among which policies with discrete choices choose."""
 TARGET = 0.7
 """Share of success that counts as a challenge: Metzger et al., JNER 11:154, 2014."""
+
+REWARDS = ("success", "task", "arousal", "valence", "effort")
+"""Goals of a policy that learns from rewards, whatever they are for."""
+CONTROL = ("success", "task")
+"""Goals beside which a control is run, which follows none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +60,18 @@ class Outcome:
 
 
 class Policy(Protocol):
-    """A policy."""
+    """A policy.
+
+    Attributes:
+        follows: Goals that it can follow: names of `learning.goals` ("arousal"), or a goal with its numbers
+            ("success:0.7"). A run with another goal is refused. Controls, which follow none, name those beside which
+            they are run.
+    """
+
+    @property
+    def follows(self) -> Collection[str]:
+        """Goals that it can follow."""
+        ...
 
     def begin(self, start: F8, rng: np.random.Generator) -> None:
         """A session of people [n] begins at these demands [n]."""

@@ -8,11 +8,12 @@ from typing import cast
 from mimics_app.contracts.errors import UsageError, nearest
 from mimics_app.contracts.plugins import PluginError, PluginGroup, fault_of_builder
 from mimics_app.learning.bandits import LinUcb, Thompson
+from mimics_app.learning.goals import is_among
 from mimics_app.learning.policy import Policy
 from mimics_app.learning.rules import Fixed, KalmanSkill, Proportional, RandomLevel, Staircase
 from mimics_app.learning.temporal import ActorCritic, SarsaLambda, TabularQ
 
-__all__ = ["EXPLORERS", "PLUGINS", "POLICIES", "build_policy", "check_policy"]
+__all__ = ["EXPLORERS", "PLUGINS", "POLICIES", "build_policy", "check_goal", "check_policy"]
 
 PLUGINS = PluginGroup("mimics_app.policies", fault_of_builder(Policy))
 
@@ -42,6 +43,21 @@ def check_policy(name: str) -> None:
         UsageError: There is none of this name, or its plug-in cannot be loaded.
     """
     _find(name)
+
+
+def check_goal(name: str, goal: str) -> None:
+    """Check that a policy can follow a goal.
+
+    Raises:
+        UsageError: It cannot, or declares no goals; the message names the built-in ones that can.
+        ValueError: There is no such goal.
+    """
+    follows = getattr(build_policy(name), "follows", ())
+    if is_among(goal, follows):
+        return
+    able = ", ".join(other for other, build in POLICIES.items() if is_among(goal, build().follows))
+    what = f"follows {' and '.join(follows)} only" if follows else "declares no goals that it follows"
+    raise UsageError(f'the policy "{name}" cannot follow the goal "{goal}": it {what}', f"these can: {able}")
 
 
 def build_policy(name: str) -> Policy:

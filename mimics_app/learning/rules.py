@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.learning.policy import LEVELS, TARGET, Choice, Outcome, logit
+from mimics_app.learning.policy import CONTROL, LEVELS, TARGET, Choice, Outcome, logit
 
 __all__ = ["Fixed", "KalmanSkill", "Proportional", "RandomLevel", "Staircase"]
 
@@ -20,9 +22,14 @@ _KEPT = 0.92
 _LEAST_RECORD = 0.2
 """Correlation of load and success below which the load is not used."""
 
+_TARGET_ONLY = (f"success:{TARGET}",)
+"""Goals of a rule whose numbers are made for one share of success."""
+
 
 class Fixed:
     """Keeps the demand of the session's beginning."""
+
+    follows: Collection[str] = CONTROL
 
     def begin(self, start: F8, rng: np.random.Generator) -> None:
         """Begin a session of people at these demands [n]."""
@@ -53,6 +60,8 @@ class RandomLevel(Fixed):
 class Staircase(Fixed):
     """One step up after at least 80 % success, one step down below 60 %."""
 
+    follows = _TARGET_ONLY
+
     def __init__(self, step: float = 0.05) -> None:
         self._step = step
 
@@ -65,6 +74,8 @@ class Staircase(Fixed):
 
 class Proportional(Fixed):
     """Moves in proportion to the difference between success and 70 %."""
+
+    follows = _TARGET_ONLY
 
     def __init__(self, gain: float = 0.25) -> None:
         self._gain = gain
@@ -86,6 +97,8 @@ class KalmanSkill(Fixed):
         use_load: False: success alone.
         slope: Slope of success over demand [logit per unit].
     """
+
+    follows = _TARGET_ONLY
 
     def __init__(self, *, use_load: bool = True, slope: float = 10.0) -> None:
         self._use_load = use_load

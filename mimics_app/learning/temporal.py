@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.learning.policy import TARGET, Choice, Outcome
+from mimics_app.learning.policy import REWARDS, TARGET, Choice, Outcome
 
 __all__ = ["ActorCritic", "SarsaLambda", "TabularQ"]
 
@@ -13,8 +13,14 @@ MOVES = np.array([-0.2, -0.07, 0.0, 0.07, 0.2])
 """Actions: changes of the demand."""
 _BINS = np.array([0.2, 0.45, 0.62, 0.78, 0.92])
 """Borders of the bins of success."""
-STATES = (len(_BINS) + 1) * 3
-"""Number of states: bins of success times three of load."""
+_THIRDS = np.array([1.0, 2.0]) / 3.0
+"""Borders of the bins of the demand."""
+_JUDGED = (len(_BINS) + 1) * 3
+"""Number of states after a trial: bins of success times three of load."""
+STATES = _JUDGED + len(_THIRDS) + 1
+"""Number of states: those after a trial, and the bins of the demand where a reward came without a trial."""
+_BEST = 2.0
+"""Rewards of 1 for ever, discounted by half: first value where no success is known, so that each action is tried."""
 
 
 class _Table:
@@ -24,6 +30,8 @@ class _Table:
         rate: Learning rate.
         discount: Discount factor.
     """
+
+    follows = REWARDS
 
     def __init__(self, rate: float = 0.4, discount: float = 0.5) -> None:
         self._rate, self._discount = rate, discount
@@ -48,12 +56,12 @@ class _Table:
         return Choice(self._demand.copy(), chances[self._rows, self._move])
 
     def _chances(self, state: np.ndarray) -> F8:
-        """Return the probability of each action [n, actions]: epsilon-greedy, with a decaying epsilon."""
+        """Return the probability of each action [n, actions]: epsilon-greedy, epsilon decaying, ties at random."""
         explore = max(0.05, 0.3 * (1.0 - self._trials / 15.0))
         values = self._table[self._rows, state]
         chances = np.full(values.shape, explore / len(MOVES))
-        chances[self._rows, values.argmax(axis=1)] += 1.0 - explore
-        return chances
+        best = values == values.max(axis=1, keepdims=True)
+        return chances + (1.0 - explore) * best / best.sum(axis=1, keepdims=True)
 
     def _see(self, outcome: Outcome) -> np.ndarray:
         """Return the state after a trial [n], and set the demand to the actual one."""
@@ -61,14 +69,20 @@ class _Table:
         self._demand = np.where(np.isfinite(outcome.demand), outcome.demand, self._demand)
         success = np.searchsorted(_BINS, np.nan_to_num(outcome.performance, nan=TARGET))
         load = np.searchsorted([-0.4, 0.4], np.nan_to_num(outcome.load))
-        return success * 3 + load
+        place = _JUDGED + np.searchsorted(_THIRDS, self._demand)
+        return np.where(np.isfinite(outcome.performance), success * 3 + load, place)
 
 
 def _first_values() -> F8:
-    """Return the initial values [states, actions]: lower the farther an action is from the proportional rule."""
+    """Return the initial values [states, actions].
+
+    After a trial they are lower the farther an action is from the proportional rule. A reward without a trial tells
+    nothing of the way to go: there all actions have the largest value.
+    """
     middle = np.array([0.1, 0.33, 0.53, 0.7, 0.85, 0.96])
     wanted = 0.5 * (middle - TARGET)
-    values: F8 = np.repeat(-2.0 * np.abs(MOVES[None, :] - wanted[:, None]), 3, axis=0)
+    judged = np.repeat(-2.0 * np.abs(MOVES[None, :] - wanted[:, None]), 3, axis=0)
+    values: F8 = np.concatenate([judged, np.full((len(_THIRDS) + 1, len(MOVES)), _BEST)])
     return values
 
 
@@ -121,6 +135,7 @@ class ActorCritic(_Table):
         super().begin(start, rng)
         self._table *= 10.0  # preferences: a difference of 0.25 in value is a factor of twelve in probability
         self._values = np.zeros((len(start), STATES))
+        self._values[:, _JUDGED:] = _BEST
 
     def _chances(self, state: np.ndarray) -> F8:
         preferences = self._table[self._rows, state]

@@ -35,6 +35,8 @@ class FrameLine(msgspec.Struct):
         events: Number of events of the loop since the previous frame.
         pressed: Keys and buttons pressed in it.
         action: Action chosen by the learning system.
+        shown_ns: Predicted time of its display [ns]; None where no display told.
+        period_ns: Time from one displayed frame to the next [ns].
     """
 
     frame: int
@@ -43,6 +45,8 @@ class FrameLine(msgspec.Struct):
     events: int = 0
     pressed: tuple[str, ...] = ()
     action: _ActionLine | None = None
+    shown_ns: int | None = None
+    period_ns: int = 0
 
     @property
     def chosen(self) -> TaskAction | None:

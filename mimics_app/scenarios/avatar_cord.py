@@ -21,7 +21,6 @@ from mimics_app.maths import quat
 from mimics_app.maths.mat import look_at
 from mimics_app.scenarios.figures.walking_figure import OWN_HEAD
 from mimics_app.scenarios.parts.touch_scene import TouchScene
-from mimics_app.tasks.kinds.avatar_cord.kind import HALF_FRAME_NS
 from mimics_app.world.components.cord import CordComponent
 from mimics_app.world.components.objects import ForceField
 from mimics_app.world.cords import Cord
@@ -111,7 +110,7 @@ class AvatarCord(TouchScene):
             "threat_ns": None,
             "probe_m": None,
         }
-        self._now_ns = 0
+        self._shown_ns = 0
         self._parts: dict[str, Mapping[str, F8 | None]] = {"subject": _UNTRACKED, "avatar": _UNTRACKED}
         self._last_tap = -1
         self._coming: Tap | None = None
@@ -124,10 +123,9 @@ class AvatarCord(TouchScene):
     def facts(self) -> Mapping[str, Any]:
         return {**super().facts, "avatar_cord": {"length": self._spec.length, "radius": self._spec.radius}}
 
-    def see_body(self, where: BodyPose, now_ns: int) -> None:
+    def see_body(self, where: BodyPose, shown_ns: int) -> None:
         """Set the poses of the subject at the time of display, and those of the avatar by the mode of mimicry."""
-        self._now_ns = now_ns
-        shown_ns = now_ns + FRAME_NS
+        self._shown_ns = shown_ns
         delay_ns = round(float(self._settings["avatar.delay_ms"]) * 1e6)
         self._parts["subject"] = _parts(where, shown_ns)
         mimicry = self._settings["avatar.mimicry"]
@@ -161,16 +159,16 @@ class AvatarCord(TouchScene):
 
     def _arrange(self) -> None:
         """Place all entities for this frame."""
-        settings, now_s = self._settings, self._now_ns / SECOND_NS
-        self._world.effects.time = max(self._world.effects.time, now_s)
+        settings, shown_s = self._settings, self._shown_ns / SECOND_NS
+        self._world.effects.time = max(self._world.effects.time, shown_s)
         front = np.eye(4)
         front[2, 3] = -float(settings["avatar.distance"])
         first = settings["viewpoint"] == "first"
-        self.subject.pose(np.eye(4), self._parts["subject"], self._now_ns)
+        self.subject.pose(np.eye(4), self._parts["subject"], self._shown_ns)
         self.subject.show(not first or (bool(settings["own_body"]) and not self._real_body_seen))
-        self.avatar.pose(front, self._parts["avatar"], self._now_ns)
+        self.avatar.pose(front, self._parts["avatar"], self._shown_ns)
         self._look(first, 0.5 * front[2, 3])
-        self._hang_cord(now_s)
+        self._hang_cord(shown_s)
         self._tap(settings["tap"])
         self._drop_threat(settings["threat_ns"])
         self._show_probe(settings["probe_m"])
@@ -183,7 +181,7 @@ class AvatarCord(TouchScene):
         node.set_orientation(orientation if first else _facing(_EYES + _ASIDE, np.array([0.0, _AT, middle])))
         self._camera.near = max(near, OWN_HEAD * self.subject.scale) if first else near
 
-    def _hang_cord(self, now_s: float) -> None:
+    def _hang_cord(self, shown_s: float) -> None:
         cord, settings = self._cord, self._settings
         cord.ends[0], cord.ends[1] = self.subject.stomach, self.avatar.back
         # The length factor scales the slack of the scene's own cord, at any distance of the avatar.
@@ -227,8 +225,8 @@ class AvatarCord(TouchScene):
     def _ball_at(self, tap: Tap) -> F8:
         """Return the centre of the tapping ball on its path from the previous touch to this one, world [m]."""
         before = self._before or tap
-        since_s = math.inf if self._before is None else (self._now_ns - before[0]) / SECOND_NS
-        share, gap = ball_motion(since_s, (tap[0] - self._now_ns) / SECOND_NS)
+        since_s = math.inf if self._before is None else (self._shown_ns - before[0]) / SECOND_NS
+        share, gap = ball_motion(since_s, (tap[0] - self._shown_ns) / SECOND_NS)
         if before[1] == tap[1] == "cord":
             along, around = (a + share * (b - a) for a, b in zip(before[2:4], tap[2:4], strict=True))
             return self._over(("cord", along, around), gap)
@@ -246,14 +244,14 @@ class AvatarCord(TouchScene):
 
     def _ripple(self, tap: Tap | None) -> None:
         """Start the ripple of a tap on the cord at the time of its touch, which may lie between two frames."""
-        if tap is None or tap[1] != "cord" or tap[4] == self._last_tap or self._now_ns + HALF_FRAME_NS < tap[0]:
+        if tap is None or tap[1] != "cord" or tap[4] == self._last_tap or self._shown_ns + FRAME_NS // 2 < tap[0]:
             return
         due_ns, _, share, theta, self._last_tap = tap
         cord = self._cord
         cord.tap(share * cord.curve.length, theta, due_ns / SECOND_NS, _RIPPLE_SHARE * cord.shown_radius)
 
     def _drop_threat(self, due_ns: int | None) -> None:
-        fallen_s = -1.0 if due_ns is None else (self._now_ns - due_ns) / SECOND_NS
+        fallen_s = -1.0 if due_ns is None else (self._shown_ns - due_ns) / SECOND_NS
         self._threat.visible = 0.0 <= fallen_s < 3.0
         low = 0.12 + _THREAT_BALL
         height = max(low, _THREAT_FROM - 0.5 * _G * max(fallen_s, 0.0) ** 2)

@@ -7,7 +7,7 @@ from mimics_app.contracts.trial_state import TrialState
 from mimics_app.scenarios.figures.alley_figure import AlleyFigure
 from mimics_app.scenarios.figures.walking_figure import follow_numbers, see_past_head
 from mimics_app.scenarios.parts.touch_scene import TouchScene
-from mimics_app.tasks.kinds.guided_walk.kind import GuidedWalkSpec
+from mimics_app.tasks.kinds.guided_walk.kind import PLACES, GuidedWalkSpec
 from mimics_app.tasks.scene_section import section_of
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
@@ -24,7 +24,7 @@ _SET_OUT = (TrialState.APPROACH, TrialState.READY)
 
 
 class GuidedWalk(TouchScene):
-    """An alley along -z; places along it are metres from where the walk begins.
+    """An alley along -z; places are metres along it from where the walk begins, and to its right, +x.
 
     Args:
         scene: The checked scene; needs a robot and a task with `guided_walk`.
@@ -40,8 +40,9 @@ class GuidedWalk(TouchScene):
         self._person = AlleyFigure(world.find(spec.person), -1.0)
         see_past_head(world.cameras, world.find(spec.person))
         self._avatar = AlleyFigure(world.find(spec.avatar), 1.0)
-        self._place = -float(world.find(spec.place).world_matrix()[2, 3])
-        self._places = {"walk.person": 0.0, "walk.avatar": -2.5, "walk.deed": 3.0}
+        x, _, z = world.find(spec.place).world_matrix()[:3, 3].tolist()
+        self._place = (-z, x)
+        self._places = dict.fromkeys(PLACES, 0.0) | {"walk.avatar": -2.0, "walk.deed": 3.0}
         self._before_ns: int | None = None
 
     def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
@@ -55,16 +56,19 @@ class GuidedWalk(TouchScene):
         """Move the figures: to the start before the travel, to the task's positions during it."""
         person, avatar = self._person, self._avatar
         if state in _SET_OUT:
-            person.put(self._places["walk.person"])
-            avatar.put(self._places["walk.avatar"])
+            person.put(*self._at("walk.person"))
+            avatar.put(*self._at("walk.avatar"))
             person.face(avatar)
             avatar.face(person)
         elif state is TrialState.TRAVEL:
-            person.go(self._places["walk.person"], avatar, seconds)
+            person.go(self._at("walk.person"), avatar, seconds)
             gesture = _GESTURES.get(round(self._places["walk.deed"]), "still")
-            avatar.go(self._places["walk.avatar"], person, seconds, self._place if gesture == _POINT else None)
+            avatar.go(self._at("walk.avatar"), person, seconds, self._place if gesture == _POINT else None)
             person.show("still")
             avatar.show(gesture)
+
+    def _at(self, name: str) -> tuple[float, float]:
+        return self._places[name], self._places[f"{name}_aside"]
 
 
 SCENARIO = GuidedWalk

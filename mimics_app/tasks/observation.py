@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Vec3
+from mimics_app.contracts.display_port import FrameTiming
 from mimics_app.contracts.haptic import EventKind, SafetyState
 from mimics_app.contracts.messages import HapticSnapshot
 from mimics_app.maths.length import length
@@ -59,6 +60,8 @@ class Observation(msgspec.Struct, frozen=True):
         held: Name of the body in the hand; "" for none.
         crushed: Name of the body in the hand that was pressed too hard; "" for none.
         pressed: Names of keys and buttons that went down since the last frame.
+        shown_ns: Predicted time at which the frame is displayed [ns].
+        period_ns: Time from one displayed frame to the next [ns].
     """
 
     snapshot: HapticSnapshot
@@ -80,6 +83,8 @@ class Observation(msgspec.Struct, frozen=True):
     held: str = ""
     crushed: str = ""
     pressed: tuple[str, ...] = ()
+    shown_ns: int = 0
+    period_ns: int = 0
 
 
 def observe(
@@ -88,6 +93,7 @@ def observe(
     now_ns: int,
     bodies: Sequence[str] = (),
     pressed: tuple[str, ...] = (),
+    timing: FrameTiming | None = None,
 ) -> Observation:
     """Return the observation of a frame.
 
@@ -97,7 +103,9 @@ def observe(
         now_ns: Time of the frame [ns].
         bodies: Names of the haptic bodies in the order of their rows.
         pressed: Names of keys and buttons that went down since the last frame.
+        timing: When the frame is displayed; None: as expected.
     """
+    timing = timing or FrameTiming.expected(now_ns)
     return Observation(
         snapshot=snapshot,
         now_ns=now_ns,
@@ -112,6 +120,8 @@ def observe(
         progress=0.0,
         distance=None,
         touching=int(snapshot.penetration > 0.0) + snapshot.partners,
+        shown_ns=timing.display_ns,
+        period_ns=timing.period_ns,
         contacts=_contacts(events) if len(events) else (),
         grasp=snapshot.grasp,
         bodies={

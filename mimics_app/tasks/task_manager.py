@@ -14,6 +14,7 @@ from msgspec import structs
 from numpy.typing import NDArray
 
 from mimics_app.contracts.board import Board
+from mimics_app.contracts.display_port import FrameTiming
 from mimics_app.contracts.messages import (
     HapticSnapshot,
     SoundEvent,
@@ -135,9 +136,10 @@ class TaskManager:
         snapshot: HapticSnapshot,
         events: NDArray[Any],
         now_ns: int,
+        timing: FrameTiming | None = None,
     ) -> TaskOrders:
         """Process one frame: `events` are the EVENT records since the last one, shape [n]; `now_ns` never decreases."""
-        seen = observe(snapshot, events, now_ns, self._bodies, vr.pressed)
+        seen = observe(snapshot, events, now_ns, self._bodies, vr.pressed, timing)
         if action is not None:
             self._take(action, now_ns)
         self._result = None

@@ -290,6 +290,17 @@ def test_ctrl_c_is_left_to_the_app(started, capfd):
     assert not audio.stop().crashed
 
 
+def test_a_session_that_ends_before_its_sound_is_ready_says_so(started):
+    """A child that is held back while it starts, as by a busy machine: it is no crash, and nothing was played."""
+    audio = started(SessionMemory(), stop_timeout_s=0.3)
+    os.kill(audio.pid, signal.SIGSTOP)
+    report = audio.stop()
+    assert report.status.notice == "the session ended before the sound was ready: no sound was played"
+    assert not report.crashed
+    assert not report.rows
+    assert not audio.alive
+
+
 def test_closed_word_ends_the_child(started):
     memory = SessionMemory()
     audio = started(memory, driver="wave")

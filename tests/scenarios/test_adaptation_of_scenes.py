@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 
@@ -16,7 +17,10 @@ from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.messages import TaskAction, TrialResult, UserState
 from mimics_app.contracts.resources import root
-from mimics_app.tasks.actions import build_action_space
+from mimics_app.learning.agent import Agent
+from mimics_app.tasks.actions import build_action_space, build_learning_space, fill_defaults
+from mimics_app.tasks.task import ActionKind, TaskSpec
+from mimics_app.tasks.trials import plan_trials, trial_blocks
 
 TUNNEL, MARKET, WALK = (root() / "scenes" / f"{n}.json" for n in ("wavy_tunnel", "pick_and_place", "guided_walk"))
 
@@ -59,6 +63,43 @@ def parts_with(parts: Any, learning: Any) -> Any:
     return replace(parts, body=Body(learning=learning))
 
 
+def test_each_kind_is_free_in_a_shipped_scene() -> None:
+    """A learning system may change it: it is in the space of one, which leaves out what is vetoed."""
+    free: dict[str, set[str]] = {}
+    for scene in (TUNNEL, MARKET, WALK):
+        task = load_checked_scene(scene).section(TaskSpec)
+        assert task is not None
+        for parameter in build_learning_space(fill_defaults(task, lambda target: 1.0)):
+            free.setdefault(parameter.kind, set()).add(scene.stem)
+    assert set(free) == set(get_args(ActionKind))
+
+
+def test_an_explorer_changes_flow_and_duration_of_the_market() -> None:
+    """In trials after which the reward is known, and only as often as their dwell times allow."""
+    task = load_checked_scene(MARKET).section(TaskSpec)
+    assert task is not None
+    space = build_learning_space(fill_defaults(task, lambda target: 1.0))
+    agent, changed = Agent("thompson", space, 2), {"flow": 0, "duration": 0}
+    values = space.defaults()
+    for trial in range(30):
+        result = TrialResult(trial, 0, "finished", 0.7, 0.7, values=dict(values))
+        action = agent.choose(UserState(0), result, 0.5, trial * 30 * 10**9)
+        chosen = {} if action is None else dict(action.values)
+        for name in changed:
+            changed[name] += chosen.get(name, values[name]) != values[name]
+        values |= chosen
+    assert all(1 <= count <= 15 for count in changed.values()), changed
+
+
+def test_the_flow_of_the_market_has_another_block_to_go_to() -> None:
+    """Where it is mapped, and that the flow of the scene is another with it; how: below."""
+    task = load_checked_scene(MARKET).section(TaskSpec)
+    assert task is not None
+    assert [target.to for target in task.parameters["flow"].maps] == ["task.block"]
+    blocks = {trial.block for trial in plan_trials(trial_blocks(task), 1)}
+    assert task.parameters["flow"].max == len(blocks) == 2
+
+
 def test_difficulty_is_felt() -> None:
     easy, hard = (Played(TUNNEL, {"radius": radius}, 60) for radius in (1.2, 0.6))
     assert easy.kinds["radius"] == "difficulty"
@@ -91,7 +132,12 @@ def test_duration_is_another() -> None:
 def test_the_avatar_goes_elsewhere() -> None:
     still, near = (Played(WALK, {"deed": deed}, 600) for deed in (3.0, 0.0))
     assert still.kinds["deed"] == "avatar"
-    assert near.visual["walk.avatar"] > still.visual["walk.avatar"] + 0.5
+    gaps = [math.dist(*(place(walk, who) for who in ("person", "avatar"))) for walk in (still, near)]
+    assert gaps[1] < gaps[0] - 0.5
+
+
+def place(played: Played, who: str) -> list[Any]:
+    return [played.visual[f"walk.{who}"], played.visual[f"walk.{who}_aside"]]
 
 
 @pytest.mark.parametrize("block", [0, 2])

@@ -47,11 +47,15 @@ def hold(figure, world, parts, frames: int = 60) -> None:
     world.update()
 
 
+@pytest.mark.parametrize("ahead", [0.3, 0.5], ids=["bent", "stretched out"])
 @pytest.mark.parametrize("tall", [1.45, 1.70, 1.85])
-def test_eyes_and_wrists_are_where_they_are_tracked_and_feet_on_the_floor(figure, tall: float) -> None:
+def test_eyes_and_wrists_are_where_they_are_tracked_and_feet_on_the_floor(figure, tall: float, ahead: float) -> None:
     body, world = figure
     share = tall / 1.70
-    hands = {"left": (-0.22 * share, 0.65 * tall, -0.3 * share), "right": (0.2 * share, 0.72 * tall, -0.32 * share)}
+    hands = {
+        "left": (-0.22 * share, 0.65 * tall, -ahead * share),
+        "right": (0.2 * share, 0.72 * tall, -(ahead + 0.02) * share),
+    }
     hold(body, world, {"head": part((0.0, tall, 0.0))} | {f"hand_{side}": part(at) for side, at in hands.items()}, 40)
     parts = {"head": part((0.04, tall - 0.03, -0.03), (0.1, 0.25, 0.05))}
     parts |= {f"hand_{side}": part(at, (0.2, -0.3, 0.4)) for side, at in hands.items()}
@@ -61,7 +65,7 @@ def test_eyes_and_wrists_are_where_they_are_tracked_and_feet_on_the_floor(figure
     np.testing.assert_allclose(eyes, (FRONT @ parts["head"])[:3, 3], atol=1e-6)
     np.testing.assert_allclose(body.head, eyes, atol=1e-6)
     for side in hands:
-        np.testing.assert_allclose(joint(world, f"{side}Hand"), (FRONT @ parts[f"hand_{side}"])[:3, 3], atol=5e-3)
+        np.testing.assert_allclose(joint(world, f"{side}Hand"), (FRONT @ parts[f"hand_{side}"])[:3, 3], atol=1e-6)
         # The ankle of the model at rest is 82 mm above its floor.
         assert joint(world, f"{side}Foot")[1] == pytest.approx(body.scale * 0.082, abs=0.004)
 

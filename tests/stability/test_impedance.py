@@ -9,11 +9,12 @@ from mimics_app.contracts.haptic import Controller, SafetyState
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.loop_ports import DATA_GRASP, READ, DevicePlugin
 from mimics_app.rendering.haptic.control.impedance import draw_along
+from mimics_app.rendering.haptic.descriptors.leg import LEG
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.devices.simulated_impedance import write_force
 from mimics_app.rendering.haptic.kernels import light_robot
 from mimics_app.rendering.haptic.kernels.light_robot import HANDLE, LENGTH, command_force, step_light_robot
-from mimics_app.rendering.haptic.scene_block import impedance_values
+from mimics_app.rendering.haptic.scene_block import impedance_values, kinematic_values
 from mimics_app.world.components.robot import Impedance, Patient, Robot
 from tests.support.felt_energy import fastest_change
 from tests.support.haptic_bench import Bench, bench_of, script, scripted, wavy
@@ -173,6 +174,29 @@ def test_a_drive_to_the_start_keeps_the_limits_of_the_force_on_the_person(drive:
     R = bench.scene[0]["R_world_from_robot"]
     assert np.abs(np.sum(sent * (rows["v_world"] @ R), axis=1)).max() <= 3.0 * (1.0 + 1e-9)
     assert size.max() > 0.5 * min(drive, limit, 10.0) and rows["state"].max() >= SafetyState.HOMED
+
+
+@pytest.mark.parametrize(("limit", "rate"), [(12.0, 2000.0), (60.0, 150.0)])
+def test_a_torque_drive_to_the_start_keeps_the_limits_at_the_foot(limit: float, rate: float):
+    """Of each joint's torque over its lever arm to the foot, by the Jacobian; the drive alone would push with 200 N."""
+    robot = Robot(device="simulated_leg", settings={"mode": "torque"})
+    bench = bench_of(build_device(robot, Patient(intent=False), seed=3), straight=None)
+    values = impedance_values(Impedance(drive_stiffness=2e4, drive_damping=200.0, drive_force=200.0))
+    values |= kinematic_values(robot, LEG) | {"controller": Controller.JOINT_PD, "target": (0.45, 0.9)}
+    bench.publish(**values)
+    bench.publish(force_limit=limit, force_rate_limit=rate)
+    rows = bench.advance(1500)
+    torques, J = rows["torque_command"][:, :2], np.zeros(96)
+    levers = np.zeros((len(rows), 2))
+    for k, q in enumerate(rows["q"]):
+        LEG.kinematics.jacobian(LEG.geometry_of(robot), q, q, J)
+        levers[k] = np.linalg.norm(J[:6].reshape(3, 2), axis=0)
+    forces = torques / levers
+    size = np.linalg.norm(forces, axis=1)
+    assert size.max() <= limit * (1.0 + 1e-9)
+    fallen = np.clip(torques[1:], np.minimum(torques[:-1], 0.0), np.maximum(torques[:-1], 0.0))
+    assert (np.abs(torques[1:] - fallen) / levers[1:]).max() <= rate * T * (1.0 + 1e-9)
+    assert size.max() > 0.5 * min(limit, 20.0), "the drive pushes"
 
 
 def test_a_reference_waits_for_a_device_that_cannot_follow():

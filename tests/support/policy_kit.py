@@ -8,7 +8,8 @@ from copy import deepcopy
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.learning.policy import Choice, Outcome, Policy
+from mimics_app.learning.goals import build_goal
+from mimics_app.learning.policy import REWARDS, Choice, Outcome, Policy
 
 SEED = 20
 TRIALS = 30
@@ -18,6 +19,9 @@ OVERRULED = 0.15
 
 def check_policy(build: Callable[[], Policy]) -> None:
     """Play trials of one person, as a session does, and of seven; raises AssertionError at what it must not do."""
+    follows = build().follows
+    assert follows and all(goal.partition(":")[0] in REWARDS for goal in follows), "it says which goals it can follow"
+    assert all(build_goal(goal) for goal in follows if ":" in goal), "it says which goals it can follow"
     for people in (1, 7):
         first, again = (_played(build(), people) for _ in range(2))
         for one, other in zip(first, again, strict=True):

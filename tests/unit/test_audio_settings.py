@@ -13,7 +13,7 @@ from mimics_app.contracts.errors import SceneError
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.scene_sounds import settings_from_components
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
-from mimics_app.rendering.audio.synth_scene import synthesise_crowd
+from mimics_app.rendering.audio.synth_crowd import synthesise_crowd
 from mimics_app.world.components.visible import Sound, SoundEmitter
 from mimics_app.world.scene.assets import SceneAsset
 

@@ -13,7 +13,7 @@ from mimics_app.contracts.resources import root
 from mimics_app.world.scene.file import build_world, load_scene
 from tests.support.gltf_maker import write_gltf
 from tests.support.guide import pieces, written_module
-from tests.support.person_maker import person
+from tests.support.person_maker import PLACES, person
 from tests.support.skin_maker import add_clip, turn
 
 PIECES = pieces(root() / "docs" / "guide" / "avatars.md")
@@ -82,7 +82,11 @@ def test_the_command_says_what_it_took_for_what(
     assert main(["avatar", "import", str(model), "--json"]) == 0
     reported = json.loads(capsys.readouterr().out)
     assert reported["command"] == "avatar" and reported["bones"]["leftHand"] == "leftHand" and reported["missing"] == []
-    maker = person({"head": "skull"})
-    other = write_gltf(tmp_path / "other.gltf", maker.document())
-    assert main(["avatar", "import", str(other)]) == 3
-    assert "missing: head" in capsys.readouterr().out
+    other = write_gltf(tmp_path / "other.gltf", person({"head": "skull"}, back=True).document())
+    assert main(["avatar", "import", str(other)]) == 0
+    told = capsys.readouterr().out
+    assert 'guessed: head: "skull", by its place' in told and "looks along -z in the file and is turned" in told
+    places = {bone: place for bone, place in PLACES.items() if "Leg" not in bone and "Foot" not in bone}
+    places = {bone: place for bone, place in places.items() if "Toes" not in bone}
+    assert main(["avatar", "import", str(write_gltf(tmp_path / "half.gltf", person(places=places).document()))]) == 3
+    assert "missing: leftUpperLeg" in capsys.readouterr().out

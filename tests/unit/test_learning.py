@@ -7,17 +7,15 @@ import pytest
 
 from mimics_app.contracts.action_space import ActionSpace, Parameter
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.messages import Estimate, TaskAction, TrialResult, UserState
+from mimics_app.contracts.messages import Estimate, TrialResult, UserState
 from mimics_app.estimation.effort import EffortModel
 from mimics_app.lab.physio.cohort import play_cohort
-from mimics_app.lab.physio.walk_study import walk_study
 from mimics_app.learning.agent import Agent
 from mimics_app.learning.bandits import LinUcb
 from mimics_app.learning.goals import StateBand, SuccessShare, build_goal
 from mimics_app.learning.off_policy import evaluate
 from mimics_app.learning.policy import LEVELS, TARGET, Outcome
 from mimics_app.learning.registry import EXPLORERS, POLICIES, build_policy
-from mimics_app.learning.stepwise import StepAgent, StepValues, place_of
 from mimics_app.tasks.adaptation import Adaptation
 
 RADIUS = Parameter("radius", 1.0, 0.6, 1.2, harder=-1)
@@ -148,7 +146,7 @@ def test_a_demand_that_costs_is_left_for_the_default(trials: bool) -> None:
     """The reward is the same everywhere: only the cost of the way from the default tells the levels apart."""
 
     def away(cost: float) -> float:
-        radius = Parameter("radius", 0.9, 0.6, 1.2, harder=-1, cost=cost)
+        radius = Parameter("radius", 0.9, 0.6, 1.2, harder=-1, cost=cost, rate=0.0 if trials else 1.0)
         agent, held, total = Agent("thompson", ActionSpace([radius]), 3), 0.9, 0.0
         for trial in range(60):
             seen = result(trial, 0.7, held) if trials else None
@@ -254,52 +252,6 @@ def test_a_choice_that_was_hardly_ever_made_does_not_decide_an_evaluation() -> N
     propensity, reward = np.full(81, 1.0), np.zeros(81)
     propensity[0], reward[0] = 1e-6, 1.0
     assert evaluate(reward, propensity, np.ones(81)).mean == pytest.approx(20.0 / (20.0 + 80.0))
-
-
-def test_the_published_order_of_the_guided_walk() -> None:
-    """Kastanis & Slater 2012: nine, six and one of ten; the walkers were fixed before the guide had learnt anything."""
-    intimate, social, chance = (walk_study(c, people=300, seed=9) for c in ("intimate", "social", "random"))
-    assert intimate.low > social.high
-    assert social.low > chance.high
-    assert intimate.share >= 2.0 * chance.share
-
-
-def test_the_guide_learns_what_pays() -> None:
-    agent = StepAgent("q", Parameter("deed", 3.0, 0.0, 5.0, step=1.0, kind="avatar"), 1)
-    deeds: list[float] = []
-    for _ in range(300):
-        worth = 0.3 if deeds and deeds[-1] == 4.0 else 0.0
-        step = TrialResult(0, 0, "step", 0.0, worth, observed={"gap": 1.0, "left": 2.0})
-        action = agent.choose(NOBODY, step, worth, 0)
-        assert isinstance(action, TaskAction)
-        deeds.append(action.values["deed"])
-    assert deeds[-100:].count(4.0) > 80
-    assert agent.choose(NOBODY, result(0, 1.0, 1.0), 1.0, 0) is None
-
-
-def test_a_step_is_credited_to_the_ones_before_it_in_the_same_trial() -> None:
-    def valued(*, ended: bool) -> float:
-        table = StepValues(2, np.random.default_rng(1))
-        table.learn(0, 1, 0.0, 1)
-        before = table.values[0, 1]
-        if ended:
-            table.end()
-        table.learn(1, 0, 1.0, 2)
-        assert table.values[1, 0] > 0.1
-        return float(table.values[0, 1] - before)
-
-    assert valued(ended=False) > 0.05
-    assert valued(ended=True) == 0.0
-
-
-def test_an_agent_of_steps_begins_each_trial_anew() -> None:
-    agent = StepAgent("q", Parameter("deed", 3.0, 0.0, 5.0, step=1.0, kind="avatar"), 1)
-    steps = [TrialResult(0, 0, "step", 0.0, 0.0, observed={"gap": gap, "left": 2.0}) for gap in (0.2, 0.7, 1.0, 1.6)]
-    for step in (*steps[:2], result(0, 1.0, 1.0), *steps[2:]):
-        agent.choose(NOBODY, step, 5.0 if step is steps[3] else 0.0, 0)
-    first, third = place_of(steps[0].observed), place_of(steps[2].observed)
-    assert agent.table.values[third].max() > 0.5
-    assert agent.table.values[first].max() <= 0.1
 
 
 def test_pure_effort_is_explained_by_its_power() -> None:

@@ -17,6 +17,8 @@ from mimics_app.learning.policy import Choice
 
 
 class Half:
+    follows = ("success:0.7",)
+
     def begin(self, start, rng):
         self.demand, self.sure = np.array(start), np.ones(len(start))
         self.rng = rng
@@ -62,6 +64,14 @@ class Greedy(Half):
         super().learn(outcome)
 
 
+class Silent(Half):
+    follows = ()
+
+
+class Dreamer(Half):
+    follows = ("success:0.7", "joy")
+
+
 class Unseeded(Half):
     def begin(self, start, rng):
         super().begin(start, np.random.default_rng())
@@ -76,6 +86,8 @@ FAULTS = {
     "Impossible": "off-policy evaluation",
     "Shared": "stays what it was",
     "Greedy": "nothing of the caller's: performance",
+    "Silent": "which goals it can follow",
+    "Dreamer": "which goals it can follow",
     "Unseeded": "the generator it is given",
 }
 GROUP = "[mimics_app.policies]\n" + "".join(f"{name.lower()} = lab_of_halves:{name}\n" for name in ("Half", *FAULTS))

@@ -283,9 +283,10 @@ def test_a_port_that_is_not_there_is_one_clear_error() -> None:
         VrpnTracker("v", f"Tracker0@127.0.0.1:{free}").start(print)
 
 
-def test_vrpn_from_our_server_to_our_client() -> None:
+@pytest.mark.parametrize("by", ["", "tcp://"])
+def test_vrpn_from_our_server_to_our_client(by: str) -> None:
     server, taken = VrpnServer("mocap"), []
-    tracker = VrpnTracker("mocap", f"mocap@127.0.0.1:{server.port}")
+    tracker = VrpnTracker("mocap", f"mocap@{by}127.0.0.1:{server.port}")
     tracker.start(taken.append)
     try:
         wait_for(lambda: server.clients == 1)
@@ -492,6 +493,35 @@ def test_poses_by_lsl_and_none_that_cannot_be() -> None:
     assert first.position[1:] == pytest.approx((1.5, -0.2)) and second.position == pytest.approx((1.0, 1.0, 1.0))
     assert second.rotation == pytest.approx((0.0, 1.0, 0.0, 0.0))
     assert source.rejected >= 10
+
+
+class _SilentInlet:
+    """Stands for an inlet that waits for a lost sender: samples, then none, then samples again."""
+
+    def __init__(self, answers: list[bool]) -> None:
+        self.answers = answers
+
+    def pull_sample(self, timeout: float) -> tuple[list[float] | None, float]:
+        time.sleep(0.002)
+        there = self.answers.pop(0) if self.answers else True
+        return ([0.0, 1.5, 0.0, 0.0, 0.0, 0.0, 1.0], 0.0) if there else (None, 0.0)
+
+    def close_stream(self) -> None:
+        pass
+
+
+def test_a_stream_of_lsl_that_falls_silent_is_told_and_taken_up_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The library waits for the sender for ever and raises nothing."""
+    monkeypatch.setattr("mimics_app.inputs.trackers.lsl._SILENCE_NS", 50 * MS)
+    source, told = LslTracker("suit", "suit"), []
+    answers = [True] * 5 + [False] * 100 + [True] * 50
+    monkeypatch.setattr(source, "_open", lambda: setattr(source, "_inlet", _SilentInlet(answers)))
+    source.start(lambda sample: told.append(source.problem))
+    wait_for(lambda: "suit" in source.problem)
+    assert "no data" in source.problem
+    wait_for(lambda: source.problem == "" and len(told) > 10)
+    source.stop()
+    assert told[0] == ""
 
 
 def test_a_stream_of_lsl_that_nobody_sends_is_one_clear_error(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,9 +13,12 @@ __all__ = ["add_arguments", "run"]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics avatar`."""
-    parser.epilog = "Joint names of VRM, Mixamo, Blender and Unreal are known; others are guessed from their positions."
+    parser.epilog = (
+        "The table of a VRM file is taken as it is. Joint names of VRM, Mixamo, Blender, Rigify, Unreal, Biped, "
+        "MotionBuilder, Maya, Character Creator and Daz are known; others are guessed from their positions."
+    )
     parser.add_argument("action", choices=("import",), help="import: print which joint of the model is which bone")
-    parser.add_argument("file", type=Path, help=".glb or .gltf model of a person")
+    parser.add_argument("file", type=Path, help=".glb, .gltf or .vrm model of a person")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -24,10 +27,12 @@ def run(args: argparse.Namespace) -> int:
     Raises:
         SceneError: The file is faulty, or has neither a skeleton nor an animation.
     """
-    from mimics_app.world.gltf.model_world import load_model_world
+    from mimics_app.world.gltf.model_world import read_model
     from mimics_app.world.motion.humanoid import find_humanoid, report_lines
+    from mimics_app.world.world import World
 
-    world = load_model_world(args.file)
+    world, model = World(), read_model(args.file)
+    model.instantiate(world, world.root)
     animators = list(world.motion.animators.values())
     if not animators:
         raise SceneError(
@@ -36,6 +41,7 @@ def run(args: argparse.Namespace) -> int:
     found = find_humanoid(animators[0].rig)
     clips, morphs = list(animators[0].clips), sorted(set(animators[0].rig.morph_names) - {""})
     bones = {"file": str(args.file), "bones": found.names, "guessed": found.guesses, "missing": list(found.missing)}
-    lines = report_lines(found, [f"clips: {', '.join(clips)}"] if clips else [])
-    answer(args, {**bones, "clips": clips, "morphs": morphs}, lines)
+    notes = model.document.notes
+    lines = report_lines(found, [*([f"clips: {', '.join(clips)}"] if clips else []), *notes])
+    answer(args, {**bones, "clips": clips, "morphs": morphs, "notes": notes}, lines)
     return 0 if found.complete else SceneError.exit_code

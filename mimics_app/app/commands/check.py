@@ -16,12 +16,12 @@ if TYPE_CHECKING:
 
 __all__ = ["add_arguments", "examine", "run"]
 
-_MODELS = (".glb", ".gltf")
+_MODELS = (".glb", ".gltf", ".vrm")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="scene (.json) or model (.glb, .gltf)")
+    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="scene (.json), model (.glb, .gltf, .vrm)")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -33,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "Ctrl+S to save the change to the scene file; H lists all keys. Files and shaders reload when they change."
     )
     parser.add_argument(
-        "file", type=Path, nargs="?", help="scene, model (.glb, .gltf) or mesh (.stl, .obj, .ply, .off)"
+        "file", type=Path, nargs="?", help="scene, model (.glb, .gltf, .vrm) or mesh (.stl, .obj, .ply, .off)"
     )
     parser.add_argument("--sheet", type=Path, metavar="FOLDER", help="draw every model of a folder onto one PNG")
     parser.add_argument("--headless", action="store_true", help="no window: draw PNG files, to view.png or --output")

@@ -21,16 +21,16 @@ class EffectCues:
         self._world = world
         self._watch = CueWatch()
 
-    def step(self, orders: TaskOrders, events: NDArray[Any], now_ns: int) -> None:
+    def step(self, orders: TaskOrders, events: NDArray[Any], shown_ns: int) -> None:
         """Do one frame.
 
         Args:
             orders: Orders of the task.
             events: EVENT records of the haptic loop since the last frame, shape [n].
-            now_ns: Session time [ns].
+            shown_ns: Time at which the frame is displayed [ns].
         """
         effects = self._world.effects
-        effects.time = now_ns * 1e-9
+        effects.time = shown_ns * 1e-9
         cue = self._watch.look(orders)
         if not effects.emitters:
             return

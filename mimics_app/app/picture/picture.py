@@ -19,8 +19,8 @@ from mimics_app.app.planner.uses import shadow_distance_of, visual_of
 from mimics_app.app.settings import Profile
 from mimics_app.contracts.arrays import F8, Vec3
 from mimics_app.contracts.board import Board
-from mimics_app.contracts.clock import Clock
-from mimics_app.contracts.display_port import Display
+from mimics_app.contracts.clock import FRAME_NS, Clock
+from mimics_app.contracts.display_port import Display, FrameTiming
 from mimics_app.contracts.errors import SceneError, nearest
 from mimics_app.contracts.input_port import Ray
 from mimics_app.contracts.stage_timer import UNTIMED, StageTimer
@@ -42,6 +42,9 @@ from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
 __all__ = ["Picture", "draws_in_software", "live_quality", "picture_quality"]
+
+_LEAD_SHARE = 0.1
+"""Share of a frame's time to its display that goes into the prediction for the next one."""
 
 
 def live_quality(
@@ -136,6 +139,7 @@ class Picture:
         self.surface = surface
         self._wanted = camera
         self.presenter = Presenter(display or open_display(scene, "", surface), surface)
+        self._lead_ns = FRAME_NS
         self.renderer = Renderer(self.presenter.drawn, world, settings, sparse=sparse)
         self.film: Film | None = None
         self.page: KeyPage | None = None
@@ -204,6 +208,17 @@ class Picture:
         """Timer of the stages of a frame."""
         return self.renderer.times or UNTIMED
 
+    def expect(self, now_ns: int) -> FrameTiming:
+        """Return when the frame that begins now will be seen: as a headset says, else as late as the last ones were."""
+        if self.presenter.paces:
+            return self.presenter.begin(now_ns)
+        return FrameTiming(now_ns + self._lead_ns, FRAME_NS)
+
+    def shown(self, begun_ns: int, swapped_ns: int) -> None:
+        """Take the times at which a frame began and the swap of its buffers was over, which waits for the screen."""
+        lead_ns = min(swapped_ns - begun_ns, 2 * FRAME_NS)
+        self._lead_ns += round(_LEAD_SHARE * (lead_ns - self._lead_ns))
+
     def show_frame(self, board: Board, clock: Clock) -> int:
         """Draw one frame, show it, and return the time at which its work was done [ns].
 
@@ -217,7 +232,8 @@ class Picture:
         """
         if self._contact is not None:
             self._contact.follow()
-        if not self.presenter.begin(clock.now_ns()).render:
+        timing = self.presenter.timing if self.presenter.begun else self.presenter.begin(clock.now_ns())
+        if not timing.render:
             self.presenter.skip()
             return clock.now_ns()
         return draw_or_recover(self.surface, lambda: self._show(board, clock), self.recover)

@@ -76,6 +76,7 @@ def _run_frames(session: Session, frames: Frames, after_frame: Progress, until: 
         begun_ns = session.clock.now_ns()
         if picture is not None:
             frames.timer = picture.begin_frame()
+            frames.timing = picture.expect(begun_ns)
         with frames.timer.stage("reload"):
             reload.look()
         frames.step()
@@ -88,6 +89,7 @@ def _run_frames(session: Session, frames: Frames, after_frame: Progress, until: 
             except DeviceError as error:
                 keys.end_without_picture(error)
                 return
+            picture.shown(begun_ns, session.clock.now_ns())
             governor.note((done_ns - begun_ns) * 1e-6, done_ns)
         after_frame(frames)
         due = max(due + _period_ns(session), session.clock.now_ns() - FRAME_NS)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
-from mimics_app.learning.stepwise import GAPS, StepAgent
+from mimics_app.learning.stepwise import GAPS, SECTORS, StepAgent
 from mimics_app.plotting.drawing import document
 from mimics_app.plotting.marks import element, word
 from mimics_app.recording.run_folder import write_atomically
@@ -70,16 +71,18 @@ def draw_values(values: NDArray[np.float64], path: Path) -> None:
         parts.append(element("rect", class_="ring", x=x, y=y, width=width, height=height))
     whole = (_LEFT + len(names) * width + 20.0, _TOP + len(values) * height + 40.0)
     foot = [
-        "Expected distance towards the place [m] of each action, in this and later steps. Framed: the best action; "
-        "none where several are equal."
+        "Expected reward of each action in this and later steps: distance gained [m], or what a state lacks to its "
+        "band. Framed: the best action; none where several are equal."
     ]
     write_atomically(path, str(document(*whole, "What the avatar has learnt", parts, foot)).encode())
 
 
 def _state(i: int) -> str:
-    """Return a state in words."""
+    """Return a state in words: where the guide is as the person sees it who looks towards the place."""
     borders = ("0", *(f"{gap:g}" for gap in GAPS))
-    count = len(GAPS) + 1
-    k = i % count
+    sector, k = divmod(i, len(GAPS) + 1)
     distance = f"{borders[k]} to {GAPS[k]:g} m" if k < len(GAPS) else f"over {GAPS[-1]:g} m"
-    return f"{'before' if i >= count else 'behind'} the person, {distance}"
+    angle = round(math.remainder(360.0 * sector / SECTORS, 360.0))
+    hand = "right" if angle > 0 else "left"
+    side = {0: "before the person", 180: "behind the person"}.get(abs(angle), f"{abs(angle)} degrees to the {hand}")
+    return f"{side}, {distance}"

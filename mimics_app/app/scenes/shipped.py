@@ -122,23 +122,18 @@ def _describe(file: Path) -> ShippedScene:
 
 
 def _limits(document: Mapping[str, Any]) -> str:
-    """Return the limits of the scene's own `safety` that are beyond the usual ones, with those of this machine."""
+    """Return the limits of the scene's own `safety` that are beyond the usual ones."""
     parts = (each.get("components", {}).get("safety") for each in document.get("entities", ()))
     stated = next((part for part in parts if part), None)
     if stated is None:
         return ""
     import msgspec
 
-    from mimics_app.app.touch.ceilings import CEILINGS, asked_of, notes_on, read_ceiling
-    from mimics_app.contracts.errors import UsageError
+    from mimics_app.app.touch.ceilings import CEILINGS, asked_of, notes_on
     from mimics_app.world.components.robot import Safety
 
-    try:
-        ceiling = read_ceiling()
-    except UsageError:  # a run says what is wrong with the file
-        ceiling = {name: bound.conservative for name, bound in CEILINGS.items()}
     asked = {name: bound.conservative for name, bound in CEILINGS.items()} | asked_of(msgspec.convert(stated, Safety))
-    return "; ".join(notes_on(asked, {name: CEILINGS[name].held(asked[name], ceiling[name]) for name in CEILINGS}))
+    return ", ".join(line.partition(",")[0] for line in notes_on(asked, asked))
 
 
 def _takes(document: Mapping[str, Any]) -> str:

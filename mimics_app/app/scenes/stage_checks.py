@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from mimics_app.app.scenes.parameter_checks import check_parameters
 from mimics_app.contracts.errors import DeviceError, Issue, SceneError, UsageError
 from mimics_app.estimation.registry import check_estimator
+from mimics_app.learning.builder import check_learning
 from mimics_app.learning.goals import build_goal
 from mimics_app.learning.registry import check_policy
 from mimics_app.rendering.haptic.devices.robot_checks import check_points, check_robot
@@ -21,7 +22,7 @@ from mimics_app.rendering.haptic.force_fields import check_field
 from mimics_app.rendering.haptic.scene_effects import check_field_count, check_haptic_path
 from mimics_app.rendering.haptic.scene_objects import check_objects
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
-from mimics_app.tasks.actions import haptic_field
+from mimics_app.tasks.actions import build_learning_space, haptic_field
 from mimics_app.tasks.kinds.carry.spec import CarrySpec
 from mimics_app.tasks.kinds.tunnel.kind import own_tunnel
 from mimics_app.tasks.task import TaskSpec
@@ -113,7 +114,7 @@ def _check_sounds(scene: Scene) -> list[Issue]:
 
 
 def _check_learning(scene: Scene) -> list[Issue]:
-    """Check that the policy, the goal and the estimator that the task names exist."""
+    """Check that the policy, the goal and the estimator that the task names exist and fit."""
     task = scene.section(TaskSpec)
     if task is None:
         return []
@@ -127,6 +128,11 @@ def _check_learning(scene: Scene) -> list[Issue]:
             issues.append(scene.issue(f"/task/{name}", error.what, error.fix))
         except ValueError as error:
             issues.append(scene.issue(f"/task/{name}", str(error)))
+    if task.learn and not issues:
+        try:
+            check_learning(task.learn, task.goal, build_learning_space(task))
+        except UsageError as error:
+            issues.append(scene.issue("/task/learn", error.what, error.fix))
     return issues
 
 

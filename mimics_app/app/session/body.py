@@ -72,13 +72,15 @@ def open_body(settings: RunSettings, task: TaskSpec, preset: str = "") -> Body:
 
     Raises:
         SceneError: The action file, or a file of signals, is faulty.
-        UsageError: A policy, goal, estimator or source does not exist.
+        UsageError: A policy, goal, estimator or source does not exist, or the policy cannot follow the goal.
         DeviceError: The source is not available.
     """
     body = Body()
     learn = "" if settings.action is not None else settings.learn or task.learn
     if settings.physio or learn:
         header = _header(settings, task, learn)
+        if learn:
+            _check_learning(learn, str(header["goal"]), build_learning_space(task))
         body = replace(make_stages(header), sources=_sources(settings, preset))
     if settings.action is not None:
         body = replace(body, learning=load_action_sequence(settings.action, build_action_space(task)))
@@ -97,18 +99,12 @@ def make_stages(header: Mapping[str, object]) -> Body:
 
     read = msgspec.convert(header, _Header)
     learning: Learning = ActionSequence()
-    if read.learn:
-        from mimics_app.learning.agent import Agent
-        from mimics_app.learning.registry import check_policy
-        from mimics_app.learning.stepwise import StepAgent
-
-        check_policy(read.learn)
-
-        space = ActionSpace(read.parameters)
-        stepped = next((p for p in space if p.kind == "avatar" and p.step > 0.0), None)
-        learning = StepAgent(read.learn, stepped, read.seed) if stepped else Agent(read.learn, space, read.seed)
     try:
         goal = build_goal(read.goal)
+        if read.learn:
+            from mimics_app.learning.builder import build_learning
+
+            learning = build_learning(read.learn, read.goal, ActionSpace(read.parameters), read.seed)
     except ValueError as error:
         raise UsageError(str(error)) from error
     return Body(
@@ -118,6 +114,20 @@ def make_stages(header: Mapping[str, object]) -> Body:
         goal=goal,
         header=msgspec.to_builtins(read),
     )
+
+
+def _check_learning(learn: str, goal: str, space: ActionSpace) -> None:
+    """Check that the policy can follow the goal in this task.
+
+    Raises:
+        UsageError: It cannot, or there is no such goal or policy.
+    """
+    from mimics_app.learning.builder import check_learning
+
+    try:
+        check_learning(learn, goal, space)
+    except ValueError as error:
+        raise UsageError(str(error)) from error
 
 
 class _Header(msgspec.Struct, frozen=True):

@@ -18,6 +18,7 @@ from mimics_app.app.touch.loss_watch import LossWatch
 from mimics_app.app.touch.person_inbox import PersonInbox
 from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import FRAMES_PER_SECOND, TICK_NS, ticks_until_frame
+from mimics_app.contracts.display_port import FrameTiming
 from mimics_app.contracts.haptic import EVENT
 from mimics_app.contracts.messages import (
     Experience,
@@ -49,6 +50,7 @@ class Frames:
         safety: Stops and holds of the loop.
         events: EVENT records of the haptic loop since the previous frame.
         timer: Timer of the frame's stages.
+        timing: When the next frame is displayed; None where no display tells.
     """
 
     def __init__(self, core: SessionCore) -> None:
@@ -58,6 +60,7 @@ class Frames:
         self._motion = MotionCues(core.world)
         self._action: TaskAction | None = None
         self.timer = UNTIMED
+        self.timing: FrameTiming | None = None
         self.number = 0
         self.orders = TaskOrders()
         self.snapshot: HapticSnapshot | None = None
@@ -123,21 +126,22 @@ class Frames:
             self._signals.look(now_ns)
         with stage("tasks"):
             taken = self._action
-            orders = core.tasks.step(vr, taken, snapshot, events, now_ns)
+            timing = self.timing or FrameTiming.expected(now_ns)
+            orders = core.tasks.step(vr, taken, snapshot, events, now_ns, timing)
             if orders.result is not None:
                 state = core.estimation.judge(orders.result)
             self._choose(state, orders.result, now_ns)
             self._touch(vr, orders, snapshot)
             self._feel(orders, now_ns)
         with stage("scenario"):
-            self._track(now_ns)
+            self._track(now_ns, timing.display_ns)
             self._play(orders, snapshot)
         with stage("world update"):
             self._motion.step(orders, events, now_ns)
             core.world.update()
             self._report_cords()
         with stage("sound"):
-            self._effects.step(orders, events, now_ns)
+            self._effects.step(orders, events, timing.display_ns)
             core.sound.step(orders, core.world, now_ns)
         with stage("record"):
             core.inputs.feel(_experience_of(orders, snapshot, core.trackers.pose("head", now_ns), now_ns))
@@ -145,14 +149,14 @@ class Frames:
             self._journal(vr, taken, snapshot, len(events), now_ns)
         self.number, self.orders, self.snapshot, self.events = self.number + 1, orders, snapshot, events
 
-    def _track(self, now_ns: int) -> None:
-        """Poll the trackers, and let the scenario see the body."""
+    def _track(self, now_ns: int, shown_ns: int) -> None:
+        """Poll the trackers, and let the scenario see the body at the time of display."""
         core = self._core
         core.trackers.see(core.inputs.frame)
         core.trackers.poll(now_ns)
         for problem in core.trackers.take_problems():
             core.report(problem)
-        core.scenario.see_body(core.part_of_body, now_ns)
+        core.scenario.see_body(core.part_of_body, shown_ns)
 
     def _play(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         """Let the scenario move its entities, and pass on its parameters and the next action of the hand."""
@@ -190,6 +194,8 @@ class Frames:
     ) -> None:
         """Journal the inputs of this frame that a replay of the task needs, and the poses of the bodies."""
         line: dict[str, object] = {"frame": self.number, "tick": snapshot.tick, "t_ns": now_ns}
+        if self.timing is not None:
+            line |= {"shown_ns": self.timing.display_ns, "period_ns": self.timing.period_ns}
         if events:
             line["events"] = events
         if vr.pressed:

@@ -9,6 +9,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from mimics_app.contracts.device_descriptor import Kinematics
+from mimics_app.contracts.display_port import FrameTiming
 from mimics_app.contracts.errors import PartialDataError
 from mimics_app.contracts.messages import HapticSnapshot, TaskAction, VRInput
 from mimics_app.contracts.scenario_port import TaskContext
@@ -45,6 +46,7 @@ class TaskFrame:
     snapshot: HapticSnapshot
     events: NDArray[Any]
     now_ns: int
+    timing: FrameTiming | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +146,8 @@ def play_again(
         spec, context, seed, again.rows.append, lambda kind, data: again.lines.append((kind, dict(data))), first_trial
     )
     for frame in frames:
-        manager.step(VRInput(pressed=frame.pressed), frame.action, frame.snapshot, frame.events, frame.now_ns)
+        vr = VRInput(pressed=frame.pressed)
+        manager.step(vr, frame.action, frame.snapshot, frame.events, frame.now_ns, frame.timing)
     if end_ns is not None:
         manager.end_session(end_ns)
     return again
@@ -157,4 +160,5 @@ def _frames(run: Run, lines: list[FrameLine], snapshots: Mapping[int, HapticSnap
             raise PartialDataError(f"{run.folder}: frame {line.frame} saw tick {line.tick}, which is not there")
         events = run.events[first : first + line.events]
         first += line.events
-        yield TaskFrame(line.pressed, line.chosen, snapshots[line.tick], events, line.t_ns)
+        timing = None if line.shown_ns is None else FrameTiming(line.shown_ns, line.period_ns)
+        yield TaskFrame(line.pressed, line.chosen, snapshots[line.tick], events, line.t_ns, timing)

@@ -68,14 +68,14 @@ def _cell(row: Row, measure: str) -> str:
 
 def _tap_line(label: str, taps: Sequence[Row]) -> dict[str, Any]:
     rows = [row for row in taps if row.get("condition") == label]
-    seen = [abs(row["seen_submitted_ns"] - row["seen_scheduled_ns"]) for row in rows if "seen_submitted_ns" in row]
+    seen = [row["seen_display_ns"] - row["seen_scheduled_ns"] for row in rows if "seen_display_ns" in row]
     felt = [abs(row["felt_ns"] - row["felt_scheduled_ns"]) for row in rows if "felt_ns" in row]
-    whole = [row for row in rows if "felt_ns" in row and "seen_scheduled_ns" in row]
-    both = [row["felt_ns"] - row["seen_scheduled_ns"] for row in whole]
+    both = [row["felt_ns"] - row["seen_display_ns"] for row in rows if "felt_ns" in row and "seen_display_ns" in row]
     return {
         "condition": label,
         "n": len(rows),
-        "seen": f"{max(seen) * 1e-6:.2f}" if seen else "",
+        "seen": f"{max(map(abs, seen)) * 1e-6:.2f}" if seen else "",
+        "bias": f"{fmean(seen) * 1e-6:.2f}" if seen else "",
         "felt": f"{max(felt) * 1e-6:.3f}" if felt else "",
         "offset": f"{fmean(both) * 1e-6:.1f}" if both else "",
     }

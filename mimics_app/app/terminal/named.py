@@ -35,14 +35,14 @@ def check_file(file: Path, fix: str = "") -> None:
 
 
 def check_adaptation(learn: str, goal: str, estimator: str) -> None:
-    """Check that a policy, a goal and an estimator exist; "" for none.
+    """Check that a policy, a goal and an estimator exist, and that the policy can follow the goal; "" for none.
 
     Raises:
-        UsageError: One does not exist; the message names those that do.
+        UsageError: One does not exist, or the policy cannot; the message names those that do.
     """
     from mimics_app.estimation.registry import check_estimator
     from mimics_app.learning.goals import build_goal
-    from mimics_app.learning.registry import check_policy
+    from mimics_app.learning.registry import check_goal, check_policy
 
     if learn:
         check_policy(learn)
@@ -50,5 +50,7 @@ def check_adaptation(learn: str, goal: str, estimator: str) -> None:
     try:
         if goal:
             build_goal(goal)
+        if learn and goal:
+            check_goal(learn, goal)
     except ValueError as error:
         raise UsageError(str(error)) from error

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.world.extent import Extent, world_extent
+from mimics_app.world.gltf.gltf_document import GLTF_SUFFIXES
 from mimics_app.world.gltf.model_world import read_model
 from mimics_app.world.gltf.prefab import ModelPrefab
 from mimics_app.world.meshes.mesh_file import MESH_SUFFIXES, add_mesh_file
@@ -22,8 +23,7 @@ __all__ = ["MODEL_SUFFIXES", "Shown", "Up", "open_shown"]
 Up = Literal["y", "z"]
 """Upward axis of a mesh file; scenes and glTF files define their own."""
 
-_GLTF_SUFFIXES = (".glb", ".gltf")
-MODEL_SUFFIXES = (*_GLTF_SUFFIXES, *MESH_SUFFIXES)
+MODEL_SUFFIXES = (*GLTF_SUFFIXES, *MESH_SUFFIXES)
 """Extensions of model files."""
 
 _QUARTER = (-(0.5**0.5), 0.0, 0.0, 0.5**0.5)
@@ -110,7 +110,7 @@ def open_shown(path: Path, up: Up = "y") -> Shown:
     if up == "z":
         stand.set_orientation(_QUARTER)
     shown = Shown(path, world, stand=stand, files=[path])
-    if suffix in _GLTF_SUFFIXES:
+    if suffix in GLTF_SUFFIXES:
         model = read_model(path, without_pictures=True)
         model.instantiate(world, stand)
         shown.files, shown.notes, shown.model = model.document.files, list(model.document.notes), model

@@ -13,6 +13,8 @@ __all__ = ["LslTracker"]
 
 _PATIENCE_S = 5.0
 _LOOK_S = 0.05
+_SILENCE_NS = 1_000_000_000
+"""Time without a sample after which a stream counts as lost [ns]; the library waits for its sender for ever."""
 
 
 class LslTracker(ThreadedTracker):
@@ -45,14 +47,19 @@ class LslTracker(ThreadedTracker):
         self._inlet.close_stream()
 
     def _read(self, sink: TrackerSink) -> None:
+        heard_ns = self._clock.now_ns()
         while not self._stopping.is_set():
             try:
                 values, stamp = self._inlet.pull_sample(_LOOK_S)
             except Exception as error:  # noqa: BLE001  pylsl's own errors, of a stream that is lost
                 self.problem = f"the stream is lost: {error}"
                 return
+            now_ns = self._clock.now_ns()
             if values is not None:
+                heard_ns, self.problem = now_ns, ""
                 self._take(values, stamp, sink)
+            elif now_ns - heard_ns > _SILENCE_NS:
+                self.problem = f'no data of the stream "{self._stream}" for more than {_SILENCE_NS * 1e-9:g} s'
 
     def _take(self, values: list[Any], stamp: float, sink: TrackerSink) -> None:
         t_ns = self._clock.now_ns()

@@ -23,6 +23,8 @@ from mimics_app.inputs.trackers.vrpn_wire import (
 __all__ = ["VrpnTracker"]
 
 _PATIENCE_S = 3.0
+_TCP = "tcp://"
+"""What VRPN's own clients take to connect by TCP alone, without a first datagram."""
 _LOOK_S = 0.05
 """Period in which a waiting thread checks whether to end [s]."""
 
@@ -32,14 +34,14 @@ class VrpnTracker(ThreadedTracker):
 
     Args:
         name: Name in the scene.
-        address: TRACKER@HOST[:PORT].
+        address: TRACKER@HOST[:PORT] or TRACKER@tcp://HOST[:PORT], which is the same here: only TCP is used.
         clock: The session's clock.
     """
 
     def __init__(self, name: str, address: str, clock: Clock | None = None) -> None:
         super().__init__(name, clock)
         self._tracker, _, place = address.partition("@")
-        host, _, port = place.partition(":")
+        host, _, port = place.removeprefix(_TCP).partition(":")
         self._place = (host or "127.0.0.1", int(port) if port.isdigit() else DEFAULT_PORT)
         self._senders: dict[int, str] = {}
         self._types: dict[int, str] = {}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -20,7 +22,7 @@ from mimics_app.lab.physio.detection import (
 from mimics_app.lab.physio.load_sessions import draw_load_people
 from mimics_app.lab.physio.noise_study import noise_rows
 from mimics_app.lab.physio.state_study import state_study
-from mimics_app.lab.physio.walk_study import walk_study
+from mimics_app.lab.physio.walk_study import CONTROLS, WalkResult, walk_study
 from mimics_app.learning.registry import POLICIES
 
 __all__ = ["measure_noise", "measure_physio"]
@@ -54,9 +56,22 @@ def measure_physio(folder: Path | None, peers: Path | None) -> dict[str, Any]:
         **measure_cost(),
         "policies": {"what": _SIMULATED, "regret": {name: _regret(name) for name in POLICIES}},
         "state": {"what": _SIMULATED, "gaps": {f"{gap:g}": _load(gap) for gap in _GAPS}},
-        "guided_walk": [asdict(walk_study(condition)) for condition in ("intimate", "social", "random")],
+        "guided_walk": list(_walks()),
         "peers": _peers(folder, peers),
     }
+
+
+def _walks() -> Iterator[dict[str, Any]]:
+    """Yield the guided walk in each condition, and with guides that are permuted or learn nothing."""
+    yield _figures(walk_study("random"))
+    for condition in ("intimate", "social"):
+        for guide in ("taught", *CONTROLS):
+            yield _figures(walk_study(condition, guide=guide))
+
+
+def _figures(walk: WalkResult) -> dict[str, Any]:
+    """Return a row without the median that half of the walkers did not reach."""
+    return {name: value for name, value in asdict(walk).items() if value != math.inf}
 
 
 def measure_noise(folder: Path | None) -> list[dict[str, Any]]:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import Issue, SceneError, nearest
-from mimics_app.rendering.audio import synth, synth_scene
+from mimics_app.rendering.audio import synth, synth_crowd, synth_scene
 from mimics_app.rendering.audio.modal import Modes
 from mimics_app.rendering.audio.settings import SoundSpec
 from mimics_app.rendering.audio.sound_file import read_sound
@@ -59,7 +59,8 @@ def _trial_end(rate: int) -> NDArray[np.float32]:
 
 def _struck(material: str) -> Callable[[float, int, int], NDArray[np.float32]]:
     """Synthesiser of an object that is struck, from the modes of its material."""
-    return partial(synth.synthesise_struck, synth_scene.MATERIALS[material])
+    pulse = synth_scene.PULSES.get(material, 1.0)
+    return partial(synth.synthesise_struck, synth_scene.MATERIALS[material], pulse=pulse)
 
 
 _DRIVEN: Mapping[str, str] = {
@@ -98,7 +99,7 @@ RECIPES: Mapping[str, Callable[[int], NDArray[np.float32]]] = {
     "grip": synth.synthesise_grip,
     "slip": synth.synthesise_slip,
     "kick": synth_scene.synthesise_kick,
-    "crowd": synth_scene.synthesise_crowd,
+    "crowd": synth_crowd.synthesise_crowd,
     "score": synth_scene.synthesise_score,
     "wind": synth_scene.synthesise_wind,
     "ui_yes": partial(synth_scene.synthesise_tone, (660.0, 880.0)),
@@ -169,7 +170,7 @@ class SoundBank:
         elif spec.recipe in RECIPES:
             synthesise = RECIPES[spec.recipe]
             if spec.recipe == "crowd":
-                synthesise = partial(synth_scene.synthesise_crowd, arousal=spec.arousal)
+                synthesise = partial(synth_crowd.synthesise_crowd, arousal=spec.arousal)
             self._put(name, synthesise(rate), replace(spec, loop=spec.loop or spec.recipe in LOOPS))
         else:
             known = nearest(spec.recipe, [*RECIPES, *FAMILIES, *TAKES])

@@ -21,6 +21,7 @@ from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.openal_context import OpenALContext, measure_pipeline
 from mimics_app.rendering.audio.openal_library import load_library
 from mimics_app.rendering.audio.openal_mixer import OpenALMixer
+from mimics_app.rendering.audio.pulse_library import PULSE
 from mimics_app.rendering.audio.settings import AudioSettings
 from mimics_app.rendering.audio.sound_stream import SoundStream
 from mimics_app.rendering.audio.streamed_mixer import StreamedMixer
@@ -191,13 +192,16 @@ def open_device(settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engin
     """Open a live device: a stream to the sound server, or else a device of OpenAL, which knows those of every system.
 
     Raises:
-        DeviceError: There is none, or it cannot be opened.
+        DeviceError: There is none, it cannot be opened, or the mix is one for files.
     """
+    if settings.channels not in PULSE.POSITIONS:
+        raise DeviceError(f"no live device plays {settings.speakers} sound of {settings.channels} channels")
     if settings.driver in ("", "pulse"):
         with suppress(DeviceError):
             from mimics_app.rendering.audio.pulse_stream import PulseStream
 
-            return _play_on(PulseStream(settings.rate, settings.period, clock), settings, bank, clock)
+            stream = PulseStream(settings.rate, settings.period, clock, settings.channels)
+            return _play_on(stream, settings, bank, clock)
     if settings.mixer == "spectral":
         from mimics_app.rendering.audio.openal_stream import OpenALStream
 
@@ -210,8 +214,9 @@ def _play_on(stream: SoundStream, settings: AudioSettings, bank: SoundBank, cloc
     """Open the mixer that the settings name and play its blocks on a stream, which is closed where that fails."""
     try:
         mixer = open_mixer(settings, bank, clock, 0, 0)
-        if mixer.channels != 2:
-            raise DeviceError(f"a live device has two channels here, not {mixer.channels}")
+        if mixer.channels != stream.channels:
+            what = f"without a sound server (PulseAudio, PipeWire) a device has two channels, not {mixer.channels}"
+            raise DeviceError(what)
         if mixer.rate != stream.rate:
             raise DeviceError(f"the device runs at {stream.rate} Hz, not at {mixer.rate}")
         streamed = StreamedMixer(mixer, stream, clock, settings.queue_ms)

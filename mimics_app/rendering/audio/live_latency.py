@@ -38,8 +38,9 @@ __all__ = ["Monitor", "handed_out_ns", "match_onsets", "measure_live_latency", "
 
 
 _RATE = 48_000
-_FRAME_BYTES = 8
+_SAMPLE_BYTES = 4
 _SINK = "mimics"
+_STEREO = ("front-left", "front-right")
 _THRESHOLD = 0.02
 _QUIET_FRAMES = 1500
 _SETTLE_NS = 2_500_000_000  # the monitor's stream drops sound at first; the player's does not
@@ -128,8 +129,12 @@ def _rounded(values: Mapping[str, float | None]) -> dict[str, float]:
 
 
 @contextmanager
-def private_pulse_server() -> Iterator[dict[str, str]]:
+def private_pulse_server(rate: int = _RATE, positions: Sequence[str] = _STEREO) -> Iterator[dict[str, str]]:
     """Run a private PulseAudio server with one null sink; yield the environment variables of its clients.
+
+    Args:
+        rate: Frames per second of the sink.
+        positions: PulseAudio's names of the positions of its channels.
 
     Raises:
         DeviceError: The server did not come up within 10 s.
@@ -145,7 +150,7 @@ def private_pulse_server() -> Iterator[dict[str, str]]:
                 "--daemonize=no",
                 "--use-pid-file=no",
                 "--exit-idle-time=-1",
-                f"--load=module-null-sink sink_name={_SINK} rate={_RATE} channels=2",
+                f"--load=module-null-sink sink_name={_SINK} rate={rate} {_layout(positions)}",
                 f"--load=module-native-protocol-unix socket={socket} auth-anonymous=1",
             ],
             env={**os.environ, **homes},
@@ -183,15 +188,27 @@ def _wait_for(socket: Path, server: subprocess.Popen[bytes]) -> None:
         clock.sleep_until_ns(clock.now_ns() + 20_000_000)
 
 
-class Monitor:
-    """Records the monitor of a private server; each chunk of samples is kept with its time of arrival."""
+def _layout(positions: Sequence[str]) -> str:
+    """Return the arguments of a module for these channels."""
+    return f"channels={len(positions)} channel_map={','.join(positions)}"
 
-    def __init__(self, environment: dict[str, str]) -> None:
-        self._environment = environment
+
+class Monitor:
+    """Records the monitor of a private server; each chunk of samples is kept with its time of arrival.
+
+    Args:
+        environment: Environment variables of the server's clients.
+        rate: Frames per second of the sink.
+        positions: PulseAudio's names of the positions of its channels.
+    """
+
+    def __init__(self, environment: Mapping[str, str], rate: int = _RATE, positions: Sequence[str] = _STEREO) -> None:
+        self._environment, self._rate, self._positions = environment, rate, positions
         self._chunks: list[tuple[int, bytes]] = []
 
     def __enter__(self) -> Monitor:
-        command = ["parec", "-d", f"{_SINK}.monitor", "--raw", "--format=float32le", f"--rate={_RATE}", "--channels=2"]
+        layout = (f"--channels={len(self._positions)}", f"--channel-map={','.join(self._positions)}")
+        command = ["parec", "-d", f"{_SINK}.monitor", "--raw", "--format=float32le", f"--rate={self._rate}", *layout]
         self._process = subprocess.Popen(
             [*command, "--latency-msec=1"],
             env={**os.environ, **self._environment},
@@ -218,16 +235,20 @@ class Monitor:
             self._chunks.append((clock.now_ns(), chunk))
 
     def frames(self) -> F4:
-        """Return the recording so far, shape [n, 2]."""
-        raw = b"".join(chunk for _, chunk in self._chunks)
-        return np.frombuffer(raw[: len(raw) // _FRAME_BYTES * _FRAME_BYTES], np.float32).reshape(-1, 2)
+        """Return the recording so far, shape [n, channels]."""
+        raw, channels = b"".join(chunk for _, chunk in self._chunks), len(self._positions)
+        return np.frombuffer(raw[: len(raw) // self._frame_bytes * self._frame_bytes], np.float32).reshape(-1, channels)
+
+    @property
+    def _frame_bytes(self) -> int:
+        return _SAMPLE_BYTES * len(self._positions)
 
     def onsets(self) -> list[int]:
         """Return the times of the first samples after silence [ns], by the device's clock."""
         frames = self.frames()
         loud = np.flatnonzero(np.abs(frames).max(axis=1) > _THRESHOLD) if len(frames) else np.zeros(0, np.int64)
         first = loud[np.flatnonzero(np.diff(loud, prepend=-_QUIET_FRAMES - 1) > _QUIET_FRAMES)]
-        ends = np.cumsum([len(chunk) for _, chunk in self._chunks]) // _FRAME_BYTES
+        ends = np.cumsum([len(chunk) for _, chunk in self._chunks]) // self._frame_bytes
         arrivals = np.array([t for t, _ in self._chunks], np.int64)
         return handed_out_ns(first, np.asarray(ends, np.int64), arrivals).tolist()
 

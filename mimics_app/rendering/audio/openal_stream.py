@@ -22,8 +22,11 @@ class OpenALStream:
 
     Attributes:
         rate: Frames per second.
+        channels: Number of channels: two.
         ran_empty: See SoundStream.
     """
+
+    channels = 2
 
     def __init__(self, context: OpenALContext) -> None:
         self.rate = context.rate

@@ -167,6 +167,9 @@ class AudioProcess:
         if isinstance(message, AudioReport):
             self._status = message.status
             return replace(message, orders_dropped=self._orders_dropped)
+        if not self._given_up and self._status is None and self.alive:
+            self._give_up("the session ended before the sound was ready: no sound was played")
+            return AudioReport(self._status or _SILENT, orders_dropped=self._orders_dropped)
         if not self._given_up:
             self._give_up(f"the audio process ended early{self._cause()}: sound was lost; picture and touch ran on")
         file = self._settings.file

@@ -6,12 +6,13 @@ Only calls without callbacks are bound: the audio process polls, so that no code
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Mapping
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, ClassVar
 
 from mimics_app.contracts.errors import DeviceError
 
-__all__ = ["PULSE", "BufferSizes", "SampleFormat", "load_pulse"]
+__all__ = ["PULSE", "BufferSizes", "ChannelMap", "SampleFormat", "load_pulse"]
 
 _NAME = "libpulse.so.0"
 
@@ -28,12 +29,24 @@ class PULSE:
     STREAM_READY = 2
     SEEK_RELATIVE = 0
     SERVER_DEFAULT = 0xFFFFFFFF
+    POSITIONS: ClassVar[Mapping[int, tuple[int, ...]]] = {
+        2: (1, 2),
+        6: (1, 2, 3, 7, 5, 6),
+        8: (1, 2, 3, 7, 5, 6, 10, 11),
+    }
+    """Positions (pulse/channelmap.h) of the channels of a mix: front left, right, middle, low, rear pair, sides."""
 
 
 class SampleFormat(ctypes.Structure):
     """pa_sample_spec."""
 
     _fields_ = (("format", ctypes.c_int), ("rate", ctypes.c_uint32), ("channels", ctypes.c_uint8))
+
+
+class ChannelMap(ctypes.Structure):
+    """pa_channel_map: number of channels, and the position of each."""
+
+    _fields_ = (("channels", ctypes.c_uint8), ("positions", ctypes.c_int * 32))
 
 
 class BufferSizes(ctypes.Structure):
@@ -70,7 +83,10 @@ _SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
     "pa_context_unref": (None, [_pointer]),
     "pa_context_errno": (_int, [_pointer]),
     "pa_strerror": (_text, [_int]),
-    "pa_stream_new": (_pointer, [_pointer, _text, ctypes.POINTER(SampleFormat), _pointer]),
+    "pa_stream_new": (
+        _pointer,
+        [_pointer, _text, ctypes.POINTER(SampleFormat), ctypes.POINTER(ChannelMap)],
+    ),
     "pa_stream_connect_playback": (
         _int,
         [_pointer, _text, ctypes.POINTER(BufferSizes), _int, _pointer, _pointer],

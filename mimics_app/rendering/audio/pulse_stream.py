@@ -16,11 +16,11 @@ from mimics_app.contracts.arrays import F4
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.rendering.audio.openal_library import quiet_stderr
-from mimics_app.rendering.audio.pulse_library import PULSE, BufferSizes, SampleFormat, load_pulse
+from mimics_app.rendering.audio.pulse_library import PULSE, BufferSizes, ChannelMap, SampleFormat, load_pulse
 
 __all__ = ["PulseStream"]
 
-_FRAME_BYTES = 8
+_SAMPLE_BYTES = 4
 _GRANT_S = 0.02
 """Length of the queue that the server grants [s]: the bound from contact to sound."""
 
@@ -40,9 +40,12 @@ class PulseStream:
         rate: Frames per second.
         period: Frames after which the server requests more.
         clock: Clock of the session, for the time-out.
+        channels: Number of channels, one of PULSE.POSITIONS: each goes to the loudspeaker of its position; the server
+            mixes them for an output that has others.
 
     Attributes:
         rate: Frames per second.
+        channels: Number of channels.
         ran_empty: See SoundStream.
         behind: Two periods, or the largest credible latency of the device while it played this stream. Before that its
             figure is the rest of the silence that an idle device has played ahead, up to 2 s.
@@ -51,8 +54,9 @@ class PulseStream:
         DeviceError: There is no library, no server, or no output.
     """
 
-    def __init__(self, rate: int, period: int, clock: Clock) -> None:
-        self.rate = rate
+    def __init__(self, rate: int, period: int, clock: Clock, channels: int = 2) -> None:
+        self.rate, self.channels = rate, channels
+        self._frame_bytes = _SAMPLE_BYTES * channels
         self._call = load_pulse()
         self.ran_empty = False
         self._written = False
@@ -68,8 +72,8 @@ class PulseStream:
             self.close()
             raise
         sizes = self._call.pa_stream_get_buffer_attr(self._stream).contents
-        self._grant = sizes.target // _FRAME_BYTES
-        self._period = max(1, sizes.request // _FRAME_BYTES)
+        self._grant = sizes.target // self._frame_bytes
+        self._period = max(1, sizes.request // self._frame_bytes)
         self.behind = 2 * self._period
 
     @property
@@ -95,7 +99,7 @@ class PulseStream:
     def write(self, block: F4) -> int:
         """Send a block at once; after an empty queue a period further on, as the server may take one meanwhile."""
         left = self._grant - self._writable()
-        skipped = (self._period - left) * _FRAME_BYTES if left <= 0 and self._written else 0
+        skipped = (self._period - left) * self._frame_bytes if left <= 0 and self._written else 0
         content = np.ascontiguousarray(block, np.float32)
         self._call.pa_stream_write(
             self._stream, content.ctypes.data, content.nbytes, None, skipped, PULSE.SEEK_RELATIVE
@@ -133,13 +137,17 @@ class PulseStream:
         self._wait(clock, lambda: self._call.pa_context_get_state(self._context), PULSE.CONTEXT_READY, "sound server")
 
     def _open(self, period: int, clock: Clock) -> None:
-        form = SampleFormat(PULSE.FLOAT32LE, self.rate, 2)
-        self._stream = self._call.pa_stream_new(self._context, b"session", ctypes.byref(form), None)
+        form = SampleFormat(PULSE.FLOAT32LE, self.rate, self.channels)
+        places = ChannelMap(self.channels, PULSE.POSITIONS[self.channels])
+        self._stream = self._call.pa_stream_new(self._context, b"session", ctypes.byref(form), ctypes.byref(places))
         grant = round(_GRANT_S * self.rate)
         sizes = BufferSizes(
-            longest=PULSE.SERVER_DEFAULT, target=grant * _FRAME_BYTES, prebuffer=0, request=period * _FRAME_BYTES,
+            longest=PULSE.SERVER_DEFAULT,
+            target=grant * self._frame_bytes,
+            prebuffer=0,
+            request=period * self._frame_bytes,
             fragment=PULSE.SERVER_DEFAULT,
-        )  # fmt: skip
+        )
         flags = PULSE.EARLY_REQUESTS | PULSE.AUTO_TIMING_UPDATE | PULSE.INTERPOLATE_TIMING
         if self._call.pa_stream_connect_playback(self._stream, None, ctypes.byref(sizes), flags, None, None) < 0:
             raise DeviceError(f"no audio device: {self._error()}")
@@ -167,7 +175,7 @@ class PulseStream:
     def _writable(self) -> int:
         """Frames granted and not yet written; none on a stream that has gone."""
         size = self._call.pa_stream_writable_size(self._stream)
-        return 0 if size == _NO_SIZE else int(size) // _FRAME_BYTES
+        return 0 if size == _NO_SIZE else int(size) // self._frame_bytes
 
     def _error(self) -> str:
         return str(self._call.pa_strerror(self._call.pa_context_errno(self._context)).decode(errors="replace"))

@@ -26,6 +26,11 @@ class SoundStream(Protocol):
         ...
 
     @property
+    def channels(self) -> int:
+        """Number of channels."""
+        ...
+
+    @property
     def period(self) -> int:
         """Frames that the device takes at once."""
         ...
@@ -45,7 +50,7 @@ class SoundStream(Protocol):
         ...
 
     def write(self, block: F4) -> int:
-        """Append a block, shape [frames, 2], after an empty queue as near as possible; return the frames then left."""
+        """Append a block, shape [frames, channels], after an empty queue as near as it can; return the frames left."""
         ...
 
     def flush(self) -> None:

@@ -53,7 +53,7 @@ class StreamedMixer:
     """See contracts.audio_port.Mixer; `render` keeps the queue filled and returns no samples.
 
     Args:
-        mixer: Mixer of two channels; its `timing` is set here.
+        mixer: Mixer with the channels of the stream; its `timing` is set here.
         stream: Live device.
         clock: Clock of the session.
         needed_ms: Queue that earlier sessions needed, the lower limit of this one's where the device needs less [ms].
@@ -130,7 +130,7 @@ class StreamedMixer:
         self._mixer.fill(handle, begin, samples)
 
     def render(self, frames: int) -> NDArray[np.float32]:
-        """Fill the queue with blocks of `frames`; return shape [0, 2]."""
+        """Fill the queue with blocks of `frames`; return shape [0, channels]."""
         now, left = self._clock.now_ns(), self._stream.left()
         empty = self._stream.ran_empty
         self.queue.limit(self._longest_queue(), self.position)

@@ -65,6 +65,9 @@ _WOOD_MODES = (
 # Skin on skin: a few low modes with a short decay.
 _PAT_MODES = ((170.0, 0.045, 1.0), (310.0, 0.035, 0.8), (560.0, 0.024, 0.45), (940.0, 0.016, 0.25))
 
+_ASPERITIES, _STROKE_HZ, _RUSH = 240.0, 6.0, 0.5
+"""Collisions per second, highest frequency at which their number varies [Hz], and the rush relative to them."""
+
 # A felt-like pad stiffens under compression: force ~ compression^p with p about 2.2, so the pulse shortens as
 # speed^-((p - 1) / (p + 1)) (Hertz's sphere is the case p = 3/2, exponent -1/5).
 _PULSE_AT_ONE = 0.00026
@@ -87,10 +90,10 @@ def synthesise_knock(speed: float, take: int = 0, rate: int = 48_000) -> F4:
 
 
 def synthesise_struck(
-    modes: tuple[tuple[float, float, float], ...], speed: float, take: int = 0, rate: int = 48_000
+    modes: tuple[tuple[float, float, float], ...], speed: float, take: int = 0, rate: int = 48_000, pulse: float = 1.0
 ) -> F4:
-    """Synthesise a struck object from its modes: frequency [Hz], T60 [s], weight."""
-    return _strike(modes, speed, take, rate)
+    """Synthesise a struck object from its modes: frequency [Hz], T60 [s], weight; a hard one by a shorter pulse."""
+    return _strike(modes, speed, take, rate, pulse)
 
 
 def synthesise_grip(rate: int = 48_000) -> F4:
@@ -120,11 +123,13 @@ def synthesise_slip(rate: int = 48_000) -> F4:
     return _finish(sound - sound.mean() * shape / shape.mean(), peak=0.4)
 
 
-def _strike(modes: tuple[tuple[float, float, float], ...], speed: float, take: int, rate: int) -> F4:
-    """Synthesise modes struck at a speed, normalised to CONTACT_RMS."""
-    pulse = _force_pulse(speed, rate)
+def _strike(
+    modes: tuple[tuple[float, float, float], ...], speed: float, take: int, rate: int, pulse: float = 1.0
+) -> F4:
+    """Synthesise modes struck at a speed by a pulse of a relative length, normalised to CONTACT_RMS."""
+    force = _force_pulse(speed, rate, pulse)
     length = int(0.25 * rate)
-    knock = np.convolve(_response(modes, take, length, rate), pulse)[:length]
+    knock = np.convolve(_response(modes, take, length, rate), force)[:length]
     knock *= _fade_out(length, int(0.02 * rate))
     window = int(_LOUDNESS_WINDOW_S * rate)
     knock *= CONTACT_RMS / np.sqrt(np.mean(knock[:window] ** 2))
@@ -154,20 +159,29 @@ def synthesise_tick(rate: int = 48_000, frequency: float = 1500.0) -> F4:
     return _finish(_mode_acceleration(time, frequency, 0.02) * _fade_out(length, length // 4), peak=0.6)
 
 
-def synthesise_scrape(rate: int = 48_000, seconds: float = 2.0, seed: int = 5) -> F4:
-    """Synthesise a seamless loop of quiet scraping: noise made in the frequency domain, periodic by construction."""
-    length = int(seconds * rate)
+def synthesise_scrape(rate: int = 48_000, seconds: float = 4.0, seed: int = 5) -> F4:
+    """Synthesise a seamless loop of rubbing along a rough wall: asperities that are met one by one, over a soft rush.
+
+    What rubs is heard as single collisions whose number and size vary, where noise of the same bands is heard as wind
+    or water (K. van den Doel et al., FoleyAutomatic, 2001: a needle in a surface of random height). The loop is made in
+    the frequency domain, periodic by construction.
+    """
+    length, random = int(seconds * rate), np.random.default_rng(seed)
     frequency = np.fft.rfftfreq(length, 1.0 / rate)
     rise = 1.0 / (1.0 + (180.0 / np.maximum(frequency, 1.0)) ** 4)
-    spectrum = rise / (1.0 + (frequency / 700.0) ** 2)
-    spectrum[0] = 0.0
-    phase = np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi, len(frequency))
-    return _finish(np.fft.irfft(spectrum * np.exp(1j * phase), length), peak=0.5)
+    shape = rise / (1.0 + (frequency / 900.0) ** 2)
+    shape[0] = 0.0
+    wander = np.fft.irfft(np.fft.rfft(random.standard_normal(length)) * (frequency < _STROKE_HZ), length)
+    density = _ASPERITIES / rate * np.exp(0.8 * wander / wander.std())
+    hits = random.poisson(density) * random.exponential(1.0, length) * random.choice((-1.0, 1.0), length)
+    rough = np.fft.irfft(np.fft.rfft(hits) * shape, length)
+    rush = np.fft.irfft(shape * np.exp(1j * random.uniform(0.0, 2.0 * np.pi, len(frequency))), length)
+    return _finish(rough / rough.std() + _RUSH * rush / rush.std(), peak=0.5)
 
 
-def _force_pulse(speed: float, rate: int) -> NDArray[np.float64]:
+def _force_pulse(speed: float, rate: int, relative: float) -> NDArray[np.float64]:
     """Return a half sine to the power 3/2 (Hertz) of unit sum; sampled at half-integers, so that none is zero."""
-    duration = _PULSE_AT_ONE * speed**-_PULSE_EXPONENT
+    duration = relative * _PULSE_AT_ONE * speed**-_PULSE_EXPONENT
     count = max(3, round(duration * rate))
     pulse = np.sin(np.pi * (np.arange(count) + 0.5) / count) ** 1.5
     return np.asarray(pulse / pulse.sum())

@@ -21,12 +21,10 @@ _PUSH = 3.0
 """Largest acceleration [m/s^2]."""
 _TURN, _FASTEST_TURN = 5.0, 3.0
 """Angular velocity per radian of remaining rotation [1/s], and its largest value [rad/s]."""
-_ASIDE = 0.75
-"""Lateral distance at which another figure is passed [m]: two half shoulders and a hand between."""
-_CLEAR = 0.5
-"""Smallest lateral distance at which passing is possible [m]."""
-_NEAR, _BESIDE = 1.5, 0.7
-"""Distance along the alley at which passing begins, and at which it ends [m]."""
+_CLEAR = 0.36
+"""Distance at which another figure is passed [m], below the smallest that a figure is sent to."""
+_SIDEWAYS = 0.7
+"""Cosine of the angle between the way and the other figure below which a figure turns to where it goes."""
 _STARTS, _STOPS = 0.12, 0.05
 """Speeds at which a figure counts as walking, and as arrived [m/s]."""
 _FADE = 0.25
@@ -43,7 +41,7 @@ class AlleyFigure:
 
     Attributes:
         along: Position along the alley [m].
-        aside: Position to its side, +x [m].
+        aside: Position to its right, +x [m].
     """
 
     def __init__(self, node: SceneNode, ahead: float) -> None:
@@ -53,42 +51,65 @@ class AlleyFigure:
         self._height = float(node.position[1])
         self._doing, self._walks = "", False
         self._yaw: float | None = None
-        self.along, self.aside = -float(node.position[2]), 0.0
+        self.along, self.aside = -float(node.position[2]), float(node.position[0])
         self._speed, self._side_speed = 0.0, 0.0
         add_walk(animator, self._pace, lambda: (self.aside, -self.along, self._yaw or 0.0))
 
-    def put(self, along: float) -> None:
-        """Place the figure at a position [m]; call `face` next."""
-        self.along, self.aside, self._speed, self._side_speed, self._yaw = along, 0.0, 0.0, 0.0, None
+    def put(self, along: float, aside: float = 0.0) -> None:
+        """Place the figure at a position [m, m]; call `face` next."""
+        self.along, self.aside, self._speed, self._side_speed, self._yaw = along, aside, 0.0, 0.0, None
 
     def face(self, other: AlleyFigure) -> None:
         """Rotate the figure to face another at once."""
         self._turn(self._towards(other), 0.0)
 
-    def go(self, along: float, other: AlleyFigure, seconds: float, facing: float | None = None) -> None:
-        """Walk towards a position for a time, round the other figure where it is in the path.
+    def go(
+        self,
+        place: tuple[float, float],
+        other: AlleyFigure,
+        seconds: float,
+        facing: tuple[float, float] | None = None,
+    ) -> None:
+        """Walk towards a place for a time, round the other figure where it is in the way.
 
         Args:
-            along: Position along the alley [m].
-            other: Figure that is faced, except while it is passed.
+            place: Along the alley and aside [m, m].
+            other: Figure that is faced, except while this one goes to the side.
             seconds: Time step [s].
-            facing: Position along the alley that is faced instead [m].
+            facing: Place along the alley and aside that is faced instead [m, m].
         """
-        gap = self.along - other.along
-        crossing = gap * (along - other.along) < 0.0 and abs(gap) < _NEAR
-        leaving = self.aside > 0.1 and abs(gap) < _BESIDE and abs(self._speed) > _STARTS
-        passing = crossing or leaving
-        blocked = crossing and abs(gap) < _BESIDE and self.aside < _CLEAR
-        wanted = 0.0 if blocked else along - self.along
-        self._speed = _eased(self._speed, wanted, seconds)
-        self._side_speed = _eased(self._side_speed, (_ASIDE if passing else 0.0) - self.aside, seconds)
+        along, aside = self._way(place, other)
+        far = math.hypot(along, aside)
+        wanted = min(_EAGER, _FASTEST / far) if far > 0.0 else 0.0
+        change = (wanted * along - self._speed, wanted * aside - self._side_speed)
+        share = min(1.0, _PUSH * seconds / max(math.hypot(*change), 1e-9))
+        self._speed += share * change[0]
+        self._side_speed += share * change[1]
         self.along += self._speed * seconds
         self.aside += self._side_speed * seconds
-        on_the_way = passing and math.hypot(self._speed, self._side_speed) > 2.0 * _STARTS
-        if on_the_way:
+        if self._goes_sideways(other):
             self._turn(math.atan2(self._side_speed, -self._speed), seconds)
         else:
-            self._turn(self._towards(other) if facing is None else self._direction(0.0, facing), seconds)
+            self._turn(self._towards(other) if facing is None else self._direction(facing[1], facing[0]), seconds)
+
+    def _way(self, place: tuple[float, float], other: AlleyFigure) -> tuple[float, float]:
+        """Return the way to a place [m, m]: straight, or past the other figure where it is between."""
+        along, aside = place[0] - self.along, place[1] - self.aside
+        to_other = (other.along - self.along, other.aside - self.aside)
+        far, gap = math.hypot(along, aside), math.hypot(*to_other)
+        direction = math.atan2(to_other[1], to_other[0])
+        off = math.remainder(math.atan2(aside, along) - direction, 2.0 * math.pi)
+        tangent = math.asin(min(_CLEAR / max(gap, 1e-9), 1.0))
+        if far < max(gap, _CLEAR) or abs(off) >= tangent:
+            return along, aside
+        direction += math.copysign(tangent, off)
+        return far * math.cos(direction), far * math.sin(direction)
+
+    def _goes_sideways(self, other: AlleyFigure) -> bool:
+        speed = math.hypot(self._speed, self._side_speed)
+        to_other = (other.along - self.along, other.aside - self.aside)
+        ahead = self._speed * to_other[0] + self._side_speed * to_other[1]
+        return speed > 2.0 * _STARTS and abs(ahead) < _SIDEWAYS * speed * math.hypot(*to_other)
 
     def show(self, gesture: str) -> None:
         """Play a gesture, if the model has it, once arrived; while walking, the upper body is still."""
@@ -121,10 +142,3 @@ class AlleyFigure:
         left = math.remainder(wanted - self._yaw, 2.0 * math.pi)
         self._yaw += seconds * min(max(_TURN * left, -_FASTEST_TURN), _FASTEST_TURN)
         stand(self._node, (self.aside, self._height, -self.along), self._yaw, self._ahead)
-
-
-def _eased(speed: float, left: float, seconds: float) -> float:
-    """Return the speed [m/s] after a time step [s] with a remaining distance [m]."""
-    wanted = min(max(_EAGER * left, -_FASTEST), _FASTEST)
-    change = _PUSH * seconds
-    return speed + min(max(wanted - speed, -change), change)

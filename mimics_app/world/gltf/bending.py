@@ -78,7 +78,9 @@ def make_animator(model: GltfDocument, made: Made, placed: int | None) -> Animat
     parents = [number.get(-1 if node.parent is None else node.parent, -1) for node in nodes]
     entities = np.array([made[index].index for index in slots], np.int32)
     fixed = int(bool(slots) and slots[0] == placed)
-    rig = Rig(tuple(node.name for node in nodes), entities, np.array(parents, np.int32), rest, first, names, fixed)
+    bones = {bone: number[index] for bone, index in model.bones.items() if index in number}
+    slots_above = np.array(parents, np.int32)
+    rig = Rig(tuple(node.name for node in nodes), entities, slots_above, rest, first, names, fixed, bones)
     clips = [clip.aimed(slot_of) for clip in model.clips]
     return Animator(rig, [clip for clip in clips if len(clip.tracks)])
 

@@ -110,6 +110,8 @@ class GltfClips:
             lengths = np.linalg.norm(values[:, parts // 2].astype(np.float64), axis=1)
             if lengths.min() < 1e-6:
                 source.fail(f"{where}/output", f"key {int(np.argmin(lengths))} is a zero quaternion")
+            # Before they are interpolated: between keys of other lengths the path bends.
+            values = (values / lengths[:, None, None]).astype(np.float32)
         return values
 
     def _events(self, item: dict[str, Any], place: str) -> tuple[ClipEvent, ...]:

@@ -33,6 +33,7 @@ __all__ = ["GltfDocument", "GltfError", "load_gltf"]
 
 _SUPPORTED_EXTENSIONS = frozenset(
     {
+        "EXT_mesh_gpu_instancing",
         "KHR_audio_emitter",
         "KHR_lights_punctual",
         "KHR_materials_emissive_strength",
@@ -41,6 +42,8 @@ _SUPPORTED_EXTENSIONS = frozenset(
         "KHR_node_visibility",
         "KHR_texture_transform",
         "MSFT_lod",
+        "VRM",
+        "VRMC_vrm",
     }
 )
 """Extensions a file may require."""
@@ -62,6 +65,7 @@ class GltfDocument:
         skins: In file order; a node's `skin` is an index.
         clips: Its animations, in file order; their targets are nodes.
         sounds: Sounds of KHR_audio_emitter; None where the file has none.
+        bones: Node of each bone of a person in the table of a VRM file, by VRM 1.0 name.
         raw: The whole JSON, extensions included.
         notes: Notes on content that was left out or repaired.
         files: Every file read, its own first.
@@ -78,6 +82,7 @@ class GltfDocument:
     skins: list[GltfSkin]
     clips: list[Clip]
     sounds: GltfSounds | None
+    bones: dict[str, int]
     raw: dict[str, Any]
     notes: list[str]
     files: list[Path]
@@ -129,7 +134,7 @@ class GltfDocument:
 
 
 def load_gltf(path: Path, root: Path | None = None, *, without_pictures: bool = False) -> GltfDocument:
-    """Read a .glb or .gltf file.
+    """Read a .glb, .gltf or .vrm file.
 
     Args:
         path: The file.
@@ -161,14 +166,17 @@ def _read(source: GltfSource) -> GltfDocument:
     meshes = GltfMeshes(source, accessors, materials).read_all()
     tree = GltfNodes(source, [mesh.farthest for mesh in meshes], [mesh.morphs for mesh in meshes])
     tree.read_all()
+    _expand_instances(source, accessors, tree.nodes)
     roots = tree.roots()
     skins, clips = (
         _read_skins(source, accessors, tree.nodes, meshes),
         _read_clips(source, accessors, tree.nodes, meshes),
     )
     sounds = read_sounds(source, buffers)
+    bones = _read_bones(source)
     if source.issues:
         raise GltfError(source.issues)
+    roots = _turn_to_front(source, tree.nodes, roots, skins, bones)
     _note_names(source, tree.nodes)
     return GltfDocument(
         source.file,
@@ -182,6 +190,7 @@ def _read(source: GltfSource) -> GltfDocument:
         skins,
         clips,
         sounds,
+        bones,
         source.json,
         source.notes,
         list(dict.fromkeys(source.files)),
@@ -208,6 +217,35 @@ def _read_clips(
     from mimics_app.world.gltf.clips import GltfClips
 
     return GltfClips(source, accessors, nodes, meshes).read_all()
+
+
+def _expand_instances(source: GltfSource, accessors: GltfAccessors, nodes: list[GltfNode]) -> None:
+    if not any("extensions" in item for item in source.table("nodes")):
+        return
+    from mimics_app.world.gltf.instances import expand_instances
+
+    expand_instances(source, accessors, nodes)
+
+
+def _read_bones(source: GltfSource) -> dict[str, int]:
+    if not source.json.get("extensions"):
+        return {}
+    from mimics_app.world.gltf.vrm import read_bones
+
+    return read_bones(source)
+
+
+def _turn_to_front(
+    source: GltfSource, nodes: list[GltfNode], roots: list[int], skins: list[GltfSkin], bones: dict[str, int]
+) -> list[int]:
+    if not skins:
+        return roots
+    from mimics_app.world.gltf.looking_ahead import turn_to_front
+
+    roots, way = turn_to_front(nodes, roots, skins, bones)
+    if way:
+        source.note(f"the person looks along {way} in the file and is turned round to look along +z")
+    return roots
 
 
 def _check_extensions(source: GltfSource) -> None:

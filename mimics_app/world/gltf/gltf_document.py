@@ -19,7 +19,16 @@ from mimics_app.world.scene.json_text import parse_json
 from mimics_app.world.scene.paths import PathFault, find_file
 from mimics_app.world.scene.scene_files import read_bytes
 
-__all__ = ["MAX_ITEMS", "MAX_NOTES", "MAX_TOTAL_BYTES", "GltfError", "GltfSource", "open_gltf", "parse_gltf"]
+__all__ = [
+    "GLTF_SUFFIXES",
+    "MAX_ITEMS",
+    "MAX_NOTES",
+    "MAX_TOTAL_BYTES",
+    "GltfError",
+    "GltfSource",
+    "open_gltf",
+    "parse_gltf",
+]
 
 T = TypeVar("T")
 
@@ -28,6 +37,9 @@ MAX_TOTAL_BYTES = 256 * 1024 * 1024
 
 An array that several primitives use counts once for each, as each of them is a mesh of its own in a world.
 """
+
+GLTF_SUFFIXES = (".glb", ".gltf", ".vrm")
+"""Endings of glTF files; those of VRM are binary glTF with a table of bones."""
 
 MAX_ITEMS = 100_000
 """Maximum number of nodes, of meshes, of materials and so on, and of primitives of all meshes together."""
@@ -278,7 +290,7 @@ def parse_gltf(data: bytes, path: Path, root: Path, file: str) -> GltfSource:
     Raises:
         GltfError: it is damaged, or is another version.
     """
-    if path.suffix.lower() == ".glb" and data[:4] != _MAGIC and data.lstrip()[:1] != b"{":
+    if path.suffix.lower() in (".glb", ".vrm") and data[:4] != _MAGIC and data.lstrip()[:1] != b"{":
         raise SceneError(Issue(file, "", "is not a GLB: it does not begin with glTF", "export it again as binary glTF"))
     text, binary = _chunks(data, file) if data[:4] == _MAGIC else (data, None)
     document, issues = parse_json(text, file)

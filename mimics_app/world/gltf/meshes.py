@@ -63,6 +63,17 @@ _BLOCK = 65_536
 """Triangles of one batch of flat normals, which bounds temporary memory."""
 
 
+_DRACO = "KHR_draco_mesh_compression"
+
+
+def _is_compressed_only(source: GltfSource, primitive: dict[str, Any], attributes: dict[str, Any], place: str) -> bool:
+    """Whether a primitive is compressed and the accessor of its positions has no data of its own."""
+    if not source.extension(primitive, _DRACO, place):
+        return False
+    positions = source.item("accessors", attributes["POSITION"], f"{place}/attributes/POSITION")
+    return "bufferView" not in positions and "sparse" not in positions
+
+
 class GltfMeshes:
     """Reader of meshes, in file order."""
 
@@ -99,6 +110,8 @@ class GltfMeshes:
             why = "points and lines are not drawn" if mode in _POINTS_AND_LINES else "it has no POSITION"
             source.note(f"{place} left out: {why}")
             return None
+        if _is_compressed_only(source, primitive, attributes, place):
+            source.fail(place, f"its geometry is there by {_DRACO} only, which is not read", "export it uncompressed")
         material = None
         if "material" in primitive:
             material = source.index(primitive["material"], len(self._materials), "materials", f"{place}/material")

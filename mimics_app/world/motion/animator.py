@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -30,6 +30,7 @@ class Rig:
         morph_first: First morph weight of each slot, int32 [slots + 1].
         morph_names: Names of all morph weights, "" for none.
         fixed: Number of leading slots that the scene places, so that poses do not move them.
+        bones: Slots of the bones of a person that the file names itself (VRM), by VRM 1.0 name.
     """
 
     names: tuple[str, ...]
@@ -39,6 +40,7 @@ class Rig:
     morph_first: I4
     morph_names: tuple[str, ...]
     fixed: int = 0
+    bones: Mapping[str, int] = field(default_factory=dict)
 
     def slot(self, name: str) -> int:
         """Return the slot of a node.

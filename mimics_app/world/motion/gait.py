@@ -18,11 +18,11 @@ from mimics_app.world.motion.animator import Rig
 from mimics_app.world.motion.clip import ClipEvent
 from mimics_app.world.motion.footholds import Footholds, Ground
 from mimics_app.world.motion.humanoid import HumanoidMap
-from mimics_app.world.motion.kernels.chain import localise
 from mimics_app.world.motion.kernels.gait import place_feet
 from mimics_app.world.motion.pose import Pose
-from mimics_app.world.motion.reach import Chain, LimbReach
+from mimics_app.world.motion.reach import Chain, LimbReach, about
 from mimics_app.world.motion.reference_gait import NATURAL_STANCE, SAMPLES, shape_gait, stance_share
+from mimics_app.world.motion.walking_trunk import WalkingTrunk
 
 __all__ = ["Gait", "Pace", "Walk", "natural_step"]
 
@@ -31,10 +31,6 @@ _PREFERRED = 1.3
 """Preferred walking speed [m/s]."""
 _LIVELY = 1.3
 """Maximum factor on the swing of pelvis, trunk and arms at the preferred speed."""
-_SWAY, _LIST = 0.02, math.radians(2.0)
-"""Lateral sway [m] and list [rad] of the pelvis at the preferred speed."""
-_PELVIS, _TRUNK, _ARMS = math.radians(5.0), math.radians(7.0), math.radians(20.0)
-"""Amplitudes of pelvis and trunk rotation and of arm swing at the preferred speed [rad]."""
 _NATURAL_STEP = 0.80
 """Step of the published curves over the leg's length, on a leg of two equal bones."""
 _LEG = 0.82
@@ -45,8 +41,12 @@ _SOFT = 5e-4
 """Soft reach of the legs, as a share of their length, below the minimum knee flexion."""
 _MIN_FLEXION = math.radians(3.7)
 """Minimum flexion of a loaded knee [rad], just beyond the start of the soft reach."""
-_SLACK = 0.15
+_SLACK = 0.05
 """Excess height of the hips over the reach of a swing foot, per cycle until or since its stance [m]."""
+_LATE = 4.0
+"""Inverse of the share of the swing, from its middle on, in which its knee comes to be bent as the table has it."""
+_ROUND = 0.003
+"""Distance over which the hips change smoothly from one limit of their height to the other [m]."""
 _TOE_BEND = math.radians(60.0)
 """Maximum dorsiflexion of the toes [rad]."""
 _HEEL, _TIP = 0.5, 1.75
@@ -141,6 +141,7 @@ class Walk:
         self._rig, self._bones, self._pace, self._angles, self._move = rig, bones, pace, angles, move
         self._events = events
         self._rest, self._chain = Chain(rig), Chain(rig)
+        self._trunk = WalkingTrunk(rig, bones, self._rest, self._chain)
         self._feet = [bones.limb(f"{side}_leg") for side in ("left", "right")]
         self._toes = [bones.slots.get(f"{side}Toes", -1) for side in ("left", "right")]
         self._goals = [np.zeros(3), np.zeros(3)]
@@ -165,11 +166,12 @@ class Walk:
         stretch = min(1.3, pace.step * pace.stance / natural)
         vigour = min(_LIVELY, abs(pace.speed) / _PREFERRED)
         table = self._aim_feet(pace, stretch)
-        self._swing(pose, vigour)
+        self._trunk.swing(pose, self._phase, vigour)
         self._raise_hips(pose, table, pace.stance)
         wanted = None if self._angles is None else np.asarray(self._angles(self._phase), np.float64)
         if wanted is not None:
             self._follow_angles(pose, wanted, pace)
+        self._keep_bent(table, pace.stance)
         for leg in self._legs:
             leg(pose, seconds)
         self._chain.follow(pose)
@@ -233,60 +235,25 @@ class Walk:
             return 0.0
         return float(-self._shape[1] if pitch > 0.0 else self._shape[2])
 
-    def _swing(self, pose: Pose, vigour: float) -> None:
-        """Rotate pelvis, trunk and arms with the leading leg, and sway and list the pelvis."""
-        slots, turn = self._bones.slots, 2.0 * math.pi * self._phase
-        ahead = math.cos(turn)  # 1: the left foot is ahead
-        side = math.sin(turn)  # 1: the left foot carries
-        hips = slots["hips"]
-        moving = min(1.0, 4.0 * vigour)
-        rest = self._rig.rest.translations[hips]
-        pose.translations[hips] = (1.0 - moving) * pose.translations[hips] + moving * rest
-        pose.translations[hips, 0] += _SWAY * vigour * side
-        self._chain.follow(pose)
-        self._turn(pose, "hips", (0.0, 1.0, 0.0), -_PELVIS * vigour * ahead)
-        self._turn(pose, "hips", (0.0, 0.0, 1.0), _LIST * vigour * side)
-        self._turn(pose, "spine", (0.0, 0.0, 1.0), -_LIST * vigour * side)
-        for bone in ("spine", "chest"):
-            self._turn(pose, bone, (0.0, 1.0, 0.0), 0.5 * (_PELVIS + _TRUNK) * vigour * ahead)
-        for word, sign in (("left", 1.0), ("right", -1.0)):
-            swing = _ARMS * vigour * sign * ahead
-            self._turn(pose, f"{word}UpperArm", (1.0, 0.0, 0.0), swing)
-            self._turn(pose, f"{word}LowerArm", (1.0, 0.0, 0.0), -0.35 * vigour * (1.0 - 0.6 * sign * ahead))
-
-    def _turn(self, pose: Pose, bone: str, axis: tuple[float, float, float], angle: float) -> None:
-        """Rotate a bone about an axis of the model, from its present orientation."""
-        slot = self._bones.slots.get(bone, -1)
-        if slot < 0 or angle == 0.0:
-            return
-        self._set(pose, slot, _about(axis, angle), self._chain.turns[slot].copy())
-        for below in self._rig.below(slot)[1:]:
-            self._chain.follow_slot(pose, below)
-
-    def _set(self, pose: Pose, slot: int, turn: F8, rest: F8) -> None:
-        turned = np.empty(4)
-        multiply(turn, rest, turned)
-        localise(slot, turned, self._rig.parents, self._chain.turns, pose.rotations)
-
     def _raise_hips(self, pose: Pose, table: F8, stance: float) -> None:
         """Set the height of the hips so that loaded legs bend as the table has it and stance feet are in reach."""
-        slot, places = self._bones.slots["hips"], self._chain.places
+        places = self._chain.places
         thigh, shank = self._shape[4], self._shape[5]
         lift, highest = 0.0, math.inf
         for k, joints in enumerate(self._feet):
             hip, goal = places[joints[0]], self._goals[k]
             aside = float((goal[0] - hip[0]) ** 2 + (goal[2] - hip[2]) ** 2)
             phase = (self._phase + 0.5 * k) % 1.0
-            at = phase * SAMPLES
-            knee = max(float(np.interp(at, np.arange(SAMPLES + 1), np.append(table[:, 1], table[0, 1]))), _MIN_FLEXION)
+            knee = max(_knee_at(table, phase), _MIN_FLEXION)
             chord = thigh**2 + shank**2 + 2.0 * thigh * shank * math.cos(knee)
             over = float(goal[1] - hip[1])
             lift += self._placed[k, 6] * (over + math.sqrt(max(chord - aside, 0.0)))
             # A swing foot need not be in reach until heel strike.
             slack = 0.0 if self._placed[k, 4] else _SLACK * min(phase - stance, 1.0 - phase)
             highest = min(highest, slack + over + math.sqrt(max(((1.0 - _SOFT) * self._leg) ** 2 - aside, 0.0)))
-        pose.translations[slot, 1] += min(lift, highest)
-        self._chain.follow(pose)
+        # The smaller of the two, smoothly: where they meet, a nearly straight knee magnifies every kink.
+        lift = 0.5 * (lift + highest - math.hypot(lift - highest, _ROUND))
+        self._chain.shift(pose, self._bones.slots["hips"], np.array([0.0, lift, 0.0]))
 
     def _follow_angles(self, pose: Pose, wanted: F8, pace: Pace) -> None:
         """Move the targets of swing ankles to given angles; a stance foot keeps its place on the ground."""
@@ -305,17 +272,34 @@ class Walk:
                 asked[1] = max(asked[1], 0.9 * own[1])
                 own[:] = (1.0 - share) * own + share * asked
 
+    def _keep_bent(self, table: F8, stance: float) -> None:
+        """Move the targets of swing ankles to the hip until the knee has the table's flexion before strike."""
+        thigh, shank = self._shape[4], self._shape[5]
+        for k, (hip, _, _) in enumerate(self._feet):
+            phase = (self._phase + 0.5 * k) % 1.0
+            x = min(max(_LATE * ((phase - stance) / (1.0 - stance) - 0.5), 0.0), 1.0)
+            if self._placed[k, 4] or x == 0.0:
+                continue
+            # From mid-swing on, where the knee bends most by itself.
+            more = max(_knee_at(table, phase) - _knee_at(table, 0.0), 0.0)
+            knee = _MIN_FLEXION + x * x * (3.0 - 2.0 * x) * more
+            reach = math.sqrt(thigh**2 + shank**2 + 2.0 * thigh * shank * math.cos(knee))
+            away = self._goals[k] - self._chain.places[hip]
+            far = float(np.linalg.norm(away))
+            if far > reach:
+                self._goals[k][:] = self._chain.places[hip] + reach / far * away
+
     def _pitch_feet(self, pose: Pose) -> None:
         """Set the pitch of the feet for their phase, and bend the toes."""
         for k, joints in enumerate(self._feet):
             pitch, bend = self._placed[k, 2], self._placed[k, 5]
             yaw = 0.0 if self._holds is None else float(self._holds.off[k, 2])
-            heading = _about((0.0, 1.0, 0.0), yaw)
+            heading = about((0.0, 1.0, 0.0), yaw)
             for slot, angle in ((joints[2], pitch), (self._toes[k], pitch + bend)):
                 if slot >= 0:
                     turn = np.empty(4)
-                    multiply(heading, _about((1.0, 0.0, 0.0), -angle), turn)
-                    self._set(pose, slot, turn, self._rest.turns[slot])
+                    multiply(heading, about((1.0, 0.0, 0.0), -angle), turn)
+                    self._chain.turn(pose, slot, turn, self._rest.turns[slot])
                     self._chain.follow_slot(pose, slot) if slot == self._toes[k] else self._chain.follow(pose)
 
     def _contacts(self) -> F8:
@@ -351,10 +335,9 @@ class Walk:
         return hips, knees, ankles
 
 
-def _about(axis: tuple[float, float, float], angle: float) -> F8:
-    """Return the rotation about an axis, xyzw."""
-    s = math.sin(0.5 * angle)
-    return np.array([s * axis[0], s * axis[1], s * axis[2], math.cos(0.5 * angle)])
+def _knee_at(table: F8, phase: float) -> float:
+    """Return the knee flexion of a table at a phase [rad]."""
+    return float(np.interp(phase * SAMPLES, np.arange(SAMPLES + 1), np.append(table[:, 1], table[0, 1])))
 
 
 def _touch(table: F8, stance: float, stride: float, shape: F8) -> float:

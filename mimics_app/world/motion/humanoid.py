@@ -1,7 +1,8 @@
 """Humanoid bones by the names of VRM 1.0, mapped from the bone names of other skeletons.
 
-A name is split into side, part and number. The names of Mixamo, Blender, Unreal, 3ds Max Biped and VRM 0 are known;
-bones without a known name are guessed from the hierarchy, and every guess is reported.
+The table of a VRM file is taken as it is. Otherwise a name is split into side, part and number: the names of Mixamo,
+Blender, Rigify, Unreal, 3ds Max Biped, MotionBuilder, Maya, Character Creator, Daz and VRM 0 are known. Bones without a
+known name are guessed from the hierarchy and from their places, and every guess is reported.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from pathlib import Path
 
 from mimics_app.contracts.table_file import read_table_file
 from mimics_app.world.motion.animator import Rig
+from mimics_app.world.motion.guessed_bones import guess_by_place
 
 __all__ = ["BONES", "NEEDED", "HumanoidMap", "find_humanoid", "report_lines"]
 
@@ -38,8 +40,14 @@ NEEDED: tuple[str, ...] = (
 
 _WORDS = read_table_file(Path(__file__).with_suffix(".json"), dict[str, tuple[str, ...]])
 _PREFIX = re.compile(
-    r"^(?:mixamorig\d*[:_]?|bip0?01[ _]?|def[-_]|org[-_]|j_(?:bip|sec|adj)_(?:c_)?|armature[|_/])", re.IGNORECASE
+    r"^(?:mixamorig\d*[:_]?|bip0?01[ _]?|def[-_]|org[-_]|j_(?:bip|sec|adj)_(?:c_)?|armature[|_/]|cc_base_"
+    r"|character\d*_)",
+    re.IGNORECASE,
 )
+_MIDDLE = re.compile(r"_M$")
+"""What Maya's rigs append to bones of the middle."""
+_NUMBERED = re.compile(r"^spine(?:\.?\d{3})?$")
+"""Vertebrae of a Rigify skeleton."""
 _SIDE = (
     re.compile(r"^(?P<side>left|right)[ _.-]?(?P<rest>.+)$", re.IGNORECASE),
     re.compile(r"^(?P<rest>.+?)[ _.-]?(?P<side>left|right)$", re.IGNORECASE),
@@ -83,21 +91,65 @@ class HumanoidMap:
 
 
 def find_humanoid(rig: Rig) -> HumanoidMap:
-    """Map the humanoid bones of a model."""
+    """Map the humanoid bones of a model: by its own table (VRM), by their names, then by their places."""
     found = HumanoidMap()
-    for slot, name in enumerate(rig.names):
-        bone = _bone_of(name)
-        if bone is not None and bone not in found.slots:
-            found.slots[bone], found.names[bone] = slot, name
-    _settle_spine(rig, found)
-    _guess(rig, found)
+    for bone, slot in rig.bones.items():
+        if bone in BONES:
+            found.slots[bone], found.names[bone] = slot, rig.names[slot]
+    if not found.slots:
+        _find_by_name(rig, found)
+        _settle_spine(rig, found)
+        _guess(rig, found)
+    if any(bone not in found.slots for bone in NEEDED):
+        guess_by_place(rig, found.slots, found.names, found.guesses)
     missing = tuple(bone for bone in NEEDED if bone not in found.slots)
     return HumanoidMap(found.slots, found.names, found.guesses, missing)
 
 
-def _bone_of(name: str) -> str | None:
-    """Return the bone of a name; None for any other node."""
-    bare = _PREFIX.sub("", name)
+def _find_by_name(rig: Rig, found: HumanoidMap) -> None:
+    words = dict[str, dict[str, int]]()
+    for slot, name in enumerate(rig.names):
+        known = _bone_of(name)
+        if known is not None:
+            words.setdefault(known[0], {}).setdefault(known[1], slot)
+    for side in _SIDES:
+        _settle_shoulder(words, f"{side}Shoulder", f"{side}UpperArm", f"{side}LowerArm")
+    if "hips" not in words:
+        _settle_numbered_spine(rig, words)
+    for bone, by_word in words.items():
+        slot = min(by_word.values())
+        found.slots[bone], found.names[bone] = slot, rig.names[slot]
+
+
+def _settle_shoulder(words: dict[str, dict[str, int]], shoulder: str, upper: str, lower: str) -> None:
+    """Where nothing is called an arm, what is called a shoulder is the upper arm; the collar bone is above it."""
+    named = words.get(shoulder, {})
+    if upper not in words and lower in words and "shoulder" in named:
+        words[upper] = {"shoulder": named.pop("shoulder")}
+        if not named:
+            del words[shoulder]
+
+
+def _settle_numbered_spine(rig: Rig, words: dict[str, dict[str, int]]) -> None:
+    """Of vertebrae that are only numbered (Rigify) the first is the hips, the last ones are neck and head."""
+    series = [slot for slot, name in enumerate(rig.names) if _NUMBERED.match(_PREFIX.sub("", name))]
+    if len(series) < 3:
+        return
+    words["hips"] = {"": series[0]}
+    for bone in _CENTRE[1:4]:
+        words.pop(bone, None)
+    if "head" not in words:
+        words["head"] = {"": series[-1]}
+        if len(series) > 4 and "neck" not in words:
+            words["neck"] = {"": series[-2]}
+
+
+def _bone_of(name: str) -> tuple[str, str] | None:
+    """Return the bone of a name and the word for it; None for any other node."""
+    bare = _PREFIX.sub("", name.rsplit(":", 1)[-1])
+    if bare == "Root_M":
+        return "hips", "root"
+    bare = _MIDDLE.sub("", bare)
     side, rest = "", bare
     for pattern in _SIDE:
         match = pattern.match(bare)
@@ -107,7 +159,7 @@ def _bone_of(name: str) -> str | None:
     word = re.sub(r"[ _.\-]", "", _PREFIX.sub("", rest)).lower()
     for part, words in _WORDS.items():
         if word in words and (part in _CENTRE) == (side == ""):
-            return part if not side else f"{side}{part}"
+            return (part if not side else f"{side}{part}"), word
     return None
 
 

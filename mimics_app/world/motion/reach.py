@@ -9,13 +9,14 @@ from enum import IntFlag
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
+from mimics_app.maths.poses import turn_vector, turned_back
 from mimics_app.maths.quat import multiply, slerp
 from mimics_app.world.motion.animator import Rig
 from mimics_app.world.motion.kernels.chain import arc, follow_chain, follow_one, localise
 from mimics_app.world.motion.kernels.two_bone import reach_two_bones
 from mimics_app.world.motion.pose import Pose
 
-__all__ = ["SWIVEL_RATE", "Chain", "LimbReach", "ReachCase"]
+__all__ = ["SWIVEL_RATE", "Chain", "LimbReach", "ReachCase", "about"]
 
 
 SWIVEL_RATE = math.radians(720.0)
@@ -61,6 +62,19 @@ class Chain:
         """Compute one slot whose parent is up to date."""
         local = (pose.translations, pose.rotations, pose.scales)
         follow_one(slot, self.rig.parents, *local, self.places, self.turns, self.scales)
+
+    def shift(self, pose: Pose, slot: int, way: F8) -> None:
+        """Move a slot by a vector of the model's frame [m], whatever rotations and scales are above it; all follow."""
+        above = int(self.rig.parents[slot])
+        local = way if above < 0 else turn_vector(turned_back(self.turns[above]), way) / self.scales[above]
+        pose.translations[slot] += local
+        self.follow(pose)
+
+    def turn(self, pose: Pose, slot: int, turn: F8, before: F8) -> None:
+        """Set the rotation of a slot in the model's frame to `turn` after `before`; what is below does not follow."""
+        turned = np.empty(4)
+        multiply(turn, before, turned)
+        localise(slot, turned, self.rig.parents, self.turns, pose.rotations)
 
 
 class LimbReach:
@@ -124,10 +138,15 @@ class LimbReach:
 
     def _aim(self, pose: Pose, slot: int, now: F8, wanted: F8) -> None:
         """Rotate a joint by the arc from direction `now` to direction `wanted`."""
-        turn, turned = np.empty(4), np.empty(4)
+        turn = np.empty(4)
         arc(np.ascontiguousarray(now), np.ascontiguousarray(wanted), turn)
-        multiply(turn, self._chain.turns[slot], turned)
-        localise(slot, turned, self._rig.parents, self._chain.turns, pose.rotations)
+        self._chain.turn(pose, slot, turn, self._chain.turns[slot].copy())
+
+
+def about(axis: tuple[float, float, float], angle: float) -> F8:
+    """Return the rotation about an axis, xyzw."""
+    s = math.sin(0.5 * angle)
+    return np.array([s * axis[0], s * axis[1], s * axis[2], math.cos(0.5 * angle)])
 
 
 def _way_down(rig: Rig, above: int, slot: int) -> list[int]:

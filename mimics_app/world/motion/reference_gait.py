@@ -14,7 +14,8 @@ Sources:
 
 The two differ by 8 degrees (root mean square) in the knee at 1.2 m/s: in the zero of the joint, and by a later
 toe-off in the second. For hip and ankle at other speeds no data are available: they are the natural ones, scaled
-with the step.
+with the step. The walk is judged against the knee: 5 degrees root mean square from 0.7 m/s on, 6.3 at 0.5 and 8.6 at
+0.3 m/s, where it bends further in swing to clear the ground.
 """
 
 from __future__ import annotations

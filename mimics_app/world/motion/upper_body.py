@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import F8, I4
 from mimics_app.maths.poses import turn_vector, turned_back
 from mimics_app.maths.quat import slerp
 from mimics_app.world.motion.animator import Animator, Rig
@@ -111,7 +111,8 @@ class UpperBody:
     Args:
         rig: The model's nodes.
         bones: Its bones.
-        source: Returns the newest trackers in the model's room, or None for none.
+        source: Returns the newest trackers in the model's room, or None for none. A pose that is not finite is not
+            followed: without a head the body keeps its pose, without a hand its arm.
         calibration: From `calibrate`; None: trackers give joint positions, and rotations from rest.
 
     Attributes:
@@ -127,6 +128,7 @@ class UpperBody:
     ) -> None:
         self._rig, self._source, self._calibration = rig, source, calibration
         self._bones = np.array([bones.slots.get(name, -1) for name in _WANTED], np.int32)
+        self._between = _slots_between(rig, self._bones)
         self._rest, self._work = Chain(rig), Chain(rig)
         self._state = np.zeros(STATE)
         self._head, self._hands, self._tracked = np.zeros(7), np.zeros((2, 7)), np.zeros(2, np.int32)
@@ -134,13 +136,13 @@ class UpperBody:
 
     def __call__(self, pose: Pose, seconds: float) -> None:
         tracked = self._source()
-        if tracked is None or self.weight <= 0.0:
+        if tracked is None or self.weight <= 0.0 or not np.isfinite(tracked.head).all():
             return
         before = pose.copy() if self.weight < 1.0 else None
         self._head[:] = self._joint(tracked.head, 0)
         for side, hand in enumerate((tracked.left, tracked.right)):
-            self._tracked[side] = hand is not None
-            if hand is not None:
+            self._tracked[side] = hand is not None and bool(np.isfinite(hand).all())
+            if hand is not None and self._tracked[side]:
                 self._hands[side] = self._joint(hand, 1 + side)
         work, rest = self._work, self._rest
         solve_upper_body(
@@ -151,6 +153,7 @@ class UpperBody:
             abs(seconds),
             SWIVEL_RATE,
             self._rig.parents,
+            self._between,
             rest.places,
             rest.turns,
             *pose.arrays[:3],
@@ -228,6 +231,18 @@ class DelayedTwin:
         between = np.empty_like(first[1])
         slerp_rows(first[1], second[1], share, between)
         return between, (1.0 - share) * first[2] + share * second[2]
+
+
+def _slots_between(rig: Rig, bones: I4) -> I4:
+    """Return 1 for each slot that is none of the bones and lies between two of them, such as a twist bone."""
+    between = np.zeros(len(rig.names), np.int32)
+    named = {int(slot) for slot in bones if slot >= 0}
+    for slot in named - {int(bones[0])}:
+        above = int(rig.parents[slot])
+        while above >= 0 and above not in named:
+            between[above] = 1
+            above = int(rig.parents[above])
+    return between
 
 
 def _product(a: F8, b: F8) -> F8:

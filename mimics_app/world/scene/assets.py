@@ -34,6 +34,7 @@ AssetKind = Literal["model", "picture", "sound", "head", "path"]
 _KINDS: dict[str, AssetKind] = {
     ".glb": "model",
     ".gltf": "model",
+    ".vrm": "model",
     ".png": "picture",
     ".jpg": "picture",
     ".jpeg": "picture",

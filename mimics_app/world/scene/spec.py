@@ -91,7 +91,7 @@ class EntitySpec(Component, frozen=True):
 
 
 class AssetSpec(Component, frozen=True):
-    """A file of the scene: model (.glb .gltf), picture (.png .jpg), sound (.wav .ogg .flac), head (.sofa), path."""
+    """A file of the scene: model (.glb .gltf .vrm), picture (.png .jpg) sound (.wav .ogg .flac), head (.sofa), path."""
 
     uri: Annotated[str, Meta(description="Relative to this file, inside the scene's folder; mimics:... is shipped")]
     srgb: Annotated[bool, Meta(description="Picture: colours are sRGB encoded")] = True

@@ -90,6 +90,16 @@ class Presenter:
         return self.display.kind in (*_WALLS, "hmd", "sim-hmd", "openxr")
 
     @property
+    def paces(self) -> bool:
+        """Whether the display says when a frame begins and when it will be seen."""
+        return self.display.kind in _HEADSETS
+
+    @property
+    def begun(self) -> bool:
+        """Whether a frame was begun and not shown yet."""
+        return self._begun
+
+    @property
     def surrounds(self) -> bool:
         """Whether the person stands in front of walls and sees their own body."""
         return self.display.kind in _WALLS

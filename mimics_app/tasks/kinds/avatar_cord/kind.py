@@ -32,12 +32,10 @@ if TYPE_CHECKING:
     from mimics_app.tasks.task import TaskSpec
     from mimics_app.world.scene.scene import Scene
 
-__all__ = ["HALF_FRAME_NS", "KIND", "AvatarCordKind"]
+__all__ = ["KIND", "AvatarCordKind"]
 
 _AHEAD_NS = 2 * FRAME_NS
 """Lead time of a tactile event's order, for the driver of the vibrator [ns]."""
-HALF_FRAME_NS = 8_500_000
-"""Half of the longer frame, of 16 and 17 ms: a touch is shown by the frame nearest to it [ns]."""
 _LEAST_SCALES = ("ownership", "agency", "touch", "location", "control")
 
 
@@ -139,7 +137,8 @@ class AvatarCordPlay(KindPlay):
             self._enter(_Phase.TAPS, seen.now_ns)
         if self._phase is _Phase.TAPS:
             self._order_taps(seen.now_ns)
-            self._threaten(seen.now_ns)
+            self._show_taps(seen)
+            self._threaten(seen)
             if seen.now_ns >= self._begin_ns + round(self._condition.duration_s * SECOND_NS) and self._all_given:
                 self._enter(_Phase.QUESTIONS, seen.now_ns)
         elif self._phase is _Phase.QUESTIONS:
@@ -171,23 +170,26 @@ class AvatarCordPlay(KindPlay):
         return self._begin_ns + tap.seen_ns, tap.place, tap.share, tap.theta, tap.number
 
     def _order_taps(self, now_ns: int) -> None:
-        """Order tactile events ahead of their time, and log the taps shown in this frame."""
+        """Order tactile events ahead of their time."""
         assert self._begin_ns is not None
         by_felt = sorted(self._taps, key=lambda tap: (tap.felt_ns, tap.number))
         while self._ordered < len(by_felt) and self._begin_ns + by_felt[self._ordered].felt_ns <= now_ns + _AHEAD_NS:
             self._order(by_felt[self._ordered], now_ns)
             self._ordered += 1
+
+    def _show_taps(self, seen: Observation) -> None:
+        """Log the taps shown in this frame: that whose display is nearest to a touch, at most half a frame off."""
+        assert self._begin_ns is not None
         while self._shown < len(self._taps):
             tap = self._taps[self._shown]
             due = self._begin_ns + tap.seen_ns
-            # The frame nearest to the touch shows it: at most half a frame early or late.
-            if now_ns + HALF_FRAME_NS < due:
+            if _is_later(due, seen):
                 return
-            error_ms = (now_ns - due) * 1e-6
+            error_ms = (seen.shown_ns - due) * 1e-6
             self._worst_seen_ms = max(self._worst_seen_ms, abs(error_ms))
             self._shown += 1
-            data = {"tap": tap.number, "place": tap.place, "scheduled_ns": due, "submitted_ns": now_ns}
-            self._note("tap_seen", now_ns, {**data, "display_ns": now_ns + FRAME_NS})
+            data = {"tap": tap.number, "place": tap.place, "scheduled_ns": due, "submitted_ns": seen.now_ns}
+            self._note("tap_seen", seen.now_ns, {**data, "display_ns": seen.shown_ns})
 
     def _order(self, tap: Tap, now_ns: int) -> None:
         assert self._begin_ns is not None
@@ -198,15 +200,16 @@ class AvatarCordPlay(KindPlay):
         data = {"tap": tap.number, "at": tap.felt_at, "scheduled_ns": due, "ordered_ns": now_ns, "offset_ms": offset_ms}
         self._note("tap_felt", now_ns, data)
 
-    def _threaten(self, now_ns: int) -> None:
+    def _threaten(self, seen: Observation) -> None:
         threat, begun = self._condition.threat, self._begin_ns
         if threat is None or begun is None or self._threat_ns is not None:
             return
         due = begun + round(threat.at_s * SECOND_NS)
-        if now_ns + HALF_FRAME_NS >= due:
+        if not _is_later(due, seen):
             self._threat_ns = due
             window = {"from_ns": due, "to_ns": due + round(threat.window_s * SECOND_NS)}
-            self._note("threat", now_ns, {"scheduled_ns": due, "submitted_ns": now_ns, **window})
+            times = {"scheduled_ns": due, "submitted_ns": seen.now_ns, "display_ns": seen.shown_ns}
+            self._note("threat", seen.now_ns, {**times, **window})
 
     def _enter(self, phase: _Phase, now_ns: int) -> None:
         self._phase = phase
@@ -214,6 +217,11 @@ class AvatarCordPlay(KindPlay):
 
     def _note(self, kind: str, now_ns: int, data: Mapping[str, object]) -> None:
         self._events.append((kind, {"t_ns": now_ns, "trial": self._number, "condition": self._label, **data}))
+
+
+def _is_later(due_ns: int, seen: Observation) -> bool:
+    """Whether a later frame is displayed nearer to a time [ns] than this one."""
+    return 2 * (due_ns - seen.shown_ns) > seen.period_ns
 
 
 def _column(name: str, what: str, *, sums: bool = False) -> Measure:
@@ -251,7 +259,7 @@ class AvatarCordKind(TaskKind):
     report = AvatarCordSection()
     measures: ClassVar[tuple[Measure, ...]] = (
         _column("taps", "Taps that were seen.", sums=True),
-        _column("tap_error_ms", "Largest distance of a seen tap from its time [ms]."),
+        _column("tap_error_ms", "Largest distance of a tap's display from its time [ms]."),
         _column("drift_m", "Where one feels to be, from oneself towards the avatar [m]."),
         _column("ownership", "Mean answer to statements of ownership."),
         _column("agency", "Mean answer to statements of agency."),

@@ -23,13 +23,15 @@ if TYPE_CHECKING:
     from mimics_app.tasks.task import TaskSpec
     from mimics_app.world.scene.scene import Scene
 
-__all__ = ["KIND", "NEAREST", "GuidedWalkPlay", "GuidedWalkSpec"]
+__all__ = ["KIND", "NEAREST", "PLACES", "GuidedWalkPlay", "GuidedWalkSpec"]
 
 Condition = Literal["intimate", "social", "random"]
 
 NEAREST: dict[str, float] = {"intimate": 0.38, "social": 1.2, "random": 0.38}
 """Smallest distance of the avatar in each condition [m]: Kastanis & Slater, ACM TAP 9(1), 2012."""
 
+PLACES = ("walk.person", "walk.person_aside", "walk.avatar", "walk.avatar_aside")
+"""Names of the orders of where the two are, along the alley and to its right [m]."""
 _WORDS = ("approaches", "steps back", "walks round you", "waits", "beckons", "points")
 _WALKING = 0.8
 """Walking speed at full deflection of the hand [m/s]."""
@@ -48,7 +50,7 @@ class GuidedWalkSpec(Component, frozen=True):
     ] = "intimate"
     walker: Annotated[
         Literal["simulated", "hand"],
-        Meta(description="Walker: a simulated person, or the person who moves the hand forwards and back."),
+        Meta(description="Walker: a simulated person, or the person, by the hand: forwards or up, and to the sides."),
     ] = "simulated"
 
 
@@ -69,25 +71,25 @@ class GuidedWalkPlay(KindPlay):
     def __init__(self, spec: GuidedWalkSpec, seed: int) -> None:
         self._spec, self._alley = spec, Alley()
         self._rng = np.random.default_rng([seed, 342])
-        self._hand_from: float | None = None
+        self._hand_from = 0.0 + 0.0j
         self.begin_attempt()
 
     def begin_attempt(self) -> None:
         self._walker = Walker(self._rng, self._alley)
-        self._guide = Guide(self._alley, NEAREST[self._spec.condition])
+        self._guide = Guide(self._rng, self._alley, NEAREST[self._spec.condition])
         self._since, self._steps, self._step = 0.0, 0, None  # type: tuple[float, int, StepResult | None]
-        self._shown = (self._walker.x, self._guide.x)
-        self._from = self._walker.x
+        self._shown = (self._walker.at, self._guide.at)
+        self._left = self._alley.left(self._walker.at)
         self._reached = False
 
     def let_go(self, seen: Observation) -> None:
-        self._hand_from = seen.ball_world[0]
+        self._hand_from = _hand(seen)
 
     def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:
         wanted = settings.get("avatar_deed", Deed.WAIT)
         self._wanted = Deed(int(np.clip(round(wanted), 0, 5))) if isinstance(wanted, int | float) else Deed.WAIT
-        remaining = self._alley.place - self._alley.start
-        progress = float(np.clip((self._walker.x - self._alley.start) / remaining, 0.0, 1.0))
+        whole = abs(self._alley.place - self._alley.start)
+        progress = min(max(1.0 - self._alley.left(self._walker.at) / whole, 0.0), 1.0)
         return structs.replace(seen, progress=progress)
 
     def travel(self, seen: Observation, seconds: float) -> None:
@@ -96,7 +98,7 @@ class GuidedWalkPlay(KindPlay):
             self._walk_by_hand(seen, seconds)
         self._since += seconds
         self._glide(seconds)
-        if abs(self._walker.x - self._alley.place) <= self._alley.within:
+        if self._alley.left(self._walker.at) <= self._alley.within:
             self._reached = True
         if self._since >= STEP_S - 1e-6:
             self._since -= STEP_S
@@ -109,8 +111,8 @@ class GuidedWalkPlay(KindPlay):
 
     @property
     def visual(self) -> Mapping[str, object]:
-        walker, guide = self._shown
-        return {"walk.person": round(walker, 4), "walk.avatar": round(guide, 4), "walk.deed": int(self._guide.deed)}
+        places = [round(part, 4) for place in self._shown for part in (place.real, place.imag)]
+        return {**dict(zip(PLACES, places, strict=True)), "walk.deed": int(self._guide.deed)}
 
     @property
     def prompt(self) -> str:
@@ -121,37 +123,42 @@ class GuidedWalkPlay(KindPlay):
 
     @property
     def measures(self) -> Values:
-        return {"walk_steps": self._steps, "walk_left_m": abs(self._alley.place - self._walker.x)}
+        return {"walk_steps": self._steps, "walk_left_m": self._alley.left(self._walker.at)}
 
     def holds(self, goal: Component, seen: Observation) -> bool:
         return self._reached
 
     def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:
-        gap = abs(self._walker.x - self._guide.x)
+        gap = abs(self._walker.at - self._guide.at)
         return {"gap": Card("Distance", f"{gap:.2f} m"), "steps": count_card("Steps", self._steps)}
 
     def _walk_by_hand(self, seen: Observation, seconds: float) -> None:
-        moved = seen.ball_world[0] - (self._hand_from or 0.0)
-        place = self._walker.x + deflection(moved, _DEFLECTION) * _WALKING * seconds
-        self._walker.x = float(np.clip(place, self._alley.low, self._alley.high))
+        moved = _hand(seen) - self._hand_from
+        share = complex(deflection(moved.real, _DEFLECTION), deflection(moved.imag, _DEFLECTION))
+        self._walker.at = self._alley.inside(self._walker.at + share * _WALKING * seconds)
 
     def _glide(self, seconds: float) -> None:
         """Move the shown places smoothly towards those of the last step."""
-        share = min(seconds / 0.4, 1.0)
-        walker, guide = self._shown
-        self._shown = (walker + share * (self._walker.x - walker), guide + share * (self._guide.x - guide))
+        share, (walker, guide) = min(seconds / 0.4, 1.0), self._shown
+        self._shown = (walker + share * (self._walker.at - walker), guide + share * (self._guide.at - guide))
 
     def _end_step(self) -> None:
         """End the step with its result, after the actions of the avatar and of the simulated walker."""
         deed = Deed(int(self._rng.integers(6))) if self._spec.condition == "random" else self._wanted
-        self._guide.do(deed, self._walker.x)
+        self._guide.do(deed, self._walker.at)
         if self._spec.walker == "simulated":
-            self._walker.answer(self._guide.x, deed)
-        remaining = self._alley.place - self._walker.x
-        gained = abs(self._alley.place - self._from) - abs(remaining)
-        self._step = StepResult(gained, {"gap": self._guide.x - self._walker.x, "left": remaining, "deed": float(deed)})
-        self._from = self._walker.x
+            self._walker.answer(self._guide.at, deed)
+        left = self._alley.left(self._walker.at)
+        observed = self._alley.observe(self._walker.at, self._guide.at)
+        self._step = StepResult(self._left - left, {**observed, "deed": float(deed)})
+        self._left = left
         self._steps += 1
+
+
+def _hand(seen: Observation) -> complex:
+    """Return where the hand is: forwards or up, plus i times to the right [m]."""
+    right, up, back = seen.ball_world
+    return complex(up - back, right)
 
 
 class GuidedWalkSection(ReportSection):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from mimics_app.contracts.arrays import F8, I4
@@ -15,7 +17,7 @@ from mimics_app.maths.quat import (
     slerp,
 )
 
-__all__ = ["arc", "follow_chain", "follow_one", "localise", "multiply_rows", "slerp_rows"]
+__all__ = ["arc", "follow_chain", "follow_one", "localise", "multiply_rows", "slerp_rows", "wrap"]
 
 
 _OPPOSED = 1e-12
@@ -87,6 +89,12 @@ def arc(a: F8, b: F8, out: F8) -> None:
         w = 0.0
     out[0], out[1], out[2], out[3] = x, y, z, w
     normalise(out, out)
+
+
+@kernel
+def wrap(angle: float) -> float:
+    """Return an angle within -pi to pi [rad]."""
+    return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
 
 
 @kernel

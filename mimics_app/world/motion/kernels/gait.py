@@ -57,20 +57,26 @@ def _at(table: F8, phase: float, column: int) -> float:
 
 @kernel
 def _stand(phase: float, stance: float, stride: float, touch: float, shape: F8, table: F8, out: F8) -> None:
-    """Place a stance foot: heel, sole or ball is fixed on the ground, the ankle rotates about it."""
+    """Place a stance foot: heel, sole, ball or tip is fixed on the ground, the ankle rotates about it."""
     base = touch - stride * phase
     pitch = _at(table, phase, 2)
     half = _HEEL_UNTIL * stance
-    pitch = max(pitch, 0.0) if phase < half else min(max(pitch, -shape[6]), 0.0)
+    pitch = max(pitch, 0.0) if phase < half else min(pitch, 0.0)
     # Rolled off over the joint of the toes, which stay flat; over the heel's corner before.
     pivot, joint = -shape[1], 0.0
     if pitch < 0.0:
         pivot, joint = shape[2], shape[7]
     elif pitch == 0.0:
         pivot = 0.0
-    over = shape[0] - joint
-    out[0] = base + pivot - pivot * math.cos(pitch) - over * math.sin(pitch)
-    out[1] = joint - pivot * math.sin(pitch) + over * math.cos(pitch)
+    over, ball = shape[0] - joint, base + pivot
+    # Toes that bend no further lift with the foot, about their tip.
+    lifted, toes = max(-pitch - shape[6], 0.0), shape[3] - shape[2]
+    ball, low = (
+        ball + toes * (1.0 - math.cos(lifted)) + joint * math.sin(lifted),
+        joint * math.cos(lifted) + toes * math.sin(lifted),
+    )
+    out[0] = ball - pivot * math.cos(pitch) - over * math.sin(pitch)
+    out[1] = low - pivot * math.sin(pitch) + over * math.cos(pitch)
     out[2] = pitch
     out[3], out[4] = base + pivot, 1.0
     out[5] = min(max(-pitch, 0.0), shape[6])

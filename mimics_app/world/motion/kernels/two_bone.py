@@ -142,7 +142,9 @@ def _reach_one(asked: F8, limbs: F8, states: F8, i: int, out: F8, u: F8, w: F8, 
     for k in range(_ASKED):
         finite += 0.0 * asked[i, k]
     a, b = limbs[i, 0], limbs[i, 1]
-    if not (finite == 0.0 and a >= 0.0 and b >= 0.0 and a + b < _ABSURD):
+    # A comparison with what is not a number is false.
+    known = limbs[i, 2] >= 0.0 and limbs[i, 2] < math.inf and limbs[i, 3] >= 0.0
+    if not (finite == 0.0 and known and a >= 0.0 and b >= 0.0 and a + b < _ABSURD):
         return _NOT_FINITE
     longest, shortest, case = a + b, abs(a - b), 0
     if not longest > 0.0:
