@@ -28,7 +28,6 @@ REFUSED = (
     ("run --runs /dev/null/runs", 3, "no run folder can be made here: /dev/null is no folder"),
     ("run --runs /proc/nope", 3, "no run folder can be made here"),
     ("run --participant Anna", 2, "this looks like a name"),
-    ("render city_walk --camera crosing", 3, 'did you mean "crossing"'),
     ("--versoin", 2, 'did you mean "--version"'),
     ("run wavy_tunnel --headless --from-trial 99", 2, "the session has no trial 99; it has 3"),
     ("run wavy_tunnel --headless --from-trial 8 --trials 6", 2, "the session has no trial 8; it has 7"),
@@ -152,3 +151,11 @@ def test_files_of_the_readme_are_found_from_any_folder(tmp_path: Path, monkeypat
     (tmp_path / "assets" / "models").mkdir()
     assert find_file(Path("assets/models")) == Path("assets/models"), "one's own comes first"
     assert find_file(Path("nowhere.glb")) == Path("nowhere.glb")
+
+
+def test_a_misspelt_camera_is_refused_before_a_picture_is_made() -> None:
+    line = json.dumps([["render", "city_walk", "--camera", "crosing"]])
+    done = subprocess.run([sys.executable, "-c", _SCRIPT], input=line, capture_output=True, text=True, check=True)
+    refusal = Refusal(*json.loads(done.stdout))
+    assert refusal.code == 3 and 'did you mean "crossing"' in refusal.said
+    assert not {"moderngl", "mimics_app.app.session.core"} & set(refusal.imported)
