@@ -76,7 +76,7 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
     """
     command = _command_of(arguments)
     if command is None:
-        return _parser_of_all().parse_args(arguments)
+        return _parser_of_all().parse_first(arguments)
     return _parser_of(command).parse(arguments[1:])
 
 

@@ -69,6 +69,7 @@ class Board(msgspec.Struct, frozen=True):
         alarm: True if the message is a warning.
         neutral: Place of the middle of the hand's lever in the window, each coordinate -1 to 1; None: no lever.
         count: Countdown figure, large in the centre; 0 for none.
+        asks: Whether the message is a question that the person answers; it stands at the top, off what it asks about.
     """
 
     cards: Mapping[str, Card] = msgspec.field(default_factory=dict)
@@ -76,10 +77,17 @@ class Board(msgspec.Struct, frozen=True):
     alarm: bool = False
     count: int = 0
     neutral: tuple[float, float] | None = None
+    asks: bool = False
 
     def saying(self, message: str) -> Board:
         """Return the board with another message; unchanged for an empty one."""
-        return msgspec.structs.replace(self, message=message) if message else self
+        return msgspec.structs.replace(self, message=message, asks=False) if message else self
+
+    def for_wearer(self) -> Board:
+        """Return what the wearer of a headset sees: a countdown, a question, a warning; all else is the operator's."""
+        return Board(
+            message=self.message if self.asks or self.alarm else "", alarm=self.alarm, count=self.count, asks=self.asks
+        )
 
     def with_cards(self, cards: Mapping[str, Card]) -> Board:
         """Return the board with more cards."""

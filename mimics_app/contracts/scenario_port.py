@@ -50,7 +50,8 @@ class TaskContext:
         limb: Name of the device's first point of contact, e.g. "hand" or "right foot".
         path_m: Length of the task's own path [m]; 0: it has none.
         fastest: Speed beyond which the loop stops the robot [m/s]; 0: unknown.
-        introduced: The page of keys is shown before the first trial, which then starts with a countdown.
+        introduced: The page of what is to be done is shown before the first trial, which then starts with a countdown.
+        waits: That page stays until somebody confirms it.
     """
 
     start_joints: tuple[float, ...]
@@ -65,6 +66,7 @@ class TaskContext:
     path_m: float = 0.0
     fastest: float = 0.0
     introduced: bool = False
+    waits: bool = False
 
 
 class Scenario(Protocol):

@@ -16,15 +16,15 @@ from mimics_app.contracts.haptic import EventKind, SafetyState, TripCause
 
 __all__ = ["Trip", "TripReader"]
 
-_BUSY = "close other programs; mimics doctor says how the loop is scheduled"
+_BUSY = "close other programs (mimics doctor: scheduling)"
 
 _WORDS: Mapping[TripCause, tuple[str, str]] = {
     TripCause.NONE: ("a safety stop", "look at the recording"),
     TripCause.STOP_KEY: ("the stop key was pressed", "reset it when it is safe"),
     TripCause.DEVICE_BUTTON: ("the device's stop button was pressed", "release it, then reset when it is safe"),
     TripCause.NOT_FINITE: ("a number that is not finite reached the loop", "look at the device's data and its line"),
-    TripCause.LATE_TICK: ("this computer was too busy: a tick came too late", _BUSY),
-    TripCause.MISSED_IN_ROW: ("this computer was too busy: too many ticks in a row were missed", _BUSY),
+    TripCause.LATE_TICK: ("this computer was too busy", _BUSY),
+    TripCause.MISSED_IN_ROW: ("this computer was too busy: many control cycles in a row were missed", _BUSY),
     TripCause.STALE_DEVICE: ("the device sent nothing new for too long", "look at its line and its power"),
     TripCause.WORKSPACE: ("the hand left the workspace", "lead it back before the reset"),
     TripCause.VELOCITY: ("the hand was faster than velocity_limit", "move more slowly, or look at the device"),

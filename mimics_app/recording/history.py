@@ -21,7 +21,7 @@ from mimics_app.recording.session_header import read_session
 from mimics_app.recording.session_totals import session_totals
 from mimics_app.recording.trial_table import read_trials
 
-__all__ = ["EarlierRun", "cut_off_runs", "earlier_runs", "finished_times", "played_by", "recent_runs"]
+__all__ = ["EarlierRun", "cut_off_runs", "earlier_runs", "finished_times", "local_time", "played_by", "recent_runs"]
 
 _MOST_FOLDERS = 400
 """Newest run folders that are read, by their names: each takes about a millisecond."""
@@ -31,7 +31,7 @@ _MOST_RECENT = 40
 
 @dataclass(frozen=True, slots=True)
 class EarlierRun:
-    """Results of one closed run.
+    """Results of one run.
 
     Attributes:
         folder: Run folder.
@@ -43,6 +43,8 @@ class EarlierRun:
         utc: Wall time of its start as recorded in the header; "" where missing.
         times: Mean time of the finished trials of each condition [s], see `finished_times`.
         alike: Whether it was played with the same device as the run that it is compared with.
+        practised: Number of ended trials of practice.
+        cut_off: Whether it was never closed.
     """
 
     folder: Path
@@ -56,6 +58,8 @@ class EarlierRun:
     utc: str = ""
     times: Mapping[str, float] = field(default_factory=dict)
     alike: bool = True
+    practised: int = 0
+    cut_off: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,16 +118,30 @@ def _device(header: Mapping[str, Any]) -> str:
 
 
 def recent_runs(parent: Path, most: int) -> list[EarlierRun]:
-    """Return the newest runs of any scene with trials that ended, newest first, at most `most`."""
-    newest_first = (_closed(each) for each in reversed(_in_order(parent, _MOST_RECENT)))
-    return list(islice((run for run in newest_first if run is not None), most))
+    """Return the newest runs of any scene, newest first, at most `most`: also those that were broken off or cut off."""
+    newest_first = (_results(each) for each in reversed(_in_order(parent, _MOST_RECENT)) if each.header)
+    return list(islice((run for run in newest_first if not (run.cut_off and _is_recording(run.folder))), most))
 
 
 def cut_off_runs(parent: Path) -> list[Path]:
     """Return the runs that were never closed and are not being recorded, newest first, as after a power failure."""
     newest_first = sorted(parent.glob("*_*"), reverse=True)[:_MOST_FOLDERS]
     left = (folder for folder in newest_first if not os.path.lexists(folder / FILES["manifest"]))
-    return [folder for folder in left if (data := folder / FILES["haptic"]).is_file() and not is_claimed(data)]
+    return [folder for folder in left if (folder / FILES["haptic"]).is_file() and not _is_recording(folder)]
+
+
+def local_time(utc: str) -> str:
+    """Return an ISO 8601 time in the local time zone, for people; "" where it cannot be read."""
+    try:
+        return datetime.fromisoformat(utc).astimezone().strftime("%d %b %Y, %H:%M")
+    except (ValueError, OverflowError):
+        return ""
+
+
+def _is_recording(folder: Path) -> bool:
+    """Whether a run that is not closed is being recorded."""
+    data = folder / FILES["haptic"]
+    return data.is_file() and is_claimed(data)
 
 
 def _in_order(parent: Path, most: int, also: Path | None = None) -> list[_Begun]:
@@ -169,19 +187,25 @@ def _seconds(utc: object) -> float | None:
 
 def _closed(begun: _Begun) -> EarlierRun | None:
     """Return the results of a run; None where it is open or no trial ended."""
+    run = _results(begun)
+    return run if run.trials and not run.cut_off else None
+
+
+def _results(begun: _Begun) -> EarlierRun:
     manifest, _ = read_manifest(begun.folder)
     task = _totals(begun.folder, manifest)
-    if not task.get("trials"):
-        return None
+    counted = bool(task.get("trials"))
     return EarlierRun(
         begun.folder,
         _count(task, "completed"),
         _count(task, "trials"),
-        number(task.get("score")),
-        number(task.get("time_s")),
+        number(task.get("score")) if counted else None,
+        number(task.get("time_s")) if counted else None,
         *played_by(begun.header),
         str(mapping(begun.header.get("clock")).get("utc", "")),
-        finished_times(_rows(begun.folder)),
+        times=finished_times(_rows(begun.folder)),
+        practised=_count(mapping(task.get("practice")), "trials"),
+        cut_off=manifest is None,
     )
 
 

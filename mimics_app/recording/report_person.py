@@ -83,13 +83,18 @@ class _Frame:
         return plot
 
 
+_SOURCES = {"sim": "a simulated person"}
+
+
 def _words(run: Run) -> str:
     body, settings = mapping(run.session.get("body")), mapping(run.session.get("settings"))
-    named = {"source of the signals": settings.get("physio"), "estimator of the load": body.get("estimator")}
-    if body.get("learn"):
-        named |= {"policy": body["learn"], "its goal": _goal_in_words(str(body.get("goal", "")))}
-    words = ", ".join(f"{name} {shown(value)}" for name, value in named.items() if value)
-    return words[:1].upper() + words[1:]
+    source, estimator, policy = settings.get("physio"), body.get("estimator"), body.get("learn")
+    sentences = [
+        f"Body signals from {_SOURCES.get(str(source), source)}." if source else "",
+        f"The load was estimated by {shown(estimator)}." if estimator else "",
+        f"Difficulty was adapted by {policy} for {_goal_in_words(str(body.get('goal', '')))}." if policy else "",
+    ]
+    return " ".join(sentence for sentence in sentences if sentence)
 
 
 def _goal_in_words(goal: str) -> str:

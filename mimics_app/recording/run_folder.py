@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -47,16 +48,18 @@ FILES = {
 
 
 def check_parent(parent: Path) -> None:
-    """Check that a folder of runs can be created or written to; nothing is created.
+    """Check that a folder of runs can be created or written to; nothing is left in it.
 
     Raises:
         OutputError: It cannot.
     """
     there = next((folder for folder in (parent, *parent.absolute().parents) if folder.exists()), parent)
-    if there.is_dir() and os.access(there, os.W_OK | os.X_OK):
-        return
-    why = "Permission denied" if there.is_dir() else f"{there} is no folder"
-    raise _not_here(parent, why)
+    if not there.is_dir():
+        raise _not_here(parent, f"{there} is no folder")
+    try:
+        os.rmdir(tempfile.mkdtemp(dir=there))  # what is asked of the system instead (access) is wrong for /proc
+    except OSError as error:
+        raise _not_here(parent, error.strerror or "it cannot be written to") from error
 
 
 def create_run_folder(parent: Path, expected_s: float = 0.0) -> Path:

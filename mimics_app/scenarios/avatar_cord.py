@@ -17,6 +17,9 @@ from mimics_app.contracts.clock import FRAME_NS, SECOND_NS
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.scenario_port import BodyPose
+from mimics_app.maths import quat
+from mimics_app.maths.mat import look_at
+from mimics_app.scenarios.figures.walking_figure import OWN_HEAD
 from mimics_app.scenarios.parts.touch_scene import TouchScene
 from mimics_app.world.components.cord import CordComponent
 from mimics_app.world.components.objects import ForceField
@@ -41,8 +44,9 @@ _CLEARANCE = 0.55
 """Lateral clearance of the ball's path around the avatar [m]."""
 _RIPPLE_SHARE = 0.35
 """Amplitude of the ripple of a tap, as a share of the cord's radius [-]."""
-_BEHIND = (1.6, 0.35)
-"""Third-person camera: distance behind and above the subject's eyes [m]."""
+_ASIDE, _AT = np.array([1.5, 0.25, 1.05]), 1.15
+"""Third-person camera: place from the subject's eyes [m], where neither body hides the cord, and height of the place
+half-way to the avatar that it looks at [m]."""
 _THREAT_FROM, _THREAT_BALL, _G = 2.2, 0.16, 9.81
 """Threat: height above the avatar's head from which it falls [m], radius [m], gravity [m/s^2]."""
 _TOUCH, _TOUCH_BALL = "cord_touch", 0.012
@@ -88,7 +92,8 @@ class AvatarCord(TouchScene):
         self.subject, self.avatar = (
             TrackedFigure(scene, world, name, float(_EYES[1])) for name in ("subject", "avatar")
         )
-        self._eye = world.cameras[0].node
+        self._camera = world.cameras[0]
+        self._seen_from = self._camera.near, np.array(self._camera.node.orientation)
         fields = {entity: field for entity, field, _ in scene.components(ForceField)}
         self._touch = fields.get(_TOUCH)
         self._real_body_seen = False
@@ -159,14 +164,22 @@ class AvatarCord(TouchScene):
         front = np.eye(4)
         front[2, 3] = -float(settings["avatar.distance"])
         first = settings["viewpoint"] == "first"
-        self.subject.pose(np.eye(4), self._parts["subject"], self._shown_ns, head=not first)
+        self.subject.pose(np.eye(4), self._parts["subject"], self._shown_ns)
         self.subject.show(not first or (bool(settings["own_body"]) and not self._real_body_seen))
         self.avatar.pose(front, self._parts["avatar"], self._shown_ns)
-        self._eye.set_position(_EYES if first else _EYES + [0.0, _BEHIND[1], _BEHIND[0]])
+        self._look(first, 0.5 * front[2, 3])
         self._hang_cord(shown_s)
         self._tap(settings["tap"])
         self._drop_threat(settings["threat_ns"])
         self._show_probe(settings["probe_m"])
+
+    def _look(self, first: bool, middle: float) -> None:
+        """Look from the subject's eyes, past its own head, or from aside at the place half-way to the avatar [m]."""
+        near, orientation = self._seen_from
+        node = self._camera.node
+        node.set_position(_EYES if first else _EYES + _ASIDE)
+        node.set_orientation(orientation if first else _facing(_EYES + _ASIDE, np.array([0.0, _AT, middle])))
+        self._camera.near = max(near, OWN_HEAD * self.subject.scale) if first else near
 
     def _hang_cord(self, shown_s: float) -> None:
         cord, settings = self._cord, self._settings
@@ -252,6 +265,13 @@ class AvatarCord(TouchScene):
 def _parts(where: BodyPose, at_ns: int) -> Mapping[str, F8 | None]:
     """Return head and hands at a time, None where unknown."""
     return {role: where(role, at_ns) for role in _PARTS}
+
+
+def _facing(eye: F8, target: F8) -> F8:
+    """Return the orientation of a camera that looks from one place at another, xyzw."""
+    turn = np.empty(4)
+    quat.from_matrix(look_at(eye, target)[:3, :3], turn)
+    return turn
 
 
 def _mirrored(parts: Mapping[str, F8 | None]) -> Mapping[str, F8 | None]:

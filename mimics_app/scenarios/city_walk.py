@@ -10,7 +10,7 @@ from mimics_app.contracts.trial_state import TrialState
 from mimics_app.maths import quat
 from mimics_app.scenarios.figures.ground_path import GroundPath
 from mimics_app.scenarios.figures.path_figure import PathFigure
-from mimics_app.scenarios.figures.walking_figure import follow_numbers
+from mimics_app.scenarios.figures.walking_figure import follow_numbers, see_past_head
 from mimics_app.scenarios.parts.touch_scene import TouchScene
 from mimics_app.tasks.kinds.city_walk.kind import CityWalkSpec
 from mimics_app.tasks.scene_section import section_of
@@ -54,6 +54,7 @@ class CityWalk(TouchScene):
         self._others = [(figures[name], walkers[name].speed) for name in walkers if name not in led]
         self._walk = {"walk.along": 0.0, "walk.speed": 0.0}
         self._person = world.find(spec.person)
+        see_past_head(world.cameras, self._person)
         self._eyes = [
             (node, np.array(node.orientation))
             for name, _, _ in scene.components(CameraComponent)

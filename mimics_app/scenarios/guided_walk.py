@@ -5,7 +5,7 @@ from __future__ import annotations
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.trial_state import TrialState
 from mimics_app.scenarios.figures.alley_figure import AlleyFigure
-from mimics_app.scenarios.figures.walking_figure import follow_numbers
+from mimics_app.scenarios.figures.walking_figure import follow_numbers, see_past_head
 from mimics_app.scenarios.parts.touch_scene import TouchScene
 from mimics_app.tasks.kinds.guided_walk.kind import PLACES, GuidedWalkSpec
 from mimics_app.tasks.scene_section import section_of
@@ -38,6 +38,7 @@ class GuidedWalk(TouchScene):
         super().__init__(scene, world)
         spec = section_of(scene, GuidedWalkSpec)
         self._person = AlleyFigure(world.find(spec.person), -1.0)
+        see_past_head(world.cameras, world.find(spec.person))
         self._avatar = AlleyFigure(world.find(spec.avatar), 1.0)
         x, _, z = world.find(spec.place).world_matrix()[:3, 3].tolist()
         self._place = (-z, x)

@@ -48,6 +48,7 @@ class BoardLayout:
         limb: Name of the first point of contact, e.g. "hand".
         has_score: Whether the task has a score.
         neutral: Place of a lever's middle in the window, each coordinate -1 to 1; None without a lever.
+        prompt: Line during a travel where no kind has anything to say.
     """
 
     def __init__(
@@ -59,9 +60,10 @@ class BoardLayout:
         *,
         has_score: bool,
         neutral: tuple[float, float] | None = None,
+        prompt: str = "",
     ) -> None:
         self._plays, self._captions, self._messages, self._limb = tuple(plays), captions, messages, limb
-        self._has_score, self._neutral = has_score, neutral
+        self._has_score, self._neutral, self._prompt = has_score, neutral, prompt
 
     def lay_out(self, seen: Observation, view: TaskView, attempts: Attempts, cause: int, times: Times) -> Board:
         """Return the board of a frame.
@@ -74,7 +76,7 @@ class BoardLayout:
             times: Times of the frame.
         """
         fields = self._fields(view, attempts, times.rest_s)
-        prompt = ""
+        prompt = self._prompt
         for play in self._plays:
             fields |= play.words
             prompt = play.prompt or prompt
@@ -83,7 +85,8 @@ class BoardLayout:
         line = state_message(view.state, self._messages, times.elapsed_s, fields, prompt)
         alarm, leads = view.state is TrialState.STOPPED, not view.robot_leads
         neutral = self._neutral if leads else None
-        return Board(self._cards(seen, view, attempts, times), line, alarm=alarm, neutral=neutral)
+        asks = view.state is TrialState.TRAVEL and any(play.asks for play in self._plays)
+        return Board(self._cards(seen, view, attempts, times), line, alarm=alarm, neutral=neutral, asks=asks)
 
     def _fields(self, view: TaskView, attempts: Attempts, rest_s: float) -> dict[str, str]:
         row = attempts.rows[-1] if attempts.rows else {}

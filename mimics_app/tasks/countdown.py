@@ -1,4 +1,4 @@
-"""Countdown before the first trial of a session in a window, after the page of keys."""
+"""Countdown before the first trial of a session in a window, after the page of what is to be done."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from mimics_app.contracts.trial_state import TrialState
 __all__ = ["Countdown"]
 
 _READING_S = 6.0
-"""Time to read the page of keys, ten short lines, unless a key ends it [s]."""
+"""Time for which the page is shown where nobody presses a key, as a simulated person [s]."""
 
-_BEGIN = frozenset({"enter", "h", "mouse_left", "pad_a"})
+_BEGIN = frozenset({"enter", "mouse_left", "pad_a"})
 """Keys and buttons that end the reading."""
 
 
@@ -21,17 +21,18 @@ class Countdown:
 
     Args:
         seconds: Length of the countdown [s]; 0: neither reading time nor countdown.
-        introduced: The page of keys is shown in a window.
+        introduced: The page is shown in a window.
+        waits: The page stays until a key ends it.
 
     Attributes:
         until_s: Earliest time of the go cue in the present state [s]; 0 without a countdown.
-        reading: The page of keys is shown; the countdown follows.
+        reading: The page is shown; the countdown follows.
         count: Seconds left, rounded up; 0 before and after the countdown.
     """
 
-    def __init__(self, seconds: float, *, introduced: bool) -> None:
+    def __init__(self, seconds: float, *, introduced: bool, waits: bool = False) -> None:
         self._seconds = seconds if introduced else 0.0
-        self._read_s = _READING_S
+        self._read_s = math.inf if waits else _READING_S
         self.until_s = 0.0
         self.reading = False
         self.count = 0

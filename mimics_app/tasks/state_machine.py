@@ -17,9 +17,11 @@ __all__ = ["PAUSED", "Conditions", "Pause", "next_state"]
 
 
 _KEYS = frozenset({"p", "pad_start"})
+_HELP = "h"
+"""Key of the page over the picture, which is read while the clock stands."""
 _NEVER_IN = (TrialState.STOPPED, TrialState.DONE)
 _SHOWS_RESULT = (TrialState.FINISHED, TrialState.TIMEOUT, TrialState.ABORTED)
-PAUSED = "Paused. P goes on"
+PAUSED = "Paused. Press P to go on"
 """Line shown during a pause."""
 
 
@@ -133,4 +135,6 @@ class Pause:
             self.on = False
         elif _KEYS & set(seen.pressed):
             self.on = not self.on
+        elif _HELP in seen.pressed and state is TrialState.TRAVEL:
+            self.on = True
         return self.on is not before

@@ -318,6 +318,16 @@ class _TaskBase(Component, frozen=True):
     time_limit_s: Annotated[PositiveSeconds, Meta(description="Longest travel [s].")] = 60.0
     rest_s: Annotated[Seconds, Meta(description="Pause between trials [s].")] = 3.0
     result_s: Annotated[Seconds, Meta(description="Duration for which a result is shown [s].")] = 2.0
+    instructions: Annotated[
+        str,
+        Meta(
+            description="What the person is to do, in one to three short sentences, shown before the first trial and "
+            "with H; '': the scene's description."
+        ),
+    ] = ""
+    prompt: Annotated[
+        str, Meta(description="Line shown during a trial while its kind of task has nothing to say; '': none.")
+    ] = ""
     messages: Annotated[
         dict[StateName, str], Meta(description="Text shown in a state, instead of the built-in one; '' shows nothing.")
     ] = field(default_factory=dict)

@@ -103,14 +103,16 @@ class TaskManager:
         self._goals = Goals(spec.goals, [self._play_of(goal) for goal in spec.goals])
         self._triggers = Triggers(spec.triggers, [self._play_of(trigger.when) for trigger in spec.triggers])
         self._announcement, self._pause = Announcement(), Pause()
-        self._countdown = Countdown(spec.start.countdown_s, introduced=context.introduced)
+        self._countdown = Countdown(spec.start.countdown_s, introduced=context.introduced, waits=context.waits)
         self._seen: Observation | None = None
         self._haptic, self._visual, self._audio = Changes(), Changes(), Changes()
         self._settings, self._settled = Settings(), dict[str, float]()
         messages = {**built_in_messages(by_pointer=context.by_pointer), **spec.messages}
         captions = kinds[-1] if kinds else TaskKind
         mark = (0.0, 0.0) if context.by_pointer and self.lever and not spec.passive else None
-        self._layout = BoardLayout(plays, captions, messages, context.limb, has_score=has_score, neutral=mark)
+        self._layout = BoardLayout(
+            plays, captions, messages, context.limb, has_score=has_score, neutral=mark, prompt=spec.prompt
+        )
         self.state = TrialState.APPROACH
         self._entered_ns: int | None = None
         self._last_ns = 0

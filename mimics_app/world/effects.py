@@ -42,6 +42,7 @@ class Effects:
 
     Attributes:
         billboards, emitters, projectors: Effects of the nodes; change them by `add` and `remove` only.
+        contact_shadows: Nodes of projectors that are drawn only while no shadow maps are.
         bursts: Bursts that may still be visible, oldest first.
         time: Scene time, which all animated effects are functions of [s].
         seed: Seed of all random numbers.
@@ -53,6 +54,7 @@ class Effects:
         self.billboards: dict[int, Billboard] = {}
         self.emitters: dict[int, Particles] = {}
         self.projectors: dict[int, Projector] = {}
+        self.contact_shadows: set[int] = set()
         self.bursts: list[Burst] = []
         self.time = 0.0
         self.seed = 0
@@ -79,6 +81,7 @@ class Effects:
         for index in indices:
             carried = [table.pop(index, None) for table in (self.billboards, self.emitters, self.projectors)]
             self._bursts_of.pop(index, None)
+            self.contact_shadows.discard(index)
             self.revision += any(effect is not None for effect in carried)
         self.bursts = [burst for burst in self.bursts if burst.emitter in self.emitters]
 

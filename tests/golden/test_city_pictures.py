@@ -37,4 +37,4 @@ def test_camera_that_is_not_there_is_named(tmp_path: Path, capsys: pytest.Captur
 def test_a_scene_to_look_at_is_not_run(capsys: pytest.CaptureFixture[str]) -> None:
     gallery = root() / "scenes" / "avatar_gallery.json"
     assert cli.main(["run", str(gallery), "--headless", "--seconds", "1"]) == 3
-    assert "nothing is to be done in this scene" in capsys.readouterr().err
+    assert "this scene has no task" in capsys.readouterr().err

@@ -8,12 +8,13 @@ import shutil
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from mimics_app.app.play.launching import launcher_cards
+from mimics_app.app.play.launching import launcher_cards, launcher_settings
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.window_input import GamepadState, InputEvent
 from mimics_app.rendering.visual.launcher.launcher import Launcher, LauncherChoice, ScenarioCard
@@ -288,6 +289,49 @@ def test_the_last_choice_is_taken_over_as_far_as_it_is_there():
         assert strange.values == {"who": "mouse"} and strange.scene == GROUPED[0].scene
 
 
+def test_one_place_is_lit_wherever_the_pointer_rests(grouped):
+    """A pointer that only passes moves nothing: the chosen scene stays chosen, and what is lit is where a key goes."""
+    for word in ("up", "down", "right", "right", "tab", "tab"):
+        grouped.handle(keys(word))
+        lit, chosen = grouped._focus, grouped.scene
+        for spot in grouped._page.spots():
+            x, y, width, height = spot.box
+            place = 2.0 * (x + 0.5 * width) / grouped._hud.width - 1.0, 2.0 * (y + 0.5 * height) / 720.0 - 1.0
+            grouped.handle([InputEvent("move", x=place[0], y=place[1])])
+        assert (grouped._focus, grouped.scene) == (lit, chosen)
+
+
+def test_a_player_that_cannot_play_a_scene_is_refused_in_words():
+    why = "This scene is played with one leg. Choose: the leg"
+    legs = replace(GROUPED[1], refuses={("who", "mouse"): why})
+    with create_surface("egl", (1280, 720)) as surface:
+        launcher = Launcher(surface, [legs, GROUPED[0]], [WHO, PORT])
+        launcher.handle(keys("enter"))
+        assert not launcher.done and launcher._page.state.notice == why
+        assert launcher._focus == ("option", 0), "where it is repaired"
+        launcher.handle(keys("right", "down", "down", "enter"))
+        assert launcher.choice.settings["who"] == "robot"
+
+
+def test_an_earlier_session_opens_its_result(grouped):
+    played = replace(GROUPED[3], run=Path("runs/x"), refuses={("who", "mouse"): "cannot be played"})
+    with create_surface("egl", (1280, 720)) as surface:
+        launcher = Launcher(surface, [*GROUPED[:3], played], [WHO, PORT])
+        launcher.handle(keys("up", "right", "right", "right", "right", "down"))
+        assert launcher._page._start_label() == "Show the result"
+        launcher.handle(keys("enter"))
+        assert launcher.choice.run == Path("runs/x")
+
+
+def test_every_shipped_scene_has_a_player_or_is_only_looked_at(tmp_path):
+    values = {choice.value for choice in launcher_settings()[0].choices}
+    refused = {card.scene.stem: dict(card.refuses) for card in launcher_cards(tmp_path)}
+    assert ("device", "simulated_legs") in refused["wavy_tunnel"] and ("device", "") not in refused["wavy_tunnel"]
+    assert "one leg" in refused["kicking"]["device", ""] and not refused["lanterns"]
+    for scene, reasons in refused.items():
+        assert {value for _, value in reasons} < values, scene
+
+
 def test_keys_are_reported(grouped):
     grouped.draw()
     before = read_pixels(grouped._surface)
@@ -336,6 +380,7 @@ def test_a_real_window_obeys_mouse_and_keyboard():
             send("mousemove", "1218", "205")  # the right arrow of the device, second of the settings
             send("click", "1")
             send("mousemove", "100", "250")  # the first card
+            send("click", "1")
             send("key", "Right")
             send("key", "Return")
             out, _ = window.communicate(timeout=60)

@@ -104,21 +104,6 @@ def test_nobody_tracked_is_idling_and_a_lost_tracker_lets_the_body_go_back_to_it
     assert np.linalg.norm(joint(world, "leftHand") - idle) < 0.05
 
 
-def test_a_head_that_is_hidden_is_nowhere_and_the_body_stays(figure) -> None:
-    body, world = figure
-    heights = []
-    for shown in (True, False):
-        body.pose(FRONT, NOBODY, 0, head=shown)
-        world.update()
-        inside = world.graph.hierarchy.is_inside
-        bodies = world.motion.bodies.values()
-        own = [each for each in bodies if inside(each.entity, world.find("avatar").index)]
-        heights.append(max(world.mesh_positions(mesh)[:, 1].max() for each in own for mesh in each.meshes))
-    assert heights[0] > 1.7
-    # What is left ends at the joint of the head.
-    assert heights[1] == pytest.approx(1.607, abs=0.02)
-
-
 @pytest.mark.parametrize(
     ("change", "words"), [("gone", 'no entity "avatar"'), ("ball", "it has no joints; see mimics avatar import")]
 )

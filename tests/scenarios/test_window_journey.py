@@ -8,11 +8,13 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from PIL import ImageGrab
 
 from mimics_app.contracts.window_input import InputEvent
 from mimics_app.rendering.visual.launcher.result_page import Button, ResultContent, ResultPage
@@ -99,21 +101,39 @@ def test_a_session_ends_with_its_result_and_is_played_again(tmp_path: Path) -> N
         return len(list(tmp_path.glob("*/report.html")))
 
     def begun() -> int:
-        return len(list(tmp_path.glob("*/haptic.arrows")))
+        """Sessions whose task has come to the start of a trial: they have a picture, and hear keys."""
+        return sum('"ready"' in journal.read_text() for journal in tmp_path.glob("*/events.jsonl"))
+
+    dark, over = list[float](), threading.Event()
+
+    def watch(screen: str) -> None:
+        """Look at the screen, whose ground is black, all the time: once there is a window there always is one."""
+        lit = False
+        while not over.wait(0.2):
+            black = max(high for _, high in ImageGrab.grab(xdisplay=screen).convert("RGB").getextrema()) == 0
+            lit = lit or not black
+            if lit and black:
+                dark.append(time.monotonic())
 
     words = ["run", "scenes/wavy_tunnel.json", "--sound", "off", "--participant", "P1", "--runs", str(tmp_path)]
     words += ["--size", "640x360"]
     with display("640x360x24") as screen:
         process = subprocess.Popen([sys.executable, "-m", "mimics_app", *words], env={**os.environ, "DISPLAY": screen})
+        looking = threading.Thread(target=watch, args=(screen,))
+        looking.start()
         try:
             wait("first session", lambda: begun() == 1, process)
             press_until("Escape Escape", screen, "first result", lambda: ended() == 1, process)
             press_until("n", screen, "second session", lambda: begun() == 2, process)
             press_until("Escape Escape", screen, "second result", lambda: ended() == 2, process)
-            time.sleep(1.0)
+            time.sleep(2.0)
+            over.set()
+            looking.join()
+            assert not dark, "there was no window"
             subprocess.run(["xdotool", "key", "c"], env={**os.environ, "DISPLAY": screen}, check=False, timeout=20)
             assert process.wait(timeout=40) == 0
         finally:
+            over.set()
             if process.poll() is None:
                 process.send_signal(signal.SIGTERM)
                 process.wait(timeout=40)

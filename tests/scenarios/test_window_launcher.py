@@ -156,7 +156,10 @@ def test_from_the_launcher_to_the_result_again_and_to_another_scene(tmp_path: Pa
         person.sees("8_paused")
         person.wait("third result", lambda: person.reports == 3, press="Escape")
         time.sleep(2.0)
-        person.keys("c")
+        person.keys("Escape")
+        person.wait_for_launcher()
+        person.sees("9_launcher_after_escape")
+        person.keys("Escape")
         assert person.process.wait(timeout=40) == 0
     assert person.begun == ["wavy_tunnel", "wavy_tunnel", "tower"]
     headers = [json.loads(path.read_text()) for path in sorted((tmp_path / "runs").glob("*/session.json"))]

@@ -142,7 +142,7 @@ def test_a_machine_that_stalls_pauses_a_person_at_a_mouse_and_goes_on(window):
     assert not np.any(window.rows["state"] >= SafetyState.SAFE_STOP)
     code, answer = window.leave()
     assert code == 0 and answer["safety"]["stops"] == 0 and answer["safety"]["holds"] >= 1
-    assert "short hold 1, it resumes on its own: this computer was too busy" in window.terminal
+    assert "force paused (1), it comes back: this computer was too busy" in window.terminal
 
 
 def test_saved_scene_is_taken_while_running_and_a_broken_one_changes_nothing(tmp_path):

@@ -132,5 +132,7 @@ class Player:
         return [state for i, state in enumerate(self.states) if i == 0 or state != self.states[i - 1]]
 
 
-def make_manager(spec: Any, seed: int = 1, *, introduced: bool = False, **listeners: Any) -> TaskManager:
-    return TaskManager(spec, TaskContext(START, introduced=introduced), seed, **listeners)
+def make_manager(
+    spec: Any, seed: int = 1, *, introduced: bool = False, waits: bool = False, **listeners: Any
+) -> TaskManager:
+    return TaskManager(spec, TaskContext(START, introduced=introduced, waits=waits), seed, **listeners)

@@ -85,7 +85,7 @@ def test_scene_of_a_row_uses_its_component(row):
 def test_fields_named_in_the_table_exist():
     for row in table("Blocks"):
         struct = component_types()[row[3].strip("`")]
-        known = {field.encode_name for field in msgspec.structs.fields(struct)} | {"cube", "sphere", "cylinder"}
+        known = {field.encode_name for field in msgspec.structs.fields(struct)} | {"box", "sphere", "cylinder"}
         known |= {
             "connections",
             "size",

@@ -12,6 +12,7 @@ from mimics_app.contracts.board import Bar, Board, Card
 from mimics_app.contracts.haptic import TripCause
 from mimics_app.contracts.trial_state import TrialState
 from mimics_app.rendering.visual.figures.hud import Hud
+from mimics_app.rendering.visual.figures.key_page import KeyPage
 from mimics_app.tasks.cards import time_card
 from mimics_app.tasks.prompt import BUILT_IN, cause_words
 from tests.support.cut_words import watch_cut_words
@@ -59,7 +60,7 @@ def test_what_stays_is_not_laid_out_again(monkeypatch):
     layout, hud, text = BoardLayout(), Hud(), Hud.text
     monkeypatch.setattr(Hud, "text", lambda self, *args, **more: laid.append(args[2]) or text(self, *args, **more))
 
-    def lay(time: str, newtons: float, message: str = "", keys=()) -> list[str]:
+    def lay(time: str, newtons: float, message: str = "", keys=None) -> list[str]:
         laid.clear()
         cards = {"time": Card("Time", time), "force": Card("Force", "1 N", bar=Bar(newtons, None))}
         layout.lay(hud, Board(cards, message), ["time", "gone", "force"], 30.0, keys)
@@ -75,7 +76,7 @@ def test_what_stays_is_not_laid_out_again(monkeypatch):
     assert lay("2 s", 2.0) == ["Time", "2 s"] and hud.revision > before
     assert lay("2 s", 3.0) == ["Force", "1 N"]
     assert lay("2 s", 3.0, "Well done") == ["Well done"]
-    assert lay("2 s", 3.0, "", [("H", "keys")]) == ["H", "keys"]
+    assert lay("2 s", 3.0, "", KeyPage([("H", "keys")])) == ["H", "keys"]
     hud.clear()
     assert lay("2 s", 3.0) == [], "what somebody else took off is put back, from what was laid out"
 
@@ -96,3 +97,33 @@ def test_why_the_force_stopped_is_read_whole_in_any_window(size: tuple[int, int]
 
 def _as_drawn(colours: set[tuple[float, ...]]) -> set[tuple[float, ...]]:
     return {tuple(np.round(np.array(colour, np.float32), 2).tolist()) for colour in colours}
+
+
+@pytest.mark.parametrize(
+    ("board", "seen"),
+    [
+        (Board({"time": Card("Time", "2 s")}, "Look at the figure"), Board()),
+        (Board({"taps": Card("Taps", "3")}, "Where are you?", asks=True), Board(message="Where are you?", asks=True)),
+        (Board({"time": Card("Time", "2 s")}, "Stopped", alarm=True), Board(message="Stopped", alarm=True)),
+        (Board({"time": Card("Time", "2 s")}, "Get ready", count=3), Board(count=3)),
+    ],
+)
+def test_the_wearer_of_a_headset_sees_only_what_is_meant_for_the_wearer(board: Board, seen: Board) -> None:
+    assert board.for_wearer() == seen
+
+
+def test_a_question_stands_off_what_it_asks_about() -> None:
+    hud, heights = Hud(), []
+    for asks in (False, True):
+        BoardLayout().lay(hud, Board(message="Where are you?", asks=asks), [], 30.0)
+        boxes = hud.rows()["box"]
+        heights.append(float((boxes[:, 1] + 0.5 * boxes[:, 3]).mean()) / hud.height)
+    assert heights[0] < 0.25 and 0.6 < heights[1] < 0.9
+
+
+def test_a_page_replaces_the_message_below_it_but_no_warning() -> None:
+    for alarm in (False, True):
+        hud, alone = Hud(), Hud()
+        BoardLayout().lay(hud, Board(message="Get ready", alarm=alarm), [], 30.0, KeyPage([("H", "keys")]))
+        BoardLayout().lay(alone, Board(), [], 30.0, KeyPage([("H", "keys")]))
+        assert (len(hud.rows()) > len(alone.rows())) is alarm

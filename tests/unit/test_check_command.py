@@ -236,3 +236,14 @@ def test_hand_without_robot_and_task_is_a_part(tmp_path, capsys):
     assert "a part, without robot and task: include it in a scene" in capsys.readouterr().out
     assert main(["check", str(write(tmp_path, scene(*fingers, thing("r", robot={}))))]) == 3
     assert "the scenario needs carry in the task" in capsys.readouterr().err
+
+
+def test_faults_of_several_stages_are_reported_at_once(tmp_path, capsys):
+    """Two scaled bodies, a policy that is nowhere: what one stage cannot get past does not hide the others."""
+    body = {"haptic_object": {"shapes": [{"shape": "box", "size": [0.1, 0.1, 0.1]}]}}
+    scaled = [{**thing(name, **body), "transform": {"scale": [2.0, 2.0, 2.0]}} for name in ("first", "second")]
+    file = write(tmp_path, scene(*scaled, task={"learn": "nowhere"}))
+    assert main(["check", str(file)]) == 3
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert sum("/transform/scale" in line and '"parent"' in line for line in lines) == 2
+    assert sum("/task/learn" in line for line in lines) == 1 and len(lines) == 3

@@ -125,6 +125,7 @@ def test_wrong_argument_is_one_line(
         (["run", "--second=3"], '"--second"', 'did you mean "--seconds"'),
         (["lab", "--point", "12", "stability"], '"--point"', 'did you mean "--points"'),
         (["record", "--qqq", "verify", "RUN"], '"--qqq"', "see mimics record --help"),
+        (["--versoin"], '"--versoin"', 'did you mean "--version"'),
     ],
 )
 def test_an_option_is_not_abbreviated_and_the_nearest_is_named(

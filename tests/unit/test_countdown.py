@@ -21,9 +21,9 @@ TASK: dict[str, Any] = {"start": {"ready_s": 0.5}, "trials": [{"repetitions": 2}
 FRAMES_A_SECOND = 1e9 / FRAME_NS
 
 
-def make_player(*, introduced: bool = True, countdown_s: float = 3.0, **settings: Any) -> Player:
+def make_player(*, introduced: bool = True, waits: bool = False, countdown_s: float = 3.0, **settings: Any) -> Player:
     spec = {**TASK, "start": {**TASK["start"], "countdown_s": countdown_s}}
-    return Player(make_manager(msgspec.convert(spec, TaskSpec), introduced=introduced), **settings)
+    return Player(make_manager(msgspec.convert(spec, TaskSpec), introduced=introduced, waits=waits), **settings)
 
 
 def ready_s(player: Player, pressed_at: dict[float, str] | None = None) -> tuple[float, list[int]]:
@@ -48,11 +48,19 @@ def test_the_page_is_read_then_three_seconds_are_counted() -> None:
     assert player.orders[-1].board.count == 0 and player.orders[-1].person_may_act
 
 
-@pytest.mark.parametrize("key", ["enter", "h", "mouse_left", "pad_a"])
+@pytest.mark.parametrize("key", ["enter", "mouse_left", "pad_a"])
 def test_whoever_has_read_the_page_begins(key: str) -> None:
     duration, counted = ready_s(make_player(), {1.0: key})
     assert counted == [3, 2, 1]
     assert duration == pytest.approx(1.0 + 3.0, abs=4.0 / FRAMES_A_SECOND)
+
+
+def test_the_page_waits_for_a_person_however_long_it_takes() -> None:
+    """Neither the reading time nor the limit of the soft start ends it; a page that is only looked at (H) stays."""
+    player = make_player(waits=True)
+    duration, counted = ready_s(player, {30.0: "h", 60.0: "enter"})
+    assert counted == [3, 2, 1] and duration == pytest.approx(63.0, abs=4.0 / FRAMES_A_SECOND)
+    assert player.manager.state == "travel"
 
 
 def test_a_key_in_the_count_does_not_begin_it_again() -> None:

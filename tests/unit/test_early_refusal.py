@@ -7,11 +7,14 @@ import json
 import os
 import subprocess
 import sys
+from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 
 from mimics_app.app.cli import main
+from mimics_app.app.scenes.scene_search import find_file
+from mimics_app.contracts.resources import root
 
 HEAVY = {"numba", "moderngl", "glfw"}
 REFUSED = (
@@ -23,6 +26,9 @@ REFUSED = (
     ("run --physio serial:/dev/nowhere", 4, '"/dev/nowhere" cannot be opened: nothing is there'),
     ("run --physio file:nowhere.csv", 3, "nowhere.csv: there is no such file"),
     ("run --runs /dev/null/runs", 3, "no run folder can be made here: /dev/null is no folder"),
+    ("run --runs /proc/nope", 3, "no run folder can be made here"),
+    ("run --participant Anna", 2, "this looks like a name"),
+    ("--versoin", 2, 'did you mean "--version"'),
     ("run wavy_tunnel --headless --from-trial 99", 2, "the session has no trial 99; it has 3"),
     ("run wavy_tunnel --headless --from-trial 8 --trials 6", 2, "the session has no trial 8; it has 7"),
     ("run --device replay --recording nowhere", 3, "is no run folder"),
@@ -115,3 +121,41 @@ def test_a_scene_with_a_fault_is_refused_before_anything_heavy_is_imported(
     refusal = refusals[command]
     assert 'unknown key "part"' in refusal.said
     assert refusal.code == 3 and not HEAVY & set(refusal.imported)
+
+
+@pytest.mark.parametrize("line", ["run wavy_tunnel", ""], ids=["run", "launcher"])
+def test_a_screen_that_does_not_answer_is_said_before_a_picture_is_made(line: str) -> None:
+    dead = {**os.environ, "DISPLAY": ":9977"}
+    dead.pop("WAYLAND_DISPLAY", None)
+    script = _SCRIPT.replace("cli.main(line)", "cli.main(line or [])")
+    done = subprocess.run(
+        [sys.executable, "-c", script], input=json.dumps([line.split()]), capture_output=True, text=True, check=True,
+        env=dead,
+    )  # fmt: skip
+    refusal = Refusal(*json.loads(done.stdout))
+    assert "no screen answers at DISPLAY=:9977" in refusal.said and refusal.code == 4
+    assert not {"numba", "moderngl"} & set(refusal.imported)
+
+
+def test_the_list_of_experiments_does_not_wait_for_the_loop() -> None:
+    script = "import sys, mimics_app.app.sweep.patient\nprint('mimics_app.app.session.core' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout == "False\n"
+
+
+def test_files_of_the_readme_are_found_from_any_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("assets/models/market/apple.glb", "assets/models/touch/bowl.glb", "assets/models"):
+        assert find_file(Path(name)) == root() / name
+    (tmp_path / "assets").mkdir()
+    (tmp_path / "assets" / "models").mkdir()
+    assert find_file(Path("assets/models")) == Path("assets/models"), "one's own comes first"
+    assert find_file(Path("nowhere.glb")) == Path("nowhere.glb")
+
+
+def test_a_misspelt_camera_is_refused_before_a_picture_is_made() -> None:
+    line = json.dumps([["render", "city_walk", "--camera", "crosing"]])
+    done = subprocess.run([sys.executable, "-c", _SCRIPT], input=line, capture_output=True, text=True, check=True)
+    refusal = Refusal(*json.loads(done.stdout))
+    assert refusal.code == 3 and 'did you mean "crossing"' in refusal.said
+    assert not {"moderngl", "mimics_app.app.session.core"} & set(refusal.imported)

@@ -20,6 +20,7 @@ NS = 1_000_000_000
 def snapshot(user=(0.0, 0.0, 0.0), measured=(0.0, 0.0, 0.0), grip=(0.0, 0.0, 0.0)):
     return SimpleNamespace(
         hip_world=np.array([0.1, 1.0, 0.2]),
+        ball_radius=0.02,
         f_user_world=np.array(user),
         f_meas_world=np.array(measured),
         f_grip=np.array(grip),
@@ -36,7 +37,8 @@ def contact(kind: EventKind, **values) -> np.ndarray:
 
 def test_forces_stand_at_the_hand_and_grow_with_the_newton():
     one, two = ForceArrows().of(snapshot(user=(5.0, 0.0, 0.0), measured=(0.0, 0.0, -10.0)), NONE, 0)
-    assert one.origin == pytest.approx([0.1, 1.0, 0.2])
+    assert np.linalg.norm(one.origin - [0.1, 1.0, 0.2]) == pytest.approx(0.02), "on the surface of the ball"
+    assert (one.origin - [0.1, 1.0, 0.2]) @ one.vector > 0.0
     assert two.vector[2] == pytest.approx(-2.0 * one.vector[0])
     assert one.tint != two.tint
 

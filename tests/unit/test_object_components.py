@@ -25,7 +25,7 @@ def faulty(folder: Path, **component: object) -> list[str]:
     ("component", "values", "pointer", "says"),
     [
         ("haptic_object", {}, "", "no shapes"),
-        ("haptic_object", {"shapes": [{"shape": "kube"}]}, "/shapes/0/shape", 'did you mean "cube"'),
+        ("haptic_object", {"shapes": [{"shape": "bax"}]}, "/shapes/0/shape", 'did you mean "box"'),
         ("haptic_object", {"shapes": [{**CUBE, "size": [0.1, 0.0, 0.1]}]}, "/shapes/0/size/1", "> 0"),
         ("haptic_object", {"shapes": [{**CUBE, "rounding": 0.05}]}, "/shapes/0/rounding", "stay below 0.05 m"),
         ("haptic_object", {"shapes": [{**CUBE, "rotation": [0, 0, 0, 2]}]}, "/shapes/0/rotation", "length 2"),
@@ -231,6 +231,7 @@ def test_schema_describes_every_key_of_every_part():
     assert {*names, "interaction_points"} <= set(entity)
     wanted = [component_types()[name].__name__ for name in names]
     wanted += [
+        "BoxSolid",
         "CubeSolid",
         "SphereSolid",
         "CylinderSolid",

@@ -11,12 +11,14 @@ import pytest
 
 from mimics_app.app import cli
 from mimics_app.app.play import journey
-from mimics_app.app.play.journey import Opening, play_through, run_words
+from mimics_app.app.play.journey import Pages, play_through, run_words
 from mimics_app.app.play.journey_log import JourneyLog, read_journey
+from mimics_app.app.play.launching import launcher_cards, launcher_settings
 from mimics_app.app.play.outcome import result_content
+from mimics_app.app.play.played_run import played_run
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.errors import UsageError
-from mimics_app.recording.history import EarlierRun, earlier_runs, recent_runs
+from mimics_app.recording.history import EarlierRun, earlier_runs, local_time, recent_runs
 from mimics_app.recording.report_front import front_of
 from mimics_app.recording.run import Run
 from mimics_app.recording.trial_table import table_text
@@ -117,9 +119,11 @@ def test_rows_are_in_words() -> None:
     assert rows[2][2:] == ("", "", "")
 
 
-def test_without_a_report_there_is_no_button_for_it() -> None:
-    without = {**answer(), "report": ""}
-    assert "report" not in [button.name for button in result_content("T", without, [], []).buttons]
+def test_a_page_from_the_launcher_leads_back_to_it() -> None:
+    """Escape and "another scene" do the same there, so there is no second button for it."""
+    names = [button.name for button in result_content("T", answer(), [], [], from_launcher=True).buttons]
+    assert names == ["again", "other", "report", "keys"]
+    assert [button.name for button in result_content("T", answer(), [], []).buttons] == [*names, "leave"]
 
 
 def write_run(parent: Path, name: str, scene: str, participant: str, task: dict[str, Any], **more: Any) -> Path:
@@ -178,7 +182,7 @@ def test_history_is_in_the_order_of_the_sessions_whatever_the_wall_clock_was_set
     assert [run.folder.name for run in earlier_runs(now)] == list(begun)
     last = tmp_path / list(begun)[3]
     assert [run.folder.name for run in earlier_runs(last)] == list(begun)[:3]
-    assert [run.folder.name for run in recent_runs(tmp_path, 2)] == list(begun)[:2:-1]
+    assert [run.folder.name for run in recent_runs(tmp_path, 3)] == [now.name, *list(begun)[:2:-1]]
     (tmp_path / "renamed").mkdir()
     assert earlier_runs(tmp_path / "renamed") == [], "without a clock it is the oldest"
 
@@ -195,9 +199,27 @@ def test_a_session_that_could_not_say_its_end_counts_with_the_trials_it_left(tmp
     assert front.sentence == "1 of 2 trials finished."
 
 
-@pytest.mark.parametrize(("typed", "code"), [(" P07 ", "P07"), ("Mu\u0308ller", "M\u00fcller"), ("../x", "../x")])
+@pytest.mark.parametrize(
+    ("typed", "code"),
+    [
+        (" P07 ", "P07"),
+        ("mu\u0308ller", "m\u00fcller"),
+        ("P 07", "P 07"),
+        ("Anna7", "Anna7"),
+        ("CONTROL", "CONTROL"),
+        ("../x", "../x"),
+    ],
+)
 def test_a_code_has_one_form(typed: str, code: str) -> None:
     assert cli.parse(["run", f"--participant={typed}"]).participant == code
+
+
+@pytest.mark.parametrize("typed", ["Hans M\u00fcller/3", "Mu\u0308ller", "anna maria", "M\u00fcller, H.", "Anna"])
+def test_a_name_is_refused_on_the_command_line_and_in_the_launcher(typed: str) -> None:
+    with pytest.raises(UsageError, match="looks like a name"):
+        cli.parse(["run", f"--participant={typed}"])
+    (field,) = (each for each in launcher_settings() if each.name == "participant")
+    assert "name" in field.refuse(typed) and field.refuse("P07") == field.refuse("") == ""
 
 
 @pytest.mark.parametrize("typed", ["a\nb", "a" * 300, "\udcff"])
@@ -227,7 +249,7 @@ def test_a_journey_is_heard_line_by_line(tmp_path: Path) -> None:
     with path.open("a") as file:
         file.write('{"next": "ag')  # a line that is being written
     assert read_journey(path) == {"doing": "Reading the scene", "shown": True}
-    JourneyLog(None).chose("leave")
+    JourneyLog(None).recorded(tmp_path)
 
 
 def stands_in(folder: Path, monkeypatch: pytest.MonkeyPatch, script: str) -> RunSettings:
@@ -241,14 +263,114 @@ def stands_in(folder: Path, monkeypatch: pytest.MonkeyPatch, script: str) -> Run
 
 def test_a_session_that_is_killed_is_missed_and_not_taken_for_an_end(tmp_path, monkeypatch) -> None:
     ended = play_through(stands_in(tmp_path, monkeypatch, "kill -9 $$"))
-    assert ended.code == -9 and not ended.other
+    assert ended.code == -9 and ended.following != "other"
     assert "SIGKILL" in ended.error and "is kept" in ended.error
 
 
-def test_who_gives_up_waiting_is_back_at_the_scenes(tmp_path, monkeypatch) -> None:
-    class Impatient(Opening):
-        def look(self, doing: str) -> bool:
+def test_who_gives_up_waiting_is_back_where_the_session_was_started(tmp_path, monkeypatch) -> None:
+    class Impatient(Pages):
+        def wait(self, doing: str, *, leaves: bool) -> bool:
             return False
 
     ended = play_through(stands_in(tmp_path, monkeypatch, "exec sleep 60"), Impatient())
-    assert ended.other and not ended.error
+    assert ended.following == "leave" and not ended.error
+
+
+SESSION = """
+for word; do log="$word"; done
+say() { echo "$1" >> "$log"; }
+say '{"doing": "Reading"}'; sleep 0.2
+say '{"shown": true}'; sleep 0.2
+say '{"over": [5, 6, 0, 0, 0], "closed": CLOSED, "doing": "Closing"}'
+until grep -q taken "$log"; do sleep 0.02; done
+sleep 0.2
+LAST
+"""
+
+
+class Watched(Pages):
+    """Pages that keep what a person sees, each only once in a row, and choose "again" a few times."""
+
+    def __init__(self, again: int = 0) -> None:
+        self.seen: list[str] = []
+        self._again = again
+
+    def _see(self, what: str) -> None:
+        if self.seen[-1:] != [what]:
+            self.seen.append(what)
+
+    def wait(self, doing: str, *, leaves: bool) -> bool:
+        self._see(f"{doing}, {'may leave' if leaves else 'stays'}")
+        return True
+
+    def hide(self) -> None:
+        self._see("the session")
+
+    def show(self, place: list[int]) -> None:
+        self._see(f"back at {place}")
+
+    def result(self, folder: Path) -> Any:
+        self._see(f"result of {folder}")
+        self._again -= 1
+        return "again" if self._again >= 0 else "other"
+
+
+def session_of(closed: str = "false", last: str = 'say \'{"run": "runs/x"}\'') -> str:
+    return SESSION.replace("CLOSED", closed).replace("LAST", last)
+
+
+def test_a_window_is_there_from_the_wait_to_the_result_and_again(tmp_path, monkeypatch) -> None:
+    pages = Watched(again=1)
+    ended = play_through(stands_in(tmp_path, monkeypatch, session_of()), pages)
+    assert ended.following == "other" and ended.code == 0
+    once = ["Reading, may leave", "the session", "back at [5, 6, 0, 0, 0]", "Closing, stays", "result of runs/x"]
+    assert [each for each in pages.seen if not each.startswith("Starting")] == once * 2
+
+
+def test_a_window_comes_back_after_a_session_that_ends_without_a_word(tmp_path, monkeypatch) -> None:
+    pages = Watched()
+    script = session_of().split("say '{\"over")[0] + "kill -9 $$"
+    ended = play_through(stands_in(tmp_path, monkeypatch, script), pages)
+    assert pages.seen[-2:] == ["the session", "back at []"] and "SIGKILL" in ended.error
+
+
+def test_a_person_who_closes_the_window_is_not_asked_what_comes_next(tmp_path, monkeypatch) -> None:
+    pages = Watched()
+    ended = play_through(stands_in(tmp_path, monkeypatch, session_of(closed="true")), pages)
+    assert ended.following == "close" and not any(each.startswith("result") for each in pages.seen)
+    assert pages.seen[-1] == "Closing, stays", "until the recording is closed"
+
+
+def test_the_page_of_an_earlier_session_says_who_and_when(tmp_path: Path) -> None:
+    task = {"completed": 1, "trials": 2, "score": 50.0, "time_s": 3.0, "counted": "trials"}
+    clock = {"utc": "2026-01-02T08:00:00+00:00"}
+    folder = write_run(tmp_path, "20260102T080000Z_a", "wavy_tunnel", "P7", task, clock=clock)
+    content = played_run(folder, from_launcher=True)
+    assert content.who == f"Participant P7  ·  {local_time(clock['utc'])}" and "2026" in content.who
+    assert content.sentence.startswith("1 of 2 trials finished") and dict(content.tiles)["Score of 100"] == "50"
+    (folder / "manifest.json").unlink()
+    assert "cut off" in played_run(folder, from_launcher=True).footnote
+
+
+def test_every_session_is_a_card_that_opens_its_page(tmp_path: Path) -> None:
+    """Also those that were broken off, only practised, or cut off."""
+    tasks: dict[str, Any] = {
+        "ended": {"completed": 1, "trials": 2, "score": 50.0, "time_s": 3.0},
+        "practised": {"completed": 0, "trials": 0, "practice": {"trials": 2, "completed": 1}},
+        "broken_off": {"completed": 0, "trials": 0},
+        "cut_off": {},
+    }
+    folders = [
+        write_run(tmp_path, f"2026010{day}T000000Z_{name}", "wavy_tunnel", "P1", task)
+        for day, (name, task) in enumerate(tasks.items(), start=1)
+    ]
+    (folders[-1] / "manifest.json").unlink()
+    cards = [card for card in launcher_cards(tmp_path) if card.run is not None]
+    assert [card.run for card in cards] == folders[::-1]
+    words = [card.description for card in cards[::-1]]
+    assert [each.split(",")[0].split(":")[0] for each in words] == [
+        "1 of 2 trials finished", "Practice only", "Broken off before a trial came to its end.", "Cut off",
+    ]  # fmt: skip
+    assert cards[-1].badge == "50 of 100"
+    (tunnel,) = (card for card in launcher_cards(tmp_path) if card.run is None and card.scene.stem == "wavy_tunnel")
+    assert tunnel.badge == "last: 50 of 100", "a bare number says nothing"

@@ -54,13 +54,26 @@ def test_a_time_limit_is_put_off() -> None:
     assert 115 <= player.until("timeout") <= 121
 
 
+def test_help_is_read_while_the_clock_stands() -> None:
+    """H opens a page over the picture: it pauses a travel, again and again it changes nothing, and P goes on."""
+    player = make_player({"start": {"ready_s": 0.1}, "time_limit_s": 2.0}, speed=0.0)
+    player.until("ready")
+    assert not player.step(pressed=("h",)).view.paused, "there is no clock yet"
+    player.until("travel")
+    for _ in range(3):
+        assert player.step(pressed=("h",)).view.paused
+    for _ in range(240):
+        player.step()
+    assert player.manager.state == "travel" and not player.step(pressed=("p",)).view.paused
+
+
 def test_the_robot_is_held_where_it_is_and_then_given_back() -> None:
     player = make_player(TASK)
     player.until("travel")
     held = player.step(pressed=("p",), q=np.array([0.03, -0.1, 0.04]))
     assert held.haptic["controller"] == Controller.JOINT_PD and held.haptic["target"] == (0.03, -0.1, 0.04)
     assert not held.person_may_act and held.view.paused and held.view.robot_leads
-    assert held.board.message == "Paused. P goes on"
+    assert held.board.message == "Paused. Press P to go on"
     on = player.step(pressed=("pad_start",))
     assert on.haptic["controller"] == Controller.ADMITTANCE and on.person_may_act and not on.view.paused
 

@@ -191,7 +191,7 @@ def test_stops_and_short_holds_are_counted_apart(tmp_path: Path) -> None:
     (folder / "events.jsonl").write_text("\n".join(lines) + "\n")
     page = write_report(folder, report_sections()).read_text(encoding="utf-8")
     assert "<b>1</b><span>safety stops</span>" in page and "<b>1</b><span>short holds</span>" in page
-    assert "this computer was too busy: a tick came too late" in page and "look at its line and its power" in page
+    assert "this computer was too busy" in page and "look at its line and its power" in page
 
 
 def test_figure_48_colours(page: str) -> None:
@@ -327,8 +327,8 @@ def test_the_figure_that_was_markup(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("reported", "said"),
     [
-        ({}, "Figures are over finished trials"),
-        ({"counted": "trials"}, "Figures are over finished trials"),
+        ({}, "Averages of all trials that ended"),
+        ({"counted": "trials"}, "Averages of all trials that ended"),
         ({"counted": "practice"}, "figures are those of practice"),
         ({"counted": "under way"}, "figures are those of the one that was cut off"),
     ],

@@ -58,7 +58,7 @@ def test_a_run_with_body_signals_shows_heart_skin_state_and_difficulty_over_its_
         "success, difficulty",
     ]
     page = write_report(tmp_path, []).read_text()
-    assert "policy kalman, its goal success of 0.7" in page and "± one standard deviation" in page
+    assert "Difficulty was adapted by kalman for success of 0.7" in page and "± one standard deviation" in page
     assert "radius 1.25" in page and "too hard" in page
     assert {plot.x.high for plot in person_of(run).plots} == {7.0}
 

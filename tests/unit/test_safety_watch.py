@@ -68,9 +68,9 @@ def test_holds_one_after_the_other_are_reported_once_and_counted(capsys):
     for tick in range(1000, 9000, 400):
         watch.see(reported((tick, SafetyState.DEGRADED, TripCause.LATE_TICK)))
     lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == 1 and "1.000 s: short hold 1, it resumes on its own: this computer was too busy" in lines[0]
+    assert len(lines) == 1 and "1.000 s: force paused (1), it comes back: this computer was too busy" in lines[0]
     watch.see(reported((20_000, SafetyState.DEGRADED, TripCause.MISSED_IN_ROW)))
-    assert "short hold 21" in capsys.readouterr().err
+    assert "force paused (21)" in capsys.readouterr().err
 
 
 def test_the_answer_counts_stops_and_holds_apart_and_names_the_last_stop(capsys):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -17,6 +18,7 @@ from mimics_app.contracts.haptic_objects import (
 )
 from mimics_app.maths.quat import about_axis, to_matrix
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
+from mimics_app.world.components.haptic_shapes import BoxSolid, Solid
 from tests.support.object_scenes import CUBE, at, gltf_box, loaded, objects, thing
 
 TURN = [0.0, 0.0, 0.5**0.5, 0.5**0.5]
@@ -311,3 +313,11 @@ class TestModels:
         made = objects_of_scene(scene)
         assert made.body_entities == ("table/Box",)
         assert made.rows.bodies[0]["position"].tolist() == [2, 1, 0]
+
+
+def test_a_box_has_one_name_for_eye_and_hand_and_its_older_name_is_read() -> None:
+    """What a mesh calls a box, a shape to touch calls a box; recordings of before say cube."""
+    told = {"size": [0.1, 0.2, 0.3], "rounding": 0.01, "position": [0.0, 0.1, 0.0]}
+    box, cube = (msgspec.convert({"shape": name, **told}, Solid) for name in ("box", "cube"))
+    assert isinstance(box, BoxSolid) and isinstance(cube, BoxSolid)
+    assert msgspec.structs.asdict(box) == msgspec.structs.asdict(cube)

@@ -25,6 +25,7 @@ from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.resources import root
 from mimics_app.rendering.visual.launcher.launcher import LauncherChoice
 from mimics_app.tasks.task import TaskSpec
+from mimics_app.world.components.robot import Robot
 
 
 def test_every_shipped_scene_is_listed_with_what_it_takes(capsys: pytest.CaptureFixture[str]) -> None:
@@ -118,7 +119,7 @@ def test_sessions_played_lately_are_cards_with_their_score(tmp_path: Path) -> No
         (folder / "session.json").write_text(json.dumps(header))
         (folder / "manifest.json").write_text(json.dumps({**manifest, "summary": {"task": task}}))
     cards = launcher_cards(tmp_path)
-    assert next(card for card in cards if card.scene.stem == "wavy_tunnel").badge == "75"
+    assert next(card for card in cards if card.scene.stem == "wavy_tunnel").badge == "last: 75 of 100"
     recent = [card for card in cards if card.group == "Recent"]
     assert [card.badge for card in recent] == ["75 of 100", "60 of 100"]
     assert recent[0].description == "1 of 2 trials finished, mean time 3.2 s."
@@ -132,3 +133,16 @@ def test_a_scene_that_is_only_looked_at_needs_a_display_and_says_so(
         monkeypatch.delenv(name, raising=False)
     assert cli.main(["run", "lanterns"]) == 4
     assert "without one: mimics view" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("scene", [each for each in shipped_scenes() if each.lasts], ids=lambda scene: scene.name)
+def test_every_task_says_what_to_do(scene: shipped.ShippedScene) -> None:
+    """On a page of its own before the first trial; a task without another line says it during a trial too."""
+    task = json.loads(scene.file.read_text())["task"]
+    assert 20 < len(task["instructions"]) < 240 and task["instructions"].endswith((".", "?"))
+    if [goal["kind"] for goal in task.get("goals", ())] == ["duration"]:
+        assert task["prompt"] and not task["prompt"].endswith(".")
+
+
+def test_a_scene_without_a_robot_of_its_own_has_the_usual_one() -> None:
+    assert Robot().device == shipped.SIMULATED

@@ -6,7 +6,14 @@ from typing import Any
 
 from mimics_app.app.play.summary_lines import summary_lines
 
-RUN = {"simulated_s": 34.0, "recipe": "virtual", "run_dir": "runs/a", "report": "runs/a/report.html", "pictures": []}
+RUN = {
+    "simulated_s": 34.0,
+    "ticks": 34_000,
+    "recipe": "virtual",
+    "run_dir": "runs/a",
+    "report": "runs/a/report.html",
+    "pictures": [],
+}
 
 
 def lines(task: dict[str, Any], **more: Any) -> dict[str, str]:
@@ -46,8 +53,8 @@ def test_figures_of_practice_are_reported_as_those_of_practice():
 
 def test_a_live_run_says_its_late_cycles():
     task = {"completed": 1, "trials": 1, "score": 81.0, "time_s": 9.0, "path_error_m": 0.001, "contacts": 0}
-    assert lines(task, missed=1)["touch"] == "34.0 s at 1 kHz (virtual), 1 late control cycle; robot at rest"
-    assert "no late control cycles" in lines(task, missed=0)["touch"]
+    assert lines(task, missed=1)["touch"] == "34.0 s; 1 of 34,000 control cycles late; robot at rest"
+    assert "none of 34,000 control cycles late" in lines(task, missed=0)["touch"]
     assert lines(task)["task"] == "1 of 1 trial finished; score 81 of 100; time 9.0 s"
 
 

@@ -9,13 +9,17 @@ import numpy as np
 import pytest
 
 from mimics_app.app.play.reload import SceneReload
-from mimics_app.app.play.view_keys import ViewKeys
+from mimics_app.app.play.session_keys import OPERATORS_PAGE
+from mimics_app.app.play.view_keys import ViewKeys, rate_note
 from mimics_app.contracts.clock import VirtualClock
 from mimics_app.contracts.errors import DeviceError, Issue
 from mimics_app.contracts.haptic import EVENT
 from mimics_app.contracts.messages import TaskOrders
+from mimics_app.contracts.resources import root
 from mimics_app.contracts.trial_state import TaskView, TrialState
 from mimics_app.contracts.window_input import InputEvent
+from mimics_app.rendering.visual.figures.key_page import KeyPage
+from mimics_app.world.scene.file import load_scene
 
 
 class Picture:
@@ -23,12 +27,14 @@ class Picture:
 
     def __init__(self, issues: list[Issue] | None = None) -> None:
         self.layers: set[str] = set()
-        overlay = SimpleNamespace(toggle=lambda layer: self.layers.symmetric_difference_update({layer}), arrows=[])
+        overlay = SimpleNamespace(
+            note="", toggle=lambda layer: self.layers.symmetric_difference_update({layer}), arrows=[]
+        )
         self.renderer = SimpleNamespace(
             overlay=overlay, shows=lambda layer: layer in self.layers, reload_shaders=lambda: issues or []
         )
         self.abandoned = False
-        self.keys: tuple[tuple[str, str], ...] = ()
+        self.page: KeyPage | None = None
 
     def save(self, file: Path) -> None:
         file.write_bytes(b"a picture")
@@ -44,10 +50,10 @@ def make_session(folder: Path, picture: Picture | None, *events: InputEvent) -> 
         folder=folder,
         clock=VirtualClock(),
         trouble="",
-        window=None,
-        haptics=SimpleNamespace(plugin=SimpleNamespace(name="simulated", real_time=False)),
+        settings=SimpleNamespace(journey=None),
+        haptics=SimpleNamespace(plugin=SimpleNamespace(name="pointer", simulated=True, descriptor=None)),
         journal=journal,
-        scene=SimpleNamespace(files=()),
+        scene=load_scene(root() / "scenes" / "wavy_tunnel.json"),
         recorder=SimpleNamespace(journal=lambda kind, data: journal.append((kind, data))),
         inputs=SimpleNamespace(frame=SimpleNamespace(events=events)),
     )
@@ -60,34 +66,57 @@ def press(name: str) -> InputEvent:
 def make_frames() -> SimpleNamespace:
     push = np.array([4.0, 0.0, 0.0])
     still = np.zeros(3)
-    snapshot = SimpleNamespace(hip_world=still, f_user_world=push, f_meas_world=still, f_grip=still)
+    snapshot = SimpleNamespace(ball_radius=0.02, hip_world=still, f_user_world=push, f_meas_world=still, f_grip=still)
     return SimpleNamespace(snapshot=snapshot, events=np.zeros(0, EVENT), orders=TaskOrders())
 
 
-def seen(state: TrialState, trial: int) -> SimpleNamespace:
+def seen(state: TrialState, trial: int, *, reading: bool = False) -> SimpleNamespace:
     frames = make_frames()
-    frames.orders = TaskOrders(view=TaskView(state, trial=trial))
+    frames.orders = TaskOrders(view=TaskView(state, trial=trial, reading=reading))
     return frames
 
 
-def test_h_turns_the_page_of_keys_on_and_off(tmp_path):
+def test_h_shows_what_to_do_then_the_operators_keys_then_nothing(tmp_path):
     session = make_session(tmp_path, picture := Picture(), press("h"))
-    keys = ViewKeys(session)
-    keys.step(make_frames())
-    assert ("Space, gamepad B", "stop the force at once") in picture.keys
-    keys.step(make_frames())
-    assert picture.keys == ()
+    keys, shown = ViewKeys(session), []
+    for _ in range(4):
+        keys.step(make_frames())
+        shown.append(picture.page)
+    assert ("Space, gamepad B", "stop the force at once") in shown[0].keys and "green" in shown[0].words
+    assert shown[1] is OPERATORS_PAGE and shown[2] is None and shown[3] == shown[0]
+    assert not {key for key, _ in shown[0].keys} & {"F1", "F2", "F3", "F4", "F5", "F6", "F12"}, "not for the person"
 
 
-def test_a_person_reads_the_keys_until_the_first_trial_begins(tmp_path):
+@pytest.mark.parametrize(
+    ("device", "waits"), [("pointer", "Enter, click"), ("simulated_hapticmaster", "Begins by itself")]
+)
+def test_a_person_reads_what_to_do_until_the_first_trial_begins(tmp_path, device, waits):
     session = make_session(tmp_path, picture := Picture())
-    session.window = object()
+    session.settings.journey, session.haptics.plugin.name = tmp_path, device
     keys = ViewKeys(session)
-    for state, shown in ((TrialState.APPROACH, True), (TrialState.READY, True), (TrialState.TRAVEL, False)):
-        keys.step(seen(state, 1))
-        assert bool(picture.keys) == shown
+    for state, reading, foot in (
+        (TrialState.APPROACH, False, "One moment"),
+        (TrialState.READY, True, waits),
+        (TrialState.TRAVEL, False, ""),
+    ):
+        keys.step(seen(state, 1, reading=reading))
+        assert picture.page.foot.startswith(foot) if foot else picture.page is None
     keys.step(seen(TrialState.READY, 2))
-    assert picture.keys == ()
+    assert picture.page is None
+
+
+def test_the_operators_keys_are_read_before_the_first_trial_too(tmp_path):
+    session = make_session(tmp_path, picture := Picture())
+    session.settings.journey = tmp_path
+    keys = ViewKeys(session)
+    keys.step(seen(TrialState.READY, 1, reading=True))
+    session.inputs.frame.events = (press("h"),)
+    keys.step(seen(TrialState.READY, 1, reading=True))
+    session.inputs.frame.events = ()
+    keys.step(seen(TrialState.READY, 1, reading=True))
+    assert picture.page is OPERATORS_PAGE
+    keys.step(seen(TrialState.TRAVEL, 1))
+    assert picture.page is None
 
 
 def test_arrows_are_laid_out_only_while_they_are_looked_at(tmp_path):
@@ -130,3 +159,16 @@ def test_a_broken_shader_is_reported_over_the_picture_and_on_stderr(tmp_path, ca
     wanted = "lit.frag#line 7: `what' undeclared"
     assert reload.message == (wanted if issues else "")
     assert capsys.readouterr().err == (f"mimics: {wanted}\n" if issues else "")
+
+
+@pytest.mark.parametrize(
+    ("times_ms", "lowered", "words"),
+    [
+        ([0.0], [], "full quality"),
+        ([0.0, 40.0, 80.0], [], "25 frames per second; full quality"),
+        ([0.0, 100.0], ["resolution scale 0.75", "resolution scale 0.5", "shadows off"],
+         "10 frames per second; given up: resolution scale 0.5, shadows off"),
+    ],
+)  # fmt: skip
+def test_the_window_says_how_fast_it_is_and_what_was_given_up_for_it(times_ms, lowered, words):
+    assert rate_note([round(1e6 * each) for each in times_ms], lowered) == words

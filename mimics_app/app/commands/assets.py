@@ -97,7 +97,10 @@ def _levels(args: argparse.Namespace) -> int:
 
 def _level_line(mesh: MeshLevels) -> str:
     steps = zip(mesh.triangles, mesh.errors, mesh.coverages, strict=True)
-    return f"{mesh.name}: " + ", ".join(f"{n} triangles ({error:.2g} m, from {100 * c:.2g} %)" for n, error, c in steps)
+    levels = (
+        f"{n} triangles, at most {1e3 * error:.2g} mm off, from {100 * c:.2g} % of the picture" for n, error, c in steps
+    )
+    return f"{mesh.name}: {'; '.join(levels)}"
 
 
 def _thumbnails(args: argparse.Namespace) -> int:

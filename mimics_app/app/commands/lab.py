@@ -221,6 +221,8 @@ def _row(figure: Figure, numbers: Path, drawing: Path) -> dict[str, Any]:
 
 def _summary(figure: Figure) -> str:
     if figure.kind == "chart":
-        return f"front {', '.join(figure.front) or 'empty'}; default {figure.default or 'none'}"
+        best = ", ".join(figure.front) or "none is valid"
+        return f"best trade-offs: {best}; in use: {figure.default or 'none'}"
     found, allowed = figure.boundary["disagreement"], figure.more["tolerance"]
-    return f"{'passed' if figure.more['passed'] else 'FAILED'}, {found:.3g} of {allowed:.3g}: {figure.more['title']}"
+    differ = f"differs from theory by {100.0 * found:.2g} % ({100.0 * allowed:.2g} % allowed)"
+    return f"{figure.more['title']} {differ}: {'passed' if figure.more['passed'] else 'FAILED'}"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.terminal.arguments import file_to_write, positive_time, random_seed
 from mimics_app.app.terminal.output import answer, say
+from mimics_app.contracts.plural import counted
 
 if TYPE_CHECKING:
     from mimics_app.app.physio.watch import Watch
@@ -137,6 +138,10 @@ def _advice(found: dict[str, Any], lost: str) -> list[str]:
     return advice
 
 
+_EVENTS = {"r_peak": "heart beats", "scr": "skin responses", "breath": "breaths", "emg_onset": "muscle onsets"}
+"""Events in words; others have the name of the column `kind`."""
+
+
 def _lines(found: dict[str, Any]) -> Iterator[str]:
     from mimics_app.dsp.feature_units import FEATURE_UNITS
 
@@ -147,7 +152,8 @@ def _lines(found: dict[str, Any]) -> Iterator[str]:
     for name, signal in found["signals"].items():
         if dropped := signal.get("faults", {}).get("dropped"):
             yield f"note   {name}: {dropped} samples were left out: they repeat others, or have no time"
-    yield "found  " + (", ".join(f"{n} {kind}" for kind, n in found["events"].items()) or "nothing")
+    events = (counted(n, _EVENTS.get(kind, kind)) for kind, n in found["events"].items())
+    yield "found  " + (", ".join(events) or "nothing")
     units = {name: f" {unit}" for name, unit in FEATURE_UNITS.items() if unit != "1"}
     features = {name: value for name, value in found["features"].items() if name != "t_s"}
     yield "last   " + ", ".join(f"{name} {value:.4g}{units.get(name, '')}" for name, value in features.items())

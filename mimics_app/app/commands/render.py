@@ -89,6 +89,7 @@ def run(args: argparse.Namespace) -> int:
 
     settings = RunSettings(args.scene, seed=args.seed, profile=args.profile, size=args.size, display=args.display)
     read = read_scene(args.scene)
+    _check_camera(args.camera, read)
     say_if_cold()
     if args.audio is not None:
         return _hear(args, settings, read)
@@ -108,6 +109,20 @@ def run(args: argparse.Namespace) -> int:
     lines = [f"{drawn.backend}: {drawn.gl}, {drawn.ms_median:.1f} ms a frame", *map(str, drawn.files)]
     answer(args, {**asdict(drawn), "files": files, "folder": args.output}, lines)
     return 0
+
+
+def _check_camera(name: str, scene: Scene) -> None:
+    """Check that a scene has a camera of a name, before anything is built for it.
+
+    Raises:
+        SceneError: It has none.
+    """
+    from mimics_app.contracts.errors import SceneError, nearest
+    from mimics_app.world.components.visible import CameraComponent
+
+    cameras = [entity for entity, _, _ in scene.components(CameraComponent)]
+    if name and cameras and name not in cameras:
+        raise SceneError(scene.issue("/entities", f'has no camera "{name}"', nearest(name, cameras)))
 
 
 def _lay_out(args: argparse.Namespace) -> int:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from mimics_app.app.settings import DIFFICULTIES, PATIENTS, QUALITIES, RECIPES, SOUNDS, RunSettings
 from mimics_app.app.terminal.arguments import (
+    Container,
     add_display_argument,
     add_profile_argument,
     add_window_size_argument,
@@ -38,34 +39,66 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=_DEFAULT_SCENE,
         help="scene file, or the name of a shipped scene, see mimics scenes (default: wavy_tunnel)",
     )
-    parser.add_argument(
+    _add_person(parser.add_argument_group("who plays"))
+    _add_trials(parser.add_argument_group("task and trials"))
+    _add_device(parser.add_argument_group("device and real time"))
+    _add_outputs(parser.add_argument_group("picture, sound and recording"))
+    _add_adaptation(parser.add_argument_group("body signals and adaptation"))
+    parser.add_argument("--journey", type=Path, metavar="FILE", help=argparse.SUPPRESS)
+
+
+def _add_person(group: Container) -> None:
+    group.add_argument(
         "--headless", action="store_true", help="no window: a simulated patient plays, as fast as the machine allows"
     )
-    parser.add_argument("--seconds", type=positive_time, help="end after this much simulated time [s]")
-    parser.add_argument("--seed", type=random_seed, default=1, help="seed of trial order, patient and sensor noise")
-    add_profile_argument(parser)
-    parser.add_argument(
-        "--quality",
-        choices=QUALITIES,
-        default="auto",
-        help="auto: lower the picture's quality where a frame would take too long; full: never",
-    )
-    parser.add_argument(
-        "--device",
+    group.add_argument(
+        "--participant",
+        type=participant_code,
         default="",
-        help="device to play with (default: the scene's robot; in a window the mouse); see mimics devices",
+        metavar="CODE",
+        help="code of the person, never a name; results of the same code are compared",
     )
-    parser.add_argument("--recording", type=Path, metavar="RUN", help="with --device replay: run folder to play back")
-    parser.add_argument(
+    group.add_argument(
         "--patient",
         choices=PATIENTS,
         default="",
         help="impairment of the simulated patient (default: as in the scene)",
     )
-    _add_outputs(parser)
-    _add_adaptation(parser)
-    _add_session(parser)
-    parser.add_argument(
+
+
+def _add_trials(group: Container) -> None:
+    group.add_argument(
+        "--difficulty",
+        choices=DIFFICULTIES,
+        default="usual",
+        help="easier, harder: start the adaptable parameters half-way to their easiest or hardest value",
+    )
+    group.add_argument(
+        "--trials",
+        type=whole_number("number of trials", range(1, 10_001)),
+        default=0,
+        metavar="N",
+        help="number of trials, practice not counted (default: as in the scene)",
+    )
+    group.add_argument(
+        "--from-trial",
+        type=whole_number("number of a trial", range(1, 1_000_001)),
+        default=1,
+        metavar="N",
+        help="trial to start with, to continue a session that was broken off; the same --seed gives the same order",
+    )
+    group.add_argument("--seconds", type=positive_time, help="end after this much simulated time [s]")
+    group.add_argument("--seed", type=random_seed, default=1, help="seed of trial order, patient and sensor noise")
+
+
+def _add_device(group: Container) -> None:
+    group.add_argument(
+        "--device",
+        default="",
+        help="device to play with (default: the scene's robot; in a window the mouse); see mimics devices",
+    )
+    group.add_argument("--recording", type=Path, metavar="RUN", help="with --device replay: run folder to play back")
+    group.add_argument(
         "--recipe",
         choices=RECIPES,
         default="auto",
@@ -73,100 +106,73 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _add_outputs(parser: argparse.ArgumentParser) -> None:
-    """Arguments of sound, picture, and the files written of them."""
-    parser.add_argument(
+def _add_outputs(group: Container) -> None:
+    add_profile_argument(group)
+    group.add_argument(
+        "--quality",
+        choices=QUALITIES,
+        default="auto",
+        help="auto: lower the picture's quality where a frame would take too long; full: never",
+    )
+    add_window_size_argument(group)
+    add_display_argument(group)
+    group.add_argument(
         "--sound",
         choices=SOUNDS,
         default="auto",
         help="device: sound output of this computer; file: sound.wav in the run folder; off: none; auto: device in a "
         "window, with --headless mixed for the report only",
     )
-    add_window_size_argument(parser)
-    add_display_argument(parser)
-    parser.add_argument(
+    group.add_argument(
         "--pictures",
         type=whole_number("number of pictures", range(100_001)),
         default=4,
         metavar="N",
         help="with --headless: number of pictures to draw and save",
     )
-    parser.add_argument(
+    group.add_argument(
         "--video",
         type=Path,
         metavar="FILE",
         help="write a video of the run, e.g. out.mp4 (needs ffmpeg); a folder: every frame as PNG",
     )
+    group.add_argument(
+        "--runs", type=Path, default=Path("runs"), metavar="DIR", help="folder in which the run folder is created"
+    )
 
 
-def _add_adaptation(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the adaptation: policy, goal, estimator, and the source of body signals."""
-    parser.add_argument("--action", type=Path, metavar="FILE", help="replay task actions from a JSON file")
-    parser.add_argument(
+def _add_adaptation(group: Container) -> None:
+    group.add_argument("--action", type=Path, metavar="FILE", help="replay task actions from a JSON file")
+    group.add_argument(
         "--physio",
         default="",
         metavar="SOURCE",
         help="body signals: sim, sim:PRESET, file:PATH, lsl:NAME, serial:PORT, board:NAME, or an installed one",
     )
-    parser.add_argument(
-        "--learn",
-        default="",
-        metavar="POLICY",
-        help="policy that adapts the task, e.g. kalman, staircase (default: the task's)",
-    )
-    parser.add_argument(
-        "--goal",
-        default="",
-        help="goal of the policy: task, success:SHARE, or arousal, valence or effort:LOW:HIGH (default: the task's)",
-    )
-    parser.add_argument(
-        "--estimator",
-        default="",
-        metavar="NAME",
-        help="estimator of the person's load: fusion, lda or adaptive_lda (default: the task's)",
-    )
-    parser.add_argument(
+    group.add_argument(
         "--baseline-s",
         type=positive_time,
         default=60.0,
         metavar="S",
         help="with --physio: length of the baseline measured at rest before the first trial [s]",
     )
-
-
-def _add_session(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the session: person, trials, difficulty, and folder of the recording."""
-    parser.add_argument(
-        "--runs", type=Path, default=Path("runs"), metavar="DIR", help="folder in which the run folder is created"
-    )
-    parser.add_argument(
-        "--from-trial",
-        type=whole_number("number of a trial", range(1, 1_000_001)),
-        default=1,
-        metavar="N",
-        help="trial to start with, to continue a session that was broken off; the same --seed gives the same order",
-    )
-    parser.add_argument(
-        "--difficulty",
-        choices=DIFFICULTIES,
-        default="usual",
-        help="easier, harder: start the adaptable parameters half-way to their easiest or hardest value",
-    )
-    parser.add_argument(
-        "--trials",
-        type=whole_number("number of trials", range(1, 10_001)),
-        default=0,
-        metavar="N",
-        help="number of trials, practice not counted (default: as in the scene)",
-    )
-    parser.add_argument(
-        "--participant",
-        type=participant_code,
+    group.add_argument(
+        "--estimator",
         default="",
-        metavar="CODE",
-        help="code of the person, never a name; results of the same code are compared",
+        metavar="NAME",
+        help="estimator of the person's load: fusion, lda or adaptive_lda (default: the task's)",
     )
-    parser.add_argument("--journey", type=Path, metavar="FILE", help=argparse.SUPPRESS)
+    group.add_argument(
+        "--learn",
+        default="",
+        metavar="POLICY",
+        help="policy that adapts the task, e.g. kalman, staircase (default: the task's)",
+    )
+    group.add_argument(
+        "--goal",
+        default="",
+        help="goal of the policy: task, success:SHARE, or arousal, valence or effort:LOW:HIGH (default: the task's)",
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -177,24 +183,35 @@ def run(args: argparse.Namespace) -> int:
 
     with JourneyLog(args.journey).reporting():
         check_names(args)
+        _check_screen(args)
     from mimics_app.app.scenes.shipped import is_only_looked_at
 
     if is_only_looked_at(args.scene) and not args.headless:
         return _look(args)
     settings = RunSettings(**{field.name: getattr(args, field.name) for field in fields(RunSettings)})
     if _is_for_a_person(settings) and not args.json:
-        from mimics_app.app.play.journey import play_through
+        return _play_with_pages(settings)
+    return _play(settings, as_json=args.json)
 
-        ended = play_through(settings)
+
+def _play_with_pages(settings: RunSettings) -> int:
+    """Play the scene in a process of its own, with pages before and after it in a window of this one."""
+    from mimics_app.app.play.journey import play_through
+    from mimics_app.app.play.journey_window import JourneyWindow
+    from mimics_app.app.scenes.shipped import find_shipped
+
+    with JourneyWindow(settings.size, from_launcher=False) as window:
+        known = find_shipped(settings.scene.stem)
+        window.title = settings.scene.stem if known is None else known.title
+        ended = play_through(settings, window)
         if ended.code < 0:  # killed: its own process could not report it
             say(ended.error)
             return 128 - ended.code
-        if not ended.other:
+        if ended.following != "other":
             return ended.code
-        from mimics_app.app.commands.launch import run as launch
+        from mimics_app.app.commands.launch import launch_in
 
-        return launch(args)
-    return _play(settings, as_json=args.json)
+        return launch_in(window)
 
 
 def _play(settings: RunSettings, *, as_json: bool) -> int:
@@ -232,7 +249,7 @@ def _look(args: argparse.Namespace) -> int:
 
     with ViewerSession(open_shown(args.scene, "y"), args.size, args.profile, "", "y") as session:
         session.run(log.shown)
-    log.chose("other")
+    log.looked_at()
     answer(args, {"looked_at": args.scene}, ())
     return 0
 
@@ -242,6 +259,16 @@ def _is_for_a_person(settings: RunSettings) -> bool:
     from mimics_app.app.terminal.display import has_display
 
     return not settings.headless and has_display() and settings.seconds is None and settings.journey is None
+
+
+def _check_screen(args: argparse.Namespace) -> None:
+    """Check that the screen of a session in a window answers."""
+    from mimics_app.app.terminal.display import has_display
+
+    if has_display() and not args.headless:
+        from mimics_app.rendering.visual.surfaces.screen_check import check_screen
+
+        check_screen()
 
 
 def check_names(args: argparse.Namespace) -> None:

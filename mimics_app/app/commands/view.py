@@ -98,14 +98,16 @@ def run(args: argparse.Namespace) -> int:
     headless = args.headless or args.output is not None
     if (args.frames > 1 or args.video is not None) and not headless:
         raise UsageError("--frames and --video need --headless", "add --output turn.png")
+    from mimics_app.app.scenes.scene_search import find_file, find_scene
+
     if args.sheet is not None:
+        args.sheet = find_file(args.sheet)
         args.output = args.output or Path("view.png")
         return _draw_sheet(args)
     if args.file.suffix.lower() in (".json", ""):
-        from mimics_app.app.scenes.scene_search import find_scene
-
         find_scene(args.file)
     else:
+        args.file = find_file(args.file)
         check_file(args.file)
     if args.motion is not None:
         check_file(args.motion)

@@ -11,7 +11,7 @@ from mimics_app.contracts.arrays import F4
 from mimics_app.contracts.board import Bar, Board, Card, Tone
 from mimics_app.contracts.messages import HapticSnapshot
 from mimics_app.rendering.visual.figures.hud import KIND, Colour, Hud
-from mimics_app.rendering.visual.figures.key_page import Keys, draw_keys
+from mimics_app.rendering.visual.figures.key_page import KeyPage, draw_page
 from mimics_app.rendering.visual.figures.palette import ACCENT, FAINT, INK
 
 __all__ = ["OPERATORS_CARDS", "BoardLayout", "stability_card"]
@@ -19,7 +19,7 @@ __all__ = ["OPERATORS_CARDS", "BoardLayout", "stability_card"]
 OPERATORS_CARDS = frozenset({"margin"})
 """Cards for the operator, shown with the forces (F5)."""
 
-_PANEL: Colour = (0.06, 0.08, 0.11, 0.62)
+_PANEL: Colour = (0.06, 0.08, 0.11, 0.80)
 _ALARM_PANEL: Colour = (0.55, 0.08, 0.08, 0.86)
 _RIGHT: Colour = (0.36, 0.78, 0.47, 0.34)
 _COLOURS: dict[Tone, Colour] = {
@@ -61,19 +61,19 @@ class BoardLayout:
         self._laid: tuple[Hashable, int] | None = None
         self._cards: dict[str, tuple[tuple[Any, ...], F4]] = {}
 
-    def lay(self, hud: Hud, board: Board, show: Sequence[str], force_full: float, keys: Keys = ()) -> None:
-        """Replace the contents of a display by a board, and a page of keys over it.
+    def lay(self, hud: Hud, board: Board, show: Sequence[str], force_full: float, page: KeyPage | None = None) -> None:
+        """Replace the contents of a display by a board, and a page over it.
 
         Args:
             hud: The display.
             board: The board.
             show: Names of the cards to show, in order; those that the board does not have are left out.
             force_full: Full scale of bars without a scale of their own [N].
-            keys: Page of keys, () for none.
+            page: Page over the board, None for none.
         """
         cards = tuple((name, board.cards[name]) for name in show if name in board.cards)
-        said = (board.message, board.alarm, board.count, board.neutral)
-        wanted = (id(hud), cards, said, force_full, hud.width, hud.height, tuple(keys))
+        said = (board.message, board.alarm, board.count, board.asks, board.neutral)
+        wanted = (id(hud), cards, said, force_full, hud.width, hud.height, page)
         if self._laid == (wanted, hud.revision):
             return
         hud.clear()
@@ -87,13 +87,13 @@ class BoardLayout:
             hud.extend(_by_kind(np.concatenate(rows)))
         if board.neutral is not None:
             _draw_neutral(hud, board.neutral)
-        if board.message:
+        if board.message and (page is None or board.alarm):
             panel = _ALARM_PANEL if board.alarm else _PANEL
-            hud.extend(self._rows("", hud, (_draw_message, board.message, panel, hud.width)))
+            hud.extend(self._rows("", hud, (_draw_message, board.message, panel, (hud.width, hud.height), board.asks)))
         if board.count:
             _draw_count(hud, board.count)
-        if keys:
-            draw_keys(hud, keys)
+        if page is not None:
+            draw_page(hud, page)
         self._laid = wanted, hud.revision
 
     def _rows(self, name: str, hud: Hud, wanted: tuple[Any, ...]) -> F4:
@@ -158,12 +158,15 @@ def _draw_neutral(hud: Hud, place: tuple[float, float]) -> None:
     hud.box(x - 0.5 * _NEUTRAL, y - 0.5 * _NEUTRAL, _NEUTRAL, _NEUTRAL, INK, radius=0.5 * _NEUTRAL, border=3.0)
 
 
-def _draw_message(hud: Hud, message: str, panel: Colour, canvas_width: float) -> None:
+def _draw_message(hud: Hud, message: str, panel: Colour, canvas: tuple[float, float], at_top: bool) -> None:
+    canvas_width, canvas_height = canvas
     room = canvas_width - 2.0 * _MARGIN - 64.0
     lines = [line for part in message.split("\n") for line in _broken(hud, part, room)]
     width = min(max(hud.measure(line, _TEXT, bold=True) for line in lines), room) + 64.0
-    x, y = 0.5 * (canvas_width - width), 46.0
-    hud.box(x, y, width, 64.0 + _LINE * (len(lines) - 1), panel, radius=18.0)
+    high = 64.0 + _LINE * (len(lines) - 1)
+    x = 0.5 * (canvas_width - width)
+    y = canvas_height - 2.0 * _MARGIN - _HEIGHT - high if at_top else 46.0
+    hud.box(x, y, width, high, panel, radius=18.0)
     for number, line in enumerate(reversed(lines)):
         place = 0.5 * canvas_width, y + 21.0 + _LINE * number
         hud.text(*place, line, _TEXT, INK, bold=True, align="centre", width=width - 32.0)
@@ -189,8 +192,8 @@ def stability_card(snapshot: HapticSnapshot) -> Card:
     if share < _SOFTENED:
         text, tone = f"soft {100.0 * share:.0f} %", Tone.WARN
     remark_tone = Tone.ALARM if energy < -_LEAK else Tone.FAINT
-    remark = f"{round(1e3 * energy, 1) + 0.0:.1f} mJ"  # never -0.0
-    return Card("Stability", text, tone, remark=remark, remark_tone=remark_tone, width=220.0)
+    remark = f"contact {round(1e3 * energy, 1) + 0.0:.1f} mJ"  # never -0.0
+    return Card("Stability", text, tone, remark=remark, remark_tone=remark_tone, width=290.0)
 
 
 def _tone(margin: float) -> Tone:

@@ -54,7 +54,9 @@ class ForceArrows:
             (snapshot.f_meas_world, _MEASURED),
             (snapshot.f_grip, _GRIP),
         )
-        arrows = [Arrow(hip, vector, tint) for force, tint in forces if (vector := _scaled(force)) is not None]
+        vectors = [(vector, tint) for force, tint in forces if (vector := _scaled(force)) is not None]
+        out = snapshot.ball_radius  # from the surface of the ball: a force of 1.5 N would end inside of it
+        arrows = [Arrow(hip + out * vector / np.linalg.norm(vector), vector, tint) for vector, tint in vectors]
         return arrows + self._fading(events, now_ns)
 
     def _fading(self, events: NDArray[Any], now_ns: int) -> list[Arrow]:

@@ -5,6 +5,7 @@ It is kept by scene, profile, picture size and driver.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -16,8 +17,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Held", "held_quality", "measure_frame_ms", "name_of_picture"]
 
-_FRAMES = 3
-"""Number of frames drawn to time one quality; the first one, in which the driver compiles, does not count."""
+_FRAMES = 4
+"""Even number of frames drawn to time one quality; the first two, in which the driver compiles, do not count."""
 
 
 class Held(msgspec.Struct, frozen=True):
@@ -46,10 +47,20 @@ def name_of_picture(picture: Picture, scene: str, profile: str) -> str:
     return f"{scene}, {profile}, {width}x{height}, {surface.ctx.info['GL_RENDERER']}"
 
 
-def measure_frame_ms(picture: Picture) -> float:
-    """Return the time of a complete frame of the present view, to its last pixel [ms]: the shortest of a few."""
+def measure_frame_ms(picture: Picture, nudge: Callable[[], None] | None = None) -> float:
+    """Return the time of a frame of the present view, to its last pixel [ms]: the shortest of a few.
+
+    Args:
+        picture: The picture.
+        nudge: Changes the world before each frame as a frame of the run does, so that what stays is drawn as little as
+            then; None: each frame is drawn as a whole.
+    """
+    picture.renderer.forget_picture()
     frames = []
     for _ in range(_FRAMES):
-        picture.renderer.forget_picture()
+        if nudge is None:
+            picture.renderer.forget_picture()
+        else:
+            nudge()
         frames.append(picture.renderer.draw_finished(picture.views).cpu_ms)
-    return min(frames[1:])
+    return min(frames[2:])

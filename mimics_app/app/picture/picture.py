@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 from mimics_app.app.picture.board import OPERATORS_CARDS, BoardLayout
+from mimics_app.app.picture.contact_shadow import ContactShadow
 from mimics_app.app.picture.lost_picture import draw_or_recover
 from mimics_app.app.picture.methods import with_methods
 from mimics_app.app.picture.shown_on import open_display
@@ -22,8 +24,11 @@ from mimics_app.contracts.display_port import Display, FrameTiming
 from mimics_app.contracts.errors import SceneError, nearest
 from mimics_app.contracts.input_port import Ray
 from mimics_app.contracts.stage_timer import UNTIMED, StageTimer
-from mimics_app.rendering.visual.figures.key_page import Keys
+from mimics_app.rendering.visual.figures.hud import Hud
+from mimics_app.rendering.visual.figures.key_page import KeyPage
 from mimics_app.rendering.visual.frame_stats import FrameStats
+from mimics_app.rendering.visual.launcher.page_surface import PageSurface
+from mimics_app.rendering.visual.launcher.thumbnail import load_thumbnail
 from mimics_app.rendering.visual.passes.hud import plane_of_views
 from mimics_app.rendering.visual.presenting.presenter import Presenter
 from mimics_app.rendering.visual.renderer import Renderer
@@ -112,7 +117,7 @@ class Picture:
         presenter: Presenter of the drawn frames on the display.
         renderer: The renderer.
         film: Video of the shown frames; None without one.
-        keys: Page of keys over the picture; () for none.
+        page: Page over the picture; None for none.
         stats: Cost of the last frame; None before the first.
 
     Raises:
@@ -137,8 +142,11 @@ class Picture:
         self._lead_ns = FRAME_NS
         self.renderer = Renderer(self.presenter.drawn, world, settings, sparse=sparse)
         self.film: Film | None = None
-        self.keys: Keys = ()
+        self.page: KeyPage | None = None
+        self._contact: ContactShadow | None = None
         self._layout = BoardLayout()
+        self._image: Path | None = None
+        self._operators: tuple[PageSurface, BoardLayout] | None = None
         self.stats: FrameStats | None = None
         self._software = draws_in_software(surface)
         self.show(scene, world)
@@ -153,8 +161,14 @@ class Picture:
             raise SceneError(scene.issue("/entities", what, nearest(self._wanted, cameras)))
         self._camera = cameras[self._wanted] if self._wanted else world.cameras[0]
         self.renderer.world = world
+        if self._contact is not None and self._contact.world is not world:
+            self._contact = ContactShadow(scene, world)
         board = scene.components(HudComponent)
         self._board = board[0][1] if board else None
+
+    def keep_contact_shadow(self, scene: Scene) -> None:
+        """Draw a shadow under the hand from now on whenever the quality has no other shadows."""
+        self._contact = ContactShadow(scene, self.renderer.world)
 
     @property
     def views(self) -> list[View]:
@@ -216,6 +230,8 @@ class Picture:
         Raises:
             DeviceError: The context was lost and cannot be created again.
         """
+        if self._contact is not None:
+            self._contact.follow()
         timing = self.presenter.timing if self.presenter.begun else self.presenter.begin(clock.now_ns())
         if not timing.render:
             self.presenter.skip()
@@ -235,6 +251,7 @@ class Picture:
         """
         if self.film is not None:
             self.film.forget()
+        self._operators = None
         self.surface.renew()
         self.presenter.renew()
         self.renderer.renew()
@@ -245,6 +262,8 @@ class Picture:
         draw = self.renderer.draw if self._software else self.renderer.draw_finished
         self.stats = draw(views, self._latch, partial(self.lay_out, board, views))
         self.presenter.present()
+        if self.presenter.mirrored:
+            self._draw_for_operator(board)
         waited_ns = clock.now_ns()
         with self.timer.stage("swap"):
             self.surface.swap()
@@ -271,10 +290,33 @@ class Picture:
         screen = [view for view in views if view.screen == views[0].screen]
         plane = plane_of_views(screen, self.renderer.settings.hud_depth)
         hud.width, hud.height = plane.canvas_width, plane.canvas_height
-        operator, wanted = self.renderer.shows("forces"), () if self._board is None else self._board.show
-        show = [name for name in wanted if operator or name not in OPERATORS_CARDS]
-        force_full = 0.0 if self._board is None else self._board.force_full
-        self._layout.lay(hud, board, show, force_full, self.keys)
+        worn, page = self.presenter.worn, None if self.presenter.mirrored else self.page
+        self._show_image(hud, None if page is None else page.picture)
+        self._layout.lay(hud, board.for_wearer() if worn else board, *self._shown_cards(), page)
+
+    def _shown_cards(self) -> tuple[list[str], float]:
+        """Return the names of the cards to show, and the full scale of their bars [N]."""
+        if self._board is None:
+            return [], 0.0
+        operator = self.renderer.shows("forces")
+        return [name for name in self._board.show if operator or name not in OPERATORS_CARDS], self._board.force_full
+
+    def _draw_for_operator(self, board: Board) -> None:
+        """Draw the whole board over the mirror of a headset."""
+        if self._operators is None:
+            self._operators = PageSurface(self.surface), BoardLayout()
+        canvas, layout = self._operators
+        canvas.fit()
+        page = None if self.page is None else replace(self.page, picture=None)
+        layout.lay(canvas.hud, board, *self._shown_cards(), page)
+        canvas.draw(over=True)
+
+    def _show_image(self, hud: Hud, file: Path | None) -> None:
+        """Give the canvas the image of the page, as long as it is shown."""
+        if file == self._image:
+            return
+        self._image = file
+        hud.images = None if file is None else load_thumbnail(file)[None]
 
     def ray(self, right: float, up: float) -> Ray | None:
         """Return the ray through a point of the window, each coordinate in [-1, 1]."""
@@ -291,14 +333,15 @@ class Picture:
             self.film.forget()
             self.film.finish()
 
-    def close(self, *, keep_surface: bool = False) -> None:
-        """Finish the video and release everything, the surface included unless it is kept."""
+    def close(self) -> None:
+        """Finish the video and release everything, the surface included."""
         if self.film is not None:
             self.film.finish()
+        if self._operators is not None:
+            self._operators[0].release()
         self.renderer.release()
         self.presenter.release()
-        if not keep_surface:
-            self.surface.close()
+        self.surface.close()
 
 
 def _triple(values: F8) -> Vec3:

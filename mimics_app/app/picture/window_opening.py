@@ -14,7 +14,13 @@ _LARGEST = 16384
 
 
 def open_window(
-    size: Size | None, title: str, *, vsync: bool = True, stereo: bool = False, scene: bool = True
+    size: Size | None,
+    title: str,
+    *,
+    vsync: bool = True,
+    stereo: bool = False,
+    scene: bool = True,
+    visible: bool = True,
 ) -> Surface:
     """Open a window.
 
@@ -24,11 +30,12 @@ def open_window(
         vsync: See `create_window`.
         stereo: See `create_window`.
         scene: See `create_window`.
+        visible: See `create_window`.
 
     Raises:
         DeviceError: See `create_window`.
     """
-    return create_window(size or _remembered(), title, vsync=vsync, stereo=stereo, scene=scene)
+    return create_window(size or _remembered(), title, vsync=vsync, stereo=stereo, scene=scene, visible=visible)
 
 
 def remember_size(surface: Surface) -> None:

@@ -117,10 +117,11 @@ def grips(scene: Scene) -> bool:
 
 
 def touched_shape(scene: Scene) -> str:
-    """Return the kind of the first shape that can be touched, as the scene file names it."""
+    """Return the kind of the first shape that can be touched, as the methods name it: a box is D2.1's cube."""
     for body in _all(scene, HapticObject):
         if body.shapes:
-            return str(body.shapes[0].__struct_config__.tag)
+            kind = str(body.shapes[0].__struct_config__.tag)
+            return "cube" if kind == "box" else kind
     return "cube"
 
 

@@ -1,6 +1,7 @@
-"""Reports of a session to the process that started it: progress, errors, and the person's choice at the end.
+"""Reports of a session to the process that started it: progress, place of its window, errors, and its recording.
 
-They are lines of JSON in a file, which every platform can read while it is written.
+They are lines of JSON in a file, which every platform can read while it is written. The process that started it writes
+two kinds of lines too: where its own window is, and that it shows it again.
 """
 
 from __future__ import annotations
@@ -10,10 +11,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import MimicsError
 from mimics_app.contracts.regular_file import read_regular
 
 __all__ = ["JourneyLog", "read_journey"]
+
+_LONGEST_WAIT_NS = 3_000_000_000
+_POLL_NS = 10_000_000
 
 
 class JourneyLog:
@@ -28,8 +33,15 @@ class JourneyLog:
 
     @property
     def asked(self) -> bool:
-        """Whether a process waits for the person's choice."""
+        """Whether a process shows the pages before and after the session."""
         return self._path is not None
+
+    @property
+    def place(self) -> list[int]:
+        """Place of that process's window, see `Surface.place`; [] where it is unknown."""
+        found = {} if self._path is None else read_journey(self._path)
+        place = found.get("place")
+        return place if isinstance(place, list) else []
 
     def doing(self, what: str) -> None:
         """Report the step of the start-up that begins."""
@@ -39,13 +51,35 @@ class JourneyLog:
         """Report that the first picture is shown."""
         self._say({"shown": True})
 
+    def over(self, place: list[int], *, closed: bool) -> None:
+        """Report that the picture ends, where its window was and whether the person closed it; wait for the pages."""
+        self._say({"over": place, "closed": closed, "doing": "Closing the recording"})
+        if self._path is None:
+            return
+        clock = MonotonicClock()
+        latest = clock.now_ns() + _LONGEST_WAIT_NS
+        while not read_journey(self._path).get("taken") and clock.now_ns() < latest:
+            clock.sleep_until_ns(clock.now_ns() + _POLL_NS)
+
+    def placed(self, place: list[int]) -> None:
+        """Report, as the process of the pages, where its window is."""
+        self._say({"place": place})
+
+    def taken(self) -> None:
+        """Report, as the process of the pages, that its window is shown again."""
+        self._say({"taken": True})
+
     def trial(self, number: int, count: int, label: str) -> None:
         """Report the trial that begins, from 1, the number of trials, and the name of its condition."""
         self._say({"trial": f"trial {number} of {count}: {label}"})
 
-    def chose(self, following: str) -> None:
-        """Report the person's choice: "again", "other" or "leave"."""
-        self._say({"next": following})
+    def recorded(self, folder: Path) -> None:
+        """Report that the recording is closed and its report written."""
+        self._say({"run": str(folder)})
+
+    def looked_at(self) -> None:
+        """Report that the scene had no task and was looked at."""
+        self._say({"looked_at": True})
 
     @contextmanager
     def reporting(self) -> Iterator[None]:

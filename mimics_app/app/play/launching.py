@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from datetime import datetime
 from pathlib import Path
 
 from mimics_app.app.installation.display_files import find_display_files
 from mimics_app.app.installation.serial_ports import list_serial_ports
+from mimics_app.app.play.players import ADDRESSED, players, refusals
+from mimics_app.app.play.recent_card import recent_card
 from mimics_app.app.scenes.shipped import GROUPS, ShippedScene, find_shipped, shipped_scenes, thumbnail_of
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal.user_files import read_config, write_config
 from mimics_app.contracts.display_choice import display_names, kind_of_display
+from mimics_app.contracts.participant import canonical_code, why_no_code
 from mimics_app.recording.history import EarlierRun, cut_off_runs, recent_runs
-from mimics_app.rendering.haptic.devices.device_names import (
-    BUILT_IN,
-    POINTER,
-    REPLAY,
-    SIMULATED,
-    device_names,
-    load_built_in,
-)
+from mimics_app.rendering.haptic.devices.device_names import BUILT_IN
 from mimics_app.rendering.visual.launcher.launcher import LauncherChoice, ScenarioCard
 from mimics_app.rendering.visual.launcher.setting import Choice, Setting
 
@@ -28,10 +23,6 @@ __all__ = ["cut_off_notice", "last_choice", "launcher_cards", "launcher_settings
 
 _FILE = "launcher"
 _MOST_RECENT = 12
-_AT_WINDOW = ""
-"""Value of the setting "who plays" for the person at the window."""
-
-_ADDRESSED = tuple(name for name in BUILT_IN if load_built_in(name).address)
 _SIMULATED = tuple(name for name in BUILT_IN if name.startswith("simulated"))
 
 
@@ -44,7 +35,7 @@ def _person_settings() -> list[Setting]:
     """Return the settings of person, device and participant code."""
     return [
         Setting(
-            "device", "Who plays", "A person at this computer, a robot, or a simulated patient.", _choices(_players())
+            "device", "Who plays", "A person at this computer, a robot, or a simulated patient.", _choices(players())
         ),
         Setting(
             "address",
@@ -53,13 +44,13 @@ def _person_settings() -> list[Setting]:
             _choices({each["port"]: each["port"] for each in list_serial_ports()}),
             typed=True,
             empty="type it here",
-            with_values=_ADDRESSED,
+            with_values=ADDRESSED,
         ),
         Setting(
             "patient",
             "Simulated patient",
             "How much the simulated patient is impaired.",
-            _choices({"": "as the scene says", "healthy": "healthy", "moderate": "moderate", "severe": "severe"}),
+            _choices({"": "usual for the scene", "healthy": "healthy", "moderate": "moderate", "severe": "severe"}),
             with_values=_SIMULATED,
         ),
         Setting(
@@ -68,15 +59,9 @@ def _person_settings() -> list[Setting]:
             "A code, never a name. Results are compared with earlier ones of this code.",
             typed=True,
             empty="none",
+            refuse=lambda typed: why_no_code(canonical_code(typed)),
         ),
     ]
-
-
-def _players() -> dict[str, str]:
-    """Return the captions of the devices: the person at the window first, what needs an address last."""
-    others = sorted((name for name in device_names() if name not in (POINTER, REPLAY)), key=_ADDRESSED.__contains__)
-    captions = {name: load_built_in(name).caption if name in BUILT_IN else name for name in others}
-    return {_AT_WINDOW: load_built_in(POINTER).caption, **captions}
 
 
 def _task_settings() -> list[Setting]:
@@ -85,14 +70,14 @@ def _task_settings() -> list[Setting]:
         Setting(
             "difficulty",
             "Difficulty",
-            "Easier and harder move what a task can adapt half-way to its easiest or hardest value.",
-            _choices({"usual": "as the scene says", "easier": "easier", "harder": "harder"}),
+            "Easier: for most scenes wider, softer, and with help of the robot. Harder: narrower and stiffer.",
+            _choices({"usual": "usual", "easier": "easier", "harder": "harder"}),
         ),
         Setting(
             "trials",
             "Number of trials",
-            "How many trials count; practice still comes before them.",
-            _choices({"": "as the scene says", **{str(n): str(n) for n in (1, 2, 3, 5, 10, 20)}}),
+            "Trials that count. Practice is extra.",
+            _choices({"": "usual for the scene", **{str(n): str(n) for n in (1, 2, 3, 5, 10, 20)}}),
         ),
     ]
 
@@ -101,12 +86,12 @@ def _output_settings() -> list[Setting]:
     """Return the settings of picture and sound."""
     kinds = {name: kind_of_display(name) for name in display_names()}
     captions = {name: kind.caption for name, kind in kinds.items() if kind.file != "must"}
-    displays = {"": "as the scene says", **captions, **_found_displays()}
+    displays = {"": "this screen, or the scene's display", **captions, **_found_displays()}
     return [
         Setting(
             "profile",
             "Quality",
-            "Usual holds the frame rate, fast lowers more for it, study keeps the picture as it was set up.",
+            "Usual and fast: a simpler picture where the computer is slow. Study: always the full picture.",
             _choices({"training": "usual", "draft": "fast", "study": "study, nothing lowered"}),
         ),
         Setting(
@@ -133,13 +118,13 @@ def settings_of_choice(choice: LauncherChoice) -> RunSettings:
     """Return the person's choice as the settings of a run."""
     chosen = choice.settings
     device = chosen["device"]
-    if device in _ADDRESSED:
+    if device in ADDRESSED:
         device = f"{device}:{chosen['address']}"
     return RunSettings(
         scene=choice.scene,
         device=device,
         patient=chosen["patient"] if chosen["device"] in _SIMULATED else "",
-        participant=chosen["participant"].strip(),
+        participant=canonical_code(chosen["participant"]),
         difficulty=chosen["difficulty"],  # type: ignore[arg-type]
         trials=int(chosen["trials"] or 0),
         profile=chosen["profile"],  # type: ignore[arg-type]
@@ -149,11 +134,11 @@ def settings_of_choice(choice: LauncherChoice) -> RunSettings:
 
 
 def launcher_cards(runs: Path) -> list[ScenarioCard]:
-    """Return one card per shipped scene with the last score of a person, and one per recent session with its score."""
+    """Return one card per shipped scene with the last score of a person, and one per recent session."""
     recent = recent_runs(runs, _MOST_RECENT)
-    newest = {run.scene: run for run in reversed(recent) if not run.simulated}
+    newest = {run.scene: run for run in reversed(recent) if not run.simulated and run.score is not None}
     cards = [_card(scene, newest.get(scene.name)) for scene in shipped_scenes()]
-    return cards + [card for run in recent if (card := _played(run)) is not None]
+    return cards + [card for run in recent if (card := recent_card(run)) is not None]
 
 
 def cut_off_notice(runs: Path) -> str:
@@ -191,40 +176,10 @@ def _card(scene: ShippedScene, last: EarlierRun | None) -> ScenarioCard:
         scene=scene.file,
         group=GROUPS[scene.group],
         facts=" · ".join(part for part in (scene.takes, scene.lasts, _beyond(scene)) if part),
-        badge=f"{last.score:.0f}" if last is not None and last.score is not None else "",
+        refuses=refusals(scene),
+        badge=f"last: {last.score:.0f} of 100" if last is not None and last.score is not None else "",
     )
 
 
 def _beyond(scene: ShippedScene) -> str:
     return f"beyond the usual limits: {scene.limits}" if scene.limits else ""
-
-
-def _played(run: EarlierRun) -> ScenarioCard | None:
-    """Return the card of a session; None where its scene is not a shipped one."""
-    scene = find_shipped(run.scene)
-    if scene is None:
-        return None
-    words = [f"{run.completed} of {run.trials} trials finished"]
-    words += [f"mean time {run.time_s:.1f} s"] if run.time_s is not None else []
-    return ScenarioCard(
-        title=scene.title,
-        description=", ".join(words) + ".",
-        picture=thumbnail_of(scene.name),
-        scene=scene.file,
-        group="Recent",
-        facts=" · ".join(part for part in (_local_time(run.utc), _who(run)) if part),
-        badge="" if run.score is None else f"{run.score:.0f} of 100",
-        everywhere=False,
-    )
-
-
-def _who(run: EarlierRun) -> str:
-    return run.participant or (load_built_in(SIMULATED).caption if run.simulated else "")
-
-
-def _local_time(utc: str) -> str:
-    """Return a UTC time in the local time zone; "" where it cannot be read."""
-    try:
-        return datetime.fromisoformat(utc).astimezone().strftime("%d %b %Y, %H:%M")
-    except (ValueError, OverflowError):
-        return ""

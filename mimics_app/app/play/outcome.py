@@ -18,8 +18,9 @@ _BUTTONS = (
     Button("other", "Another scene", "o"),
     Button("report", "Open report", "r"),
     Button("keys", "Keys", "h"),
-    Button("leave", "Close", "c"),
 )
+_CLOSE = Button("leave", "Close", "c")
+"""Ends `mimics run`; a page that leads back to the launcher has "another scene" for it."""
 
 
 def result_content(
@@ -28,6 +29,10 @@ def result_content(
     rows: Sequence[Mapping[str, Any]],
     earlier: Sequence[EarlierRun],
     keys: Keys = (),
+    *,
+    who: str = "",
+    footnote: str = "",
+    from_launcher: bool = False,
 ) -> ResultContent:
     """Return the content of the page.
 
@@ -37,6 +42,9 @@ def result_content(
         rows: Rows of trials.csv.
         earlier: Runs of the same scene and participant before this one, oldest first.
         keys: Keys of the session.
+        who: Participant and time, "" for unknown.
+        footnote: Line at the bottom.
+        from_launcher: Whether closing the page leads back to the launcher.
     """
     task = answer["task"]
     head, lines = trial_lines(rows)
@@ -46,9 +54,10 @@ def result_content(
         tiles=_tiles(task, rows, earlier),
         head=head,
         rows=lines,
-        buttons=_BUTTONS if answer.get("report") else tuple(each for each in _BUTTONS if each.name != "report"),
-        footnote=f"Recorded in {answer['run_dir']}",
+        buttons=_BUTTONS if from_launcher else (*_BUTTONS, _CLOSE),
+        footnote=footnote,
         keys=keys,
+        who=who,
     )
 
 

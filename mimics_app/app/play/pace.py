@@ -7,6 +7,7 @@ from functools import partial
 
 from mimics_app.app.picture.governor import FrameGovernor
 from mimics_app.app.picture.held_quality import held_quality, measure_frame_ms, name_of_picture
+from mimics_app.app.picture.nudges import nudges_of
 from mimics_app.app.planner.tolerances import tolerances_of
 from mimics_app.app.play.leaving import Leaving
 from mimics_app.app.play.reload import SceneReload
@@ -81,7 +82,7 @@ def _run_frames(session: Session, frames: Frames, after_frame: Progress, until: 
         frames.step()
         trouble = watch.look()
         if picture is not None and governor is not None:
-            keys.step(frames)
+            keys.step(frames, governor)
             message = leaving.message or _message(session, frames, reload, trouble)
             try:
                 done_ns = picture.show_frame(frames.board.saying(message), session.clock)
@@ -120,7 +121,7 @@ def _start_lower(session: Session, governor: FrameGovernor) -> str:
     assert session.picture is not None
     name = name_of_picture(session.picture, session.scene.path.stem, session.settings.profile)
     known = held_quality().find(name)
-    frame_ms = partial(measure_frame_ms, session.picture)
+    frame_ms = partial(measure_frame_ms, session.picture, nudges_of(session.scene, session.world))
     rehearse_steps(session.picture.renderer, session.picture.views)
     if known is not None and governor.start_from(known):
         governor.prove_last(frame_ms)

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 from mimics_app.app.play.album import Album
 from mimics_app.app.play.collector import frozen_objects
@@ -26,11 +25,10 @@ from mimics_app.app.terminal.display import has_display
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError, MimicsError, PartialDataError, SafetyStop
 from mimics_app.contracts.haptic import SafetyState
-from mimics_app.recording.history import earlier_runs
 from mimics_app.recording.manifest import Manifest
 from mimics_app.recording.report import write_report
 from mimics_app.recording.run_folder import private_files
-from mimics_app.rendering.visual.surfaces.surface import Surface
+from mimics_app.rendering.visual.surfaces.surface import Place, Surface
 from mimics_app.tasks.kinds.registry import report_sections
 from mimics_app.world.scene.scene import Scene
 
@@ -79,6 +77,7 @@ def play(settings: RunSettings, *, as_json: bool, read: Scene | None = None) -> 
         sound = session.end_stages()
         summary = summarise(session, frames, sound, (MonotonicClock().now_ns() - started) * 1e-9)
         manifest = session.finish(summary)
+    log.doing("Writing the report")
     pictures, all_written = _pictures(album)
     report, whole = _report(session, manifest)
     answer = {**summary, "state_hash": manifest.state_hash, "report": str(report or ""), "pictures": pictures}
@@ -88,8 +87,7 @@ def play(settings: RunSettings, *, as_json: bool, read: Scene | None = None) -> 
         output.write_object("run", answer)
     else:
         print("\n".join(summary_lines(answer)), flush=True)
-    if session.window is not None:
-        log.chose(_show_result(session, answer))
+    log.recorded(session.folder)
     if summary["safety"]["state"] in _STOPS:
         return SafetyStop.exit_code
     if session.trouble:
@@ -150,41 +148,31 @@ def _play_in_window(session: Session, frames: Frames, log: JourneyLog) -> None:
     title = session.scene.title or session.scene.name
     # A headset has its own frame rate: its mirror in the window must not wait for the monitor.
     vsync = kind not in ("openxr", "sim-hmd")
-    surface = open_window(session.settings.size, title, vsync=vsync, stereo=kind == "quad")
-    open_picture(session, surface, keep=log.asked)
+    surface = open_window(session.settings.size, title, vsync=vsync, stereo=kind == "quad", visible=not log.asked)
+    if place := log.place:
+        surface.move_to(Place.of(place)._replace(width=0, height=0))
+    open_picture(session, surface)
     session.inputs = person_inputs(session)
 
     values = ValuePicture(session)
 
     def after_frame(frames: Frames) -> None:
         values.look(frames)
-        if frames.number == 1:
+        if frames.number == 1 and log.asked:  # the page before it stays until there is a picture
+            surface.show()
             log.shown()
 
+    def before_dark() -> None:
+        log.over([int(value) for value in surface.place or ()], closed=surface.should_close)
+
+    session.before_dark = before_dark
     with frozen_objects():
         run_live(session, frames, after_frame)
     remember_size(surface)
 
 
-def _show_result(session: Session, answer: dict[str, Any]) -> str:
-    """Show the page of results in the window of the session; return the person's choice."""
-    from mimics_app.app.play.outcome import result_content
-    from mimics_app.app.play.result_screen import show_result
-    from mimics_app.app.play.session_keys import session_keys
-
-    surface = session.window
-    assert surface is not None
-    try:
-        scene, earlier = session.scene, earlier_runs(session.folder)
-        keys = session_keys(session.haptics.plugin)
-        content = result_content(scene.title or scene.name, answer, session.tasks.rows, earlier, keys)
-        return show_result(surface, content, Path(answer["report"]), MonotonicClock())
-    finally:
-        surface.close()
-
-
-def open_picture(session: Session, surface: Surface, *, keep: bool = False) -> None:
-    """Draw the session on a surface from now on; `keep` leaves it open for the page of results."""
+def open_picture(session: Session, surface: Surface) -> None:
+    """Draw the session on a surface from now on."""
     from mimics_app.app.picture.picture import Picture, live_quality
     from mimics_app.app.picture.shown_on import open_display
 
@@ -193,8 +181,9 @@ def open_picture(session: Session, surface: Surface, *, keep: bool = False) -> N
     drawn, full = display.drawn_size(surface.size), settings.quality == "full"
     quality = live_quality(scene, settings.profile, surface, drawn, full=full)
     session.recorder.journal("quality", asdict(quality))
-    session.show(Picture(surface, scene, session.world, quality, display=display))
-    session.window = surface if keep else None
+    picture = Picture(surface, scene, session.world, quality, display=display)
+    picture.keep_contact_shadow(scene)
+    session.show(picture)
 
 
 def _play_headless(session: Session, frames: Frames, log: JourneyLog) -> Album:

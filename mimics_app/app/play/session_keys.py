@@ -1,33 +1,54 @@
-"""Functions of the keys in a session's window, by input device."""
+"""Pages over the picture of a session: what is to be done and with which keys, and the keys of the operator."""
 
 from __future__ import annotations
 
-from mimics_app.contracts.loop_ports import DevicePlugin
-from mimics_app.rendering.haptic.devices.device_names import POINTER
-from mimics_app.rendering.visual.figures.key_page import Keys
+from pathlib import Path
 
-__all__ = ["session_keys"]
+from mimics_app.app.session.mover import Mover
+from mimics_app.rendering.visual.figures.key_page import KeyPage, Keys
 
-_AT_MOUSE = (
-    ("Mouse, arrows, left stick", "move the hand"),
-    ("Wheel, left button, trigger", "close and open the hand"),
-    ("Shift", "slower"),
-)
-_AT_ROBOT = (("Handle of the robot", "move the hand"),)
-_SIMULATED = (("Nothing to hold", "a simulated patient moves the hand"),)
-_ALWAYS = (
+__all__ = ["OPERATORS_PAGE", "session_keys", "task_page"]
+
+_ALWAYS: Keys = (
     ("Space, gamepad B", "stop the force at once"),
     ("R", "allow force again after a stop"),
     ("P, gamepad Start", "pause and go on"),
-    ("H", "this page"),
-    ("F5", "force and stability figures, for the operator"),
-    ("F1 to F4, F6", "times, wireframe, bounds, lights, shadows"),
-    ("F11, F12, Esc", "full screen;  keep a picture;  end the session"),
+    ("H", "this page; then the operator's keys"),
+    ("Esc", "end the session"),
 )
+_OPERATORS: Keys = (
+    ("F1", "frames per second, times, and what was given up for them"),
+    ("F2", "wireframe"),
+    ("F3", "bounds of what is drawn"),
+    ("F4", "lights"),
+    ("F5", "forces, contacts and stability"),
+    ("F6", "shadow maps"),
+    ("F11", "full screen"),
+    ("F12", "keep a picture in the recording"),
+)
+OPERATORS_PAGE = KeyPage(_OPERATORS, "Keys of the operator", foot="H: go on")
+"""Keys for who operates or develops a session."""
 
 
-def session_keys(plugin: DevicePlugin) -> Keys:
-    """Return the keys of a session with a device, and their functions."""
-    if plugin.name == POINTER:
-        return (*_AT_MOUSE, *_ALWAYS)
-    return (*(_AT_ROBOT if plugin.real_time else _SIMULATED), *_ALWAYS)
+def session_keys(mover: Mover, limb: str = "hand") -> Keys:
+    """Return the keys of a session, and their functions.
+
+    Args:
+        mover: Who moves the device.
+        limb: Its point of contact, "hand" or e.g. "right foot".
+    """
+    moving: dict[Mover, Keys] = {
+        "at the pointer": (
+            ("Mouse, arrows, left stick", f"move the {limb}"),
+            ("Wheel, left button, trigger", "close and open the hand"),
+            ("Shift", "slower"),
+        ),
+        "at the robot": (("The robot", f"move it with the {limb}"),),
+        "simulated": (("Nothing to hold", f"a simulated patient moves the {limb}"),),
+    }
+    return (*moving[mover], *_ALWAYS)
+
+
+def task_page(title: str, words: str, mover: Mover, limb: str, picture: Path | None) -> KeyPage:
+    """Return the page of what is to be done, without its foot."""
+    return KeyPage(session_keys(mover, limb), title, words, picture=picture)

@@ -89,7 +89,7 @@ def _carried(task: Mapping[str, Any]) -> str:
         return ""
     parts = [f"{task['placed']} placed", counted(task["drops"], "drops"), counted(task["bruises"], "bruises")]
     if "grasp_error_n" in task:
-        parts.append(f"grip {task['grasp_error_n']:.1f} N from the right force")
+        parts.append(f"grip force {task['grasp_error_n']:.1f} N off its target")
     return ", ".join(parts)
 
 
@@ -97,8 +97,8 @@ def _touch(answer: Mapping[str, Any]) -> str:
     state = _STATES.get(answer["safety"]["state"], "robot off")
     if "missed" not in answer:
         return f"simulated {answer['simulated_s']:.1f} s; {state}"
-    late = f"{answer['missed'] or 'no'} late control cycle{'' if answer['missed'] == 1 else 's'}"
-    return f"{answer['simulated_s']:.1f} s at 1 kHz ({answer['recipe']}), {late}; {state}"
+    late = f"{answer['missed'] or 'none'} of {answer['ticks']:,} control cycles late"
+    return f"{answer['simulated_s']:.1f} s; {late}; {state}"
 
 
 def _safety(safety: Mapping[str, Any]) -> str:

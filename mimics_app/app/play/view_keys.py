@@ -3,27 +3,44 @@
 from __future__ import annotations
 
 import sys
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from mimics_app.app.picture.force_arrows import ForceArrows
 from mimics_app.app.picture.overlay_keys import toggle_overlay
-from mimics_app.app.play.session_keys import session_keys
+from mimics_app.app.play.session_keys import OPERATORS_PAGE, task_page
+from mimics_app.app.scenes.shipped import thumbnail_of
 from mimics_app.app.session.frame import Frames
+from mimics_app.app.session.mover import mover_of
 from mimics_app.app.session.session import Session
+from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.errors import MimicsError
 from mimics_app.contracts.messages import TaskOrders
 from mimics_app.contracts.trial_state import TrialState
+from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
+from mimics_app.rendering.visual.figures.key_page import KeyPage
+from mimics_app.tasks.scene_section import task_of
 
 if TYPE_CHECKING:
+    from mimics_app.app.picture.governor import FrameGovernor
     from mimics_app.app.picture.picture import Picture
 
-__all__ = ["ViewKeys"]
+__all__ = ["ViewKeys", "rate_note"]
 
 _KEEP, _KEYS = "f12", "h"
 _FIRST = (TrialState.APPROACH, TrialState.READY)
-"""States of the first trial in which the overlay lists the keys."""
+"""States of the first trial in which the page of the task is shown."""
 
-_BEGIN = ("Enter or click", "begin")
+_BEGIN = "Enter, click or gamepad A: begin"
+_BY_ITSELF = "Begins by itself in a moment; Enter or click: now"
+_COMES = "One moment, please"
+_GO_ON = "H: the operator's keys; once more: go on"
+
+
+_RATED = 31
+"""Number of frames whose rate is shown."""
 
 
 class ViewKeys:
@@ -33,11 +50,13 @@ class ViewKeys:
         self._session = session
         self._arrows = ForceArrows()
         self._kept = 0
-        self._page = session_keys(session.haptics.plugin)
-        self._introduces = session.window is not None
+        self._seen = deque[int](maxlen=_RATED)
+        self._page = _page_of(session)
+        self._waits = mover_of(session.haptics.plugin) != "simulated"
+        self._introduces = session.settings.journey is not None
 
-    def step(self, frames: Frames) -> None:
-        """Before a frame is drawn: switch layers of the overlay, save a picture, update the arrows of forces."""
+    def step(self, frames: Frames, governor: FrameGovernor | None = None) -> None:
+        """Before a frame is drawn: switch layers of the overlay, save a picture, update arrows and frame rate."""
         picture, events = self._session.picture, self._session.inputs.frame.events
         if picture is None:
             return
@@ -45,21 +64,37 @@ class ViewKeys:
         pressed = {event.name for event in events if event.kind == "key" and event.pressed and not event.repeat}
         if _KEEP in pressed:
             self._keep()
-        self._show_keys(picture, frames.orders, asked=_KEYS in pressed)
+        self._show_pages(picture, frames.orders, asked=_KEYS in pressed)
+        self._seen.append(self._session.clock.now_ns())
+        if picture.renderer.shows("graph"):
+            picture.renderer.overlay.note = rate_note(self._seen, () if governor is None else governor.lowered)
         if picture.renderer.shows("forces") and frames.snapshot is not None:
             now_ns = self._session.clock.now_ns()
             picture.renderer.overlay.arrows = self._arrows.of(frames.snapshot, frames.events, now_ns)
 
-    def _show_keys(self, picture: Picture, orders: TaskOrders, *, asked: bool) -> None:
-        """Show the page of keys: before the first trial automatically, later on request."""
-        if self._introduces:
-            view = orders.view
-            picture.keys = (*self._page, _BEGIN) if view.reading else self._page
-            self._introduces = view.state in _FIRST and not orders.board.count and not asked
-            if not self._introduces:
-                picture.keys = ()
-        elif asked:
-            picture.keys = () if picture.keys else self._page
+    def _show_pages(self, picture: Picture, orders: TaskOrders, *, asked: bool) -> None:
+        """Show the page of the task before the first trial, later that and the operator's keys on request."""
+        introduced, self._introduces = (
+            self._introduces,
+            (self._introduces and orders.view.state in _FIRST and not orders.board.count),
+        )
+        if introduced and not self._introduces:
+            picture.page = None
+        if asked:
+            picture.page = self._next(picture.page)
+        elif self._introduces and picture.page is not OPERATORS_PAGE:
+            picture.page = self._introduction(orders)
+
+    def _next(self, page: KeyPage | None) -> KeyPage | None:
+        """Return the page after one: of the task, of the operator, none."""
+        if page is None:
+            return replace(self._page, foot=_GO_ON)
+        return None if page is OPERATORS_PAGE else OPERATORS_PAGE
+
+    def _introduction(self, orders: TaskOrders) -> KeyPage:
+        if not orders.view.reading:
+            return replace(self._page, foot=_COMES)
+        return replace(self._page, foot=_BEGIN if self._waits else _BY_ITSELF)
 
     def end_without_picture(self, error: MimicsError) -> None:
         """Report that the picture is lost, and let the session end in order."""
@@ -69,7 +104,7 @@ class ViewKeys:
         sys.stderr.write(f"mimics: {session.trouble}; the run ends here\n")
         if session.picture is not None:
             session.picture.abandon()
-            session.picture = session.window = None
+            session.picture = None
 
     def _keep(self) -> None:
         """Write the displayed frame into the run folder."""
@@ -81,3 +116,21 @@ class ViewKeys:
         file = folder / f"kept_{self._kept:03d}.png"
         picture.save(file)
         sys.stderr.write(f"mimics: picture {file}\n")
+
+
+def _page_of(session: Session) -> KeyPage:
+    """Return the page of the task of a session, without its foot."""
+    scene, plugin = session.scene, session.haptics.plugin
+    words = task_of(scene).instructions or scene.description
+    limb = (plugin.descriptor or HAPTICMASTER).contacts[0]
+    picture = thumbnail_of(scene.name)
+    return task_page(scene.title or scene.name, words, mover_of(plugin), limb, picture if picture.is_file() else None)
+
+
+def rate_note(seen_ns: Sequence[int], lowered: Sequence[str]) -> str:
+    """Return the frames per second, from the times of the newest frames [ns], and what was given up for them."""
+    span_ns = seen_ns[-1] - seen_ns[0] if len(seen_ns) > 1 else 0
+    rate = f"{(len(seen_ns) - 1) * SECOND_NS / span_ns:.0f} frames per second" if span_ns > 0 else ""
+    last = {label.rpartition(" ")[0]: label for label in lowered}  # of a step with several levels the lowest
+    given_up = f"given up: {', '.join(last.values())}" if last else "full quality"
+    return "; ".join(part for part in (rate, given_up) if part)

@@ -11,8 +11,8 @@ from mimics_app.contracts.trial_state import TrialState
 from mimics_app.inputs.trackers.network_place import hears_the_network, listening, place_of
 from mimics_app.rendering.haptic.devices.robot_reach import Reach
 from mimics_app.world.components.haptic_shapes import (
+    BoxSolid,
     CapsuleSolid,
-    CubeSolid,
     CylinderSolid,
     MeshSolid,
     Solid,
@@ -98,7 +98,7 @@ def _radius(scene: Scene, name: str, body: HapticObject) -> float:
 
 def _radius_of(shape: Solid) -> float:
     away = float(np.linalg.norm(shape.position))
-    if isinstance(shape, CubeSolid):
+    if isinstance(shape, BoxSolid):
         return away + 0.5 * float(np.linalg.norm(shape.size))
     if isinstance(shape, SphereSolid):
         return away + shape.radius

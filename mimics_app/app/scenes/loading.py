@@ -10,8 +10,8 @@ from pathlib import Path
 
 import mimics_app.tasks.scene_section  # noqa: F401  registers the task block
 from mimics_app.app.scenes.scene_search import find_scene
-from mimics_app.contracts.errors import SceneError
-from mimics_app.world.scene.file import load_scene
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.world.scene.file import FaultyScene, load_scene
 from mimics_app.world.scene.scene import Scene
 
 __all__ = ["check_scene", "load_checked_scene", "read_scene"]
@@ -25,10 +25,24 @@ def load_checked_scene(path: Path | str, before: Scene | None = None) -> Scene:
         before: The scene that it replaces, see `load_scene`.
 
     Raises:
-        SceneError: Every fault of the files, else every fault that a stage has found, each with file and JSON pointer.
+        SceneError: Every fault of the files and, where they can be read, every fault that a stage has found, each with
+            file and JSON pointer.
         DeviceError: The device of the scene's robot does not exist.
     """
-    return check_scene(read_scene(path, before))
+    try:
+        scene = read_scene(path, before)
+    except FaultyScene as error:
+        raise SceneError(dict.fromkeys([*error.issues, *_also_in(error.scene)])) from error
+    return check_scene(scene)
+
+
+def _also_in(scene: Scene | None) -> list[Issue]:
+    """Return the faults that stages find in a scene with others, as far as those let them look."""
+    if scene is None:
+        return []
+    from mimics_app.app.scenes.stage_checks import check_apart
+
+    return check_apart(scene)
 
 
 def read_scene(path: Path | str, before: Scene | None = None) -> Scene:

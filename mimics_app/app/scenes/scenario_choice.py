@@ -57,7 +57,7 @@ def is_playable(scene: Scene) -> bool:
 
 def _find_builder(scene: Scene) -> _Builder:
     if scene.scenario == ONLY_LOOKED_AT:
-        raise SceneError(scene.issue("/scenario", "nothing is to be done in this scene", "look at it: mimics view"))
+        raise SceneError(scene.issue("/scenario", "this scene has no task", f"open it: mimics view {scene.name}"))
     if scene.scenario in BUILT_IN:
         return _load(scene.scenario)
     installed = PLUGINS.names()

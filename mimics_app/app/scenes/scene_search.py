@@ -13,7 +13,7 @@ from mimics_app.app.scenes.shipped import find_shipped, shipped_scenes
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.resources import root
 
-__all__ = ["find_scene"]
+__all__ = ["find_file", "find_scene"]
 
 
 def find_scene(path: Path) -> Path:
@@ -36,6 +36,16 @@ def find_scene(path: Path) -> Path:
     raise SceneError(
         Issue(str(path), "", "there is no such scene", f"{hint}mimics scenes lists those that are shipped")
     )
+
+
+def find_file(path: Path) -> Path:
+    """Return the path itself, or what it names of the installation, such as assets/models/market/apple.glb.
+
+    The path is returned where there is neither.
+    """
+    own = root() / path
+    shipped = not os.path.exists(path) and not path.is_absolute() and path.parts[:1] == ("assets",)
+    return own if shipped and os.path.exists(own) else path
 
 
 def _shipped(path: Path) -> Path | None:

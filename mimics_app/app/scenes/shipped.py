@@ -30,6 +30,9 @@ ONLY_LOOKED_AT = "none"
 GROUPS = {"tasks": "Tasks", "examples": "Examples", "places": "Places"}
 """Title of each group: scenes with a task, examples of one feature each, scenes that are only looked at."""
 
+SIMULATED = "simulated_hapticmaster"
+"""Robot of a scene that names none, the same as `world.components.robot.Robot` (a test compares them)."""
+
 _FIRST = ("wavy_tunnel", "pick_and_place", "city_walk", "guided_walk")
 
 _SECONDS = 60.0
@@ -50,6 +53,7 @@ class ShippedScene:
         group: One of GROUPS.
         takes: Body part or tracker that a person plays it with.
         lasts: Number of trials and longest duration; "" without a task.
+        device: Robot that it is made for; "" where it is only looked at.
         limits: Limits that it sets beyond the usual ones; "" for none.
     """
 
@@ -60,6 +64,7 @@ class ShippedScene:
     group: str
     takes: str
     lasts: str
+    device: str
     limits: str = ""
 
 
@@ -112,6 +117,7 @@ def _describe(file: Path) -> ShippedScene:
         group=group,
         takes="a look round" if looked_at else _takes(document),
         lasts="" if looked_at else _lasts(document.get("task") or {}),
+        device="" if looked_at else next(iter(_devices(document)), SIMULATED),
         limits=_limits(document),
     )
 
@@ -134,8 +140,13 @@ def _limits(document: Mapping[str, Any]) -> str:
 def _takes(document: Mapping[str, Any]) -> str:
     if "trackers" in document.get("systems", {}):
         return "head and hands"
-    devices = [each.get("components", {}).get("robot", {}).get("device", "") for each in document.get("entities", ())]
-    return "one leg" if any("leg" in device for device in devices) else "one hand"
+    return "one leg" if any("leg" in device for device in _devices(document)) else "one hand"
+
+
+def _devices(document: Mapping[str, Any]) -> list[str]:
+    """Return the devices that the robots of a scene name."""
+    robots = [each.get("components", {}).get("robot", {}) for each in document.get("entities", ())]
+    return [robot["device"] for robot in robots if robot.get("device")]
 
 
 def _lasts(task: Mapping[str, Any]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import msgspec
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.app.scenes.parameter_checks import check_parameters
-from mimics_app.contracts.errors import DeviceError, Issue, UsageError
+from mimics_app.contracts.errors import DeviceError, Issue, SceneError, UsageError
 from mimics_app.estimation.registry import check_estimator
 from mimics_app.inputs.trackers.network_place import listening, place_of
 from mimics_app.learning.builder import check_learning
@@ -27,13 +28,13 @@ from mimics_app.tasks.actions import build_learning_space, haptic_field
 from mimics_app.tasks.kinds.carry.spec import CarrySpec
 from mimics_app.tasks.kinds.tunnel.kind import own_tunnel
 from mimics_app.tasks.task import TaskSpec
-from mimics_app.world.components.objects import ForceField, HapticPath, InteractionPoints
+from mimics_app.world.components.objects import ForceField, HapticObject, HapticPath, InteractionPoints
 from mimics_app.world.components.robot import Robot, Tunnel
 from mimics_app.world.components.visible import Sound
 from mimics_app.world.scene.placing import pose_of
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["check_components", "check_stages"]
+__all__ = ["check_apart", "check_components", "check_stages"]
 
 _OF_COMPONENTS: tuple[tuple[type[msgspec.Struct], Callable[[Any, str, Scene], list[Issue]]], ...] = (
     (Robot, check_robot),
@@ -49,15 +50,49 @@ _REACH_CHECKS = 100
 
 
 def check_stages(scene: Scene) -> list[Issue]:
-    """Return the faults that only a stage can find; those of the whole scene only where its components have none."""
-    found = check_components(scene) or [
-        *_check_learning(scene),
-        *_check_widest_tunnel(scene),
-        *_check_reach(scene),
-        *_check_carry_reach(scene),
-        *(check_objects(scene) or check_stability(scene)),
-    ]
-    return found or check_parameters(scene)
+    """Return the faults that only a stage can find; those of the whole scene only where its components have none.
+
+    A check that cannot be carried out because of a fault reports that one, and the others go on.
+    """
+    found = [*check_components(scene), *_check_learning(scene)]
+    if found:
+        return [*found, *_check_scales(scene)]
+    for check in (_check_scales, _check_widest_tunnel, _check_reach, _check_carry_reach, check_objects):
+        try:
+            found += check(scene)
+        except SceneError as error:
+            found += error.issues
+    return list(dict.fromkeys(found)) or check_stability(scene) or check_parameters(scene)
+
+
+def check_apart(scene: Scene) -> list[Issue]:
+    """Return what can be found in a scene that has other faults: each check is of one part, or is left out."""
+    faults = []
+    for kind, check in _OF_COMPONENTS:
+        for _, component, pointer in scene.components(kind):
+            faults += _looked(partial(check, component, pointer, scene))
+    for whole in (_check_sounds, _check_learning, _check_scales):
+        faults += _looked(partial(whole, scene))
+    return faults
+
+
+def _looked(check: Callable[[], list[Issue]]) -> list[Issue]:
+    """Return what a check finds; nothing where another fault keeps it from looking."""
+    try:
+        return check()
+    except Exception:  # noqa: BLE001  whatever it is, it follows from a fault that is reported
+        return []
+
+
+def _check_scales(scene: Scene) -> list[Issue]:
+    """Check that no entity that can be touched is scaled, nor an entity above it."""
+    faults: list[Issue] = []
+    for entity, _, _ in scene.components(HapticObject):
+        try:
+            pose_of(scene, entity)
+        except SceneError as error:
+            faults += error.issues
+    return faults
 
 
 def check_components(scene: Scene) -> list[Issue]:

@@ -9,10 +9,10 @@ from typing import Any
 import msgspec
 
 from mimics_app.app.planner.explain import explain_plan
+from mimics_app.app.session.mover import mover_of
 from mimics_app.app.session.preparation import Preparation
 from mimics_app.contracts.haptic import SafetyState, TripCause
 from mimics_app.recording.report_values import mapping
-from mimics_app.rendering.haptic.devices.device_names import POINTER
 from mimics_app.rendering.haptic.scene_block import safety_of
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.tasks.task_record import task_record
@@ -78,8 +78,5 @@ def _moved_by(parts: Preparation) -> dict[str, Any]:
 
 
 def _person(parts: Preparation) -> dict[str, str]:
-    if parts.robot.device == POINTER:
-        return {"person": "at the pointer"}
-    if not parts.plugin.simulated:
-        return {"person": "at the robot"}
-    return {"person": "simulated", "preset": parts.patient.preset}
+    mover = mover_of(parts.plugin)
+    return {"person": mover, **({"preset": parts.patient.preset} if mover == "simulated" else {})}

@@ -14,6 +14,7 @@ from mimics_app.app.planner.plan import Plan, settle
 from mimics_app.app.scenes.loading import check_scene
 from mimics_app.app.scenes.scenario_choice import open_scenario
 from mimics_app.app.session.body import Body, open_body
+from mimics_app.app.session.mover import mover_of
 from mimics_app.app.session.requested import read_requested, with_requested_trials
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.ceiling import Held, hold_limits
@@ -91,6 +92,7 @@ class Preparation:
             by_pointer=self.robot.device == POINTER,
             fastest=float(self.parameter_store.block["velocity_limit"][0]),
             introduced=self.live and self.settings.journey is not None,
+            waits=mover_of(self.plugin) != "simulated",
         )
 
 

@@ -62,7 +62,7 @@ class SafetyWatch:
     def _note_hold(self, trip: Trip) -> None:
         self._holds += 1
         if self.hold is None or trip.tick - self.hold.tick > _QUIET_TICKS:
-            self._say(trip, f"short hold {self._holds}, it resumes on its own")
+            self._say(trip, f"force paused ({self._holds}), it comes back")
         self.hold = trip
 
     def _say(self, trip: Trip, kind: str) -> None:

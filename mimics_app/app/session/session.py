@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,7 +20,6 @@ from mimics_app.recording.recorder import Recorder
 if TYPE_CHECKING:  # a session that draws nothing loads nothing of a picture
     from mimics_app.app.picture.governor import FrameGovernor
     from mimics_app.app.picture.picture import Picture
-    from mimics_app.rendering.visual.surfaces.surface import Surface
 
 __all__ = ["Session"]
 
@@ -38,7 +38,7 @@ class Session(SessionCore):
         picture: The picture; None while nothing is drawn.
         governor: Governor of the frame time; None where the frame time is free.
         film: File of the video; None without one.
-        window: Window that stays open for the page of results; None: it closes with the picture.
+        before_dark: Called after the robot was stopped, before the picture closes.
         trouble: Reason of an unrequested early end; "" for none.
         on_close: Cleanup of a run that ends before `finish`.
     """
@@ -53,7 +53,7 @@ class Session(SessionCore):
         self.picture: Picture | None = None
         self.governor: FrameGovernor | None = None
         self.film: Path | None = None
-        self.window: Surface | None = None
+        self.before_dark: Callable[[], None] = lambda: None
         self.trouble = ""
         self.on_close = ExitStack()
 
@@ -69,7 +69,8 @@ class Session(SessionCore):
         self.stop()
         if self.picture is not None:
             self.film = None if self.picture.film is None else self.picture.film.place
-            self.picture.close(keep_surface=self.window is not None)
+            self.before_dark()
+            self.picture.close()
             self.picture = None
         report = self.sound.stop()
         if report is None:

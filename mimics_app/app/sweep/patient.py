@@ -1,6 +1,7 @@
 """Sweep experiment: a simulated patient plays a trial of a scene with the haptic loop and the task manager.
 
 Every point is one trial, the last one of the scene's list, on the virtual clock, without processes, picture and sound.
+The loop is imported when the first trial is played, so that a list of experiments does not wait for it.
 """
 
 from __future__ import annotations
@@ -17,10 +18,6 @@ import msgspec
 
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.scenes.scene_search import find_scene
-from mimics_app.app.session.body import Body
-from mimics_app.app.session.core import open_core
-from mimics_app.app.session.frame import Frames
-from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import PATIENTS, PROFILES, Profile, RunSettings
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
 from mimics_app.contracts.errors import Issue, MimicsError, nearest
@@ -72,6 +69,11 @@ def travel(
         The row of the trial: `outcome`, `time_s`, `path_error_rms_m`, `contacts`, `smoothness`, `score` ...; {} where
         it did not end in time.
     """
+    from mimics_app.app.session.body import Body
+    from mimics_app.app.session.core import open_core
+    from mimics_app.app.session.frame import Frames
+    from mimics_app.app.session.preparation import prepare_scene
+
     settings = RunSettings(scene.path, seed=seed, profile=profile, patient=preset)
     chosen = [TimedAction(0.0, TaskAction(dict(action), at_trial=0))] if action else []
     parts = prepare_scene(scene, settings)
@@ -121,6 +123,8 @@ def _check(values: Columns, file: Path) -> tuple[list[Issue], str]:
 
 
 def _action_faults(scene: Scene, values: Columns, file: str) -> list[Issue]:
+    from mimics_app.app.session.preparation import prepare_scene
+
     parts = prepare_scene(scene, RunSettings(scene.path))
     parts.plugin.close()
     space = build_action_space(parts.task)

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import os
-import unicodedata
-from argparse import ArgumentParser, ArgumentTypeError
+from argparse import ArgumentParser, ArgumentTypeError, _ArgumentGroup
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from mimics_app.app.settings import PROFILES
 from mimics_app.contracts.display_choice import DISPLAY_KINDS, display_names, kind_of_display, parse_display
 from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.participant import canonical_code, why_no_code
 
 __all__ = [
+    "Container",
     "add_display_argument",
     "add_profile_argument",
     "add_size_argument",
@@ -29,11 +30,11 @@ __all__ = [
     "whole_number",
 ]
 
+Container = ArgumentParser | _ArgumentGroup
+"""What arguments are added to: a parser, or a group of its arguments in --help."""
+
 _MOST_DIGITS = 20
 """Largest number of digits: larger numbers have no use, and conversion of very long ones takes seconds."""
-
-_LONGEST_CODE = 60
-"""Largest length of a participant code [characters]."""
 
 
 def whole_number(what: str, allowed: range) -> Callable[[str], int]:
@@ -78,10 +79,11 @@ def _ending_in(text: str, endings: Sequence[str]) -> Path:
 
 
 def participant_code(text: str) -> str:
-    """Return a participant code in canonical form: without surrounding blanks, letters with accents composed (NFC)."""
-    code = unicodedata.normalize("NFC", text).strip()
-    if not code.isprintable() or len(code) > _LONGEST_CODE:
-        raise ArgumentTypeError(f"a participant code has at most {_LONGEST_CODE} letters, on one line")
+    """Return a participant code in canonical form; a name is refused."""
+    code = canonical_code(text)
+    why = why_no_code(code)
+    if why:
+        raise ArgumentTypeError(why)
     return code
 
 
@@ -123,25 +125,25 @@ def _picture_size(text: str) -> tuple[int, int]:
     return int(width), int(height)
 
 
-def add_size_argument(parser: ArgumentParser, what: str = "size of the picture [px]") -> None:
+def add_size_argument(parser: Container, what: str = "size of the picture [px]") -> None:
     """Add the option --size with its usual value and a description."""
     parser.add_argument("--size", type=_picture_size, default="1280x720", metavar="WxH", help=what)
 
 
 def add_profile_argument(
-    parser: ArgumentParser, what: str = "accuracy of physics and picture: draft is cheapest, study most accurate"
+    parser: Container, what: str = "accuracy of physics and picture: draft is cheapest, study most accurate"
 ) -> None:
     """Add the option of the profile."""
     parser.add_argument("--profile", choices=PROFILES, default="training", help=what)
 
 
-def add_window_size_argument(parser: ArgumentParser) -> None:
+def add_window_size_argument(parser: Container) -> None:
     """Add the option --size of a picture that may be in a window."""
     what = "size of the picture [px] (default: 1280x720; a window: its last size, else one for the monitor)"
     parser.add_argument("--size", type=_picture_size, metavar="WxH", help=what)
 
 
-def add_display_argument(parser: ArgumentParser) -> None:
+def add_display_argument(parser: Container) -> None:
     """Add the option --display."""
     forms = ", ".join(_form(kind) for kind in DISPLAY_KINDS)
     what = f"instead of the scene's: {forms}, or an installed one"

@@ -56,15 +56,23 @@ class CommandParser(argparse.ArgumentParser):
 
     def parse(self, words: Sequence[str]) -> argparse.Namespace:
         """Read the words of a command; options may come before, between or after its other words."""
-        known = self._option_string_actions
         for word in takewhile(lambda word: word != "--", words):
-            option, _, value = word.partition("=")
-            if value == "--":  # argparse would give its command an empty list
-                raise UsageError(f'"--" is no value of {option}', f"see {self.prog} --help")
-            if option.startswith("--") and " " not in option and option not in known:
-                close = get_close_matches(option, known, n=1)
-                hint = f'did you mean "{close[0]}"' if close else f"see {self.prog} --help"
-                raise UsageError(f'there is no option "{option}"', hint)
+            self._check_option(word)
         if "--" in words:  # which the first of the two passes of parse_intermixed_args would drop
             return self.parse_args(words)
         return self.parse_intermixed_args(words)
+
+    def parse_first(self, words: Sequence[str]) -> argparse.Namespace:
+        """Read an option in the place of a command, such as --version."""
+        self._check_option(words[0])
+        return self.parse_args(words)
+
+    def _check_option(self, word: str) -> None:
+        known = self._option_string_actions
+        option, _, value = word.partition("=")
+        if value == "--":  # argparse would give its command an empty list
+            raise UsageError(f'"--" is no value of {option}', f"see {self.prog} --help")
+        if option.startswith("--") and " " not in option and option not in known:
+            close = get_close_matches(option, known, n=1)
+            hint = f'did you mean "{close[0]}"' if close else f"see {self.prog} --help"
+            raise UsageError(f'there is no option "{option}"', hint)

@@ -10,8 +10,8 @@ from mimics_app.contracts.arrays import F8, Records
 from mimics_app.contracts.haptic_objects import BODY, SHAPE, STATIC, BodyFlag, ForceLaw, ObjectIntegrator, ShapeKind
 from mimics_app.maths.quat import product
 from mimics_app.world.components.haptic_shapes import (
+    BoxSolid,
     CapsuleSolid,
-    CubeSolid,
     CylinderSolid,
     MeshSolid,
     Solid,
@@ -192,7 +192,7 @@ def _surface_row(surface: TouchSurface) -> Records:
 
 def _size(row: Records, solid: Solid) -> None:
     match solid:
-        case CubeSolid():
+        case BoxSolid():
             row["kind"], row["size"], row["rounding"] = ShapeKind.BOX, solid.size, solid.rounding
         case SphereSolid():
             row["kind"], row["size"] = ShapeKind.SPHERE, (solid.radius, solid.radius, solid.radius)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from mimics_app.scenarios.figures.walking_figure import add_walk, below, hide_head, pace_at, stand
+from mimics_app.scenarios.figures.walking_figure import add_walk, below, pace_at, stand
 from mimics_app.world.scene_node import SceneNode
 
 if TYPE_CHECKING:
@@ -37,8 +37,7 @@ class AlleyFigure:
     Args:
         node: The node; its model is at the node or at a child of it, and has the state "still". Without a model only
             the node moves.
-        ahead: 1: the figure looks along the node's +z, as models do; -1: along its -z, as cameras do, and its head is
-            hidden from them.
+        ahead: 1: the figure looks along the node's +z, as models do; -1: along its -z, as cameras do.
 
     Attributes:
         along: Position along the alley [m].
@@ -55,8 +54,6 @@ class AlleyFigure:
         self.along, self.aside = -float(node.position[2]), float(node.position[0])
         self._speed, self._side_speed = 0.0, 0.0
         add_walk(animator, self._pace, lambda: (self.aside, -self.along, self._yaw or 0.0))
-        if ahead < 0.0:
-            hide_head(animator)
 
     def put(self, along: float, aside: float = 0.0) -> None:
         """Place the figure at a position [m, m]; call `face` next."""

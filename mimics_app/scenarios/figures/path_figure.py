@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from mimics_app.scenarios.figures.ground_path import GroundPath
-from mimics_app.scenarios.figures.walking_figure import add_walk, below, hide_head, pace_at, stand
+from mimics_app.scenarios.figures.walking_figure import add_walk, below, pace_at, stand
 from mimics_app.world.components.walking import PathWalker
 from mimics_app.world.scene_node import SceneNode
 
@@ -19,8 +19,7 @@ class PathFigure:
         node: The node; its model is at the node or at a child of it. Without a model only the node moves.
         walker: Its component.
         path: The path of the component.
-        ahead: 1: the figure looks along the node's +z, as models do; -1: along its -z, as cameras do, and its head is
-            hidden from them.
+        ahead: 1: the figure looks along the node's +z, as models do; -1: along its -z, as cameras do.
     """
 
     def __init__(self, node: SceneNode, walker: PathWalker, path: GroundPath, ahead: float = 1.0) -> None:
@@ -31,8 +30,6 @@ class PathFigure:
         add_walk(
             animator, lambda: pace_at(self._speed), lambda: (self._x, self._z, self._yaw), lambda: path.ground(self._s)
         )
-        if ahead < 0.0:
-            hide_head(animator)
         self.go(0.0, 0.0)
 
     def go(self, walked: float, speed: float) -> None:

@@ -33,8 +33,6 @@ _SUNK = 0.012
 """Depth of the cord's end below the surface, which hides its rim [m]."""
 _PATCH = 0.04
 """Distance from the joint's height and from the median plane within which vertices form its surface [m]."""
-_HIDDEN = 1e-3
-"""Scale of a hidden head."""
 _TURNED = np.diag([-1.0, 1.0, -1.0])
 """Rotation between the model's frame, which looks along +z, and a person's, which looks along -z."""
 
@@ -95,7 +93,7 @@ class TrackedFigure:
         """Show or hide the model."""
         self._node.visible = visible
 
-    def pose(self, world_from_ground: F8, parts: Parts, now_ns: int, *, head: bool = True) -> None:
+    def pose(self, world_from_ground: F8, parts: Parts, now_ns: int) -> None:
         """Pose the model.
 
         Args:
@@ -103,7 +101,6 @@ class TrackedFigure:
             parts: "head" (the eyes), "hand_left", "hand_right", each ground_from_part, float64 [4, 4];
                 None: not tracked. A hand's fingers point along its -z; +y is the normal of its back.
             now_ns: Session time [ns].
-            head: False hides the head, for the first-person view.
         """
         seconds = 0.0 if self._t_ns is None else (now_ns - self._t_ns) * 1e-9
         self._t_ns = now_ns
@@ -118,17 +115,15 @@ class TrackedFigure:
         self._node.set_position(self._world_from_model[:3, 3])
         self._node.set_orientation(quaternion_of(world_from_ground[:3, :3] @ _TURNED))
         self._node.set_scale((self.scale,) * 3)
-        self._move(seconds, head)
+        self._move(seconds)
 
-    def _move(self, seconds: float, head: bool) -> None:
+    def _move(self, seconds: float) -> None:
         animator, transforms = self._animator, self._world.transforms
         animator.begin(transforms)
         animator.step(seconds)
         self._upper(animator.pose, seconds)
         self._feet(animator.pose, seconds)
         self._chain.follow(animator.pose)
-        if not head:
-            animator.pose.scales[self._bones.slots["head"]] = _HIDDEN
         animator.place(transforms)
 
     def _measure(self, eyes: F8 | None) -> None:

@@ -1,9 +1,9 @@
-"""Functions shared by figures that walk: place, pace and legs of a model, and a head hidden from its own eyes."""
+"""Functions shared by figures that walk: place, pace and legs of a model, and eyes that do not see their own head."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
@@ -13,19 +13,19 @@ from mimics_app.maths import quat
 from mimics_app.world.scene_node import SceneNode
 
 if TYPE_CHECKING:
+    from mimics_app.world.camera import Camera
     from mimics_app.world.motion.animator import Animator
     from mimics_app.world.motion.gait import Pace
-    from mimics_app.world.motion.pose import Pose
 
-__all__ = ["add_walk", "below", "follow_numbers", "hide_head", "pace_at", "stand"]
+__all__ = ["OWN_HEAD", "add_walk", "below", "follow_numbers", "pace_at", "see_past_head", "stand"]
 
 Part = TypeVar("Part")
 """An animator or a state machine."""
 
 _CRAWL = 0.02
 """Speed below which the legs stand [m/s]."""
-_UNSEEN = 1e-3
-"""Scale of a hidden head: a fifth of a millimetre."""
+OWN_HEAD = 0.15
+"""Distance from the eyes within which everything of the own head is that could be seen [m]; a test measures it."""
 
 
 def follow_numbers(values: dict[str, float], orders: Mapping[str, object]) -> None:
@@ -58,16 +58,19 @@ def below(node: SceneNode, parts: Mapping[int, Part]) -> Part | None:
     return next((parts[each.index] for each in (node, *node.children) if each.index in parts), None)
 
 
-def hide_head(animator: Animator | None) -> None:
-    """Hide the head of a model, for a camera at its eyes, by scaling it down."""
-    if animator is None or "head" not in animator.rig.names:
-        return
-    head = animator.rig.slot("head")
+def see_past_head(cameras: Iterable[Camera], person: SceneNode) -> None:
+    """Let the cameras at a person's eyes begin in front of the person's own head.
 
-    def shrink(pose: Pose, seconds: float) -> None:
-        pose.scales[head] = _UNSEEN
+    Every other camera, a mirror and the sun see the head.
 
-    animator.steps.append(shrink)
+    Args:
+        cameras: All cameras.
+        person: Node of the person; its eyes are cameras below it.
+    """
+    for camera in cameras:
+        parent = camera.node.parent
+        if parent is not None and parent.index == person.index:
+            camera.near = max(camera.near, OWN_HEAD)
 
 
 def add_walk(

@@ -128,6 +128,11 @@ class KindPlay:
         return False
 
     @property
+    def asks(self) -> bool:
+        """Whether `prompt` is a question that the person answers."""
+        return False
+
+    @property
     def measures(self) -> Values:
         """Measures of the travel so far: a value for each column of `TaskKind.measures`."""
         return {}

@@ -10,6 +10,7 @@ from mimics_app.world.components.bounds import NO_ROTATION, Factor, Point, Quate
 from mimics_app.world.components.registry import Component
 
 __all__ = [
+    "BoxSolid",
     "CapsuleSolid",
     "CubeSolid",
     "CylinderSolid",
@@ -108,11 +109,15 @@ class _Placed(TouchSurface, frozen=True):
     ] = NO_ROTATION
 
 
-class CubeSolid(_Placed, frozen=True, kw_only=True, tag="cube", tag_field="shape"):
+class BoxSolid(_Placed, frozen=True, kw_only=True, tag="box", tag_field="shape"):
     """Box about its centre."""
 
     size: Annotated[tuple[Length, Length, Length], Meta(description="Edges along x, y, z [m]")]
     rounding: Annotated[float, Meta(ge=0, le=_MAX_LENGTH, description="Radius of its edges [m]; 0: sharp")] = 0.0
+
+
+class CubeSolid(BoxSolid, frozen=True, kw_only=True, tag="cube", tag_field="shape"):
+    """Box, as recordings and scenes of before call it."""
 
 
 class SphereSolid(_Placed, frozen=True, kw_only=True, tag="sphere", tag_field="shape"):
@@ -147,4 +152,4 @@ class MeshSolid(_Placed, frozen=True, kw_only=True, tag="mesh", tag_field="shape
     scale: Annotated[float, Meta(ge=1e-6, le=1e6, description="Factor on all its lengths")] = 1.0
 
 
-Solid = CubeSolid | SphereSolid | CylinderSolid | CapsuleSolid | MeshSolid
+Solid = BoxSolid | CubeSolid | SphereSolid | CylinderSolid | CapsuleSolid | MeshSolid

@@ -10,8 +10,8 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 from mimics_app.world.components import shapes as visible
 from mimics_app.world.components.haptic_shapes import (
+    BoxSolid,
     CapsuleSolid,
-    CubeSolid,
     CylinderSolid,
     MeshSolid,
     Solid,
@@ -137,7 +137,7 @@ def _of_primitive(scene: Scene, entity: str) -> Solid:
     mesh = scene.entity(entity).components.get("mesh")
     match mesh.primitive if isinstance(mesh, MeshComponent) else None:
         case visible.BoxShape(size=size):
-            return CubeSolid(size=size)
+            return BoxSolid(size=size)
         case visible.SphereShape(radius=radius):
             return SphereSolid(radius=radius)
         case visible.CapsuleShape(radius=radius, length=length):
@@ -162,7 +162,7 @@ def _fitted(scene: Scene, shape: Solid, place: str) -> Solid:
     size = tuple((high - low).tolist())
     if min(size) <= 0.0:
         raise ObjectFault(f"{place}/fit", "the mesh is flat: a box would have no thickness", "give a thin cube instead")
-    return CubeSolid(**kept, position=_to_object(shape, 0.5 * (low + high)), size=size)
+    return BoxSolid(**kept, position=_to_object(shape, 0.5 * (low + high)), size=size)
 
 
 def _to_object(shape: MeshSolid, point: F8) -> tuple[float, float, float]:
@@ -173,7 +173,7 @@ def _to_object(shape: MeshSolid, point: F8) -> tuple[float, float, float]:
 
 def _filled(scene: Scene, shape: Solid, place: str) -> FilledShape:
     match shape:
-        case CubeSolid():
+        case BoxSolid():
             filled = box_integrals(shape.size)
         case SphereSolid():
             filled = sphere_integrals(shape.radius)

@@ -13,7 +13,7 @@ from mimics_app.world.components import haptic_effects as effects
 from mimics_app.world.components.block_signals import SignalFault, parse_source, parse_target
 from mimics_app.world.components.curves import check_curve
 from mimics_app.world.components.haptic_shapes import (
-    CubeSolid,
+    BoxSolid,
     CylinderSolid,
     MeshSolid,
     Solid,
@@ -111,7 +111,7 @@ def _check_shape(shape: Solid, pointer: str, scene: Scene) -> list[Issue]:
     smallest = _width(shape)
     if smallest < _MIN_WIDTH:
         issues.append(scene.issue(pointer, _too_thin(smallest)))
-    if isinstance(shape, CubeSolid | CylinderSolid) and shape.rounding >= 0.5 * smallest:
+    if isinstance(shape, BoxSolid | CylinderSolid) and shape.rounding >= 0.5 * smallest:
         what = f"{shape.rounding:g} m leaves nothing of an edge of {smallest:g} m"
         issues.append(scene.issue(f"{pointer}/rounding", what, f"stay below {0.5 * smallest:g} m"))
     return issues
@@ -123,7 +123,7 @@ def _too_thin(smallest: float) -> str:
 
 def _width(shape: Solid) -> float:
     """Return the smallest width of a shape [m]; inf for a mesh."""
-    if isinstance(shape, CubeSolid):
+    if isinstance(shape, BoxSolid):
         return min(shape.size)
     if isinstance(shape, CylinderSolid):
         return min(2.0 * shape.radius, shape.length)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,9 +27,21 @@ from mimics_app.world.scene.scene_files import read_sources
 if TYPE_CHECKING:
     from mimics_app.world.world import World
 
-__all__ = ["build_world", "load_scene"]
+__all__ = ["FaultyScene", "build_world", "load_scene"]
 
 import_members(components)
+
+
+class FaultyScene(SceneError):
+    """Faults of a scene.
+
+    Attributes:
+        scene: The scene where all its files could be read and the faults are of their meaning; None otherwise.
+    """
+
+    def __init__(self, issues: Iterable[Issue], scene: Scene | None) -> None:
+        super().__init__(issues)
+        self.scene = scene
 
 
 def load_scene(path: Path | str, root: Path | None = None, before: Scene | None = None) -> Scene:
@@ -54,13 +67,14 @@ def load_scene(path: Path | str, root: Path | None = None, before: Scene | None 
     _stop_after_many(issues, path)
     unusable = [issue for issue in issues if any(what in issue.what for what in (CONTROL, NOT_FINITE, TOO_LARGE, TORN))]
     above = _with_all_above(unusable)
+    readable = sources[0].whole and not issues
     if sources[0].whole:
         issues += [issue for issue in check_meaning(scene) if (issue.file, issue.pointer) not in above]
     if issues:
         places = {(issue.file, issue.pointer) for issue in unusable}
         known = set(unusable)
         listed = [issue for issue in issues if issue in known or (issue.file, issue.pointer) not in places]
-        raise SceneError(dict.fromkeys(listed))
+        raise FaultyScene(dict.fromkeys(listed), scene if readable else None)
     scene.hash = _hash(scene)
     return scene
 

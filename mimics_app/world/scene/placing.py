@@ -43,7 +43,7 @@ def pose_of(scene: Scene, name: str) -> tuple[F8, F8]:
     if np.abs(scale - 1.0).max() > _SCALE_TOLERANCE or shear > _SCALE_TOLERANCE:
         factors = ", ".join(f"{factor:.4g}" for factor in scale)
         what = f'"{name}" is scaled by {factors}; an object that can be touched has its size in metres'
-        fix = "scale 1 here; put a scaled mesh on a child entity"
+        fix = f'scale 1 here; move its mesh to an entity with "parent": "{name}" and scale that one'
         raise SceneError(scene.issue(f"{entity.pointer}/transform/scale", what, fix))
     return translation, rotation
 

@@ -76,14 +76,14 @@ class ProjectorField:
         self._reported: set[Issue] = set()
         self.issues: list[Issue] = []
 
-    def update(self, world: World) -> None:
-        """Update the projectors from the world."""
-        shown = world.transforms.shown
+    def update(self, world: World, *, shadows: bool) -> None:
+        """Update the projectors from the world; where its `shadows` are drawn, without contact shadows."""
+        shown, instead = world.transforms.shown, world.effects.contact_shadows if shadows else ()
         rows = {index: world.transforms.row(index) for index in world.effects.projectors}
         self.beams = {
             index: self._beam(world, spec, world.transforms.world[rows[index]])
             for index, spec in world.effects.projectors.items()
-            if shown[rows[index]]
+            if shown[rows[index]] and index not in instead
         }
 
     def _beam(self, world: World, spec: Projector, world_from_node: F8) -> Beam:

@@ -12,7 +12,13 @@ import numpy as np
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.window_input import InputEvent
 from mimics_app.rendering.visual.figures.key_page import draw_keys
-from mimics_app.rendering.visual.launcher.launcher_page import LauncherPage, PageState, ScenarioCard, Spot
+from mimics_app.rendering.visual.launcher.launcher_page import (
+    LauncherPage,
+    PageState,
+    ScenarioCard,
+    Spot,
+    refused_setting,
+)
 from mimics_app.rendering.visual.launcher.page_surface import PageSurface, is_within
 from mimics_app.rendering.visual.launcher.setting import Setting, shown_settings
 from mimics_app.rendering.visual.launcher.thumbnail import load_thumbnail
@@ -44,7 +50,7 @@ _ALL = "All"
 KEYS = (
     ("Arrows, Tab, stick", "move from scenes to groups and settings"),
     ("Left, right", "change a setting"),
-    ("Enter, A, click", "choose; a second time starts"),
+    ("Enter, A, click", "choose; a second time starts, or shows an earlier result"),
     ("Letters", "search for a scene, or fill the field that is lit"),
     ("Gamepad Start", "start"),
     ("F1", "this page"),
@@ -54,10 +60,11 @@ KEYS = (
 
 
 class LauncherChoice(NamedTuple):
-    """The choice: a scene file, and one value per setting."""
+    """The choice: a scene file and one value per setting, or the folder of an earlier session."""
 
     scene: Path
     settings: dict[str, str]
+    run: Path | None = None
 
 
 class Launcher:
@@ -150,8 +157,6 @@ class Launcher:
             self._type(event.name)
         elif event.kind == "button" and event.name == "left" and event.pressed:
             self._click(self._spot_at(event))
-        elif event.kind == "move":
-            self._hover(self._spot_at(event))
         elif event.kind == "wheel":
             self._scroll -= _WHEEL_STEP * event.y
         elif event.kind == "close":
@@ -278,8 +283,15 @@ class Launcher:
     def _begin(self) -> None:
         if self._focus[0] == "card":
             self._choose_card(self._focus[1])
-        if self._chosen in self._visible:
-            self.choice = LauncherChoice(self.scene, dict(self.values))
+        card = self._cards[self._chosen]
+        if self._chosen not in self._visible:
+            return
+        refused = None if card.run else refused_setting(card, self._settings, self.values)
+        if refused is None:
+            self.choice = LauncherChoice(card.scene, dict(self.values), card.run)
+            return
+        self._notice = refused[1]
+        self._focus = ("option", shown_settings(self._settings, self.values).index(refused[0]))
 
     def _setting_in_focus(self) -> Setting | None:
         kind, index = self._focus
@@ -357,12 +369,6 @@ class Launcher:
         place = self._canvas.place(event)
         return next((spot for spot in self._page.spots() if is_within(place, spot.box)), None)
 
-    def _hover(self, spot: Spot | None) -> None:
-        """Focus the item under the pointer; a text field keeps the focus until something is clicked."""
-        setting = self._setting_in_focus()
-        if spot is not None and not (setting is not None and setting.typed):
-            self._focus = (spot.kind, spot.index)
-
     def _click(self, spot: Spot | None) -> None:
         self._keys_shown, self._notice = False, ""
         if spot is None:
@@ -382,8 +388,7 @@ class Launcher:
     def _read_stick(self) -> None:
         axes = self._surface.gamepad.axes
         x, y = axes.get("left_x", 0.0), axes.get("left_y", 0.0)
-        strength = max(abs(x), abs(y))
-        if strength < _STICK_OFF:
+        if (strength := max(abs(x), abs(y))) < _STICK_OFF:
             self._stick_free = True
         elif strength > _STICK_ON and self._stick_free and not self.done:
             self._stick_free = False

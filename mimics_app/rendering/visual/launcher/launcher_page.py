@@ -21,7 +21,7 @@ from mimics_app.rendering.visual.figures.palette import (
 from mimics_app.rendering.visual.launcher.page_surface import Box
 from mimics_app.rendering.visual.launcher.setting import Setting
 
-__all__ = ["LauncherPage", "PageState", "ScenarioCard", "Spot"]
+__all__ = ["LauncherPage", "PageState", "ScenarioCard", "Spot", "refused_setting"]
 
 
 _MARGIN = 40.0
@@ -51,6 +51,8 @@ class ScenarioCard:
         facts: Devices and duration, or when it was played, in a few words.
         badge: Emphasised text beside the title, such as the last score.
         everywhere: True to list it in searches and under "All" too; False for its group alone, as a played scene.
+        run: Folder of the earlier session that it stands for; None: it stands for the scene.
+        refuses: Why the scene cannot be played, in words, by (setting, value).
     """
 
     title: str
@@ -61,6 +63,20 @@ class ScenarioCard:
     facts: str = ""
     badge: str = ""
     everywhere: bool = True
+    run: Path | None = None
+    refuses: Mapping[tuple[str, str], str] = field(default_factory=dict)
+
+
+def refused_setting(
+    card: ScenarioCard, settings: Sequence[Setting], values: Mapping[str, str]
+) -> tuple[Setting, str] | None:
+    """Return the first setting whose present value it refuses itself, or the scene, and why; None for none."""
+    for setting in settings:
+        value = values.get(setting.name, "")
+        why = card.refuses.get((setting.name, value)) or (setting.refuse(value) if setting.refuse else "")
+        if why:
+            return setting, why
+    return None
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,6 +175,7 @@ class LauncherPage:
             self._draw_card(index)
         if not state.cards:
             hud.text(_MARGIN, hud.height - _HEAD - 40.0, "No scene has these words", 20.0, FAINT)
+        self._draw_scroll_bar()
         # Cards that scroll under head and foot are covered again, which replaces clipping in the one draw call.
         hud.box(0.0, hud.height - _HEAD + 8.0, hud.width, _HEAD - 8.0, BACK)
         hud.box(0.0, 0.0, hud.width, _FOOT - 8.0, BACK)
@@ -224,6 +241,18 @@ class LauncherPage:
         hud.text(x + 18.0, hud.height - 66.0, text, 17.0, INK if state.search else FAINT, width=width - 36.0)
         hud.text(x, hud.height - _HEAD + 12.0, "Settings", 16.0, FAINT, bold=True)
 
+    def _draw_scroll_bar(self) -> None:
+        """Draw where the shown cards are among all of them, where not all fit."""
+        hidden = self.max_scroll
+        if hidden <= 0.0:
+            return
+        hud, room = self._hud, self._hud.height - _HEAD - _FOOT
+        height = room * room / (room + hidden)
+        top = hud.height - _HEAD - (room - height) * self.state.scroll / hidden
+        x = _MARGIN + self._cards_width + 6.0
+        hud.box(x, _FOOT, 6.0, room, PANEL, radius=3.0)
+        hud.box(x, top - height, 6.0, height, FAINT, radius=3.0)
+
     def _draw_card(self, index: int) -> None:
         hud, state = self._hud, self.state
         card, layer = state.cards[index]
@@ -240,8 +269,8 @@ class LauncherPage:
         for number, line in enumerate(hud.wrap(card.description, 13.0, room, 3)):
             hud.text(x + 14.0, text_y - 20.0 - 16.5 * number, line, 13.0, FAINT)
         self._fitted(x + 14.0, y + 13.0, card.facts, (10.5, 12.5), room)
-        if chosen or focused:
-            hud.box(*box, ACCENT if focused else FAINT, radius=14.0, border=3.0 if focused else 1.5)
+        if focused:
+            hud.box(*box, ACCENT, radius=14.0, border=3.0)
 
     def _fitted(
         self, x: float, y: float, text: str, sizes: tuple[float, float], room: float, *, bold: bool = False
@@ -257,21 +286,40 @@ class LauncherPage:
             self._draw_option(index)
         x, y, width, height = self._start_box
         room = int((hud.height - _HEAD - len(state.settings) * (_ROW + _ROW_GAP) - y - height - 14.0) // _LINE)
-        lines = hud.wrap(self._explanation(), 14.0, width, room) if room > 0 else []
+        refused = self._refused
+        text, ink = (refused[1], ALARM) if refused else (self._explanation(), FAINT)
+        lines = hud.wrap(text, 14.0, width, room) if room > 0 else []
         for number, line in enumerate(reversed(lines)):
-            hud.text(x, y + height + 14.0 + _LINE * number, line, 14.0, FAINT)
+            hud.text(x, y + height + 14.0 + _LINE * number, line, 14.0, ink)
         focused = state.focus == ("start", 0)
-        hud.box(x, y, width, height, ACCENT if focused else QUIET, radius=16.0)
-        hud.text(x + 0.5 * width, y + 18.0, "Start", 25.0, ON_ACCENT, bold=True, align="centre")
+        hud.box(x, y, width, height, PANEL if refused else ACCENT if focused else QUIET, radius=16.0)
+        label, ink = self._start_label(), FAINT if refused else ON_ACCENT
+        size = min(22.0, 22.0 * (width - 32.0) / max(hud.measure(label, 22.0, bold=True), 1.0))
+        hud.text(x + 0.5 * width, y + 19.0, label, max(size, 13.0), ink, bold=True, align="centre", width=width - 24.0)
+
+    @property
+    def _chosen(self) -> ScenarioCard | None:
+        state = self.state
+        return state.cards[state.chosen][0] if 0 <= state.chosen < len(state.cards) else None
+
+    @property
+    def _refused(self) -> tuple[Setting, str] | None:
+        card = self._chosen
+        return None if card is None or card.run else refused_setting(card, self.state.settings, self.state.values)
+
+    def _start_label(self) -> str:
+        card = self._chosen
+        if card is None:
+            return "Start"
+        return "Show the result" if card.run else f"Start: {card.title}"
 
     def _explanation(self) -> str:
-        """Return the text above the start button: help on the focused setting, else the scene's description."""
+        """Return the text above the start button: help on the focused setting, else the chosen scene's description."""
         state = self.state
         kind, which = state.focus
         if kind == "option" and which < len(state.settings):
             return state.settings[which].help
-        shown = which if kind == "card" else state.chosen
-        return state.cards[shown][0].description if 0 <= shown < len(state.cards) else ""
+        return "" if self._chosen is None else self._chosen.description
 
     def _draw_option(self, index: int) -> None:
         hud, setting = self._hud, self.state.settings[index]
@@ -282,7 +330,8 @@ class LauncherPage:
         value = self.state.values.get(setting.name, "")
         words, room = setting.words(value) + ("|" if setting.typed and focused else ""), width - 76.0
         size = min(16.0, max(12.0, 16.0 * room / max(hud.measure(words, 16.0, bold=True), 1.0)))
-        colour = INK if value or not setting.typed else FAINT
+        refused = self._refused is not None and self._refused[0] is setting
+        colour = INK if (value or not setting.typed) and not refused else FAINT
         hud.text(x + 0.5 * width, y + 9.0, words, size, colour, bold=True, align="centre", width=room)
         if setting.choices:
             hud.text(x + 22.0, y + 15.0, "◀", 16.0, ACCENT if focused else FAINT, align="centre")

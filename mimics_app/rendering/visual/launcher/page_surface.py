@@ -42,12 +42,13 @@ class PageSurface:
         scale = CANVAS_HEIGHT / min(width, height)
         self.hud.width, self.hud.height = scale * width, scale * height
 
-    def draw(self) -> None:
-        """Draw the canvas into the surface's framebuffer."""
+    def draw(self, *, over: bool = False) -> None:
+        """Draw the canvas into the surface's framebuffer, `over` what is there."""
         surface = self._surface
         surface.painter = self
         surface.framebuffer.use()
-        surface.framebuffer.clear(0.0, 0.0, 0.0, 1.0)
+        if not over:
+            surface.framebuffer.clear(0.0, 0.0, 0.0, 1.0)
         view = View(np.eye(4), compute_tangents(0.7, surface.size), (0, 0, *surface.size))
         self._pass.draw(self.hud, view, replace(plane_of_views([view], 1.0), canvas_height=self.hud.height))
 

@@ -55,6 +55,7 @@ class ResultContent:
         buttons: The buttons, the main one first.
         footnote: Path of the recording.
         keys: Keys of the session, shown by a button named "keys".
+        who: Participant and time of the session; "" for unknown.
     """
 
     title: str
@@ -65,13 +66,14 @@ class ResultContent:
     buttons: Sequence[Button]
     footnote: str = ""
     keys: Keys = ()
+    who: str = ""
 
 
 class ResultPage:
     """Shows a result until a button is chosen; the caller polls and swaps the surface.
 
     Attributes:
-        choice: Name of the chosen button, "" until then; "leave" by Escape or by closing the window.
+        choice: Name of the chosen button, "" until then; "leave" by Escape, "close" by closing the window.
     """
 
     def __init__(self, surface: Surface, content: ResultContent) -> None:
@@ -90,7 +92,7 @@ class ResultPage:
             elif event.kind in ("move", "button"):
                 self._point(event)
             elif event.kind == "close":
-                self.choice = "leave"
+                self.choice = "close"
 
     def draw(self) -> None:
         """Draw the page into the surface's framebuffer."""
@@ -99,6 +101,7 @@ class ResultPage:
         hud.clear()
         hud.box(0.0, 0.0, hud.width, hud.height, BACK)
         wide = hud.width - 2.0 * _MARGIN
+        hud.text(_MARGIN, hud.height - 42.0, content.who, 16.0, FAINT, width=wide)
         hud.text(_MARGIN, hud.height - 84.0, content.title, 34.0, INK, bold=True, width=wide)
         for number, line in enumerate(hud.wrap(content.sentence, 20.0, wide, 2)):
             hud.text(_MARGIN, hud.height - 122.0 - 26.0 * number, line, 20.0, FAINT)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 __all__ = ["Choice", "Setting", "shown_settings"]
@@ -28,6 +28,7 @@ class Setting:
         typed: Whether any text may be typed.
         empty: Placeholder while nothing is typed.
         with_values: Values of the first setting for which this one is shown; () for all.
+        refuse: Returns why a typed value is refused, in words; "" where it is not.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Setting:
     typed: bool = False
     empty: str = ""
     with_values: Sequence[str] = ()
+    refuse: Callable[[str], str] | None = None
 
     @property
     def default(self) -> str:

@@ -30,8 +30,8 @@ class WaitingPage:
         self._title = title
         self._frames = 0
 
-    def draw(self, doing: str) -> None:
-        """Draw one frame with a description of the present step."""
+    def draw(self, doing: str, *, leaves: bool = True) -> None:
+        """Draw one frame with a description of the present step, and of Escape where it `leaves`."""
         self._canvas.fit()
         hud, centre = self._canvas.hud, 0.5 * self._canvas.hud.height
         x = 0.5 * (hud.width - _BAR)
@@ -42,6 +42,11 @@ class WaitingPage:
         swing = 0.5 - 0.5 * math.cos(2.0 * math.pi * self._frames / (_PERIOD_S * FRAMES_PER_SECOND))
         hud.box(x + swing * (_BAR - _RUNNER), centre, _RUNNER, 8.0, ACCENT, radius=4.0)
         hud.text(0.5 * hud.width, centre - 36.0, doing, 17.0, FAINT, align="centre")
-        hud.text(0.5 * hud.width, 40.0, "Esc: leave", 14.0, FAINT, align="centre")
+        if leaves:
+            hud.text(0.5 * hud.width, 40.0, "Esc: leave", 14.0, FAINT, align="centre")
         self._canvas.draw()
         self._frames += 1
+
+    def release(self) -> None:
+        """Free everything but the surface."""
+        self._canvas.release()

@@ -32,18 +32,20 @@ _COLOURS: tuple[Colour, ...] = (
     (0.70, 0.70, 0.74, 1.0),
 )
 _SCALES_MS = (20.0, 40.0, 80.0, 160.0, 400.0, 2000.0)
+_NOTE = 14.0
 _SUMMED = 30
 """Number of recent frames whose median is shown."""
 
 
-def draw_frame_graph(hud: Hud, frames: Sequence[FrameTimes]) -> None:
-    """Draw the graph in the upper right, below the cards of a task."""
+def draw_frame_graph(hud: Hud, frames: Sequence[FrameTimes], note: str = "") -> None:
+    """Draw the graph in the upper right, below the cards of a task, with a note in several lines."""
     known = list(frames)[:-1][-_FRAMES:]  # the last frame is in progress
     if not known:
         return
     stages = list(dict.fromkeys(name for frame in known for name in frame.cpu_ms))
     x, top = hud.width - _MARGIN - _WIDTH - 28.0, hud.height - _BELOW
-    height = _HEIGHT + 66.0 + 19.0 * len(stages)
+    notes = hud.wrap(note, _NOTE, _WIDTH, 4)
+    height = _HEIGHT + 66.0 + 19.0 * (len(stages) + len(notes))
     hud.box(x, top - height, _WIDTH + 28.0, height, _PANEL, radius=12.0)
     _write_head(hud, known, x + 14.0, top - 26.0)
     bottom = top - 42.0 - _HEIGHT
@@ -54,6 +56,8 @@ def draw_frame_graph(hud: Hud, frames: Sequence[FrameTimes]) -> None:
     hud.box(x + 14.0, budget, _WIDTH, 1.0, FAINT)
     hud.text(x + 14.0 + _WIDTH, budget + 3.0, "60 Hz", 11.0, FAINT, align="right")
     _write_stages(hud, known, stages, x + 14.0, bottom - 22.0)
+    for number, line in enumerate(notes):
+        hud.text(x + 14.0, bottom - 22.0 - 19.0 * (len(stages) + number), line, _NOTE, INK)
 
 
 def _write_head(hud: Hud, frames: Sequence[FrameTimes], x: float, y: float) -> None:

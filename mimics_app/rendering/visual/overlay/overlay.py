@@ -48,6 +48,7 @@ class Overlay:
         chosen: Entity index of a selected node whose box is drawn; None: none.
         handles: Arrows drawn with it.
         times: Stage times, recorded while the graph is shown.
+        note: Text below the graph.
         hud: Canvas of its panels.
     """
 
@@ -58,6 +59,7 @@ class Overlay:
         self.handles: list[Arrow] = []
         self.times = StageTimes(ctx, clock, software=read_capabilities(ctx).software)
         self.hud = Hud()
+        self.note = ""
         self._lines = LineSet()
         self._line_pass = LinePass(ctx, shaders)
         self._wires = _WirePass(ctx, shaders, frame)
@@ -107,7 +109,7 @@ class Overlay:
         hud.width, hud.height = width, height
         hud.clear()
         if "graph" in self.layers:
-            draw_frame_graph(hud, self.times.frames)
+            draw_frame_graph(hud, self.times.frames, self.note)
         on = [_WORDS[layer] for layer in LAYERS if layer in self.layers]
         if "atlas" in self.layers and not self._maps_shown:
             on[-1] = _NO_MAPS

@@ -13,7 +13,7 @@ from mimics_app.rendering.visual.effects.projectors import Beam, BeamRuns
 from mimics_app.rendering.visual.materials.look import Look
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
 from mimics_app.rendering.visual.materials.texture_store import TextureStore
-from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view import Rect, View
 
 if TYPE_CHECKING:
     import moderngl
@@ -42,6 +42,8 @@ class ProjectorPass:
         projected: Sequence[BeamRuns],
         lights: frozenset[str],
         eyes: tuple[str, ...],
+        *,
+        whole: bool,
     ) -> int:
         """Draw over the opaque surfaces of a view; depth state is restored afterwards.
 
@@ -52,6 +54,7 @@ class ProjectorPass:
             projected: Projectors with the surfaces they hit.
             lights: Shader features that the frame's light needs.
             eyes: Additional defines where both eyes are drawn in one pass.
+            whole: Whether one view is drawn as a whole, so that the pass may set the scissor rectangle.
 
         Returns:
             Draw calls made.
@@ -62,6 +65,8 @@ class ProjectorPass:
         target.depth_mask = False
         ctx.depth_func = "=="
         for each in projected:
+            if whole:
+                target.scissor = _bounds(each.beam, view, target.viewport)
             texture = self._textures.get(each.beam.key, each.beam.picture)
             texture.repeat_x = texture.repeat_y = False
             texture.use(_BINDING)
@@ -72,6 +77,8 @@ class ProjectorPass:
                 _describe(shader, each.beam, view)
                 frame.draw(run, shader)
                 draws += 1
+        if whole:
+            target.scissor = None  # type: ignore[assignment]  # disables it
         ctx.depth_func = "<"
         ctx.cull_face = "back"
         target.depth_mask = True
@@ -104,6 +111,19 @@ class ProjectorPass:
             readable = _OF_ALBEDO if drawn.fragment != "plain/plain.frag" else ("COLOURED",)
             defines += [name for name in readable if name in drawn.defines]
         return self._shaders.program("common/mesh.vert", "projector/projector.frag", tuple(defines))
+
+
+def _bounds(beam: Beam, view: View, viewport: Rect) -> Rect:
+    """Return the rectangle of a viewport [px] outside of which a projector shows nothing."""
+    left, bottom, width, height = viewport
+    places = np.column_stack([beam.corners, np.ones(len(beam.corners))]) @ view.clip_from_world.T
+    if (places[:, 3] <= 0.0).any():  # a corner is behind the eye
+        return viewport
+    size = np.array([width, height])
+    at = 0.5 * (places[:, :2] / places[:, 3:] + 1.0) * size
+    low = np.clip(np.floor(at.min(axis=0)) - 1.0, 0, size).astype(int)
+    high = np.clip(np.ceil(at.max(axis=0)) + 1.0, low, size).astype(int)
+    return int(left + low[0]), int(bottom + low[1]), int(high[0] - low[0]), int(high[1] - low[1])
 
 
 def _describe(shader: ShaderProgram, beam: Beam, view: View) -> None:

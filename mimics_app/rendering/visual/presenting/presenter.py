@@ -104,6 +104,16 @@ class Presenter:
         """Whether the person stands in front of walls and sees their own body."""
         return self.display.kind in _WALLS
 
+    @property
+    def worn(self) -> bool:
+        """Whether one person wears the display, and others see at most its mirror."""
+        return self.display.kind in (*_HEADSETS, "hmd")
+
+    @property
+    def mirrored(self) -> bool:
+        """Whether the surface shows the mirror of a headset."""
+        return self.display.kind in _HEADSETS
+
     def begin(self, now_ns: int) -> FrameTiming:
         """Begin a frame; see `Display.begin_frame`. A frame that was begun and never shown ends empty."""
         if self._begun:

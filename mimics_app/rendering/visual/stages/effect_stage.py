@@ -49,7 +49,8 @@ class EffectStage:
         self._sprites.particle_light = settings.particle_light
         self._field.cuts = settings.profile != "study"
         self._field.update(world)
-        self._projectors.update(world)
+        by_maps = settings.shadows.startswith("texture")
+        self._projectors.update(world, shadows=settings.shadow_size > 0 or not by_maps)
 
     @property
     def sprites(self) -> F8:
@@ -97,9 +98,11 @@ class EffectStage:
         view: View,
         projected: Sequence[BeamRuns],
         eyes: tuple[str, ...],
+        *,
+        whole: bool,
     ) -> int:
-        """Draw projected textures onto the opaque surfaces; return the draw calls."""
-        return self._projecting.draw(target, frame, view, projected, self._lights, eyes)
+        """Draw projected textures onto the opaque surfaces, see `ProjectorPass.draw`; return the draw calls."""
+        return self._projecting.draw(target, frame, view, projected, self._lights, eyes, whole=whole)
 
     def draw_mixed(self, target: moderngl.Framebuffer, frame: FrameBuffers, runs: Sequence[DrawRun | SpriteRun]) -> int:
         """Draw sprites and blended surfaces in order; return the draw calls."""

@@ -265,8 +265,8 @@ class WorldStage:
             draws += self._cords.draw(scene.world.cords, drawn.view, scene.lighting, scene.lights, time_s, eyes)
         if scene.effects is None:
             return draws
-        beams = drawn.projected
-        return draws + scene.effects.project(target, self._frame, drawn.view, beams, eyes.defines)
+        beams, whole = drawn.projected, drawn.part is None and not eyes.defines
+        return draws + scene.effects.project(target, self._frame, drawn.view, beams, eyes.defines, whole=whole)
 
     def _draw_transparent(self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws]) -> int:
         """Draw blended surfaces of both eyes in common passes; with sprites, each eye has its own order."""

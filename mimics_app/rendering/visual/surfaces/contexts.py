@@ -59,7 +59,13 @@ def create_surface(
 
 
 def create_window(
-    size: Size | None, title: str, *, vsync: bool = True, stereo: bool = False, scene: bool = True
+    size: Size | None,
+    title: str,
+    *,
+    vsync: bool = True,
+    stereo: bool = False,
+    scene: bool = True,
+    visible: bool = True,
 ) -> Surface:
     """Create a window as `create_surface` does; without a size, of one that suits the monitor.
 
@@ -69,6 +75,7 @@ def create_window(
         vsync: Whether `swap` waits for the display.
         stereo: Whether it has quad buffers.
         scene: Whether a scene is drawn in it; False: pages of words, which may be large in software too.
+        visible: Whether it is on the desktop at once; False: with `Surface.show`.
 
     Raises:
         DeviceError: See `create_surface`.
@@ -76,7 +83,7 @@ def create_window(
     from mimics_app.rendering.visual.surfaces.window import WindowSurface
 
     _keep_freed_memory()
-    return WindowSurface(size, title, vsync=vsync, stereo=stereo, scene=scene)
+    return WindowSurface(size, title, vsync=vsync, stereo=stereo, scene=scene, visible=visible)
 
 
 def _keep_freed_memory() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.window_input import GamepadState, InputEvent
@@ -17,9 +17,31 @@ if TYPE_CHECKING:
     from mimics_app.contracts.display_port import WindowPlace
     from mimics_app.rendering.visual.surfaces.wall_windows import WallWindows
 
-__all__ = ["ResetStatus", "Size", "Surface", "release_framebuffer"]
+__all__ = ["Place", "ResetStatus", "Size", "Surface", "release_framebuffer"]
 
 Size = tuple[int, int]
+
+
+class Place(NamedTuple):
+    """Place of a window on the desktop.
+
+    Attributes:
+        x, y: Upper left corner of its content [px].
+        width, height: Size that a person gave it, full screen aside [px]; 0 for none.
+        whole: Whether it fills the screen.
+    """
+
+    x: int
+    y: int
+    width: int = 0
+    height: int = 0
+    whole: bool = False
+
+    @classmethod
+    def of(cls, numbers: Sequence[int]) -> Place:
+        """Return the place whose five fields are given as numbers."""
+        x, y, width, height, whole = numbers
+        return cls(x, y, width, height, bool(whole))
 
 
 _NAMES = ("glGetGraphicsResetStatus", "glGetGraphicsResetStatusKHR", "glGetGraphicsResetStatusARB")
@@ -91,6 +113,20 @@ class Surface:
     def resized_to(self) -> Size | None:
         """Size that a person gave the window, full screen aside; None without one."""
         return None
+
+    @property
+    def place(self) -> Place | None:
+        """Place of the window on the desktop; None without one."""
+        return None
+
+    def move_to(self, place: Place) -> None:
+        """Move the window to the place of another; its size changes only where a person gave the other one a size."""
+
+    def hide(self) -> None:
+        """Take the window off the desktop; it goes on existing."""
+
+    def show(self) -> None:
+        """Put a hidden window back on the desktop; what happened to it before is forgotten."""
 
     def pointer(self) -> tuple[float, float] | None:
         """Return the pointer's position, right and up in [-1, 1]; None before it first moved over the window."""

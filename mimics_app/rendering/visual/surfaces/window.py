@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.window_input import GamepadState, InputEvent
 from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
-from mimics_app.rendering.visual.surfaces.surface import Size, Surface
+from mimics_app.rendering.visual.surfaces.surface import Place, Size, Surface
 from mimics_app.rendering.visual.surfaces.window_copy import WindowCopy
 from mimics_app.rendering.visual.surfaces.window_size import on_the_desktop, smallest_size, usual_size
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["WindowSurface"]
 
-_NO_DISPLAY = "give the session a display, or run headless: --headless, --backend egl"
+_NO_DISPLAY = "give the session a screen; without one: --headless, or --backend egl"
 _FIX_GL = "install it with: apt-get install libgl1 libgl1-mesa-dri, or run headless: --headless"
 _ALIASES = {"kp_enter": "enter"}
 _FIX_QUAD = "it takes a workstation's graphics card; else --display sbs, tb, interleaved or anaglyph"
@@ -45,13 +45,22 @@ class WindowSurface(Surface):
     _noted_by: object
 
     def __init__(
-        self, size: Size | None, title: str, *, vsync: bool = True, stereo: bool = False, scene: bool = True
+        self,
+        size: Size | None,
+        title: str,
+        *,
+        vsync: bool = True,
+        stereo: bool = False,
+        scene: bool = True,
+        visible: bool = True,
     ) -> None:
         import glfw
 
         self._read_library(glfw)
         self._title, self._vsync, self._stereo, self._scene = title, vsync, stereo, scene
+        self._visible = visible
         self._pointer: tuple[float, float] | None = None
+        self._resting: tuple[float, float] | None = None
         self._windowed: tuple[int, int, int, int] | None = None
         context = self._open(size)
         self._opened: Size = glfw.get_window_size(self._window)
@@ -72,7 +81,9 @@ class WindowSurface(Surface):
         if size is None:
             if self._scene and read_capabilities(context).software:  # the time of a frame grows with its pixels
                 glfw.set_window_size(self._window, *on_the_desktop(glfw, smallest_size(glfw)))
+        if self._visible:
             glfw.show_window(self._window)
+        self._resting = self._on_screen(*glfw.get_cursor_pos(self._window))
         return context
 
     def renew(self) -> None:
@@ -101,6 +112,34 @@ class WindowSurface(Surface):
     def resized_to(self) -> Size | None:
         size = self._windowed[2:] if self._windowed else self._glfw.get_window_size(self._window)
         return None if size == self._opened else size
+
+    @property
+    def place(self) -> Place:
+        glfw = self._glfw
+        x, y = self._windowed[:2] if self._windowed else glfw.get_window_pos(self._window)
+        return Place(x, y, *(self.resized_to or (0, 0)), whole=self._windowed is not None)
+
+    def move_to(self, place: Place) -> None:
+        glfw = self._glfw
+        if self._windowed:
+            self.toggle_fullscreen()
+        glfw.set_window_pos(self._window, place.x, place.y)
+        if place.width and place.height:
+            glfw.set_window_size(self._window, place.width, place.height)
+        if place.whole:
+            self.toggle_fullscreen()
+
+    def hide(self) -> None:
+        self._visible = False
+        self._glfw.hide_window(self._window)
+
+    def show(self) -> None:
+        glfw = self._glfw
+        self._visible = True
+        self._resting = self._on_screen(*glfw.get_cursor_pos(self._window))
+        glfw.show_window(self._window)
+        self.poll()
+        self._changed = None
 
     def pointer(self) -> tuple[float, float] | None:
         return self._pointer
@@ -199,16 +238,26 @@ class WindowSurface(Surface):
         name = ("left", "right", "middle")[button] if button < 3 else f"button_{button + 1}"
         pressed = action == self._glfw.PRESS
         self.buttons = self.buttons | {name} if pressed else self.buttons - {name}
-        x, y = self._pointer or (0.0, 0.0)
+        x, y = self._pointer or self._from_centre(*self._glfw.get_cursor_pos(self._window))
         self._events.append(InputEvent("button", name, pressed, x=x, y=y))
 
     def _on_move(self, _window: object, x: float, y: float) -> None:
-        width, height = self._glfw.get_window_size(self._window)
-        if min(width, height) < 1:
-            return
-        right, up = 2.0 * x / width - 1.0, 1.0 - 2.0 * y / height
-        self._pointer = (min(max(right, -1.0), 1.0), min(max(up, -1.0), 1.0))
+        if self._resting is not None:  # a window that opens under a pointer is told its place, though nobody moved it
+            if self._on_screen(x, y) == self._resting:
+                return
+            self._resting = None
+        self._pointer = self._from_centre(x, y)
         self._events.append(InputEvent("move", x=self._pointer[0], y=self._pointer[1]))
+
+    def _from_centre(self, x: float, y: float) -> tuple[float, float]:
+        """Return a place in the window, right and up in [-1, 1]."""
+        width, height = (max(side, 1) for side in self._glfw.get_window_size(self._window))
+        return min(max(2.0 * x / width - 1.0, -1.0), 1.0), min(max(1.0 - 2.0 * y / height, -1.0), 1.0)
+
+    def _on_screen(self, x: float, y: float) -> tuple[float, float]:
+        """Return a place in the window on the desktop, which stays the same while the window moves [px]."""
+        left, top = self._glfw.get_window_pos(self._window)
+        return round(left + x), round(top + y)
 
     def _on_resize(self, _window: object, width: int, height: int) -> None:
         if min(width, height) < 1:
@@ -248,7 +297,7 @@ def _open_window(glfw: ModuleType, wanted: Size | None, title: str, *, stereo: b
     # Errors are return values, raised as one DeviceError here, instead of warnings on stderr.
     glfw.ERROR_REPORTING = False  # type: ignore[attr-defined]  # the module's documented switch
     if not glfw.init():
-        raise DeviceError("no display for a window", _NO_DISPLAY)
+        raise DeviceError("no screen answers", _NO_DISPLAY)
     glfw.default_window_hints()
     glfw.window_hint(glfw.CONTEXT_VERSION_MAJOR, 4)
     glfw.window_hint(glfw.CONTEXT_VERSION_MINOR, 3)
@@ -261,7 +310,7 @@ def _open_window(glfw: ModuleType, wanted: Size | None, title: str, *, stereo: b
     glfw.window_hint(glfw.STEREO, stereo)
     glfw.window_hint(glfw.SRGB_CAPABLE, False)
     glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.LOSE_CONTEXT_ON_RESET)
-    glfw.window_hint(glfw.VISIBLE, wanted is not None)
+    glfw.window_hint(glfw.VISIBLE, False)
     size = on_the_desktop(glfw, wanted or usual_size(glfw))
     window = glfw.create_window(*size, title, None, None)
     if not window:  # a driver that cannot report a reset may refuse the request
@@ -272,6 +321,7 @@ def _open_window(glfw: ModuleType, wanted: Size | None, title: str, *, stereo: b
         if stereo:
             raise DeviceError("the display provides no window with a buffer for each eye", _FIX_QUAD)
         raise DeviceError("the display provides no window with OpenGL 4.3", _FIX_GL)
+    glfw.window_hint(glfw.VISIBLE, True)  # hints stay: of the windows of further walls too
     return window
 
 

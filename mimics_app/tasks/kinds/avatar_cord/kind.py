@@ -103,6 +103,10 @@ class AvatarCordPlay(KindPlay):
         return "Look at the figure before you" if self._phase is _Phase.BASELINE else ""
 
     @property
+    def asks(self) -> bool:
+        return self._phase is _Phase.QUESTIONS
+
+    @property
     def measures(self) -> Mapping[str, float | None]:
         by_scale: dict[str, list[float]] = {}
         for answer in self._asking.answers:

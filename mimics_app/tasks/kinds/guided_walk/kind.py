@@ -120,7 +120,10 @@ class GuidedWalkPlay(KindPlay):
 
     @property
     def prompt(self) -> str:
-        return f"The avatar {_WORDS[self._guide.deed]}"
+        deed = f"The avatar {_WORDS[self._guide.deed]}"
+        if self._spec.walker == "simulated":
+            return f"{deed}; the walker answers by itself"
+        return f"Go to the green ring: hand to the right walks on, to the left back. {deed}"
 
     @property
     def measures(self) -> Values:
