@@ -123,7 +123,7 @@ class GuidedWalkPlay(KindPlay):
         deed = f"The avatar {_WORDS[self._guide.deed]}"
         if self._spec.walker == "simulated":
             return f"{deed}; the walker answers by itself"
-        return f"Go to the green ring: hand to the right walks on, to the left back. {deed}"
+        return f"Go to the green ring: hand up walks on, down back, left and right aside. {deed}"
 
     @property
     def measures(self) -> Values:
@@ -132,7 +132,7 @@ class GuidedWalkPlay(KindPlay):
     def told(self, row: Mapping[str, object], *, finished: bool) -> str:
         if finished:
             return f"The place is reached, in {row['time_s']:.0f} s"
-        return f"{abs(self._alley.place - self._walker.x):.1f} m left to the place"
+        return f"{self._alley.left(self._walker.at):.1f} m left to the place"
 
     def holds(self, goal: Component, seen: Observation) -> bool:
         return self._reached
