@@ -96,7 +96,7 @@ class _Tuning(NamedTuple):
 
     From a random search over the six MIT-BIH records with and without synthetic noise and the four of the noise stress
     test; those of the rhythm over the six with real electrode noise added, without the stress test; those of the bands
-    by hand over simulated electrode noise alone (decision 169). docs/guide/physiology.md has the results for other
+    by hand over simulated electrode noise alone (decision 203). docs/guide/physiology.md has the results for other
     records and other noise.
     """
 

@@ -8,7 +8,7 @@ __all__ = ["TUNING"]
 
 
 class _Tuning(NamedTuple):
-    """Parameters of the detector by forms. Most are from a random search over simulated noise (decisions 203, 204)."""
+    """Parameters of the detector by forms. Most are from a random search over simulated noise (decisions 203, 203)."""
 
     before_s: float = 0.05  # a template begins this time before the R peak
     after_s: float = 0.0555  # ... and ends this time after it

@@ -27,7 +27,7 @@ __all__ = ["PEOPLE", "SEEDS", "TRIALS", "LoopScore", "loop_study", "pooled"]
 PEOPLE, TRIALS = 20, 14
 """Numbers of people of a group, and of trials of each."""
 SEEDS = (1, 2, 3)
-"""Seeds of the groups of people: the ratio of two policies differs by a fifth between groups (decision 166)."""
+"""Seeds of the groups of people: the ratio of two policies differs by a fifth between groups (decision 125)."""
 
 _BASELINE_S = 60.0
 """Length of the estimator's calibration [s]."""
