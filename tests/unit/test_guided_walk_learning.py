@@ -32,7 +32,7 @@ def ended() -> TrialResult:
 
 
 def test_the_published_order_of_the_guided_walk() -> None:
-    """Kastanis & Slater 2012: nine, six and one of ten; the walkers were fixed before the guide had learnt anything."""
+    """Kastanis & Slater 2012: nine, six and one of ten; the walkers' distances are published ones."""
     intimate, social, chance = (walk_study(c, people=150, seed=9) for c in ("intimate", "social", "random"))
     assert intimate.low > social.high
     assert social.low > chance.share

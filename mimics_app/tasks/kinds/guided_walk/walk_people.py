@@ -2,7 +2,7 @@
 
 The real part is along the alley, the imaginary part to its right.
 
-The walker's parameters are from publications and were fixed before any learning:
+The walker's distances are from publications; how fast a gesture wears off and how often pointing works are settings:
 
 - personal space of 0.45 to 1.2 m among strangers (Hall, The Hidden Dimension, 1966); people leave 0.4 to 0.6 m between
   themselves and a virtual person who stands, and step away from one who walks into that space (Bailenson et al., Pers
