@@ -767,6 +767,7 @@ class SwingRecord:
     settling: float
     begun: int
     told: int
+    lost: int
     calm: float
     least_calm: float
     count: int

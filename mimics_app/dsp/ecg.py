@@ -12,7 +12,6 @@ from mimics_app.dsp.filters import Floats, band_pass, delay_of
 from mimics_app.dsp.kernels.beats import BEATS_STATE, FITTED, PROVISIONAL, FormDetector, choose_beats
 from mimics_app.dsp.kernels.ecg import (
     ECG_STATE,
-    MISSING,
     NPK,
     SPK,
     EnergyDetector,
@@ -54,22 +53,25 @@ class Ecg(Channel):
         for state in (self._energy.state, self._forms.state):
             state[LAST], state[UNSTEADY] = -1.0, 0.5  # it takes a dozen beats until the rhythm counts as steady
         self._forms.state[FITTED], self._forms.state[PROVISIONAL] = -np.inf, 1.0
-        self._wide = np.zeros(self._length)
+        self._wide, self._missing = np.zeros((2, self._length))
+        self._unclear = False
         self._bad: deque[bool] = deque(maxlen=_DOUBTED_S)
         self.rhythm = Rhythm()
 
     def _take(self, piece: Floats) -> list[Event]:
-        wide = self._wide[: len(piece)]
-        found = self._energy.out[: find_beats(piece, self._filters, self._energy, wide)]
-        count = choose_beats(wide, found, self._forms)
-        events = []
-        if self.found.quality < _LEAST_QUALITY and self.samples > _FIRST_S * self.rate:
-            self.rhythm.pause()  # what is found in noise gives no interval
+        wide, missing = self._wide[: len(piece)], self._missing[: len(piece)]
+        found = self._energy.out[: find_beats(piece, self._filters, self._energy, wide, missing)]
+        lost = (missing > self.rate) | self._unclear
+        count, begin, events = choose_beats(wide, found, self._forms), 0, []
         for at, known in self._forms.out[:count].tolist():
+            end = round(known) - self.samples
+            if lost[begin:end].any():
+                self.rhythm.pause()  # no interval spans it
+            begin = end
             t_s = max(at, 0.0) / self.rate
             interval = self.rhythm.beat(t_s)
             events.append(Event(t_s, (known + 1.0) / self.rate, "r_peak", interval or 0.0, self.found.quality))
-        if self._energy.state[MISSING] > self.rate:
+        if lost[begin:].any():
             self.rhythm.pause()
         return events
 
@@ -80,6 +82,7 @@ class Ecg(Channel):
         clear = (state[SPK] / max(state[NPK], 1e-12) - _UNCLEAR) / (_CLEAR - _UNCLEAR)
         quality = self._contact(raw) * float(np.clip(clear, 0.0, 1.0)) * (1.0 if silent < 3.0 else 0.0)
         self._bad.append(quality < _LEAST_QUALITY)
+        self._unclear = self._bad[-1] and now_s > _FIRST_S  # what is found in noise gives no interval
         if sum(self._bad) >= _MOSTLY * _DOUBTED_S:
             self.rhythm.forget(now_s - _DOUBTED_S)
         return Found(features if quality > 0.0 else {}, quality)

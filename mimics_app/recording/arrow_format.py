@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 import struct
 import zlib
 from dataclasses import dataclass
@@ -55,6 +56,8 @@ END_OF_STREAM = b"\xff\xff\xff\xff\x00\x00\x00\x00"
 """End mark of an Arrow stream."""
 
 _NUMBERS = struct.Struct("<qq")
+_FIELD = re.compile(r"<[iuf][248]|\|[biu]1|\|V[0-9]{1,4}")
+"""Types of the fields of a block: numbers with the low byte first, and the gaps between them."""
 _BROKEN = (pa.ArrowException, StopIteration, OSError, EOFError)
 
 
@@ -189,8 +192,14 @@ def _row_dtypes(descriptions: bytes) -> dict[str, np.dtype[Any]]:
 
 
 def _tuples(description: str | list[Any]) -> Any:
-    """Return a dtype description with the tuples that JSON holds as lists."""
+    """Return a dtype description with the tuples that JSON holds as lists.
+
+    Raises:
+        ValueError: A field is of a type that no version writes, as where its description is damaged.
+    """
     if isinstance(description, str):
+        if not _FIELD.fullmatch(description):
+            raise ValueError(f"no description of parameter blocks: a field of type {description!r}")
         return description
     return [(name, _tuples(kind), *(tuple(shape) for shape in rest)) for name, kind, *rest in description]
 

@@ -20,6 +20,9 @@ __all__ = ["SampleLayout", "current_layout", "layout_of", "samples_schema"]
 _EVER = frozenset({"t", "tick", "state", "hip_world", "v_world", "f_user_world", "f_meas", "q", "dq"})
 """Fields of SAMPLE recorded by every version."""
 
+_LATER = frozenset({"calm", "f_ordered"})
+"""Outputs that recordings of the present inputs may lack: they were made before the detector of oscillation."""
+
 _ABSENT, _NOTHING = -1, -2
 """Indices of columns that were not recorded, and of those that the device does not have."""
 
@@ -53,6 +56,11 @@ class SampleLayout:
         """Whether it is the layout of this version for the device."""
         wanted = _places(self.extent, dict(zip(column_names(self.extent), range(ROW), strict=False)))
         return self.width == len(column_names(self.extent)) and bool((self.places == wanted).all())
+
+    @property
+    def replayable(self) -> bool:
+        """Whether a replay has all it needs: what is absent are outputs that came later, which are not compared."""
+        return all(name.partition("[")[0] in _LATER for name in self.absent)
 
     def rows(self, t: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return samples of this version, shape [n, ROW], from `t` [n] and the other columns [n, width-1]."""

@@ -40,7 +40,7 @@ _WITHOUT = {
     "late_latches": 1,
     "measured_force_limit": 1e9,
     "device_mass": 0.0,
-    "device_lag": 0.0,
+    "device_lag": -1.0,
     "device_filter": 0.0,
 }
 """Parameters that earlier versions lack, with the value of their behaviour: late ticks always latched, forces never,

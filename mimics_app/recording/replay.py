@@ -5,6 +5,7 @@ The replay itself, which feeds these inputs through the tick function of the liv
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -78,7 +79,7 @@ def gather(run: Run) -> ReplayData:
     samples = run.haptic
     if len(samples) == 0:
         raise PartialDataError(f"{run.folder} holds no tick", "; ".join(run.losses()))
-    if not run.layout.current:
+    if not run.layout.replayable:
         raise PartialDataError(f"{run.folder} was recorded with other columns", "replay it with the version it names")
     if run.gaps:
         gap = run.gaps[0]
@@ -99,19 +100,20 @@ def gather(run: Run) -> ReplayData:
     return ReplayData(samples, known, rows, read_statics(run.folder))
 
 
-def compare(recorded: NDArray[Any], replayed: NDArray[Any]) -> Difference | None:
+def compare(recorded: NDArray[Any], replayed: NDArray[Any], absent: Sequence[str] = ()) -> Difference | None:
     """Return the first output that is not bit-identical, in the order of ticks and columns; None without one.
 
     Args:
         recorded: SAMPLE records, shape [n].
         replayed: SAMPLE records, shape [n], the same ticks.
+        absent: Names of columns that were not recorded and are left out, see `SampleLayout`.
 
     Raises:
         ValueError: They do not cover the same number of ticks.
     """
     if len(recorded) != len(replayed):
         raise ValueError(f"{len(recorded)} recorded and {len(replayed)} replayed ticks cannot be compared")
-    columns = field_columns(OUTPUT_FIELDS)
+    columns = np.array([each for each in field_columns(OUTPUT_FIELDS) if name_of(int(each)) not in absent])
     one, other = rows_of(recorded)[:, columns], rows_of(replayed)[:, columns]
     differs = one.view(np.uint64) != other.view(np.uint64)
     if not differs.any():

@@ -11,7 +11,6 @@ READERS |= {"SoundFile", "loadtxt", "genfromtxt", "fromfile", "memmap", "File"}
 """Functions that open a file, of the standard library and of others."""
 
 OWN_DATA = {
-    "app/api/recording.py": "package data",
     "app/bench/ogre_particles.py": "written by the harness that starts it",
     "app/bench/record_bench.py": "/proc",
     "app/commands/completion.py": "package data",

@@ -61,7 +61,10 @@ def test_a_session_that_ends_before_its_sound_could_start_says_so(tmp_path, star
     )
     os.kill(audio.pid, signal.SIGSTOP)
     report = audio.stop()
-    assert report.crashed and "before its sound could start: nothing was heard" in report.status.notice
+    said = "the session ended before its sound could start: nothing was heard; picture and touch ran on"
+    assert report.status.notice == said
+    assert not report.crashed, "it was held back, and has not failed"
+    assert not report.rows
     assert not audio.alive
 
 
@@ -323,17 +326,6 @@ def test_ctrl_c_is_left_to_the_app(started, capfd):
     assert audio.alive and audio.pid == first
     assert capfd.readouterr().err == ""
     assert not audio.stop().crashed
-
-
-def test_a_session_that_ends_before_its_sound_is_ready_says_so(started):
-    """A child that is held back while it starts, as by a busy machine: it is no crash, and nothing was played."""
-    audio = started(SessionMemory(), stop_timeout_s=0.3)
-    os.kill(audio.pid, signal.SIGSTOP)
-    report = audio.stop()
-    assert report.status.notice == "the session ended before the sound was ready: no sound was played"
-    assert not report.crashed
-    assert not report.rows
-    assert not audio.alive
 
 
 def test_closed_word_ends_the_child(started):

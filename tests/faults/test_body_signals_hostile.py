@@ -5,6 +5,7 @@ from __future__ import annotations
 import bz2
 import gzip
 import os
+import threading
 import tracemalloc
 from pathlib import Path
 
@@ -173,6 +174,16 @@ def test_a_table_in_batches_is_the_table_in_one(tmp_path: Path, compress, monkey
 def test_a_table_that_claims_more_than_it_holds_is_refused(tmp_path: Path, text: str, told: str) -> None:
     (tmp_path / "x.csv").write_text(text)
     assert told in refusal(tmp_path / "x.csv")
+
+
+def test_no_thread_of_arrow_reads_through_python(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One that still read while `tracemalloc` stopped crashed the interpreter."""
+    threads, read = set(), csv_file._Text.readinto
+    monkeypatch.setattr(csv_file._Text, "readinto", lambda *of: (threads.add(threading.get_ident()), read(*of))[1])
+    monkeypatch.setattr(csv_file, "_BATCH", 4096)
+    (tmp_path / "x.csv").write_text(rows(3000))
+    assert len(read_signal_file(tmp_path / "x.csv")) == 2
+    assert threads == {threading.get_ident()}
 
 
 def test_text_that_unpacks_a_thousandfold_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -28,6 +28,7 @@ from mimics_app.rendering.haptic.kernels.robot import ROBOT_LENGTH
 from mimics_app.world.components.robot import Robot
 from tests.support.device_rig import Rig, hapticmaster_rig
 from tests.support.haptic_bench import Bench, bench_of
+from tests.support.regions import HEAVY
 
 ROWS = 256
 PATIENCE = 20_000
@@ -99,8 +100,10 @@ def test_objects_mode_the_machine_renders_and_no_force_is_streamed():
 
 @pytest.mark.parametrize("delay", [0, 5])
 def test_delay_of_the_network_is_measured_and_lowers_the_stiffness_limit(delay: int):
+    """Of a heavy virtual mass: the region of stable contacts is then the linear condition in its whole lower part."""
     with hapticmaster_rig(delay_steps=delay) as rig:
         bench = _bench(rig)
+        bench.publish(**HEAVY)
         samples = rig.advance(bench, 600)
         wanted = 0.4e-3 + (1e-3 if delay == 0 else delay * 1e-3)
         assert samples["delay"][-1] == pytest.approx(wanted, abs=1.1e-3)

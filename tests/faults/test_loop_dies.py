@@ -94,7 +94,7 @@ def _session(bench: Bench) -> Any:
         window=None,
         tasks=SimpleNamespace(done=False),
         scene=SimpleNamespace(files=()),
-        settings=SimpleNamespace(seconds=PATIENCE_S),
+        settings=SimpleNamespace(seconds=PATIENCE_S, journey=None),
         inputs=SimpleNamespace(frame=SimpleNamespace(events=())),
     )
 

@@ -81,10 +81,32 @@ TRANSITIONS = {
 LIFE = 8000
 """Ticks from OFF to the next switching on."""
 
+SHAKING = 800
+"""Ticks for which a stiff wall, without cap and passivity control, feeds an oscillation of handle and hand."""
+SHAKE, TURN = 3e-3, 0.25
+"""Amplitude [m] and phase per tick [rad] of that oscillation: 40 Hz, 0.75 m/s."""
+RESISTANCE = 30.0
+"""Resistance of the hand that shakes [N s/m]: by it the virtual mass moves in phase with the wall's force."""
+
 
 @kernel
 def _chance(noise, share):
     return uniform(noise, 0) < share
+
+
+@kernel
+def _shake(tables, scene, on):
+    """A wall that nothing bounds but the detector of oscillation, or the usual one."""
+    scene.sequence += 1
+    scene.cap = scene.passivity = 0 if on else 1
+    tables.tunnels[0].damping = 0.0 if on else 25.0
+    scene.force_rate_limit = 1e4 if on else 2e3
+    if on:
+        tables.tunnels[0].stiffness = 15000.0
+        scene.force_limit = 200.0
+        scene.energy_limit = 10.0
+    else:
+        scene.force_limit, scene.energy_limit = 60.0, 0.5
 
 
 @kernel
@@ -147,6 +169,7 @@ def _walk(
     dq = np.zeros(3)
     lean = np.zeros(3)
     stuck = 0
+    shaking = 0
     last_command = np.zeros(MAX_JOINTS)
     for k in range(ticks):
         age = k % LIFE
@@ -164,7 +187,7 @@ def _walk(
         haste = 50.0 if before < READY else 5.0 if before == DEGRADED else 2.0
         if _chance(noise, 0.002) and age > 20:
             scene.sequence += 1
-            scene.controller = int(uniform(noise, 0) * 4.0) if _chance(noise, 0.2) else 3
+            scene.controller = int(uniform(noise, 0) * 4.0) if _chance(noise, 0.3) else 3
             scene.target[0] = 0.3 if _chance(noise, 0.1) else 0.0  # where this handle is never driven to
             scene.form = int(uniform(noise, 0) * 3.0)
             tables.tunnels[0].stiffness = 4000.0 * uniform(noise, 0)
@@ -173,6 +196,13 @@ def _walk(
         if (age > 20 and _chance(noise, 0.01)) or age == 40:
             scene.resets += 1
             scene.sequence += 1
+        if before == ACTIVE and shaking == 0 and _chance(noise, 3e-4):
+            shaking = SHAKING
+            _shake(tables, scene, True)
+        elif shaking > 0:
+            shaking = shaking - 1 if before == ACTIVE or before == DEGRADED else 0
+            if shaking == 0:
+                _shake(tables, scene, False)
         if k % 1000 == 0:  # where the hand leans: now and then out of the workspace
             for i in range(3):
                 lean[i] = (1.0 if _chance(noise, 0.02) else 0.1) * (uniform(noise, 0) - 0.5)
@@ -184,6 +214,10 @@ def _walk(
             data[DATA_Q + i] = q[i]
             data[DATA_DQ + i] = dq[i]
             data[DATA_FORCE + i] = 60.0 * (uniform(noise, 0) - 0.5)
+        if shaking > 0:
+            data[DATA_Q + 2] += SHAKE * math.sin(TURN * shaking)
+            data[DATA_DQ + 2] -= SHAKE * TURN / 1e-3 * math.cos(TURN * shaking)
+            data[DATA_FORCE + 2] = -RESISTANCE * data[DATA_DQ + 2]
         if _chance(noise, 5e-5):
             data[DATA_DQ + 2] = 2.0  # faster than any hand
         stuck = 30 if _chance(noise, 5e-5) else max(0, stuck - 1)

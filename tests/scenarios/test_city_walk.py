@@ -103,9 +103,10 @@ def test_each_step_sounds_at_its_time_as_its_ground(tmp_path: Path) -> None:
     for _, t, ground, _ in by_walker["own_body"]:
         at = onsets[t, sound_of[ground]]
         spectrum = np.abs(np.fft.rfft(mix[at : at + 9600] * np.hanning(9600))) ** 2
-        share = spectrum[480:1600].sum() / spectrum[:1600].sum()  # 2.4 to 8 kHz, of all below 8 kHz
-        (bright if ground == "grass" else dull).append(share)
-    assert np.median(bright) > 2.0 * np.median(dull)
+        # The rustle of blades, 2.4 to 8 kHz, against the knock of hard ground, 0.3 to 1.5 kHz: steps on both have grit.
+        (bright if ground == "grass" else dull).append(spectrum[480:1600].sum() / spectrum[60:300].sum())
+    assert min(bright) > 2.0 * max(dull)
+    assert np.median(bright) > 6.0 * np.median(dull)
 
 
 def test_who_moves_the_hand_aside_stands_looks_about_and_hears_the_others(tmp_path: Path) -> None:

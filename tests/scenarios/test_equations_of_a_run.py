@@ -35,7 +35,8 @@ MASS, DRAG = 2.0, 30.0
 """Mass [kg] and drag [N s/m] of the ball that floats."""
 BALL, CUBE, CAN = (0.0, 0.385, 0.0), (-0.11, 0.3, 0.0), (0.12, 0.29, 0.01)
 TURN_OF_CUBE, TURN_OF_CAN = Rotation.from_euler("xyz", (0.3, 0.5, -0.2)), Rotation.from_euler("xyz", (1.0, 0.4, 0.1))
-EDGE, CAN_RADIUS, CAN_LENGTH, BALL_RADIUS = 0.08, 0.03, 0.1, 0.045
+EDGE, CAN_RADIUS, CAN_LENGTH, BALL_RADIUS = 0.08, 0.035, 0.1, 0.045
+"""Sizes [m]; a thinner can would let a hand through below the force limit of 60 N, and `check` refuses it."""
 
 
 @pytest.fixture(scope="module")

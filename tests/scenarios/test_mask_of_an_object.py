@@ -28,6 +28,8 @@ TOUCH, IN, HELD = 700, 20, 40
 
 CUBE = {"shapes": [{"shape": "cube", "size": [0.04, 0.04, 0.04]}], "mass": 0.5, "sleeps": False}
 STIFF = {"stiffness": 1000.0, "damping": 0.0}
+SAFETY = {"force_limit": 50.0}
+"""A cube of 4 cm at 1000 N/m lets a hand through at 55 N: `check` refuses it for a hand that may press harder."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +53,7 @@ class Played:
 def play(folder: Path, hand: np.ndarray, ticks: int, transform: dict[str, Any], **mask: Any) -> Played:
     """One object of a scene file, and a hand that goes its own way."""
     entity = {**thing("thing", haptic_object={**CUBE, **mask}), "transform": transform}
-    side = HapticSide(loaded(folder, thing("robot", robot={}), entity))
+    side = HapticSide(loaded(folder, thing("robot", robot={}, safety=SAFETY), entity))
     plugin = DevicePlugin("script", read_script, ignore, np.ascontiguousarray(hand).ravel())
     memory = side.memory(plugin)
     engine = side.engine(memory, plugin)

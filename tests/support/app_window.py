@@ -14,14 +14,18 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.session.person_input import pointer_plane
 from mimics_app.contracts.haptic import SAMPLE
+from mimics_app.contracts.input_port import Ray
+from mimics_app.contracts.scenario_port import Scenario
+from mimics_app.inputs.interaction.window_reach import pointed
 from mimics_app.recording.arrow_format import decode_samples
 from mimics_app.recording.arrow_scan import read_index
 from mimics_app.recording.run import Run
@@ -52,7 +56,10 @@ class AppWindow:
     blocks: list[NDArray[Any]] = field(default_factory=list)
 
     def mouse(self, point_world: np.ndarray) -> None:
-        self.send("mousemove", *map(str, pixel_of(self.scene, point_world, self.size)))
+        """Move the pointer to where it asks for a point of the robot's plane."""
+        middle, stretch = _reach(self.scene, self.size)
+        shown = middle + (np.asarray(point_world) - middle) / stretch
+        self.send("mousemove", *map(str, pixel_of(self.scene, shown, self.size)))
 
     def send(self, *words: str) -> None:
         subprocess.run(["xdotool", *words], env={**os.environ, "DISPLAY": self.screen}, check=True, timeout=20)
@@ -111,6 +118,23 @@ class AppWindow:
 def _clip_from_world(scene: Path, size: tuple[int, int]) -> np.ndarray:
     """Of the scene's first camera, shape [4, 4]; a world takes seconds to build."""
     return desktop_views(build_world(load_checked_scene(scene)).cameras[0], size)[0].clip_from_world
+
+
+@lru_cache(maxsize=4)
+def _reach(scene: Path, size: tuple[int, int]) -> tuple[np.ndarray, float]:
+    """Middle of the pointer's plane, world [m], and how many times as far as shown the pointer leads from it."""
+    plane = pointer_plane(load_checked_scene(scene), cast(Scenario, None), lever=False)
+    world_from_clip = np.linalg.inv(_clip_from_world(scene, size))
+
+    def ray(right: float, up: float) -> Ray:
+        near, far = (world_from_clip @ (right, up, depth, 1.0) for depth in (-1.0, 0.5))
+        near, far = near[:3] / near[3], far[:3] / far[3]
+        return tuple(near.tolist()), tuple((far - near).tolist())
+
+    place, middle = (0.1, 0.1), np.array(plane.centre)
+    shown, led = plane.crossing(ray(*place)), pointed(plane, ray, *place)
+    assert shown is not None and led is not None
+    return middle, float(np.linalg.norm(np.array(led) - middle) / np.hypot(*shown))
 
 
 def pixel_of(scene: Path, point_world: np.ndarray, size: tuple[int, int] = SIZE) -> tuple[int, int]:

@@ -147,8 +147,10 @@ def _sample(times: np.ndarray, values: np.ndarray, at: float, kind: str, turns: 
             h = (2 * t**3 - 3 * t**2 + 1, t**3 - 2 * t**2 + t, -2 * t**3 + 3 * t**2, t**3 - t**2)
             value = h[0] * a + h[1] * span * values[k, 2] + h[2] * b + h[3] * span * values[k + 1, 0]
         elif turns:
+            # Between unit quaternions: a file's rounding, 0.383 and 0.924, would bend the path (3.11, appendix C.4).
+            a, b = a / np.linalg.norm(a), b / np.linalg.norm(b)
             b = -b if a @ b < 0 else b
-            angle = np.arccos(min(1.0, float(a @ b / np.linalg.norm(a) / np.linalg.norm(b))))
+            angle = np.arccos(min(1.0, float(a @ b)))
             value = a if angle < 1e-9 else (np.sin((1 - t) * angle) * a + np.sin(t * angle) * b) / np.sin(angle)
         else:
             value = (1 - t) * a + t * b

@@ -44,6 +44,18 @@ def test_blocks_of_any_size_give_the_same_to_the_bit(kind: type[Channel], two_mi
         assert other.found == found
 
 
+@pytest.mark.parametrize("gap", ["missing", "flat"])
+def test_an_interval_over_a_gap_is_none_in_blocks_of_any_size(gap: str) -> None:
+    """Before the quality counts, and with the gap's end within a block."""
+    ecg = body(12, 3)[0]["ecg"]
+    ecg[1_300:4_500] = np.nan if gap == "missing" else ecg[1_300]
+    events = feed(Ecg(1000.0), ecg, 1)
+    after = next(event for event in events if event.t_s > 4.6)
+    assert after.value == 0.0
+    for block in (7, 1000, 12_000):
+        assert feed(Ecg(1000.0), ecg, block) == events
+
+
 @pytest.mark.parametrize("kind", [Ecg, Gsr, Emg, Resp])
 def test_what_was_saved_goes_on_to_the_bit(kind: type[Channel], two_minutes: Any) -> None:
     values = two_minutes[0][kind.name]

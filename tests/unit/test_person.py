@@ -34,10 +34,11 @@ def test_on_a_robot_of_its_own_time_the_mouse_only_stops(real_time: bool):
         picture=SimpleNamespace(
             ray=lambda right, up: ((right, up, 2.0), (0.0, 0.0, -1.0)),
             surface=Window(),
-            presenter=SimpleNamespace(display=SimpleNamespace(take_pressed=tuple)),
+            presenter=SimpleNamespace(take_pressed=tuple),
         ),
         haptics=SimpleNamespace(plugin=SimpleNamespace(real_time=real_time)),
         inputs=SimpleNamespace(signals=()),
+        tasks=SimpleNamespace(lever=False),
     )
     inputs = person_inputs(session)
     inputs.aim(Aim(APPLE, close=True))

@@ -72,7 +72,7 @@ def test_every_column_has_a_name_and_a_unit() -> None:
     bare = {name for name, unit in zip(column_names(), column_units(), strict=True) if unit == "1"}
     assert bare == {
         "tick", "buttons", "status", "sequence", "stop_word", "held", "progress", "ramp", "state", "cause",
-        "margin", "touching", "touched_shape", "held_body", "bodies", "stiffness_share", "tank_share",
+        "margin", "touching", "touched_shape", "held_body", "bodies", "stiffness_share", "tank_share", "calm",
     }  # fmt: skip
     fields = {"t", "tick", *columns.INPUT_FIELDS, *columns.OUTPUT_FIELDS, *columns.TIMING_FIELDS}
     assert fields == set(SAMPLE.names or ())

@@ -123,8 +123,12 @@ def test_a_step_on_earth_crumbles(take: int) -> None:
 
 
 def test_a_scrape_is_rough() -> None:
-    """Its level in hundredths of a second varies by a third and more of its mean; that of steady noise by a twelfth."""
+    """Its level in hundredths of a second varies by a third and more of its mean; that of steady noise by a twelfth.
+
+    Its level is that of a loop of noise of the same peak, -18 dB of full scale: single collisions do not make it quiet.
+    """
     scrape = synth.synthesise_scrape().astype(np.float64)
+    assert level(scrape, 0.0, len(scrape) / RATE) == pytest.approx(-18.0, abs=2.0)
     parts = np.sqrt(np.mean(scrape.reshape(-1, RATE // 100) ** 2, axis=1))
     assert 0.33 < parts.std() / parts.mean() < 0.9
     found = octaves(scrape)

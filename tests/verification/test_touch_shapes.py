@@ -84,21 +84,33 @@ def test_a_point_with_a_radius_touches_earlier_by_it(kind):
 
 
 def test_sharp_box_is_cube_bit_for_bit():
-    """The box of the loop is `kernels.contact.cube`: the same bits on a random walk through all its faces."""
+    """The box of the loop is `kernels.contact.cube`: the same bits on a random walk through all its faces.
+
+    Behind the face of entry it goes on as a block without an end, from which `cube` would let the point go.
+    """
     rng = np.random.default_rng(5)
     edges = np.array([0.04, 0.06, 0.05])
     path = np.cumsum(rng.normal(0.0, 2e-3, (20_000, 3)), axis=0)
     path -= np.round(path / 0.1) * 0.1  # come back in by the other side
     contact, expected = np.zeros(1, CONTACT)[0], np.zeros_like(path)
     v = np.array([0.1, -0.2, 0.3])
+    behind = 0
     for i, p in enumerate(path):
-        if i and np.abs(path[i] - path[i - 1]).max() > 0.04:
+        jumped = i and np.abs(path[i] - path[i - 1]).max() > 0.04
+        if jumped or np.linalg.norm(p) >= 0.5 * np.linalg.norm(edges):
             contact["known"] = contact["inside"] = 0
-        cube(p, v, edges, contact)
-        expected[i] = K * float(contact["depth"]) * contact["normal"]
+        axis, side = abs(int(contact["feature"])) - 1, math.copysign(1.0, contact["feature"])
+        beside = np.delete(np.abs(p) >= 0.5 * edges, axis).any()
+        if contact["inside"] and not beside and -side * p[axis] >= 0.5 * edges[axis]:
+            expected[i, axis] = K * (0.5 * edges[axis] - side * p[axis]) * side
+            contact["previous"] = p
+            behind += 1
+        else:
+            cube(p, v, edges, contact)
+            expected[i] = K * float(contact["depth"]) * contact["normal"]
     play = one_shape(ShapeKind.BOX, edges)
     found = follow(play, path, v)
-    assert (np.abs(expected).max(axis=0) > 1.0).all()
+    assert (np.abs(expected).max(axis=0) > 1.0).all() and behind > 10
     assert np.array_equal(found, expected)
 
 
@@ -125,13 +137,28 @@ def test_start_inside_takes_the_nearest_face():
 
 
 def test_deeper_than_the_object_the_face_of_entry_pushes_on():
-    """Beyond its middle a box still pushes back out of the face of entry, and lets go when left on the far side."""
+    """Beyond its middle, and behind it, a box still pushes back out of the face of entry, to its bounding sphere."""
     play = one_shape(ShapeKind.BOX)
-    path = np.array([[0.0, 0.0, z] for z in np.arange(0.025, -0.03, -1e-3)])
+    path = np.array([[0.0, 0.0, z] for z in np.arange(0.025, -0.04, -1e-3)])
     force = follow(play, path)
-    depth = np.where(np.abs(path[:, 2]) < RIM - 1e-12, RIM - path[:, 2], 0.0)
+    bounds = math.sqrt(3.0) * RIM
+    depth = np.where((path[:, 2] < RIM - 1e-12) & (path[:, 2] > -bounds), RIM - path[:, 2], 0.0)
+    assert depth[-1] == 0.0 < RIM + RIM < depth.max()
     assert force[:, 2] == NEAR(K * depth, abs=1e-9)
     assert not force[:, :2].any()
+
+
+def test_behind_the_object_the_face_of_entry_pushes_until_the_point_is_beside_it():
+    """Through a box and round its far edge it is free again; back in by the far side is an entry by that side."""
+    play = one_shape(ShapeKind.BOX)
+    through = [(0.0, 0.0, z) for z in np.arange(0.025, -0.0215, -1e-3)]
+    aside = [(x, 0.0, -0.022) for x in np.arange(1e-3, 0.0255, 1e-3)]
+    back = [(x, 0.0, -0.022) for x in np.arange(0.024, 0.0095, -1e-3)]
+    force = follow(play, [*through, *aside, *back, (0.01, 0.0, -0.018)], np.zeros(3))
+    held = len(through) + int(np.count_nonzero(np.array(aside)[:, 0] < RIM - 1e-12))
+    assert force[len(through) : held, 2] == NEAR(K * (RIM + 0.022), abs=1e-9)
+    assert not force[held:-1].any()
+    assert force[-1] == NEAR(np.array([0.0, 0.0, -K * 2e-3]), abs=1e-9)
 
 
 @pytest.mark.parametrize("kind", [ShapeKind.SPHERE, ShapeKind.CYLINDER, ShapeKind.CAPSULE])

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +12,7 @@ import numpy as np
 
 from mimics_app.app.api.unit_array import Quantity, Table
 from mimics_app.contracts.loop_fields import LOOP_FIELDS, Replay
+from mimics_app.dsp.feature_units import FEATURE_UNITS
 from mimics_app.recording.run import Run
 
 __all__ = ["Recording", "Signal", "load"]
@@ -93,7 +92,7 @@ class Recording:
     def features(self) -> Table:
         """Features of body signals, a row for each second: `t_s`, and each feature; NaN while it is unknown."""
         rows = [{"t_s": self._seconds(line["t_ns"]), **line["values"]} for line in self.run.lines_of("app", "features")]
-        return _table_of(rows, {"t_s": "s", **_feature_units()})
+        return _table_of(rows, {"t_s": "s", **FEATURE_UNITS})
 
     @cached_property
     def signals(self) -> dict[str, Signal]:
@@ -158,10 +157,6 @@ def _is_vector(cell: object) -> bool:
 def _unit_by(name: str) -> str:
     """Return the unit that the last letters of a column name state."""
     return next((unit for suffix, unit in _SUFFIXES if name.endswith(suffix)), "1")
-
-
-def _feature_units() -> dict[str, str]:
-    return dict(json.loads(files("mimics_app.dsp").joinpath("feature_units.json").read_text(encoding="utf-8")))
 
 
 def _signal_units() -> dict[str, str]:

@@ -10,7 +10,6 @@ from mimics_app.contracts.display_port import Display
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
 from mimics_app.rendering.visual.displays.display_kinds import check_display_file, make_display
 from mimics_app.rendering.visual.displays.display_size import check_drawn_size
-from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.world.components.systems import DisplaySettings
 from mimics_app.world.scene.paths import PathFault, find_file
@@ -31,6 +30,8 @@ def open_display(scene: Scene, requested: str, surface: Surface) -> Display:
         SceneError: The scene's display needs a file, or its file is faulty.
         DeviceError: The display is not available, or its picture is too large to be drawn.
     """
+    from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
+
     settings = scene.system(DisplaySettings) or DisplaySettings()
     display, notice = make_display(chosen_display(scene, requested), settings, surface)
     if notice:

@@ -6,6 +6,7 @@ import sys
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from mimics_app.app.picture.force_arrows import ForceArrows
@@ -51,9 +52,12 @@ class ViewKeys:
         self._arrows = ForceArrows()
         self._kept = 0
         self._seen = deque[int](maxlen=_RATED)
-        self._page = _page_of(session)
         self._waits = mover_of(session.haptics.plugin) != "simulated"
         self._introduces = session.settings.journey is not None
+
+    @cached_property
+    def _page(self) -> KeyPage:
+        return _page_of(self._session)
 
     def step(self, frames: Frames, governor: FrameGovernor | None = None) -> None:
         """Before a frame is drawn: switch layers of the overlay, save a picture, update arrows and frame rate."""

@@ -19,7 +19,7 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.dsp.kernels.rhythm import LAST, RHYTHM, RR, T_WAVE, USUAL_RR, add_beat, off_beat, steadiness
 from mimics_app.dsp.kernels.sections import Floats, run_sections, settle_sections
 
-__all__ = ["ECG_STATE", "MISSING", "NPK", "SPK", "EnergyDetector", "Filters", "find_beats"]
+__all__ = ["ECG_STATE", "NPK", "SPK", "EnergyDetector", "Filters", "find_beats"]
 
 (
     SPK,
@@ -164,7 +164,7 @@ class EnergyDetector(NamedTuple):
 
 
 @kernel
-def find_beats(x: Floats, filters: Filters, detector: EnergyDetector, wide: Floats) -> int:
+def find_beats(x: Floats, filters: Filters, detector: EnergyDetector, wide: Floats, missing: Floats) -> int:
     """Process samples and write the beats found into `detector.out`.
 
     Args:
@@ -172,6 +172,7 @@ def find_beats(x: Floats, filters: Filters, detector: EnergyDetector, wide: Floa
         filters: Band-passes.
         detector: The detector.
         wide: Receives the samples filtered by the wide band-pass, shape [n or more].
+        missing: Receives for each sample how many up to it are missing in a row, shape [n or more].
 
     Returns:
         Number of beats written.
@@ -182,6 +183,7 @@ def find_beats(x: Floats, filters: Filters, detector: EnergyDetector, wide: Floa
     state[FOUND] = 0.0
     for i in range(x.shape[0]):
         value = _next_value(x[i], filters, state, rate)
+        missing[i] = state[MISSING]
         wide[i] = run_sections(value, sos[2], z[2])
         value = _blend(run_sections(value, sos[0], z[0]), run_sections(value, sos[1], z[1]), state, rate)
         n = int(state[N])

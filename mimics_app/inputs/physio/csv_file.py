@@ -15,6 +15,7 @@ from mimics_app.contracts.errors import Issue, SceneError, first_line
 from mimics_app.contracts.regular_file import open_regular
 
 if TYPE_CHECKING:
+    import pyarrow as pa
     from _typeshed import WriteableBuffer
 
 __all__ = ["CsvFile"]
@@ -72,24 +73,38 @@ class CsvFile:
 
         names = [str(number) for number in range(len(self.labels))]
         wanted = [names[column] for column in columns]
+        reading = arrow_csv.ReadOptions(use_threads=False, block_size=_BATCH, column_names=names)
+        parsing = arrow_csv.ParseOptions(delimiter=self._separator)
+        types = dict.fromkeys(wanted, pa.float64())
+        converting = arrow_csv.ConvertOptions(
+            column_types=types, include_columns=wanted, null_values=_EMPTY, decimal_point=self._point
+        )
+        before = 0
         with self._opened() as stream:
             self._header(stream)
-            types = dict.fromkeys(wanted, pa.float64())
             try:
-                reader = arrow_csv.open_csv(
-                    stream,
-                    arrow_csv.ReadOptions(use_threads=False, block_size=_BATCH, column_names=names),
-                    arrow_csv.ParseOptions(delimiter=self._separator),
-                    arrow_csv.ConvertOptions(
-                        column_types=types, include_columns=wanted, null_values=_EMPTY, decimal_point=self._point
-                    ),
-                )
-                for batch in reader:
-                    yield [batch.column(n).to_numpy(zero_copy_only=False) for n in range(len(wanted))]
-            except StopIteration:
-                return
+                for rows in self._rows(stream):
+                    table = arrow_csv.read_csv(_arrow_memory(rows), reading, parsing, converting)
+                    yield [table.column(n).to_numpy() for n in range(len(wanted))]
+                    before += table.num_rows
             except (pa.ArrowException, ValueError) as error:
-                raise self._refused(error) from error
+                raise self._refused(error, before) from error
+
+    @staticmethod
+    def _rows(stream: io.BufferedReader) -> Iterator[bytes]:
+        """Yield the text of whole rows, about a batch at a time."""
+        rest, empty = b"", True
+        while text := stream.read(_BATCH - len(rest)):
+            rows, end, rest = (rest + text).rpartition(b"\n")
+            if rows.strip(b"\r\n"):
+                empty = False
+                yield rows + end
+        if len(rest) >= _BATCH:
+            raise ValueError(f"a row has more than {_BATCH} characters")
+        if rest.strip(b"\r"):
+            yield rest
+        elif empty:
+            raise ValueError("it has no rows")
 
     @contextmanager
     def _opened(self) -> Iterator[io.BufferedReader]:
@@ -135,8 +150,13 @@ class CsvFile:
                 return ","
         return "."
 
-    def _refused(self, error: Exception) -> SceneError:
-        text = str(error)
+    def _refused(self, error: Exception, before: int = 0) -> SceneError:
+        """Return an error as one of this file; `before`: rows before the batch in which it occurred."""
+
+        def counted(text: str) -> str:
+            return _OF_ROW.sub(lambda row: f"Row #{int(row[1]) + before}", text)
+
+        text = counted(str(error))
         column, row, value = _OF_COLUMN.search(text), _OF_ROW.search(text), _VALUE.search(text)
         if column and "conversion error" in text:
             where = f"row {row[1]} of the column" if row else "the column"
@@ -144,8 +164,20 @@ class CsvFile:
             what = f"{where} holds {held}: more than numbers"
             fix = "leave a cell empty where there is no value"
             return SceneError(Issue(str(self._path), f"/{self.labels[int(column[1])]}", what, fix))
-        why = getattr(error, "strerror", "") or first_line(error)
+        why = getattr(error, "strerror", "") or counted(first_line(error))
         return SceneError(Issue(str(self._path), "", f"it cannot be read: {why}"))
+
+
+def _arrow_memory(text: bytes) -> pa.BufferReader:
+    """Copy text to memory of Arrow, whose threads read ahead: they would call into Python for any of ours.
+
+    What they do there cannot be waited for, and Python 3.11 crashes if `tracemalloc` is stopped meanwhile.
+    """
+    import pyarrow as pa
+
+    memory = pa.BufferOutputStream()
+    memory.write(text)
+    return pa.BufferReader(memory.getvalue())
 
 
 class _Text(io.RawIOBase):

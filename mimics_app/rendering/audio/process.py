@@ -170,15 +170,14 @@ class AudioProcess:
         if isinstance(message, AudioReport):
             self._status = message.status
             return replace(message, orders_dropped=self._orders_dropped)
-        if not self._given_up and self._status is None and self.alive:
-            self._give_up("the session ended before the sound was ready: no sound was played")
-            return AudioReport(self._status or _SILENT, orders_dropped=self._orders_dropped)
+        starting = not self._given_up and self._status is None and not self._hung_up and self.alive
         if not self._given_up:
-            starting = self._status is None and not self._hung_up and self.alive
             self._give_up(_STILL_STARTING if starting else f"the audio process ended early{self._cause()}: {_LOST}")
         file = self._settings.file
         written = str(file) if file is not None and file.exists() else ""
-        return AudioReport(self._status or _SILENT, orders_dropped=self._orders_dropped, file=written, crashed=True)
+        return AudioReport(
+            self._status or _SILENT, orders_dropped=self._orders_dropped, file=written, crashed=not starting
+        )
 
     def _take_status(self, timeout_s: float) -> None:
         message = self._receive(timeout_s)

@@ -65,8 +65,9 @@ _WOOD_MODES = (
 # Skin on skin: a few low modes with a short decay.
 _PAT_MODES = ((170.0, 0.045, 1.0), (310.0, 0.035, 0.8), (560.0, 0.024, 0.45), (940.0, 0.016, 0.25))
 
-_ASPERITIES, _STROKE_HZ, _RUSH = 240.0, 6.0, 0.5
-"""Collisions per second, highest frequency at which their number varies [Hz], and the rush relative to them."""
+_ASPERITIES, _STROKE_HZ, _RUSH, _GIVES = 240.0, 6.0, 0.5, 3.0
+"""Collisions per second, highest frequency at which their number varies [Hz], the rush relative to them, and the RMS
+values near which the wall gives way, so that rare collisions do not set the level of all."""
 
 # A felt-like pad stiffens under compression: force ~ compression^p with p about 2.2, so the pulse shortens as
 # speed^-((p - 1) / (p + 1)) (Hertz's sphere is the case p = 3/2, exponent -1/5).
@@ -176,7 +177,10 @@ def synthesise_scrape(rate: int = 48_000, seconds: float = 4.0, seed: int = 5) -
     hits = random.poisson(density) * random.exponential(1.0, length) * random.choice((-1.0, 1.0), length)
     rough = np.fft.irfft(np.fft.rfft(hits) * shape, length)
     rush = np.fft.irfft(shape * np.exp(1j * random.uniform(0.0, 2.0 * np.pi, len(frequency))), length)
-    return _finish(rough / rough.std() + _RUSH * rush / rush.std(), peak=0.5)
+    rub = rough / rough.std() + _RUSH * rush / rush.std()
+    bounded = np.fft.rfft(np.tanh(rub / (_GIVES * rub.std()))) * rise
+    bounded[0] = 0.0
+    return _finish(np.fft.irfft(bounded, length), peak=0.5)
 
 
 def _force_pulse(speed: float, rate: int, relative: float) -> NDArray[np.float64]:

@@ -122,7 +122,7 @@ def _pointers(scene: Scene) -> dict[str, str]:
     return {entity: pointer for kind in kinds for entity, _, pointer in scene.components(kind)}
 
 
-def _at_force(row: Any, force: float) -> tuple[float, float]:
+def _at_force(row: np.void, force: float) -> tuple[float, float]:
     """Stiffness [N/m] and damping [N s/m] of a surface at a force [N]."""
     k, b = float(row["stiffness"]), float(row["damping"])
     if row["law"] != ForceLaw.HUNT_CROSSLEY:
@@ -141,7 +141,7 @@ def _check_contacts(scene: Scene, objects: SceneObjects, stable: _Stable) -> Ite
             yield scene.issue(f"{pointer}/{found[0]}", found[1], found[2])
 
 
-def _thickness(row: Any) -> float:
+def _thickness(row: np.void) -> float:
     """Depth at which a primitive of the static scene lets a point go to its other side [m]; inf: never."""
     size = row["size"]
     if row["body"] != STATIC or row["kind"] in (ShapeKind.WALL, ShapeKind.MESH):

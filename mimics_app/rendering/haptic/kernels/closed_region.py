@@ -84,6 +84,9 @@ _NOTHING = 1e-15
 _SMALL = 1e-3
 """Product b T / m below which the exact plant is taken from its series [-]."""
 
+_FIRST, _SECOND = (1.0 / 2.0, -1.0 / 6.0, 1.0 / 24.0), (1.0 / 2.0, -1.0 / 3.0, 1.0 / 8.0)
+"""Series of (1 - (1 - e^-h) / h) / h and of ((1 - e^-h) / h - e^-h) / h in powers of h."""
+
 
 @kernel
 def _pole(time: float, period: float) -> float:
@@ -97,7 +100,8 @@ def _mass_inverse(z: complex, mass: float, damping: float, T: float) -> complex:
     h = damping * T / mass
     keep = math.exp(-h)
     if h < _SMALL:
-        first, second = 0.5 - h / 6.0 + h * h / 24.0, 0.5 - h / 3.0 + h * h / 8.0
+        first = _FIRST[0] + h * (_FIRST[1] + h * _FIRST[2])
+        second = _SECOND[0] + h * (_SECOND[1] + h * _SECOND[2])
     else:
         lost = (1.0 - keep) / h
         first, second = (1.0 - lost) / h, (lost - keep) / h
@@ -190,7 +194,8 @@ def _has_changed(last: float, now: float) -> bool:
 def find_region(scene: SceneRecord, delay: float, period: float, region: RegionRecord) -> None:
     """Set the region for the present parameters, period and delay; the curve is followed only where they changed.
 
-    A device that takes forces and whose mass is not known (0) has the linear condition alone.
+    A device that takes forces and whose mass is not known (0) has the linear condition alone, and so has one whose
+    lag is below 0: that of an older recording.
 
     Args:
         scene: SCENE record.
@@ -200,6 +205,8 @@ def find_region(scene: SceneRecord, delay: float, period: float, region: RegionR
     """
     driven = 0 if scene.force_driven == 1 else 1
     mass = scene.virtual_mass if driven == 1 else scene.device_mass
+    if scene.device_lag < 0.0:  # a recording from before the region: nothing but the delay is known
+        mass = 0.0
     rendered = scene.virtual_damping if scene.controller == Controller.IMPEDANCE else 0.0
     own = scene.virtual_damping + scene.device_damping + scene.arm_damping
     same = region.known == 1 and region.mass == mass and region.damping == own - rendered and region.driven == driven

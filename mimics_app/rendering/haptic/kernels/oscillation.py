@@ -7,8 +7,8 @@ It bounds what no model of the loop knows. Force and motion are taken above 20 H
 
 A contact that only rings, chatters or is knocked on takes energy; one that is unstable gives it. Once both averages and
 that of the last 25 ms say so for 100 ms, the virtual force fades by 1/e in 100 ms until it is quiet; where it has faded
-to a tenth and is not quiet, the loop stops. It comes back in free motion only, slowly. A contact that begins is given
-150 ms to settle.
+to a tenth and is not quiet, the state machine stops the loop in the next tick. It comes back in free motion only,
+slowly. A contact that begins is given 150 ms to settle.
 
 Forces that are ordered (vibration, stick-slip, ripples of a surface) are subtracted. They shake the hand, too, and the
 contacts then answer: as many times the ordered force as ANSWER are expected.
@@ -21,9 +21,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mimics_app.contracts.haptic import SafetyState, TripCause
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.safety import is_felt, latch
+from mimics_app.rendering.haptic.kernels.safety import is_felt
 
 if TYPE_CHECKING:
     from mimics_app.contracts.arrays import Vec
@@ -82,6 +81,7 @@ SWING = np.dtype(
         ("settling", "f8"),  # time that is left to a contact that began [s]
         ("begun", "i8"),  # 1 since `calm` was 1
         ("told", "i8"),  # 1 in the tick in which the force begins to fade
+        ("lost", "i8"),  # 1 in the tick in which fading has not helped: the next one stops
         ("calm", "f8"),  # share of the virtual force that is rendered
         ("least_calm", "f8"),  # smallest so far
         ("count", "i8"),  # oscillations so far
@@ -160,7 +160,7 @@ def _fade(swing: SwingRecord, fed: bool, dt: float) -> None:
 
 @kernel
 def watch_swing(state: StateRecord, totals: TotalsRecord, late: int, dt: float) -> None:
-    """Follow the detector by one tick, after the force on the user is known; it latches SAFE_STOP.
+    """Follow the detector by one tick, after the force on the user is known; the state machine stops where it is lost.
 
     Args:
         state: STATE record of one point of contact; its `swing` is updated.
@@ -189,7 +189,7 @@ def watch_swing(state: StateRecord, totals: TotalsRecord, late: int, dt: float) 
     _filter(swing, 2, ordered, dt)
     _average(swing, dt)
     _fade(swing, is_felt(state) and swing.settling == 0.0 and _is_fed(swing), dt)
-    if swing.calm < LEAST_CALM and swing.time >= _WINDOW:
-        latch(state, SafetyState.SAFE_STOP, TripCause.OSCILLATION)
+    swing.lost = 1 if swing.calm < LEAST_CALM and swing.time >= _WINDOW else 0
+    if swing.lost == 1:
         swing.calm = 1.0
         swing.time = 0.0

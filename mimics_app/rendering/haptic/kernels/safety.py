@@ -130,7 +130,7 @@ def _gave_too_much(scene: SceneRecord, state: StateRecord) -> bool:
 
 @kernel
 def _point_trips(scene: SceneRecord, states: Table[StateRecord], cause: int) -> bool:
-    """Whether `cause` (VELOCITY, JUMP, NOT_FOLLOWING or ENERGY) holds at any point of contact."""
+    """Whether `cause` (VELOCITY, JUMP, NOT_FOLLOWING, ENERGY or OSCILLATION) holds at any point of contact."""
     for c in range(scene.contacts):
         state = states[c]
         if cause == TripCause.VELOCITY and not norm(state.v) <= scene.velocity_limit:
@@ -140,6 +140,8 @@ def _point_trips(scene: SceneRecord, states: Table[StateRecord], cause: int) -> 
         if cause == TripCause.NOT_FOLLOWING and lags_too_far(state):
             return True
         if cause == TripCause.ENERGY and _gave_too_much(scene, state):
+            return True
+        if cause == TripCause.OSCILLATION and state.swing.lost == 1:
             return True
     return False
 
@@ -199,6 +201,8 @@ def _find_trip(scene: SceneRecord, states: Table[StateRecord], status: int, held
         cause = _motion_cause(scene, states)
     elif _point_trips(scene, states, TripCause.ENERGY):
         cause = TripCause.ENERGY
+    elif _point_trips(scene, states, TripCause.OSCILLATION):
+        cause = TripCause.OSCILLATION
     elif state.safety >= SafetyState.HOMED and state.strained_ticks * dt * SECOND_NS > scene.stale_stop_ns:
         cause = TripCause.SENSOR
     return cause

@@ -183,7 +183,7 @@ def tick(
     follow_extremes(scene, states, dt)
     _watch_stability(scene, objects, states, period, dt)
     control(kin, scene, states, held, dt)
-    if state.safety != stepped:  # force, stability or controller latched a stop
+    if state.safety != stepped:  # force or controller latched a stop
         state.state_changed = 1
     _write_results(scene, objects, states, command, row)
     state.tick += 1
