@@ -125,7 +125,7 @@ def test_a_step_on_earth_crumbles(take: int) -> None:
 def test_a_scrape_is_rough() -> None:
     """Its level in hundredths of a second varies by a third and more of its mean; that of steady noise by a twelfth.
 
-    Its level is that of a loop of noise of the same peak, -18 dB of full scale: single collisions do not make it quiet.
+    Its level is -18 dB of full scale, as of steady noise with a peak of 0.5: single collisions do not make it quiet.
     """
     scrape = synth.synthesise_scrape().astype(np.float64)
     assert level(scrape, 0.0, len(scrape) / RATE) == pytest.approx(-18.0, abs=2.0)

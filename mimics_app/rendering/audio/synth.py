@@ -180,7 +180,7 @@ def synthesise_scrape(rate: int = 48_000, seconds: float = 4.0, seed: int = 5) -
     rub = rough / rough.std() + _RUSH * rush / rush.std()
     bounded = np.fft.rfft(np.tanh(rub / (_GIVES * rub.std()))) * rise
     bounded[0] = 0.0
-    return _finish(np.fft.irfft(bounded, length), peak=0.5)
+    return _finish(np.fft.irfft(bounded, length), peak=0.65)
 
 
 def _force_pulse(speed: float, rate: int, relative: float) -> NDArray[np.float64]:
