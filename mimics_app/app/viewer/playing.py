@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from mimics_app.app.viewer.shown import Shown
 from mimics_app.contracts.errors import Issue, OutputError, SceneError, UsageError
-from mimics_app.world.motion.animator import Animator, Rig
+from mimics_app.world.motion.animator import Animator
 from mimics_app.world.motion.clip import Clip
 from mimics_app.world.motion.humanoid import HumanoidMap
+from mimics_app.world.motion.rig import Rig
 
 __all__ = ["add_motion", "animators_of", "clips_of", "play_clip", "read_motion", "write_vertices"]
 

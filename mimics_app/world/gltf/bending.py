@@ -12,8 +12,9 @@ from mimics_app.contracts.arrays import F8
 from mimics_app.world.gltf.file import GltfDocument
 from mimics_app.world.gltf.nodes import GltfNode
 from mimics_app.world.meshes.mesh import MeshData
-from mimics_app.world.motion.animator import Animator, Rig
+from mimics_app.world.motion.animator import Animator
 from mimics_app.world.motion.pose import Pose
+from mimics_app.world.motion.rig import Rig
 from mimics_app.world.motion.skinned_body import SkinnedBody, bind
 from mimics_app.world.scene_node import SceneNode
 

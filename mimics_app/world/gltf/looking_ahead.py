@@ -9,11 +9,10 @@ import numpy as np
 
 from mimics_app.world.gltf.nodes import GltfNode
 from mimics_app.world.gltf.skins import GltfSkin
-from mimics_app.world.motion.animator import Rig
 from mimics_app.world.motion.facing import facing
 from mimics_app.world.motion.humanoid import find_humanoid
 from mimics_app.world.motion.pose import Pose
-from mimics_app.world.motion.reach import Chain
+from mimics_app.world.motion.rig import Rig
 
 __all__ = ["turn_to_front"]
 
@@ -41,7 +40,7 @@ def turn_to_front(
     found = find_humanoid(rig)
     if not found.complete or not any(rig.entities[slot] in joints for slot in found.slots.values()):
         return roots, ""
-    yaw = facing(Chain(rig).places, found.slots)
+    yaw = facing(rig.rest_places(), found.slots)
     quarters = 0 if yaw is None else round(yaw / (0.5 * math.pi)) % 4
     if not quarters:
         return roots, ""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -13,52 +12,10 @@ from mimics_app.contracts.errors import nearest
 from mimics_app.world.motion.clip import Clip, ClipEvent
 from mimics_app.world.motion.layer import Layer
 from mimics_app.world.motion.pose import Pose
+from mimics_app.world.motion.rig import Rig
 from mimics_app.world.transforms import TransformTable
 
-__all__ = ["Animator", "Rig", "mask_of"]
-
-
-@dataclass(frozen=True, eq=False)
-class Rig:
-    """The nodes of a model as slots, parents before children.
-
-    Attributes:
-        names: Names of the nodes in the file, "" for none.
-        entities: Entity index of each node, int32 [slots].
-        parents: Slot of each parent, -1: the model's root; int32 [slots].
-        rest: Rest pose, that of the file.
-        morph_first: First morph weight of each slot, int32 [slots + 1].
-        morph_names: Names of all morph weights, "" for none.
-        fixed: Number of leading slots that the scene places, so that poses do not move them.
-        bones: Slots of the bones of a person that the file names itself (VRM), by VRM 1.0 name.
-    """
-
-    names: tuple[str, ...]
-    entities: I4
-    parents: I4
-    rest: Pose
-    morph_first: I4
-    morph_names: tuple[str, ...]
-    fixed: int = 0
-    bones: Mapping[str, int] = field(default_factory=dict)
-
-    def slot(self, name: str) -> int:
-        """Return the slot of a node.
-
-        Raises:
-            KeyError: there is none of that name; the message names the nearest.
-        """
-        if name not in self.names:
-            raise KeyError(f'no node "{name}" in the model; {nearest(name, self.names)}')
-        return self.names.index(name)
-
-    def below(self, slot: int) -> list[int]:
-        """Return a slot and all its descendants."""
-        inside = {slot}
-        for each in range(slot + 1, len(self.names)):
-            if int(self.parents[each]) in inside:
-                inside.add(each)
-        return sorted(inside)
+__all__ = ["Animator", "mask_of"]
 
 
 PoseStep = Callable[[Pose, float], None]

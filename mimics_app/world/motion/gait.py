@@ -14,7 +14,6 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.maths.quat import multiply
-from mimics_app.world.motion.animator import Rig
 from mimics_app.world.motion.clip import ClipEvent
 from mimics_app.world.motion.footholds import Footholds, Ground
 from mimics_app.world.motion.humanoid import HumanoidMap
@@ -22,6 +21,7 @@ from mimics_app.world.motion.kernels.gait import place_feet
 from mimics_app.world.motion.pose import Pose
 from mimics_app.world.motion.reach import Chain, LimbReach, about
 from mimics_app.world.motion.reference_gait import NATURAL_STANCE, SAMPLES, shape_gait, stance_share
+from mimics_app.world.motion.rig import Rig
 from mimics_app.world.motion.walking_trunk import WalkingTrunk
 
 __all__ = ["Gait", "Pace", "Walk", "natural_step"]

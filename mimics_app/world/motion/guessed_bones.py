@@ -8,8 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.world.motion.animator import Rig
-from mimics_app.world.motion.reach import Chain
+from mimics_app.world.motion.rig import Rig
 
 __all__ = ["guess_by_place"]
 
@@ -47,7 +46,7 @@ class _Tree:
     """The joints of a model, and ways through them."""
 
     def __init__(self, rig: Rig) -> None:
-        self._rig, self._places = rig, Chain(rig).places
+        self._rig, self._places = rig, rig.rest_places()
         below = {int(above) for above in rig.parents}
         self._ends = [slot for slot in range(len(rig.names)) if slot not in below and int(rig.parents[slot]) >= 0]
 

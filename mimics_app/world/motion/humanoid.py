@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from mimics_app.contracts.table_file import read_table_file
-from mimics_app.world.motion.animator import Rig
 from mimics_app.world.motion.guessed_bones import guess_by_place
+from mimics_app.world.motion.rig import Rig
 
 __all__ = ["BONES", "NEEDED", "HumanoidMap", "find_humanoid", "report_lines"]
 

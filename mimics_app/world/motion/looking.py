@@ -9,11 +9,11 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.maths.quat import IDENTITY, rotate_back
-from mimics_app.world.motion.animator import Rig
 from mimics_app.world.motion.humanoid import HumanoidMap
 from mimics_app.world.motion.kernels.gaze import look
 from mimics_app.world.motion.pose import Pose
 from mimics_app.world.motion.reach import Chain
+from mimics_app.world.motion.rig import Rig
 
 __all__ = ["Blink", "Breath", "LookAt", "find_morphs"]
 

@@ -14,7 +14,6 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.maths.quat import about_axis, from_matrix, multiply, rotate, rotate_back, slerp
-from mimics_app.world.motion.animator import Rig
 from mimics_app.world.motion.c3d_file import MarkerTake
 from mimics_app.world.motion.clip import Clip, clip_of_poses
 from mimics_app.world.motion.humanoid import HumanoidMap
@@ -22,6 +21,7 @@ from mimics_app.world.motion.kernels.chain import arc, localise
 from mimics_app.world.motion.markers import BodyPoints, find_points
 from mimics_app.world.motion.pose import Pose
 from mimics_app.world.motion.reach import Chain
+from mimics_app.world.motion.rig import Rig
 
 __all__ = ["marker_clip"]
 

@@ -11,10 +11,10 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 from mimics_app.maths.poses import turn_vector, turned_back
 from mimics_app.maths.quat import multiply, slerp
-from mimics_app.world.motion.animator import Rig
 from mimics_app.world.motion.kernels.chain import arc, follow_chain, follow_one, localise
 from mimics_app.world.motion.kernels.two_bone import reach_two_bones
 from mimics_app.world.motion.pose import Pose
+from mimics_app.world.motion.rig import Rig
 
 __all__ = ["SWIVEL_RATE", "Chain", "LimbReach", "ReachCase", "about"]
 

@@ -9,13 +9,13 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 from mimics_app.maths.poses import turn_vector, turned_back
 from mimics_app.maths.quat import about_axis, product
-from mimics_app.world.motion.animator import Rig
 from mimics_app.world.motion.facing import facing
 from mimics_app.world.motion.humanoid import BONES, HumanoidMap
 from mimics_app.world.motion.kernels.carry_over import carry_over
 from mimics_app.world.motion.kernels.chain import arc
 from mimics_app.world.motion.pose import Pose
 from mimics_app.world.motion.reach import Chain
+from mimics_app.world.motion.rig import Rig
 
 __all__ = ["Retarget"]
 

@@ -11,13 +11,14 @@ import numpy as np
 from mimics_app.contracts.arrays import F8, I4
 from mimics_app.maths.poses import turn_vector, turned_back
 from mimics_app.maths.quat import slerp
-from mimics_app.world.motion.animator import Animator, Rig
+from mimics_app.world.motion.animator import Animator
 from mimics_app.world.motion.humanoid import HumanoidMap
 from mimics_app.world.motion.kernels.chain import slerp_rows
 from mimics_app.world.motion.kernels.upper_body import STATE, solve_upper_body
 from mimics_app.world.motion.pose import Pose
 from mimics_app.world.motion.reach import SWIVEL_RATE, Chain
 from mimics_app.world.motion.retarget import Retarget
+from mimics_app.world.motion.rig import Rig
 
 __all__ = ["Calibration", "DelayedTwin", "Trackers", "UpperBody", "calibrate"]
 

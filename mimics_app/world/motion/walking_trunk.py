@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from mimics_app.world.motion.animator import Rig
 from mimics_app.world.motion.humanoid import HumanoidMap
 from mimics_app.world.motion.pose import Pose
 from mimics_app.world.motion.reach import Chain, about
+from mimics_app.world.motion.rig import Rig
 
 __all__ = ["WalkingTrunk"]
 
