@@ -43,6 +43,7 @@ GUARDED = {
     "rendering/audio/sound_file.py": "SoundFile is given an open regular file",
     "rendering/audio/spectral/sofa_store.py": "File is given an open regular file",
     "inputs/physio/recording.py": "rdrecord reads files that were opened before, as regular ones of one folder",
+    "inputs/physio/csv_file.py": "read_csv is given rows that are in memory, of a regular file",
 }
 """Modules that hand a person's file to a library."""
 
