@@ -32,6 +32,9 @@ SETTLED = 15_000
 ROUNDS = 8
 """Parts and wholes by turns; of each the shortest stands: what else runs on the machine only adds."""
 
+ATTEMPTS = 4
+"""Times that the rounds are run where the machine was busy during one half of them."""
+
 UNUSED = ("brute force", "golden section", "mesh of 1000", "mesh of 10000", "capsule")
 """Rows that no scene of these runs."""
 
@@ -61,10 +64,16 @@ def tick_us(core: SessionCore) -> float:
 
 
 @cache
-def measured() -> tuple[Table, dict[str, float]]:
+def shortest() -> tuple[dict[tuple[str, str], float], dict[str, float]]:
+    """(shortest cost of each part by group and method, of each tick by scene [us]), of all attempts so far."""
+    return {}, {}
+
+
+@cache
+def measured(attempt: int) -> tuple[Table, dict[str, float]]:
     """(the shipped table with this process's costs of the parts of a tick, cost of a tick by scene [us])."""
     registry, shipped = load_methods(GROUPS), Table.load_shipped()
-    parts, wholes = dict[tuple[str, str], float](), dict[str, float]()
+    parts, wholes = shortest()
     for _ in range(ROUNDS):
         for name, core in cores().items():
             wholes[name] = min(tick_us(core), wholes.get(name, float("inf")))
@@ -83,11 +92,16 @@ def measured() -> tuple[Table, dict[str, float]]:
 
 @pytest.mark.parametrize("name", SCENES)
 def test_the_parts_add_up_to_the_measured_tick(name: str):
-    table, wholes = measured()
     scene = load_checked_scene(root() / "scenes" / f"{name}.json")
-    parts = explain_plan(scene, plan_scene(scene, "training", table))["parts"]
-    reported = [part["tick_us"] for part in parts if "tick_us" in part]
-    assert sum(reported) / wholes[name] == pytest.approx(1.0, rel=0.3), (reported, wholes[name])
+    seen = []
+    for attempt in range(ATTEMPTS):
+        table, wholes = measured(attempt)
+        parts = explain_plan(scene, plan_scene(scene, "training", table))["parts"]
+        reported = [part["tick_us"] for part in parts if "tick_us" in part]
+        seen.append((reported, wholes[name]))
+        if sum(reported) / wholes[name] == pytest.approx(1.0, rel=0.3):
+            return
+    pytest.fail(f"the parts do not add up to the tick: {seen}")
 
 
 @pytest.mark.parametrize(
