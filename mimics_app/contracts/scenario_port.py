@@ -121,7 +121,7 @@ class Scenario(Protocol):
         """Return haptic fields by dotted name from the scene itself; unchanged values cost nothing.
 
         Feel, targets, and numbers of tunnels, shapes, bodies and effects may be written, each within its range
-        (`contracts.field_ranges`). What is refused is told and ends that order; the session goes on.
+        (`contracts.field_ranges`). What is refused is reported and ends that order; the session continues.
         """
         return {}
 

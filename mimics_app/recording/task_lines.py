@@ -35,7 +35,7 @@ class FrameLine(msgspec.Struct):
         events: Number of events of the loop since the previous frame.
         pressed: Keys and buttons pressed in it.
         action: Action chosen by the learning system.
-        shown_ns: Predicted time of its display [ns]; None where no display told.
+        shown_ns: Predicted time of its display [ns]; None where no display reported it.
         period_ns: Time from one displayed frame to the next [ns].
     """
 

@@ -25,7 +25,7 @@ _JUMP = 50.0
 """Largest speed of a movement [m/s]; a faster object was repositioned and has no Doppler shift."""
 
 _WAITED_NS = 5_000_000_000
-"""Time after which a sound that is still starting is told [ns]; usual are one to three seconds."""
+"""Time after which a sound that is still starting is reported [ns]; usual are one to three seconds."""
 
 
 class SoundStage:

@@ -25,7 +25,7 @@ __all__ = ["Placed", "TrackerHub"]
 
 
 _MANY_REJECTED = 100
-"""Rejected reports of a tracker from which on this is told; a few are usual."""
+"""Rejected reports of a tracker from which on this is reported; a few are usual."""
 _UPSIDE_DOWN = -0.5
 """Cosine between a head's up and the room's below which its sensor is upside down: 120 degrees."""
 

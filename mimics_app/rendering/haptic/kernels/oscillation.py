@@ -37,7 +37,7 @@ ANSWER = 3.0
 """Force of the contacts that an ordered force may cause, as a multiple of it [-]."""
 
 LEAST_CALM = 0.1
-"""Share of the virtual force at which an oscillation that goes on stops the loop [-]."""
+"""Share of the virtual force at which a sustained oscillation stops the loop [-]."""
 
 _CORNER = 2.0 * math.pi * 20.0
 """Corner of each of the high-pass filters in a row [rad/s]."""

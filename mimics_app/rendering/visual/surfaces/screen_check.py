@@ -17,7 +17,7 @@ def check_screen() -> None:
     """
     import glfw
 
-    glfw.ERROR_REPORTING = "ignore"  # the error is told by what is raised below
+    glfw.ERROR_REPORTING = "ignore"  # the error is reported by what is raised below
     if glfw.init():
         glfw.terminate()
         return
