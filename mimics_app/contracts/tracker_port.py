@@ -5,13 +5,14 @@ Positions and rotations are in the device's frame until the hub converts them to
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.input_port import WindowFrame
 from mimics_app.contracts.plugins import PluginGroup, fault_of_builder
 
 __all__ = [
@@ -79,11 +80,14 @@ class TrackerSource(Protocol):
         name: Name in the scene.
         problem: Present fault, "" for none.
         rejected: Reports that were incomplete or invalid.
+        simulated: True for a person who exists only while no other tracker has reported: it does not continue the
+            motion of a person whose tracking is lost.
     """
 
     name: str
     problem: str
     rejected: int
+    simulated: bool
 
     def start(self, sink: TrackerSink) -> None:
         """Begin to report.
@@ -96,6 +100,14 @@ class TrackerSource(Protocol):
     def poll(self, now_ns: int) -> None:
         """Read the device once per frame, for sources without a thread."""
         ...
+
+    def take_window(self, frame: WindowFrame) -> None:
+        """Take the window's events of a frame, for sources that follow mouse or gamepad."""
+        return
+
+    def attach_display(self, reports: Callable[[], Sequence[TrackerSample]]) -> None:
+        """Take the function that returns the display's own reports of head and hands, for sources that pass them on."""
+        return
 
     def stop(self) -> None:
         """Stop, and release the device."""

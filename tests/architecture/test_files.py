@@ -91,6 +91,7 @@ ON_THEIR_OWN = {
     "rendering/audio/kernels": "compiled; its user knows more than arrays",
     "rendering/haptic/devices/built_in/": "a device is found by its name",
     "rendering/haptic/devices/inverse_by_steps": "compiles on import, and is imported on demand",
+    "inputs/trackers/headset_tracker": "one kind of tracker a file",
     "world/components/": "the reader of scenes finds component types by their modules",
 }
 """Small modules with one user, or none that imports them, and why they stay: a whole path, or a package's with "/"."""

@@ -12,7 +12,7 @@ from mimics_app.app.session.watches import SignalWatch, TactileWatch
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.display_port import Display, FrameTiming
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.input_port import SignalSource
+from mimics_app.contracts.input_port import SignalSource, WindowFrame
 from mimics_app.contracts.messages import Experience, SignalBlock, TactileEvent
 from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink, TrackerSource
 from mimics_app.dsp.stage import check_rate
@@ -20,7 +20,7 @@ from mimics_app.inputs.physio import sources
 from mimics_app.inputs.physio.guarded_source import GuardedSource
 from mimics_app.inputs.physio.sources import KINDS, open_source
 from mimics_app.inputs.stage import Inputs
-from mimics_app.inputs.trackers.hub import Placed, TrackerHub
+from mimics_app.inputs.trackers.hub import MountedTracker, TrackerHub
 from mimics_app.inputs.trackers.polled_tracker import PolledTracker
 from mimics_app.inputs.trackers.threaded_tracker import ThreadedTracker
 from mimics_app.rendering.tactile.guarded_vibrators import GuardedVibrators
@@ -123,14 +123,16 @@ class _Tracker(PolledTracker):
 @pytest.mark.parametrize("call", calls_of(TrackerSource))
 def test_a_tracker(call: str, error: Exception) -> None:
     bad = raising(_Tracker, call, error)("bad")
-    hub = TrackerHub([Placed(bad, {"1": "hand_left"}), Placed(_Tracker("good"), {"1": "head"})])
+    hub = TrackerHub([MountedTracker(bad, {"1": "hand_left"}), MountedTracker(_Tracker("good"), {"1": "head"})])
     if call == "start":
         with pytest.raises(DeviceError):
             hub.start()
         return
     hub.start()
     told: list[str] = []
+    hub.attach_display(list)
     for frame in range(3):
+        hub.take_window(WindowFrame())
         hub.poll(frame)
         told += hub.take_problems()
     assert hub.head(2) is not None
@@ -151,7 +153,7 @@ def test_a_tracker_whose_thread_raises_says_so(error: Exception) -> None:
         def _close(self) -> None:
             pass
 
-    hub = TrackerHub([Placed(Reader("box", MonotonicClock()), {"1": "head"})])
+    hub = TrackerHub([MountedTracker(Reader("box", MonotonicClock()), {"1": "head"})])
     hub.start()
     hub.stop()
     (problem,) = hub.take_problems()

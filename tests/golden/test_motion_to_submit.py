@@ -13,7 +13,7 @@ from mimics_app.app.bench import display_bench
 from mimics_app.app.bench.display_bench import MotionTimes, one_frame
 from mimics_app.contracts.display_port import MAX_PREDICTION_NS
 from mimics_app.contracts.tracker_port import TrackerSample
-from mimics_app.inputs.trackers.hub import Placed, TrackerHub
+from mimics_app.inputs.trackers.hub import MountedTracker, TrackerHub
 from mimics_app.lab.groups.stereo import WORKLOADS
 from mimics_app.rendering.visual.displays.headset import RawHeadset
 from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec, PoseSpec
@@ -104,7 +104,7 @@ class Reports:
 
 def test_a_tracked_head_is_that_of_the_newest_report_at_the_last_moment() -> None:
     clock, source = Hand(100 * MS), Reports()
-    hub = TrackerHub([Placed(source, {"1": "head"})])
+    hub = TrackerHub([MountedTracker(source, {"1": "head"})])
     hub.start()
     with create_surface("egl", SIZE) as surface:
         display = RawHeadset(HeadsetSpec())
@@ -128,7 +128,7 @@ def test_a_tracked_head_is_that_of_the_newest_report_at_the_last_moment() -> Non
 
 def test_a_head_is_predicted_50_ms_ahead_and_no_farther() -> None:
     source = Reports()
-    hub = TrackerHub([Placed(source, {"1": "head"})])
+    hub = TrackerHub([MountedTracker(source, {"1": "head"})])
     hub.start()
     source.poll(100 * MS)
     ahead = [hub.head(100 * MS + ns)[0, 3] for ns in (30 * MS, MAX_PREDICTION_NS, 90 * MS)]

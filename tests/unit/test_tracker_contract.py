@@ -155,7 +155,7 @@ def test_a_headset_keeps_the_contract(scene: Scene, tmp_path: Path) -> None:
     """One pose for two frames: a display that draws more slowly than the session asks."""
     tracker, seen = built(scene, "headset"), [0]
     assert isinstance(tracker, HeadsetTracker)
-    tracker.listen_to(lambda: [TrackerSample("head", seen[0], (0.0, 1.7, 0.0), AHEAD)])
+    tracker.attach_display(lambda: [TrackerSample("head", seen[0], (0.0, 1.7, 0.0), AHEAD)])
 
     def shown(frame: int) -> int:
         seen[0] = on_the_virtual_clock(frame - frame % 2)

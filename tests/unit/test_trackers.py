@@ -24,12 +24,13 @@ from mimics_app.inputs.trackers.ascension import FlockParser, flock_record
 from mimics_app.inputs.trackers.calibration import axis_map, fit_room
 from mimics_app.inputs.trackers.emulated_line import emulated_fastrak, emulated_flock
 from mimics_app.inputs.trackers.headset_tracker import HeadsetTracker
-from mimics_app.inputs.trackers.hub import Placed, TrackerHub
+from mimics_app.inputs.trackers.hub import MountedTracker, TrackerHub
 from mimics_app.inputs.trackers.lsl import LslTracker
 from mimics_app.inputs.trackers.osc import OscTracker
 from mimics_app.inputs.trackers.plausibility import Plausibility
 from mimics_app.inputs.trackers.pointer_tracker import PointerTracker
 from mimics_app.inputs.trackers.polhemus import RECORD_BYTES, FastrakParser, euler_quaternion, fastrak_record
+from mimics_app.inputs.trackers.polled_tracker import PolledTracker
 from mimics_app.inputs.trackers.pose_senders import OscSender, VrpnServer
 from mimics_app.inputs.trackers.scripted_person import PERSON_SENSORS, ScriptedPerson, person_at
 from mimics_app.inputs.trackers.serial_tracker import fastrak, flock_of_birds
@@ -336,14 +337,14 @@ def test_a_skeleton_arrives_by_osc_joint_by_joint() -> None:
 
 def test_a_tape_gives_back_every_bit(tmp_path: Path) -> None:
     file = tmp_path / "tape.jsonl"
-    hub = TrackerHub([Placed(ScriptedPerson("p", SEED), {"head": "head"})], TapeWriter(file))
+    hub = TrackerHub([MountedTracker(ScriptedPerson("p", SEED), {"head": "head"})], TapeWriter(file))
     hub.start()
     poses = []
     for frame in range(120):
         hub.poll(frame * 16 * MS)
         poses.append(hub.head(frame * 16 * MS + 20 * MS))
     hub.stop()
-    again = TrackerHub([Placed(TapeTracker("t", file), {"head": "head"})])
+    again = TrackerHub([MountedTracker(TapeTracker("t", file), {"head": "head"})])
     again.start()
     for frame in range(120):
         again.poll(frame * 16 * MS)
@@ -361,7 +362,7 @@ def test_a_tape_gives_back_every_bit(tmp_path: Path) -> None:
 
 def test_a_tape_that_does_not_fit_ends_and_the_tracker_goes_on(tmp_path: Path) -> None:
     file = tmp_path / "tape.jsonl"
-    hub = TrackerHub([Placed(ScriptedPerson("p", SEED), {"head": "head"})], TapeWriter(file))
+    hub = TrackerHub([MountedTracker(ScriptedPerson("p", SEED), {"head": "head"})], TapeWriter(file))
     hub.start()
     with largest_file(100_000):
         for frame in range(3000):
@@ -388,8 +389,8 @@ def test_the_hub_brings_sensors_into_the_room_and_falls_back_to_whoever_still_se
     room = fit_room(seen, seen @ turned.T + [0.0, 1.0, 0.0])
     hub = TrackerHub(
         [
-            Placed(person, {"head": "head"}, calibration=room),
-            Placed(pointer, {"head": "head", "hand_left": "hand_left"}),
+            MountedTracker(person, {"head": "head"}, calibration=room),
+            MountedTracker(pointer, {"head": "head", "hand_left": "hand_left"}),
         ]
     )
     hub.start()
@@ -404,10 +405,10 @@ def test_the_hub_brings_sensors_into_the_room_and_falls_back_to_whoever_still_se
 
 
 def test_the_pointer_of_a_window_turns_the_head_and_a_stick_moves_a_hand() -> None:
-    hub = TrackerHub([Placed(PointerTracker("desk"), {"head": "head", "hand_left": "hand_left"})])
+    hub = TrackerHub([MountedTracker(PointerTracker("desk"), {"head": "head", "hand_left": "hand_left"})])
     hub.start()
     gamepad = GamepadState("pad", {"left_x": 1.0, "left_y": 0.0})
-    hub.see(WindowFrame((InputEvent("move", x=1.0, y=0.0),), gamepad))
+    hub.take_window(WindowFrame((InputEvent("move", x=1.0, y=0.0),), gamepad))
     hub.poll(MS)
     head, hand = hub.pose("head", MS), hub.pose("hand_left", MS)
     assert head is not None and hand is not None
@@ -417,18 +418,57 @@ def test_the_pointer_of_a_window_turns_the_head_and_a_stick_moves_a_hand() -> No
 
 def test_a_worn_headset_is_who_is_there_and_nobody_is_made_up_after_it() -> None:
     roles = {"head": "head"}
-    hub = TrackerHub([Placed(HeadsetTracker("worn"), roles), Placed(ScriptedPerson("p", SEED), roles)])
+    hub = TrackerHub([MountedTracker(HeadsetTracker("worn"), roles), MountedTracker(ScriptedPerson("p", SEED), roles)])
     hub.start()
     hub.poll(10 * MS)
     made_up = hub.pose("head", 8_333_333)
     assert made_up is not None  # nobody wears it
     reports = [TrackerSample("head", 20 * MS, (0.3, 1.6, 0.0), (0.0, 0.0, 0.0, 1.0))]
-    hub.listen_to(lambda: reports)
+    hub.attach_display(lambda: reports)
     for t in (20, 30, 40, 600):  # one report, requested again and again
         hub.poll(t * MS)
     found = hub.pose("head", 600 * MS)
     assert found is not None and found.stale
     np.testing.assert_allclose(found.pose[:3, 3], [0.3, 1.6, 0.0], atol=1e-12)
+
+
+class OfAnotherPackage(PolledTracker):
+    """A tracker that does all that built-in ones do: window, display, and a simulated person."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self.simulated = True
+        self._across, self._reports = 0.0, tuple
+
+    def take_window(self, frame):
+        self._across = sum(event.x for event in frame.events)
+
+    def attach_display(self, reports):
+        self._reports = reports
+
+    def _report(self, now_ns, sink):
+        sink(TrackerSample("mouse", now_ns, (self._across, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)))
+        for sample in self._reports():
+            sink(sample)
+
+
+def test_a_tracker_of_another_package_has_window_and_display_and_yields_to_a_person() -> None:
+    worn, added = HeadsetTracker("worn"), OfAnotherPackage("lab")
+    roles = {"mouse": "hand_left", "head": "head"}
+    hub = TrackerHub([MountedTracker(worn, {"hand": "hand_left"}), MountedTracker(added, roles)])
+    reports = [TrackerSample("head", MS, (0.3, 1.6, 0.0), (0.0, 0.0, 0.0, 1.0))]
+    hub.attach_display(lambda: reports)
+    hub.start()
+    hub.take_window(WindowFrame((InputEvent("move", x=0.5, y=0.0),)))
+    hub.poll(MS)
+    hand, head = hub.pose("hand_left", MS), hub.pose("head", MS)
+    assert hand is not None and hand.pose[0, 3] == 0.5
+    assert head is not None and head.pose[0, 3] == 0.3
+    reports.append(TrackerSample("hand", 2 * MS, (0.9, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)))
+    for t in (2, 600):
+        hub.poll(t * MS)
+    lost = hub.pose("hand_left", 600 * MS)
+    assert lost is not None and lost.stale and lost.pose[0, 3] == 0.9
 
 
 class Scripted(PointerTracker):
@@ -441,7 +481,7 @@ class Scripted(PointerTracker):
 
 def test_a_head_upside_down_and_one_asked_for_too_late_are_reported_once_by_name() -> None:
     source = Scripted("desk")
-    hub = TrackerHub([Placed(source, {"1": "head", "2": "hand_left"})])
+    hub = TrackerHub([MountedTracker(source, {"1": "head", "2": "hand_left"})])
     hub.start()
     for t in (0, 10 * MS):
         source.report("1", t, (0.0, 0.0, 0.0, 1.0))
@@ -461,7 +501,7 @@ def test_a_head_upside_down_and_one_asked_for_too_late_are_reported_once_by_name
 
 def test_a_calibration_of_a_tracker_that_hangs_upside_down_is_reported() -> None:
     seen = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float)
-    hub = TrackerHub([Placed(Scripted("ceiling"), {}, calibration=fit_room(seen, seen * [1.0, -1.0, -1.0]))])
+    hub = TrackerHub([MountedTracker(Scripted("ceiling"), {}, calibration=fit_room(seen, seen * [1.0, -1.0, -1.0]))])
     (said,) = hub.take_problems()
     assert "ceiling" in said and "upside down" in said
 
@@ -532,7 +572,7 @@ def test_a_stream_of_lsl_that_nobody_sends_is_one_clear_error(monkeypatch: pytes
 
 def test_a_source_that_cannot_be_had_stops_those_begun_before_it() -> None:
     person = ScriptedPerson("p", SEED)
-    hub = TrackerHub([Placed(person, {"head": "head"}), Placed(fastrak("f", "/dev/none"), {})])
+    hub = TrackerHub([MountedTracker(person, {"head": "head"}), MountedTracker(fastrak("f", "/dev/none"), {})])
     with pytest.raises(DeviceError):
         hub.start()
     assert person._sink is None

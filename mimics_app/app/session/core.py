@@ -118,7 +118,7 @@ class SessionCore:
         """Make a display follow the person's head, and the scenario place the person before walls."""
         presenter.follow(self.trackers.head)
         if self.live:  # on the virtual clock the simulation is independent of the display
-            self.trackers.listen_to(presenter.tracked)
+            self.trackers.attach_display(presenter.tracked)
         if presenter.surrounds:
             self.scenario.stand_before_walls()
             self.world.update()

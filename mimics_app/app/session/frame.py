@@ -152,7 +152,7 @@ class Frames:
     def _track(self, now_ns: int, shown_ns: int) -> None:
         """Poll the trackers, and let the scenario see the body at the time of display."""
         core = self._core
-        core.trackers.see(core.inputs.frame)
+        core.trackers.take_window(core.inputs.frame)
         core.trackers.poll(now_ns)
         for problem in core.trackers.take_problems():
             core.report(problem)

@@ -8,7 +8,7 @@ from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import SceneError, UsageError
 from mimics_app.contracts.tracker_port import TrackerSource
 from mimics_app.inputs.trackers.calibration import UNITS, Calibration, axis_map, fit_room
-from mimics_app.inputs.trackers.hub import Placed, TrackerHub
+from mimics_app.inputs.trackers.hub import MountedTracker, TrackerHub
 from mimics_app.inputs.trackers.tape import TapeWriter
 from mimics_app.inputs.trackers.tracker_kinds import TrackerRequest, build_tracker
 from mimics_app.maths.poses import pose_from_parts
@@ -35,12 +35,12 @@ def make_hub(scene: Scene, clock: Clock, seed: int, folder: Path | None = None) 
         SceneError: Axes, calibration or tape of a tracker are faulty.
     """
     settings = scene.system(TrackersSettings) or TrackersSettings()
-    placed = []
+    mounted = []
     for number, spec in enumerate(settings.devices):
         pointer = f"/systems/trackers/devices/{number}"
-        placed.append(_place(scene, spec, _source(scene, spec, pointer, clock, seed), pointer))
-    tape = TapeWriter(folder / _TAPE) if folder is not None and settings.tape and placed else None
-    return TrackerHub(placed, tape)
+        mounted.append(_mount(scene, spec, _source(scene, spec, pointer, clock, seed), pointer))
+    tape = TapeWriter(folder / _TAPE) if folder is not None and settings.tape and mounted else None
+    return TrackerHub(mounted, tape)
 
 
 def _source(scene: Scene, spec: TrackerSpec, pointer: str, clock: Clock, seed: int) -> TrackerSource:
@@ -50,7 +50,7 @@ def _source(scene: Scene, spec: TrackerSpec, pointer: str, clock: Clock, seed: i
         raise SceneError(scene.issue(f"{pointer}/address", fault.what, fault.fix)) from None
 
 
-def _place(scene: Scene, spec: TrackerSpec, source: TrackerSource, pointer: str) -> Placed:
+def _mount(scene: Scene, spec: TrackerSpec, source: TrackerSource, pointer: str) -> MountedTracker:
     try:
         axes = axis_map(spec.axes)
     except UsageError as error:
@@ -61,4 +61,4 @@ def _place(scene: Scene, spec: TrackerSpec, source: TrackerSource, pointer: str)
     except UsageError as error:
         raise SceneError(scene.issue(f"{pointer}/calibration", error.what, error.fix)) from None
     offset = pose_from_parts(spec.offset, spec.turn)
-    return Placed(source, spec.roles, axes, UNITS[spec.unit], calibration, offset)
+    return MountedTracker(source, spec.roles, axes, UNITS[spec.unit], calibration, offset)

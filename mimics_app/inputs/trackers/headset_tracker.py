@@ -19,15 +19,14 @@ class HeadsetTracker(PolledTracker):
 
     def __init__(self, name: str) -> None:
         super().__init__(name)
-        self._ask: Callable[[], Sequence[TrackerSample]] = tuple
+        self._reports: Callable[[], Sequence[TrackerSample]] = tuple
         self._newest_ns = -1
 
-    def listen_to(self, ask: Callable[[], Sequence[TrackerSample]]) -> None:
-        """Set the function that returns the display's reports, each with the time its pose is predicted for."""
-        self._ask = ask
+    def attach_display(self, reports: Callable[[], Sequence[TrackerSample]]) -> None:
+        self._reports = reports
 
     def _report(self, now_ns: int, sink: TrackerSink) -> None:
-        samples = [sample for sample in self._ask() if sample.t_ns > self._newest_ns]
+        samples = [sample for sample in self._reports() if sample.t_ns > self._newest_ns]
         for sample in samples:
             sink(sample)
             self._newest_ns = max(self._newest_ns, sample.t_ns)

@@ -15,13 +15,10 @@ from mimics_app.contracts.input_port import WindowFrame
 from mimics_app.contracts.plugins import raised
 from mimics_app.contracts.tracker_port import TrackedPose, TrackerSample, TrackerSource
 from mimics_app.inputs.trackers.calibration import Calibration
-from mimics_app.inputs.trackers.headset_tracker import HeadsetTracker
-from mimics_app.inputs.trackers.pointer_tracker import PointerTracker
-from mimics_app.inputs.trackers.scripted_person import ScriptedPerson
 from mimics_app.inputs.trackers.tape import TapeWriter
 from mimics_app.inputs.trackers.track import Track
 
-__all__ = ["Placed", "TrackerHub"]
+__all__ = ["MountedTracker", "TrackerHub"]
 
 
 _MANY_REJECTED = 100
@@ -31,8 +28,8 @@ _UPSIDE_DOWN = -0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Placed:
-    """A tracker and its placement in the room.
+class MountedTracker:
+    """A tracker and how it is mounted in the room.
 
     Attributes:
         source: The tracker.
@@ -59,12 +56,13 @@ class TrackerHub:
         tape: Recorder of all reports in the order of arrival; None: no tape.
     """
 
-    def __init__(self, trackers: Sequence[Placed] = (), tape: TapeWriter | None = None) -> None:
+    def __init__(self, trackers: Sequence[MountedTracker] = (), tape: TapeWriter | None = None) -> None:
         self._trackers = tuple(trackers)
         self._tape = tape
         self._tracks: dict[tuple[int, str], Track] = {}
         self._problems: dict[str, bool] = {}
         self._lost: set[int] = set()
+        self._simulated: set[int] = set()
 
     @property
     def roles(self) -> tuple[str, ...]:
@@ -73,7 +71,7 @@ class TrackerHub:
 
     def take_problems(self) -> list[str]:
         """Return the problems of trackers and tape since the last call, one line each; each is reported once."""
-        for number, each in self._heard():
+        for number, each in self._working():
             self._ask(number, partial(self._note_fault, each))
         if self._tape is not None and self._tape.problem:
             self._note("tape of the trackers", self._tape.problem)
@@ -81,13 +79,13 @@ class TrackerHub:
         self._problems = dict.fromkeys(self._problems, True)
         return new
 
-    def _note_fault(self, tracker: Placed) -> None:
+    def _note_fault(self, tracker: MountedTracker) -> None:
         if problem := tracker.source.problem or tracker.calibration.fault:
             self._note(_name(tracker), problem)
         if tracker.source.rejected >= _MANY_REJECTED:
             self._note(_name(tracker), f"over {_MANY_REJECTED} reports were damaged, no poses or implausible")
 
-    def _heard(self) -> Iterator[tuple[int, Placed]]:
+    def _working(self) -> Iterator[tuple[int, MountedTracker]]:
         """Yield the trackers that are not lost, with their numbers."""
         return ((number, each) for number, each in enumerate(self._trackers) if number not in self._lost)
 
@@ -102,7 +100,7 @@ class TrackerHub:
     def _note(self, part: str, problem: str) -> None:
         self._problems.setdefault(f"{part}: {problem}", False)
 
-    def _doubt(self, tracker: Placed, role: str, found: TrackedPose) -> None:
+    def _doubt(self, tracker: MountedTracker, role: str, found: TrackedPose) -> None:
         """Note an implausible pose of a body part."""
         if found.capped and not found.stale:
             limit_ms = MAX_PREDICTION_NS // 1_000_000
@@ -135,35 +133,35 @@ class TrackerHub:
             DeviceError: It is not available, or its plug-in fails.
         """
         try:
+            if source.simulated:
+                self._simulated.add(number)
             source.start(lambda sample: self._take(number, sample))
         except MimicsError:
             raise
         except Exception as error:
             raise DeviceError(f"the tracker {source.name} cannot be started: it {raised(error)}") from error
 
-    def see(self, frame: WindowFrame) -> None:
-        """Pass the window's events to the trackers that follow mouse and gamepad."""
-        for number, each in self._heard():
-            if isinstance(each.source, PointerTracker):
-                self._ask(number, partial(each.source.see, frame))
+    def take_window(self, frame: WindowFrame) -> None:
+        """Pass the window's events to the trackers."""
+        for number, each in self._working():
+            self._ask(number, partial(each.source.take_window, frame))
 
-    def listen_to(self, display: Callable[[], Sequence[TrackerSample]]) -> None:
-        """Pass the display's own tracking of head and hands to the trackers that report it."""
-        for each in self._trackers:
-            if isinstance(each.source, HeadsetTracker):
-                each.source.listen_to(display)
+    def attach_display(self, reports: Callable[[], Sequence[TrackerSample]]) -> None:
+        """Pass the display's own tracking of head and hands to the trackers."""
+        for number, each in self._working():
+            self._ask(number, partial(each.source.attach_display, reports))
 
     def poll(self, now_ns: int) -> None:
         """Poll all trackers; call once a frame."""
-        for number, each in self._heard():
+        for number, each in self._working():
             self._ask(number, partial(each.source.poll, now_ns))
 
     def pose(self, role: str, at_ns: int) -> TrackedPose | None:
         """Return room_from_part of a role at a time [ns]; None where no tracker has reported it yet."""
         stale: TrackedPose | None = None
         for number, each in enumerate(self._trackers):
-            if stale is not None and isinstance(each.source, ScriptedPerson):
-                continue  # a person whose tracking is lost does not continue as the scripted one
+            if stale is not None and number in self._simulated:
+                continue  # a person whose tracking is lost does not continue as a simulated one
             for sensor in (sensor for sensor, played in each.roles.items() if played == role):
                 track = self._tracks.get((number, sensor))
                 found = None if track is None else track.pose(at_ns)
@@ -196,12 +194,12 @@ class TrackerHub:
             self._tape.take(sample)
 
 
-def _name(tracker: Placed) -> str:
+def _name(tracker: MountedTracker) -> str:
     """Return the name of a tracker in its problems."""
     return f"tracker {tracker.source.name}"
 
 
-def _place(tracker: Placed, pose: F8) -> F8:
+def _place(tracker: MountedTracker, pose: F8) -> F8:
     """Return room_from_part of a pose that a device reported."""
     mapped = np.eye(4)
     mapped[:3, :3] = tracker.axes @ pose[:3, :3] @ tracker.axes.T

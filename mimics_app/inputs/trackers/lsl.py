@@ -47,7 +47,7 @@ class LslTracker(ThreadedTracker):
         self._inlet.close_stream()
 
     def _read(self, sink: TrackerSink) -> None:
-        heard_ns = self._clock.now_ns()
+        received_ns = self._clock.now_ns()
         while not self._stopping.is_set():
             try:
                 values, stamp = self._inlet.pull_sample(_LOOK_S)
@@ -56,9 +56,9 @@ class LslTracker(ThreadedTracker):
                 return
             now_ns = self._clock.now_ns()
             if values is not None:
-                heard_ns, self.problem = now_ns, ""
+                received_ns, self.problem = now_ns, ""
                 self._take(values, stamp, sink)
-            elif now_ns - heard_ns > _SILENCE_NS:
+            elif now_ns - received_ns > _SILENCE_NS:
                 self.problem = f'no data of the stream "{self._stream}" for more than {_SILENCE_NS * 1e-9:g} s'
 
     def _take(self, values: list[Any], stamp: float, sink: TrackerSink) -> None:

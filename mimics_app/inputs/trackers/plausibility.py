@@ -30,17 +30,17 @@ class Plausibility:
     agrees with no other.
 
     Attributes:
-        heard_ns: Time of the newest report, plausible or not [ns].
+        received_ns: Time of the newest report, plausible or not [ns].
     """
 
     def __init__(self) -> None:
-        self.heard_ns = 0
+        self.received_ns = 0
         self._last: TrackerSample | None = None
         self._waiting: TrackerSample | None = None
 
     def admits(self, sample: TrackerSample) -> bool:
         """Whether this report is plausible."""
-        self.heard_ns = sample.t_ns
+        self.received_ns = sample.t_ns
         if not _possible(sample):
             self._waiting = None
             return False
@@ -75,8 +75,8 @@ class BelievedSensors:
 
     def _has_room(self, now_ns: int) -> bool:
         if len(self._filters) >= MOST_SENSORS:
-            oldest = min(self._filters, key=lambda name: self._filters[name].heard_ns)
-            if now_ns - self._filters[oldest].heard_ns > _FORGET_NS:
+            oldest = min(self._filters, key=lambda name: self._filters[name].received_ns)
+            if now_ns - self._filters[oldest].received_ns > _FORGET_NS:
                 del self._filters[oldest]
         return len(self._filters) < MOST_SENSORS
 

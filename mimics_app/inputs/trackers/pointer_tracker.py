@@ -30,8 +30,7 @@ class PointerTracker(PolledTracker):
         self._look = (0.0, 0.0)
         self._sticks: dict[str, float] = {}
 
-    def see(self, frame: WindowFrame) -> None:
-        """Take the events of the window."""
+    def take_window(self, frame: WindowFrame) -> None:
         for event in frame.events:
             if event.kind == "move":
                 self._look = (event.x, event.y)

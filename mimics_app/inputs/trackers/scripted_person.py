@@ -62,6 +62,7 @@ class ScriptedPerson(PolledTracker):
 
     def __init__(self, name: str, seed: int) -> None:
         super().__init__(name)
+        self.simulated = True
         self._seed = seed
         self._done_ns = -_PERIOD_NS
 
