@@ -18,7 +18,7 @@ __all__ = [
     "AudioOutput",
     "AudioReport",
     "AudioStatus",
-    "Heard",
+    "ListenerState",
     "Mixer",
     "OnDemandMixer",
     "QueueReport",
@@ -31,7 +31,7 @@ __all__ = [
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Heard:
+class ListenerState:
     """Listener and moving sounds as arrays, used by the mixer from the next block on. World frame, SI.
 
     Attributes:
@@ -130,7 +130,7 @@ class Mixer(Protocol):
         """Return the frame of a sound's first sample (-1: not known) and the session time at which it is audible."""
         ...
 
-    def hear(self, heard: Heard) -> None:
+    def set_listener(self, state: ListenerState) -> None:
         """Set the newest listener and moving sounds."""
         ...
 
@@ -207,7 +207,7 @@ class SoundRow:
         gain: Linear gain at its start.
         submitted_ns: Session time at which the mixer got it.
         onset_sample: Index of its first sample in the mix, -1 if the device does not report it.
-        heard_ns: Session time at which its first sample leaves the mix (file) or the device's buffers (device).
+        output_ns: Session time at which its first sample leaves the mix (file) or the device's buffers (device).
         late: True if it was too late for its frame and started at once.
     """
 
@@ -218,13 +218,13 @@ class SoundRow:
     gain: float
     submitted_ns: int
     onset_sample: int
-    heard_ns: int
+    output_ns: int
     late: bool
 
     @property
     def latency_ms(self) -> float:
         """Latency from the event to the first sample [ms]."""
-        return (self.heard_ns - self.t_ns) * 1e-6
+        return (self.output_ns - self.t_ns) * 1e-6
 
 
 AudioOrder = SoundEvent | float | None

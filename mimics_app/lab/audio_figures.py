@@ -26,7 +26,7 @@ from mimics_app.rendering.audio.spectral.computed_head import compute_head
 from mimics_app.rendering.audio.spectral.head import HeadResponses, delays_between_ears
 from mimics_app.rendering.audio.spectral.sofa import read_sofa
 
-__all__ = ["draw_figures", "heard_around_the_head"]
+__all__ = ["draw_figures", "errors_around_the_head"]
 
 Points = list[tuple[float, float]]
 
@@ -45,10 +45,10 @@ _FILE = AudioSettings().block
 
 def draw_figures(folder: Path) -> list[Path]:
     """Write all figures and return the drawings."""
-    return [write_figure(figure, folder)[1] for figure in (heard_around_the_head(), _cost_of_voices())]
+    return [write_figure(figure, folder)[1] for figure in (errors_around_the_head(), _cost_of_voices())]
 
 
-def heard_around_the_head() -> Figure:
+def errors_around_the_head() -> Figure:
     """Return the figure of interaural delay and level in the horizontal plane: of the head, and of two mixers."""
     path = find_measured_head()
     head = compute_head(0.152) if path is None else read_sofa(path)

@@ -22,7 +22,7 @@ __all__ = ["Catenary", "Ripple", "Ripples", "hang"]
 _TAUT = 1e-9
 """Excess of a cord's length over its chord below which it is straight [-]."""
 
-_PLUMB = 1e-3
+_LEAST_SPAN = 1e-3
 """Smallest horizontal distance of the ends, relative to the length [-]: with ends above each other a cord is a fold."""
 
 _NEWTON = 60
@@ -112,7 +112,7 @@ def hang(start: ArrayLike, end: ArrayLike, length: float, swing: float = 0.0) ->
     across = float(np.linalg.norm(flat))
     whole = float(np.linalg.norm(chord))
     along = flat / across if across > 0.0 else np.array([1.0, 0.0, 0.0])
-    across = max(across, _PLUMB * length)
+    across = max(across, _LEAST_SPAN * length)
     reach = math.sqrt(max(length * length - rise * rise, 0.0))
     if length <= whole * (1.0 + _TAUT) or reach <= across:  # the latter: taut, with its ends above each other
         return _straight(first, chord, whole)

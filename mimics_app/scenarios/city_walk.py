@@ -21,9 +21,9 @@ from mimics_app.world.world import World
 
 __all__ = ["SCENARIO", "CityWalk"]
 
-_GLANCE = 8.0
+_GAZE_PER_METRE = 8.0
 """Angle of the eyes per displacement of the hand to the side [rad/m]."""
-_WIDEST = 1.2
+_MOST_GAZE = 1.2
 """Largest angle of the eyes to the side [rad]."""
 
 
@@ -76,7 +76,7 @@ class CityWalk(TouchScene):
         self._look_aside(float(snapshot.hip_world[0] - self._start[0]))
 
     def _look_aside(self, aside: float) -> None:
-        angle = min(max(_GLANCE * aside, -_WIDEST), _WIDEST)
+        angle = min(max(_GAZE_PER_METRE * aside, -_MOST_GAZE), _MOST_GAZE)
         turn = np.empty(4)
         for node, ahead in self._eyes:
             quat.multiply(quat.about_axis((0.0, 1.0, 0.0), -angle), ahead, turn)

@@ -28,7 +28,7 @@ Bent = dict[tuple[str, str, str], F8]
 _BENDING = ("skin_head", "skin_body", "top", "bottom", "socks")
 _OUTWARDS = 1e-4
 """How far over and under a triangle its outside is asked for [m]."""
-_SUNK = 0.001
+_MOST_OUT = 0.001
 """How far skin may stand out of a garment that covered it [m]."""
 
 
@@ -117,7 +117,7 @@ def test_what_a_garment_covers_stays_under_it(shipped: Shipped, bent: Bent, inne
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
         here = np.einsum("nk,nkj->nj", shares, places[t])
         out = ((bent[name, skin, inner][corners] - here) * normals).sum(axis=1)
-        assert out.max(initial=0.0) <= _SUNK, (name, skin, out.max())
+        assert out.max(initial=0.0) <= _MOST_OUT, (name, skin, out.max())
 
 
 def _normals(places: F8, triangles: I8) -> F8:

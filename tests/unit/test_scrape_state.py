@@ -21,9 +21,9 @@ def session():
     settings = AudioSettings(sounds=sounds, triggers={}, scrape="rub", mixer="openal", hrtf=False)
     memory, clock, bank = SessionMemory(), VirtualClock(), SoundBank(sounds, RATE)
     mixer = open_mixer(settings, bank, clock, latency=0, origin_ns=0)
-    heard = []
-    mixer.hear = heard.append
-    yield memory, SoundDirector(memory, mixer, bank, settings, clock), heard
+    states = []
+    mixer.set_listener = states.append
+    yield memory, SoundDirector(memory, mixer, bank, settings, clock), states
     mixer.close()
 
 
@@ -36,18 +36,18 @@ def publish(memory, force=0.0):
 
 
 def test_a_hand_that_touches_nothing_gives_the_mixer_no_work(session):
-    memory, director, heard = session
+    memory, director, states = session
     for _ in range(5):
         publish(memory)
         director.listen()
-    assert heard == []
+    assert states == []
 
 
 def test_scraping_is_heard_from_its_place_and_falls_silent(session):
-    memory, director, heard = session
+    memory, director, states = session
     for force in (0.0, 4.0, 0.0, 0.0):
         publish(memory, force)
         director.listen()
-    gains = [each.gain[-1] for each in heard]
+    gains = [each.gain[-1] for each in states]
     assert len(gains) == 2 and gains[0] > 0.05 and gains[1] == 0.0
-    np.testing.assert_allclose(heard[0].position[-1], (0.1, 0.2, 0.3))
+    np.testing.assert_allclose(states[0].position[-1], (0.1, 0.2, 0.3))

@@ -9,7 +9,7 @@ import pytest
 import soundfile
 
 from mimics_app.contracts.clock import VirtualClock
-from mimics_app.lab.groups.spatialiser import heard_around
+from mimics_app.lab.groups.spatialiser import listener_amid
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.engine import open_mixer
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
@@ -69,9 +69,9 @@ def test_both_channels_follow_gain_and_stop(opened, name):
     mixer, _ = opened
     handle = mixer.start("loop", 0, ASIDE, 1.0).handle
     before = np.sqrt(np.mean(mixer.render(LENGTH)[LENGTH // 2 :] ** 2, axis=0))
-    softer = heard_around(np.array([handle]), np.array([ASIDE]))
+    softer = listener_amid(np.array([handle]), np.array([ASIDE]))
     softer.gain[:] = 0.1
-    mixer.hear(softer)
+    mixer.set_listener(softer)
     after = np.sqrt(np.mean(mixer.render(LENGTH)[LENGTH // 2 :] ** 2, axis=0))
     assert after == pytest.approx(0.1 * before, rel=0.02)
     mixer.stop(handle)

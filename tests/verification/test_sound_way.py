@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.clock import VirtualClock
-from mimics_app.lab.groups.spatialiser import heard_around
+from mimics_app.lab.groups.spatialiser import listener_amid
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.engine import open_engine_in_step
 from mimics_app.rendering.audio.obstacles import BAND_HZ, Box, diffraction_db, passes_of, transmission_db
@@ -25,11 +25,11 @@ def level_of(spec: SoundSpec, place, **head) -> float:
     """Level at the left ear of a tone from a place [dB]."""
     mixer = mixer_of({"tone": TONE}, specs={"tone": spec})
     handle = np.array([mixer.start("tone", 0, tuple(place), 1.0).handle])
-    heard = heard_around(handle, np.array([place], float))
-    heard.gain[:] = 1.0
+    state = listener_amid(handle, np.array([place], float))
+    state.gain[:] = 1.0
     for name, value in head.items():
-        getattr(heard, name)[:] = value
-    mixer.hear(heard)
+        getattr(state, name)[:] = value
+    mixer.set_listener(state)
     return 20 * math.log10(float(np.sqrt(np.mean(mixer.render(9600)[4800:, 0] ** 2))) + 1e-9)
 
 
@@ -63,9 +63,9 @@ def pitch_heard(source_velocity, head_velocity=(0.0, 0.0, 0.0)) -> float:
     """Frequency of a tone of 1 kHz ahead [Hz], by its phase over a third of a second."""
     mixer = mixer_of({"tone": TONE}, specs={"tone": SoundSpec(loop=True, rolloff=0.0)})
     handle = np.array([mixer.start("tone", 0, AHEAD, 1.0).handle])
-    heard = heard_around(handle, np.array([AHEAD]))
-    heard.velocity[:], heard.head_velocity[:] = source_velocity, head_velocity
-    mixer.hear(heard)
+    state = listener_amid(handle, np.array([AHEAD]))
+    state.velocity[:], state.head_velocity[:] = source_velocity, head_velocity
+    mixer.set_listener(state)
     mixed = mixer.render(RATE // 2)[RATE // 8 :, 0].astype(np.float64)
     crossings = np.flatnonzero((mixed[:-1] < 0) & (mixed[1:] >= 0))
     places = crossings - mixed[crossings] / (mixed[crossings + 1] - mixed[crossings])
@@ -122,9 +122,9 @@ def test_a_place_that_is_no_number_leaves_the_sound_where_it_was():
     mixer = mixer_of({"tone": TONE}, specs={"tone": SoundSpec(loop=True)})
     handle = np.array([mixer.start("tone", 0, (1.0, 0.0, 0.0), 1.0).handle])
     before = mixer.render(4800)[-480:]
-    heard = heard_around(handle, np.array([[math.nan, 0.0, 0.0]]))
-    heard.gain[:] = 1.0
-    mixer.hear(heard)
+    state = listener_amid(handle, np.array([[math.nan, 0.0, 0.0]]))
+    state.gain[:] = 1.0
+    mixer.set_listener(state)
     np.testing.assert_allclose(mixer.render(4800)[-480:], before, atol=1e-3)
 
 
@@ -165,9 +165,9 @@ def test_mute_silences_every_group_and_the_room_without_a_click_and_lets_them_ba
     tone = 0.25 * np.sin(2 * np.pi * 200.0 * np.arange(RATE) / RATE)
     mixer = mixer_of({"crowd": tone, "voice": tone}, specs=specs, buses={"therapist": BusSpec(gain=2.0)})
     handles = np.array([mixer.start(name, 0, AHEAD, 1.0).handle for name in specs])
-    heard = heard_around(handles, np.array([AHEAD, AHEAD]))
-    heard.gain[:] = 0.3
-    mixer.hear(replace(heard, room_level=0.5, room_time=1.0))
+    state = listener_amid(handles, np.array([AHEAD, AHEAD]))
+    state.gain[:] = 0.3
+    mixer.set_listener(replace(state, room_level=0.5, room_time=1.0))
     before = mixer.render(RATE // 2)
     mixer.master(0.0)
     fading = mixer.render(240)
@@ -210,10 +210,10 @@ def test_a_room_answers_for_as_long_as_it_says():
     burst[:4800] = TONE[:4800] * np.hanning(4800)
     burst = np.convolve(burst, np.hanning(97) / 48.0)[:RATE]
     mixer = mixer_of({"burst": burst})
-    heard = heard_around(np.zeros(0, np.int64), np.zeros((0, 3)))
-    object.__setattr__(heard, "room_level", 1.0)
-    object.__setattr__(heard, "room_time", 0.8)
-    mixer.hear(heard)
+    state = listener_amid(np.zeros(0, np.int64), np.zeros((0, 3)))
+    object.__setattr__(state, "room_level", 1.0)
+    object.__setattr__(state, "room_time", 0.8)
+    mixer.set_listener(state)
     mixer.start("burst", 0, AHEAD, 1.0)
     mixed = mixer.render(RATE)[:, 0].astype(np.float64)
     rms = [20 * math.log10(np.sqrt(np.mean(mixed[a : a + 4800] ** 2)) + 1e-12) for a in (12000, 31200)]

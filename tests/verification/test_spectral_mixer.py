@@ -14,12 +14,12 @@ from mimics_app.contracts.messages import SoundEvent
 from mimics_app.lab.audio.hearing import hearing_errors, level_differences
 from mimics_app.lab.audio.rendered import render_clicks
 from mimics_app.lab.audio_bench import find_measured_head
-from mimics_app.lab.audio_figures import heard_around_the_head
-from mimics_app.lab.groups.spatialiser import heard_around
+from mimics_app.lab.audio_figures import errors_around_the_head
+from mimics_app.lab.groups.spatialiser import listener_amid
 from mimics_app.rendering.audio.bank import Sound, SoundBank
 from mimics_app.rendering.audio.offline import render_offline
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
-from mimics_app.rendering.audio.spectral.bins import add_heard, add_moving, move, set_shaped
+from mimics_app.rendering.audio.spectral.bins import add_moving, add_to_ears, move, set_shaped
 from mimics_app.rendering.audio.spectral.computed_head import compute_head, sphere_response
 from mimics_app.rendering.audio.spectral.fourier import BINS, SIZE, WORK, real_block, real_spectrum, turns_of
 from mimics_app.rendering.audio.spectral.head import HeadResponses, delays_between_ears
@@ -68,7 +68,7 @@ def test_spectra_of_blocks_are_those_of_the_library_and_lead_back():
 
 @kernel
 def _filtered(spectrum, shelves, shape, table, before, after, sums, shaped):
-    add_heard(spectrum, shelves, shape, table, table, after, sums, 0)
+    add_to_ears(spectrum, shelves, shape, table, table, after, sums, 0)
     add_moving(spectrum, shelves, shape, table, table, before, after, sums)
     set_shaped(spectrum, shelves, 0.7, shape, shaped)
     move(shaped, 3, shaped, 0, 2 * BINS - 3)
@@ -132,7 +132,7 @@ def test_delay_and_level_between_the_ears_are_those_of_a_measured_head():
 
 
 def test_the_figure_of_the_ears_shows_the_head_and_the_mixer_as_one():
-    rows = heard_around_the_head().rows
+    rows = errors_around_the_head().rows
     ways = {row["method"]: [] for row in rows}
     for row in rows:
         ways[row["method"]].append((row["x"], row["delay_us"], row["level_db"]))
@@ -225,23 +225,23 @@ def test_nothing_clicks(change):
     tone = 0.25 * np.sin(2 * np.pi * 200 * np.arange(RATE) / RATE)
     mixer = mixer_of({"tone": tone}, specs={"tone": SoundSpec(loop=True)})
     handle = np.array([mixer.start("tone", 0, AHEAD, 1.0).handle])
-    still = heard_around(handle, np.array([AHEAD]))
+    still = listener_amid(handle, np.array([AHEAD]))
     still.gain[:] = 1.0
-    mixer.hear(still)
+    mixer.set_listener(still)
     parts = [mixer.render(4860)]  # ends inside a period of the tone, not at its zero
     if change == "gain":
         still.gain[:] = 0.1
-        mixer.hear(still)
+        mixer.set_listener(still)
     elif change == "stop":
         mixer.stop(int(handle[0]))
     elif change == "jump of 90 degrees":
         still.position[:] = (1.0, 0.0, 0.0)
-        mixer.hear(still)
+        mixer.set_listener(still)
     else:
         for block in range(1, 19):
             angle = math.radians(5.0 * block)
             still.position[:] = (math.sin(angle), 0.0, -math.cos(angle))
-            mixer.hear(still)
+            mixer.set_listener(still)
             parts.append(mixer.render(240))
     parts.append(mixer.render(4800))
     mixed = np.concatenate(parts)

@@ -43,7 +43,7 @@ _SPEED = 1.4
 """Walking speed [m/s]."""
 _STREET = 220.0
 """Length of the walk, after which it begins again [m]."""
-_GLANCE, _GLANCE_S, _DISTANCE = math.radians(20.0), 6.0, 10.0
+_GAZE_ANGLE, _GAZE_PERIOD_S, _DISTANCE = math.radians(20.0), 6.0, 10.0
 """Largest angle from the direction of the walk, time from one side to it again [s], and distance looked at [m]."""
 
 _PROFILE: Profile = "training"
@@ -118,7 +118,7 @@ def _walk() -> tuple[Scene, World, Callable[[float], None]]:
     start = np.array(Walk.start)
 
     def move(time_s: float) -> None:
-        glance = _GLANCE * math.sin(2.0 * math.pi * time_s / _GLANCE_S)
+        glance = _GAZE_ANGLE * math.sin(2.0 * math.pi * time_s / _GAZE_PERIOD_S)
         place = start - (0.0, 0.0, _SPEED * time_s % _STREET)
         camera.set_position(place)
         camera.look_at(place + _DISTANCE * np.array([math.sin(glance), 0.02, -math.cos(glance)]))

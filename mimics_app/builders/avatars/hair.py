@@ -35,7 +35,7 @@ _INSIDE = 0.018
 """Distance of the cap's edge behind the painted hairline [rad]: the edge is seen on painted hair."""
 _RECESS, _PEAK = 0.13, 0.025
 """How far the hairline lies back over the temples and forward in the middle of the forehead at a recess of 1 [rad]."""
-_WIDEST = 0.05
+_OCCIPUT = 0.05
 """Elevation where the back of the head stands out farthest [rad]."""
 _KNOT = (0.0, 30.0, -94.0)
 """Place of the knot of hair drawn back, as `Head.mark` [mm]."""
@@ -172,7 +172,7 @@ def _path(
     beyond = np.maximum(share - 1.0, 0.0)
     if worn.fall > 0.0:
         # behind, long hair hangs from where the head is widest and does not follow it in to the nape
-        widest = _skull(head, np.stack([azimuth, np.maximum(elevation, _WIDEST)], axis=1), thick + lift) - head.middle
+        widest = _skull(head, np.stack([azimuth, np.maximum(elevation, _OCCIPUT)], axis=1), thick + lift) - head.middle
         own, hung = (np.hypot(*(each[:, [0, 2]]).T) for each in (places - head.middle, widest))
         grow = 1.0 + step(1.0, 1.5, np.abs(azimuth)) * np.maximum(0.985 * hung / own - 1.0, 0.0)
         places = head.middle + (places - head.middle) * np.stack([grow, np.ones(len(grow)), grow], axis=1)

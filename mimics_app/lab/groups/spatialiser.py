@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.audio_port import Heard
+from mimics_app.contracts.audio_port import ListenerState
 from mimics_app.contracts.clock import MonotonicClock, VirtualClock
 from mimics_app.contracts.messages import SoundEvent
 from mimics_app.contracts.probe import shortest_us
@@ -29,8 +29,8 @@ from mimics_app.rendering.audio.spherical_head import add_at_sphere
 
 __all__ = [
     "KEMAR_DELAYS_US",
-    "heard_around",
     "interaural_delay_us",
+    "listener_amid",
     "measure_block_us",
     "own_head_errors",
 ]
@@ -58,7 +58,7 @@ def measure_block_us(hrtf: bool, blocks: int, sources: int, mixer: MixerName = "
     clock, costs = MonotonicClock(), []
     for block in range(blocks):
         angle = 0.01 * block + np.arange(sources)
-        opened.hear(heard_around(handles, np.stack((np.sin(angle), 0.0 * angle, -np.cos(angle)), axis=1)))
+        opened.set_listener(listener_amid(handles, np.stack((np.sin(angle), 0.0 * angle, -np.cos(angle)), axis=1)))
         begin = clock.now_ns()
         opened.render(frames)
         costs.append((clock.now_ns() - begin) * 1e-3)
@@ -66,11 +66,11 @@ def measure_block_us(hrtf: bool, blocks: int, sources: int, mixer: MixerName = "
     return float(np.median(costs))
 
 
-def heard_around(handles: NDArray[np.int64], places: NDArray[np.float64]) -> Heard:
+def listener_amid(handles: NDArray[np.int64], places: NDArray[np.float64]) -> ListenerState:
     """Return a listener at the origin that looks along -z, with sounds around it, shape [n, 3] [m]."""
     count = len(handles)
     still, axis = np.zeros((count, 3)), np.tile((0.0, 0.0, -1.0), (count, 1))
-    return Heard(
+    return ListenerState(
         t_ns=0,
         head_position=np.zeros(3),
         head_velocity=np.zeros(3),

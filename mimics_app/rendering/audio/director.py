@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts import ring, triple_buffer
 from mimics_app.contracts.arrays import F8, Vec3
-from mimics_app.contracts.audio_port import Heard, Mixer, SoundRow, Start
+from mimics_app.contracts.audio_port import ListenerState, Mixer, SoundRow, Start
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.contact_force import CONTACT_FORCE
 from mimics_app.contracts.haptic import EVENT, EventKind
@@ -63,7 +63,7 @@ class SoundDirector:
         self._handles = np.zeros(len(settings.emitters) + 1, np.int64)  # emitters, then the scrape of the wall
         self._scene = np.zeros(1, SOUND_SCENE)
         fill_defaults(self._scene)
-        self._rub = np.zeros(7)  # of the scrape: position, velocity, gain
+        self._scrape_state = np.zeros(7)  # of the scrape: position, velocity, gain
         self._drained = np.zeros(256, EVENT)
         self._forces = np.zeros(1024, CONTACT_FORCE)
         self._driven = DrivenSounds(mixer, bank)
@@ -82,7 +82,7 @@ class SoundDirector:
         count = len(self._forces)
         while count == len(self._forces):
             count = ring.drain(self._memory.audio_force_words, self._memory.audio_forces, self._forces)
-            self._driven.feel(self._forces[:count])
+            self._driven.push_forces(self._forces[:count])
         self._driven.pass_time(self._clock.now_ns())
 
     def ring_out(self) -> None:
@@ -134,39 +134,39 @@ class SoundDirector:
         slot, fresh = triple_buffer.acquire(self._memory.sound_scene_words)
         if fresh:
             self._scene[:] = self._memory.sound_scenes[slot : slot + 1]
-        pressed = bool(self._settings.scrape) and self._feel_pressure()
+        pressed = bool(self._settings.scrape) and self._update_scrape()
         if fresh or pressed:
-            self._mixer.hear(self._heard())
+            self._mixer.set_listener(self._listener_state())
 
-    def _feel_pressure(self) -> bool:
+    def _update_scrape(self) -> bool:
         """Update the scrape from the newest haptic snapshot; return whether what is heard of it may have changed."""
         slot, fresh = triple_buffer.acquire(self._memory.audio_words)
         if not fresh:
             return False
         snapshot = self._memory.audio_snapshots[slot]
         touched = snapshot["penetration"] > 0.0
-        if not touched and self._rub[6] == 0.0:
+        if not touched and self._scrape_state[6] == 0.0:
             return False
         pressed = length(snapshot["f_user_world"]) if touched else 0.0
         place, velocity = snapshot["hip_world"], snapshot["v_world"]
         if not (np.isfinite(place).all() and np.isfinite(velocity).all()):
             return False
-        self._rub[:3], self._rub[3:6] = place, velocity
-        self._rub[6] = scrape_gain(length(velocity), pressed)
+        self._scrape_state[:3], self._scrape_state[3:6] = place, velocity
+        self._scrape_state[6] = scrape_gain(length(velocity), pressed)
         return True
 
-    def _heard(self) -> Heard:
+    def _listener_state(self) -> ListenerState:
         """Return the snapshot in the mixer's form; emitters that appear for the first time are started."""
         scene, count = self._scene[0], len(self._settings.emitters)
-        position = np.concatenate((scene["position"][:count], self._rub[None, :3]))
-        velocity = np.concatenate((scene["velocity"][:count], self._rub[None, 3:6]))
-        gain = np.concatenate((scene["gain"][:count], self._rub[6:7]))
+        position = np.concatenate((scene["position"][:count], self._scrape_state[None, :3]))
+        velocity = np.concatenate((scene["velocity"][:count], self._scrape_state[None, 3:6]))
+        gain = np.concatenate((scene["gain"][:count], self._scrape_state[6:7]))
         for row, name in enumerate((*self._settings.emitters, self._settings.scrape)):
             if name and self._handles[row] == 0 and gain[row] > 0.0 and np.isfinite(position[row]).all():
                 x, y, z = (float(value) for value in position[row])
                 t_ns = min(int(scene["t_ns"]), self._clock.now_ns())
                 self._handles[row] = self._mixer.start(name, t_ns, (x, y, z), float(gain[row])).handle
-        return Heard(
+        return ListenerState(
             t_ns=int(scene["t_ns"]),
             head_position=scene["head_position"],
             head_velocity=scene["head_velocity"],
@@ -190,8 +190,8 @@ class SoundDirector:
         if start.handle == 0:
             return
         submitted = self._clock.now_ns()
-        onset, heard = self._mixer.first_sample(start, submitted)
-        self.rows.append(SoundRow(t_ns, tick, cause, sound, gain, submitted, onset, heard, start.late))
+        onset, output_ns = self._mixer.first_sample(start, submitted)
+        self.rows.append(SoundRow(t_ns, tick, cause, sound, gain, submitted, onset, output_ns, start.late))
 
 
 def _finite_place(position: F8) -> Vec3 | None:

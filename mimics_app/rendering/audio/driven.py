@@ -19,7 +19,7 @@ __all__ = ["DrivenSounds"]
 Pair = tuple[int, int]
 
 _FOLLOWED_NS = FOLLOWED * 1_000_000_000 // FORCE_RATE
-_FORESEEN_S = 0.01
+_PREDICTED_S = 0.01
 """How far a voice is filled beyond the newest force [s], so that a late tick causes no gap."""
 
 
@@ -62,7 +62,7 @@ class DrivenSounds:
         self._lead = mixer.lead
         self._voices: dict[str, _Voice] = {}
         self._by_pair: dict[Pair, _Voice] = {}
-        self._foreseen = round(_FORESEEN_S * mixer.rate)
+        self._predicted = round(_PREDICTED_S * mixer.rate)
 
     @property
     def playing(self) -> bool:
@@ -97,17 +97,17 @@ class DrivenSounds:
         voice = _Voice(start.handle, modes, t_ns, t_ns, self._lead, length, over)
         self._end(self._by_pair.get(pair))
         self._voices[sound] = self._by_pair[pair] = voice
-        self._press(voice, t_ns, force)
+        self._apply_force(voice, t_ns, force)
         return sound, start
 
-    def feel(self, forces: NDArray[np.void]) -> None:
+    def push_forces(self, forces: NDArray[np.void]) -> None:
         """Take CONTACT_FORCE records, shape [n], in order of time; contacts without such a sound are ignored."""
         assert forces.dtype == CONTACT_FORCE
         for row in forces:
             voice = self._by_pair.get((int(row["body_a"]), int(row["body_b"])))
             t_ns, force = int(row["t_ns"]), float(row["force"])
             if voice is not None and t_ns > voice.last_ns and np.isfinite(force):
-                self._press(voice, t_ns, force)
+                self._apply_force(voice, t_ns, force)
 
     def pass_time(self, now_ns: int) -> None:
         """Let contacts decay that have had no force for too long."""
@@ -127,14 +127,14 @@ class DrivenSounds:
         voices = (self._voices.get(f"{name}:live:{number}") for number in range(LIVE_VOICES))
         return next((k for k, voice in enumerate(voices) if voice is None or voice.free_ns <= t_ns), None)
 
-    def _press(self, voice: _Voice, t_ns: int, force: float) -> None:
+    def _apply_force(self, voice: _Voice, t_ns: int, force: float) -> None:
         """Fill the decay since the last force, the response to this one, and the decay that would follow."""
         rate = self._mixer.rate
         begin = (self._lead or 0) + frame_at(t_ns, 0, rate) - frame_at(voice.begin_ns, 0, rate)
-        since = voice.modes.ring(max(0, begin - voice.cursor))
-        pressed, after = voice.modes.press(abs(force)), voice.modes.foresee(self._foreseen)
-        self._fill(voice, np.concatenate([since, pressed, after]))
-        voice.cursor += len(since) + len(pressed)
+        since = voice.modes.decay(max(0, begin - voice.cursor))
+        forced, after = voice.modes.apply_force(abs(force)), voice.modes.predict(self._predicted)
+        self._fill(voice, np.concatenate([since, forced, after]))
+        voice.cursor += len(since) + len(forced)
         voice.last_ns = t_ns
 
     def _end(self, voice: _Voice | None) -> None:
@@ -142,7 +142,7 @@ class DrivenSounds:
         if voice is None or not voice.open:
             return
         voice.open = False
-        self._fill(voice, voice.modes.ring(max(0, voice.length - voice.cursor)))
+        self._fill(voice, voice.modes.decay(max(0, voice.length - voice.cursor)))
         for pair in [pair for pair, each in self._by_pair.items() if each is voice]:
             del self._by_pair[pair]
 

@@ -343,10 +343,10 @@ def match_onsets(pushed: Sequence[int], onsets: Sequence[int]) -> list[float]:
         pushed: Times of the events [ns], ascending, more than `_LONGEST_NS` apart.
         onsets: Times of the sounds [ns], ascending.
     """
-    heard = np.asarray(onsets, np.int64)
+    recorded = np.asarray(onsets, np.int64)
     latencies = []
     for t in pushed:
-        k = int(np.searchsorted(heard, t))
-        if k < len(heard) and heard[k] < t + _LONGEST_NS:
-            latencies.append((int(heard[k]) - t) * 1e-6)
+        k = int(np.searchsorted(recorded, t))
+        if k < len(recorded) and recorded[k] < t + _LONGEST_NS:
+            latencies.append((int(recorded[k]) - t) * 1e-6)
     return sorted(latencies)

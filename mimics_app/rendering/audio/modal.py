@@ -82,25 +82,25 @@ class ModalVoice:
         self._state = np.zeros(len(modes.weights), np.complex128)
         self._force = 0.0
 
-    def ring(self, frames: int) -> F8:
+    def decay(self, frames: int) -> F8:
         """Advance by some frames under constant force; return the samples, shape [frames]."""
         pieces = [self._advance(min(_MOST_FRAMES, frames - done), 0.0) for done in range(0, frames, _MOST_FRAMES)]
         return np.concatenate([np.zeros(0), *pieces])
 
-    def press(self, force: float) -> F8:
+    def apply_force(self, force: float) -> F8:
         """Ramp the force to a new value [N] over the next `ramp` frames; return the samples, shape [ramp]."""
         change, self._force = (force - self._force) / self._modes.ramp, force
         return self._advance(self._modes.ramp, change)
 
-    def foresee(self, frames: int) -> F8:
+    def predict(self, frames: int) -> F8:
         """Return the next samples under constant force, at most _MOST_FRAMES, without advancing."""
-        return self._heard(self._modes.falls[:, :frames] * self._state[:, None])
+        return self._radiate(self._modes.falls[:, :frames] * self._state[:, None])
 
     def play(self, forces: Sequence[float] | F8, frames: int) -> F8:
         """Play the forces of consecutive ticks, then the decay; return the samples, shape [frames]."""
-        pressed = [self.press(float(force)) for force in forces]
-        done = sum(map(len, pressed))
-        return np.concatenate([*pressed, self.ring(max(0, frames - done))])[:frames]
+        forced = [self.apply_force(float(force)) for force in forces]
+        done = sum(map(len, forced))
+        return np.concatenate([*forced, self.decay(max(0, frames - done))])[:frames]
 
     def _advance(self, frames: int, change: float) -> F8:
         """Advance by frames in each of which the force changes by `change` [N]."""
@@ -110,7 +110,7 @@ class ModalVoice:
             states = states + change * modes.grown[:, :frames]
         self._state = states[:, -1]
         # half of the jump that a change makes, so that the samples sum to zero as the integral does
-        return self._heard(states) - 0.5 * change * modes.weights.sum().real
+        return self._radiate(states) - 0.5 * change * modes.weights.sum().real
 
-    def _heard(self, states: NDArray[np.complex128]) -> F8:
+    def _radiate(self, states: NDArray[np.complex128]) -> F8:
         return np.asarray((self._modes.weights @ states).real)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.audio_port import AudioReport, AudioStatus, Heard, Mixer, frame_at
+from mimics_app.contracts.audio_port import AudioReport, AudioStatus, ListenerState, Mixer, frame_at
 from mimics_app.contracts.clock import VirtualClock
 from mimics_app.contracts.errors import DeviceError, MimicsError, nearest
 from mimics_app.contracts.messages import SoundEvent
@@ -162,16 +162,18 @@ def render_offline(
     opened = open_mixer(settings, SoundBank(sounds, rate), VirtualClock(), latency=0, origin_ns=0)
     try:
         if listener is not None:
-            opened.hear(_head_alone(listener))
+            opened.set_listener(_head_alone(listener))
         return _render_events(opened, events, round(seconds * rate))
     finally:
         opened.close()
 
 
-def _head_alone(pose: Pose) -> Heard:
+def _head_alone(pose: Pose) -> ListenerState:
     position, forward, up = (np.asarray(each, np.float64) for each in pose)
     none, some = np.zeros((0, 3)), np.zeros(0)
-    return Heard(0, position, np.zeros(3), forward, up, 0.0, 1.0, np.zeros(0, np.int64), none, none, none, some, none)
+    return ListenerState(
+        0, position, np.zeros(3), forward, up, 0.0, 1.0, np.zeros(0, np.int64), none, none, none, some, none
+    )
 
 
 def _render_events(mixer: Mixer, events: Sequence[SoundEvent], frames: int) -> tuple[NDArray[np.float32], list[int]]:

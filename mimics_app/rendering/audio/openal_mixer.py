@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.audio_port import Heard, Start, Timing, frame_at
+from mimics_app.contracts.audio_port import ListenerState, Start, Timing, frame_at
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.rendering.audio.bank import Sound, SoundBank
@@ -125,27 +125,27 @@ class OpenALMixer:
         frame = start.frame + self.timing.pipeline
         return frame, self.timing.origin_ns + frame * 1_000_000_000 // self.context.rate
 
-    def hear(self, heard: Heard) -> None:
+    def set_listener(self, state: ListenerState) -> None:
         """Set the poses of listener and sounds; the library ramps gains over one render call.
 
         Of the gains past obstacles only the middle band is used, as the level.
         """
-        orientation = (ctypes.c_float * 6)(*heard.head_forward, *heard.head_up)
+        orientation = (ctypes.c_float * 6)(*state.head_forward, *state.head_up)
         call = self._call
-        self._change(call.alListener3f, AL.POSITION, *heard.head_position)
-        self._change(call.alListener3f, AL.VELOCITY, *heard.head_velocity)
+        self._change(call.alListener3f, AL.POSITION, *state.head_position)
+        self._change(call.alListener3f, AL.VELOCITY, *state.head_velocity)
         self._change(call.alListenerfv, AL.ORIENTATION, orientation)
-        for row, handle in enumerate(heard.handles):
+        for row, handle in enumerate(state.handles):
             voice = self._by_handle.get(int(handle))
             if voice is None or voice.state == _State.FADING:
                 continue
-            self._set_gain(voice, voice.authored * float(heard.gain[row] * heard.passes[row, 1]))
+            self._set_gain(voice, voice.authored * float(state.gain[row] * state.passes[row, 1]))
             if not self._bank[voice.sound].spec.spatial:
                 continue
-            if np.isfinite(heard.position[row]).all() and np.isfinite(heard.velocity[row]).all():
-                self._change(call.alSource3f, voice.source, AL.POSITION, *heard.position[row])
-                self._change(call.alSource3f, voice.source, AL.VELOCITY, *heard.velocity[row])
-                self._change(call.alSource3f, voice.source, AL.DIRECTION, *heard.forward[row])
+            if np.isfinite(state.position[row]).all() and np.isfinite(state.velocity[row]).all():
+                self._change(call.alSource3f, voice.source, AL.POSITION, *state.position[row])
+                self._change(call.alSource3f, voice.source, AL.VELOCITY, *state.velocity[row])
+                self._change(call.alSource3f, voice.source, AL.DIRECTION, *state.forward[row])
 
     def _set_gain(self, voice: _Voice, gain: float) -> None:
         """Change the gain of a voice where the change is audible."""

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.audio_port import Heard, OnDemandMixer, QueueReport, Start, Timing
+from mimics_app.contracts.audio_port import ListenerState, OnDemandMixer, QueueReport, Start, Timing
 from mimics_app.contracts.clock import Clock
 from mimics_app.rendering.audio.queue_length import QueueLength
 from mimics_app.rendering.audio.sound_stream import LIVE_BLOCK, SoundStream
@@ -104,12 +104,12 @@ class StreamedMixer:
 
     def first_sample(self, start: Start, submitted_ns: int) -> tuple[int, int]:
         """Return the frame of a sound's first sample, and the session time at which the device outputs it [ns]."""
-        frame, heard = self._mixer.first_sample(start, submitted_ns)
-        return frame, heard + self._stream.behind * 1_000_000_000 // self.rate
+        frame, output_ns = self._mixer.first_sample(start, submitted_ns)
+        return frame, output_ns + self._stream.behind * 1_000_000_000 // self.rate
 
-    def hear(self, heard: Heard) -> None:
+    def set_listener(self, state: ListenerState) -> None:
         """Take the newest snapshot."""
-        self._mixer.hear(heard)
+        self._mixer.set_listener(state)
 
     def stop(self, handle: int) -> None:
         """Fade a sound out."""

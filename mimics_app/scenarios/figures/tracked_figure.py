@@ -30,7 +30,7 @@ _STEP_FREE = 0.15
 """Horizontal displacement of the head that the feet do not follow [m]."""
 _STOMACH, _BACK = ("chest", 1.0), ("upperChest", -1.0)
 """Joint at whose height the cord is attached, and its side: front (1) or back (-1)."""
-_SUNK = 0.012
+_END_DEPTH = 0.012
 """Depth of the cord's end below the surface, which hides its rim [m]."""
 _PATCH = 0.04
 """Distance from the joint's height and from the median plane within which vertices form its surface [m]."""
@@ -166,7 +166,7 @@ class TrackedFigure:
         joint = self._rest.places[slot]
         points = self._surface()
         near = points[(np.abs(points[:, :2] - joint[:2]) < _PATCH).all(axis=1)]
-        depth = float((side * near[:, 2]).max(initial=0.05)) - _SUNK
+        depth = float((side * near[:, 2]).max(initial=0.05)) - _END_DEPTH
         return slot, np.array([0.0, 0.0, side * depth - joint[2]])
 
     def _surface(self) -> F8:

@@ -14,7 +14,7 @@ from mimics_app.world.motion.pose import Pose
 __all__ = ["Layer"]
 
 
-_WIDEST = 256
+_MOST_COMPONENTS = 256
 """Maximum number of components of a key: the morph targets of a mesh."""
 
 _MAX_REPEATS = 1000
@@ -62,7 +62,7 @@ class Layer:
         self._morph_first = morph_first
         self._cursors = np.zeros(len(clip.tracks), np.int32)
         self._touched = np.zeros((len(rest.translations), 4), np.uint8)
-        self._scratch = np.zeros(_WIDEST)
+        self._scratch = np.zeros(_MOST_COMPONENTS)
         self._sampled = rest.copy()
         self._reference = rest.copy()
         self.sample(0.0, self._reference)

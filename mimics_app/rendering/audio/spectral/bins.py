@@ -28,9 +28,9 @@ from mimics_app.rendering.audio.spectral.lanes import (
     Writer,
 )
 
-__all__ = ["DELAY_ROW", "ROWS", "add_heard", "add_moving", "move", "set_shaped"]
+__all__ = ["DELAY_ROW", "ROWS", "add_moving", "add_to_ears", "move", "set_shaped"]
 
-Heard: TypeAlias = tuple[float, int, int]
+EarFilter: TypeAlias = tuple[float, int, int]
 Shape: TypeAlias = tuple[float, float]
 
 ROWS = BINS // WIDTH
@@ -48,7 +48,9 @@ def move(target: F4, at: int, source: F4, of: int, count: int) -> None:
     target[at : at + count] = source[of : of + count].copy()
 
 
-def add_heard(spectrum: F4, shelves: F4, shape: Shape, cells: F4, delays: F4, heard: Heard, sums: F4, row: int) -> None:
+def add_to_ears(
+    spectrum: F4, shelves: F4, shape: Shape, cells: F4, delays: F4, ear_filter: EarFilter, sums: F4, row: int
+) -> None:
     """Add a voice to both ears.
 
     Args:
@@ -57,11 +59,11 @@ def add_heard(spectrum: F4, shelves: F4, shape: Shape, cells: F4, delays: F4, he
         shape: Relative gain of the middle band over the low one, and of the high band over the middle one.
         cells: See `Tables`.
         delays: See `Tables`.
-        heard: Gain of the low band, row of `cells`, row of `delays`.
+        ear_filter: Gain of the low band, row of `cells`, row of `delays`.
         sums: Sums to add to: left and right, real and imaginary, [.., 4 * BINS].
         row: Row of `sums`.
     """
-    gain, cell, half = heard
+    gain, cell, half = ear_filter
     parts = cells.reshape(-1, ROWS, 2, 2, WIDTH)[cell]
     first, turns = delays.reshape(-1, 2, 2, WIDTH)[half]
     turned = (first[0] + 1j * first[1]) * (turns[0] + 1j * turns[1])[:, None]
@@ -79,17 +81,17 @@ def add_moving(
     shape: Shape,
     cells: F4,
     delays: F4,
-    before: Heard,
-    after: Heard,
+    before: EarFilter,
+    after: EarFilter,
     sums: F4,
 ) -> None:
-    """Add a voice at its old position to row 1 of `sums` and at its new one to row 2; see `add_heard`."""
-    add_heard(spectrum, shelves, shape, cells, delays, before, sums, 1)
-    add_heard(spectrum, shelves, shape, cells, delays, after, sums, 2)
+    """Add a voice at its old position to row 1 of `sums` and at its new one to row 2; see `add_to_ears`."""
+    add_to_ears(spectrum, shelves, shape, cells, delays, before, sums, 1)
+    add_to_ears(spectrum, shelves, shape, cells, delays, after, sums, 2)
 
 
 def set_shaped(spectrum: F4, shelves: F4, gain: float, shape: Shape, shaped: F4) -> None:
-    """Set `shaped`, [2 * BINS], to a spectrum filtered by a shape and a gain; see `add_heard`."""
+    """Set `shaped`, [2 * BINS], to a spectrum filtered by a shape and a gain; see `add_to_ears`."""
     low, turn, high, twist = shelves.reshape(4, BINS)
     curve = (1.0 + shape[0] * (low + 1j * turn)) * (1.0 + shape[1] * (high + 1j * twist))
     found = gain * (spectrum[:BINS] + 1j * spectrum[BINS:]) * curve
@@ -104,10 +106,10 @@ def _overload_move(target, at, source, of, count):
     return machine
 
 
-@overload(add_heard)
-def _overload_add_heard(spectrum, shelves, shape, cells, delays, heard, sums, row):
-    def machine(spectrum, shelves, shape, cells, delays, heard, sums, row):
-        gain, cell, half = heard
+@overload(add_to_ears)
+def _overload_add_to_ears(spectrum, shelves, shape, cells, delays, ear_filter, sums, row):
+    def machine(spectrum, shelves, shape, cells, delays, ear_filter, sums, row):
+        gain, cell, half = ear_filter
         direction, turn = address_of(cells) + 4 * _PART * cell, address_of(delays) + BYTES * DELAY_ROW * half
         own, shelf, out = address_of(spectrum), address_of(shelves), address_of(sums) + 4 * _PART * row
         _add_still(own, shelf, shape[0], shape[1], gain, direction, turn, out)
@@ -195,9 +197,9 @@ def _add_row(write: Writer, shaped: Complex, turned: Complex, ears: Value, sums:
     across, along = shaped.im * turned.im, shaped.re * turned.im
     left = Complex(shaped.re.times_plus(turned.re, -across), shaped.im.times_plus(turned.re, along))
     right = Complex(shaped.re.times_plus(turned.re, across), shaped.im.times_plus(turned.re, -along))
-    for ear, heard in enumerate((left, right)):
+    for ear, delayed in enumerate((left, right)):
         place = 2 * ear * BINS
-        total = heard.times_plus(
+        total = delayed.times_plus(
             write.rows(ears, 2 * ear * WIDTH, (2 * ear + 1) * WIDTH), write.rows(sums, place, place + BINS)
         )
         write.keep(total.re, sums, place)

@@ -128,10 +128,10 @@ def _minimum_phase(head: HeadResponses, rate: int, taps: int) -> F8:
         magnitude = np.maximum(magnitude, _QUIETEST * magnitude.max())
         log = np.stack([np.interp(frequency, own, np.log(ear)) for ear in magnitude])
         pulses[n] = np.fft.irfft(np.exp(np.fft.rfft(np.fft.irfft(log, size) * fold)), size)[:, :taps] * window
-    heard = np.abs(np.fft.rfft(pulses, 512)) ** 2
+    power = np.abs(np.fft.rfft(pulses, 512)) ** 2
     band = np.fft.rfftfreq(512, 1.0 / rate)
     inside = (band >= _LEVEL_BAND[0]) & (band <= _LEVEL_BAND[1])
-    return np.asarray(pulses / np.sqrt(heard[:, :, inside].mean()))
+    return np.asarray(pulses / np.sqrt(power[:, :, inside].mean()))
 
 
 def _delay_rows(rate: int) -> NDArray[np.float32]:

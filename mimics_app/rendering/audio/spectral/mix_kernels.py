@@ -14,7 +14,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F4, F8, Words
 from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.audio.spectral.bins import add_heard, add_moving, move, set_shaped
+from mimics_app.rendering.audio.spectral.bins import add_moving, add_to_ears, move, set_shaped
 from mimics_app.rendering.audio.spectral.fourier import BINS, SIZE, WORK, real_block, real_spectrum
 
 __all__ = ["BLOCK", "SCRATCH", "Bank", "State", "Tables", "Voices", "add_blocks", "mix_for_ears", "mix_for_speakers"]
@@ -211,15 +211,15 @@ def mix_for_ears(voices: Voices, order: Words, bank: Bank, tables: Tables, frame
         real_spectrum(voices.history, SIZE * v, tables.turns, spectrum)
         after, shape = (bands[v, 1, 0], cell[v, 1], half[v, 1]), (bands[v, 1, 1], bands[v, 1, 2])
         if voices.changed[v] != 1:
-            add_heard(spectrum, shelves, shape, tables.cells, tables.delays, after, sums, 0)
+            add_to_ears(spectrum, shelves, shape, tables.cells, tables.delays, after, sums, 0)
         else:
             before = (bands[v, 0, 0], cell[v, 0], half[v, 0])
             if bands[v, 0, 1] == shape[0] and bands[v, 0, 2] == shape[1]:
                 add_moving(spectrum, shelves, shape, tables.cells, tables.delays, before, after, sums)
             else:
                 old = (bands[v, 0, 1], bands[v, 0, 2])
-                add_heard(spectrum, shelves, old, tables.cells, tables.delays, before, sums, 1)
-                add_heard(spectrum, shelves, shape, tables.cells, tables.delays, after, sums, 2)
+                add_to_ears(spectrum, shelves, old, tables.cells, tables.delays, before, sums, 1)
+                add_to_ears(spectrum, shelves, shape, tables.cells, tables.delays, after, sums, 2)
         _settle(voices, v)
 
 

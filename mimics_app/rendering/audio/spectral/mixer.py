@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F4, Vec3
-from mimics_app.contracts.audio_port import Heard, Start, Timing, frame_at
+from mimics_app.contracts.audio_port import ListenerState, Start, Timing, frame_at
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.settings import AudioSettings, Speakers
 from mimics_app.rendering.audio.spectral.buses import Buses
@@ -114,22 +114,22 @@ class SpectralMixer:
         frame = start.frame + self.timing.pipeline
         return frame, self.timing.origin_ns + frame * 1_000_000_000 // self.rate
 
-    def hear(self, heard: Heard) -> None:
+    def set_listener(self, state: ListenerState) -> None:
         """Set the poses of listener and sounds from the next block on."""
         head, places = self._head, self._store.places
-        if np.isfinite(heard.head_position).all() and np.isfinite(heard.head_velocity).all():
-            head.position[:], head.moving[:] = heard.head_position, heard.head_velocity
-        head.axes[0] = np.cross(heard.head_forward, heard.head_up)
-        head.axes[1], head.axes[2] = heard.head_up, -heard.head_forward
-        self._room.set(heard.room_level, heard.room_time)
-        known = self._store.rows_of(heard.handles)
-        heard_of = known >= 0
-        rows = known[heard_of]
-        self._store.set_levels(rows, heard.gain[heard_of], heard.passes[heard_of])
-        heard_of &= np.isfinite(heard.position).all(axis=1) & np.isfinite(heard.velocity).all(axis=1)
-        rows = known[heard_of]
-        places.position[rows], places.velocity[rows] = heard.position[heard_of], heard.velocity[heard_of]
-        places.forward[rows] = heard.forward[heard_of]
+        if np.isfinite(state.head_position).all() and np.isfinite(state.head_velocity).all():
+            head.position[:], head.moving[:] = state.head_position, state.head_velocity
+        head.axes[0] = np.cross(state.head_forward, state.head_up)
+        head.axes[1], head.axes[2] = state.head_up, -state.head_forward
+        self._room.set(state.room_level, state.room_time)
+        known = self._store.rows_of(state.handles)
+        playing = known >= 0
+        rows = known[playing]
+        self._store.set_levels(rows, state.gain[playing], state.passes[playing])
+        playing &= np.isfinite(state.position).all(axis=1) & np.isfinite(state.velocity).all(axis=1)
+        rows = known[playing]
+        places.position[rows], places.velocity[rows] = state.position[playing], state.velocity[playing]
+        places.forward[rows] = state.forward[playing]
 
     def stop(self, handle: int) -> None:
         """Fade a sound out over the next block; one that has not started is cancelled."""
@@ -186,7 +186,7 @@ class SpectralMixer:
         if len(busy) >= self._limit:
             store = self._store
             waiting = store.state[busy] == State.SCHEDULED
-            loud = np.where(waiting, store.authored[busy] * store.gain[busy], store.places.heard[busy])
+            loud = np.where(waiting, store.authored[busy] * store.gain[busy], store.places.received[busy])
             loud = loud * store.priority[busy]
             quietest = int(np.argmin(loud))
             if loud[quietest] >= level:
@@ -231,7 +231,7 @@ class SpectralMixer:
             return None
         store = self._store
         world = rows[store.places.relative[rows] < 0]
-        sent = (store.places.heard[world] * store.reverb[world]).astype(np.float32)
+        sent = (store.places.received[world] * store.reverb[world]).astype(np.float32)
         return np.asarray(sent @ store.history[world, SIZE - frames :], np.float32)
 
     def _apply_master(self, out: F4) -> None:

@@ -82,21 +82,21 @@ def _answer(
 ) -> None:
     """Process a block of the feedback delay network with the Householder matrix I - 2/n."""
     count, frames = lines.shape[0], sent.shape[0]
-    heard = np.zeros(count, np.float32)
+    fed_back = np.zeros(count, np.float32)
     damping, share = np.float32(_DAMPING), np.float32(2.0 / count)
     for i in range(frames):
         total = np.float32(0.0)
         for line in range(count):
             tap = lines[line, (place[0] + i) % lengths[line]]
             last[line] += (np.float32(1.0) - damping) * (tap - last[line])
-            heard[line] = last[line] * feedback[line]
-            total += heard[line]
+            fed_back[line] = last[line] * feedback[line]
+            total += fed_back[line]
         level = gains[0] + (gains[1] - gains[0]) * np.float32((i + 1) / frames)
         for line in range(count):
-            lines[line, (place[0] + i) % lengths[line]] = sent[i] + heard[line] - share * total
+            lines[line, (place[0] + i) % lengths[line]] = sent[i] + fed_back[line] - share * total
         for channel in range(out.shape[1]):
             answer = np.float32(0.0)
             for line in range(count):
-                answer += spread[channel, line] * heard[line]
+                answer += spread[channel, line] * fed_back[line]
             out[i, channel] += level * answer
     place[0] += frames

@@ -85,7 +85,7 @@ class Places(NamedTuple):
         fall: Reference distance, largest distance [m], rolloff, [.., 3].
         cone: Cone, [.., CONE].
         doppler: Factor on the Doppler shift.
-        heard: Set to the linear gain at the listener, middle band.
+        received: Set to the linear gain at the listener, middle band.
         direction: Set to the unit vector to the voice in the head's axes, [.., 3].
     """
 
@@ -102,7 +102,7 @@ class Places(NamedTuple):
     fall: F8
     cone: F8
     doppler: F8
-    heard: F8
+    received: F8
     direction: F8
 
 
@@ -112,7 +112,7 @@ def steer(order: Words, places: Places, buses: F8, voices: Voices, head: Head) -
 
     Args:
         order: Rows of the voices, shape [n].
-        places: Read; `heard` and `direction` are set.
+        places: Read; `received` and `direction` are set.
         buses: Linear gain of each bus.
         voices: Set.
         head: Listener.
@@ -123,7 +123,7 @@ def steer(order: Words, places: Places, buses: F8, voices: Voices, head: Head) -
         level = (
             0.0 if places.state[v] == State.FADING else places.authored[v] * places.level_set[v] * buses[places.bus[v]]
         )
-        places.heard[v] = level
+        places.received[v] = level
         cell, half, lower, upper = places.relative[v], head.steps[1], 0.0, 0.0
         if cell < 0:
             x, y, z, distance = _offset(places.position, v, head.position)
@@ -135,7 +135,7 @@ def steer(order: Words, places: Places, buses: F8, voices: Voices, head: Head) -
             level *= low * np.exp(-_AIR_LOW * distance)
             lower = _louder(middle, low) * np.exp((_AIR_LOW - _AIR_MIDDLE) * distance) - 1.0
             upper = _louder(high, middle) * np.exp((_AIR_MIDDLE - _AIR_HIGH) * distance) - 1.0
-            places.heard[v] = level * (1.0 + lower)
+            places.received[v] = level * (1.0 + lower)
             if distance >= _NEAREST and places.doppler[v] != 0.0:
                 towards, away = _along(places.velocity, v, x, y, z), _along(head.moving, 0, x, y, z)
                 voices.pitch[v, 1] = _pitch(-towards / distance, -away / distance, places.doppler[v])

@@ -92,7 +92,7 @@ class VoiceStore:
             fall=np.ones((count, 3)),
             cone=np.zeros((count, CONE)),
             doppler=np.zeros(count),
-            heard=np.zeros(count),
+            received=np.zeros(count),
             direction=np.zeros((count, 3)),
         )
 

@@ -28,7 +28,7 @@ _OPPOSED = 1e-9
 _ASKED = 9
 """Components of a request: shoulder, target and pole."""
 
-_ABSURD = 1e9
+_LONGEST_LIMB = 1e9
 """Length of a limb beyond which it counts as not finite [m]."""
 
 _SOON_NEAR = 1e-6
@@ -144,7 +144,7 @@ def _reach_one(asked: F8, limbs: F8, states: F8, i: int, out: F8, u: F8, w: F8, 
     a, b = limbs[i, 0], limbs[i, 1]
     # A comparison with what is not a number is false.
     known = limbs[i, 2] >= 0.0 and limbs[i, 2] < math.inf and limbs[i, 3] >= 0.0
-    if not (finite == 0.0 and known and a >= 0.0 and b >= 0.0 and a + b < _ABSURD):
+    if not (finite == 0.0 and known and a >= 0.0 and b >= 0.0 and a + b < _LONGEST_LIMB):
         return _NOT_FINITE
     longest, shortest, case = a + b, abs(a - b), 0
     if not longest > 0.0:
