@@ -22,7 +22,6 @@ __all__ = ["code_lines", "count_parts"]
 _SILENT = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
 
 PARTS: dict[str, tuple[int, tuple[str, ...]]] = {
-    "builders of people": (3_000, ("builders/avatars/*",)),
     "people that move": (
         8_000,
         (
@@ -42,7 +41,6 @@ PARTS: dict[str, tuple[int, tuple[str, ...]]] = {
             "rendering/audio/*",
             "app/cues/*",
             "lab/audio/*",
-            "builders/sounds/*",
             "lab/:audio_bench,audio_figures,groups/spatialiser",
             "app/:bench/audio_soak,session/sound",
             "contracts/:audio_port,sound_scene",

@@ -11,6 +11,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "mimics_app"
+BUILDERS = ROOT / "assets" / "builders"
+"""What makes the shipped files: beside the product, and under the same rules."""
 
 _LEFT_OUT = {"__pycache__", "runs", "build", "dist", "node_modules", "differences"}
 _TEXT = {
@@ -40,12 +42,15 @@ _TEXT = {
 
 @cache
 def texts() -> dict[str, str]:
-    """Every module of the package by its path relative to the package: what tests are made for, unparsed.
+    """Every module by its path, relative to the package, or "assets/builders/...": what tests are made for, unparsed.
 
     Every worker collects every test, and a million nodes that stay would be the garbage collector's, too.
     """
-    files = sorted(PACKAGE.rglob("*.py"))
-    return {file.relative_to(PACKAGE).as_posix(): file.read_text(encoding="utf-8") for file in files}
+    return {
+        file.relative_to(place).as_posix(): file.read_text(encoding="utf-8")
+        for folder, place in ((PACKAGE, PACKAGE), (BUILDERS, ROOT))
+        for file in sorted(folder.rglob("*.py"))
+    }
 
 
 @cache

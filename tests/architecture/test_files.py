@@ -86,7 +86,7 @@ ON_THEIR_OWN = {
     "__main__": "the interpreter starts it",
     "app/bench/record_load": "a process of its own",
     "app/commands/": "the command line finds a command by its name",
-    "builders/": "the catalogue finds a builder by its name",
+    "assets/builders/": "the catalogue finds a builder by its name",
     "lab/groups/": "the catalogue finds a group of methods by its name",
     "rendering/audio/kernels": "compiled; its user knows more than arrays",
     "rendering/haptic/devices/built_in/": "a device is found by its name",
@@ -118,7 +118,7 @@ def _importers() -> dict[str, set[str]]:
     known = {path.removesuffix(".py") for path in texts()}
     for path, tree in modules().items():
         for _, name in imports(tree):
-            if not name.startswith("mimics_app."):
+            if not name.startswith(("mimics_app.", "assets.builders.")):
                 continue
             target = name.removeprefix("mimics_app.").replace(".", "/")
             target = target if target in known else target.rpartition("/")[0]

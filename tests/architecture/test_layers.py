@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.architecture.sources import PACKAGE, ROOT
+from tests.architecture.sources import BUILDERS, PACKAGE, ROOT
 
 PLANTED = {
     "one stage imports another": (
@@ -75,6 +75,11 @@ PLANTED = {
         "import mimics_app.scenarios.city_walk\n",
         "Scenarios above their parts",
     ),
+    "a session knows what made its models": (
+        "app/session/planted_content.py",
+        "import assets.builders.catalogue\n",
+        "Only its command knows the builders",
+    ),
     "a new module of touch nobody planned": ("rendering/haptic/planted_new.py", "", "Packages of touch"),
     "a new room nobody planned": ("attic/__init__.py", "", "Imports only go down"),
 }
@@ -95,7 +100,8 @@ def _lint(folder: Path) -> subprocess.CompletedProcess[str]:
 def copied(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of the package that may be spoilt."""
     folder = tmp_path_factory.mktemp("copied")
-    shutil.copytree(PACKAGE, folder / "mimics_app", ignore=shutil.ignore_patterns("__pycache__"))
+    for source in (PACKAGE, BUILDERS):
+        shutil.copytree(source, folder / source.relative_to(ROOT), ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(ROOT / "pyproject.toml", folder)
     return folder
 

@@ -12,7 +12,17 @@ from pathlib import Path
 
 import pytest
 
-from tests.architecture.sources import PACKAGE, ROOT, attributes, imports, modules, nodes, repository_files, texts
+from tests.architecture.sources import (
+    BUILDERS,
+    PACKAGE,
+    ROOT,
+    attributes,
+    imports,
+    modules,
+    nodes,
+    repository_files,
+    texts,
+)
 from tests.support.order import LONGEST
 
 TIMEKEEPERS = {"contracts/clock.py", "contracts/atomics.py"}
@@ -68,7 +78,7 @@ def test_the_package_itself_imports_what_it_offers_when_it_is_used() -> None:
 
 
 def test_every_folder_with_modules_is_a_package() -> None:
-    folders = {file.parent for file in PACKAGE.rglob("*.py")}
+    folders = {file.parent for place in (PACKAGE, BUILDERS) for file in place.rglob("*.py")}
     assert not [str(folder) for folder in folders if not (folder / "__init__.py").is_file()]
 
 

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from assets.builders.avatars.detail import LEVELS, coarser, coverages
+from assets.builders.avatars.person import EVERYBODY
+from assets.builders.avatars.whole_person import make_figure
 from mimics_app.app.bench.people_workload import People
 from mimics_app.app.bench.render_bench import RenderBench, measure_render
-from mimics_app.builders.avatars.detail import LEVELS, coarser, coverages
-from mimics_app.builders.avatars.person import EVERYBODY
-from mimics_app.builders.avatars.whole_person import make_figure
 from mimics_app.contracts.resources import root
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.world.gltf.file import load_gltf

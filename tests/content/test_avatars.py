@@ -12,18 +12,18 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mimics_app.builders.avatars.build import write_figure
-from mimics_app.builders.avatars.cage import make_cage
-from mimics_app.builders.avatars.face_map import LID_LIFT
-from mimics_app.builders.avatars.face_shape import EYE_RADIUS
-from mimics_app.builders.avatars.flesh import make_flesh
-from mimics_app.builders.avatars.measures import TABLE, measure
-from mimics_app.builders.avatars.motions import MOTIONS
-from mimics_app.builders.avatars.person import EVERYBODY, Person
-from mimics_app.builders.avatars.piece import Piece
-from mimics_app.builders.avatars.postures import Pose, Y
-from mimics_app.builders.avatars.skeleton import make_skeleton
-from mimics_app.builders.avatars.whole_person import Figure, make_figure
+from assets.builders.avatars.build import write_figure
+from assets.builders.avatars.cage import make_cage
+from assets.builders.avatars.face_map import LID_LIFT
+from assets.builders.avatars.face_shape import EYE_RADIUS
+from assets.builders.avatars.flesh import make_flesh
+from assets.builders.avatars.measures import TABLE, measure
+from assets.builders.avatars.motions import MOTIONS
+from assets.builders.avatars.person import EVERYBODY, Person
+from assets.builders.avatars.piece import Piece
+from assets.builders.avatars.postures import Pose, Y
+from assets.builders.avatars.skeleton import make_skeleton
+from assets.builders.avatars.whole_person import Figure, make_figure
 from mimics_app.contracts.resources import root
 from tests.support.reference_skinning import frames_of, skin_linear
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimics_app.builders.catalogue import find_builder
-from mimics_app.builders.market.fruit import APPLE_RADIUS
+from assets.builders.catalogue import find_builder
+from assets.builders.market.fruit import APPLE_RADIUS
 from mimics_app.contracts.resources import root
 from mimics_app.world.gltf.file import GltfDocument, GltfMesh, load_gltf
 

@@ -11,9 +11,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
-from mimics_app.builders.avatars.face_shape import EYE_RADIUS
-from mimics_app.builders.avatars.folds import BENDS
-from mimics_app.builders.avatars.postures import Pose
+from assets.builders.avatars.face_shape import EYE_RADIUS
+from assets.builders.avatars.folds import BENDS
+from assets.builders.avatars.postures import Pose
 from mimics_app.contracts.resources import root
 from mimics_app.world.gltf.accessors import GltfAccessors
 from mimics_app.world.gltf.buffers import GltfBuffers

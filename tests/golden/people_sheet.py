@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from mimics_app.builders.avatars.folds import BENDS
-from mimics_app.builders.avatars.person import EVERYBODY, Person
-from mimics_app.builders.avatars.skeleton import make_skeleton
+from assets.builders.avatars.folds import BENDS
+from assets.builders.avatars.person import EVERYBODY, Person
+from assets.builders.avatars.skeleton import make_skeleton
 from mimics_app.contracts.resources import root
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View

@@ -183,5 +183,5 @@ def test_both_eyes_see_it_at_its_depth_and_no_nearer_than_is_easy(wanted, depth)
 
 
 def test_a_broken_atlas_names_its_builder(tmp_path):
-    with pytest.raises(SceneError, match="build_glyphs"):
+    with pytest.raises(SceneError, match="mimics assets build fonts"):
         load_glyph_atlas(tmp_path)

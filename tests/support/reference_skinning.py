@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.builders.avatars.postures import Pose
+from assets.builders.avatars.postures import Pose
 
 F8 = NDArray[np.float64]
 

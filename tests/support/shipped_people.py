@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.builders.avatars.person import EVERYBODY, Person
-from mimics_app.builders.avatars.skeleton import Skeleton, make_skeleton
+from assets.builders.avatars.person import EVERYBODY, Person
+from assets.builders.avatars.skeleton import Skeleton, make_skeleton
 from mimics_app.contracts.resources import root
 from mimics_app.world.gltf.file import load_gltf
 

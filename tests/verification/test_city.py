@@ -11,14 +11,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimics_app.builders.city import landmark, streets
-from mimics_app.builders.city.build import TRIANGLES, compose_city
-from mimics_app.builders.city.furniture import CARS, build_car
-from mimics_app.builders.city.house import House, build_house
-from mimics_app.builders.city.house_kinds import draw_kinds
-from mimics_app.builders.city.layout import lay_houses
-from mimics_app.builders.kit.chance import Chance
-from mimics_app.builders.kit.sketch import Sketch
+from assets.builders.city import landmark, streets
+from assets.builders.city.build import TRIANGLES, compose_city
+from assets.builders.city.furniture import CARS, build_car
+from assets.builders.city.house import House, build_house
+from assets.builders.city.house_kinds import draw_kinds
+from assets.builders.city.layout import lay_houses
+from assets.builders.kit.chance import Chance
+from assets.builders.kit.sketch import Sketch
 from mimics_app.contracts.resources import root
 from mimics_app.world.gltf.file import GltfDocument, load_gltf
 from mimics_app.world.scene.file import load_scene

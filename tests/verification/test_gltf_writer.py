@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimics_app.builders.kit.png_writer import write_indexed_png
+from assets.builders.kit.png_writer import write_indexed_png
 from mimics_app.world.gltf.file import load_gltf
 from mimics_app.world.gltf.writer import GltfWriter, MeshPart
 

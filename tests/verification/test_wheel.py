@@ -55,25 +55,36 @@ def _run(python: Path, *arguments: str, cwd: Path) -> subprocess.CompletedProces
     return subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True, check=False)
 
 
-def test_wheel_holds_every_data_file(wheel: Path) -> None:
-    held = {name.removeprefix("mimics_app/data/") for name in ZipFile(wheel).namelist()}
-    wanted = {
-        file.relative_to(ROOT).as_posix()
-        for folder in FOLDERS
-        for file in (ROOT / folder).rglob("*")
-        if file.is_file() and "__pycache__" not in file.parts
-    }
-    assert wanted
-    assert wanted <= held
+KINDS = {
+    "assets": {".glb", ".jpg", ".json", ".png", ".txt"},
+    "scenes": {".csv", ".json"},
+    "shaders": {".frag", ".glsl", ".json", ".vert"},
+}
+"""Data folder: the kinds of files in it; a program there would be content's maker, which stays in the checkout."""
 
 
-def test_wheel_holds_every_file_of_the_package_and_the_licence(wheel: Path) -> None:
-    """Modules, and the tables, templates and scripts beside them."""
+def _files(folder: str) -> set[str]:
+    files = {file for file in (ROOT / folder).rglob("*") if file.is_file() and "__pycache__" not in file.parts}
+    return {file.relative_to(ROOT).as_posix() for file in files}
+
+
+def test_wheel_holds_the_package_its_data_and_its_licence_and_nothing_else(wheel: Path) -> None:
+    """Modules, and the tables, templates and scripts beside them; models, but not the builders that make them."""
     held = set(ZipFile(wheel).namelist())
-    files = {file for file in (ROOT / "mimics_app").rglob("*") if file.is_file() and "__pycache__" not in file.parts}
-    assert {file.relative_to(ROOT).as_posix() for file in files} <= held
-    assert any(name.endswith("licenses/LICENSE") for name in held)
-    assert not [name for name in held if name.startswith(("tests/", "docs/")) or name.endswith(".pyc")]
+    data = {f"mimics_app/data/{file}" for folder in FOLDERS for file in _files(folder)}
+    makers = {f"mimics_app/data/{file}" for file in _files("assets/builders")}
+    assert len(makers) > 50
+    rest = held - _files("mimics_app") - (data - makers)
+    assert not (_files("mimics_app") | (data - makers)) - held
+    about = {name.partition("/")[2] for name in rest if name.partition("/")[0].endswith(".dist-info")}
+    assert about == {"METADATA", "RECORD", "WHEEL", "entry_points.txt", "licenses/LICENSE"}
+    assert len(about) == len(rest)
+
+
+@pytest.mark.parametrize("folder", FOLDERS)
+def test_data_of_the_wheel_is_of_known_kinds(wheel: Path, folder: str) -> None:
+    inside = f"mimics_app/data/{folder}/"
+    assert {Path(name).suffix for name in ZipFile(wheel).namelist() if name.startswith(inside)} == KINDS[folder]
 
 
 def test_wheel_finds_its_own_data_outside_the_repository(installed: Path, tmp_path: Path) -> None:
@@ -94,6 +105,20 @@ def test_command_line_of_the_wheel(installed: Path, tmp_path: Path) -> None:
     done = _run(installed, "-m", "mimics_app", "check", str(scene), "--json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["command"] == "check"
+
+
+def test_an_installation_says_that_it_builds_no_content(installed: Path, tmp_path: Path) -> None:
+    """Even where somebody else's folder of that name lies in the way."""
+    (tmp_path / "assets" / "builders").mkdir(parents=True)
+    (tmp_path / "assets" / "builders" / "catalogue.py").write_text("find_builders = list\n")
+    for arguments in (("build", "city"), ("list",)):
+        done = _run(installed, "-m", "mimics_app", "assets", *arguments, cwd=tmp_path)
+        assert done.returncode == 2
+        (line,) = done.stderr.splitlines()
+        assert "no builders" in line and "checkout" in line
+    bowl = ROOT / "assets" / "models" / "touch" / "bowl.glb"
+    done = _run(installed, "-m", "mimics_app", "assets", "levels", str(bowl), cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
 
 
 def test_editable_install_sees_the_same_files(tmp_path: Path) -> None:

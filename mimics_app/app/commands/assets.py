@@ -30,8 +30,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "action",
         choices=("build", "list", "levels", "thumbnails"),
-        help="build: write the files of NAME; list: list the names; levels: write a copy of a model with levels of "
-        "detail; thumbnails: draw the launcher's pictures of the shipped scenes, or of the scene NAME alone",
+        help="build: write the files of NAME; list: list the names (both need a checkout); levels: write a copy of a "
+        "model with levels of detail; thumbnails: draw the launcher's pictures of the shipped scenes, or of the scene "
+        "NAME alone",
     )
     parser.add_argument("name", nargs="?", default="", help="builder or scene; with levels: a .glb or .gltf file")
     parser.add_argument(
@@ -64,8 +65,19 @@ def run(args: argparse.Namespace) -> int:
     return {"list": _list, "build": _build, "levels": _levels, "thumbnails": _thumbnails}[args.action](args)
 
 
+def _require_builders() -> None:
+    """Raise a UsageError where the builders are not installed: they are part of a checkout alone."""
+    from mimics_app.contracts.resources import root
+
+    if not (root() / "assets" / "builders").is_dir():
+        raise UsageError(
+            "this installation has no builders of the shipped files", "run mimics from a checkout of the repository"
+        )
+
+
 def _list(args: argparse.Namespace) -> int:
-    from mimics_app.builders.catalogue import find_builders
+    _require_builders()
+    from assets.builders.catalogue import find_builders
 
     builders = find_builders()
     rows = [{"name": each.name, "what": each.what, "file": each.file} for each in builders]
@@ -118,7 +130,8 @@ def _thumbnails(args: argparse.Namespace) -> int:
 
 
 def _build(args: argparse.Namespace) -> int:
-    from mimics_app.builders.catalogue import find_builder
+    _require_builders()
+    from assets.builders.catalogue import find_builder
 
     if not args.name:
         raise UsageError("the name of a builder is missing", "mimics assets list shows the names")
@@ -137,7 +150,7 @@ def _draw(name: str, files: list[Path], picture: Path) -> None:
 
     sounds = [file for file in files if file.suffix == ".wav" and not file.stem[-1].isdigit()]  # one of each family
     if sounds:
-        from mimics_app.builders.sounds.spectrogram import draw_spectrograms
+        from assets.builders.sounds.spectrogram import draw_spectrograms
 
         return draw_spectrograms(sounds, picture)
     models = [file for file in files if file.suffix in MODEL_SUFFIXES]

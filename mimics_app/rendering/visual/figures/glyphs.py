@@ -1,6 +1,6 @@
 """The glyph atlas: signed distance fields of two faces of one font, with the position of each glyph.
 
-Built by assets/fonts/build_glyphs.py; distance fields stay crisp at any size and angle.
+Built by assets/builders/fonts/build.py; distance fields stay crisp at any size and angle.
 """
 
 from __future__ import annotations
@@ -131,7 +131,7 @@ def load_glyph_atlas(folder: Path | None = None) -> GlyphAtlas:
         faces = [_read_face(table["faces"][name], pixels.shape) for name in ("regular", "bold")]
         return GlyphAtlas(pixels, float(table["spread"]), *faces)
     except (OSError, ValueError, KeyError) as error:
-        fix = "rebuild it: python assets/fonts/build_glyphs.py"
+        fix = "rebuild it in a checkout: mimics assets build fonts --out assets/fonts"
         raise SceneError(Issue(str(folder), "", f"the glyph atlas cannot be read ({error!r})", fix)) from error
 
 

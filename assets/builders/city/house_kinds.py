@@ -1,0 +1,103 @@
+"""Kinds of houses: twenty, drawn from the building styles of a table; sizes and fittings differ with the seed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal
+
+from assets.builders.city.fittings import DOORS, SHOPS, SIGNS, WINDOWS
+from assets.builders.kit.chance import Chance
+from mimics_app.contracts.table_file import read_table_file
+
+__all__ = ["HouseKind", "Roof", "draw_kinds"]
+
+Roof = Literal["gable", "mansard", "flat", "gabled_front", "stepped", "hip"]
+
+
+@dataclass(frozen=True)
+class HouseKind:
+    """What distinguishes one kind from another; lengths [m].
+
+    Attributes:
+        name: Its meshes' name.
+        wall: "brick", "plaster" or "stone".
+        width, depth: Of the body; it stands between its neighbours with its front to the street.
+        ground, storey: Heights of the ground floor and of each floor above.
+        floors: Floors above the ground floor.
+        bays: Windows side by side.
+        use: What the ground floor is: "shop", "rooms" (windows and a door) or "stone" (rooms behind blocks of stone).
+        roof: Its form.
+        rise: Height of the roof.
+        pane: Width and height of a window.
+        surround: Width of the stone frames about windows; 0: none.
+        window, door, shop, sign: Designs.
+        balconies: Bays that have one, on every floor above the first.
+        oriel: A projecting window over the middle.
+        dormers: On the street side of the roof.
+        chimneys: On the ridge.
+        cornice, band, quoins: Whether there are a cornice, a band over the ground floor, stone corners.
+        slate: Slates instead of tiles.
+        corner: Side that also looks at a street, seen from the front: "left", "right" or "".
+    """
+
+    name: str
+    wall: str
+    width: float
+    depth: float = 12.0
+    ground: float = 3.9
+    storey: float = 3.2
+    floors: int = 2
+    bays: int = 3
+    use: str = "rooms"
+    roof: Roof = "gable"
+    rise: float = 4.2
+    pane: tuple[float, float] = (1.1, 1.8)
+    surround: float = 0.0
+    window: int = 0
+    door: int = 0
+    shop: int = 0
+    sign: int = 0
+    balconies: tuple[int, ...] = ()
+    oriel: bool = False
+    dormers: int = 0
+    chimneys: int = 1
+    cornice: bool = True
+    band: bool = True
+    quoins: bool = False
+    slate: bool = False
+    corner: str = ""
+
+    @property
+    def eaves(self) -> float:
+        """Height of the walls [m]."""
+        return self.ground + self.floors * self.storey
+
+
+_STYLES = Path(__file__).with_suffix(".json")
+"""Styles of houses in a row and of those at a corner."""
+
+
+def draw_kinds(chance: Chance) -> list[HouseKind]:
+    """The twenty kinds of a city: sixteen for rows, then two corners, each for both hands."""
+    styles = read_table_file(_STYLES, dict[str, list[HouseKind]])
+    kinds = [_vary(style, chance) for style in styles["rows"]]
+    for style in styles["corners"]:
+        varied = _vary(style, chance)
+        kinds += [replace(varied, name=f"{style.name}_{side}", corner=side) for side in ("left", "right")]
+    return kinds
+
+
+def _vary(style: HouseKind, chance: Chance) -> HouseKind:
+    """The style with a little more or less of everything."""
+    return replace(
+        style,
+        width=round(style.width + 0.3 * (chance.below(5) - 2), 1),
+        ground=round(style.ground + 0.1 * (chance.below(4) - 1), 1),
+        storey=round(style.storey + 0.05 * (chance.below(5) - 2), 2),
+        rise=round(style.rise + 0.2 * (chance.below(4) - 1), 1) if style.roof != "flat" else style.rise,
+        window=chance.below(WINDOWS),
+        door=chance.below(DOORS),
+        shop=chance.below(SHOPS),
+        sign=chance.below(SIGNS),
+    )

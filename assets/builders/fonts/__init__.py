@@ -1,0 +1,3 @@
+"""Letters of captions and of the board, as an atlas of distances."""
+
+__all__: list[str] = []
