@@ -48,6 +48,7 @@ class ListenerState:
         forward: Axis of the sound's cone, unit vectors, shape [n, 3].
         gain: Linear, shape [n].
         passes: Linear transmission through obstacles by band, shape [n, BANDS].
+        pitch: Rate at which the samples are read relative to their own, above 0, before Doppler, shape [n].
     """
 
     t_ns: int
@@ -63,6 +64,7 @@ class ListenerState:
     forward: F8
     gain: F8
     passes: F8
+    pitch: F8
 
 
 @dataclass(frozen=True, slots=True)

@@ -84,6 +84,7 @@ def listener_amid(handles: NDArray[np.int64], places: NDArray[np.float64]) -> Li
         forward=axis,
         gain=np.full(count, 0.1),
         passes=np.ones((count, BANDS)),
+        pitch=np.ones(count),
     )
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from math import exp, hypot, isfinite, tanh
+from math import hypot, isfinite, tanh
 
-__all__ = ["REFRACTORY_NS", "ContactGate", "contact_gain", "scrape_gain"]
+__all__ = ["REFRACTORY_NS", "SCRAPE_SPEED", "ContactGate", "contact_gain", "scrape_gain", "scrape_pitch"]
 
 REFRACTORY_NS = 40_000_000
 """Refractory period of two bodies [ns]: a chattering contact sounds 25 times a second at most."""
@@ -18,10 +18,18 @@ _QUIETEST = 0.05
 _LOUDER = 2.0
 """Ratio of gains from which a contact sounds within the refractory period [-]."""
 
+SCRAPE_SPEED = 0.2
+"""Sliding speed at which the recipe of scraping sounds as it is synthesised [m/s]."""
+_SCRAPE_FORCE, _SCRAPE_GAIN = 4.0, 0.07
+"""Force [N], and gain there and at `SCRAPE_SPEED` [-]."""
+_SPEED_EXPONENT, _FORCE_EXPONENT = 0.75, 0.5
+"""Exponents of sound pressure: speed as measured on rough dry surfaces (Influence of sliding speed on roughness noise,
+2019: about 3/4; a power law by H. Ben Abdelounis et al., Wear 268, 2010, too); force for a sound energy in proportion
+to the power of friction."""
 _SCRAPE_LOUDEST = 0.22
-"""Largest gain of scraping [-]."""
-_SCRAPE_FORCE, _SCRAPE_SPEED = 8.0, 0.12
-"""Force [N] and sliding speed [m/s] that alone give 63 % of that gain."""
+"""Largest gain of scraping [-]: it does not cover the contacts."""
+_PITCHES = (1.0 / 32.0, 5.0)
+"""Limits of the pitch: 6 mm/s, where scraping is inaudible, and 1 m/s, where its band reaches 5 kHz."""
 
 
 def contact_gain(speed: float, force: float, full_force: float = 10.0) -> float:
@@ -35,9 +43,19 @@ def contact_gain(speed: float, force: float, full_force: float = 10.0) -> float:
 
 
 def scrape_gain(speed: float, force: float) -> float:
-    """Return the linear gain of scraping along a wall: 0 at rest; it rises with sliding speed [m/s] and force [N]."""
-    pressed = 1.0 - exp(-_finite(force) / _SCRAPE_FORCE)
-    return _SCRAPE_LOUDEST * pressed * (1.0 - exp(-_finite(speed) / _SCRAPE_SPEED))
+    """Return the linear gain of scraping: powers of sliding speed [m/s] and force [N]; 0 without either, limited."""
+    slid, pressed = _finite(speed) / SCRAPE_SPEED, _finite(force) / _SCRAPE_FORCE
+    return min(_SCRAPE_LOUDEST, _SCRAPE_GAIN * slid**_SPEED_EXPONENT * pressed**_FORCE_EXPONENT)
+
+
+def scrape_pitch(speed: float) -> float:
+    """Return the rate at which a surface's profile is read at a sliding speed [m/s], within limits.
+
+    A texture of k periods per metre is met k * speed times a second, so all frequencies are proportional to the speed
+    (K. van den Doel et al., FoleyAutomatic, 2001: the phonograph needle).
+    """
+    low, high = _PITCHES
+    return min(high, max(low, _finite(speed) / SCRAPE_SPEED))
 
 
 def _finite(value: float) -> float:

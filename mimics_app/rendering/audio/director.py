@@ -19,7 +19,7 @@ from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.contracts.sound_scene import BANDS, SOUND_SCENE, fill_defaults
 from mimics_app.maths.length import length
 from mimics_app.rendering.audio.bank import SoundBank
-from mimics_app.rendering.audio.contact_gain import ContactGate, contact_gain, scrape_gain
+from mimics_app.rendering.audio.contact_gain import ContactGate, contact_gain, scrape_gain, scrape_pitch
 from mimics_app.rendering.audio.driven import DrivenSounds
 from mimics_app.rendering.audio.settings import AudioSettings
 
@@ -27,6 +27,9 @@ __all__ = ["TOUCHES", "SoundDirector"]
 
 
 _STALE_NS = 100_000_000
+
+_SCRAPE_REST_NS = 500_000_000
+"""Time without sliding after which the voice of the scrape ends [ns]."""
 
 _ORDER_SPEED = 0.3
 """Impact speed assumed for an order of gain 1 [m/s], where the sound has speed steps."""
@@ -63,7 +66,8 @@ class SoundDirector:
         self._handles = np.zeros(len(settings.emitters) + 1, np.int64)  # emitters, then the scrape of the wall
         self._scene = np.zeros(1, SOUND_SCENE)
         fill_defaults(self._scene)
-        self._scrape_state = np.zeros(7)  # of the scrape: position, velocity, gain
+        self._scrape_state = np.array([0.0] * 7 + [1.0])  # of the scrape: position, velocity, gain, pitch
+        self._slid_ns = 0
         self._drained = np.zeros(256, EVENT)
         self._forces = np.zeros(1024, CONTACT_FORCE)
         self._driven = DrivenSounds(mixer, bank)
@@ -134,9 +138,18 @@ class SoundDirector:
         slot, fresh = triple_buffer.acquire(self._memory.sound_scene_words)
         if fresh:
             self._scene[:] = self._memory.sound_scenes[slot : slot + 1]
-        pressed = bool(self._settings.scrape) and self._update_scrape()
-        if fresh or pressed:
+        scraped = bool(self._settings.scrape) and self._update_scrape()
+        if fresh or scraped:
             self._mixer.set_listener(self._listener_state())
+        self._rest_scrape(self._clock.now_ns())
+
+    def _rest_scrape(self, now: int) -> None:
+        """End the voice of the scrape when it has been silent for a while, so that silence costs nothing."""
+        if self._scrape_state[6] > 0.0:
+            self._slid_ns = now
+        elif self._handles[-1] != 0 and now - self._slid_ns > _SCRAPE_REST_NS:
+            self._mixer.stop(int(self._handles[-1]))
+            self._handles[-1] = 0
 
     def _update_scrape(self) -> bool:
         """Update the scrape from the newest haptic snapshot; return whether what is heard of it may have changed."""
@@ -152,7 +165,8 @@ class SoundDirector:
         if not (np.isfinite(place).all() and np.isfinite(velocity).all()):
             return False
         self._scrape_state[:3], self._scrape_state[3:6] = place, velocity
-        self._scrape_state[6] = scrape_gain(length(velocity), pressed)
+        speed = length(velocity)
+        self._scrape_state[6:] = scrape_gain(speed, pressed), scrape_pitch(speed)
         return True
 
     def _listener_state(self) -> ListenerState:
@@ -180,6 +194,7 @@ class SoundDirector:
             forward=np.concatenate((scene["forward"][:count], [(0.0, 0.0, -1.0)])),
             gain=gain,
             passes=np.concatenate((scene["passes"][:count], np.ones((1, BANDS)))),
+            pitch=np.concatenate((np.ones(count), self._scrape_state[7:])),
         )
 
     def _start(self, cause: str, sound: str, t_ns: int, tick: int, place: Vec3 | None, gain: float) -> None:

@@ -172,7 +172,7 @@ def _head_alone(pose: Pose) -> ListenerState:
     position, forward, up = (np.asarray(each, np.float64) for each in pose)
     none, some = np.zeros((0, 3)), np.zeros(0)
     return ListenerState(
-        0, position, np.zeros(3), forward, up, 0.0, 1.0, np.zeros(0, np.int64), none, none, none, some, none
+        0, position, np.zeros(3), forward, up, 0.0, 1.0, np.zeros(0, np.int64), none, none, none, some, none, some
     )
 
 

@@ -35,6 +35,7 @@ __all__ = ["OpenALMixer"]
 _FADE_FRAMES = 960
 _SHORTEST_RAMP = 64
 _AUDIBLE_CHANGE = 0.02
+_AUDIBLE_PITCH = 0.002  # of pure tones at 1 kHz (C. C. Wier et al., J. Acoust. Soc. Am. 61, 1977)
 _AHEAD: Vec3 = (0.0, 0.0, -1.0)
 
 _LEAD_S = 0.005
@@ -58,6 +59,7 @@ class _Voice:
     authored: float = 1.0
     priority: float = 1.0
     gain: float = 0.0
+    pitch: float = 1.0
     end: int | None = None
 
 
@@ -105,6 +107,7 @@ class OpenALMixer:
         self._handles += 1
         voice.sound, voice.priority = sound, content.spec.priority
         voice.handle, voice.authored, voice.gain = self._handles, content.spec.gain, content.spec.gain * gain
+        voice.pitch = 1.0
         self._by_handle[voice.handle] = voice
         self._prepare(voice, sound, content, position_world)
         if not self.context.loopback:
@@ -140,6 +143,7 @@ class OpenALMixer:
             if voice is None or voice.state == _State.FADING:
                 continue
             self._set_gain(voice, voice.authored * float(state.gain[row] * state.passes[row, 1]))
+            self._set_pitch(voice, float(state.pitch[row]))
             if not self._bank[voice.sound].spec.spatial:
                 continue
             if np.isfinite(state.position[row]).all() and np.isfinite(state.velocity[row]).all():
@@ -152,6 +156,12 @@ class OpenALMixer:
         if abs(gain - voice.gain) > _AUDIBLE_CHANGE * (gain + voice.gain):
             voice.gain = gain
             self._change(self._call.alSourcef, voice.source, AL.GAIN, gain)
+
+    def _set_pitch(self, voice: _Voice, pitch: float) -> None:
+        """Change the pitch of a voice where the change is audible."""
+        if abs(pitch - voice.pitch) > _AUDIBLE_PITCH * voice.pitch:
+            voice.pitch = pitch
+            self._change(self._call.alSourcef, voice.source, AL.PITCH, pitch)
 
     def stop(self, handle: int) -> None:
         """Fade a sound out; its voice is free once the fade has been played."""
@@ -260,6 +270,7 @@ class OpenALMixer:
         call.alSourcef(source, AL.MAX_DISTANCE, max(sound.spec.max_distance, sound.spec.reference_distance))
         call.alSourcef(source, AL.ROLLOFF_FACTOR, sound.spec.rolloff)
         call.alSourcef(source, AL.GAIN, voice.gain)
+        call.alSourcef(source, AL.PITCH, 1.0)
         self._aim(source, sound.spec)
         self._library.check(f'prepare the sound "{name}"')
 

@@ -125,7 +125,7 @@ class SpectralMixer:
         known = self._store.rows_of(state.handles)
         playing = known >= 0
         rows = known[playing]
-        self._store.set_levels(rows, state.gain[playing], state.passes[playing])
+        self._store.set_levels(rows, state.gain[playing], state.passes[playing], state.pitch[playing])
         playing &= np.isfinite(state.position).all(axis=1) & np.isfinite(state.velocity).all(axis=1)
         rows = known[playing]
         places.position[rows], places.velocity[rows] = state.position[playing], state.velocity[playing]

@@ -85,6 +85,7 @@ class Places(NamedTuple):
         fall: Reference distance, largest distance [m], rolloff, [.., 3].
         cone: Cone, [.., CONE].
         doppler: Factor on the Doppler shift.
+        pitch_set: Pitch set at run time, before the Doppler shift.
         received: Set to the linear gain at the listener, middle band.
         direction: Set to the unit vector to the voice in the head's axes, [.., 3].
     """
@@ -102,6 +103,7 @@ class Places(NamedTuple):
     fall: F8
     cone: F8
     doppler: F8
+    pitch_set: F8
     received: F8
     direction: F8
 
@@ -124,6 +126,7 @@ def steer(order: Words, places: Places, buses: F8, voices: Voices, head: Head) -
             0.0 if places.state[v] == State.FADING else places.authored[v] * places.level_set[v] * buses[places.bus[v]]
         )
         places.received[v] = level
+        shift = 1.0
         cell, half, lower, upper = places.relative[v], head.steps[1], 0.0, 0.0
         if cell < 0:
             x, y, z, distance = _offset(places.position, v, head.position)
@@ -138,8 +141,9 @@ def steer(order: Words, places: Places, buses: F8, voices: Voices, head: Head) -
             places.received[v] = level * (1.0 + lower)
             if distance >= _NEAREST and places.doppler[v] != 0.0:
                 towards, away = _along(places.velocity, v, x, y, z), _along(head.moving, 0, x, y, z)
-                voices.pitch[v, 1] = _pitch(-towards / distance, -away / distance, places.doppler[v])
+                shift = _pitch(-towards / distance, -away / distance, places.doppler[v])
             cell, half = _find(x, y, z, distance, head, places.direction, v)
+        voices.pitch[v, 1] = shift * places.pitch_set[v]
         _set(voices, v, cell, half, level, lower, upper)
 
 

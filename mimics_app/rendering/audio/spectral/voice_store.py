@@ -92,6 +92,7 @@ class VoiceStore:
             fall=np.ones((count, 3)),
             cone=np.zeros((count, CONE)),
             doppler=np.zeros(count),
+            pitch_set=np.ones(count),
             received=np.zeros(count),
             direction=np.zeros((count, 3)),
         )
@@ -108,12 +109,13 @@ class VoiceStore:
         """Join the rows of the two channels of a recording."""
         self.partner[row], self.partner[other] = other, row
 
-    def set_levels(self, rows: NDArray[np.int64], gain: F8, passes: F8) -> None:
-        """Set linear gains, shape [n], and transmissions, shape [n, 3], of sounds with all their channels."""
-        self.gain[rows], self.places.passes[rows] = gain, passes
+    def set_levels(self, rows: NDArray[np.int64], gain: F8, passes: F8, pitch: F8) -> None:
+        """Set linear gains, shape [n], transmissions, [n, 3], and pitches, [n], of sounds with all their channels."""
+        self.gain[rows], self.places.passes[rows], self.places.pitch_set[rows] = gain, passes, pitch
         paired = rows[self.partner[rows] >= 0]
         other = self.partner[paired]
-        self.gain[other], self.places.passes[other] = self.gain[paired], self.places.passes[paired]
+        for each in (self.gain, self.places.passes, self.places.pitch_set):
+            each[other] = each[paired]
 
     def rows_of(self, handles: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return the rows of voices, -1 for one that has ended, shape [n]."""
@@ -140,7 +142,7 @@ class VoiceStore:
         self.history[row], voices.changed[row] = 0.0, 2
         voices.pitch[row] = 1.0
         places.relative[row], places.velocity[row], places.forward[row] = relative, 0.0, (0.0, 0.0, -1.0)
-        places.passes[row], places.doppler[row] = 1.0, spec.doppler
+        places.passes[row], places.doppler[row], places.pitch_set[row] = 1.0, spec.doppler, 1.0
         places.model[row] = _MODELS[spec.distance_model]
         places.fall[row] = (spec.reference_distance, spec.max_distance, spec.rolloff)
         places.cone[row] = (0.5 * spec.cone_inner, min(pi, 0.5 * spec.cone_outer), spec.cone_gain)
