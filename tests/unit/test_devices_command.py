@@ -163,6 +163,6 @@ def test_a_tracker_that_is_emulated_is_heard_by_the_tracker_of_its_kind(kind: st
 
 def test_the_first_line_of_an_emulated_tracker_is_its_address(capsys) -> None:
     assert main(["devices", "emulate", "vrpn", "--seconds", "0.05"]) == 0
-    assert capsys.readouterr().out.startswith("vrpn:person@tcp://127.0.0.1:")
+    assert capsys.readouterr().out.startswith("vrpn:person@127.0.0.1:")
     assert main(["devices", "emulate", "fastrek"]) == 2
     assert 'did you mean "fastrak"' in capsys.readouterr().err

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import random
 import socket
+import struct
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -302,6 +303,60 @@ def test_vrpn_from_our_server_to_our_client(by: str) -> None:
     assert [s.position[0] for s in taken] == pytest.approx([k * 1e-3 for k in range(1, 100)])
     assert {s.sensor for s in taken} == {"3"}
     assert [s.device_ns for s in taken] == [k * MS for k in range(1, 100)]
+
+
+def message_of_vrpn(sender: int, kind: int, body: bytes = b"") -> bytes:
+    """A message as VRPN describes it: length, seconds, microseconds, sender, type, 4 bytes; bodies padded to 8."""
+    header = struct.pack(">5i4x", 24 + len(body), 0, 0, sender, kind)
+    return header + body + bytes(-len(body) % 8)
+
+
+def name_of_vrpn(kind: int, number: int, name: str) -> bytes:
+    """A description of a sender (-1) or a type (-2), as a client of the library sends it."""
+    text = name.encode() + b"\0"
+    return message_of_vrpn(number, kind, struct.pack(">i", len(text)) + text)
+
+
+def messages_of_vrpn(line: socket.socket, until: Callable[[list[tuple[int, int, bytes]]], bool]) -> list:
+    """Read the cookie, then messages (sender, type, body) until there are enough."""
+    data, found = b"", []
+    while len(data) < 24:
+        data += line.recv(4096)
+    assert data.startswith(b"vrpn: ver. 07.")
+    data = data[24:]
+    while not until(found):
+        while len(data) < 24 or len(data) < 24 + -(-(struct.unpack_from(">i", data)[0] - 24) // 8) * 8:
+            data += line.recv(4096)
+        length, _, _, sender, kind = struct.unpack_from(">5i", data)
+        found.append((sender, kind, data[24:length]))
+        data = data[24 + -(-(length - 24) // 8) * 8 :]
+    return found
+
+
+def test_a_client_that_asks_by_udp_is_called_by_tcp_and_its_pings_are_answered() -> None:
+    """As the clients of VRPN's library do with the address TRACKER@HOST: the datagram holds their host and port."""
+    server = VrpnServer("mocap")
+    try:
+        with socket.create_server(("127.0.0.1", 0)) as listening, socket.socket(type=socket.SOCK_DGRAM) as asking:
+            listening.settimeout(5.0)
+            asking.sendto(b"no request\0", ("127.0.0.1", server.port))
+            asking.sendto(b"198.51.100.1 %d\0" % listening.getsockname()[1], ("127.0.0.1", server.port))
+            line, _ = listening.accept()  # the sender is called, whatever host its datagram names
+            line.settimeout(5.0)
+            line.sendall(b"vrpn: ver. 07.35  0".ljust(24, b"\0") + name_of_vrpn(-1, 4, "mocap"))
+            line.sendall(name_of_vrpn(-2, 6, "vrpn_Base ping_message") + message_of_vrpn(4, 6))
+            wait_for(lambda: server.clients == 1)
+            server.send(2, (0.1, 0.2, 0.3), (0.0, 0.0, 0.0, 1.0), 5_000_000)
+            found = messages_of_vrpn(line, lambda found: len(found) >= 5)
+            line.close()
+        names = {(kind, sender): body[4:].rstrip(b"\0").decode() for sender, kind, body in found if kind < 0}
+        assert names[-1, 0] == "mocap"
+        named = {names[-2, kind]: body for sender, kind, body in found if kind >= 0 and names[-1, sender] == "mocap"}
+        assert struct.unpack(">ii7d", named["vrpn_Tracker Pos_Quat"]) == (2, 0, 0.1, 0.2, 0.3, 0.0, 0.0, 0.0, 1.0)
+        assert named["vrpn_Base pong_message"] == b""
+        wait_for(lambda: server.clients == 0)  # one that leaves is forgotten without another pose
+    finally:
+        server.close()
 
 
 def test_a_server_that_speaks_something_else_is_reported() -> None:

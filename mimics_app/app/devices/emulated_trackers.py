@@ -76,7 +76,7 @@ def _vrpn(seed: int, port: int) -> Iterator[tuple[str, Report]]:
             server.send(number, *_pose(sensor, now_ns, seed), now_ns)
 
     try:
-        yield f"person@tcp://127.0.0.1:{server.port}", report
+        yield f"person@127.0.0.1:{server.port}", report
     finally:
         server.close()
 

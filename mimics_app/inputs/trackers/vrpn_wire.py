@@ -12,6 +12,8 @@ from dataclasses import dataclass
 __all__ = [
     "COOKIE",
     "DEFAULT_PORT",
+    "PING_TYPE",
+    "PONG_TYPE",
     "POSE_TYPE",
     "SENDER_DESCRIPTION",
     "TYPE_DESCRIPTION",
@@ -26,6 +28,7 @@ __all__ = [
 COOKIE = b"vrpn: ver. 07.35  0".ljust(24, b"\0")
 DEFAULT_PORT = 3883
 POSE_TYPE = "vrpn_Tracker Pos_Quat"
+PING_TYPE, PONG_TYPE = "vrpn_Base ping_message", "vrpn_Base pong_message"
 SENDER_DESCRIPTION, TYPE_DESCRIPTION = -1, -2
 
 _HEADER = struct.Struct(">iIIii4x")
@@ -64,10 +67,10 @@ def pack(sender: int, kind: int, body: bytes, t_ns: int) -> bytes:
     return header + body + bytes(-len(body) % 8)
 
 
-def announcement(what: int, name: str) -> bytes:
-    """Return the message that announces the name of the first sender or type."""
+def announcement(what: int, name: str, number: int = 0) -> bytes:
+    """Return the message that announces the name of a sender or a type, and its number in later messages."""
     text = name.encode() + b"\0"
-    return pack(0, what, struct.pack(">i", len(text)) + text, 0)
+    return pack(number, what, struct.pack(">i", len(text)) + text, 0)
 
 
 def pose_body(sensor: int, position: tuple[float, float, float], rotation: tuple[float, float, float, float]) -> bytes:
