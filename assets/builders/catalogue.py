@@ -11,8 +11,8 @@ from typing import cast
 
 from assets import builders
 from mimics_app.contracts.errors import UsageError, nearest
-from mimics_app.contracts.members import load_member
-from mimics_app.contracts.whole_file import whole_file
+from mimics_app.contracts.ports.members import load_member
+from mimics_app.contracts.system.whole_file import whole_file
 
 __all__ = ["AssetBuilder", "find_builder", "find_builders"]
 

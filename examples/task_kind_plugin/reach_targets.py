@@ -9,8 +9,8 @@ from typing import Annotated
 import numpy as np
 from msgspec import Meta, structs
 
-from mimics_app.contracts.board import Card
-from mimics_app.contracts.report_section import Marks, ReportSection, frontal
+from mimics_app.contracts.messages.board import Card
+from mimics_app.contracts.messages.report_section import Marks, ReportSection, frontal
 from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.kinds.kind import KindPlay, Measure, TaskKind
 from mimics_app.world.components.registry import Component

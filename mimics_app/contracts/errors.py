@@ -17,8 +17,6 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from os import PathLike, fspath
 
-from mimics_app.contracts.plural import counted
-
 __all__ = [
     "MOST_LISTED",
     "MOST_SOUGHT",
@@ -31,6 +29,7 @@ __all__ = [
     "SceneError",
     "UsageError",
     "all_sought",
+    "counted",
     "first_line",
     "listed_issues",
     "more_issues",
@@ -38,6 +37,7 @@ __all__ = [
     "require_choice",
     "require_key",
     "short_text",
+    "singular",
 ]
 
 MOST_LISTED = 100
@@ -242,3 +242,15 @@ def short_text(text: str) -> str:
 def _shortened(found: re.Match[str]) -> str:
     value, mark = found["quoted"] or found[0], found["mark"] or ""
     return f"{mark}{value[:_HEAD]}...{value[-_TAIL:]}{mark}"
+
+
+def singular(plural: str) -> str:
+    """Return the singular of a regular plural: mesh of meshes, entity of entities, node of nodes."""
+    if plural.endswith("ies"):
+        return f"{plural[:-3]}y"
+    return plural[:-2] if plural.endswith(("shes", "ches", "xes", "sses")) else plural.removesuffix("s")
+
+
+def counted(number: int, plural: str) -> str:
+    """Return a number with its noun, in the singular for 1."""
+    return f"{number} {singular(plural) if number == 1 else plural}"

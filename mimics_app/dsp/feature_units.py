@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mimics_app.contracts.table_file import read_table_file
+from mimics_app.contracts.system.table_file import read_table_file
 
 __all__ = ["FEATURE_UNITS"]
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.messages import FeatureFrame, SignalBlock
+from mimics_app.contracts.messages.stage_messages import FeatureFrame, SignalBlock
 from mimics_app.dsp.channel import Channel, Event
 from mimics_app.dsp.ecg import Ecg
 from mimics_app.dsp.emg import Emg

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from mimics_app.contracts.messages import FeatureFrame, TrialResult, UserState
+from mimics_app.contracts.messages.stage_messages import FeatureFrame, TrialResult, UserState
 from mimics_app.estimation.fusion import FusionEstimation
 from mimics_app.estimation.load import Lda
 from mimics_app.estimation.trial_view import TrialView

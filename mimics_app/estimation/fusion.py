@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from mimics_app.contracts.messages import Estimate, FeatureFrame, TrialResult, UserState
+from mimics_app.contracts.messages.stage_messages import Estimate, FeatureFrame, TrialResult, UserState
 from mimics_app.estimation.baseline import Baseline
 from mimics_app.estimation.effort import EffortModel
 

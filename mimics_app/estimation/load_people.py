@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 
 __all__ = ["LoadPeople", "shipped_people"]
 

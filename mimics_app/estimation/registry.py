@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from mimics_app.contracts.errors import UsageError, nearest
-from mimics_app.contracts.stages import Estimation
+from mimics_app.contracts.ports.stages import Estimation
 from mimics_app.estimation.discriminant import DiscriminantEstimation
 from mimics_app.estimation.fusion import FusionEstimation
 from mimics_app.estimation.load import AdaptiveLda, Lda, train_load

@@ -8,9 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from mimics_app.contracts.input_port import PointerSource, SignalSource, Window, WindowFrame
-from mimics_app.contracts.messages import Aim, Experience, PointerState, SignalBlock, VRInput
-from mimics_app.contracts.window_input import GamepadState, InputEvent
+from mimics_app.contracts.messages.stage_messages import Aim, Experience, PointerState, SignalBlock, VRInput
+from mimics_app.contracts.messages.window_input import GamepadState, InputEvent
+from mimics_app.contracts.ports.input_port import PointerSource, SignalSource, Window, WindowFrame
 
 __all__ = ["Inputs", "Movement"]
 

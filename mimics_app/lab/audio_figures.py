@@ -11,7 +11,7 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from mimics_app.contracts.machine import describe_machine
+from mimics_app.contracts.system.machine import describe_machine
 from mimics_app.lab.audio.hearing import BAND_CENTRES, level_differences
 from mimics_app.lab.audio.rendered import render_clicks
 from mimics_app.lab.audio_bench import find_measured_head

@@ -10,8 +10,8 @@ from collections.abc import Iterable
 from functools import cache
 
 from mimics_app.contracts.errors import require_choice, short_text
-from mimics_app.contracts.members import import_member, member_names
-from mimics_app.contracts.methods import Registry, registry
+from mimics_app.contracts.ports.members import import_member, member_names
+from mimics_app.contracts.ports.methods import Registry, registry
 from mimics_app.lab import groups
 from mimics_app.lab.rivals import group_of
 from mimics_app.world.scene.method_plugins import method_plugins

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from mimics_app.contracts.whole_file import whole_file
+from mimics_app.contracts.system.whole_file import whole_file
 from mimics_app.lab.experiment import Points
 
 __all__ = ["Figure", "write_figure"]

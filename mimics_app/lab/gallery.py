@@ -11,7 +11,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from mimics_app.contracts.whole_file import whole_file
+from mimics_app.contracts.system.whole_file import whole_file
 from mimics_app.plotting.axis import format_number
 from mimics_app.plotting.drawing import STYLE
 from mimics_app.plotting.page_templates import load_templates

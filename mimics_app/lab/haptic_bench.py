@@ -22,17 +22,17 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
+from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.haptic_objects import OBJECT_COUNTS, STATIC, BodyFlag, ShapeKind
-from mimics_app.contracts.kernel import kernel, typed_kernel
-from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
-from mimics_app.contracts.probe import shortest_us
-from mimics_app.contracts.session_memory import Capacities, SessionMemory
+from mimics_app.contracts.loop.haptic_objects import OBJECT_COUNTS, STATIC, BodyFlag, ShapeKind
+from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows, new_rows
+from mimics_app.contracts.shared_memory.session_memory import Capacities, SessionMemory
 from mimics_app.lab.haptic.body_worlds import heap_of_boxes
 from mimics_app.lab.haptic.touch_probe import DT, RADIUS, STIFFNESS, touch_scene
 from mimics_app.lab.haptic_harness import HarnessRow, run_harnesses
 from mimics_app.lab.haptic_peers import PEERS, ROUNDS, best_us, measure_peer
+from mimics_app.lab.probe import shortest_us
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.kernels.objects.object_inputs import INPUT_FORCE_MEASURED, INPUT_LENGTH
@@ -44,7 +44,7 @@ from mimics_app.rendering.haptic.simulate import simulate_objects
 from mimics_app.world.components.robot import Patient, Robot
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import Fields, ObjectCountsRecord, ObjectWork, Rows, Simulate
+    from mimics_app.rendering.haptic.record_types import Fields, ObjectCountsRecord, ObjectWork, Rows, Simulate
 
 __all__ = ["BODY_WORKLOADS", "SLIDE", "Scene", "measure_haptic", "reference_us"]
 

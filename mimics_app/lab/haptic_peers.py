@@ -16,7 +16,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.probe import shortest_us
 
 __all__ = ["PEERS", "ROUNDS", "best_us", "measure_peer"]
 

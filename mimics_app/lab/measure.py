@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from mimics_app.contracts.errors import MimicsError, short_text
-from mimics_app.contracts.method_table import Row, Table
-from mimics_app.contracts.methods import Group, Method, Registry
+from mimics_app.contracts.ports.method_table import Row, Table
+from mimics_app.contracts.ports.methods import Group, Method, Registry
 from mimics_app.lab.measured_on import measured_on
 
 __all__ = ["Growth", "Measured", "MeasuredGroup", "as_dict", "count_probes", "fit_exponent", "measure", "to_table"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from mimics_app.contracts.machine import Machine, describe_machine
+from mimics_app.contracts.system.machine import Machine, describe_machine
 
 __all__ = ["measured_on"]
 

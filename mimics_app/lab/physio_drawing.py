@@ -8,7 +8,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from mimics_app.contracts.machine import describe_machine
+from mimics_app.contracts.system.machine import describe_machine
 from mimics_app.lab.figure import Figure
 from mimics_app.plotting.drawing import document
 from mimics_app.plotting.marks import element, word

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 
-from mimics_app.contracts.methods import Group, Method, Settings, registry
-from mimics_app.contracts.probe import reference_us
+from mimics_app.contracts.ports.methods import Group, Method, Settings, registry
+from mimics_app.lab.probe import reference_us
 
 __all__ = ["Rival", "compare", "group_of"]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mimics_app.contracts.machine import describe_machine
+from mimics_app.contracts.system.machine import describe_machine
 from mimics_app.lab.experiment import Experiment, Outcome, Points, Row
 from mimics_app.lab.figure import Figure
 from mimics_app.plotting.axis import Axis, format_number

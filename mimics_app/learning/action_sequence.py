@@ -15,9 +15,9 @@ from itertools import islice
 from pathlib import Path
 from typing import Any, TypeGuard
 
-from mimics_app.contracts.action_space import ActionSpace
 from mimics_app.contracts.errors import MOST_SOUGHT, Issue, SceneError, nearest
-from mimics_app.contracts.messages import TaskAction, TrialResult, UserState
+from mimics_app.contracts.messages.action_space import ActionSpace
+from mimics_app.contracts.messages.stage_messages import TaskAction, TrialResult, UserState
 from mimics_app.world.scene.json_text import escape, parse_json
 from mimics_app.world.scene.scene_files import read_bytes
 

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from mimics_app.contracts.action_space import ActionSpace, Parameter
-from mimics_app.contracts.messages import TaskAction, TrialResult, UserState
+from mimics_app.contracts.messages.action_space import ActionSpace, Parameter
+from mimics_app.contracts.messages.stage_messages import TaskAction, TrialResult, UserState
 from mimics_app.learning.goals import STATES
 from mimics_app.learning.policy import Outcome, Policy
 from mimics_app.learning.registry import EXPLORERS, build_policy

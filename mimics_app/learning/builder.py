@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from mimics_app.contracts.action_space import ActionSpace, Parameter
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.stages import Learning
+from mimics_app.contracts.messages.action_space import ActionSpace, Parameter
+from mimics_app.contracts.ports.stages import Learning
 from mimics_app.learning.agent import Agent
 from mimics_app.learning.goals import STATES, is_among
 from mimics_app.learning.registry import check_goal, check_policy

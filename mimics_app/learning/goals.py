@@ -9,8 +9,8 @@ from typing import Literal, get_args
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.messages import TrialResult, UserState
-from mimics_app.contracts.stages import Goal
+from mimics_app.contracts.messages.stage_messages import TrialResult, UserState
+from mimics_app.contracts.ports.stages import Goal
 from mimics_app.learning.policy import TARGET
 
 __all__ = ["STATES", "StateBand", "SuccessShare", "TaskGoal", "build_goal", "is_among", "success_reward"]

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.messages import UserState
+from mimics_app.contracts.messages.stage_messages import UserState
 
 __all__ = ["CONTROL", "LEVELS", "REWARDS", "TARGET", "Choice", "Outcome", "Policy", "logit"]
 

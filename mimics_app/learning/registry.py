@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import cast
 
 from mimics_app.contracts.errors import UsageError, nearest
-from mimics_app.contracts.plugins import PluginError, PluginGroup, fault_of_builder
+from mimics_app.contracts.ports.plugins import PluginError, PluginGroup, fault_of_builder
 from mimics_app.learning.bandits import LinUcb, Thompson
 from mimics_app.learning.goals import is_among
 from mimics_app.learning.policy import Policy

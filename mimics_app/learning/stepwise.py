@@ -9,8 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.action_space import Parameter
-from mimics_app.contracts.messages import TaskAction, TrialResult, UserState
+from mimics_app.contracts.messages.action_space import Parameter
+from mimics_app.contracts.messages.stage_messages import TaskAction, TrialResult, UserState
 from mimics_app.learning.goals import STATES as STATES_OF_PEOPLE
 
 __all__ = ["GAPS", "SECTORS", "STATES", "STEP_POLICIES", "StepAgent", "StepMethod", "StepValues", "place_of"]

@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, Vec
-from mimics_app.contracts.kernel import kernel
 from mimics_app.maths.vec import dot
 
 __all__ = [

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 from mimics_app.maths import quat
 from mimics_app.maths.quat import Quat
 from mimics_app.maths.vec import Vec, cross, norm, normalise, unit

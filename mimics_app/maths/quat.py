@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 from mimics_app.maths.vec import Vec, unit
 
 __all__ = [

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 
 __all__ = ["Vec", "cross", "distance", "dot", "norm", "normalise", "unit"]
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mimics_app.contracts.private_folder import private_folder
+from mimics_app.compiled.private_folder import private_folder
 
 if TYPE_CHECKING:
     from jinja2 import Environment

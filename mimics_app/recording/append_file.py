@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.regular_file import open_regular
+from mimics_app.contracts.system.regular_file import open_regular
 from mimics_app.recording.run_folder import PRIVATE_FILE
 
 try:

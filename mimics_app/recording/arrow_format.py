@@ -21,9 +21,9 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import SCENE
-from mimics_app.contracts.loop_fields import Extent
-from mimics_app.contracts.object_rows import ROW_DTYPES, Rows, unpack_rows
+from mimics_app.contracts.loop.haptic import SCENE
+from mimics_app.contracts.loop.loop_fields import Extent
+from mimics_app.contracts.loop.object_rows import ROW_DTYPES, Rows, unpack_rows
 from mimics_app.recording.column_layout import SampleLayout, current_layout, samples_schema
 from mimics_app.recording.columns import HAPTICMASTER, present_columns, rows_of, samples_of
 from mimics_app.recording.older_blocks import rows_with_tunnel

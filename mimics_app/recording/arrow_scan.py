@@ -19,7 +19,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from mimics_app.contracts.regular_file import open_regular, read_regular
+from mimics_app.contracts.system.regular_file import open_regular, read_regular
 from mimics_app.recording.arrow_format import END_OF_STREAM, INDEX_ROW, Block, schema_bytes
 
 __all__ = ["Damage", "Found", "last_block", "read_index", "read_schema", "scan_stream", "sorted_scan"]

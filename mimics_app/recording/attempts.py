@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import Controller
-from mimics_app.contracts.object_rows import Rows
-from mimics_app.contracts.report_section import TunnelShape
+from mimics_app.contracts.loop.haptic import Controller
+from mimics_app.contracts.loop.object_rows import Rows
+from mimics_app.contracts.messages.report_section import TunnelShape
 from mimics_app.recording.columns import whole
 from mimics_app.recording.report_values import number
 from mimics_app.recording.result_words import outcome_word, trial_names

@@ -11,7 +11,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from mimics_app.contracts.loop_fields import MAX_CONTACTS, MAX_JOINTS, Extent
+from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS, MAX_JOINTS, Extent
 from mimics_app.recording.columns import HAPTICMASTER, ROW, column_names, column_units, present_columns
 
 __all__ = ["SampleLayout", "current_layout", "layout_of", "samples_schema"]

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import SAMPLE
-from mimics_app.contracts.loop_fields import LOOP_FIELDS, Extent, Replay
+from mimics_app.contracts.loop.haptic import SAMPLE
+from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, Extent, Replay
 
 __all__ = [
     "INPUT_FIELDS",

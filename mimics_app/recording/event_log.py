@@ -2,7 +2,7 @@
 
 Every line has `source` and `kind`:
 
-    loop      EVENT records of the 1 kHz loop, `n` counting from 0, kinds as in contracts.haptic.EventKind
+    loop      EVENT records of the 1 kHz loop, `n` counting from 0, kinds as in contracts.loop.haptic.EventKind
     app       journal of the main thread; the kinds that the report reads are listed in `recorder.Recorder.journal`
     recorder  start, gap, clock (pairs of wall and monotonic time), problem, restart, end
 
@@ -19,8 +19,8 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import EVENT, EventKind
-from mimics_app.contracts.regular_file import read_regular
+from mimics_app.contracts.loop.haptic import EVENT, EventKind
+from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.recording.json_text import parse_object
 
 __all__ = [

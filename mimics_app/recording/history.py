@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from mimics_app.contracts.clock import SECOND_NS
-from mimics_app.contracts.trial_counts import FINISHED
+from mimics_app.contracts.messages.trial_counts import FINISHED
 from mimics_app.recording.append_file import is_claimed
 from mimics_app.recording.manifest import Manifest, read_manifest
 from mimics_app.recording.report_values import mapping, number

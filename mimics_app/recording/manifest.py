@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import msgspec
 
-from mimics_app.contracts.regular_file import open_regular, read_regular
+from mimics_app.contracts.system.regular_file import open_regular, read_regular
 from mimics_app.recording.json_text import parse_object
 from mimics_app.recording.run_folder import FILES, write_atomically
 

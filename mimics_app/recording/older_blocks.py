@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from mimics_app.contracts.arrays import Records
-from mimics_app.contracts.haptic import SCENE, AdmittanceForm
-from mimics_app.contracts.haptic_objects import OBJECT_COUNTS
-from mimics_app.contracts.object_rows import ROW_DTYPES, Rows, count_rows
+from mimics_app.contracts.loop.haptic import SCENE, AdmittanceForm
+from mimics_app.contracts.loop.haptic_objects import OBJECT_COUNTS
+from mimics_app.contracts.loop.object_rows import ROW_DTYPES, Rows, count_rows
 
 __all__ = ["current_block", "rows_with_tunnel"]
 

@@ -15,14 +15,14 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts import ring
-from mimics_app.contracts.child_main import main_hidden
-from mimics_app.contracts.child_signals import signals_blocked
 from mimics_app.contracts.clock import TICKS_PER_SECOND, Clock, MonotonicClock
 from mimics_app.contracts.errors import PartialDataError
-from mimics_app.contracts.object_rows import Rows, pack_rows
-from mimics_app.contracts.run_environment import boot_id, clock_pair, describe_environment
-from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.loop.object_rows import Rows, pack_rows
+from mimics_app.contracts.shared_memory import ring
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
+from mimics_app.contracts.system.child_main import main_hidden
+from mimics_app.contracts.system.child_signals import signals_blocked
+from mimics_app.contracts.system.run_environment import boot_id, clock_pair, describe_environment
 from mimics_app.recording.byte_channel import CLOSE, LINE, PARAMETERS, SIGNALS, TRIAL, Outbox
 from mimics_app.recording.event_log import encode_line, to_json
 from mimics_app.recording.manifest import Manifest, read_manifest

@@ -23,12 +23,12 @@ from typing import Any, Literal
 
 import numpy as np
 
-from mimics_app.contracts.child_signals import ignore_signals
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.haptic import EVENT, SAMPLE
-from mimics_app.contracts.ring_reader import RingReader
-from mimics_app.contracts.run_environment import clock_pair
-from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.loop.haptic import EVENT, SAMPLE
+from mimics_app.contracts.shared_memory.ring_reader import RingReader
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
+from mimics_app.contracts.system.child_signals import ignore_signals
+from mimics_app.contracts.system.run_environment import clock_pair
 from mimics_app.recording.arrow_format import BLOCK_ROWS
 from mimics_app.recording.byte_channel import CLOSE, LINE, PARAMETERS, SIGNALS, TRIAL, Inbox
 from mimics_app.recording.event_log import encode_line

@@ -7,7 +7,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.segment import ArraySpec, Segment
+from mimics_app.contracts.shared_memory.segment import ArraySpec, Segment
 
 __all__ = ["PROBLEMS", "Problem", "RecorderStatus", "StatusWord"]
 

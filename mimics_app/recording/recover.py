@@ -16,9 +16,9 @@ import numpy as np
 import pyarrow as pa
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.regular_file import open_regular, read_or_nothing
-from mimics_app.contracts.run_environment import clock_pair
-from mimics_app.contracts.whole_file import whole_file
+from mimics_app.contracts.system.regular_file import open_regular, read_or_nothing
+from mimics_app.contracts.system.run_environment import clock_pair
+from mimics_app.contracts.system.whole_file import whole_file
 from mimics_app.recording.append_file import AppendFile
 from mimics_app.recording.arrow_format import (
     END_OF_STREAM,

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import PartialDataError
-from mimics_app.contracts.haptic import EVENT
-from mimics_app.contracts.object_rows import Rows
+from mimics_app.contracts.loop.haptic import EVENT
+from mimics_app.contracts.loop.object_rows import Rows
 from mimics_app.recording.columns import OUTPUT_FIELDS, field_columns, name_of, rows_of
 from mimics_app.recording.older_blocks import current_block
 from mimics_app.recording.run import Run

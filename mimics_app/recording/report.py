@@ -11,9 +11,8 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from mimics_app.contracts.report_section import ReportSection
-from mimics_app.contracts.trial_counts import COUNTED_TRIALS, count_trials
-from mimics_app.contracts.trips import TripReader
+from mimics_app.contracts.messages.report_section import ReportSection
+from mimics_app.contracts.messages.trial_counts import COUNTED_TRIALS, count_trials
 from mimics_app.plotting.page_templates import load_templates
 from mimics_app.plotting.plot import Plot
 from mimics_app.recording.attempts import Attempt, find_attempts
@@ -43,6 +42,7 @@ from mimics_app.recording.report_values import NONE, mapping, number, one, scale
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import FILES, write_atomically
 from mimics_app.recording.session_totals import session_totals
+from mimics_app.recording.trips import TripReader
 from mimics_app.recording.verdict import judge
 
 __all__ = ["Page", "page_of", "write_report"]

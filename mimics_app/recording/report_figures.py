@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.haptic import EventKind, SafetyState
-from mimics_app.contracts.report_section import Marks, ReportSection, Traces, Word, frontal
+from mimics_app.contracts.loop.haptic import EventKind, SafetyState
+from mimics_app.contracts.messages.report_section import Marks, ReportSection, Traces, Word, frontal
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.plot import Plot, envelope
 from mimics_app.recording.attempts import Attempt

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from mimics_app.contracts.regular_file import open_regular
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.regular_file import open_regular
+from mimics_app.contracts.system.resources import root
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.plot import Plot
 from mimics_app.recording.history import EarlierRun, earlier_runs

@@ -9,8 +9,8 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from mimics_app.contracts.action_space import ActionSpace, Parameter
 from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.messages.action_space import ActionSpace, Parameter
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.plot import Plot, envelope
 from mimics_app.recording.report_values import mapping, number, shown

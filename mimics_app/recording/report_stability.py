@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.haptic import EventKind
+from mimics_app.contracts.loop.haptic import EventKind
 from mimics_app.recording.attempts import Attempt
 from mimics_app.recording.report_tables import Table
 from mimics_app.recording.report_values import Seconds

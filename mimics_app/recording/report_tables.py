@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import EventKind, SafetyState
-from mimics_app.contracts.plural import counted
-from mimics_app.contracts.trips import TripReader
+from mimics_app.contracts.errors import counted
+from mimics_app.contracts.loop.haptic import EventKind, SafetyState
 from mimics_app.recording.columns import row_norms
 from mimics_app.recording.report_values import Seconds, mapping, number, scaled
 from mimics_app.recording.run import Run
+from mimics_app.recording.trips import TripReader
 
 __all__ = [
     "Contacts",

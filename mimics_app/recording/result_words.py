@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from mimics_app.contracts.plural import counted
-from mimics_app.contracts.trial_counts import COUNTED_TRIALS, FINISHED, SESSION_ENDED
+from mimics_app.contracts.errors import counted
+from mimics_app.contracts.messages.trial_counts import COUNTED_TRIALS, FINISHED, SESSION_ENDED
 from mimics_app.recording.history import EarlierRun, finished_times
 from mimics_app.recording.report_values import number
 

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.clock import TICK_NS, TICKS_PER_SECOND
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.haptic import SAMPLE
-from mimics_app.contracts.object_rows import Rows
-from mimics_app.contracts.regular_file import open_regular
+from mimics_app.contracts.loop.haptic import SAMPLE
+from mimics_app.contracts.loop.object_rows import Rows
+from mimics_app.contracts.system.regular_file import open_regular
 from mimics_app.recording.append_file import is_claimed
 from mimics_app.recording.arrow_format import (
     Block,

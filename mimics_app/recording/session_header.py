@@ -7,7 +7,7 @@ from typing import Any
 
 import msgspec
 
-from mimics_app.contracts.regular_file import read_regular
+from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.recording.json_text import parse_object
 from mimics_app.recording.run_folder import FILES
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from mimics_app.contracts.trial_counts import count_trials, counted_rows
+from mimics_app.contracts.messages.trial_counts import count_trials, counted_rows
 from mimics_app.recording.report_values import mapping, number
 
 __all__ = ["session_totals"]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import msgspec
 import numpy as np
 
-from mimics_app.contracts.messages import SignalBlock
+from mimics_app.contracts.messages.stage_messages import SignalBlock
 
 __all__ = ["SignalRow", "pack_signals", "unpack_signals"]
 

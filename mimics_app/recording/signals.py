@@ -15,7 +15,7 @@ import msgspec
 import numpy as np
 import pyarrow as pa
 
-from mimics_app.contracts.messages import SignalBlock
+from mimics_app.contracts.messages.stage_messages import SignalBlock
 from mimics_app.recording.append_file import AppendFile
 from mimics_app.recording.arrow_format import (
     END_OF_STREAM,

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import SAMPLE
-from mimics_app.contracts.loop_fields import Extent
+from mimics_app.contracts.loop.haptic import SAMPLE
+from mimics_app.contracts.loop.loop_fields import Extent
 from mimics_app.recording.columns import HAPTICMASTER, TIMING_FIELDS, field_columns, present_columns, rows_of
 
 __all__ = ["StateHash"]

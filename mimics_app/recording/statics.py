@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import PartialDataError
-from mimics_app.contracts.regular_file import read_regular
+from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.recording.run_folder import FILES, write_atomically
 
 __all__ = ["Statics", "read_statics", "write_statics"]

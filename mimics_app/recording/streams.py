@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import SCENE
-from mimics_app.contracts.loop_fields import Extent
-from mimics_app.contracts.object_rows import unpack_rows
-from mimics_app.contracts.regular_file import read_regular
+from mimics_app.contracts.loop.haptic import SCENE
+from mimics_app.contracts.loop.loop_fields import Extent
+from mimics_app.contracts.loop.object_rows import unpack_rows
+from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.recording.append_file import AppendFile
 from mimics_app.recording.arrow_format import (
     END_OF_STREAM,

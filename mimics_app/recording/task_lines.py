@@ -9,7 +9,7 @@ from typing import Any
 import msgspec
 
 from mimics_app.contracts.errors import PartialDataError
-from mimics_app.contracts.messages import TaskAction
+from mimics_app.contracts.messages.stage_messages import TaskAction
 from mimics_app.recording.event_log import to_json
 from mimics_app.recording.run import Run
 from mimics_app.recording.trial_table import as_read

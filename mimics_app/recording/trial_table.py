@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from mimics_app.contracts.regular_file import read_regular
+from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.recording.append_file import AppendFile
 from mimics_app.recording.event_log import to_json
 from mimics_app.recording.run_folder import write_atomically

@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 
 from mimics_app.contracts.arrays import Records
-from mimics_app.contracts.haptic import SAMPLE, EventKind
-from mimics_app.contracts.loop_fields import Extent
-from mimics_app.contracts.session_memory import Capacities
+from mimics_app.contracts.loop.haptic import SAMPLE, EventKind
+from mimics_app.contracts.loop.loop_fields import Extent
+from mimics_app.contracts.shared_memory.session_memory import Capacities
 from mimics_app.recording.arrow_format import (
     END_OF_STREAM,
     decode_samples,

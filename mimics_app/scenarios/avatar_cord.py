@@ -15,8 +15,8 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import FRAME_NS, SECOND_NS
 from mimics_app.contracts.errors import SceneError
-from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
-from mimics_app.contracts.scenario_port import BodyPose
+from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskOrders
+from mimics_app.contracts.ports.scenario_port import BodyPose
 from mimics_app.maths import quat
 from mimics_app.maths.mat import look_at
 from mimics_app.scenarios.figures.walking_figure import OWN_HEAD

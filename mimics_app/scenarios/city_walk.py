@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
-from mimics_app.contracts.trial_state import TrialState
+from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskOrders
+from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.maths import quat
 from mimics_app.scenarios.figures.ground_path import GroundPath
 from mimics_app.scenarios.figures.path_figure import PathFigure

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
-from mimics_app.contracts.trial_state import TrialState
+from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskOrders
+from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.scenarios.figures.alley_figure import AlleyFigure
 from mimics_app.scenarios.figures.walking_figure import follow_numbers, see_past_head
 from mimics_app.scenarios.parts.touch_scene import TouchScene

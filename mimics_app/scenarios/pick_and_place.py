@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import SceneError
-from mimics_app.contracts.haptic_objects import ShapeKind
-from mimics_app.contracts.messages import Aim, HapticSnapshot, TaskOrders
-from mimics_app.contracts.scenario_port import Scenario, TaskContext
-from mimics_app.contracts.trial_state import TrialState
+from mimics_app.contracts.loop.haptic_objects import ShapeKind
+from mimics_app.contracts.messages.stage_messages import Aim, HapticSnapshot, TaskOrders
+from mimics_app.contracts.messages.trial_state import TrialState
+from mimics_app.contracts.ports.scenario_port import Scenario, TaskContext
 from mimics_app.rendering.haptic.scene_objects import SceneObjects, objects_of_scene
 from mimics_app.scenarios.parts.body_nodes import BodyNodes
 from mimics_app.scenarios.parts.pick_plan import Picker, Sight

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
-from mimics_app.contracts.scenario_port import Scenario, TaskContext
+from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskOrders
+from mimics_app.contracts.ports.scenario_port import Scenario, TaskContext
 from mimics_app.maths.quat import from_matrix
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.rendering.haptic.scene_tunnel import built_tunnel, tunnel_of_scene

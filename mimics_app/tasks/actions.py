@@ -8,8 +8,8 @@ from typing import Any
 
 import msgspec
 
-from mimics_app.contracts.action_space import ActionSpace, Parameter
-from mimics_app.contracts.shared_fields import shared_fields
+from mimics_app.contracts.messages.action_space import ActionSpace, Parameter
+from mimics_app.contracts.messages.shared_fields import shared_fields
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.task import MapSpec, ParameterSpec, TaskSpec
 

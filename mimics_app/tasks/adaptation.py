@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from mimics_app.contracts.action_space import ActionSpace
-from mimics_app.contracts.messages import TaskAction
+from mimics_app.contracts.messages.action_space import ActionSpace
+from mimics_app.contracts.messages.stage_messages import TaskAction
 
 __all__ = ["Adaptation"]
 

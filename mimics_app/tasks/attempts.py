@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
-from mimics_app.contracts.messages import TrialResult
-from mimics_app.contracts.trial_counts import ABORTED, FINISHED, SESSION_ENDED, count_trials, counted_rows
+from mimics_app.contracts.messages.stage_messages import TrialResult
+from mimics_app.contracts.messages.trial_counts import ABORTED, FINISHED, SESSION_ENDED, count_trials, counted_rows
 from mimics_app.tasks.kinds.kind import KindPlay
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.outcome_words import largest_losses

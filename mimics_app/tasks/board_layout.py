@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from mimics_app.contracts.board import Board, Card
-from mimics_app.contracts.plural import counted
-from mimics_app.contracts.trial_counts import FINISHED, TrialCounts, count_trials
-from mimics_app.contracts.trial_state import TaskView, TrialState
+from mimics_app.contracts.errors import counted
+from mimics_app.contracts.messages.board import Board, Card
+from mimics_app.contracts.messages.trial_counts import FINISHED, TrialCounts, count_trials
+from mimics_app.contracts.messages.trial_state import TaskView, TrialState
 from mimics_app.tasks.attempts import Attempts
 from mimics_app.tasks.cards import count_card, force_card, progress_card, state_card, time_card, trial_card
 from mimics_app.tasks.kinds.kind import KindPlay, TaskKind

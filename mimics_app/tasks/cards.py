@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from functools import lru_cache
 
-from mimics_app.contracts.board import Bar, Card, Tone
+from mimics_app.contracts.messages.board import Bar, Card, Tone
 
 __all__ = ["CARDS", "count_card", "force_card", "progress_card", "state_card", "time_card", "trial_card"]
 

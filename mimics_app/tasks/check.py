@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterator, Mapping
 
 from mimics_app.contracts.errors import Issue, nearest
-from mimics_app.contracts.field_ranges import RANGES, Range, range_of, writable_names
-from mimics_app.contracts.haptic import LIMIT_NAMES, SCENE
-from mimics_app.contracts.object_rows import ROW_DTYPES
+from mimics_app.contracts.loop.field_ranges import RANGES, Range, range_of, writable_names
+from mimics_app.contracts.loop.haptic import LIMIT_NAMES, SCENE
+from mimics_app.contracts.loop.object_rows import ROW_DTYPES
 from mimics_app.tasks.actions import TARGET_GROUPS, haptic_field, task_targets
 from mimics_app.tasks.kinds.kind import Fault
 from mimics_app.tasks.kinds.registry import task_kinds

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from itertools import chain, repeat
 
-from mimics_app.contracts.haptic import Controller
-from mimics_app.contracts.scenario_port import Home
-from mimics_app.contracts.trial_state import TrialState
+from mimics_app.contracts.loop.haptic import Controller
+from mimics_app.contracts.messages.trial_state import TrialState
+from mimics_app.contracts.ports.scenario_port import Home
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.task import StartSpec
 

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.display_port import FrameTiming
-from mimics_app.contracts.haptic import EventKind, SafetyState
-from mimics_app.contracts.messages import HapticSnapshot
+from mimics_app.contracts.loop.haptic import EventKind, SafetyState
+from mimics_app.contracts.messages.stage_messages import HapticSnapshot
+from mimics_app.contracts.ports.display_port import FrameTiming
 from mimics_app.maths.length import length
 
 __all__ = ["Contact", "Observation", "observe"]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from mimics_app.contracts.plural import counted
-from mimics_app.contracts.trial_counts import FINISHED
+from mimics_app.contracts.errors import counted
+from mimics_app.contracts.messages.trial_counts import FINISHED
 from mimics_app.tasks.kinds.kind import KindPlay
 from mimics_app.tasks.score import lost_points
 from mimics_app.tasks.task import MEASURES, DurationGoal, GoalSpec, PointGoal, ScoreSpec

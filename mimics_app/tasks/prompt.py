@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from mimics_app.contracts.haptic import TripCause
-from mimics_app.contracts.trial_state import TrialState
+from mimics_app.contracts.loop.haptic import TripCause
+from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.tasks.task import StateName
 
 __all__ = [

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import msgspec
 
-from mimics_app.contracts.trial_state import TrialState
+from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.tasks.observation import Observation
 
 __all__ = ["PAUSED", "Conditions", "Pause", "next_state"]

@@ -12,9 +12,8 @@ from typing import Any
 from msgspec import structs
 from numpy.typing import NDArray
 
-from mimics_app.contracts.board import Board
-from mimics_app.contracts.display_port import FrameTiming
-from mimics_app.contracts.messages import (
+from mimics_app.contracts.messages.board import Board
+from mimics_app.contracts.messages.stage_messages import (
     HapticSnapshot,
     SoundEvent,
     TactileEvent,
@@ -23,9 +22,10 @@ from mimics_app.contracts.messages import (
     TrialResult,
     VRInput,
 )
-from mimics_app.contracts.scenario_port import Home, TaskContext
-from mimics_app.contracts.trial_counts import ABORTED, FINISHED, SESSION_ENDED
-from mimics_app.contracts.trial_state import TaskView, TrialState
+from mimics_app.contracts.messages.trial_counts import ABORTED, FINISHED, SESSION_ENDED
+from mimics_app.contracts.messages.trial_state import TaskView, TrialState
+from mimics_app.contracts.ports.display_port import FrameTiming
+from mimics_app.contracts.ports.scenario_port import Home, TaskContext
 from mimics_app.tasks.actions import Changes, Settings, build_action_space, settings_for
 from mimics_app.tasks.adaptation import Adaptation
 from mimics_app.tasks.attempts import TIMEOUT, Attempts, Row

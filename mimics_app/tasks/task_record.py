@@ -8,7 +8,7 @@ from typing import Any
 
 import msgspec
 
-from mimics_app.contracts.scenario_port import TaskContext
+from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.task import TaskSpec
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from mimics_app.contracts.trial_state import TrialState
+from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.tasks.kinds.kind import KindPlay
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.task import (

@@ -13,15 +13,15 @@ import numpy as np
 __all__ = ["STUB", "stub_text"]
 
 ROOT = Path(__file__).resolve().parents[2]
-STUB = ROOT / "mimics_app" / "contracts" / "record_types.pyi"
+STUB = ROOT / "mimics_app" / "rendering" / "haptic" / "record_types.pyi"
 """What it is written to."""
 
 _HAPTIC = "mimics_app.rendering.haptic.kernels"
 
 MODULES = (
-    "mimics_app.contracts.haptic_objects",
-    "mimics_app.contracts.haptic",
-    "mimics_app.contracts.contact_force",
+    "mimics_app.contracts.loop.haptic_objects",
+    "mimics_app.contracts.loop.haptic",
+    "mimics_app.contracts.loop.contact_force",
     f"{_HAPTIC}.contact_records",
     f"{_HAPTIC}.objects.records",
     f"{_HAPTIC}.objects.contact_scratch",
@@ -50,8 +50,8 @@ from typing import Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.device_descriptor import Kin as Kin
-from mimics_app.contracts.object_rows import Rows as Rows
+from mimics_app.contracts.loop.device_descriptor import Kin as Kin
+from mimics_app.contracts.loop.object_rows import Rows as Rows
 from mimics_app.rendering.haptic.channels import Channels as Channels
 from mimics_app.rendering.haptic.channels import Work as Work
 from mimics_app.rendering.haptic.mesh_table import MeshTable as MeshTable

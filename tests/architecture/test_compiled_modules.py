@@ -21,27 +21,27 @@ KERNELS_MAY_IMPORT = (
     "numpy",
     "mimics_app.maths",
     "mimics_app.contracts.arrays",
-    "mimics_app.contracts.atomics",
-    "mimics_app.contracts.borrowed",
-    "mimics_app.contracts.function_pointers",
-    "mimics_app.contracts.device_descriptor",
-    "mimics_app.contracts.haptic",
-    "mimics_app.contracts.haptic_objects",
-    "mimics_app.contracts.kernel",
-    "mimics_app.contracts.loop_fields",
-    "mimics_app.contracts.loop_ports",
-    "mimics_app.contracts.record_copy",
-    "mimics_app.contracts.record_types",  # a stub: no module at run time
-    "mimics_app.contracts.ring",
-    "mimics_app.contracts.shared_words",
-    "mimics_app.contracts.sound_scene",
-    "mimics_app.contracts.triple_buffer",
+    "mimics_app.compiled.atomics",
+    "mimics_app.compiled.borrowed",
+    "mimics_app.compiled.function_pointers",
+    "mimics_app.contracts.loop.device_descriptor",
+    "mimics_app.contracts.loop.haptic",
+    "mimics_app.contracts.loop.haptic_objects",
+    "mimics_app.compiled.kernel",
+    "mimics_app.contracts.loop.loop_fields",
+    "mimics_app.contracts.loop.loop_ports",
+    "mimics_app.compiled.record_copy",
+    "mimics_app.rendering.haptic.record_types",  # a stub: no module at run time
+    "mimics_app.contracts.shared_memory.ring",
+    "mimics_app.contracts.shared_memory.shared_words",
+    "mimics_app.contracts.shared_memory.sound_scene",
+    "mimics_app.contracts.shared_memory.triple_buffer",
 )
 """What every compiled module may import, in a package named kernels or not."""
 
 COMPILERS = {
-    "mimics_app.contracts.kernel.kernel",
-    "mimics_app.contracts.kernel.typed_kernel",
+    "mimics_app.compiled.kernel.kernel",
+    "mimics_app.compiled.kernel.typed_kernel",
     "numba.cfunc",
     "numba.guvectorize",
     "numba.jit",
@@ -52,30 +52,30 @@ COMPILERS = {
 }
 """Who imports one of these compiles."""
 
-HOST = ("dataclasses", "functools", "mimics_app.contracts.object_rows")
+HOST = ("dataclasses", "functools", "mimics_app.contracts.loop.object_rows")
 """What a compiled module outside of a package named kernels may import, too: it also has a side in Python, which makes
 the arrays that its compiled functions are given."""
 
-_DESCRIPTORS = "mimics_app.contracts.descriptors"
+_DESCRIPTORS = "mimics_app.compiled.file_descriptors"
 _ERRORS = "mimics_app.contracts.errors"
 _SCENE_BLOCK = "mimics_app.rendering.haptic.scene_block"
 _LANES = "mimics_app.rendering.audio.spectral.lanes"
 _DEVICES = "mimics_app.rendering.haptic.devices"
 
 DEVIATIONS: dict[str, tuple[tuple[str, ...], str]] = {
-    "contracts/atomics.py": (("llvmlite.ir", "time"), "writes the instructions itself; the clock is the one of `time`"),
-    "contracts/descriptors.py": (("os", "select"), "numbers of the system's calls on descriptors"),
-    "contracts/kernel.py": (
-        ("mimics_app.contracts.kernel_cache", "mimics_app.contracts.kernel_callee", "warnings"),
+    "compiled/atomics.py": (("llvmlite.ir", "time"), "writes the instructions itself; the clock is the one of `time`"),
+    "compiled/file_descriptors.py": (("os", "select"), "numbers of the system's calls on descriptors"),
+    "compiled/kernel.py": (
+        ("mimics_app.compiled.kernel_cache", "mimics_app.compiled.kernel_callee", "warnings"),
         "makes the compiler of all others",
     ),
-    "contracts/probe.py": (("mimics_app.contracts.clock",), "times what it calls"),
+    "lab/probe.py": (("mimics_app.contracts.clock",), "times what it calls"),
     "rendering/audio/spectral/bins.py": ((_LANES, "llvmlite.ir"), "writes the instructions itself"),
     "rendering/audio/spectral/cell_kernels.py": ((_LANES,), "how long a row is"),
     "rendering/audio/spectral/fourier.py": ((_LANES,), "writes the instructions itself"),
     "rendering/haptic/publish.py": (("mimics_app.rendering.haptic.channels",), "the type of its channels"),
     "rendering/haptic/struck.py": (
-        ("mimics_app.rendering.haptic.channels", "mimics_app.contracts.contact_force"),
+        ("mimics_app.rendering.haptic.channels", "mimics_app.contracts.loop.contact_force"),
         "the types of its channels and of what it publishes",
     ),
     "rendering/haptic/devices/device_bench.py": ((_ERRORS,), "refuses a device in words"),
@@ -90,15 +90,15 @@ DEVIATIONS: dict[str, tuple[tuple[str, ...], str]] = {
     "rendering/haptic/devices/simulated_leg.py": ((_DEVICES, _ERRORS), "built from a robot's request"),
     "rendering/haptic/devices/simulated_person.py": ((_DEVICES,), "built from a robot's request"),
     "rendering/haptic/live_loop.py": (
-        ("mimics_app.contracts.session_memory", "mimics_app.rendering.haptic.channels"),
+        ("mimics_app.contracts.shared_memory.session_memory", "mimics_app.rendering.haptic.channels"),
         "the words of control and the types of its channels",
     ),
     "rendering/haptic/loop.py": (
-        ("mimics_app.contracts.session_memory", "mimics_app.rendering.haptic.channels"),
+        ("mimics_app.contracts.shared_memory.session_memory", "mimics_app.rendering.haptic.channels"),
         "the words of control and the types of its channels",
     ),
     "rendering/haptic/loop_tick.py": (
-        ("mimics_app.contracts.session_memory", "mimics_app.rendering.haptic.channels"),
+        ("mimics_app.contracts.shared_memory.session_memory", "mimics_app.rendering.haptic.channels"),
         "the words of control and the types of its channels",
     ),
     "rendering/haptic/replay_loop.py": (
@@ -186,7 +186,7 @@ def test_kernels_import_only_what_is_allowed(path: str) -> None:
 
 def _may_compile() -> list[str]:
     """Paths of the modules outside of kernels whose text names a compiler at all."""
-    names = re.compile(r"\bnumba\b|\bcontracts\.kernel\b")
+    names = re.compile(r"\bnumba\b|\bcompiled\.kernel\b")
     return [path for path, text in texts().items() if not _is_kernel(path) and names.search(text)]
 
 
@@ -256,7 +256,7 @@ def _untyped(tree: ast.Module) -> list[str]:
 
 
 def test_every_parameter_of_a_compiled_function_is_typed() -> None:
-    """Records by `contracts/record_types.pyi`, functions handed over by their signatures."""
+    """Records by `rendering/haptic/record_types.pyi`, functions handed over by their signatures."""
     untyped = {path: _untyped(tree) for path, tree in modules().items()}
     assert not {path: names for path, names in untyped.items() if names}
 

@@ -20,10 +20,10 @@ OWN_DATA = {
     "app/terminal/command_parser.py": "package data",
     "assets/builders/catalogue.py": "package sources",
     "assets/builders/sounds/build.py": "written by itself",
-    "contracts/kernel_sources.py": "package sources",
-    "contracts/method_table.py": "package data",
-    "contracts/run_environment.py": "/proc",
-    "contracts/table_file.py": "package data",
+    "compiled/kernel_sources.py": "package sources",
+    "contracts/ports/method_table.py": "package data",
+    "contracts/system/run_environment.py": "/proc",
+    "contracts/system/table_file.py": "package data",
     "estimation/load_people.py": "package data",
     "lab/gallery.py": "charts of the documentation",
     "lab/groups/loop_scheduling.py": "/proc",
@@ -39,7 +39,7 @@ OWN_DATA = {
 """Modules that read files of the package, of the system, or of their own making."""
 
 GUARDED = {
-    "contracts/regular_file.py": "the one way",
+    "contracts/system/regular_file.py": "the one way",
     "rendering/audio/sound_file.py": "SoundFile is given an open regular file",
     "rendering/audio/spectral/sofa_store.py": "File is given an open regular file",
     "inputs/physio/recording.py": "rdrecord reads files that were opened before, as regular ones of one folder",
@@ -77,14 +77,14 @@ def mode_of(call: ast.Call) -> str:
 
 
 def test_a_file_is_opened_in_the_one_way() -> None:
-    """Else it may be a pipe, and the command waits for ever: use contracts/regular_file.py."""
+    """Else it may be a pipe, and the command waits for ever: use contracts/system/regular_file.py."""
     others = {path: tree for path, tree in modules().items() if path not in {*OWN_DATA, *GUARDED}}
     assert len(others) > 500
     assert [f"{path}:{line}" for path, tree in others.items() for line in reads(tree)] == []
 
 
 def test_the_list_holds_no_module_that_opens_nothing() -> None:
-    named = {*OWN_DATA, *GUARDED} - {"contracts/regular_file.py"}
+    named = {*OWN_DATA, *GUARDED} - {"contracts/system/regular_file.py"}
     assert [path for path in sorted(named) if path not in modules() or not reads(modules()[path])] == []
 
 

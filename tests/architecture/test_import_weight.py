@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from mimics_app.app.cli import COMMANDS
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 from tests.architecture.sources import PACKAGE, ROOT
 
 HEAVY = {
@@ -78,7 +78,7 @@ def test_help_of_one_command_imports_nothing_heavy(loaded_by_help: dict[str, set
 
 
 def test_errors_and_resources_import_nothing_heavy() -> None:
-    code = "import mimics_app, mimics_app.contracts.errors, mimics_app.contracts.resources, mimics_app.contracts.clock"
+    code = "import mimics_app.contracts.errors, mimics_app.contracts.system.resources, mimics_app.contracts.clock"
     assert not _modules_after(code) & HEAVY
 
 

@@ -11,9 +11,9 @@ from tests.architecture.record_stub import ROOT, STUB, stub_text
 PLANTED = """
 from __future__ import annotations
 from typing import TYPE_CHECKING
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import BodyRecord, Floats, Table
+    from mimics_app.rendering.haptic.record_types import BodyRecord, Floats, Table
 
 
 @kernel

@@ -25,21 +25,21 @@ from tests.architecture.sources import (
 )
 from tests.support.order import LONGEST
 
-TIMEKEEPERS = {"contracts/clock.py", "contracts/atomics.py"}
+TIMEKEEPERS = {"contracts/clock.py", "compiled/atomics.py", "compiled/kernel_sources.py"}
 CLOCKS = re.compile(
     r"(?:^|\.)(?:time\.(?:time|monotonic|perf_counter|process_time|thread_time)(?:_ns)?"
     r"|time\.(?:sleep|localtime|gmtime|strftime|clock_gettime)|datetime\.(?:now|utcnow|today)|date\.today)$"
 )
 IMPORTERS_BY_NAME = {
     "app/cli.py",
-    "contracts/members.py",
+    "contracts/ports/members.py",
 }
 """Modules that may import by a string: the command line, for its commands, and the finder of a package's members."""
 
 PLATFORM_HOMES = {
     "the shared memory": (
         re.compile(r"^(os\.memfd_create|shared_memory\.SharedMemory)$"),
-        {"contracts/segment.py"},
+        {"contracts/shared_memory/segment.py"},
     ),
     "the scheduler": (
         re.compile(r"^os\.(sched_set\w+|setpriority|nice)$"),

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from mimics_app.contracts.loop_fields import LOOP_FIELDS
+from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS
 from tests.architecture.record_stub import STUB
 from tests.architecture.sources import modules, nodes
 

@@ -20,7 +20,7 @@ from assets.builders.fonts.build import FOLDER
 from assets.builders.sounds.spectrogram import draw_spectrograms
 from mimics_app.app import cli
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.audio.wav_file import WavWriter
 
 

@@ -14,7 +14,7 @@ from assets.builders.avatars.person import EVERYBODY
 from assets.builders.avatars.whole_person import make_figure
 from mimics_app.app.bench.people_workload import People
 from mimics_app.app.bench.render_bench import RenderBench, measure_render
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.world.gltf.file import load_gltf
 from tests.golden.drawing import draw_offscreen

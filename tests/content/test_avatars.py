@@ -24,7 +24,7 @@ from assets.builders.avatars.piece import Piece
 from assets.builders.avatars.postures import Pose, Y
 from assets.builders.avatars.skeleton import make_skeleton
 from assets.builders.avatars.whole_person import Figure, make_figure
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from tests.support.reference_skinning import frames_of, skin_linear
 
 F8 = NDArray[np.float64]

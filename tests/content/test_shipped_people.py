@@ -14,7 +14,7 @@ from scipy.spatial import KDTree
 from assets.builders.avatars.face_shape import EYE_RADIUS
 from assets.builders.avatars.folds import BENDS
 from assets.builders.avatars.postures import Pose
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.world.gltf.accessors import GltfAccessors
 from mimics_app.world.gltf.buffers import GltfBuffers
 from mimics_app.world.gltf.gltf_document import open_gltf

@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 
 from mimics_app.app.cues.sound_stage import SoundStage
-from mimics_app.contracts.audio_port import AudioReport, AudioStatus
 from mimics_app.contracts.errors import DeviceError, MimicsError
-from mimics_app.contracts.messages import SoundEvent
-from mimics_app.contracts.session_memory import Capacities, ControlWord, SessionMemory
+from mimics_app.contracts.messages.stage_messages import SoundEvent
+from mimics_app.contracts.ports.audio_port import AudioReport, AudioStatus
+from mimics_app.contracts.shared_memory.session_memory import Capacities, ControlWord, SessionMemory
 from mimics_app.rendering.audio import openal_library
 from mimics_app.rendering.audio.live_latency import private_pulse_server, pulse_missing
 from mimics_app.rendering.audio.process import AudioProcess

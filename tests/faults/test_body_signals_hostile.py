@@ -15,7 +15,7 @@ import pytest
 
 from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.errors import SceneError
-from mimics_app.contracts.read_budget import READ_BUDGET
+from mimics_app.contracts.system.read_budget import READ_BUDGET
 from mimics_app.inputs.physio import csv_file, edf_file, stored_samples, time_grid
 from mimics_app.inputs.physio.recording import FileSource, read_signal_file
 from mimics_app.inputs.physio.wfdb_header import check_wfdb_header

@@ -10,13 +10,13 @@ import subprocess
 import sys
 from pathlib import Path
 
-from mimics_app.contracts.kernel_cache import cache_folder
+from mimics_app.compiled.kernel_cache import cache_folder
 
 ROOT = Path(__file__).parents[2]
 
 PLANTED = """
 import numpy as np
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 
 @kernel
 def planted(a, i):
@@ -30,7 +30,7 @@ import gc
 gc.set_threshold(50_000, 20, 20)  # a compiler makes millions of objects that are no rubbish yet
 import numpy as np
 from tests.support.haptic_bench import patient_bench
-from mimics_app.contracts.haptic import Controller
+from mimics_app.contracts.loop.haptic import Controller
 bench = patient_bench("severe", 3)
 samples = bench.advance(2200)
 bench.publish(controller=Controller.ADMITTANCE, trial=1)

@@ -15,14 +15,14 @@ import threading
 import numpy as np
 import pytest
 
-from mimics_app.contracts import ring, triple_buffer
-from mimics_app.contracts.atomics import load_acquire, now_ns, store_release
-from mimics_app.contracts.haptic_objects import BodyFlag
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
-from mimics_app.contracts.segment import Segment
-from mimics_app.contracts.session_memory import SessionMemory
-from mimics_app.contracts.shared_words import EXCHANGE_WORDS, RING_WORDS, initialise_exchange
+from mimics_app.compiled.atomics import load_acquire, now_ns, store_release
+from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.loop.haptic_objects import BodyFlag
+from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows, new_rows
+from mimics_app.contracts.shared_memory import ring, triple_buffer
+from mimics_app.contracts.shared_memory.segment import Segment
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
+from mimics_app.contracts.shared_memory.shared_words import EXCHANGE_WORDS, RING_WORDS, initialise_exchange
 from mimics_app.rendering.haptic.objects import new_object_work
 from tests.support.haptic_bench import patient_bench
 

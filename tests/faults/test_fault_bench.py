@@ -7,8 +7,8 @@ import pytest
 from mimics_app.app.bench import fault_bench
 from mimics_app.app.bench.fault_bench import measure_faults
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.haptic import TripCause
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.loop.haptic import TripCause
+from mimics_app.contracts.system.resources import root
 
 
 def test_every_fault_during_contact_is_handled_as_stated():

@@ -10,7 +10,7 @@ import pytest
 
 from mimics_app.app.cli import main
 from mimics_app.app.study.tables import write_table
-from mimics_app.contracts.whole_file import whole_file
+from mimics_app.contracts.system.whole_file import whole_file
 from mimics_app.lab.sweep.store import ChunkStore
 from mimics_app.rendering.visual.surfaces.headless import write_png
 from mimics_app.world.gltf.writer import GltfWriter

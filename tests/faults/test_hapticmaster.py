@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.haptic import Controller, DeviceStatus, SafetyState, TripCause
+from mimics_app.contracts.loop.haptic import Controller, DeviceStatus, SafetyState, TripCause
 from mimics_app.rendering.haptic.devices import hapticmaster_loop as loop
 from mimics_app.rendering.haptic.devices.device_objects import (
     DeviceBlock,

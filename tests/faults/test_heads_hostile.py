@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import SceneError
-from mimics_app.contracts.read_budget import READ_BUDGET
+from mimics_app.contracts.system.read_budget import READ_BUDGET
 from mimics_app.rendering.audio.spectral.head import HeadResponses, delays_between_ears
 from mimics_app.rendering.audio.spectral.sofa import read_sofa
 from tests.support.heads import some_head, write_sofa

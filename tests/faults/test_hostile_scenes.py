@@ -16,8 +16,8 @@ import pytest
 from mimics_app.app.cli import main
 from mimics_app.app.commands.check import examine
 from mimics_app.app.sweep.experiments import NAMES, find_experiment
-from mimics_app.contracts.action_space import ActionSpace
 from mimics_app.contracts.errors import MOST_LISTED, MOST_SOUGHT, Issue, SceneError, nearest
+from mimics_app.contracts.messages.action_space import ActionSpace
 from mimics_app.lab.sweep.spec import load_sweep
 from mimics_app.learning.action_sequence import load_action_sequence
 from mimics_app.tasks.task import TaskSpec

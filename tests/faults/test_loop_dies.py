@@ -13,10 +13,11 @@ import numpy as np
 import pytest
 
 from mimics_app.app.play.pace import run_live
+from mimics_app.app.stage_timer import UNTIMED
+from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.loop_ports import (
+from mimics_app.contracts.loop.loop_ports import (
     COMMAND_DQ,
     COMMAND_ENABLED,
     COMMAND_VIBRATION,
@@ -25,7 +26,6 @@ from mimics_app.contracts.loop_ports import (
     WRITE,
     DevicePlugin,
 )
-from mimics_app.contracts.stage_timer import UNTIMED
 from tests.support.haptic_bench import Bench, bench_of, ignore, script, scripted
 
 FAULT_TICK = 50

@@ -17,8 +17,8 @@ from PIL import Image
 
 from mimics_app.app.commands.check import examine
 from mimics_app.app.sweep.experiments import NAMES, find_experiment
-from mimics_app.contracts.action_space import ActionSpace, Parameter
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.messages.action_space import ActionSpace, Parameter
+from mimics_app.contracts.system.resources import root
 from mimics_app.lab.sweep.points import count_points
 from mimics_app.lab.sweep.spec import load_sweep, span_of
 from mimics_app.learning.action_sequence import load_action_sequence

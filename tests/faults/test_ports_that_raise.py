@@ -10,11 +10,11 @@ import pytest
 
 from mimics_app.app.session.watches import SignalWatch, TactileWatch
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.display_port import Display, FrameTiming
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.input_port import SignalSource, WindowFrame
-from mimics_app.contracts.messages import Experience, SignalBlock, TactileEvent
-from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink, TrackerSource
+from mimics_app.contracts.messages.stage_messages import Experience, SignalBlock, TactileEvent
+from mimics_app.contracts.ports.display_port import Display, FrameTiming
+from mimics_app.contracts.ports.input_port import SignalSource, WindowFrame
+from mimics_app.contracts.ports.tracker_port import TrackerSample, TrackerSink, TrackerSource
 from mimics_app.dsp.stage import check_rate
 from mimics_app.inputs.physio import sources
 from mimics_app.inputs.physio.guarded_source import GuardedSource

@@ -17,7 +17,7 @@ import pytest
 
 from mimics_app.app.play.launching import cut_off_notice
 from mimics_app.contracts.errors import PartialDataError, SceneError
-from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.recording.recorder import Recorder
 from mimics_app.recording.recover import recover
 from mimics_app.recording.run import Run

@@ -10,8 +10,8 @@ import pytest
 import serial
 
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.haptic import Button, DeviceStatus, SafetyState, TripCause
-from mimics_app.contracts.loop_ports import INBOX_BUTTONS
+from mimics_app.contracts.loop.haptic import Button, DeviceStatus, SafetyState, TripCause
+from mimics_app.contracts.loop.loop_ports import INBOX_BUTTONS
 from mimics_app.rendering.haptic.devices import serial_frames, serial_robot
 from mimics_app.rendering.haptic.devices.emulators.serial_robot import WATCHDOG
 from mimics_app.rendering.haptic.devices.registry import build_device

@@ -11,8 +11,8 @@ import pytest
 import soundfile
 
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.contracts import read_budget
 from mimics_app.contracts.errors import SceneError
+from mimics_app.contracts.system import read_budget
 from mimics_app.rendering.audio import sound_file
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.settings import SoundSpec

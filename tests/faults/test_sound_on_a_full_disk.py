@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimics_app.contracts.session_memory import Capacities, SessionMemory
+from mimics_app.contracts.shared_memory.session_memory import Capacities, SessionMemory
 from mimics_app.rendering.audio.offline import OfflineAudio
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 from mimics_app.rendering.audio.wav_file import WavWriter

@@ -19,8 +19,8 @@ from pythonosc.osc_message_builder import OscMessageBuilder
 from mimics_app.app.scenes.hints import hints
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.contracts.errors import DeviceError, SceneError
-from mimics_app.contracts.resources import root
-from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink
+from mimics_app.contracts.ports.tracker_port import TrackerSample, TrackerSink
+from mimics_app.contracts.system.resources import root
 from mimics_app.inputs.trackers.osc import OscTracker
 from mimics_app.inputs.trackers.osc_wire import read_datagram
 from mimics_app.inputs.trackers.plausibility import MOST_SENSORS, BelievedSensors

@@ -18,7 +18,7 @@ from PIL import Image
 from assets.builders.avatars.folds import BENDS
 from assets.builders.avatars.person import EVERYBODY, Person
 from assets.builders.avatars.skeleton import make_skeleton
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimics_app.contracts import resources
 from mimics_app.contracts.errors import SceneError
+from mimics_app.contracts.system import resources
 from mimics_app.rendering.visual import targets
 from mimics_app.rendering.visual.displays.desktop import desktop_views
 from mimics_app.rendering.visual.materials import shader_library

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.drawing.skinning import BentMeshes
 from mimics_app.rendering.visual.kernels.shadow_prisms import FIGURES, cut_prisms, slice_casters
 from mimics_app.rendering.visual.renderer import Renderer

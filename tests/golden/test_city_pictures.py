@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from mimics_app.app import cli
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 
 SCENE = root() / "scenes" / "city_walk.json"
 

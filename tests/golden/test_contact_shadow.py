@@ -13,8 +13,8 @@ from mimics_app.app.picture.nudges import hand_of, nudges_of
 from mimics_app.app.picture.picture import Picture, live_quality
 from mimics_app.app.scenes.shipped import find_shipped
 from mimics_app.contracts.arrays import U1
-from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import VirtualClock
+from mimics_app.contracts.messages.board import Board
 from mimics_app.rendering.visual.quality_steps import quality_steps
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels

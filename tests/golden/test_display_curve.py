@@ -5,7 +5,7 @@ from __future__ import annotations
 import moderngl
 import numpy as np
 
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.materials.picture_arrays import encode_srgb
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 

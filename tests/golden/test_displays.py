@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimics_app.contracts.display_port import Eye, Viewpoint
+from mimics_app.contracts.ports.display_port import Eye, Viewpoint
 from mimics_app.maths.poses import pose_from_parts
 from mimics_app.rendering.visual.displays.desktop import compute_tangents
 from mimics_app.rendering.visual.displays.headset import RawHeadset

@@ -13,7 +13,7 @@ from PIL import Image
 from mimics_app.app.play.stills import draw_stills
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 
 SIZE = (320, 180)
 SCENES = root() / "scenes" / "examples"

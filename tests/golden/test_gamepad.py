@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import glfw
 import pytest
 
-from mimics_app.contracts.window_input import GamepadState
+from mimics_app.contracts.messages.window_input import GamepadState
 from mimics_app.rendering.visual.surfaces.window import WindowSurface
 
 

@@ -16,7 +16,7 @@ import pytest
 
 from mimics_app.app.play.launching import launcher_cards, launcher_settings
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.window_input import GamepadState, InputEvent
+from mimics_app.contracts.messages.window_input import GamepadState, InputEvent
 from mimics_app.rendering.visual.launcher.launcher import Launcher, LauncherChoice, ScenarioCard
 from mimics_app.rendering.visual.launcher.result_page import Button, ResultContent, ResultPage
 from mimics_app.rendering.visual.launcher.setting import Choice, Setting

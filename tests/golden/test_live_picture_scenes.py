@@ -6,7 +6,7 @@ import pytest
 
 from mimics_app.app.picture.picture import picture_quality
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.displays.desktop import desktop_views
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.world.scene.file import build_world, load_scene

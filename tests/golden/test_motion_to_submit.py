@@ -11,8 +11,8 @@ import pytest
 
 from mimics_app.app.bench import display_bench
 from mimics_app.app.bench.display_bench import MotionTimes, one_frame
-from mimics_app.contracts.display_port import MAX_PREDICTION_NS
-from mimics_app.contracts.tracker_port import TrackerSample
+from mimics_app.contracts.ports.display_port import MAX_PREDICTION_NS
+from mimics_app.contracts.ports.tracker_port import TrackerSample
 from mimics_app.inputs.trackers.hub import MountedTracker, TrackerHub
 from mimics_app.lab.groups.stereo import WORKLOADS
 from mimics_app.rendering.visual.displays.headset import RawHeadset

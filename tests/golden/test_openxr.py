@@ -17,8 +17,8 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.display_port import HeadsetState, Viewpoint
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.ports.display_port import HeadsetState, Viewpoint
 from mimics_app.maths.poses import pose_from_parts
 from mimics_app.rendering.visual.displays.headset_file import EyeSpec, HeadsetSpec, PoseSpec
 from mimics_app.rendering.visual.displays.headset_session import HeadsetDisplay

@@ -7,9 +7,9 @@ import pytest
 
 from mimics_app.app.picture.picture import Picture, picture_quality
 from mimics_app.app.picture.shown_on import open_display
-from mimics_app.contracts.board import Board, Card
 from mimics_app.contracts.clock import VirtualClock
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.messages.board import Board, Card
+from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.world.scene.file import build_world, load_scene

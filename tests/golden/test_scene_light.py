@@ -11,7 +11,7 @@ from PIL import Image
 
 from mimics_app.app import cli
 from mimics_app.app.play.scene_sheet import SceneLight, draw_scene_sheet, measure_light, scenes_in, shade_share
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.lighting import gather_lighting
 from mimics_app.world.components.visible import Environment
 from mimics_app.world.scene.file import build_world, load_scene

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.lab.groups.crowd import load_person
 from mimics_app.maths.mat import look_at
 from mimics_app.rendering.visual.renderer import Renderer

@@ -10,7 +10,7 @@ import pytest
 
 from mimics_app.app.picture.picture import Picture, picture_quality
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.world.scene.file import build_world
 

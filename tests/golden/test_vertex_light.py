@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.kernels.sides import choose_states, measure_sides
 from mimics_app.rendering.visual.quality_steps import rehearse_steps
 from mimics_app.rendering.visual.renderer import Renderer

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 from mimics_app.rendering.haptic.kernels.limiter import brake_at_limits, limit_force, settle
 from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
 from mimics_app.rendering.haptic.kernels.vectors import norm

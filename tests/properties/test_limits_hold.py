@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 from numba import from_dtype, types
 
-from mimics_app.contracts.borrowed import borrowed
-from mimics_app.contracts.device_descriptor import KINEMATICS_SET
-from mimics_app.contracts.haptic import SAMPLE, SCENE
-from mimics_app.contracts.haptic_objects import EffectKind, ShapeKind
-from mimics_app.contracts.kernel import kernel, typed_kernel
-from mimics_app.contracts.loop_ports import (
+from mimics_app.compiled.borrowed import borrowed
+from mimics_app.compiled.kernel import kernel, typed_kernel
+from mimics_app.contracts.loop.device_descriptor import KINEMATICS_SET
+from mimics_app.contracts.loop.haptic import SAMPLE, SCENE
+from mimics_app.contracts.loop.haptic_objects import EffectKind, ShapeKind
+from mimics_app.contracts.loop.loop_ports import (
     COMMAND_DQ,
     COMMAND_FORCE,
     COMMAND_LENGTH,

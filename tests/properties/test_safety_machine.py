@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 from numba import from_dtype, types
 
-from mimics_app.contracts.borrowed import borrowed
-from mimics_app.contracts.device_descriptor import KINEMATICS_SET
-from mimics_app.contracts.haptic import SAMPLE, SCENE, SafetyState, TripCause
-from mimics_app.contracts.kernel import kernel, typed_kernel
-from mimics_app.contracts.loop_fields import MAX_JOINTS
-from mimics_app.contracts.loop_ports import (
+from mimics_app.compiled.borrowed import borrowed
+from mimics_app.compiled.kernel import kernel, typed_kernel
+from mimics_app.contracts.loop.device_descriptor import KINEMATICS_SET
+from mimics_app.contracts.loop.haptic import SAMPLE, SCENE, SafetyState, TripCause
+from mimics_app.contracts.loop.loop_fields import MAX_JOINTS
+from mimics_app.contracts.loop.loop_ports import (
     COMMAND_DQ,
     COMMAND_ENABLED,
     COMMAND_FORCE,
@@ -33,7 +33,7 @@ from mimics_app.contracts.loop_ports import (
     DATA_Q,
     FIELDS,
 )
-from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
+from mimics_app.contracts.loop.object_rows import ObjectCapacities, new_rows
 from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
 from mimics_app.rendering.haptic.kernels.state import STATE, new_states
 from mimics_app.rendering.haptic.kernels.vectors import norm

@@ -12,8 +12,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mimics_app.contracts.haptic import EventKind, SafetyState
-from mimics_app.contracts.trial_state import TrialState
+from mimics_app.contracts.loop.haptic import EventKind, SafetyState
+from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.tasks.state_machine import Conditions, next_state
 from mimics_app.tasks.task import TaskSpec
 from tests.support.examples import same_examples

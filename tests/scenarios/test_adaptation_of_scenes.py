@@ -16,8 +16,8 @@ from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.errors import SceneError, UsageError
-from mimics_app.contracts.messages import TaskAction, TrialResult, UserState
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.messages.stage_messages import TaskAction, TrialResult, UserState
+from mimics_app.contracts.system.resources import root
 from mimics_app.learning.agent import Agent
 from mimics_app.tasks.actions import build_action_space, build_learning_space, fill_defaults
 from mimics_app.tasks.task import ActionKind, TaskSpec

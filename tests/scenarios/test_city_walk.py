@@ -19,8 +19,8 @@ from mimics_app.app.session.person_input import ray_to_the_hand
 from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.errors import SceneError
-from mimics_app.contracts.messages import TaskOrders
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.messages.stage_messages import TaskOrders
+from mimics_app.contracts.system.resources import root
 from mimics_app.maths import mat, quat
 from mimics_app.scenarios.figures.ground_path import GroundPath
 from mimics_app.world.components.walking import WalkingPath

@@ -7,9 +7,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic import SafetyState
-from mimics_app.contracts.resources import root
-from mimics_app.contracts.trial_state import TrialState
+from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.contracts.messages.trial_state import TrialState
+from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.haptic.replay import replay_run
 from tests.support.object_scenes import thing, written
 from tests.support.scene_play import ScenePlay
@@ -131,8 +131,8 @@ def test_scene_without_a_task_goes_on_for_a_minute(tmp_path):
 
 def test_field_that_breaks_is_put_away_and_the_run_goes_on(tmp_path):
     """1/sqrt of a negative number once the hand is beyond its place."""
-    from mimics_app.contracts.kernel import typed_kernel
-    from mimics_app.contracts.loop_ports import FIELD
+    from mimics_app.compiled.kernel import typed_kernel
+    from mimics_app.contracts.loop.loop_ports import FIELD
     from mimics_app.rendering.haptic import force_fields
 
     @typed_kernel(FIELD)

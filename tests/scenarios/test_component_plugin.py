@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from tests.support.command import Answer, mimics, mimics_with
 from tests.support.plugin_site import write_package
 

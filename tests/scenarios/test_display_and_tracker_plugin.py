@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from mimics_app.contracts.display_choice import DISPLAY_KINDS
-from mimics_app.contracts.resources import root
-from mimics_app.contracts.tracker_port import TRACKER_KINDS
+from mimics_app.contracts.ports.display_choice import DISPLAY_KINDS
+from mimics_app.contracts.ports.tracker_port import TRACKER_KINDS
+from mimics_app.contracts.system.resources import root
 from mimics_app.inputs.trackers import tracker_kinds
 from mimics_app.rendering.visual.displays import display_kinds
 from tests.support.command import Answer, mimics_with
@@ -26,8 +26,8 @@ rail = lab_of_devices:Rail
 """
 
 PACKAGE = '''
-from mimics_app.contracts.display_port import Eye
-from mimics_app.contracts.tracker_port import TrackerSample
+from mimics_app.contracts.ports.display_port import Eye
+from mimics_app.contracts.ports.tracker_port import TrackerSample
 from mimics_app.inputs.trackers.polled_tracker import PolledTracker
 from mimics_app.rendering.visual.displays.plain_display import PlainDisplay
 

@@ -13,7 +13,7 @@ from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.errors import SceneError
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.world.motion.state_machine import StateMachine
 from mimics_app.world.scene.file import build_world
 from mimics_app.world.world import World

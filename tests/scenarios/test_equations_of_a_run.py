@@ -17,8 +17,8 @@ from scipy.interpolate import BSpline
 from scipy.spatial.transform import Rotation
 
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.contracts.haptic import SafetyState
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.contracts.system.resources import root
 from tests.support.core_play import CorePlay, change_component
 from tests.support.object_scenes import at, thing, written
 from tests.support.scene_play import ScenePlay

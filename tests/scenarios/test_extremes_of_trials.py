@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.contracts.trial_state import TrialState
+from mimics_app.contracts.messages.trial_state import TrialState
 from tests.support.core_play import CorePlay
 
 

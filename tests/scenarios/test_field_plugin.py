@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 _PLUGIN = """
-from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.loop_ports import FIELD
+from mimics_app.compiled.kernel import typed_kernel
+from mimics_app.contracts.loop.loop_ports import FIELD
 
 @typed_kernel(FIELD)
 def push(parameters, p, v, t, out):

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from mimics_app.contracts.resources import root
-from mimics_app.contracts.trial_counts import count_trials
+from mimics_app.contracts.messages.trial_counts import count_trials
+from mimics_app.contracts.system.resources import root
 from mimics_app.recording import run_folder
 from mimics_app.recording.run import Run
 from tests.support.command import mimics

@@ -14,8 +14,8 @@ from mimics_app.app.session.core import open_core
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
-from mimics_app.contracts.messages import TaskAction, TrialResult, UserState
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.messages.stage_messages import TaskAction, TrialResult, UserState
+from mimics_app.contracts.system.resources import root
 from mimics_app.scenarios.figures.alley_figure import AlleyFigure
 from mimics_app.world.scene.file import build_world
 from mimics_app.world.world import World

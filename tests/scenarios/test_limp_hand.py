@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.contracts.trial_state import TrialState
+from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task import DurationGoal

@@ -12,10 +12,10 @@ import pytest
 
 from mimics_app.app.cli import main
 from mimics_app.app.touch.loss_watch import LossWatch
+from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.haptic import EVENT, EventKind
-from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.loop_ports import FIELD
+from mimics_app.contracts.loop.haptic import EVENT, EventKind
+from mimics_app.contracts.loop.loop_ports import FIELD
 from mimics_app.rendering.haptic import force_fields
 from mimics_app.rendering.haptic.object_statics import ObjectStatics
 from tests.support.object_scenes import thing, written

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from mimics_app.app.touch.haptic_side import HapticSide
-from mimics_app.contracts import ring
-from mimics_app.contracts.haptic import SAMPLE, Controller
-from mimics_app.contracts.loop_ports import DevicePlugin
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.loop.haptic import SAMPLE, Controller
+from mimics_app.contracts.loop.loop_ports import DevicePlugin
+from mimics_app.contracts.shared_memory import ring
+from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from tests.support.haptic_bench import glide, ignore, read_script, script
 from tests.support.object_scenes import loaded, thing

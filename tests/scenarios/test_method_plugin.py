@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from tests.support.command import Answer, mimics, mimics_with
 from tests.support.plugin_site import write_package
 
@@ -29,8 +29,8 @@ guesses = lab_of_guesses:Guesser
 
 PACKAGE = """
 import math
-from mimics_app.contracts.method_table import Row
-from mimics_app.contracts.methods import Group, Method
+from mimics_app.contracts.ports.method_table import Row
+from mimics_app.contracts.ports.methods import Group, Method
 from mimics_app.scenarios.parts.touch_scene import TouchScene
 from mimics_app.world.components.robot import Robot
 from mimics_app.world.scene.method_plugins import MethodPlugin, Use
@@ -49,13 +49,13 @@ CALLS = 1000  # one call is as short as a step of the clock
 
 
 def cost(steps):
-    from mimics_app.contracts.probe import shortest_us
+    from mimics_app.lab.probe import shortest_us
 
     return shortest_us(lambda: [series(2.0, steps) for _ in range(CALLS)], CALLS)
 
 
 def register(registry):
-    from mimics_app.contracts.probe import reference_us
+    from mimics_app.lab.probe import reference_us
 
     registry.describe(Group(GROUP, "the square root of 2", "m", "", reference_us, few="an example"))
     for steps in (1, 6):

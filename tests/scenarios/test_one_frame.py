@@ -22,9 +22,9 @@ from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.sweep.patient import travel
 from mimics_app.contracts.errors import DeviceError, UsageError
-from mimics_app.contracts.input_port import SignalSource
-from mimics_app.contracts.messages import FeatureFrame, SignalBlock, TaskAction
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.messages.stage_messages import FeatureFrame, SignalBlock, TaskAction
+from mimics_app.contracts.ports.input_port import SignalSource
+from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.haptic.engine import HapticEngine
 
 TUNNEL = root() / "scenes" / "wavy_tunnel.json"

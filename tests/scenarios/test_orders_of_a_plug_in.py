@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic import LIMIT_NAMES, SCENE, SafetyState
-from mimics_app.contracts.object_rows import ROW_DTYPES
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.loop.haptic import LIMIT_NAMES, SCENE, SafetyState
+from mimics_app.contracts.loop.object_rows import ROW_DTYPES
+from mimics_app.contracts.system.resources import root
 from tests.support.scene_play import ScenePlay
 
 MAY = {

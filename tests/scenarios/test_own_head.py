@@ -10,8 +10,8 @@ import pytest
 
 from mimics_app.app.scenes.loading import check_scene, read_scene
 from mimics_app.app.scenes.scenario_choice import open_scenario
-from mimics_app.contracts.messages import TaskOrders
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.messages.stage_messages import TaskOrders
+from mimics_app.contracts.system.resources import root
 from mimics_app.scenarios.figures.walking_figure import OWN_HEAD
 from mimics_app.world.motion.humanoid import find_humanoid
 from mimics_app.world.motion.reach import Chain

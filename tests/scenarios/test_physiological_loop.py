@@ -15,7 +15,7 @@ from mimics_app.app.session.body_replay import replay_body
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import FILES
 

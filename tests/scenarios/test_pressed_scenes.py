@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic import SafetyState
+from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.world.components.robot import Patient, Robot
 from mimics_app.world.scene.file import load_scene
 from tests.support.core_play import CorePlay, change_component

@@ -13,7 +13,7 @@ import pytest
 
 import mimics_app as mimics
 from mimics_app.app.api.unit_array import Quantity, Table
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.recording.run import Run
 from tests.support.command import mimics as command
 

@@ -21,8 +21,8 @@ from mimics_app.app.session.session import Session
 from mimics_app.app.session.watches import DeviceWatch
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.clock import VirtualClock
-from mimics_app.contracts.haptic import DeviceStatus, SafetyState, TripCause
-from mimics_app.contracts.window_input import GamepadState, InputEvent
+from mimics_app.contracts.loop.haptic import DeviceStatus, SafetyState, TripCause
+from mimics_app.contracts.messages.window_input import GamepadState, InputEvent
 from mimics_app.inputs.interaction.simulated_patient import SimulatedPatient
 from mimics_app.inputs.stage import Inputs
 from mimics_app.recording.run import Run

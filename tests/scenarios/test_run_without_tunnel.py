@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.recording.run import Run
 from tests.support.command import mimics
 

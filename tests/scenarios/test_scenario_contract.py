@@ -11,7 +11,7 @@ import pytest
 
 from mimics_app.app.scenes.scenario_choice import BUILT_IN
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from tests.support.plugin_site import write_package
 from tests.support.scenario_kit import check_scenario
 
@@ -20,7 +20,7 @@ YARD = '''
 """Scenarios of scenes with a robot, right and with a fault each."""
 from dataclasses import replace
 import numpy as np
-from mimics_app.contracts.messages import Aim
+from mimics_app.contracts.messages.stage_messages import Aim
 from mimics_app.scenarios.parts.touch_scene import TouchScene
 
 

@@ -17,7 +17,7 @@ from mimics_app.app.session.assembly import build_session
 from mimics_app.app.session.body_replay import replay_body
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.settings import RunSettings
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.recording.run import Run
 from tests.support.amplifier import AmplifierEmulator
 from tests.support.body_signals import body

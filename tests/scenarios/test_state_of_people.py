@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.contracts.action_space import ActionSpace, Parameter
-from mimics_app.contracts.messages import SignalBlock
+from mimics_app.contracts.messages.action_space import ActionSpace, Parameter
+from mimics_app.contracts.messages.stage_messages import SignalBlock
 from mimics_app.dsp.stage import PhysioDsp
 from mimics_app.estimation.fusion import FusionEstimation
 from mimics_app.learning.agent import Agent

@@ -10,8 +10,8 @@ import pytest
 from mimics_app.app.cues.sound_stage import SoundStage
 from mimics_app.app.cues.sound_surroundings import SoundSurroundings
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.contracts.messages import SoundTrigger, TaskOrders
-from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.messages.stage_messages import SoundTrigger, TaskOrders
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.rendering.audio.offline import OfflineAudio
 from mimics_app.rendering.audio.scene_sounds import settings_from_components
 from mimics_app.world.components.visible import Sound, SoundEmitter

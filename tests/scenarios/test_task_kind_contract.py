@@ -13,7 +13,7 @@ from typing import Any
 import msgspec
 import pytest
 
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.tasks.kinds.carry import kind as carry
 from mimics_app.tasks.kinds.registry import task_kinds
 from tests.support.plugin_site import build_wheel

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.contracts.clock import VirtualClock
-from mimics_app.contracts.haptic import EventKind
-from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.loop.haptic import EventKind
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.recording.run import Run
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.director import SoundDirector

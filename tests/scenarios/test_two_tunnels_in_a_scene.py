@@ -11,8 +11,8 @@ import pytest
 
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.contracts.errors import SceneError, UsageError
-from mimics_app.contracts.messages import TaskOrders
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.messages.stage_messages import TaskOrders
+from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
 from tests.support.core_play import CorePlay
 

@@ -15,7 +15,7 @@ import pyarrow.ipc
 import pytest
 
 from mimics_app.app.cli import main
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from tests.support.command import mimics
 
 SCENE = root() / "scenes" / "wavy_tunnel.json"

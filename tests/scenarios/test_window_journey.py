@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 from PIL import ImageGrab
 
-from mimics_app.contracts.window_input import InputEvent
+from mimics_app.contracts.messages.window_input import InputEvent
 from mimics_app.rendering.visual.launcher.result_page import Button, ResultContent, ResultPage
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from tests.support.app_window import AppWindow, open_journey
 
 pytestmark = pytest.mark.slow

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from tests.support.app_window import AppWindow, open_window
 
 SCENE = root() / "scenes" / "pick_and_place.json"

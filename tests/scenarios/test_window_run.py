@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.contracts.haptic import SafetyState
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
 from tests.support.app_window import SIZE, AppWindow, open_window
 

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mimics_app.contracts.haptic import EventKind, SafetyState, TripCause
-from mimics_app.contracts.haptic_objects import ShapeKind
+from mimics_app.contracts.loop.haptic import EventKind, SafetyState, TripCause
+from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.lab.stability.s05b_energy_dissipated import UNLIMITED, given_by_taps
 from mimics_app.rendering.haptic.kernels.acting import payable_share, settle_account
 from mimics_app.rendering.haptic.kernels.closed_region import contact_share

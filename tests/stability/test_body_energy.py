@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic_objects import STATIC, ShapeKind
+from mimics_app.contracts.loop.haptic_objects import STATIC, ShapeKind
 from mimics_app.rendering.haptic.mesh_table import build_mesh_table
 from mimics_app.world.meshes.convex_hull import convex_hull
 from tests.support.body_play import box_inertia, new_play

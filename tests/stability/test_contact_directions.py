@@ -8,7 +8,7 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic_objects import ShapeKind
+from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.lab.stability.contacts_loop import Contact, Device, exact_matrix
 from mimics_app.lab.stability.linear import spectral_radius
 from mimics_app.rendering.haptic.kernels.closed_region import contact_share

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from mimics_app.app.touch.parameter_store import ParameterStore
-from mimics_app.contracts.field_ranges import RANGES, SCENE_RANGES
-from mimics_app.contracts.haptic import Controller, SafetyState
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.loop.field_ranges import RANGES, SCENE_RANGES
+from mimics_app.contracts.loop.haptic import Controller, SafetyState
+from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.scene_block import impedance_values
 from mimics_app.world.components.robot import Impedance, Patient, Robot

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic import Controller, SafetyState
-from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.loop_ports import DATA_GRASP, READ, DevicePlugin
+from mimics_app.compiled.kernel import typed_kernel
+from mimics_app.contracts.loop.haptic import Controller, SafetyState
+from mimics_app.contracts.loop.loop_ports import DATA_GRASP, READ, DevicePlugin
 from mimics_app.rendering.haptic.control.impedance import draw_along
 from mimics_app.rendering.haptic.descriptors.leg import LEG
 from mimics_app.rendering.haptic.devices.registry import build_device

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic import EventKind
+from mimics_app.contracts.loop.haptic import EventKind
 from mimics_app.rendering.haptic.kernels.stability import LARGEST_MARGIN, follow_period, margin_of
 from mimics_app.world.components.robot import Robot
 from tests.support.haptic_bench import DELAY, PUSH, Bench, patient_bench, pushed_bench, script, scripted

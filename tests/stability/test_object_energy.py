@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic import EventKind, SafetyState
-from mimics_app.contracts.haptic_objects import EffectKind, ShapeKind
+from mimics_app.contracts.loop.haptic import EventKind, SafetyState
+from mimics_app.contracts.loop.haptic_objects import EffectKind, ShapeKind
 from mimics_app.world.components.robot import Robot
 from tests.support.haptic_bench import PUSH, Bench, glide, script
 from tests.support.object_bench import pushed_with, scripted_with, shape_below

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic import EventKind, SafetyState, TripCause
+from mimics_app.contracts.loop.haptic import EventKind, SafetyState, TripCause
 from tests.support.haptic_bench import Bench
 from tests.support.press_play import QUIET, RATE, press, shaking
 

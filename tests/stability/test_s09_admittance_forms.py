@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mimics_app.contracts.haptic import AdmittanceForm
+from mimics_app.contracts.loop.haptic import AdmittanceForm
 from mimics_app.lab.stability import s09_admittance_forms as s09
 
 

@@ -13,7 +13,7 @@ import math
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic import Controller, SafetyState
+from mimics_app.contracts.loop.haptic import Controller, SafetyState
 from mimics_app.world.components.robot import Robot
 from tests.support.haptic_bench import PUSH, patient_bench, pushed_bench
 

@@ -22,9 +22,9 @@ from numpy.typing import NDArray
 
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.session.person_input import pointer_plane
-from mimics_app.contracts.haptic import SAMPLE
-from mimics_app.contracts.input_port import Ray
-from mimics_app.contracts.scenario_port import Scenario
+from mimics_app.contracts.loop.haptic import SAMPLE
+from mimics_app.contracts.ports.input_port import Ray
+from mimics_app.contracts.ports.scenario_port import Scenario
 from mimics_app.inputs.interaction.window_reach import pointed
 from mimics_app.recording.arrow_format import decode_samples
 from mimics_app.recording.arrow_scan import read_index

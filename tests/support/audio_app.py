@@ -11,7 +11,7 @@ import sys
 import time
 from pathlib import Path
 
-from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.rendering.audio.process import AudioProcess
 from mimics_app.rendering.audio.settings import AudioSettings
 

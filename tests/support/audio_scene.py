@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.contracts import ring, triple_buffer
-from mimics_app.contracts.contact_force import CONTACT_FORCE
-from mimics_app.contracts.haptic import EVENT, EventKind
-from mimics_app.contracts.session_memory import SessionMemory
-from mimics_app.contracts.sound_scene import SOUND_SCENE, fill_defaults
+from mimics_app.contracts.loop.contact_force import CONTACT_FORCE
+from mimics_app.contracts.loop.haptic import EVENT, EventKind
+from mimics_app.contracts.shared_memory import ring, triple_buffer
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
+from mimics_app.contracts.shared_memory.sound_scene import SOUND_SCENE, fill_defaults
 
 RATE = 48_000
 

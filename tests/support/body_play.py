@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from mimics_app.contracts.haptic_objects import ShapeKind
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
+from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.loop.haptic_objects import ShapeKind
+from mimics_app.contracts.loop.object_rows import ObjectCapacities, new_rows
 from mimics_app.lab.haptic.body_worlds import FREE, BodyWorld, box_inertia
 from mimics_app.rendering.haptic.kernels.objects.bodies import place_bodies, step_bodies
 from mimics_app.rendering.haptic.kernels.objects.loads import load_bodies

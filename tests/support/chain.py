@@ -9,9 +9,9 @@ import math
 
 import numpy as np
 
-from mimics_app.contracts.device_descriptor import KINEMATICS, DeviceDescriptor, Joint, Kinematics
-from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.loop_ports import DATA_LENGTH, READ
+from mimics_app.compiled.kernel import typed_kernel
+from mimics_app.contracts.loop.device_descriptor import KINEMATICS, DeviceDescriptor, Joint, Kinematics
+from mimics_app.contracts.loop.loop_ports import DATA_LENGTH, READ
 
 LINK = 0.1
 

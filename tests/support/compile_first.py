@@ -18,7 +18,7 @@ import pytest
 from _pytest.assertion import rewrite
 
 from mimics_app.app.commands.warmup import PARTS, compile_beside
-from mimics_app.contracts.kernel_sources import sources_reached
+from mimics_app.compiled.kernel_sources import sources_reached
 
 __all__ = ["compile_first", "modules_to_import", "rewrite_assertions"]
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from numba import from_dtype, types
 
-from mimics_app.contracts.device_descriptor import KINEMATICS_SET
-from mimics_app.contracts.haptic import SCENE
-from mimics_app.contracts.kernel import typed_kernel
+from mimics_app.compiled.kernel import typed_kernel
+from mimics_app.contracts.loop.device_descriptor import KINEMATICS_SET
+from mimics_app.contracts.loop.haptic import SCENE
 from mimics_app.rendering.haptic.control.joint_admittance import admit_joints
 from mimics_app.rendering.haptic.kernels import joints
 from mimics_app.rendering.haptic.kernels.joints import JOINT_WORK

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic.devices.dynamics import servo_dynamics
 from mimics_app.rendering.haptic.devices.emulators.faults import apply_order
 from mimics_app.rendering.haptic.devices.emulators.hapticmaster import HapticMasterEmulator

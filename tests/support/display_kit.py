@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.contracts.display_port import Display, DisplayFrame, Viewpoint
+from mimics_app.contracts.ports.display_port import Display, DisplayFrame, Viewpoint
 
 SHOWN = (640, 360)
 FRAMES = 3

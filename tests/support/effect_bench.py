@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mimics_app.contracts.haptic_objects import (
+from mimics_app.contracts.loop.haptic_objects import (
     BODY,
     EFFECT,
     OBJECT_COUNTS,
@@ -17,8 +17,8 @@ from mimics_app.contracts.haptic_objects import (
     WIRE,
     BodyFlag,
 )
-from mimics_app.contracts.loop_ports import MAX_FIELDS
-from mimics_app.contracts.object_rows import ObjectCapacities, Rows
+from mimics_app.contracts.loop.loop_ports import MAX_FIELDS
+from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows
 from mimics_app.rendering.haptic.kernels.objects.force_effects import apply_effects
 from mimics_app.rendering.haptic.kernels.objects.object_inputs import (
     INPUT_FORCE_MEASURED,

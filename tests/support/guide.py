@@ -10,7 +10,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 
 GUIDE = root() / "docs" / "guide" / "from_blocks_to_scene.md"
 

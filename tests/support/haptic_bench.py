@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts import ring
-from mimics_app.contracts.device_descriptor import Kinematics
-from mimics_app.contracts.haptic import INBOX, SAMPLE, Controller
-from mimics_app.contracts.kernel import kernel, typed_kernel
-from mimics_app.contracts.loop_ports import (
+from mimics_app.compiled.kernel import kernel, typed_kernel
+from mimics_app.contracts.loop.device_descriptor import Kinematics
+from mimics_app.contracts.loop.haptic import INBOX, SAMPLE, Controller
+from mimics_app.contracts.loop.loop_ports import (
     DATA_AGE,
     DATA_BUTTONS,
     DATA_DELAY,
@@ -25,8 +24,9 @@ from mimics_app.contracts.loop_ports import (
     WRITE,
     DevicePlugin,
 )
-from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
-from mimics_app.contracts.session_memory import Capacities, SessionMemory
+from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows, new_rows
+from mimics_app.contracts.shared_memory import ring
+from mimics_app.contracts.shared_memory.session_memory import Capacities, SessionMemory
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.dynamics import servo_dynamics
 from mimics_app.rendering.haptic.devices.registry import build_device

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from mimics_app.contracts.display_port import DisplayFrame, HeadsetState, Viewpoint
+from mimics_app.contracts.ports.display_port import DisplayFrame, HeadsetState, Viewpoint
 from mimics_app.rendering.visual.displays.headset_session import HeadsetDisplay
 
 FOV = math.radians(60.0)

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.contracts.messages import Aim, PointerState
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.messages.stage_messages import Aim, PointerState
+from mimics_app.contracts.system.resources import root
 from mimics_app.inputs.stage import Inputs
 from tests.support.core_play import CorePlay, change_component
 

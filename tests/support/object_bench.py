@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic_objects import ShapeKind
-from mimics_app.contracts.loop_ports import DevicePlugin
-from mimics_app.contracts.object_rows import ObjectCapacities
+from mimics_app.contracts.loop.haptic_objects import ShapeKind
+from mimics_app.contracts.loop.loop_ports import DevicePlugin
+from mimics_app.contracts.loop.object_rows import ObjectCapacities
 from mimics_app.rendering.haptic.devices.dynamics import servo_dynamics
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_hapticmaster import write_robot, write_robot_memory

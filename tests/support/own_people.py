@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from mimics_app.contracts.messages import FeatureFrame, UserState
+from mimics_app.contracts.messages.stage_messages import FeatureFrame, UserState
 from mimics_app.estimation.fusion import FusionEstimation
 
 KINDS = ("plain", "level of the skin", "quiet skin", "blocked heart", "turned heart")

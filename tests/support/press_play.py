@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mimics_app.contracts.haptic_objects import ShapeKind
+from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.scene_block import impedance_values
 from mimics_app.world.components.robot import Impedance, Patient, Robot

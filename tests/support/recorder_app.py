@@ -13,9 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
-from mimics_app.contracts import ring
-from mimics_app.contracts.haptic import EVENT, SAMPLE, SCENE, EventKind
-from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.loop.haptic import EVENT, SAMPLE, SCENE, EventKind
+from mimics_app.contracts.shared_memory import ring
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.recording.columns import present_columns
 from mimics_app.recording.recorder import Recorder
 

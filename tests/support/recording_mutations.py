@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from mimics_app.contracts.haptic import SCENE
+from mimics_app.contracts.loop.haptic import SCENE
 from mimics_app.recording.arrow_format import encode_parameters, encode_samples
 from mimics_app.recording.run import Run
 from tests.support.synthetic_run import packed, scene_block

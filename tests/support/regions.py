@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mimics_app.contracts.haptic import SCENE
+from mimics_app.contracts.loop.haptic import SCENE
 from mimics_app.rendering.haptic.kernels.closed_region import REGION, find_region
 
 HEAVY = {"virtual_mass": 1e3}

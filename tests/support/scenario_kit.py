@@ -14,9 +14,9 @@ from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.scenes.scenario_choice import open_scenario
 from mimics_app.app.session.core import SessionCore
 from mimics_app.app.viewer.resting import rest
-from mimics_app.contracts.haptic import SCENE
-from mimics_app.contracts.messages import Aim, TaskOrders
-from mimics_app.contracts.scenario_port import Scenario
+from mimics_app.contracts.loop.haptic import SCENE
+from mimics_app.contracts.messages.stage_messages import Aim, TaskOrders
+from mimics_app.contracts.ports.scenario_port import Scenario
 from mimics_app.world.scene.file import build_world
 from mimics_app.world.scene.reload import apply_scene
 from tests.support.core_play import CorePlay

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 from mimics_app.contracts.clock import SECOND_NS
-from mimics_app.contracts.input_port import SignalSource
-from mimics_app.contracts.messages import Experience, SignalBlock
+from mimics_app.contracts.messages.stage_messages import Experience, SignalBlock
+from mimics_app.contracts.ports.input_port import SignalSource
 
 BEGUN_NS = 5 * SECOND_NS
 """A session's clock does not begin at 0."""

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from mimics_app.contracts.haptic import EVENT, SAMPLE, SCENE, Controller, EventKind, SafetyState, TripCause
-from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows, pack_rows
-from mimics_app.contracts.run_environment import clock_pair, describe_environment
+from mimics_app.contracts.loop.haptic import EVENT, SAMPLE, SCENE, Controller, EventKind, SafetyState, TripCause
+from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows, new_rows, pack_rows
+from mimics_app.contracts.system.run_environment import clock_pair, describe_environment
 from mimics_app.recording.event_log import encode_line
 from mimics_app.recording.manifest import Manifest, hash_files, write_manifest
 from mimics_app.recording.state_hash import StateHash

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from mimics_app.contracts.haptic import EVENT, Controller, EventKind, SafetyState, TripCause
-from mimics_app.contracts.messages import HapticSnapshot, TaskAction, TaskOrders, VRInput
-from mimics_app.contracts.scenario_port import TaskContext
+from mimics_app.contracts.loop.haptic import EVENT, Controller, EventKind, SafetyState, TripCause
+from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskAction, TaskOrders, VRInput
+from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.task_manager import TaskManager
 
 START = (0.01, -0.2, 0.05)

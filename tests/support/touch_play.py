@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from mimics_app.contracts.haptic_objects import MAX_POINTS, OBJECT_COUNTS, ShapeKind
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
+from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.loop.haptic_objects import MAX_POINTS, OBJECT_COUNTS, ShapeKind
+from mimics_app.contracts.loop.object_rows import ObjectCapacities, new_rows
 from mimics_app.rendering.haptic.kernels.objects.bodies import place_bodies, step_bodies
 from mimics_app.rendering.haptic.kernels.objects.interaction_points import place_points
 from mimics_app.rendering.haptic.kernels.objects.shape_poses import pose_shapes

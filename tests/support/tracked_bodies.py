@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 from mimics_app.world.motion.humanoid import find_humanoid
 from mimics_app.world.motion.kernels.chain import follow_chain
 from mimics_app.world.motion.kernels.upper_body import STATE, solve_upper_body

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from mimics_app.contracts.clock import SECOND_NS
-from mimics_app.contracts.tracker_port import TrackerSample, TrackerSource
+from mimics_app.contracts.ports.tracker_port import TrackerSample, TrackerSource
 from mimics_app.inputs.trackers.tape import TapeWriter, read_tape
 
 FRAMES = 30

@@ -12,7 +12,7 @@ from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.session.core import open_core
 from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from tests.support.core_play import CorePlay, change_component
 
 SCENE = root() / "scenes" / "wavy_tunnel.json"

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mimics_app.contracts.haptic_objects import TUNNEL
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.loop.haptic_objects import TUNNEL
 from mimics_app.maths.bspline import basis_functions
 from mimics_app.rendering.haptic.kernels.tunnel import tunnel_force
 from mimics_app.rendering.haptic.kernels.tunnel_state import TUNNEL_STATE

@@ -7,7 +7,7 @@ import pytest
 
 from mimics_app.app.bench.audio_soak import measure_soak
 from mimics_app.app.bench.stall_witness import explain_gaps
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.audio.sound_stream import LIVE_BLOCK
 from mimics_app.rendering.audio.worker import WorkTimes
 

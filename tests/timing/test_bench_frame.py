@@ -14,8 +14,8 @@ from mimics_app.app.bench.frame_load import main
 from mimics_app.app.bench.frame_watch import FrameWatch
 from mimics_app.app.bench.looked_at_load import PEOPLE
 from mimics_app.contracts.errors import DeviceError, SceneError
-from mimics_app.contracts.frame_budget import BUDGET_MS, FRAME_MS, over_budget
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
+from mimics_app.rendering.visual.overlay.frame_budget import BUDGET_MS, FRAME_MS, over_budget
 
 OF_PICTURE = {"prepare", "shadows", "cull", "submit", "post", "swap"}
 STAGES = {"inputs", "tasks", "scenario", "world update", "watch", "board"} | OF_PICTURE

@@ -16,8 +16,8 @@ from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.person_inbox import PersonInbox
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.method_table import Row, Table
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.ports.method_table import Row, Table
+from mimics_app.contracts.system.resources import root
 from mimics_app.lab.catalogue import load_methods
 
 EXAMPLES = ("examples/surfaces", "examples/free_objects", "examples/springs_and_magnets")

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 import soundfile
 
-from mimics_app.contracts import ring, triple_buffer
-from mimics_app.contracts.audio_port import AudioReport
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.haptic import EVENT, EventKind
-from mimics_app.contracts.session_memory import SessionMemory
-from mimics_app.contracts.sound_scene import SOUND_SCENE, fill_defaults
+from mimics_app.contracts.loop.haptic import EVENT, EventKind
+from mimics_app.contracts.ports.audio_port import AudioReport
+from mimics_app.contracts.shared_memory import ring, triple_buffer
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
+from mimics_app.contracts.shared_memory.sound_scene import SOUND_SCENE, fill_defaults
 from mimics_app.rendering.audio.live_latency import (
     Monitor,
     handed_out_ns,

@@ -13,7 +13,7 @@ from mimics_app.app.play.play import play
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.arrays import U1
 from mimics_app.contracts.errors import PartialDataError
-from mimics_app.contracts.trial_state import TaskView, TrialState
+from mimics_app.contracts.messages.trial_state import TaskView, TrialState
 from mimics_app.rendering.visual.surfaces import headless
 
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from mimics_app.contracts.messages import SignalBlock
+from mimics_app.contracts.messages.stage_messages import SignalBlock
 from mimics_app.dsp.stage import PhysioDsp
 from mimics_app.estimation.fusion import FusionEstimation
 from tests.support.body_signals import body

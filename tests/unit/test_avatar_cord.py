@@ -16,9 +16,9 @@ from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.study.subjects import SubjectRun
 from mimics_app.app.study.tables import read_study, summarise_conditions, write_table
 from mimics_app.contracts.clock import FRAME_NS
-from mimics_app.contracts.display_port import FrameTiming
 from mimics_app.contracts.errors import SceneError
-from mimics_app.contracts.messages import TactileEvent
+from mimics_app.contracts.messages.stage_messages import TactileEvent
+from mimics_app.contracts.ports.display_port import FrameTiming
 from mimics_app.maths.cord import hang
 from mimics_app.rendering.haptic.cord_field import cord
 from mimics_app.rendering.tactile.vibrators import NoVibrators, SerialVibrators

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mimics_app.app.cli import main
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.world.scene.file import build_world, load_scene
 from tests.support.gltf_maker import write_gltf
 from tests.support.guide import pieces, written_module

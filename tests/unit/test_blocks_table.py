@@ -13,8 +13,8 @@ import pytest
 
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.scenes.scenario_choice import BUILT_IN, ONLY_LOOKED_AT
-from mimics_app.contracts.haptic_objects import EffectKind, ShapeKind, SignalSource, SignalTarget
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.loop.haptic_objects import EffectKind, ShapeKind, SignalSource, SignalTarget
+from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.world.components.objects import HapticObject
 from mimics_app.world.components.registry import component_types

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from mimics_app.app.picture.board import BoardLayout, stability_card
-from mimics_app.contracts.board import Bar, Board, Card
-from mimics_app.contracts.haptic import TripCause
-from mimics_app.contracts.trial_state import TrialState
+from mimics_app.contracts.loop.haptic import TripCause
+from mimics_app.contracts.messages.board import Bar, Board, Card
+from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.figures.key_page import KeyPage
 from mimics_app.tasks.cards import time_card

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.messages import SignalBlock
+from mimics_app.contracts.messages.stage_messages import SignalBlock
 from mimics_app.dsp.channel import Channel
 from mimics_app.dsp.ecg import Ecg
 from mimics_app.dsp.emg import Emg

@@ -11,7 +11,7 @@ import pytest
 from numba import njit, typeof, types
 from numba.core.errors import TypingError
 
-from mimics_app.contracts.borrowed import borrowed, borrowed_type
+from mimics_app.compiled.borrowed import borrowed, borrowed_type
 
 
 class _Inner(NamedTuple):

@@ -15,8 +15,8 @@ import pytest
 
 from mimics_app.app.cli import main
 from mimics_app.app.viewer.playing import read_motion
-from mimics_app.contracts import read_budget
 from mimics_app.contracts.errors import SceneError
+from mimics_app.contracts.system import read_budget
 from mimics_app.world.gltf.model_world import load_model_world
 from mimics_app.world.motion.c3d_file import read_c3d
 from mimics_app.world.motion.humanoid import find_humanoid

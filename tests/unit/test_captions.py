@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import SceneError
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.effects.captions import caption_key, caption_picture
 from mimics_app.rendering.visual.kernels.particles import SPRITE
 from mimics_app.rendering.visual.kernels.sprites import MAX_PIECES, SPRITE_VERTEX, write_sprites

@@ -16,8 +16,8 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.ceiling import hold_limits
 from mimics_app.app.touch.ceilings import CEILINGS, asked_of, read_ceiling, set_ceiling
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.haptic import LIMIT_NAMES
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.loop.haptic import LIMIT_NAMES
+from mimics_app.contracts.system.resources import root
 from mimics_app.recording.report import page_of
 from mimics_app.recording.run import Run
 from mimics_app.rendering.haptic.scene_block import scene_from_components

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic import Controller
-from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.loop_ports import (
+from mimics_app.compiled.kernel import typed_kernel
+from mimics_app.contracts.loop.haptic import Controller
+from mimics_app.contracts.loop.loop_ports import (
     COMMAND_DQ,
     COMMAND_ENABLED,
     COMMAND_LENGTH,

@@ -9,7 +9,7 @@ import pytest
 
 from mimics_app.app import cli
 from mimics_app.app.settings import RunSettings
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.world.components.robot import Safety
 from tests.support.command import mimics
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.contracts import ring
-from mimics_app.contracts.contact_force import CONTACT_FORCE, FOLLOWED, FOLLOWED_AT_ONCE
-from mimics_app.contracts.haptic_objects import OBJECT_COUNTS
-from mimics_app.contracts.object_rows import ObjectCapacities
-from mimics_app.contracts.session_memory import Capacities, SessionMemory
+from mimics_app.contracts.loop.contact_force import CONTACT_FORCE, FOLLOWED, FOLLOWED_AT_ONCE
+from mimics_app.contracts.loop.haptic_objects import OBJECT_COUNTS
+from mimics_app.contracts.loop.object_rows import ObjectCapacities
+from mimics_app.contracts.shared_memory import ring
+from mimics_app.contracts.shared_memory.session_memory import Capacities, SessionMemory
 from mimics_app.rendering.haptic.channels import channels_of, new_work
 from mimics_app.rendering.haptic.kernels.state import CONTACT_BEGAN, CONTACT_UNCHANGED
 from mimics_app.rendering.haptic.objects import new_object_work

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from mimics_app.app.picture.board import BoardLayout
-from mimics_app.contracts.board import Board
-from mimics_app.contracts.haptic import SafetyState
-from mimics_app.contracts.scenario_port import TaskContext
+from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.contracts.messages.board import Board
+from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.task_record import task_of_record, task_record

@@ -16,7 +16,7 @@ from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.session.core import SessionCore, open_core
 from mimics_app.app.session.preparation import prepare, prepare_scene
 from mimics_app.app.settings import RunSettings
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.haptic import scene_object, scene_objects, scene_tunnel
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_rows

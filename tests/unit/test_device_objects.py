@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic_objects import SHAPE, STATIC, ForceLaw, ShapeKind
+from mimics_app.contracts.loop.haptic_objects import SHAPE, STATIC, ForceLaw, ShapeKind
 from mimics_app.rendering.haptic.devices.device_objects import DeviceBlock, DeviceCylinder, DevicePlane, DeviceSphere
 from mimics_app.rendering.haptic.devices.objects_of_rows import device_objects_of
 from mimics_app.world.components.robot import Robot, RobotToWorld

@@ -16,7 +16,7 @@ from mimics_app.app.devices.emulated_trackers import open_tracker, report_on
 from mimics_app.app.devices.emulator import EmulatorSettings, open_emulator, serve
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.haptic import DeviceStatus
+from mimics_app.contracts.loop.haptic import DeviceStatus
 from mimics_app.recording.run import Run
 from mimics_app.rendering.haptic.devices.emulators.faults import Faults, apply_order
 from mimics_app.rendering.haptic.devices.registry import build_device

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from mimics_app.contracts.display_choice import DISPLAY_KINDS, DisplayChoice, kind_of_display
+from mimics_app.contracts.ports.display_choice import DISPLAY_KINDS, DisplayChoice, kind_of_display
 from mimics_app.rendering.visual.displays.display_kinds import make_display
 from mimics_app.world.components.systems import DisplaySettings
 from tests.support.display_kit import check_display
@@ -22,7 +22,7 @@ WALLS = {
 }
 TABLE = '''
 """A table that is looked at from two edges: the picture twice, one above the other; or one on top of the other."""
-from mimics_app.contracts.display_port import Eye
+from mimics_app.contracts.ports.display_port import Eye
 from mimics_app.rendering.visual.displays.desktop import DesktopDisplay, compute_tangents
 
 

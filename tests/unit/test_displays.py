@@ -12,9 +12,9 @@ import pytest
 from mimics_app.app.commands import devices
 from mimics_app.app.session.preparation import prepare
 from mimics_app.app.settings import RunSettings
-from mimics_app.contracts.display_choice import DISPLAY_KINDS, DisplayChoice, parse_display
-from mimics_app.contracts.display_port import Eye, Viewpoint
 from mimics_app.contracts.errors import SceneError, UsageError
+from mimics_app.contracts.ports.display_choice import DISPLAY_KINDS, DisplayChoice, parse_display
+from mimics_app.contracts.ports.display_port import Eye, Viewpoint
 from mimics_app.maths.poses import pose_from_parts, rotation_from_vector
 from mimics_app.rendering.visual.displays.desktop import DesktopDisplay
 from mimics_app.rendering.visual.displays.headset import RawHeadset, seen_tangents

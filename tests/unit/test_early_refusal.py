@@ -14,7 +14,7 @@ import pytest
 
 from mimics_app.app.cli import main
 from mimics_app.app.scenes.scene_search import find_file
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 
 HEAVY = {"numba", "moderngl", "glfw"}
 REFUSED = (

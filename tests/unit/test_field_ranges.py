@@ -11,9 +11,9 @@ import pytest
 
 from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.field_ranges import RANGES, SCENE_RANGES
-from mimics_app.contracts.haptic import LIMIT_NAMES, SCENE
-from mimics_app.contracts.object_rows import ROW_DTYPES, ObjectCapacities, new_rows
+from mimics_app.contracts.loop.field_ranges import RANGES, SCENE_RANGES
+from mimics_app.contracts.loop.haptic import LIMIT_NAMES, SCENE
+from mimics_app.contracts.loop.object_rows import ROW_DTYPES, ObjectCapacities, new_rows
 from mimics_app.rendering.haptic.block_check import check_values
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.tasks.check import check_task

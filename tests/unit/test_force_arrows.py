@@ -9,8 +9,8 @@ import pytest
 
 from mimics_app.app.picture.force_arrows import ForceArrows
 from mimics_app.app.picture.overlay_keys import OVERLAY_KEYS, toggle_overlay
-from mimics_app.contracts.haptic import EVENT, EventKind
-from mimics_app.contracts.window_input import InputEvent
+from mimics_app.contracts.loop.haptic import EVENT, EventKind
+from mimics_app.contracts.messages.window_input import InputEvent
 from mimics_app.rendering.visual.overlay.layers import LAYERS
 
 NONE = np.zeros(0, EVENT)

@@ -17,7 +17,7 @@ import pytest
 
 from mimics_app.app.cli import main
 from mimics_app.contracts.errors import PartialDataError
-from mimics_app.contracts.haptic import SCENE
+from mimics_app.contracts.loop.haptic import SCENE
 from mimics_app.recording.older_blocks import current_block
 from mimics_app.recording.recover import recover
 from mimics_app.recording.replay import compare, gather

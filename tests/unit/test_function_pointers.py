@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numba import types
 
-from mimics_app.contracts.function_pointers import functions_at, pointers_to
-from mimics_app.contracts.kernel import typed_kernel
+from mimics_app.compiled.function_pointers import functions_at, pointers_to
+from mimics_app.compiled.kernel import typed_kernel
 
 ONE = types.FunctionType(types.float64(types.float64))
 KINDS = types.Tuple((ONE, types.UniTuple(ONE, 2)))

@@ -11,7 +11,7 @@ import pytest
 from mimics_app.app.cli import main
 from mimics_app.app.viewer.shown import open_shown
 from mimics_app.contracts.errors import SceneError
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.world.gltf.model_world import load_model_world
 from mimics_app.world.meshes.primitives import sphere
 from mimics_app.world.simplify.level_writer import write_levels

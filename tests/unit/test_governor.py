@@ -11,7 +11,7 @@ import pytest
 
 from mimics_app.app.picture.governor import FULL, FrameGovernor
 from mimics_app.app.picture.held_quality import Held
-from mimics_app.contracts.machine_memory import MachineMemory
+from mimics_app.contracts.system.machine_memory import MachineMemory
 
 BUDGET = 16.7
 

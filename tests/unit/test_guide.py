@@ -9,7 +9,7 @@ import pytest
 
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.contracts.errors import SceneError
-from mimics_app.contracts.loop_ports import FIELD_PARAMETERS
+from mimics_app.contracts.loop.loop_ports import FIELD_PARAMETERS
 from mimics_app.rendering.haptic.force_fields import add_field
 from tests.support.guide import Piece, pieces, written_module, written_scene
 from tests.support.scenes import write

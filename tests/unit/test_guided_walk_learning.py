@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from mimics_app.contracts.action_space import ActionSpace, Parameter
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.messages import Estimate, TaskAction, TrialResult, UserState
+from mimics_app.contracts.messages.action_space import ActionSpace, Parameter
+from mimics_app.contracts.messages.stage_messages import Estimate, TaskAction, TrialResult, UserState
 from mimics_app.lab.physio.walk_study import CONTROLS, walk_study
 from mimics_app.learning.builder import build_learning, check_learning
 from mimics_app.learning.goals import STATES, build_goal

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.haptic import SAMPLE
-from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.contracts.loop.haptic import SAMPLE
+from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic import scheduler
 from mimics_app.rendering.haptic.descriptors.hapticmaster import axis_offset
 from mimics_app.rendering.haptic.devices.device_names import BUILT_IN, device_names

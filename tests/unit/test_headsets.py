@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimics_app.contracts.display_port import DisplayFrame, HeadsetState, Viewpoint
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.ports.display_port import DisplayFrame, HeadsetState, Viewpoint
 from mimics_app.maths.poses import rotation_vector
 from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec, load_headset
 from mimics_app.rendering.visual.displays.headset_session import HeadsetDisplay

@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mimics_app.app.session.body import NullDsp, NullEstimation
-from mimics_app.contracts.input_port import WindowFrame
-from mimics_app.contracts.messages import FeatureFrame, PointerState, SignalBlock, UserState
-from mimics_app.contracts.window_input import GamepadState, InputEvent
+from mimics_app.contracts.messages.stage_messages import FeatureFrame, PointerState, SignalBlock, UserState
+from mimics_app.contracts.messages.window_input import GamepadState, InputEvent
+from mimics_app.contracts.ports.input_port import WindowFrame
 from mimics_app.inputs.interaction.grasp import GraspControl
 from mimics_app.inputs.interaction.plane import FrontalPlane
 from mimics_app.inputs.interaction.pointer import Pointer, PointerSettings, StickResponse

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 
 ROOT = Path(__file__).parents[2]
 
@@ -40,7 +40,7 @@ def _run(code: str, folder: Path, **environment: str) -> str:
 _KEY = """
 from pathlib import Path
 import mimics_app
-from mimics_app.contracts.kernel_sources import source_key
+from mimics_app.compiled.kernel_sources import source_key
 base = Path(mimics_app.__file__).resolve().parents[1]
 for name in {names!r}:
     print(source_key(base / name))
@@ -48,7 +48,7 @@ for name in {names!r}:
 
 _EDIT_EACH = """
 import re, sys
-from mimics_app.contracts import kernel_sources as cache
+from mimics_app.compiled import kernel_sources as cache
 from mimics_app.rendering.haptic import loop
 from pathlib import Path
 
@@ -57,7 +57,7 @@ def key():
         known.cache_clear()
     return cache.source_key(root)
 
-KEEPERS = ("kernel_cache.py", "kernel_sources.py", "kernel_sweep.py", "private_folder.py", "clock.py")
+KEEPERS = ("kernel_cache.py", "kernel_sources.py", "kernel_sweep.py", "private_folder.py")
 root = Path(loop.__file__).resolve()
 base = Path(cache.__file__).resolve().parents[2]
 loaded = {Path(m.__file__).resolve() for m in list(sys.modules.values()) if getattr(m, "__file__", None)}
@@ -86,10 +86,10 @@ def test_an_edit_of_a_constant_in_any_source_the_loop_reaches_changes_its_key(co
     assert lines[0] == f"reached {len(seen)}" and len(seen) > 40
     assert sum(line.startswith("constant") for line in seen) > 30
     for known in (
-        "contracts/haptic.py",
-        "contracts/atomics.py",
-        "contracts/haptic_objects.py",
-        "contracts/borrowed.py",
+        "contracts/loop/haptic.py",
+        "compiled/atomics.py",
+        "contracts/loop/haptic_objects.py",
+        "compiled/borrowed.py",
     ):
         assert any(line.endswith(known) for line in seen), known
     assert lines[-1] == "back True"
@@ -106,7 +106,7 @@ def test_an_edit_leaves_alone_what_does_not_import_it(copied: Path) -> None:
 
 
 _PROBE = """
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 from plugged.constants import ANSWER
 
 @kernel
@@ -131,7 +131,7 @@ def test_a_constant_of_another_file_takes_effect_in_the_next_process(tmp_path: P
 
 
 _CALLS_ITSELF = """
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 
 @kernel
 def factorial(n):
@@ -157,7 +157,7 @@ def test_relative_and_parenthesised_imports_are_followed(tmp_path: Path) -> None
         "from ..leaf import (  # a remark\n    A,\n    B as C,\n)\nfrom . import twig\n"
     )
     code = (
-        "from pathlib import Path; from mimics_app.contracts.kernel_sources import sources_reached;"
+        "from pathlib import Path; from mimics_app.compiled.kernel_sources import sources_reached;"
         f"print(*[f.name for f in sources_reached(Path({str(package / 'inner' / 'kernels.py')!r}))])"
     )
     assert _run(code, tmp_path, PYTHONPATH=f"{tmp_path}:{ROOT}") == "kernels.py twig.py leaf.py"
@@ -206,7 +206,7 @@ def test_a_cache_on_a_full_disk_is_none(tmp_path: Path) -> None:
 
 
 _TWO = """
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 @kernel
 def inner(x):
     return x + 1
@@ -226,7 +226,7 @@ resource.setrlimit(resource.RLIMIT_FSIZE, (200, resource.getrlimit(resource.RLIM
 
 _CHAIN = """
 import numpy as np
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 
 @kernel
 def inner(x):
@@ -241,7 +241,7 @@ print(outer(3.0), len(outer.signatures), len(inner.signatures))
 
 
 _CONSTANTS = """
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 
 @kernel
 def shifted(x, by):

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from mimics_app.contracts import kernel_sweep
+from mimics_app.compiled import kernel_sweep
+from mimics_app.compiled.kernel_sweep import cache_bytes, mark_used, sweep
 from mimics_app.contracts.clock import wall_time
-from mimics_app.contracts.kernel_sweep import cache_bytes, mark_used, sweep
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 
 _DAY_S = 86_400.0
 
@@ -86,7 +86,7 @@ def test_the_size_is_that_of_every_version(tmp_path: Path) -> None:
 
 
 _KERNEL = """
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 
 @kernel
 def twice(x):

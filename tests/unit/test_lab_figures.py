@@ -16,8 +16,8 @@ from xml.etree import ElementTree
 import pytest
 
 from mimics_app.app.cli import main
-from mimics_app.contracts.method_table import Table
-from mimics_app.contracts.methods import Group, Method, Registry
+from mimics_app.contracts.ports.method_table import Table
+from mimics_app.contracts.ports.methods import Group, Method, Registry
 from mimics_app.lab.chart import draw_chart
 from mimics_app.lab.experiment import Experiment, Outcome, largest_disagreement
 from mimics_app.lab.figure import write_figure
@@ -337,14 +337,14 @@ def test_figures_go_to_the_working_folder_unless_the_shipped_ones_are_asked_for(
     checkout, other = tmp_path / "checkout", tmp_path / "other"
     (checkout / "docs" / "charts").mkdir(parents=True)
     other.mkdir()
-    monkeypatch.setattr("mimics_app.contracts.resources.root", lambda: checkout)
+    monkeypatch.setattr("mimics_app.contracts.system.resources.root", lambda: checkout)
     monkeypatch.chdir(checkout)
     assert main(["lab", "stability", "s99"]) == 0
     assert (checkout / "charts" / "S99.svg").is_file() and not list((checkout / "docs" / "charts").iterdir())
     assert main(["lab", "stability", "s99", "--shipped", "--out", str(other)]) == 2
     assert main(["lab", "stability", "s99", "--shipped"]) == 0
     assert (checkout / "docs" / "charts" / "S99.svg").is_file() and not list(other.iterdir())
-    monkeypatch.setattr("mimics_app.contracts.resources.root", lambda: other)
+    monkeypatch.setattr("mimics_app.contracts.system.resources.root", lambda: other)
     assert main(["lab", "stability", "s99", "--shipped"]) == 2
     assert "in a source checkout only" in capsys.readouterr().err
 
@@ -356,7 +356,7 @@ def test_command_refuses_what_is_not_there(tmp_path, capsys):
 
 
 def test_measure_prints_one_object_and_saves_where_it_is_asked_to(monkeypatch, tmp_path, capsys):
-    monkeypatch.setattr("mimics_app.contracts.method_table.saved_file", lambda: tmp_path / "methods.json")
+    monkeypatch.setattr("mimics_app.contracts.ports.method_table.saved_file", lambda: tmp_path / "methods.json")
     assert main(["lab", "measure", "admittance_form", "--save", "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
     group = answer["groups"]["admittance form"]
@@ -383,7 +383,7 @@ def test_shipped_charts_and_the_shipped_table_are_of_one_measurement(monkeypatch
     monkeypatch.setattr("mimics_app.lab.catalogue.load_methods", lambda _: registry)
     monkeypatch.setattr("mimics_app.app.commands.lab._groups", lambda _: ["sums"])
     monkeypatch.setattr("mimics_app.app.commands.lab._folder", lambda _: tmp_path)
-    monkeypatch.setattr("mimics_app.contracts.method_table.shipped_file", lambda: table_file)
+    monkeypatch.setattr("mimics_app.contracts.ports.method_table.shipped_file", lambda: table_file)
     Table({}, {}, {}).save(table_file)
     assert main(["lab", "chart", "sums", "--shipped"]) == 0
     drawn = json.loads((tmp_path / "sums.json").read_text())["rows"]

@@ -9,8 +9,8 @@ import pytest
 
 from mimics_app.app.planner.plan import choose
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.method_table import Row, Table
-from mimics_app.contracts.methods import Group, Method, Registry
+from mimics_app.contracts.ports.method_table import Row, Table
+from mimics_app.contracts.ports.methods import Group, Method, Registry
 from mimics_app.lab.chart import pareto_front
 from mimics_app.lab.measure import MeasuredGroup, count_probes, fit_exponent, measure, to_table
 
@@ -206,7 +206,7 @@ def test_measuring_one_group_again_leaves_the_others_in_the_table():
 
 def test_a_saved_table_that_is_no_table_is_none(tmp_path, monkeypatch):
     broken = tmp_path / "methods.json"
-    monkeypatch.setattr("mimics_app.contracts.method_table.saved_file", lambda: broken)
+    monkeypatch.setattr("mimics_app.contracts.ports.method_table.saved_file", lambda: broken)
     for text in ("", "[]", '{"groups": {"a": [{}]}}'):
         broken.write_text(text, encoding="utf-8")
         assert Table.load_saved() is None

@@ -8,7 +8,7 @@ from dataclasses import fields
 import pytest
 
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.methods import Method, Registry
+from mimics_app.contracts.ports.methods import Method, Registry
 from mimics_app.lab.catalogue import GROUPS, load_methods
 from mimics_app.lab.groups import haptic_rate
 from mimics_app.lab.stability.catalogue import NAMES, load_experiments

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.contracts.action_space import ActionSpace, Parameter
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.messages import Estimate, TrialResult, UserState
+from mimics_app.contracts.messages.action_space import ActionSpace, Parameter
+from mimics_app.contracts.messages.stage_messages import Estimate, TrialResult, UserState
 from mimics_app.estimation.effort import EffortModel
 from mimics_app.lab.physio.cohort import play_cohort
 from mimics_app.learning.agent import Agent

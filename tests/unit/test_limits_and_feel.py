@@ -19,9 +19,9 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.device_fit import device_values
 from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.haptic import FEEL, LIMIT_NAMES, SCENE
-from mimics_app.contracts.haptic_objects import TUNNEL
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.loop.haptic import FEEL, LIMIT_NAMES, SCENE
+from mimics_app.contracts.loop.haptic_objects import TUNNEL
+from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.scene_block import apply_safety, safety_of, scene_from_components
 from mimics_app.tasks.check import check_task

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import SceneError, UsageError
-from mimics_app.contracts.messages import FeatureFrame, TrialResult
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.messages.stage_messages import FeatureFrame, TrialResult
+from mimics_app.contracts.system.resources import root
 from mimics_app.estimation.fusion import _PEOPLE
 from mimics_app.estimation.load import AdaptiveLda, Lda, train_load
 from mimics_app.estimation.load_people import LoadPeople, shipped_people

@@ -15,18 +15,25 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic import SAMPLE, SNAPSHOT
-from mimics_app.contracts.loop_fields import LOOP_FIELDS, HapticSnapshot, LoopField, Replay, check_snapshot, moves_of
-from mimics_app.contracts.loop_ports import DATA_LENGTH
-from mimics_app.contracts.object_rows import ROW_DTYPES, ObjectCapacities
-from mimics_app.contracts.session_memory import SHARED_ARRAYS, Capacities, SessionMemory
+from mimics_app.contracts.loop.haptic import SAMPLE, SNAPSHOT
+from mimics_app.contracts.loop.loop_fields import (
+    LOOP_FIELDS,
+    HapticSnapshot,
+    LoopField,
+    Replay,
+    check_snapshot,
+    moves_of,
+)
+from mimics_app.contracts.loop.loop_ports import DATA_LENGTH
+from mimics_app.contracts.loop.object_rows import ROW_DTYPES, ObjectCapacities
+from mimics_app.contracts.shared_memory.session_memory import SHARED_ARRAYS, Capacities, SessionMemory
 from mimics_app.rendering.haptic.channels import CHANNELS, Channels
 from mimics_app.rendering.haptic.kernels.objects.totals import TOTALS
 from mimics_app.rendering.haptic.kernels.rows import write_inputs, write_outputs, write_snapshot
 from mimics_app.rendering.haptic.kernels.state import STATE
 
 PACKAGE = Path(__file__).parents[2] / "mimics_app"
-TABLE = "contracts/loop_fields.py"
+TABLE = "contracts/loop/loop_fields.py"
 KERNEL = "rendering/haptic/kernels/sensing.py"
 
 
@@ -154,8 +161,8 @@ USE = """
 import json, sys
 from pathlib import Path
 import numpy as np
-from mimics_app.contracts.haptic import SAMPLE, SCENE, SNAPSHOT
-from mimics_app.contracts.messages import HapticSnapshot
+from mimics_app.contracts.loop.haptic import SAMPLE, SCENE, SNAPSHOT
+from mimics_app.contracts.messages.stage_messages import HapticSnapshot
 from mimics_app.recording.run import Run
 from mimics_app.recording.state_hash import StateHash
 from mimics_app.recording.streams import SampleStream

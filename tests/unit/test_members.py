@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from mimics_app.contracts.members import MemberError, load_member, member_names
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.ports.members import MemberError, load_member, member_names
+from mimics_app.contracts.system.resources import root
 from mimics_app.lab import groups
 from mimics_app.lab.catalogue import GROUPS, load_methods
 from mimics_app.rendering.haptic.devices import built_in
@@ -24,7 +24,7 @@ DEVICE = BuiltInDevice(__doc__, "nobody", "zeros:build_zeros")
 '''
 ZEROS = """
 import numpy as np
-from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic.devices.replay import ignore_command, read_recorded
 
 def build_zeros(request):

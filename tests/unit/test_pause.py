@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic import Controller, EventKind, SafetyState
+from mimics_app.contracts.loop.haptic import Controller, EventKind, SafetyState
 from mimics_app.tasks.task import TaskSpec
 from tests.support.task_play import FRAME_NS, Player, make_manager
 

@@ -9,9 +9,9 @@ import pytest
 
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.session.person_input import person_inputs
-from mimics_app.contracts.messages import Aim
-from mimics_app.contracts.resources import root
-from mimics_app.contracts.window_input import GamepadState, InputEvent
+from mimics_app.contracts.messages.stage_messages import Aim
+from mimics_app.contracts.messages.window_input import GamepadState, InputEvent
+from mimics_app.contracts.system.resources import root
 
 APPLE = (0.1, 0.2, 0.05)
 

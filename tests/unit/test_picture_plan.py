@@ -12,7 +12,7 @@ from mimics_app.app.picture.picture import live_quality, picture_quality
 from mimics_app.app.planner.explain import explain_plan
 from mimics_app.app.planner.plan import ROOM, plan_scene
 from mimics_app.app.planner.uses import USES
-from mimics_app.contracts.method_table import Row, Table
+from mimics_app.contracts.ports.method_table import Row, Table
 from mimics_app.lab.catalogue import load_methods
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.world.scene.file import load_scene

@@ -2,7 +2,7 @@
 
 from multiprocessing import Pipe
 
-from mimics_app.contracts.pipe_watch import PipeWatch
+from mimics_app.contracts.system.pipe_watch import PipeWatch
 
 
 def test_a_pipe_is_ready_for_a_message_and_for_its_end():

@@ -18,10 +18,10 @@ from mimics_app.app.planner.tolerances import BY_PROFILE, tolerances_of
 from mimics_app.app.planner.uses import NOT_PLANNED, USES
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import PROFILES
-from mimics_app.contracts.haptic import AdmittanceForm
-from mimics_app.contracts.haptic_objects import ObjectIntegrator, Projection
-from mimics_app.contracts.method_table import Row, Table
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.loop.haptic import AdmittanceForm
+from mimics_app.contracts.loop.haptic_objects import ObjectIntegrator, Projection
+from mimics_app.contracts.ports.method_table import Row, Table
+from mimics_app.contracts.system.resources import root
 from mimics_app.lab.catalogue import GROUPS, load_methods
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.rendering.haptic.scene_tunnel import PROJECTIONS
@@ -403,7 +403,7 @@ def test_a_table_saved_before_methods_had_settings_is_passed_over(tmp_path, monk
     old = {"method": "newton warm", "cost_us": 1.0, "ratio": 1.0, "error": 0.0, "unit": "m"}
     file = tmp_path / "saved.json"
     file.write_text(json.dumps({"machine": {}, "reference_us": {}, "groups": {"tunnel projection": [old]}}))
-    monkeypatch.setattr("mimics_app.contracts.method_table.saved_file", lambda: file)
+    monkeypatch.setattr("mimics_app.contracts.ports.method_table.saved_file", lambda: file)
     assert load_table()[1] == "shipped"
 
 

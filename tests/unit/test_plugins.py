@@ -18,7 +18,7 @@ from mimics_app.app.installation import plugins, probes
 from mimics_app.app.installation.plugins import list_plugins, plugin_groups, report_group
 from mimics_app.app.scenes.scenario_choice import open_scenario
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.inputs.physio.sources import open_source
 from mimics_app.learning.registry import build_policy
 from mimics_app.rendering.haptic.devices.device_names import PLUGINS as DEVICES
@@ -278,7 +278,7 @@ def test_devices_for_a_person(answers: dict[str, dict[str, Any]], capsys: pytest
     ("made", "why"),
     [
         ("raise ValueError('no line')", r"raised ValueError: no line \(lab_of_a_robot.py, line 2\)"),
-        ("return None", r"made an object of the type NoneType; see mimics_app.contracts.loop_ports.DevicePlugin"),
+        ("return None", r"made an object of the type NoneType; see mimics_app.contracts.loop.loop_ports.DevicePlugin"),
     ],
 )
 def test_a_device_of_a_package_that_cannot_be_made_says_why(

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from mimics_app.contracts import private_folder
+from mimics_app.compiled import private_folder
 
 
 @pytest.fixture

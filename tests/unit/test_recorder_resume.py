@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic import EVENT, EventKind, TripCause
-from mimics_app.contracts.session_memory import Capacities
+from mimics_app.contracts.loop.haptic import EVENT, EventKind, TripCause
+from mimics_app.contracts.shared_memory.session_memory import Capacities
 from mimics_app.recording import streams
 from mimics_app.recording.run_folder import FILES
 from mimics_app.recording.state_hash import StateHash

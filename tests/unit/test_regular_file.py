@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from mimics_app.contracts.regular_file import open_regular, read_regular
+from mimics_app.contracts.system.regular_file import open_regular, read_regular
 
 
 def test_a_file_is_read_whole_or_to_a_limit(tmp_path: Path) -> None:

@@ -14,8 +14,8 @@ from numba import typeof
 
 from mimics_app.app.cli import main
 from mimics_app.contracts.errors import PartialDataError
-from mimics_app.contracts.haptic import EVENT, SAMPLE, EventKind
-from mimics_app.contracts.haptic_objects import TUNNEL
+from mimics_app.contracts.loop.haptic import EVENT, SAMPLE, EventKind
+from mimics_app.contracts.loop.haptic_objects import TUNNEL
 from mimics_app.recording.arrow_format import decode_samples, encode_samples
 from mimics_app.recording.columns import INPUT_FIELDS, OUTPUT_FIELDS, present_columns
 from mimics_app.recording.event_log import encode_event

@@ -10,7 +10,7 @@ import pytest
 from mimics_app.app.session.header import describe_session
 from mimics_app.app.session.preparation import prepare
 from mimics_app.app.settings import RunSettings
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from tests.support.synthetic_run import write_synthetic_run
 
 SCENE = root() / "scenes" / "wavy_tunnel.json"

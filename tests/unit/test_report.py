@@ -16,8 +16,8 @@ import pytest
 
 from mimics_app.app.cli import main
 from mimics_app.contracts.errors import SceneError
-from mimics_app.contracts.haptic import SafetyState, TripCause
-from mimics_app.contracts.report_section import ReportSection
+from mimics_app.contracts.loop.haptic import SafetyState, TripCause
+from mimics_app.contracts.messages.report_section import ReportSection
 from mimics_app.plotting.axis import Axis, nice_ticks
 from mimics_app.plotting.plot import Plot, envelope
 from mimics_app.recording.attempts import find_attempts, tunnel_shape

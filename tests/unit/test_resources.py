@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from mimics_app.contracts import resources
 from mimics_app.contracts.errors import MimicsError
+from mimics_app.contracts.system import resources
 
 
 def _place(folder: Path) -> None:

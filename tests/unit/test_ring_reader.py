@@ -6,10 +6,10 @@ import threading
 
 import numpy as np
 
-from mimics_app.contracts import ring
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.ring_reader import RingReader
-from mimics_app.contracts.shared_words import RING_WORDS
+from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.shared_memory import ring
+from mimics_app.contracts.shared_memory.ring_reader import RingReader
+from mimics_app.contracts.shared_memory.shared_words import RING_WORDS
 
 RECORD = np.dtype([("k", "f8"), ("v", "f8", (7,))])
 

@@ -7,10 +7,10 @@ from enum import IntEnum
 import numpy as np
 import pytest
 
-from mimics_app.contracts.bounded_fields import choice_of, largest_values, record
-from mimics_app.contracts.haptic import SCENE
-from mimics_app.contracts.haptic_objects import ForceLaw, ShapeKind
-from mimics_app.contracts.object_rows import ROW_DTYPES, ObjectCapacities, new_rows
+from mimics_app.contracts.loop.bounded_fields import choice_of, largest_values, record
+from mimics_app.contracts.loop.haptic import SCENE
+from mimics_app.contracts.loop.haptic_objects import ForceLaw, ShapeKind
+from mimics_app.contracts.loop.object_rows import ROW_DTYPES, ObjectCapacities, new_rows
 from mimics_app.rendering.haptic.block_check import check_block
 from mimics_app.rendering.haptic.row_checks import check_points, check_shapes
 from tests.support.touch_play import KINDS, SOLIDS, add_point, new_touch_play

@@ -18,12 +18,12 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from mimics_app.contracts import ring
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import OutputError, PartialDataError, SceneError
-from mimics_app.contracts.haptic import EVENT, SAMPLE, SCENE, EventKind
-from mimics_app.contracts.messages import SignalBlock
-from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.loop.haptic import EVENT, SAMPLE, SCENE, EventKind
+from mimics_app.contracts.messages.stage_messages import SignalBlock
+from mimics_app.contracts.shared_memory import ring
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.recording import append_file, columns, run_folder
 from mimics_app.recording.append_file import AppendFile, is_claimed
 from mimics_app.recording.arrow_format import decode_samples, encode_samples, parameters_dtype, parameters_schema

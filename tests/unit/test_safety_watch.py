@@ -10,11 +10,11 @@ import pytest
 
 from mimics_app.app.session.safety_watch import SafetyWatch, hold_message
 from mimics_app.app.session.watches import RecorderWatch
-from mimics_app.contracts.haptic import EVENT, EventKind, SafetyState, TripCause
-from mimics_app.contracts.session_memory import SessionMemory
-from mimics_app.contracts.trips import Trip, TripReader
+from mimics_app.contracts.loop.haptic import EVENT, EventKind, SafetyState, TripCause
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.recording.recorder import Recorder
 from mimics_app.recording.recorder_status import StatusWord
+from mimics_app.recording.trips import Trip, TripReader
 
 
 def reported(*trips: tuple[int, SafetyState, TripCause]) -> np.ndarray:

@@ -6,7 +6,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic_objects import (
+from mimics_app.contracts.loop.haptic_objects import (
     STATIC,
     BodyFlag,
     EffectKind,

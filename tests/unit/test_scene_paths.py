@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from mimics_app.contracts import resources
+from mimics_app.contracts.system import resources
 from mimics_app.world.scene.paths import PathFault, find_file, find_root
 from tests.support.scenes import faults, scene, write
 

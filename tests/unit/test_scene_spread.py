@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.world.extent import world_extent
 from mimics_app.world.scene.file import build_world, load_scene
 from mimics_app.world.scene.spread import ENOUGH, spread_of_casters

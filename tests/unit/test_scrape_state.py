@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from mimics_app.contracts import triple_buffer
 from mimics_app.contracts.clock import VirtualClock
-from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.shared_memory import triple_buffer
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.director import SoundDirector
 from mimics_app.rendering.audio.engine import open_mixer

@@ -22,7 +22,7 @@ from mimics_app.app.scenes import shipped
 from mimics_app.app.scenes.scene_search import find_scene
 from mimics_app.app.scenes.shipped import GROUPS, find_shipped, shipped_scenes, thumbnail_of
 from mimics_app.contracts.errors import SceneError
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.launcher.launcher import LauncherChoice
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.world.components.robot import Robot

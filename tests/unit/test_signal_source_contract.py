@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.input_port import SignalSource
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.ports.input_port import SignalSource
+from mimics_app.contracts.system.resources import root
 from mimics_app.inputs.physio.simulated.source import PRESETS
 from mimics_app.inputs.physio.sources import KINDS, open_source
 from mimics_app.inputs.stage import Movement
@@ -25,7 +25,7 @@ PER_FRAME = 10
 BOX = '''
 """Boxes that send a ramp at 600 Hz, right and with a fault each."""
 import numpy as np
-from mimics_app.contracts.messages import SignalBlock
+from mimics_app.contracts.messages.stage_messages import SignalBlock
 
 RATE = 600.0
 

@@ -16,8 +16,8 @@ import pytest
 from mimics_app.app.cli import main
 from mimics_app.app.physio.watch import Watch
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
-from mimics_app.contracts.messages import Experience, SignalBlock
-from mimics_app.contracts.plugins import PluginGroup
+from mimics_app.contracts.messages.stage_messages import Experience, SignalBlock
+from mimics_app.contracts.ports.plugins import PluginGroup
 from mimics_app.dsp.stage import PhysioDsp
 from mimics_app.inputs.physio import sources
 from mimics_app.inputs.physio.amplifier_frames import AmplifierReader
@@ -504,7 +504,7 @@ def box(monkeypatch: pytest.MonkeyPatch) -> None:
         ("mybox:torn", r"raised ValueError: no port \(test_signal_sources.py, line"),
         (
             "mybox:none",
-            "made an object of the type object, which lacks lost, read, feel, close; see mimics_app.contracts.inp",
+            "made an object of the type object, which lacks lost, read, feel, close; see mimics_app.contracts.ports",
         ),
     ],
 )

@@ -15,7 +15,7 @@ from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.sweep.experiments import NAMES, find_experiment
 from mimics_app.app.sweep.patient import travel
 from mimics_app.contracts.errors import SceneError
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.lab.stability.catalogue import NAMES as STABILITY
 from mimics_app.lab.stability.catalogue import load_experiment
 from mimics_app.lab.stability.wall_loop import Wall, exact_limit

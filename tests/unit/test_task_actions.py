@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimics_app.contracts import haptic_objects
-from mimics_app.contracts.action_space import ActionSpace, Parameter
 from mimics_app.contracts.errors import SceneError
-from mimics_app.contracts.haptic import SCENE
-from mimics_app.contracts.messages import TaskAction, UserState
+from mimics_app.contracts.loop import haptic_objects
+from mimics_app.contracts.loop.haptic import SCENE
+from mimics_app.contracts.messages.action_space import ActionSpace, Parameter
+from mimics_app.contracts.messages.stage_messages import TaskAction, UserState
 from mimics_app.learning.action_sequence import ActionSequence, load_action_sequence
 from mimics_app.tasks.actions import build_action_space, settings_for
 from mimics_app.tasks.adaptation import Adaptation

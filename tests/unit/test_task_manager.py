@@ -8,9 +8,9 @@ import msgspec
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic import Controller, EventKind, SafetyState, TripCause
-from mimics_app.contracts.messages import TaskAction
-from mimics_app.contracts.scenario_port import TaskContext
+from mimics_app.contracts.loop.haptic import Controller, EventKind, SafetyState, TripCause
+from mimics_app.contracts.messages.stage_messages import TaskAction
+from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.prompt import ABORTED_CAUSES
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.task_manager import TaskManager

@@ -13,9 +13,9 @@ import pytest
 
 from mimics_app.app.session.replay import TaskFrame, play_again
 from mimics_app.contracts.errors import PartialDataError
-from mimics_app.contracts.haptic import Controller, EventKind
-from mimics_app.contracts.messages import TaskAction
-from mimics_app.contracts.scenario_port import Home, TaskContext
+from mimics_app.contracts.loop.haptic import Controller, EventKind
+from mimics_app.contracts.messages.stage_messages import TaskAction
+from mimics_app.contracts.ports.scenario_port import Home, TaskContext
 from mimics_app.recording.task_lines import TASK_KINDS, compare_lines, compare_rows, gather_task
 from mimics_app.recording.trial_table import as_read
 from mimics_app.tasks.kinds.registry import task_kinds

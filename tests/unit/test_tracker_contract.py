@@ -10,8 +10,8 @@ import pytest
 
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.contracts.clock import Clock, MonotonicClock, VirtualClock
-from mimics_app.contracts.resources import root
-from mimics_app.contracts.tracker_port import TRACKER_KINDS, TrackerSample, TrackerSource
+from mimics_app.contracts.ports.tracker_port import TRACKER_KINDS, TrackerSample, TrackerSource
+from mimics_app.contracts.system.resources import root
 from mimics_app.inputs.trackers.emulated_line import emulated_fastrak, emulated_flock
 from mimics_app.inputs.trackers.headset_tracker import HeadsetTracker
 from mimics_app.inputs.trackers.osc import OscTracker
@@ -27,7 +27,7 @@ AHEAD = (0.0, 0.0, 0.0, 1.0)
 RAIL = '''
 """Sensors that slide along x, right and with a fault each."""
 import numpy as np
-from mimics_app.contracts.tracker_port import TrackerSample
+from mimics_app.contracts.ports.tracker_port import TrackerSample
 from mimics_app.inputs.trackers.polled_tracker import PolledTracker
 
 

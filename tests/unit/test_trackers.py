@@ -17,9 +17,9 @@ from hypothesis import strategies as st
 
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
-from mimics_app.contracts.input_port import WindowFrame
-from mimics_app.contracts.tracker_port import TrackerSample
-from mimics_app.contracts.window_input import GamepadState, InputEvent
+from mimics_app.contracts.messages.window_input import GamepadState, InputEvent
+from mimics_app.contracts.ports.input_port import WindowFrame
+from mimics_app.contracts.ports.tracker_port import TrackerSample
 from mimics_app.inputs.trackers import vrpn_wire
 from mimics_app.inputs.trackers.ascension import FlockParser, flock_record
 from mimics_app.inputs.trackers.calibration import axis_map, fit_room

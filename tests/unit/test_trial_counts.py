@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from mimics_app.contracts.trial_counts import TrialCounts, count_trials
+from mimics_app.contracts.messages.trial_counts import TrialCounts, count_trials
 
 
 def row(trial: Any, outcome: str, cause: str = "", *, practice: bool = False) -> dict[str, Any]:

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from mimics_app.contracts import ring
-from mimics_app.contracts.haptic import EVENT, EventKind, TripCause
-from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.loop.haptic import EVENT, EventKind, TripCause
+from mimics_app.contracts.shared_memory import ring
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.recording.manifest import hash_files
 from mimics_app.recording.recorder import Recorder
 from mimics_app.recording.report import write_report

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import SceneError
-from mimics_app.contracts.haptic_objects import MAX_PIECES, TUNNEL
+from mimics_app.contracts.loop.haptic_objects import MAX_PIECES, TUNNEL
 from mimics_app.rendering.haptic.tunnel_geometry import TunnelError, build_tunnel
 from mimics_app.rendering.haptic.tunnel_source import fit_path, read_path, tunnel_from_component
 from mimics_app.world.components.robot import Tunnel

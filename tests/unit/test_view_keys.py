@@ -13,11 +13,11 @@ from mimics_app.app.play.session_keys import OPERATORS_PAGE
 from mimics_app.app.play.view_keys import ViewKeys, rate_note
 from mimics_app.contracts.clock import VirtualClock
 from mimics_app.contracts.errors import DeviceError, Issue
-from mimics_app.contracts.haptic import EVENT
-from mimics_app.contracts.messages import TaskOrders
-from mimics_app.contracts.resources import root
-from mimics_app.contracts.trial_state import TaskView, TrialState
-from mimics_app.contracts.window_input import InputEvent
+from mimics_app.contracts.loop.haptic import EVENT
+from mimics_app.contracts.messages.stage_messages import TaskOrders
+from mimics_app.contracts.messages.trial_state import TaskView, TrialState
+from mimics_app.contracts.messages.window_input import InputEvent
+from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.figures.key_page import KeyPage
 from mimics_app.world.scene.file import load_scene
 

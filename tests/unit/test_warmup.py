@@ -12,7 +12,7 @@ import pytest
 from mimics_app.app import cli
 from mimics_app.app.commands import warmup
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 
 
 @pytest.fixture

@@ -13,8 +13,8 @@ from mimics_app.app.bench.whole_scenes import GROUPS, register_whole, variants
 from mimics_app.app.planner.plan import plan_scene
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import Profile
-from mimics_app.contracts.haptic import SCENE
-from mimics_app.contracts.methods import Group, Method, Registry
+from mimics_app.contracts.loop.haptic import SCENE
+from mimics_app.contracts.ports.methods import Group, Method, Registry
 from mimics_app.lab.chart import draw_chart
 from mimics_app.lab.measure import measure
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.clock import VirtualClock
-from mimics_app.contracts.machine_memory import MachineMemory
+from mimics_app.contracts.system.machine_memory import MachineMemory
 from mimics_app.rendering.audio import queue_length
 from mimics_app.rendering.audio.queue_need import QueueNeed, keep_needed_ms, known_needed_ms
 from mimics_app.rendering.audio.settings import SoundSpec

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic import AdmittanceForm
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.loop.haptic import AdmittanceForm
 from mimics_app.rendering.haptic.control.admittance import (
     acceleration_cartesian,
     acceleration_polar,

@@ -20,7 +20,7 @@ import pytest
 
 from mimics_app.app.viewer.playing import animators_of, play_clip, write_vertices
 from mimics_app.app.viewer.shown import open_shown
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.world.gltf.model_world import load_model_world
 from mimics_app.world.motion.clip import Clip, Interpolation, Track, TrackPath, pack_clip
 from tests.support.shared_data import shared_folder

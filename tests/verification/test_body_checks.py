@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic_objects import ObjectIntegrator, ShapeKind
+from mimics_app.contracts.loop.haptic_objects import ObjectIntegrator, ShapeKind
 from mimics_app.rendering.haptic.body_checks import check_bodies, contact_modes
 from tests.support.body_play import box_inertia, new_play
 

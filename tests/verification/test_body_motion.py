@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic_objects import BodyFlag, ObjectIntegrator, ShapeKind
+from mimics_app.contracts.loop.haptic_objects import BodyFlag, ObjectIntegrator, ShapeKind
 from mimics_app.maths import quat
 from mimics_app.rendering.haptic.kernels.objects.inertia import find_principal_axes
 from mimics_app.rendering.haptic.kernels.objects.records import DYNAMICS

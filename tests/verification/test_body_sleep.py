@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic_objects import BodyFlag
+from mimics_app.contracts.loop.haptic_objects import BodyFlag
 from mimics_app.lab.haptic.body_worlds import FREE, GRAVITY
 from tests.support.body_play import new_play
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic_objects import ShapeKind
+from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.lab.haptic.body_worlds import GRAVITY
 from mimics_app.rendering.haptic.body_checks import check_bodies, contact_modes
 from mimics_app.rendering.haptic.mesh_table import build_mesh_table

@@ -19,7 +19,7 @@ from assets.builders.city.house_kinds import draw_kinds
 from assets.builders.city.layout import lay_houses
 from assets.builders.kit.chance import Chance
 from assets.builders.kit.sketch import Sketch
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.world.gltf.file import GltfDocument, load_gltf
 from mimics_app.world.scene.file import load_scene
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic_objects import ShapeKind
+from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.rendering.haptic.kernels.objects.collisions_boxes import separate_boxes
 from mimics_app.rendering.haptic.kernels.objects.collisions_hulls import separate_hulls, support
 from mimics_app.rendering.haptic.kernels.objects.distances import distance_to

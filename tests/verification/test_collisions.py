@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic_objects import STATIC, ShapeKind
+from mimics_app.contracts.loop.haptic_objects import STATIC, ShapeKind
 from mimics_app.lab.groups.contact_law import restitution_spring_damper
 from mimics_app.maths import quat
 from tests.support.body_play import new_play

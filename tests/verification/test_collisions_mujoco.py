@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic_objects import ShapeKind
+from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from tests.support.body_play import box_inertia, new_play
 
 DT = 1e-4

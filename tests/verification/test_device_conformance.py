@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimics_app.contracts.device_descriptor import KINEMATICS, DeviceDescriptor
-from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.loop_ports import DATA_AGE, DATA_DQ, READ, WRITE, DevicePlugin
+from mimics_app.compiled.kernel import typed_kernel
+from mimics_app.contracts.loop.device_descriptor import KINEMATICS, DeviceDescriptor
+from mimics_app.contracts.loop.loop_ports import DATA_AGE, DATA_DQ, READ, WRITE, DevicePlugin
 from mimics_app.rendering.haptic.descriptors.leg import LEG
 from mimics_app.rendering.haptic.devices.conformance import CHECKS, Finding, check_device
 from mimics_app.rendering.haptic.devices.registry import build_device

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mimics_app.contracts.device_descriptor import (
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.loop.device_descriptor import (
     CONTACTS,
     DeviceDescriptor,
     Joint,
@@ -16,9 +17,8 @@ from mimics_app.contracts.device_descriptor import (
     KinematicsStatus,
     described,
 )
-from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.haptic import SCENE
-from mimics_app.contracts.loop_fields import MAX_CONTACTS, MAX_JOINTS
+from mimics_app.contracts.loop.haptic import SCENE
+from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS, MAX_JOINTS
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.descriptors.leg import LEG
 from mimics_app.rendering.haptic.devices.described import descriptor_of

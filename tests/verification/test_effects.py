@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic_objects import TUNNEL, BodyFlag, EffectKind
-from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.loop_ports import FIELD
+from mimics_app.compiled.kernel import typed_kernel
+from mimics_app.contracts.loop.haptic_objects import TUNNEL, BodyFlag, EffectKind
+from mimics_app.contracts.loop.loop_ports import FIELD
 from mimics_app.maths.quat import about_axis, to_matrix
 from mimics_app.rendering.haptic.standard_fields import curl, saddle, well
 from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic_objects import OBJECT_COUNTS, BodyFlag, ShapeKind
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
+from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.loop.haptic_objects import OBJECT_COUNTS, BodyFlag, ShapeKind
+from mimics_app.contracts.loop.object_rows import ObjectCapacities, new_rows
 from mimics_app.rendering.haptic.kernels.objects.grip import grip_bodies
 from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
 from mimics_app.rendering.haptic.mesh_table import build_mesh_table

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.loop_ports import (
+from mimics_app.contracts.loop.loop_ports import (
     COMMAND_DQ,
     COMMAND_ENABLED,
     COMMAND_LENGTH,

@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic_objects import BodyFlag, ShapeKind
+from mimics_app.contracts.loop.haptic_objects import BodyFlag, ShapeKind
 from mimics_app.lab.haptic.body_worlds import FREE, heap_of_boxes
 from tests.support.body_play import new_play
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic import Controller, EventKind, SafetyState
-from mimics_app.contracts.loop_ports import DATA_LENGTH, INBOX_ACTIVE, INBOX_LENGTH, INBOX_TRIAL
+from mimics_app.contracts.loop.haptic import Controller, EventKind, SafetyState
+from mimics_app.contracts.loop.loop_ports import DATA_LENGTH, INBOX_ACTIVE, INBOX_LENGTH, INBOX_TRIAL
 from mimics_app.rendering.haptic.devices.patients import PRESETS, impairment_of, lay_path, write_arm
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.kernels import arm

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from numba import from_dtype, types
 
-from mimics_app.contracts.device_descriptor import KINEMATICS_SET, KinematicsStatus
-from mimics_app.contracts.haptic import SCENE
-from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.loop_fields import MAX_JOINTS
+from mimics_app.compiled.kernel import typed_kernel
+from mimics_app.contracts.loop.device_descriptor import KINEMATICS_SET, KinematicsStatus
+from mimics_app.contracts.loop.haptic import SCENE
+from mimics_app.contracts.loop.loop_fields import MAX_JOINTS
 from mimics_app.rendering.haptic.control.joint_pd import joint_pd, joint_pd_as_printed
 from mimics_app.rendering.haptic.control.world_pd import world_pd_straight, world_pd_through_joints
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER

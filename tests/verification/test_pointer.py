@@ -7,7 +7,7 @@ import pytest
 
 from mimics_app.contracts.clock import ticks_until_frame
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.haptic import SafetyState
+from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.kernels.virtual_coupling import (
     COUPLING_FORCE,

@@ -10,11 +10,11 @@ import pytest
 
 from mimics_app.app.session.preparation import prepare
 from mimics_app.app.settings import RunSettings
-from mimics_app.contracts.haptic import SAMPLE, Controller, SafetyState, TripCause
-from mimics_app.contracts.haptic_objects import ShapeKind
-from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.loop_fields import LOOP_FIELDS, Extent
-from mimics_app.contracts.loop_ports import (
+from mimics_app.compiled.kernel import typed_kernel
+from mimics_app.contracts.loop.haptic import SAMPLE, Controller, SafetyState, TripCause
+from mimics_app.contracts.loop.haptic_objects import ShapeKind
+from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, Extent
+from mimics_app.contracts.loop.loop_ports import (
     COMMAND_LENGTH,
     COMMAND_VIBRATION,
     DATA_DQ,

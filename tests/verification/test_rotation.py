@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 from mimics_app.lab.groups.rotation_update import MOMENTS, RATE, angle_between, drift_of, follow_top
 from mimics_app.maths import quat
 from mimics_app.rendering.haptic.kernels.rotation import (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic_objects import EffectKind, SignalSource, SignalTarget
+from mimics_app.contracts.loop.haptic_objects import EffectKind, SignalSource, SignalTarget
 from mimics_app.maths.quat import about_axis, to_matrix
 from tests.support.effect_bench import Bench, effect, wire
 

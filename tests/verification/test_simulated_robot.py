@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic import Controller, SafetyState
-from mimics_app.contracts.loop_ports import (
+from mimics_app.contracts.loop.haptic import Controller, SafetyState
+from mimics_app.contracts.loop.loop_ports import (
     COMMAND_DQ,
     COMMAND_ENABLED,
     COMMAND_LENGTH,

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from mimics_app.app.cli import main
-from mimics_app.contracts import triple_buffer
-from mimics_app.contracts.messages import SoundEvent
-from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.messages.stage_messages import SoundEvent
+from mimics_app.contracts.shared_memory import triple_buffer
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.rendering.audio.offline import OfflineAudio, render_offline
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 from mimics_app.rendering.audio.wav_file import WavWriter

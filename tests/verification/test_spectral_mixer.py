@@ -8,9 +8,9 @@ import math
 import numpy as np
 import pytest
 
-from mimics_app.contracts.audio_port import Timing
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.messages import SoundEvent
+from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.messages.stage_messages import SoundEvent
+from mimics_app.contracts.ports.audio_port import Timing
 from mimics_app.lab.audio.hearing import hearing_errors, level_differences
 from mimics_app.lab.audio.rendered import render_clicks
 from mimics_app.lab.audio_bench import find_measured_head

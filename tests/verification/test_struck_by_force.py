@@ -10,10 +10,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from mimics_app.contracts.audio_port import Timing
 from mimics_app.contracts.clock import VirtualClock
-from mimics_app.contracts.contact_force import FOLLOWED
-from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.loop.contact_force import FOLLOWED
+from mimics_app.contracts.ports.audio_port import Timing
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.rendering.audio.bank import LIVE_VOICES, SoundBank
 from mimics_app.rendering.audio.director import SoundDirector
 from mimics_app.rendering.audio.engine import open_mixer

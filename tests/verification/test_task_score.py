@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from msgspec import structs
 
-from mimics_app.contracts.haptic import EventKind
+from mimics_app.contracts.loop.haptic import EventKind
 from mimics_app.tasks.observation import observe
 from mimics_app.tasks.score import part_marks, session_result, trial_points
 from mimics_app.tasks.smoothness import RESAMPLE_HZ, resample_speed, sparc

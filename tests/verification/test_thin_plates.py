@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic_objects import ShapeKind
+from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from tests.support.touch_play import follow, one_shape
 
 K = 600.0

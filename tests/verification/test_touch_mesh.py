@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic_objects import ShapeKind
+from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
     ANY_DIRECTION,
     closest_on_triangle,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.haptic_objects import ShapeKind
+from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.lab import haptic_bench, haptic_peers
 from mimics_app.lab.groups import bounding_geometry, mesh_finger, shape_cull
 from mimics_app.lab.haptic_harness import HarnessRow, run_harnesses

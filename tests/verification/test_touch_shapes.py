@@ -10,7 +10,7 @@ import math
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic_objects import ShapeKind
+from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.maths import quat
 from mimics_app.rendering.haptic.kernels.contact import cube
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mimics_app.contracts.haptic_objects import BodyFlag, ForceLaw, ShapeKind
+from mimics_app.contracts.loop.haptic_objects import BodyFlag, ForceLaw, ShapeKind
 from mimics_app.maths import quat
 from tests.support.touch_play import (
     KINDS,

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic import SAMPLE, SCENE, Controller
-from mimics_app.contracts.haptic_objects import TUNNEL
-from mimics_app.contracts.object_rows import ObjectCapacities, new_rows, pack_rows
+from mimics_app.contracts.loop.haptic import SAMPLE, SCENE, Controller
+from mimics_app.contracts.loop.haptic_objects import TUNNEL
+from mimics_app.contracts.loop.object_rows import ObjectCapacities, new_rows, pack_rows
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel
 from tests.support.haptic_bench import Bench, patient_bench, script, scripted

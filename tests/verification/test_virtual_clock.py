@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.clock import MonotonicClock, ticks_until_frame
-from mimics_app.contracts.haptic import SAMPLE, Controller, EventKind, SafetyState
-from mimics_app.contracts.session_memory import ControlWord
+from mimics_app.contracts.loop.haptic import SAMPLE, Controller, EventKind, SafetyState
+from mimics_app.contracts.shared_memory.session_memory import ControlWord
 from tests.support.haptic_bench import Bench, patient_bench, pointer_bench
 
 TIMING = {"lateness_ns", "duration_ns"}

@@ -13,7 +13,7 @@ from zipfile import ZipFile
 
 import pytest
 
-from mimics_app.contracts.resources import FOLDERS
+from mimics_app.contracts.system.resources import FOLDERS
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -89,7 +89,8 @@ def test_data_of_the_wheel_is_of_known_kinds(wheel: Path, folder: str) -> None:
 
 def test_wheel_finds_its_own_data_outside_the_repository(installed: Path, tmp_path: Path) -> None:
     code = (
-        "import mimics_app; from mimics_app.contracts.resources import root; print(mimics_app.__file__); print(root())"
+        "import mimics_app; from mimics_app.contracts.system import resources as found;"
+        "print(mimics_app.__file__); print(found.root())"
     )
     done = _run(installed, "-c", code, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -123,7 +124,7 @@ def test_an_installation_says_that_it_builds_no_content(installed: Path, tmp_pat
 
 def test_editable_install_sees_the_same_files(tmp_path: Path) -> None:
     """A checkout is used where it lies: no copy of shaders or scenes that could grow old."""
-    code = "from mimics_app.contracts.resources import root; print(root())"
+    code = "from mimics_app.contracts.system.resources import root; print(root())"
     done = _run(Path(sys.executable), "-c", code, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert Path(done.stdout.strip()) == ROOT

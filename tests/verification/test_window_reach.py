@@ -15,9 +15,9 @@ from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.scenes.scenario_choice import open_scenario
 from mimics_app.app.scenes.shipped import shipped_scenes
 from mimics_app.app.session.person_input import pointer_plane, ray_to_the_hand
-from mimics_app.contracts.messages import TaskOrders
-from mimics_app.contracts.scenario_port import Scenario
-from mimics_app.contracts.trial_state import TaskView, TrialState
+from mimics_app.contracts.messages.stage_messages import TaskOrders
+from mimics_app.contracts.messages.trial_state import TaskView, TrialState
+from mimics_app.contracts.ports.scenario_port import Scenario
 from mimics_app.inputs.interaction.plane import FrontalPlane
 from mimics_app.inputs.interaction.window_reach import levered, pointed
 from mimics_app.tasks.kinds.city_walk.kind import CityWalkPlay, CityWalkSpec

@@ -19,7 +19,7 @@ from assets.builders.avatars.cage import Cage
 from assets.builders.avatars.fields import F8
 from assets.builders.avatars.person import Person
 from assets.builders.avatars.skeleton import Skeleton
-from mimics_app.contracts.table_file import read_table_file
+from mimics_app.contracts.system.table_file import read_table_file
 
 __all__ = ["TABLE", "Measure", "measure"]
 

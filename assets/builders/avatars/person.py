@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from assets.builders.kit.palette_texture import Rgb
-from mimics_app.contracts.table_file import read_table_file
+from mimics_app.contracts.system.table_file import read_table_file
 
 __all__ = ["EVERYBODY", "Body", "Face", "Looks", "Person"]
 

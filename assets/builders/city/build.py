@@ -14,7 +14,7 @@ from assets.builders.city.layout import Placed
 from assets.builders.city.painted_materials import Colour, Painted, add_materials
 from assets.builders.kit.chance import Chance
 from assets.builders.kit.sketch import Sketch
-from mimics_app.contracts.table_file import read_table_file
+from mimics_app.contracts.system.table_file import read_table_file
 from mimics_app.world.gltf.writer import GltfWriter, WrittenPart
 
 __all__ = ["TRIANGLES", "compose", "compose_city"]

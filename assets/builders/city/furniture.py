@@ -7,7 +7,7 @@ from pathlib import Path
 from assets.builders.city.fittings import detail, plain
 from assets.builders.kit.sketch import Point, Sketch, Uv
 from assets.builders.kit.solids import UPRIGHT, Axes, Skin, add_column, add_prism, circle, rectangle
-from mimics_app.contracts.table_file import read_table_file
+from mimics_app.contracts.system.table_file import read_table_file
 
 __all__ = [
     "CARS",

@@ -8,7 +8,7 @@ from typing import Literal
 
 from assets.builders.city.fittings import DOORS, SHOPS, SIGNS, WINDOWS
 from assets.builders.kit.chance import Chance
-from mimics_app.contracts.table_file import read_table_file
+from mimics_app.contracts.system.table_file import read_table_file
 
 __all__ = ["HouseKind", "Roof", "draw_kinds"]
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from mimics_app.app.api.unit_array import Quantity, Table
-from mimics_app.contracts.loop_fields import LOOP_FIELDS, Replay
+from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, Replay
 from mimics_app.dsp.feature_units import FEATURE_UNITS
 from mimics_app.recording.run import Run
 

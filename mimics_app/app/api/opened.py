@@ -20,9 +20,9 @@ from mimics_app.app.session.session import Session
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.clock import FRAMES_PER_SECOND, SECOND_NS, MonotonicClock
 from mimics_app.contracts.errors import UsageError, nearest
-from mimics_app.contracts.haptic import SafetyState
-from mimics_app.contracts.loop_fields import LOOP_FIELDS
-from mimics_app.contracts.messages import HapticSnapshot
+from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS
+from mimics_app.contracts.messages.stage_messages import HapticSnapshot
 from mimics_app.recording.run_folder import private_files
 from mimics_app.world.scene.scene import Scene
 

@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mimics_app.app.bench.stall_witness import StallWitness, explain_gaps
-from mimics_app.contracts import triple_buffer
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.session_memory import SessionMemory
-from mimics_app.contracts.sound_scene import SOUND_SCENE, fill_defaults
+from mimics_app.contracts.shared_memory import triple_buffer
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
+from mimics_app.contracts.shared_memory.sound_scene import SOUND_SCENE, fill_defaults
 from mimics_app.rendering.audio.live_latency import private_pulse_server, pulse_missing
 from mimics_app.rendering.audio.process import AudioProcess
 from mimics_app.rendering.audio.queue_need import keep_needed_ms, known_needed_ms
@@ -33,7 +33,7 @@ from mimics_app.rendering.audio.sound_stream import LIVE_BLOCK
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from mimics_app.contracts.audio_port import AudioReport
+    from mimics_app.contracts.ports.audio_port import AudioReport
 
 __all__ = ["measure_soak"]
 
@@ -58,7 +58,7 @@ def measure_soak(scene: Path, seconds: float, *, load: bool = True) -> dict[str,
     Returns:
         `seconds, voices, block_ms, turns`; `block_us` with p50, p99 and max of the work of a turn in which blocks were
         mixed, and their `count`; `missed`, the number of blocks that the device requested too early, each an audible
-        gap; `queue`, its length over time and the latency it gives (contracts/audio_port.py: AudioReport);
+        gap; `queue`, its length over time and the latency it gives (contracts/ports/audio_port.py: AudioReport);
         `late_turns`, turns that began more than half a millisecond late, which the queue compensates; `device`;
         `stalls`, the gaps held against the stalls of the machine (stall_witness.py: explain_gaps), absent where
         real-time priority is refused; `loop`, the row of the load's haptic loop. OpenAL's null device takes several

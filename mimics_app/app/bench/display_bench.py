@@ -18,7 +18,7 @@ from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.clock import FRAME_NS, MonotonicClock, Stopwatch, process_seconds
-from mimics_app.contracts.display_port import Display, DisplayFrame
+from mimics_app.contracts.ports.display_port import Display, DisplayFrame
 from mimics_app.lab.groups.stereo import WORKLOADS, turns
 from mimics_app.rendering.visual.displays.desktop import DesktopDisplay
 from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec

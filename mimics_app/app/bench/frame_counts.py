@@ -11,8 +11,8 @@ from pathlib import Path
 from types import FrameType
 
 from mimics_app.app.picture.board import BoardLayout
-from mimics_app.contracts.board import Board, Card
-from mimics_app.contracts.machine import describe_machine
+from mimics_app.contracts.messages.board import Board, Card
+from mimics_app.contracts.system.machine import describe_machine
 from mimics_app.lab.figure import Figure, write_figure
 from mimics_app.lab.groups.frame_of_nodes import node_world
 from mimics_app.plotting.axis import Axis

@@ -15,7 +15,7 @@ from mimics_app.app.picture.held_quality import measure_frame_ms
 from mimics_app.app.picture.picture import Picture
 from mimics_app.contracts.clock import Clock, process_seconds
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.frame_budget import over_budget
+from mimics_app.rendering.visual.overlay.frame_budget import over_budget
 
 __all__ = ["FrameWatch", "Row"]
 

@@ -19,8 +19,8 @@ from mimics_app.app.picture.picture import Picture, live_quality
 from mimics_app.app.planner.tolerances import tolerances_of
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import Profile, Quality
-from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import Clock, MonotonicClock
+from mimics_app.contracts.messages.board import Board
 from mimics_app.rendering.visual.quality_steps import lower_to_scale, quality_steps
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.surface import Surface

@@ -12,7 +12,7 @@ import numpy as np
 
 from mimics_app.app.bench.render_workloads import Walk
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.lab.groups.crowd import load_person
 from mimics_app.maths import quat
 

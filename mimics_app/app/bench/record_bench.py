@@ -23,7 +23,7 @@ import numpy as np
 
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError, MimicsError, UsageError
-from mimics_app.contracts.session_memory import ControlWord
+from mimics_app.contracts.shared_memory.session_memory import ControlWord
 from mimics_app.recording.recover import recover
 from mimics_app.recording.run import Run
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from mimics_app.app.picture.picture import live_quality
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.maths.colour import linear_light
 from mimics_app.maths.mat import look_at
 from mimics_app.rendering.visual.settings import RenderSettings

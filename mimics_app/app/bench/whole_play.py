@@ -18,8 +18,8 @@ from mimics_app.app.session.switched_off import NullRecorder
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.arrays import U1
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.object_rows import Rows
-from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.loop.object_rows import Rows
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.rendering.haptic.object_statics import ObjectStatics
 from mimics_app.rendering.haptic.replay import replay_run
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen, read_pixels

@@ -20,9 +20,9 @@ from mimics_app.app.planner.uses import uses
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import Profile
 from mimics_app.contracts.arrays import U1
-from mimics_app.contracts.methods import Group, Method, Registry, Settings
-from mimics_app.contracts.probe import reference_us
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.ports.methods import Group, Method, Registry, Settings
+from mimics_app.contracts.system.resources import root
+from mimics_app.lab.probe import reference_us
 from mimics_app.lab.visual.probe import differing_pixels
 
 __all__ = ["GROUPS", "register_whole", "variants"]

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 
 from mimics_app.app.terminal.arguments import picture_file, real_number, whole_number
 from mimics_app.app.terminal.output import answer
-from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.plural import counted
-from mimics_app.contracts.regular_file import read_regular
+from mimics_app.contracts.errors import UsageError, counted
+from mimics_app.contracts.system.regular_file import read_regular
 
 if TYPE_CHECKING:
     from mimics_app.world.simplify.level_writer import MeshLevels
@@ -67,7 +66,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _require_builders() -> None:
     """Raise a UsageError where the builders are not installed: they are part of a checkout alone."""
-    from mimics_app.contracts.resources import root
+    from mimics_app.contracts.system.resources import root
 
     if not (root() / "assets" / "builders").is_dir():
         raise UsageError(

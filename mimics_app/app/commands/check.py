@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.terminal.output import errors_of, issue_lines, one_line, with_line, write_object
-from mimics_app.contracts.errors import DeviceError, Issue, MimicsError, SceneError
-from mimics_app.contracts.plural import counted
+from mimics_app.contracts.errors import DeviceError, Issue, MimicsError, SceneError, counted
 
 if TYPE_CHECKING:
     from mimics_app.world.scene.scene import Scene

@@ -164,7 +164,7 @@ def find_all() -> dict[str, Any]:
 def _display_kinds(headset: dict[str, Any]) -> list[dict[str, str]]:
     """Return every kind of --display, and why it is missing here."""
     from mimics_app.app.installation.plugins import report_group
-    from mimics_app.contracts.display_choice import DISPLAY_KINDS, PLUGINS
+    from mimics_app.contracts.ports.display_choice import DISPLAY_KINDS, PLUGINS
 
     known = {name: (kind.caption, "") for name, kind in DISPLAY_KINDS.items()}
     known["openxr"] = (known["openxr"][0], "" if headset["ok"] else str(headset["error"]))

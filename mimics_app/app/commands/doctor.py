@@ -119,8 +119,8 @@ def _machine() -> dict[str, Any]:
 
 def _kernel_cache() -> dict[str, Any]:
     try:
-        from mimics_app.contracts.kernel_cache import cache_folder
-        from mimics_app.contracts.kernel_sweep import cache_bytes
+        from mimics_app.compiled.kernel_cache import cache_folder
+        from mimics_app.compiled.kernel_sweep import cache_bytes
     except ImportError as error:
         return {"folder": None, "compiled": 0, "bytes": 0, "fix": str(error)}
     if cache_folder is None:
@@ -161,7 +161,7 @@ def _displays_text(displays: dict[str, Any]) -> str:
 
 def _data_folder() -> dict[str, Any]:
     from mimics_app.contracts.errors import MimicsError
-    from mimics_app.contracts.resources import root
+    from mimics_app.contracts.system.resources import root
 
     try:
         return {"folder": root(), "error": ""}

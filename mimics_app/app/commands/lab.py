@@ -82,7 +82,7 @@ def _folder(args: argparse.Namespace) -> Path:
         UsageError: --shipped with --out, or without a checkout.
     """
     from mimics_app.contracts.errors import UsageError
-    from mimics_app.contracts.resources import root
+    from mimics_app.contracts.system.resources import root
 
     if not args.shipped:
         return args.out or _FOLDER
@@ -143,7 +143,7 @@ def _show_table(args: argparse.Namespace, measured: list[MeasuredGroup]) -> int:
 def _save_table(measured: list[MeasuredGroup], *, shipped: bool) -> Path | None:
     """Save the costs of these groups in the shipped table or in this machine's; return its file."""
     from mimics_app.app.bench.whole_scenes import GROUPS  # charted only: they offer the planner no choice
-    from mimics_app.contracts.method_table import Table, shipped_file
+    from mimics_app.contracts.ports.method_table import Table, shipped_file
     from mimics_app.lab.measure import to_table
 
     newer, older = (

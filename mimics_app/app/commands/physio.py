@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.terminal.arguments import file_to_write, positive_time, random_seed
 from mimics_app.app.terminal.output import answer, say
-from mimics_app.contracts.plural import counted
+from mimics_app.contracts.errors import counted
 
 if TYPE_CHECKING:
     from mimics_app.app.physio.watch import Watch
-    from mimics_app.contracts.input_port import SignalSource
+    from mimics_app.contracts.ports.input_port import SignalSource
 
 __all__ = ["add_arguments", "run"]
 

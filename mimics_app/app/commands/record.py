@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.terminal.output import answer
 from mimics_app.contracts.clock import TICKS_PER_SECOND
-from mimics_app.contracts.errors import PartialDataError
-from mimics_app.contracts.plural import counted
+from mimics_app.contracts.errors import PartialDataError, counted
 
 if TYPE_CHECKING:
     from mimics_app.recording.run import Run

@@ -19,7 +19,7 @@ from mimics_app.app.terminal.arguments import (
     sound_file,
 )
 from mimics_app.app.terminal.output import answer
-from mimics_app.contracts.plural import counted
+from mimics_app.contracts.errors import counted
 
 if TYPE_CHECKING:
     from mimics_app.app.play.scene_sheet import SceneLight

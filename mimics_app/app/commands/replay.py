@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from mimics_app.app.terminal.output import answer
-from mimics_app.contracts.plural import counted
+from mimics_app.contracts.errors import counted
 
 __all__ = ["add_arguments", "run"]
 

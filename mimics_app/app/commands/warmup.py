@@ -33,9 +33,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Compile every kernel of a run that is not in the cache yet."""
+    from mimics_app.compiled.kernel_cache import cache_folder
+    from mimics_app.compiled.kernel_sweep import cache_bytes
     from mimics_app.contracts.clock import MonotonicClock
-    from mimics_app.contracts.kernel_cache import cache_folder
-    from mimics_app.contracts.kernel_sweep import cache_bytes
 
     clock = MonotonicClock()
     started = clock.now_ns()
@@ -69,7 +69,7 @@ def _shipped_tasks() -> dict[str, Callable[[], None]]:
     The scenes are not loaded: the code that checks them would compile a part in this process.
     """
     from mimics_app.app.scenes.shipped import is_only_looked_at
-    from mimics_app.contracts.resources import root
+    from mimics_app.contracts.system.resources import root
 
     files = sorted((root() / "scenes").glob("*.json"), key=lambda file: (not is_only_looked_at(file), file))
     return {**PARTS, **{file.stem: partial(_draw_start, file) for file in files}}

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from mimics_app.contracts.haptic import EventKind
-from mimics_app.contracts.messages import TaskOrders
-from mimics_app.contracts.trial_state import TrialState
+from mimics_app.contracts.loop.haptic import EventKind
+from mimics_app.contracts.messages.stage_messages import TaskOrders
+from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.world.components.effects import Trigger
 
 __all__ = ["TOUCHES", "CueWatch"]

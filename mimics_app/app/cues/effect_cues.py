@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.app.cues.cue_watch import TOUCHES, CueWatch
-from mimics_app.contracts.messages import TaskOrders
+from mimics_app.contracts.messages.stage_messages import TaskOrders
 from mimics_app.world.world import World
 
 __all__ = ["EffectCues"]

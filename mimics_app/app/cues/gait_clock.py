@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import hypot, sqrt
 
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.messages import SoundTrigger
+from mimics_app.contracts.messages.stage_messages import SoundTrigger
 
 __all__ = ["GaitClock"]
 

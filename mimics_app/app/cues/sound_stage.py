@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from mimics_app.app.cues.cue_watch import CueWatch
 from mimics_app.app.cues.sound_surroundings import SoundSurroundings
 from mimics_app.app.terminal.output import say
-from mimics_app.contracts import triple_buffer
-from mimics_app.contracts.audio_port import AudioOutput, AudioReport
-from mimics_app.contracts.messages import SoundEvent, SoundTrigger, TaskOrders
-from mimics_app.contracts.session_memory import SessionMemory
-from mimics_app.contracts.sound_scene import SOUND_SCENE, fill_defaults
+from mimics_app.contracts.messages.stage_messages import SoundEvent, SoundTrigger, TaskOrders
+from mimics_app.contracts.ports.audio_port import AudioOutput, AudioReport
+from mimics_app.contracts.shared_memory import triple_buffer
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
+from mimics_app.contracts.shared_memory.sound_scene import SOUND_SCENE, fill_defaults
 from mimics_app.rendering.audio.queue_need import keep_needed_ms
 from mimics_app.rendering.audio.settings import AudioSettings
 from mimics_app.world.world import World

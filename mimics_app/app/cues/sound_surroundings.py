@@ -8,7 +8,7 @@ import numpy as np
 
 from mimics_app.app.cues.gait_clock import GaitClock
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.messages import SoundTrigger
+from mimics_app.contracts.messages.stage_messages import SoundTrigger
 from mimics_app.rendering.audio.obstacles import Box, passes_of
 from mimics_app.world.components.visible import SoundObstacle, SoundRoom, Walker
 from mimics_app.world.scene.scene import Scene

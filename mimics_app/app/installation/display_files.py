@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from mimics_app.contracts.regular_file import read_regular
+from mimics_app.contracts.system.regular_file import read_regular
 
 __all__ = ["find_display_files"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.plugins import PluginError, PluginGroup
+from mimics_app.contracts.ports.plugins import PluginError, PluginGroup
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -15,7 +15,7 @@ __all__ = ["PluginReport", "list_plugins", "plugin_groups", "report_group"]
 
 def plugin_groups() -> tuple[PluginGroup, ...]:
     """Return the groups of entry points, each from the stage that uses its plug-ins."""
-    from mimics_app.contracts import display_choice, scenario_port, tracker_port
+    from mimics_app.contracts.ports import display_choice, scenario_port, tracker_port
     from mimics_app.inputs.physio import sources
     from mimics_app.learning import registry as policies
     from mimics_app.rendering.haptic import force_fields

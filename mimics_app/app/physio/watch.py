@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.clock import SECOND_NS, Clock
-from mimics_app.contracts.input_port import SignalSource
-from mimics_app.contracts.messages import SignalBlock
-from mimics_app.contracts.whole_file import private_text
+from mimics_app.contracts.messages.stage_messages import SignalBlock
+from mimics_app.contracts.ports.input_port import SignalSource
+from mimics_app.contracts.system.whole_file import private_text
 from mimics_app.dsp.channel import Event
 from mimics_app.dsp.stage import CHANNELS, PhysioDsp
 

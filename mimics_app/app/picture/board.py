@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from mimics_app.contracts.arrays import F4
-from mimics_app.contracts.board import Bar, Board, Card, Tone
-from mimics_app.contracts.messages import HapticSnapshot
+from mimics_app.contracts.messages.board import Bar, Board, Card, Tone
+from mimics_app.contracts.messages.stage_messages import HapticSnapshot
 from mimics_app.rendering.visual.figures.hud import KIND, Colour, Hud
 from mimics_app.rendering.visual.figures.key_page import KeyPage, draw_page
 from mimics_app.rendering.visual.figures.palette import ACCENT, FAINT, INK

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.haptic import EventKind
-from mimics_app.contracts.messages import HapticSnapshot
+from mimics_app.contracts.loop.haptic import EventKind
+from mimics_app.contracts.messages.stage_messages import HapticSnapshot
 from mimics_app.rendering.visual.figures.hud import Colour
 from mimics_app.rendering.visual.overlay.layers import Arrow
 

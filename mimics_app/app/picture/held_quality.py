@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from mimics_app.contracts.machine_memory import MachineMemory, machine_file
+from mimics_app.contracts.system.machine_memory import MachineMemory, machine_file
 
 if TYPE_CHECKING:
     from mimics_app.app.picture.picture import Picture

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from mimics_app.contracts.methods import Settings
+from mimics_app.contracts.ports.methods import Settings
 from mimics_app.rendering.visual.settings import RenderSettings
 
 __all__ = ["PICTURE_GROUPS", "with_methods"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.window_input import InputEvent
+from mimics_app.contracts.messages.window_input import InputEvent
 from mimics_app.rendering.visual.overlay.layers import LAYERS, Layer
 
 if TYPE_CHECKING:

@@ -16,14 +16,14 @@ from mimics_app.app.picture.video import Film
 from mimics_app.app.planner.plan import plan_scene
 from mimics_app.app.planner.uses import shadow_distance_of, visual_of
 from mimics_app.app.settings import Profile
+from mimics_app.app.stage_timer import UNTIMED, StageTimer
 from mimics_app.app.terminal.output import say
 from mimics_app.contracts.arrays import F8, Vec3
-from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import FRAME_NS, Clock
-from mimics_app.contracts.display_port import Display, FrameTiming
 from mimics_app.contracts.errors import SceneError, nearest
-from mimics_app.contracts.input_port import Ray
-from mimics_app.contracts.stage_timer import UNTIMED, StageTimer
+from mimics_app.contracts.messages.board import Board
+from mimics_app.contracts.ports.display_port import Display, FrameTiming
+from mimics_app.contracts.ports.input_port import Ray
 from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.figures.key_page import KeyPage
 from mimics_app.rendering.visual.frame_stats import FrameStats

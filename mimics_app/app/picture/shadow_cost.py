@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.messages.board import Board
 from mimics_app.world.components.visible import LightComponent
 from mimics_app.world.scene.file import build_world
 from mimics_app.world.scene.scene import Scene, SceneEntity

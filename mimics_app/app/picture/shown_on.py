@@ -5,9 +5,9 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from mimics_app.contracts.display_choice import DisplayChoice, kind_of_display, parse_display
-from mimics_app.contracts.display_port import Display
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
+from mimics_app.contracts.ports.display_choice import DisplayChoice, kind_of_display, parse_display
+from mimics_app.contracts.ports.display_port import Display
 from mimics_app.rendering.visual.displays.display_kinds import check_display_file, make_display
 from mimics_app.rendering.visual.displays.display_size import check_drawn_size
 from mimics_app.rendering.visual.surfaces.surface import Surface

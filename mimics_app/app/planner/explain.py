@@ -21,8 +21,8 @@ from mimics_app.app.planner.uses import (
     uses,
     visual_of,
 )
-from mimics_app.contracts.method_table import Row, Table
-from mimics_app.contracts.methods import Settings
+from mimics_app.contracts.ports.method_table import Row, Table
+from mimics_app.contracts.ports.methods import Settings
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.world.components.effects import Billboard, Particles, Projector
 from mimics_app.world.components.objects import ForceField, HapticEffect, HapticObject, HapticWalls

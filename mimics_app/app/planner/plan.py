@@ -17,8 +17,8 @@ from dataclasses import dataclass, replace
 from mimics_app.app.planner.tolerances import tolerances_of
 from mimics_app.app.planner.uses import uses
 from mimics_app.app.settings import Profile
-from mimics_app.contracts.method_table import Row, Table
-from mimics_app.contracts.methods import Settings
+from mimics_app.contracts.ports.method_table import Row, Table
+from mimics_app.contracts.ports.methods import Settings
 from mimics_app.world.components.tolerance_units import FIELD_OF_UNIT
 from mimics_app.world.scene.method_plugins import Use, method_plugins
 from mimics_app.world.scene.scene import Scene

@@ -7,7 +7,7 @@ from typing import TypeVar
 
 import msgspec
 
-from mimics_app.contracts.methods import Settings
+from mimics_app.contracts.ports.methods import Settings
 from mimics_app.world.components.animation import Animation, Avatar
 from mimics_app.world.components.effects import Particles
 from mimics_app.world.components.haptic_shapes import TouchSurface, surface_of

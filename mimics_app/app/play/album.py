@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.contracts.clock import FRAMES_PER_SECOND, SECOND_NS
-from mimics_app.contracts.trial_state import TaskView, TrialState
+from mimics_app.contracts.messages.trial_state import TaskView, TrialState
 
 if TYPE_CHECKING:
     from concurrent.futures import Future, ThreadPoolExecutor

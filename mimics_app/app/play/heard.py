@@ -9,9 +9,9 @@ from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare
 from mimics_app.app.session.sound import open_sound
 from mimics_app.app.settings import RunSettings
-from mimics_app.contracts.audio_port import AudioReport
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
 from mimics_app.contracts.errors import Issue, OutputError, SceneError
+from mimics_app.contracts.ports.audio_port import AudioReport
 from mimics_app.world.scene.scene import Scene
 
 __all__ = ["write_sound"]

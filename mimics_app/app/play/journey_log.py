@@ -13,7 +13,7 @@ from pathlib import Path
 
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import MimicsError
-from mimics_app.contracts.regular_file import read_regular
+from mimics_app.contracts.system.regular_file import read_regular
 
 __all__ = ["JourneyLog", "read_journey"]
 

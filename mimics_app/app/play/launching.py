@@ -11,9 +11,9 @@ from mimics_app.app.play.players import ADDRESSED, players, refusals
 from mimics_app.app.play.recent_card import recent_card
 from mimics_app.app.scenes.shipped import GROUPS, ShippedScene, find_shipped, shipped_scenes, thumbnail_of
 from mimics_app.app.settings import RunSettings
+from mimics_app.app.terminal.participant import canonical_code, why_no_code
 from mimics_app.app.terminal.user_files import read_config, write_config
-from mimics_app.contracts.display_choice import display_names, kind_of_display
-from mimics_app.contracts.participant import canonical_code, why_no_code
+from mimics_app.contracts.ports.display_choice import display_names, kind_of_display
 from mimics_app.recording.history import EarlierRun, cut_off_runs, recent_runs
 from mimics_app.rendering.haptic.devices.device_names import BUILT_IN
 from mimics_app.rendering.visual.launcher.launcher import LauncherChoice, ScenarioCard

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
-from mimics_app.contracts.trial_state import TrialState
+from mimics_app.contracts.messages.trial_state import TrialState
 
 __all__ = ["Leaving"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from mimics_app.contracts.trial_counts import COUNTED_TRIALS
+from mimics_app.contracts.messages.trial_counts import COUNTED_TRIALS
 from mimics_app.recording.history import EarlierRun
 from mimics_app.recording.result_words import finished_time, of_same_settings, result_sentence, trial_lines
 from mimics_app.rendering.visual.figures.key_page import Keys

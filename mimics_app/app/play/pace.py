@@ -18,7 +18,7 @@ from mimics_app.app.session.session import Session
 from mimics_app.app.session.watches import DeviceWatch
 from mimics_app.contracts.clock import FRAME_NS, SECOND_NS
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.haptic import SafetyState
+from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.rendering.visual.quality_steps import quality_steps, rehearse_steps
 
 __all__ = ["run_live", "run_unseen", "run_virtual"]

@@ -24,7 +24,7 @@ from mimics_app.app.terminal import output
 from mimics_app.app.terminal.display import has_display
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError, MimicsError, PartialDataError, SafetyStop
-from mimics_app.contracts.haptic import SafetyState
+from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.recording.manifest import Manifest
 from mimics_app.recording.report import write_report
 from mimics_app.recording.run_folder import private_files

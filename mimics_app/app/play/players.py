@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from mimics_app.app.scenes.shipped import ShippedScene
-from mimics_app.contracts.device_descriptor import DeviceDescriptor
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
 from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.devices.device_names import (
     BUILT_IN,

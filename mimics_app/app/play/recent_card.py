@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mimics_app.app.scenes.shipped import find_shipped, thumbnail_of
-from mimics_app.contracts.plural import counted
+from mimics_app.contracts.errors import counted
 from mimics_app.recording.history import EarlierRun, local_time
 from mimics_app.rendering.haptic.devices.device_names import SIMULATED, load_built_in
 from mimics_app.rendering.visual.launcher.launcher import ScenarioCard

@@ -6,7 +6,7 @@ from typing import Any
 
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
-from mimics_app.contracts.audio_port import AudioReport
+from mimics_app.contracts.ports.audio_port import AudioReport
 from mimics_app.rendering.haptic.histogram import LatenessReport
 
 __all__ = ["summarise"]

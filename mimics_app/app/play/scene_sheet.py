@@ -15,7 +15,7 @@ from mimics_app.app.play.stills import draw_stills
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.arrays import U1
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.regular_file import read_regular
+from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.maths.colour import linear_light
 from mimics_app.rendering.visual.effects.captions import caption_picture
 from mimics_app.rendering.visual.lighting import gather_lighting

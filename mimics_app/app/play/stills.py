@@ -16,8 +16,8 @@ from mimics_app.app.session.core import SessionCore, open_core
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
-from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
+from mimics_app.contracts.messages.board import Board
 from mimics_app.rendering.visual.frame_set import render_frames
 from mimics_app.rendering.visual.presenting.presenter import Presenter
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen

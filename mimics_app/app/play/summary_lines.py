@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from mimics_app.contracts.plural import counted
-from mimics_app.contracts.trial_counts import COUNTED_PRACTICE
+from mimics_app.contracts.errors import counted
+from mimics_app.contracts.messages.trial_counts import COUNTED_PRACTICE
 
 __all__ = ["summary_lines"]
 

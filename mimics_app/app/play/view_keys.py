@@ -18,8 +18,8 @@ from mimics_app.app.session.mover import mover_of
 from mimics_app.app.session.session import Session
 from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.errors import MimicsError
-from mimics_app.contracts.messages import TaskOrders
-from mimics_app.contracts.trial_state import TrialState
+from mimics_app.contracts.messages.stage_messages import TaskOrders
+from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.visual.figures.key_page import KeyPage
 from mimics_app.tasks.scene_section import task_of

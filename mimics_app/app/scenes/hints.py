@@ -7,7 +7,7 @@ from difflib import get_close_matches
 import numpy as np
 
 from mimics_app.contracts.errors import Issue
-from mimics_app.contracts.trial_state import TrialState
+from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.inputs.trackers.network_place import hears_the_network, listening, place_of
 from mimics_app.rendering.haptic.devices.robot_reach import Reach
 from mimics_app.world.components.haptic_shapes import (

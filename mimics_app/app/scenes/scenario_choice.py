@@ -11,9 +11,9 @@ from typing import cast
 from mimics_app import scenarios
 from mimics_app.app.scenes.shipped import ONLY_LOOKED_AT
 from mimics_app.contracts.errors import SceneError, nearest
-from mimics_app.contracts.members import load_member, member_names
-from mimics_app.contracts.plugins import PluginError
-from mimics_app.contracts.scenario_port import PLUGINS, Scenario
+from mimics_app.contracts.ports.members import load_member, member_names
+from mimics_app.contracts.ports.plugins import PluginError
+from mimics_app.contracts.ports.scenario_port import PLUGINS, Scenario
 from mimics_app.world.components.hand import GraspingHand
 from mimics_app.world.components.robot import Robot, Tunnel
 from mimics_app.world.scene.scene import Scene

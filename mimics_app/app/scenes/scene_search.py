@@ -11,7 +11,7 @@ from pathlib import Path
 
 from mimics_app.app.scenes.shipped import find_shipped, shipped_scenes
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 
 __all__ = ["find_file", "find_scene"]
 

@@ -10,9 +10,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from mimics_app.contracts.plural import counted
-from mimics_app.contracts.regular_file import read_regular
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.errors import counted
+from mimics_app.contracts.system.regular_file import read_regular
+from mimics_app.contracts.system.resources import root
 
 __all__ = [
     "GROUPS",

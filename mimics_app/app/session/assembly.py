@@ -15,7 +15,7 @@ from mimics_app.app.session.session import Session
 from mimics_app.app.session.sound import open_sound
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.device_fit import device_values
-from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.recording.recorder import Recorder
 from mimics_app.recording.run_folder import create_run_folder
 from mimics_app.recording.statics import write_statics

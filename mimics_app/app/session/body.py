@@ -9,11 +9,11 @@ import msgspec
 
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal.output import say
-from mimics_app.contracts.action_space import ActionSpace, Parameter
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.input_port import SignalSource
-from mimics_app.contracts.messages import FeatureFrame, SignalBlock, TrialResult, UserState
-from mimics_app.contracts.stages import Dsp, Estimation, Goal, Learning
+from mimics_app.contracts.messages.action_space import ActionSpace, Parameter
+from mimics_app.contracts.messages.stage_messages import FeatureFrame, SignalBlock, TrialResult, UserState
+from mimics_app.contracts.ports.input_port import SignalSource
+from mimics_app.contracts.ports.stages import Dsp, Estimation, Goal, Learning
 from mimics_app.learning.action_sequence import ActionSequence, load_action_sequence
 from mimics_app.learning.goals import TaskGoal
 from mimics_app.tasks.actions import build_action_space, build_learning_space

@@ -12,7 +12,7 @@ import msgspec
 from mimics_app.app.session.body import make_stages
 from mimics_app.app.session.tap import Tap
 from mimics_app.contracts.errors import PartialDataError
-from mimics_app.contracts.messages import SignalBlock, TrialResult
+from mimics_app.contracts.messages.stage_messages import SignalBlock, TrialResult
 from mimics_app.recording.event_log import encode_line
 from mimics_app.recording.run import Run
 from mimics_app.recording.signal_rows import SignalRow

@@ -22,9 +22,9 @@ from mimics_app.app.touch.haptic_side import HapticSide
 from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.clock import Clock, MonotonicClock, VirtualClock
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.scenario_port import Scenario
-from mimics_app.contracts.session_memory import SessionMemory
-from mimics_app.contracts.stages import Dsp, Estimation, Goal, Learning
+from mimics_app.contracts.ports.scenario_port import Scenario
+from mimics_app.contracts.ports.stages import Dsp, Estimation, Goal, Learning
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.inputs.interaction.simulated_patient import SimulatedPatient
 from mimics_app.inputs.stage import Inputs
 from mimics_app.rendering.haptic.engine import HapticEngine

@@ -14,13 +14,13 @@ from mimics_app.app.picture.board import stability_card
 from mimics_app.app.session.core import SessionCore
 from mimics_app.app.session.safety_watch import SafetyWatch
 from mimics_app.app.session.watches import RecorderWatch, SignalWatch, TactileWatch
+from mimics_app.app.stage_timer import UNTIMED
 from mimics_app.app.touch.loss_watch import LossWatch
 from mimics_app.app.touch.person_inbox import PersonInbox
-from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import FRAMES_PER_SECOND, TICK_NS, ticks_until_frame
-from mimics_app.contracts.display_port import FrameTiming
-from mimics_app.contracts.haptic import EVENT
-from mimics_app.contracts.messages import (
+from mimics_app.contracts.loop.haptic import EVENT
+from mimics_app.contracts.messages.board import Board
+from mimics_app.contracts.messages.stage_messages import (
     Experience,
     HapticSnapshot,
     TaskAction,
@@ -29,8 +29,8 @@ from mimics_app.contracts.messages import (
     UserState,
     VRInput,
 )
-from mimics_app.contracts.stage_timer import UNTIMED
-from mimics_app.contracts.tracker_port import TrackedPose
+from mimics_app.contracts.ports.display_port import FrameTiming
+from mimics_app.contracts.ports.tracker_port import TrackedPose
 from mimics_app.maths.length import length
 
 __all__ = ["Frames"]

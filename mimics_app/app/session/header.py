@@ -11,7 +11,7 @@ import msgspec
 from mimics_app.app.planner.explain import explain_plan
 from mimics_app.app.session.mover import mover_of
 from mimics_app.app.session.preparation import Preparation
-from mimics_app.contracts.haptic import SafetyState, TripCause
+from mimics_app.contracts.loop.haptic import SafetyState, TripCause
 from mimics_app.recording.report_values import mapping
 from mimics_app.rendering.haptic.scene_block import safety_of
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene

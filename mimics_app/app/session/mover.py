@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic.devices.device_names import POINTER
 
 __all__ = ["Mover", "mover_of"]

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from mimics_app.app.session.core import simulated_person
 from mimics_app.app.session.session import Session
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.input_port import Ray
-from mimics_app.contracts.scenario_port import Scenario
-from mimics_app.contracts.window_input import GamepadState, InputEvent
+from mimics_app.contracts.messages.window_input import GamepadState, InputEvent
+from mimics_app.contracts.ports.input_port import Ray
+from mimics_app.contracts.ports.scenario_port import Scenario
 from mimics_app.inputs.interaction.plane import FrontalPlane
 from mimics_app.inputs.interaction.pointer import Pointer, PointerSettings
 from mimics_app.inputs.stage import Inputs

@@ -23,8 +23,8 @@ from mimics_app.app.touch.device_fit import check_shape, feel_of
 from mimics_app.app.touch.haptic_side import HapticSide
 from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.loop_ports import DevicePlugin
-from mimics_app.contracts.scenario_port import Scenario, TaskContext
+from mimics_app.contracts.loop.loop_ports import DevicePlugin
+from mimics_app.contracts.ports.scenario_port import Scenario, TaskContext
 from mimics_app.recording.run import Run
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.described import descriptor_of

@@ -8,11 +8,11 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from mimics_app.contracts.device_descriptor import Kinematics
-from mimics_app.contracts.display_port import FrameTiming
 from mimics_app.contracts.errors import PartialDataError
-from mimics_app.contracts.messages import HapticSnapshot, TaskAction, VRInput
-from mimics_app.contracts.scenario_port import TaskContext
+from mimics_app.contracts.loop.device_descriptor import Kinematics
+from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskAction, VRInput
+from mimics_app.contracts.ports.display_port import FrameTiming
+from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.recording.replay import ReplayData
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import FILES

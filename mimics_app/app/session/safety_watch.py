@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from mimics_app.app.terminal.output import say
 from mimics_app.contracts.clock import TICKS_PER_SECOND
-from mimics_app.contracts.haptic import EventKind, SafetyState
-from mimics_app.contracts.trips import Trip, TripReader
+from mimics_app.contracts.loop.haptic import EventKind, SafetyState
+from mimics_app.recording.trips import Trip, TripReader
 from mimics_app.rendering.haptic.histogram import LatenessReport
 
 __all__ = ["SafetyWatch", "hold_message"]

@@ -12,8 +12,8 @@ from mimics_app.app.session.preparation import Preparation
 from mimics_app.app.session.switched_off import SoundPort
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal.output import say
-from mimics_app.contracts.audio_port import AudioReport
-from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.ports.audio_port import AudioReport
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.recording.manifest import Manifest
 from mimics_app.recording.recorder import Recorder
 

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 from mimics_app.app.session.preparation import Preparation
 from mimics_app.app.session.switched_off import NullSound, SoundPort
-from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.world.components.systems import AudioSettings
 from mimics_app.world.components.visible import Sound, SoundBus, SoundEmitter
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.audio_port import AudioOutput
+    from mimics_app.contracts.ports.audio_port import AudioOutput
     from mimics_app.rendering.audio.settings import Sink
 
 __all__ = ["open_sound"]

@@ -8,12 +8,12 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts import ring
-from mimics_app.contracts.audio_port import AudioReport
-from mimics_app.contracts.haptic import SAMPLE
-from mimics_app.contracts.messages import TaskOrders
-from mimics_app.contracts.object_rows import Rows
-from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.loop.haptic import SAMPLE
+from mimics_app.contracts.loop.object_rows import Rows
+from mimics_app.contracts.messages.stage_messages import TaskOrders
+from mimics_app.contracts.ports.audio_port import AudioReport
+from mimics_app.contracts.shared_memory import ring
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.recording.signal_rows import SignalRow
 from mimics_app.world.world import World
 

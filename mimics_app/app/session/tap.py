@@ -7,7 +7,7 @@ from typing import Protocol
 
 import msgspec
 
-from mimics_app.contracts.messages import FeatureFrame, SignalBlock, TaskAction, TrialResult, UserState
+from mimics_app.contracts.messages.stage_messages import FeatureFrame, SignalBlock, TaskAction, TrialResult, UserState
 from mimics_app.recording.signal_rows import SignalRow
 
 __all__ = ["Keeper", "Tap"]

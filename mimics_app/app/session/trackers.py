@@ -6,7 +6,7 @@ from pathlib import Path
 
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import SceneError, UsageError
-from mimics_app.contracts.tracker_port import TrackerSource
+from mimics_app.contracts.ports.tracker_port import TrackerSource
 from mimics_app.inputs.trackers.calibration import UNITS, Calibration, axis_map, fit_room
 from mimics_app.inputs.trackers.hub import MountedTracker, TrackerHub
 from mimics_app.inputs.trackers.tape import TapeWriter

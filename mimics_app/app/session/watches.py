@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 
 from mimics_app.app.session.switched_off import RecorderPort
 from mimics_app.app.terminal.output import say
-from mimics_app.contracts.input_port import SignalSource
-from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.contracts.loop.loop_ports import DevicePlugin
+from mimics_app.contracts.ports.input_port import SignalSource
 
 __all__ = ["DeviceWatch", "RecorderWatch", "SignalWatch", "TactileWatch"]
 

@@ -9,8 +9,8 @@ from typing import Any
 
 from mimics_app.app.study.subjects import SubjectRun
 from mimics_app.app.study.tables import Row, summarise_conditions
-from mimics_app.contracts.plural import counted
-from mimics_app.contracts.whole_file import private_text
+from mimics_app.contracts.errors import counted
+from mimics_app.contracts.system.whole_file import private_text
 from mimics_app.plotting.page_templates import load_templates
 from mimics_app.recording.report_values import mapping
 from mimics_app.recording.session_header import read_session

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mimics_app.app.play.journey_log import read_journey
-from mimics_app.contracts.regular_file import read_regular
+from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.recording.history import played_by
 
 __all__ = ["SubjectRun", "find_run", "run_subject"]

@@ -11,7 +11,7 @@ from statistics import fmean, stdev
 from typing import Any
 
 from mimics_app.app.study.subjects import SubjectRun
-from mimics_app.contracts.whole_file import private_text
+from mimics_app.contracts.system.whole_file import private_text
 from mimics_app.recording.event_log import read_lines
 from mimics_app.recording.run_folder import FILES
 from mimics_app.recording.trial_table import read_trials

@@ -21,7 +21,7 @@ from mimics_app.app.scenes.scene_search import find_scene
 from mimics_app.app.settings import PATIENTS, PROFILES, Profile, RunSettings
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
 from mimics_app.contracts.errors import Issue, MimicsError, nearest
-from mimics_app.contracts.messages import TaskAction
+from mimics_app.contracts.messages.stage_messages import TaskAction
 from mimics_app.lab.sweep.quantity import Columns, Quantity, SweepExperiment
 from mimics_app.learning.action_sequence import ActionSequence, TimedAction
 from mimics_app.tasks.actions import build_action_space

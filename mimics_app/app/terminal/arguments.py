@@ -8,9 +8,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from mimics_app.app.settings import PROFILES
-from mimics_app.contracts.display_choice import DISPLAY_KINDS, display_names, kind_of_display, parse_display
+from mimics_app.app.terminal.participant import canonical_code, why_no_code
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.participant import canonical_code, why_no_code
+from mimics_app.contracts.ports.display_choice import DISPLAY_KINDS, display_names, kind_of_display, parse_display
 
 __all__ = [
     "Container",

@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from mimics_app.contracts.display_choice import parse_display
 from mimics_app.contracts.errors import Issue, SceneError, UsageError
+from mimics_app.contracts.ports.display_choice import parse_display
 
 __all__ = ["check_adaptation", "check_file", "check_files"]
 

@@ -6,7 +6,7 @@ import json
 from functools import lru_cache
 
 from mimics_app.contracts.errors import Issue
-from mimics_app.contracts.regular_file import read_regular
+from mimics_app.contracts.system.regular_file import read_regular
 
 __all__ = ["line_and_column"]
 

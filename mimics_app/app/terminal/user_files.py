@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.regular_file import read_regular
+from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.recording.run_folder import write_atomically
 
 __all__ = ["config_file", "read_config", "read_strictly", "write_config"]

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from mimics_app.contracts.device_descriptor import DeviceDescriptor
-from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.haptic import Controller
-from mimics_app.contracts.loop_ports import DevicePlugin
-from mimics_app.contracts.plural import counted
+from mimics_app.contracts.errors import DeviceError, counted
+from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
+from mimics_app.contracts.loop.haptic import Controller
+from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.scene_block import dynamics_of, impedance_values, kinematic_values

@@ -8,9 +8,9 @@ from typing import Any
 from numpy.typing import NDArray
 
 from mimics_app.app.touch.parameter_store import ParameterStore
-from mimics_app.contracts.loop_ports import DevicePlugin
-from mimics_app.contracts.object_rows import Rows, count_rows, has_objects
-from mimics_app.contracts.session_memory import Capacities, SessionMemory
+from mimics_app.contracts.loop.loop_ports import DevicePlugin
+from mimics_app.contracts.loop.object_rows import Rows, count_rows, has_objects
+from mimics_app.contracts.shared_memory.session_memory import Capacities, SessionMemory
 from mimics_app.recording.statics import Statics
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.device_objects import DEFAULT_INERTIA, DeviceObject

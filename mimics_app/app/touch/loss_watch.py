@@ -8,8 +8,8 @@ from typing import Any
 from numpy.typing import NDArray
 
 from mimics_app.app.terminal.output import say
-from mimics_app.contracts.haptic import EventKind
-from mimics_app.contracts.plural import counted
+from mimics_app.contracts.errors import counted
+from mimics_app.contracts.loop.haptic import EventKind
 
 __all__ = ["LossWatch"]
 

@@ -1,7 +1,8 @@
 """Parameter store: the current haptic parameters, changed by dotted name and published as whole blocks.
 
-What may be written while a session runs is a closed list: the numbers of `contracts.field_ranges` that are marked as
-written, each within its range; by the task manager also controller and trial. A person alone leaves a stop (`reset`).
+What may be written while a session runs is a closed list: the numbers of `contracts.loop.field_ranges` that are marked
+as written, each within its range; by the task manager also controller and trial. A person alone leaves a stop
+(`reset`).
 """
 
 from __future__ import annotations
@@ -13,11 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.errors import UsageError, nearest
-from mimics_app.contracts.field_ranges import Range, range_of, writable_names
-from mimics_app.contracts.haptic import LIMIT_NAMES, SCENE, Controller
-from mimics_app.contracts.object_rows import Rows
-from mimics_app.contracts.plural import counted
+from mimics_app.contracts.errors import UsageError, counted, nearest
+from mimics_app.contracts.loop.field_ranges import Range, range_of, writable_names
+from mimics_app.contracts.loop.haptic import LIMIT_NAMES, SCENE, Controller
+from mimics_app.contracts.loop.object_rows import Rows
 from mimics_app.rendering.haptic.block_check import check_values
 
 __all__ = ["ParameterStore"]

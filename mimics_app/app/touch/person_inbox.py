@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import INBOX
-from mimics_app.contracts.messages import PointerState
+from mimics_app.contracts.loop.haptic import INBOX
+from mimics_app.contracts.messages.stage_messages import PointerState
 from mimics_app.rendering.haptic.engine import HapticEngine
 
 __all__ = ["PersonInbox"]

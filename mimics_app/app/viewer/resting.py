@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from mimics_app.app.scenes.scenario_choice import is_playable, open_scenario
-from mimics_app.contracts.loop_fields import MAX_CONTACTS
-from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
-from mimics_app.contracts.scenario_port import Scenario
+from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS
+from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskOrders
+from mimics_app.contracts.ports.scenario_port import Scenario
 from mimics_app.world.components.robot import Ball, Robot
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 from mimics_app.dsp.kernels.beat_path import (
     BEATS,
     DEVIATION,

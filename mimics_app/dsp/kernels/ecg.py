@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 from mimics_app.dsp.kernels.rhythm import LAST, RHYTHM, RR, T_WAVE, USUAL_RR, add_beat, off_beat, steadiness
 from mimics_app.dsp.kernels.sections import Floats, run_sections, settle_sections
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 from mimics_app.dsp.kernels.sections import Floats, run_sections
 
 __all__ = ["EMG_STATE", "find_onsets"]

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 from mimics_app.dsp.kernels.sections import Floats
 
 __all__ = ["LAST", "PHASE", "RHYTHM", "RR", "T_WAVE", "UNSTEADY", "USUAL_RR", "add_beat", "off_beat", "steadiness"]

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 from mimics_app.dsp.kernels.sections import Floats
 
 __all__ = [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mimics_app.contracts.input_port import WindowFrame
+from mimics_app.contracts.ports.input_port import WindowFrame
 
 __all__ = ["GraspControl"]
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, replace
 
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.input_port import Ray
+from mimics_app.contracts.ports.input_port import Ray
 
 __all__ = ["FrontalPlane"]
 

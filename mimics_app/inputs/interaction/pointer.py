@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import TypeVar
 
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.input_port import RayFromWindow, WindowFrame
-from mimics_app.contracts.messages import Aim, PointerState
+from mimics_app.contracts.messages.stage_messages import Aim, PointerState
+from mimics_app.contracts.ports.input_port import RayFromWindow, WindowFrame
 from mimics_app.inputs.interaction.grasp import GraspControl
 from mimics_app.inputs.interaction.plane import FrontalPlane
 from mimics_app.inputs.interaction.window_reach import levered, pointed

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.input_port import WindowFrame
-from mimics_app.contracts.messages import Aim, PointerState
+from mimics_app.contracts.messages.stage_messages import Aim, PointerState
+from mimics_app.contracts.ports.input_port import WindowFrame
 
 __all__ = ["SimulatedPatient"]
 

@@ -6,7 +6,7 @@ import math
 from itertools import pairwise
 
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.input_port import RayFromWindow
+from mimics_app.contracts.ports.input_port import RayFromWindow
 from mimics_app.inputs.interaction.plane import FrontalPlane
 
 __all__ = ["EDGE", "levered", "pointed"]

@@ -8,7 +8,7 @@ import numpy as np
 
 from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.errors import DeviceError, UsageError, nearest
-from mimics_app.contracts.messages import SignalBlock
+from mimics_app.contracts.messages.stage_messages import SignalBlock
 from mimics_app.inputs.physio.integrity import Grid, LiveSignals
 
 __all__ = ["BoardSource"]

@@ -12,7 +12,7 @@ from typing import IO, TYPE_CHECKING
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import Issue, SceneError, first_line
-from mimics_app.contracts.regular_file import open_regular
+from mimics_app.contracts.system.regular_file import open_regular
 
 if TYPE_CHECKING:
     import pyarrow as pa

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.regular_file import open_regular
+from mimics_app.contracts.system.regular_file import open_regular
 from mimics_app.inputs.physio.stored_samples import Samples, SamplesInFile, kept
 
 __all__ = ["EdfChannel", "read_edf_channels"]

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TypeVar
 
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.input_port import SignalSource
-from mimics_app.contracts.messages import Experience, SignalBlock
-from mimics_app.contracts.plugins import raised
+from mimics_app.contracts.messages.stage_messages import Experience, SignalBlock
+from mimics_app.contracts.ports.input_port import SignalSource
+from mimics_app.contracts.ports.plugins import raised
 from mimics_app.inputs.physio.integrity import Faults
 
 __all__ = ["CheckRate", "GuardedSource", "any_rate"]

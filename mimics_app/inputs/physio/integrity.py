@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.clock import SECOND_NS
-from mimics_app.contracts.messages import Experience, SignalBlock
+from mimics_app.contracts.messages.stage_messages import Experience, SignalBlock
 
 __all__ = ["Faults", "Grid", "LiveSignals"]
 

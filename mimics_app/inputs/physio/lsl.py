@@ -16,7 +16,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import SECOND_NS, MonotonicClock
 from mimics_app.contracts.errors import DeviceError, UsageError
-from mimics_app.contracts.messages import SignalBlock
+from mimics_app.contracts.messages.stage_messages import SignalBlock
 from mimics_app.inputs.physio.channel_names import NAMES_HINT, columns_of, say_columns, unit_factor
 from mimics_app.inputs.physio.integrity import Grid, LiveSignals
 

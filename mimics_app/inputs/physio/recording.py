@@ -14,8 +14,8 @@ import numpy as np
 
 from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.errors import Issue, SceneError, UsageError, first_line, short_text
-from mimics_app.contracts.input_port import SignalSource
-from mimics_app.contracts.messages import Experience, SignalBlock
+from mimics_app.contracts.messages.stage_messages import Experience, SignalBlock
+from mimics_app.contracts.ports.input_port import SignalSource
 from mimics_app.inputs.physio.channel_names import (
     NAMES_HINT,
     columns_of,

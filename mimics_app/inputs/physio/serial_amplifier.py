@@ -6,7 +6,7 @@ import numpy as np
 
 from mimics_app.contracts.clock import SECOND_NS, Clock, MonotonicClock
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.messages import SignalBlock
+from mimics_app.contracts.messages.stage_messages import SignalBlock
 from mimics_app.inputs.physio.amplifier_frames import AmplifierReader, Samples
 from mimics_app.inputs.physio.channel_names import NAMES_HINT, columns_of, say_columns
 from mimics_app.inputs.physio.integrity import Grid, LiveSignals

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from mimics_app.contracts.errors import DeviceError, Issue, SceneError, UsageError, nearest, short_text
-from mimics_app.contracts.input_port import SignalSource
-from mimics_app.contracts.plugins import PluginError, PluginGroup, fault_of_builder, made_by
+from mimics_app.contracts.ports.input_port import SignalSource
+from mimics_app.contracts.ports.plugins import PluginError, PluginGroup, fault_of_builder, made_by
 from mimics_app.inputs.physio.guarded_source import CheckRate, GuardedSource, any_rate
 
 if TYPE_CHECKING:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.read_budget import afford
-from mimics_app.contracts.regular_file import open_regular, read_regular
+from mimics_app.contracts.system.read_budget import afford
+from mimics_app.contracts.system.regular_file import open_regular, read_regular
 
 __all__ = ["check_wfdb_header"]
 

@@ -5,7 +5,7 @@ Position and angles ("Y"): x, y, z as shares of 36 inch, then rotations about z,
 
 from __future__ import annotations
 
-from mimics_app.contracts.tracker_port import TrackerSample
+from mimics_app.contracts.ports.tracker_port import TrackerSample
 from mimics_app.inputs.trackers.polhemus import euler_quaternion
 
 __all__ = ["RECORD_BYTES", "FlockParser", "flock_record"]

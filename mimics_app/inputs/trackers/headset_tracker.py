@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink
+from mimics_app.contracts.ports.tracker_port import TrackerSample, TrackerSink
 from mimics_app.inputs.trackers.polled_tracker import PolledTracker
 
 __all__ = ["HeadsetTracker"]

@@ -9,11 +9,11 @@ from functools import partial
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.display_port import MAX_PREDICTION_NS
 from mimics_app.contracts.errors import DeviceError, MimicsError
-from mimics_app.contracts.input_port import WindowFrame
-from mimics_app.contracts.plugins import raised
-from mimics_app.contracts.tracker_port import TrackedPose, TrackerSample, TrackerSource
+from mimics_app.contracts.ports.display_port import MAX_PREDICTION_NS
+from mimics_app.contracts.ports.input_port import WindowFrame
+from mimics_app.contracts.ports.plugins import raised
+from mimics_app.contracts.ports.tracker_port import TrackedPose, TrackerSample, TrackerSource
 from mimics_app.inputs.trackers.calibration import Calibration
 from mimics_app.inputs.trackers.tape import TapeWriter
 from mimics_app.inputs.trackers.track import Track

@@ -6,7 +6,7 @@ from typing import Any
 
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.tracker_port import TrackerSink
+from mimics_app.contracts.ports.tracker_port import TrackerSink
 from mimics_app.inputs.trackers.threaded_tracker import POSE_NUMBERS, ThreadedTracker
 
 __all__ = ["LslTracker"]

@@ -6,7 +6,7 @@ import socket
 
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import DeviceError, UsageError
-from mimics_app.contracts.tracker_port import TrackerSink
+from mimics_app.contracts.ports.tracker_port import TrackerSink
 from mimics_app.inputs.trackers.network_place import hears_the_network, place_of
 from mimics_app.inputs.trackers.osc_wire import OscMessage, read_datagram
 from mimics_app.inputs.trackers.threaded_tracker import POSE_NUMBERS, ThreadedTracker

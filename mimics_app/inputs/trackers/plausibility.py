@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from mimics_app.contracts.tracker_port import TrackerSample
+from mimics_app.contracts.ports.tracker_port import TrackerSample
 
 __all__ = ["MOST_SENSORS", "BelievedSensors", "Plausibility"]
 

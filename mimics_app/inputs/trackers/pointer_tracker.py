@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from mimics_app.contracts.input_port import WindowFrame
-from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink
+from mimics_app.contracts.ports.input_port import WindowFrame
+from mimics_app.contracts.ports.tracker_port import TrackerSample, TrackerSink
 from mimics_app.inputs.trackers.polled_tracker import PolledTracker
 from mimics_app.inputs.trackers.scripted_person import person_quaternion
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 
-from mimics_app.contracts.tracker_port import TrackerSample
+from mimics_app.contracts.ports.tracker_port import TrackerSample
 
 __all__ = ["RECORD_BYTES", "FastrakParser", "euler_quaternion", "fastrak_record"]
 

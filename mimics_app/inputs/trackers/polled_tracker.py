@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 
-from mimics_app.contracts.tracker_port import TrackerSink, TrackerSource
+from mimics_app.contracts.ports.tracker_port import TrackerSink, TrackerSource
 
 __all__ = ["PolledTracker"]
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink
+from mimics_app.contracts.ports.tracker_port import TrackerSample, TrackerSink
 from mimics_app.inputs.trackers.polhemus import euler_quaternion
 from mimics_app.inputs.trackers.polled_tracker import PolledTracker
 

@@ -6,7 +6,7 @@ from typing import Protocol
 
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink
+from mimics_app.contracts.ports.tracker_port import TrackerSample, TrackerSink
 from mimics_app.inputs.trackers.ascension import FlockParser
 from mimics_app.inputs.trackers.calibration import UNITS
 from mimics_app.inputs.trackers.polhemus import FastrakParser

@@ -12,8 +12,8 @@ import msgspec
 
 from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.regular_file import open_regular
-from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink
+from mimics_app.contracts.ports.tracker_port import TrackerSample, TrackerSink
+from mimics_app.contracts.system.regular_file import open_regular
 from mimics_app.inputs.trackers.polled_tracker import PolledTracker
 
 __all__ = ["TapeTracker", "TapeWriter", "read_tape"]

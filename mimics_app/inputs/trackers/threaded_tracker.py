@@ -8,8 +8,8 @@ from abc import abstractmethod
 from collections.abc import Sequence
 
 from mimics_app.contracts.clock import Clock, MonotonicClock
-from mimics_app.contracts.plugins import raised
-from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink, TrackerSource
+from mimics_app.contracts.ports.plugins import raised
+from mimics_app.contracts.ports.tracker_port import TrackerSample, TrackerSink, TrackerSource
 from mimics_app.inputs.trackers.plausibility import BelievedSensors
 
 __all__ = ["POSE_NUMBERS", "ThreadedTracker"]

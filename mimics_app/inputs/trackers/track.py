@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.display_port import MAX_PREDICTION_NS
-from mimics_app.contracts.tracker_port import STALE_NS, TrackedPose, TrackerSample
+from mimics_app.contracts.ports.display_port import MAX_PREDICTION_NS
+from mimics_app.contracts.ports.tracker_port import STALE_NS, TrackedPose, TrackerSample
 from mimics_app.maths.poses import interpolate_pose, pose_from_parts
 
 __all__ = ["Track"]

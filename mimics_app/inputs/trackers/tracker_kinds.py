@@ -11,8 +11,8 @@ from typing import cast
 
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.plugins import PluginError
-from mimics_app.contracts.tracker_port import PLUGINS, TrackerSource
+from mimics_app.contracts.ports.plugins import PluginError
+from mimics_app.contracts.ports.tracker_port import PLUGINS, TrackerSource
 from mimics_app.inputs.trackers.headset_tracker import HeadsetTracker
 from mimics_app.inputs.trackers.pointer_tracker import PointerTracker
 from mimics_app.inputs.trackers.scripted_person import ScriptedPerson

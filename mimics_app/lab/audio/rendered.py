@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.audio_port import Timing
 from mimics_app.contracts.clock import VirtualClock
+from mimics_app.contracts.ports.audio_port import Timing
 from mimics_app.rendering.audio.bank import Sound, SoundBank
 from mimics_app.rendering.audio.engine import open_mixer
 from mimics_app.rendering.audio.settings import AudioSettings, MixerName, SoundSpec

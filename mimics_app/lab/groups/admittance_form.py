@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import AdmittanceForm
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.probe import shortest_us
+from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.loop.haptic import AdmittanceForm
+from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.control.admittance import admit
 from mimics_app.rendering.haptic.kernels.kinematics import apply_inverse_jacobian, apply_jacobian
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import Floats
+    from mimics_app.rendering.haptic.record_types import Floats
 
 __all__ = ["false_force"]
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings

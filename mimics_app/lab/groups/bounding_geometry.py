@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.contracts.haptic_objects import ShapeKind
+from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.lab.haptic.probe import reference_us
 from mimics_app.lab.haptic.touch_probe import RADIUS, STIFFNESS, slide_path, touch_scene
 from mimics_app.lab.rivals import Rival, compare

@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.probe import shortest_us
 from mimics_app.lab.haptic.probe import reference_us
+from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.kernels.contact import cube, cube_nearest_face, cube_printed
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import ContactRecord, Table
+    from mimics_app.rendering.haptic.record_types import ContactRecord, Table
 
 __all__ = ["false_force"]
 

@@ -14,11 +14,11 @@ import math
 
 import numpy as np
 
-from mimics_app.contracts.haptic_objects import ObjectIntegrator
-from mimics_app.contracts.probe import shortest_us
+from mimics_app.contracts.loop.haptic_objects import ObjectIntegrator
 from mimics_app.lab.groups.contact_law import restitution_spring_damper
 from mimics_app.lab.haptic.body_worlds import new_world, rest_on_floor
 from mimics_app.lab.haptic.probe import SIZES, reference_us
+from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 
 __all__: list[str] = []

@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.maths.cord import hang
 from mimics_app.maths.frames import (

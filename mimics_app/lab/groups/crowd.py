@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.lab.visual.probe import differing_pixels, frame_us, show_picture
 from mimics_app.rendering.visual.settings import RenderSettings

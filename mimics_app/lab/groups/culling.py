@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mimics_app.contracts.arrays import F8, I4
-from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.lab.visual.box_items import box_items
 from mimics_app.maths.mat import compose

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mimics_app.compiled.borrowed import borrowed
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.borrowed import borrowed
-from mimics_app.contracts.haptic_objects import OBJECT_COUNTS, STATIC, EffectKind
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
-from mimics_app.contracts.probe import shortest_us
+from mimics_app.contracts.loop.haptic_objects import OBJECT_COUNTS, STATIC, EffectKind
+from mimics_app.contracts.loop.object_rows import ObjectCapacities, new_rows
 from mimics_app.lab.haptic.probe import reference_us
+from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.kernels.objects.force_effects import apply_effects
 from mimics_app.rendering.haptic.kernels.objects.object_inputs import (
@@ -34,7 +34,7 @@ from mimics_app.rendering.haptic.standard_fields import well
 from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import Fields, ObjectCountsRecord, ObjectWork, Rows
+    from mimics_app.rendering.haptic.record_types import Fields, ObjectCountsRecord, ObjectWork, Rows
 
 __all__: list[str] = []
 

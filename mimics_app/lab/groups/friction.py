@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.probe import shortest_us
 from mimics_app.lab.haptic.probe import SIZES, reference_us
+from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.kernels.contact_records import FRICTION
 from mimics_app.rendering.haptic.kernels.friction import (
@@ -30,7 +30,7 @@ from mimics_app.rendering.haptic.kernels.friction import (
 )
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import FrictionRecord, Table
+    from mimics_app.rendering.haptic.record_types import FrictionRecord, Table
 
 __all__ = ["KARNOPP", "LAWS", "NUMBERS", "Hold", "friction_by", "hold"]
 

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.probe import shortest_us
+from mimics_app.compiled.kernel import kernel
 from mimics_app.lab.haptic.taps import observed_leak
+from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.kernels.contact import rate_of_depth, wall
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
@@ -20,7 +20,7 @@ from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import ContactRecord, ObserverRecord
+    from mimics_app.rendering.haptic.record_types import ContactRecord, ObserverRecord
 
 __all__ = ["DEPTH", "RATES", "SPEED", "STIFFNESS", "tap_leak"]
 

@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts import ring
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.haptic import INBOX, SAMPLE
-from mimics_app.contracts.haptic_objects import Projection
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
-from mimics_app.contracts.probe import shortest_us
-from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.loop.haptic import INBOX, SAMPLE
+from mimics_app.contracts.loop.haptic_objects import Projection
+from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows, new_rows
+from mimics_app.contracts.shared_memory import ring
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
+from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine

@@ -8,10 +8,10 @@ from __future__ import annotations
 import math
 from functools import partial
 
-from mimics_app.contracts.probe import shortest_us
-from mimics_app.contracts.tracker_port import TrackerSample
+from mimics_app.contracts.ports.tracker_port import TrackerSample
 from mimics_app.inputs.trackers.polhemus import euler_quaternion
 from mimics_app.inputs.trackers.track import Track
+from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.maths.poses import rotation_vector
 

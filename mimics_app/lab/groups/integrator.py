@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.methods import Settings
-from mimics_app.contracts.probe import shortest_us
+from mimics_app.contracts.ports.methods import Settings
 from mimics_app.lab.haptic.probe import SIZES, reference_us
+from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.kernels.integrators import (
     step_exact,

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec
 from mimics_app.rendering.visual.displays.lens import distort

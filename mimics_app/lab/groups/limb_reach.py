@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.methods import Settings
-from mimics_app.contracts.probe import shortest_us
+from mimics_app.contracts.ports.methods import Settings
+from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.world.motion.kernels.iterative import reach_by_descent, reach_by_fabrik
 from mimics_app.world.motion.kernels.two_bone import reach_two_bones

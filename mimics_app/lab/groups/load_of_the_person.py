@@ -9,11 +9,11 @@ from functools import cache, partial
 from itertools import count
 
 from mimics_app.contracts.clock import SECOND_NS
-from mimics_app.contracts.messages import FeatureFrame
-from mimics_app.contracts.probe import shortest_us
+from mimics_app.contracts.messages.stage_messages import FeatureFrame
 from mimics_app.estimation.load_people import shipped_people
 from mimics_app.estimation.registry import build_estimation
 from mimics_app.lab.physio.state_study import RIVALS, StateScore, state_study
+from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 
 __all__: list[str] = []

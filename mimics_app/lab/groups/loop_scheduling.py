@@ -15,7 +15,7 @@ import numpy as np
 
 from mimics_app.contracts.clock import TICKS_PER_SECOND, MonotonicClock
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.lab.python_loop import PythonLoop
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.devices.registry import build_device

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.probe import shortest_us
 from mimics_app.lab.haptic.probe import reference_us
 from mimics_app.lab.haptic.touch_probe import RADIUS, STIFFNESS, ball_mesh, slide_path
+from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.kernels.objects.contact_scratch import CONTACT_SCRATCH
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
@@ -29,7 +29,7 @@ from mimics_app.rendering.haptic.kernels.objects.records import MEMORY
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import ContactScratchRecord, MemoryRecord, MeshRecord, Table
+    from mimics_app.rendering.haptic.record_types import ContactScratchRecord, MemoryRecord, MeshRecord, Table
 
 __all__ = ["false_slide"]
 

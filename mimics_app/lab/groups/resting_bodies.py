@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.contracts.haptic_objects import BodyFlag
-from mimics_app.contracts.probe import shortest_us
+from mimics_app.contracts.loop.haptic_objects import BodyFlag
 from mimics_app.lab.haptic.body_worlds import BodyWorld, rest_on_floor
 from mimics_app.lab.haptic.probe import SIZES, reference_us
+from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 
 __all__: list[str] = []

@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 
 __all__ = ["BENDS", "crest_error", "midway", "straight"]

@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, Words
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.probe import shortest_us
 from mimics_app.lab.haptic.probe import reference_us
 from mimics_app.lab.haptic.touch_probe import RADIUS
+from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.kernels.objects.cull import find_near, find_near_plain
 

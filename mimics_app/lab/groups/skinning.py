@@ -10,7 +10,7 @@ from functools import cache, partial
 import numpy as np
 
 from mimics_app.contracts.arrays import F4, F8
-from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.lab.visual.skinned_figure import (
     KEY,

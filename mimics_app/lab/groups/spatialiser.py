@@ -10,13 +10,13 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.audio_port import ListenerState
 from mimics_app.contracts.clock import MonotonicClock, VirtualClock
-from mimics_app.contracts.messages import SoundEvent
-from mimics_app.contracts.probe import shortest_us
-from mimics_app.contracts.sound_scene import BANDS
+from mimics_app.contracts.messages.stage_messages import SoundEvent
+from mimics_app.contracts.ports.audio_port import ListenerState
+from mimics_app.contracts.shared_memory.sound_scene import BANDS
 from mimics_app.lab.audio.hearing import HearingErrors, hearing_errors
 from mimics_app.lab.audio.rendered import render_clicks
+from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.engine import open_mixer

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.haptic_objects import MAX_PIECES, TUNNEL
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.probe import shortest_us
+from mimics_app.contracts.loop.haptic_objects import MAX_PIECES, TUNNEL
+from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.kernels.tunnel_projection import (
     project_brute_force,
@@ -23,7 +23,7 @@ from mimics_app.rendering.haptic.kernels.tunnel_state import TUNNEL_STATE
 from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve, build_tunnel
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import Table, TunnelRecord, TunnelStateRecord
+    from mimics_app.rendering.haptic.record_types import Table, TunnelRecord, TunnelStateRecord
 
 __all__ = ["closest_by_roots"]
 

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.resources import root
+from mimics_app.contracts.system.resources import root
 from mimics_app.lab.groups.crowd import load_person
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.lab.visual.probe import differing_pixels, frame_us, show_picture

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mimics_app.compiled.borrowed import borrowed
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.borrowed import borrowed
-from mimics_app.contracts.haptic_objects import OBJECT_COUNTS, STATIC, BodyFlag, ObjectIntegrator, ShapeKind
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
+from mimics_app.contracts.loop.haptic_objects import OBJECT_COUNTS, STATIC, BodyFlag, ObjectIntegrator, ShapeKind
+from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.rendering.haptic.kernels.objects.bodies import place_bodies, step_bodies
 from mimics_app.rendering.haptic.kernels.objects.collisions import collide_bodies
 from mimics_app.rendering.haptic.kernels.objects.shape_poses import pose_shapes
@@ -22,7 +22,7 @@ from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
 from mimics_app.rendering.haptic.objects import ObjectWork, new_object_work
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import ObjectCountsRecord, ObjectWork, Rows
+    from mimics_app.rendering.haptic.record_types import ObjectCountsRecord, ObjectWork, Rows
 
 __all__ = ["FREE", "GRAVITY", "BodyWorld", "box_inertia", "heap_of_boxes", "new_world", "rest_on_floor"]
 

@@ -7,10 +7,10 @@ from enum import IntEnum
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.haptic import Button, DeviceStatus
-from mimics_app.contracts.kernel import kernel, typed_kernel
-from mimics_app.contracts.loop_ports import (
+from mimics_app.contracts.loop.haptic import Button, DeviceStatus
+from mimics_app.contracts.loop.loop_ports import (
     DATA_AGE,
     DATA_BUTTONS,
     DATA_DQ,

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.probe import shortest_us
+from mimics_app.compiled.kernel import kernel
+from mimics_app.lab.probe import shortest_us
 
 __all__ = ["SIZES", "reference_us"]
 

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.compiled.borrowed import borrowed
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.borrowed import borrowed
-from mimics_app.contracts.haptic_objects import OBJECT_COUNTS, STATIC, ShapeKind
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
-from mimics_app.contracts.probe import shortest_us
+from mimics_app.contracts.loop.haptic_objects import OBJECT_COUNTS, STATIC, ShapeKind
+from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows, new_rows
+from mimics_app.lab.probe import shortest_us
 from mimics_app.rendering.haptic.kernels.objects.interaction_points import place_points
 from mimics_app.rendering.haptic.kernels.objects.shape_poses import pose_shapes
 from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
@@ -26,7 +26,7 @@ from mimics_app.rendering.haptic.mesh_table import build_mesh_table
 from mimics_app.rendering.haptic.objects import ObjectWork, new_object_work
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import ObjectCountsRecord, ObjectWork, Rows
+    from mimics_app.rendering.haptic.record_types import ObjectCountsRecord, ObjectWork, Rows
 
 __all__ = ["DT", "RADIUS", "STIFFNESS", "TouchScene", "ball_mesh", "slide_path", "touch_scene"]
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.messages import SignalBlock
+from mimics_app.contracts.messages.stage_messages import SignalBlock
 from mimics_app.dsp.channel import Event
 from mimics_app.dsp.ecg import Ecg
 from mimics_app.dsp.filters import band_pass

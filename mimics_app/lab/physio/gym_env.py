@@ -12,7 +12,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from mimics_app.contracts.action_space import ActionSpace, Parameter
+from mimics_app.contracts.messages.action_space import ActionSpace, Parameter
 from mimics_app.inputs.physio.simulated.person import LatentPeople, draw_traits
 from mimics_app.lab.physio.simulated_task import draw_success
 from mimics_app.learning.goals import success_reward

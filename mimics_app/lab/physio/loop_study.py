@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.messages import TrialResult, UserState
-from mimics_app.contracts.stages import Estimation
+from mimics_app.contracts.messages.stage_messages import TrialResult, UserState
+from mimics_app.contracts.ports.stages import Estimation
 from mimics_app.estimation.registry import DEFAULT, build_estimation
 from mimics_app.inputs.physio.simulated.person import FAMILIES, Family, LatentPeople, draw_traits
 from mimics_app.lab.physio.simulated_task import POWER_W, REST_S, TRIAL_S, SignalSession, draw_success, regret_of

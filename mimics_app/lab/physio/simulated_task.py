@@ -13,7 +13,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import SECOND_NS
-from mimics_app.contracts.messages import FeatureFrame, SignalBlock
+from mimics_app.contracts.messages.stage_messages import FeatureFrame, SignalBlock
 from mimics_app.dsp.stage import PhysioDsp
 from mimics_app.inputs.physio.simulated.person import LatentPeople
 from mimics_app.inputs.physio.simulated.signals import SignalGenerator

@@ -9,7 +9,7 @@ import re
 from dataclasses import replace
 
 from mimics_app.contracts.errors import UsageError, nearest
-from mimics_app.contracts.members import load_member, member_names
+from mimics_app.contracts.ports.members import load_member, member_names
 from mimics_app.lab import stability
 from mimics_app.lab.experiment import Experiment
 

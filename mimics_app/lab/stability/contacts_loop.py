@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Mat, Vec
-from mimics_app.contracts.haptic import SCENE
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop.haptic import SCENE
 from mimics_app.lab.stability.growth import dies_away, note_peak
 from mimics_app.lab.stability.linear import find_limit, spectral_radius
 from mimics_app.lab.stability.wall_loop import (

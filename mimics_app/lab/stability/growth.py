@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
 
 __all__ = ["LENGTHEN", "QUARTERS", "decay_sign", "dies_away", "largest_exponent", "note_peak", "orthonormalise"]
 

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Mat, Vec
-from mimics_app.contracts.haptic import AdmittanceForm
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.loop_ports import DATA_FORCE, DATA_LENGTH, DATA_Q
+from mimics_app.contracts.loop.haptic import AdmittanceForm
+from mimics_app.contracts.loop.loop_ports import DATA_FORCE, DATA_LENGTH, DATA_Q
 from mimics_app.lab.stability.growth import dies_away, note_peak
 from mimics_app.lab.stability.linear import is_contracting
 from mimics_app.rendering.haptic.control.admittance import admit

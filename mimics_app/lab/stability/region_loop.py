@@ -12,8 +12,8 @@ from functools import cache
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Mat, Vec
-from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.stability.growth import dies_away, note_peak
 from mimics_app.lab.stability.linear import find_limit, hold, spectral_radius
 from mimics_app.lab.stability.wall_loop import APART, DEPTH, LARGE, LONGEST, PRECISION, SHORTEST

@@ -19,13 +19,13 @@ import numpy as np
 from numba import from_dtype, types
 from numpy.typing import NDArray
 
+from mimics_app.compiled.borrowed import borrowed
+from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.borrowed import borrowed
-from mimics_app.contracts.device_descriptor import KINEMATICS_SET, Kin
-from mimics_app.contracts.haptic import SAMPLE, SCENE
-from mimics_app.contracts.kernel import kernel, typed_kernel
-from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_DQ, DATA_LENGTH, DATA_Q, FIELDS
-from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
+from mimics_app.contracts.loop.device_descriptor import KINEMATICS_SET, Kin
+from mimics_app.contracts.loop.haptic import SAMPLE, SCENE
+from mimics_app.contracts.loop.loop_ports import COMMAND_LENGTH, DATA_DQ, DATA_LENGTH, DATA_Q, FIELDS
+from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.lab.stability.linear import find_limit
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
@@ -38,7 +38,7 @@ from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import (
+    from mimics_app.rendering.haptic.record_types import (
         Fields,
         Ints,
         ObjectWork,

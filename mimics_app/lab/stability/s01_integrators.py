@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Row, curves_of
 from mimics_app.lab.groups.integrator import step_by
 from mimics_app.lab.stability.growth import largest_exponent, orthonormalise

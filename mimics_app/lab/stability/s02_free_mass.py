@@ -12,8 +12,8 @@ import math
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Row, curves_of
 from mimics_app.lab.stability.growth import largest_exponent, orthonormalise
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.loop_ports import DATA_LENGTH, DATA_Q
+from mimics_app.contracts.loop.loop_ports import DATA_LENGTH, DATA_Q
 from mimics_app.lab.experiment import Experiment, Outcome, Row, curves_of
 from mimics_app.lab.stability.linear import find_limit
 from mimics_app.rendering.haptic.kernels import robot
@@ -26,7 +26,7 @@ from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
 from mimics_app.rendering.haptic.kernels.robot import sense
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import ObserverRecord
+    from mimics_app.rendering.haptic.record_types import ObserverRecord
 
 __all__ = ["EXPERIMENT", "Device", "closed_limit", "largest_swing", "simulated_limit"]
 

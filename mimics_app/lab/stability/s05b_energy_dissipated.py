@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Row, curves_of, points_of
 from mimics_app.lab.stability.s05_energy_leak import closed_leak
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
@@ -20,7 +20,7 @@ from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
 from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import ObserverRecord
+    from mimics_app.rendering.haptic.record_types import ObserverRecord
 
 __all__ = ["EXPERIMENT", "given_by_taps"]
 

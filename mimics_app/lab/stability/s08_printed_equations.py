@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numba import types
 
+from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel, typed_kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Row, points_of
 from mimics_app.lab.stability import s12_rotation_drift as rotations
 from mimics_app.lab.stability.laws import NORMAL_LAW, NormalLaw, identified_rate
@@ -31,7 +31,7 @@ from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
 from mimics_app.rendering.haptic.kernels.rotation import rotate_exponential, rotate_printed
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import ContactRecord, Table
+    from mimics_app.rendering.haptic.record_types import ContactRecord, Table
 
 __all__ = ["EXPERIMENT", "object_law_printed", "pd_rate", "pressed_rate"]
 

@@ -15,9 +15,9 @@ from functools import partial
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.haptic import AdmittanceForm
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop.haptic import AdmittanceForm
 from mimics_app.lab.experiment import Experiment, Outcome, Row, largest_disagreement, points_of
 from mimics_app.rendering.haptic.control.admittance import admit
 from mimics_app.rendering.haptic.kernels.kinematics import apply_jacobian, forward

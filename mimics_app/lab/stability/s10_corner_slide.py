@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numba import from_dtype, types
 
+from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel, typed_kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Row, largest_disagreement, points_of
 from mimics_app.lab.stability.laws import SHAPE
 from mimics_app.rendering.haptic.kernels.contact import cube, cube_nearest_face, rate_of_depth
@@ -24,7 +24,7 @@ from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import ContactRecord, Table
+    from mimics_app.rendering.haptic.record_types import ContactRecord, Table
 
 __all__ = ["EXPERIMENT", "slide"]
 

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, points_of
 from mimics_app.rendering.haptic.kernels.contact import rate_of_depth
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
@@ -24,7 +24,7 @@ from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 from mimics_app.rendering.haptic.kernels.objects.shapes_box import box
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import ContactRecord, Table
+    from mimics_app.rendering.haptic.record_types import ContactRecord, Table
 
 __all__ = ["EXPERIMENT", "leaving_change"]
 

@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points
 from mimics_app.lab.groups.friction import KARNOPP, NUMBERS, friction_by
 from mimics_app.rendering.haptic.kernels.contact_records import FRICTION
 from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import FrictionRecord, Table
+    from mimics_app.rendering.haptic.record_types import FrictionRecord, Table
 
 __all__ = ["EXPERIMENT", "cone_excess", "hold"]
 

@@ -12,8 +12,8 @@ from functools import partial
 import numpy as np
 from numba import types
 
+from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.arrays import Mat, Vec
-from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Row, largest_disagreement, points_of
 from mimics_app.lab.stability.laws import ROTATION, Rotation
 from mimics_app.rendering.haptic.kernels.rotation import (

@@ -15,8 +15,8 @@ from __future__ import annotations
 import numpy as np
 from numba import types
 
+from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points, Row, largest_disagreement
 from mimics_app.lab.stability.laws import ROTATION, Rotation
 from mimics_app.rendering.haptic.kernels.rotation import (

@@ -13,16 +13,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.haptic_objects import TUNNEL
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop.haptic_objects import TUNNEL
 from mimics_app.lab.experiment import Experiment, Outcome, Points, Row, largest_disagreement
 from mimics_app.rendering.haptic.kernels.tunnel import tunnel_force
 from mimics_app.rendering.haptic.kernels.tunnel_state import TUNNEL_STATE
 from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve, build_tunnel
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import Table, TunnelRecord, TunnelStateRecord
+    from mimics_app.rendering.haptic.record_types import Table, TunnelRecord, TunnelStateRecord
 
 __all__ = ["EXPERIMENT", "inflections", "walk_wall", "wavy_tunnel"]
 

@@ -19,9 +19,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.haptic_objects import TUNNEL
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop.haptic_objects import TUNNEL
 from mimics_app.lab.experiment import Experiment, Outcome, Points
 from mimics_app.lab.stability.linear import find_limit
 from mimics_app.maths.bspline import basis_functions
@@ -30,7 +30,7 @@ from mimics_app.rendering.haptic.kernels.tunnel_state import TUNNEL_STATE
 from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve, build_tunnel
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import Table, TunnelRecord, TunnelStateRecord
+    from mimics_app.rendering.haptic.record_types import Table, TunnelRecord, TunnelStateRecord
 
 __all__ = ["EXPERIMENT", "exact_clearance", "newton_miss", "track_miss"]
 

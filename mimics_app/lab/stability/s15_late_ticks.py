@@ -12,11 +12,11 @@ from functools import partial
 
 import numpy as np
 
-from mimics_app.contracts import ring
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.haptic import SAMPLE
-from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.loop.haptic import SAMPLE
+from mimics_app.contracts.shared_memory import ring
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.lab.experiment import Experiment, Outcome, Points, Row, largest_disagreement, points_of
 from mimics_app.lab.stability.replayed_wall import (
     PERIOD,

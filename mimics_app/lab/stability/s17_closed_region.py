@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mimics_app.contracts.haptic import SCENE
+from mimics_app.contracts.loop.haptic import SCENE
 from mimics_app.lab.experiment import Experiment, Outcome, Points, Row, curves_of, points_of
 from mimics_app.lab.stability.region_loop import Hand, Loop, exact_limit, is_stable, simulated_limit
 from mimics_app.rendering.haptic.kernels.closed_region import (

@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numba import types
 
+from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.lab.stability.laws import NORMAL_LAW, NormalLaw
 from mimics_app.lab.stability.linear import find_limit
 from mimics_app.rendering.haptic.kernels.contact_law import pair_damping, pair_stiffness

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Mat, Vec
-from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.stability.growth import dies_away, note_peak
 from mimics_app.lab.stability.linear import find_limit, hold, is_contracting
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper

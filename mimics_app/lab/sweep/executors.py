@@ -9,8 +9,8 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from multiprocessing import connection
 
-from mimics_app.contracts.child_signals import ignore_signals, signals_blocked
 from mimics_app.contracts.errors import DeviceError, UsageError
+from mimics_app.contracts.system.child_signals import ignore_signals, signals_blocked
 from mimics_app.lab.sweep.store import Chunk
 
 __all__ = ["Compute", "compute_here", "compute_in_processes", "compute_on_scheduler"]

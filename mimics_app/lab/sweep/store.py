@@ -14,8 +14,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mimics_app.contracts.regular_file import read_regular
-from mimics_app.contracts.whole_file import whole_file
+from mimics_app.contracts.system.regular_file import read_regular
+from mimics_app.contracts.system.whole_file import whole_file
 from mimics_app.lab.sweep.quantity import Columns, Kind, SweepExperiment
 from mimics_app.lab.sweep.spec import Sweep
 

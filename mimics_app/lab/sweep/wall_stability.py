@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.stability.growth import LENGTHEN, QUARTERS, decay_sign
 from mimics_app.lab.stability.wall_loop import press_wall
 from mimics_app.lab.sweep.quantity import Columns, Quantity, SweepExperiment

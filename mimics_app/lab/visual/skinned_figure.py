@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from mimics_app.contracts.arrays import F4, F8
-from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.probe import shortest_us
 from mimics_app.maths.quat import from_matrix, multiply
 from mimics_app.rendering.visual.drawing.skinning import bend_mesh, make_source
 from mimics_app.world.meshes.deform import VertexWeights

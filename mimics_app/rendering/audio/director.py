@@ -8,15 +8,15 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts import ring, triple_buffer
 from mimics_app.contracts.arrays import F8, Vec3
-from mimics_app.contracts.audio_port import ListenerState, Mixer, SoundRow, Start
 from mimics_app.contracts.clock import Clock
-from mimics_app.contracts.contact_force import CONTACT_FORCE
-from mimics_app.contracts.haptic import EVENT, EventKind
-from mimics_app.contracts.messages import SoundEvent
-from mimics_app.contracts.session_memory import SessionMemory
-from mimics_app.contracts.sound_scene import BANDS, SOUND_SCENE, fill_defaults
+from mimics_app.contracts.loop.contact_force import CONTACT_FORCE
+from mimics_app.contracts.loop.haptic import EVENT, EventKind
+from mimics_app.contracts.messages.stage_messages import SoundEvent
+from mimics_app.contracts.ports.audio_port import ListenerState, Mixer, SoundRow, Start
+from mimics_app.contracts.shared_memory import ring, triple_buffer
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
+from mimics_app.contracts.shared_memory.sound_scene import BANDS, SOUND_SCENE, fill_defaults
 from mimics_app.maths.length import length
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.contact_gain import ContactGate, contact_gain, scrape_gain, scrape_pitch

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.audio_port import Mixer, Start, frame_at
-from mimics_app.contracts.contact_force import CONTACT_FORCE, FOLLOWED
+from mimics_app.contracts.loop.contact_force import CONTACT_FORCE, FOLLOWED
+from mimics_app.contracts.ports.audio_port import Mixer, Start, frame_at
 from mimics_app.rendering.audio.bank import LIVE_VOICES, SoundBank
 from mimics_app.rendering.audio.modal import FORCE_RATE, ModalVoice
 from mimics_app.rendering.audio.wav_file import soften_peaks

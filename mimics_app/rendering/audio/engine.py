@@ -14,9 +14,9 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
-from mimics_app.contracts.audio_port import AudioStatus, Mixer, OnDemandMixer, Timing
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import DeviceError, SceneError
+from mimics_app.contracts.ports.audio_port import AudioStatus, Mixer, OnDemandMixer, Timing
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.openal_context import OpenALContext, measure_pipeline
 from mimics_app.rendering.audio.openal_library import load_library

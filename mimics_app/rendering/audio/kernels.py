@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from mimics_app.compiled.atomics import now_ns, sleep_until_ns
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Words
-from mimics_app.contracts.atomics import now_ns, sleep_until_ns
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.ring import waiting
+from mimics_app.contracts.shared_memory.ring import waiting
 
 __all__ = ["wait_for_records"]
 

@@ -21,14 +21,14 @@ from typing import Any
 
 import numpy as np
 
-from mimics_app.contracts import ring
 from mimics_app.contracts.arrays import F4, I8
-from mimics_app.contracts.audio_port import AudioReport, percentiles_ms
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.contact_force import CONTACT_FORCE
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.haptic import EVENT, EventKind
-from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.loop.contact_force import CONTACT_FORCE
+from mimics_app.contracts.loop.haptic import EVENT, EventKind
+from mimics_app.contracts.ports.audio_port import AudioReport, percentiles_ms
+from mimics_app.contracts.shared_memory import ring
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.rendering.audio.process import AudioProcess
 from mimics_app.rendering.audio.queue_length import SETTLE_S
 from mimics_app.rendering.audio.settings import AudioSettings, MixerName, SoundSpec

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.sound_scene import BANDS, SOUND_SPEED
+from mimics_app.contracts.shared_memory.sound_scene import BANDS, SOUND_SPEED
 
 __all__ = ["BAND_HZ", "Box", "diffraction_db", "passes_of", "transmission_db"]
 

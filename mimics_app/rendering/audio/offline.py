@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.audio_port import AudioReport, AudioStatus, ListenerState, Mixer, frame_at
 from mimics_app.contracts.clock import VirtualClock
 from mimics_app.contracts.errors import DeviceError, MimicsError, nearest
-from mimics_app.contracts.messages import SoundEvent
-from mimics_app.contracts.session_memory import SessionMemory
-from mimics_app.contracts.shared_words import DROPPED
+from mimics_app.contracts.messages.stage_messages import SoundEvent
+from mimics_app.contracts.ports.audio_port import AudioReport, AudioStatus, ListenerState, Mixer, frame_at
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
+from mimics_app.contracts.shared_memory.shared_words import DROPPED
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.director import SoundDirector
 from mimics_app.rendering.audio.engine import Engine, open_engine_in_step, open_mixer

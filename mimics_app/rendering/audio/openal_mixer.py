@@ -21,9 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.audio_port import ListenerState, Start, Timing, frame_at
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.ports.audio_port import ListenerState, Start, Timing, frame_at
 from mimics_app.rendering.audio.bank import Sound, SoundBank
 from mimics_app.rendering.audio.openal_context import OpenALContext
 from mimics_app.rendering.audio.openal_library import AL
@@ -64,7 +64,7 @@ class _Voice:
 
 
 class OpenALMixer:
-    """See contracts.audio_port.Mixer.
+    """See contracts.ports.audio_port.Mixer.
 
     Attributes:
         context: Context it plays on.

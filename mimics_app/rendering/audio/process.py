@@ -14,13 +14,13 @@ from dataclasses import replace
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.audio_port import AudioOrder, AudioReport, AudioStatus
-from mimics_app.contracts.child_main import main_hidden
-from mimics_app.contracts.child_signals import signals_blocked
 from mimics_app.contracts.errors import MimicsError, nearest
-from mimics_app.contracts.messages import SoundEvent
-from mimics_app.contracts.pipe_watch import PipeWatch
-from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.messages.stage_messages import SoundEvent
+from mimics_app.contracts.ports.audio_port import AudioOrder, AudioReport, AudioStatus
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
+from mimics_app.contracts.system.child_main import main_hidden
+from mimics_app.contracts.system.child_signals import signals_blocked
+from mimics_app.contracts.system.pipe_watch import PipeWatch
 from mimics_app.rendering.audio.settings import AudioSettings
 
 if TYPE_CHECKING:

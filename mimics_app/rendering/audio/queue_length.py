@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 
-from mimics_app.contracts.audio_port import QueueReport
+from mimics_app.contracts.ports.audio_port import QueueReport
 
 __all__ = ["CALM_S", "OBSERVED_S", "SETTLE_S", "QueueLength"]
 

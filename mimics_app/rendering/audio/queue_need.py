@@ -10,8 +10,8 @@ from typing import Annotated
 
 import msgspec
 
-from mimics_app.contracts.audio_port import QueueReport
-from mimics_app.contracts.machine_memory import MachineMemory, machine_file
+from mimics_app.contracts.ports.audio_port import QueueReport
+from mimics_app.contracts.system.machine_memory import MachineMemory, machine_file
 
 __all__ = ["QueueNeed", "keep_needed_ms", "known_needed_ms"]
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from mimics_app.contracts.errors import Issue, SceneError, nearest
-from mimics_app.contracts.shared_fields import shared_fields
+from mimics_app.contracts.messages.shared_fields import shared_fields
 from mimics_app.rendering.audio.settings import AROUSAL, AudioSettings, SoundSpec
 from mimics_app.rendering.audio.sound_file import check_sound_file
 from mimics_app.world.components.systems import AudioSettings as AudioSystem

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.read_budget import afford
-from mimics_app.contracts.regular_file import open_regular
+from mimics_app.contracts.system.read_budget import afford
+from mimics_app.contracts.system.regular_file import open_regular
 
 if TYPE_CHECKING:
     import soundfile

@@ -11,8 +11,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.sound_scene import SOUND_SPEED
+from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.shared_memory.sound_scene import SOUND_SPEED
 
 __all__ = ["HEAD_RADIUS", "add_at_sphere", "sphere_delay_s"]
 

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.audio_port import ListenerState, OnDemandMixer, QueueReport, Start, Timing
 from mimics_app.contracts.clock import Clock
+from mimics_app.contracts.ports.audio_port import ListenerState, OnDemandMixer, QueueReport, Start, Timing
 from mimics_app.rendering.audio.queue_length import QueueLength
 from mimics_app.rendering.audio.sound_stream import LIVE_BLOCK, SoundStream
 from mimics_app.rendering.audio.wav_file import soften_peaks
@@ -50,7 +50,7 @@ def shortest_queue(period: int) -> int:
 
 
 class StreamedMixer:
-    """See contracts.audio_port.Mixer; `render` keeps the queue filled and returns no samples.
+    """See contracts.ports.audio_port.Mixer; `render` keeps the queue filled and returns no samples.
 
     Args:
         mixer: Mixer with the channels of the stream; its `timing` is set here.

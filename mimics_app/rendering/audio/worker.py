@@ -17,18 +17,18 @@ from multiprocessing.connection import Connection
 
 import numpy as np
 
-from mimics_app.contracts import ring, triple_buffer
-from mimics_app.contracts.atomics import scratch
-from mimics_app.contracts.audio_port import AudioOrder, AudioReport, AudioStatus, Mixer, frame_at
-from mimics_app.contracts.child_signals import ignore_signals
+from mimics_app.compiled.atomics import scratch
 from mimics_app.contracts.clock import Clock, MonotonicClock
-from mimics_app.contracts.contact_force import CONTACT_FORCE
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.haptic import EVENT
-from mimics_app.contracts.messages import SoundEvent
-from mimics_app.contracts.pipe_watch import PipeWatch
-from mimics_app.contracts.session_memory import ControlWord, SessionMemory
-from mimics_app.contracts.shared_words import DROPPED
+from mimics_app.contracts.loop.contact_force import CONTACT_FORCE
+from mimics_app.contracts.loop.haptic import EVENT
+from mimics_app.contracts.messages.stage_messages import SoundEvent
+from mimics_app.contracts.ports.audio_port import AudioOrder, AudioReport, AudioStatus, Mixer, frame_at
+from mimics_app.contracts.shared_memory import ring, triple_buffer
+from mimics_app.contracts.shared_memory.session_memory import ControlWord, SessionMemory
+from mimics_app.contracts.shared_memory.shared_words import DROPPED
+from mimics_app.contracts.system.child_signals import ignore_signals
+from mimics_app.contracts.system.pipe_watch import PipeWatch
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.director import SoundDirector
 from mimics_app.rendering.audio.engine import fall_back, open_device, open_engine

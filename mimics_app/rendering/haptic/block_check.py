@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from mimics_app.contracts.arrays import Records
-from mimics_app.contracts.bounded_fields import largest_values
-from mimics_app.contracts.field_ranges import RANGES, SCENE_RANGES, Range
-from mimics_app.contracts.haptic import LIMIT_NAMES, SCENE
-from mimics_app.contracts.haptic_objects import STATIC, ShapeKind
-from mimics_app.contracts.loop_fields import MAX_CONTACTS
-from mimics_app.contracts.object_rows import ObjectCapacities, Rows, count_rows
+from mimics_app.contracts.loop.bounded_fields import largest_values
+from mimics_app.contracts.loop.field_ranges import RANGES, SCENE_RANGES, Range
+from mimics_app.contracts.loop.haptic import LIMIT_NAMES, SCENE
+from mimics_app.contracts.loop.haptic_objects import STATIC, ShapeKind
+from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS
+from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows, count_rows
 from mimics_app.rendering.haptic.row_checks import check_points, check_shapes
 
 __all__ = ["check_block", "check_values"]

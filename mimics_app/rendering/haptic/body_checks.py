@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.haptic_objects import STATIC, BodyFlag, ObjectIntegrator, ShapeKind
-from mimics_app.contracts.object_rows import Rows
+from mimics_app.contracts.loop.haptic_objects import STATIC, BodyFlag, ObjectIntegrator, ShapeKind
+from mimics_app.contracts.loop.object_rows import Rows
 from mimics_app.rendering.haptic.kernels.objects.manifold import CORNER_SHARE
 from mimics_app.rendering.haptic.kernels.objects.pairs import join_surfaces
 from mimics_app.rendering.haptic.kernels.objects.records import PAIR

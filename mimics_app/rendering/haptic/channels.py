@@ -9,14 +9,14 @@ import numpy as np
 from numba import from_dtype, typeof, types
 from numpy.typing import NDArray
 
-from mimics_app.contracts import triple_buffer
 from mimics_app.contracts.arrays import Records, Words
-from mimics_app.contracts.contact_force import CONTACT_FORCE, FOLLOWED_AT_ONCE, STRUCK
-from mimics_app.contracts.haptic import EVENT, SAMPLE
-from mimics_app.contracts.loop_fields import HapticSnapshot
-from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH
-from mimics_app.contracts.object_rows import ObjectCapacities, Rows
-from mimics_app.contracts.session_memory import SHARED_ARRAYS, SessionMemory
+from mimics_app.contracts.loop.contact_force import CONTACT_FORCE, FOLLOWED_AT_ONCE, STRUCK
+from mimics_app.contracts.loop.haptic import EVENT, SAMPLE
+from mimics_app.contracts.loop.loop_fields import HapticSnapshot
+from mimics_app.contracts.loop.loop_ports import COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH
+from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows
+from mimics_app.contracts.shared_memory import triple_buffer
+from mimics_app.contracts.shared_memory.session_memory import SHARED_ARRAYS, SessionMemory
 from mimics_app.rendering.haptic.kernels.state import new_states
 from mimics_app.rendering.haptic.objects import ROW_STACK, ObjectWork, new_object_work
 

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel, typed_kernel
-from mimics_app.contracts.loop_ports import FIELD
+from mimics_app.contracts.loop.loop_ports import FIELD
 
 __all__ = ["cord"]
 

@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mimics_app.contracts import ring, triple_buffer
+from mimics_app.compiled.function_pointers import pointers_to
 from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.function_pointers import pointers_to
-from mimics_app.contracts.haptic import EVENT
-from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH, DevicePlugin
-from mimics_app.contracts.messages import HapticSnapshot
-from mimics_app.contracts.object_rows import Rows, slot_of
-from mimics_app.contracts.session_memory import ControlWord, SessionMemory
+from mimics_app.contracts.loop.haptic import EVENT
+from mimics_app.contracts.loop.loop_ports import COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH, DevicePlugin
+from mimics_app.contracts.loop.object_rows import Rows, slot_of
+from mimics_app.contracts.messages.stage_messages import HapticSnapshot
+from mimics_app.contracts.shared_memory import ring, triple_buffer
+from mimics_app.contracts.shared_memory.session_memory import ControlWord, SessionMemory
 from mimics_app.rendering.haptic import scheduler
 from mimics_app.rendering.haptic.block_check import check_block
 from mimics_app.rendering.haptic.channels import channels_of, new_work, newest_snapshot
@@ -33,7 +33,7 @@ from mimics_app.rendering.haptic.objects import ObjectWork, new_object_work
 from mimics_app.rendering.haptic.stability_report import StabilityReport, stability_of
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import Fields
+    from mimics_app.rendering.haptic.record_types import Fields
 
 __all__ = ["HapticEngine"]
 

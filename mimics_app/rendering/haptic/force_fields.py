@@ -1,6 +1,6 @@
 """Force fields by name: built-in ones, those of scenarios, and plug-ins of the group mimics_app.force_fields.
 
-A field is a function compiled with the signature `contracts.loop_ports.FIELD`.
+A field is a function compiled with the signature `contracts.loop.loop_ports.FIELD`.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ import numpy as np
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.errors import Issue, nearest
-from mimics_app.contracts.loop_ports import FIELD, FIELD_PARAMETERS
-from mimics_app.contracts.plugins import PluginError, PluginGroup
+from mimics_app.contracts.loop.loop_ports import FIELD, FIELD_PARAMETERS
+from mimics_app.contracts.ports.plugins import PluginError, PluginGroup
 from mimics_app.world.components.objects import ForceField
 from mimics_app.world.scene.scene import Scene
 

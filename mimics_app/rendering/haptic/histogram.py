@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import I8
-from mimics_app.contracts.kernel import kernel
 
 __all__ = ["LatenessReport", "count", "edges_ns", "percentile_us"]
 

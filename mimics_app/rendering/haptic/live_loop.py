@@ -13,14 +13,14 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
+from mimics_app.compiled.atomics import load_acquire, now_ns, sleep_until_ns, store_release
+from mimics_app.compiled.borrowed import borrowed
+from mimics_app.compiled.function_pointers import functions_at
+from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.atomics import load_acquire, now_ns, sleep_until_ns, store_release
-from mimics_app.contracts.borrowed import borrowed
-from mimics_app.contracts.function_pointers import functions_at
-from mimics_app.contracts.haptic import NANOSECOND
-from mimics_app.contracts.kernel import kernel, typed_kernel
-from mimics_app.contracts.ring import push
-from mimics_app.contracts.session_memory import ControlWord
+from mimics_app.contracts.loop.haptic import NANOSECOND
+from mimics_app.contracts.shared_memory.ring import push
+from mimics_app.contracts.shared_memory.session_memory import ControlWord
 from mimics_app.rendering.haptic.channels import CHANNELS, WORK, Channels, Work
 from mimics_app.rendering.haptic.histogram import count
 from mimics_app.rendering.haptic.kernels.stability import follow_period

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 
 from numba import from_dtype, types
 
+from mimics_app.compiled.atomics import load_acquire
+from mimics_app.compiled.borrowed import borrowed, borrowed_type
+from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.atomics import load_acquire
-from mimics_app.contracts.borrowed import borrowed, borrowed_type
-from mimics_app.contracts.device_descriptor import KINEMATICS_SET, Kin
-from mimics_app.contracts.haptic import SAMPLE, SCENE, SECOND_NS, DeviceStatus, SafetyState
-from mimics_app.contracts.kernel import kernel, typed_kernel
-from mimics_app.contracts.loop_ports import (
+from mimics_app.contracts.loop.device_descriptor import KINEMATICS_SET, Kin
+from mimics_app.contracts.loop.haptic import SAMPLE, SCENE, SECOND_NS, DeviceStatus, SafetyState
+from mimics_app.contracts.loop.loop_ports import (
     FIELDS,
     INBOX_ACTIVE,
     INBOX_BUTTONS,
@@ -25,9 +25,9 @@ from mimics_app.contracts.loop_ports import (
     READ,
     WRITE,
 )
-from mimics_app.contracts.object_rows import Rows
-from mimics_app.contracts.session_memory import ControlWord
-from mimics_app.contracts.triple_buffer import acquire
+from mimics_app.contracts.loop.object_rows import Rows
+from mimics_app.contracts.shared_memory.session_memory import ControlWord
+from mimics_app.contracts.shared_memory.triple_buffer import acquire
 from mimics_app.rendering.haptic.channels import CHANNELS, WORK, Channels, Work
 from mimics_app.rendering.haptic.kernels import tick as ticking
 from mimics_app.rendering.haptic.kernels.safety import (
@@ -45,7 +45,7 @@ from mimics_app.rendering.haptic.publish import publish_events, publish_state
 from mimics_app.rendering.haptic.struck import publish_forces
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import Fields, Read, SceneRecord, Simulate, StateRecord, Tick, Write
+    from mimics_app.rendering.haptic.record_types import Fields, Read, SceneRecord, Simulate, StateRecord, Tick, Write
 
 __all__ = ["LOOP_FUNCTIONS", "LOOP_TICK", "SIMULATION", "TICK", "late_class", "loop_tick", "rows_of", "tick"]
 

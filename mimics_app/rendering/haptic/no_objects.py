@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.loop_ports import FIELD, MAX_FIELDS
-from mimics_app.contracts.object_rows import Rows
+from mimics_app.contracts.loop.loop_ports import FIELD, MAX_FIELDS
+from mimics_app.contracts.loop.object_rows import Rows
 from mimics_app.rendering.haptic.objects import SIMULATE, ObjectWork
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import Fields, ObjectCountsRecord, Simulate
+    from mimics_app.rendering.haptic.record_types import Fields, ObjectCountsRecord, Simulate
 
 __all__ = ["NO_FIELDS", "load_simulation", "no_field", "no_objects"]
 

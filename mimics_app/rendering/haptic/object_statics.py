@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.haptic_objects import TUNNEL
-from mimics_app.contracts.object_rows import ObjectCapacities
+from mimics_app.contracts.loop.haptic_objects import TUNNEL
+from mimics_app.contracts.loop.object_rows import ObjectCapacities
 from mimics_app.rendering.haptic.force_fields import find_field
 from mimics_app.rendering.haptic.kernels.objects.records import MESH
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table

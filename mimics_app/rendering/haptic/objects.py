@@ -1,6 +1,6 @@
 """Haptic objects of a session as named tuples of arrays for compiled code.
 
-    Rows          parameters from the main thread (contracts.object_rows), read-only in the loop
+    Rows          parameters from the main thread (contracts.loop.object_rows), read-only in the loop
     ObjectWork    state of the loop: motion, poses, contact memory, results
 
 Every kernel of the objects takes (rows, work, counts, ...), where `counts` is SCENE.objects; rows beyond it are unused.
@@ -14,12 +14,12 @@ import numpy as np
 from numba import from_dtype, typeof, types
 from numpy.typing import NDArray
 
+from mimics_app.compiled.borrowed import borrowed_type
 from mimics_app.contracts.arrays import Records
-from mimics_app.contracts.borrowed import borrowed_type
-from mimics_app.contracts.haptic_objects import MAX_POINTS, MOTION, OBJECT_COUNTS, TUNNEL
-from mimics_app.contracts.loop_fields import MAX_CONTACTS
-from mimics_app.contracts.loop_ports import FIELD_PARAMETERS, FIELDS
-from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
+from mimics_app.contracts.loop.haptic_objects import MAX_POINTS, MOTION, OBJECT_COUNTS, TUNNEL
+from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS
+from mimics_app.contracts.loop.loop_ports import FIELD_PARAMETERS, FIELDS
+from mimics_app.contracts.loop.object_rows import ObjectCapacities, new_rows
 from mimics_app.rendering.haptic.kernels.directions import MAX_TOUCHED, TOUCHED
 from mimics_app.rendering.haptic.kernels.objects.contact_scratch import BEFORE, BIRTH, CONTACT_SCRATCH
 from mimics_app.rendering.haptic.kernels.objects.object_inputs import INPUT_LENGTH

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.haptic import EventKind
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.ring import push
-from mimics_app.contracts.triple_buffer import back_slot, publish
+from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.loop.haptic import EventKind
+from mimics_app.contracts.shared_memory.ring import push
+from mimics_app.contracts.shared_memory.triple_buffer import back_slot, publish
 from mimics_app.rendering.haptic.channels import Channels, Work
 from mimics_app.rendering.haptic.kernels.objects.published import write_poses
 from mimics_app.rendering.haptic.kernels.rows import write_snapshot
@@ -15,7 +15,7 @@ from mimics_app.rendering.haptic.kernels.state import CONTACT_BEGAN, CONTACT_END
 from mimics_app.rendering.haptic.kernels.vectors import copy, fill, norm
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import ObjectCountsRecord, Rows, ShapeRecord, StateRecord, Table
+    from mimics_app.rendering.haptic.record_types import ObjectCountsRecord, Rows, ShapeRecord, StateRecord, Table
 
 __all__ = ["publish_events", "publish_state"]
 

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mimics_app.contracts import ring
 from mimics_app.contracts.arrays import Records
-from mimics_app.contracts.device_descriptor import Kinematics
-from mimics_app.contracts.haptic import EVENT, SAMPLE, SCENE
-from mimics_app.contracts.loop_fields import HapticSnapshot
-from mimics_app.contracts.object_rows import ObjectCapacities, Rows, count_rows, has_objects, new_rows, slot_of
-from mimics_app.contracts.session_memory import Capacities, SessionMemory
+from mimics_app.contracts.loop.device_descriptor import Kinematics
+from mimics_app.contracts.loop.haptic import EVENT, SAMPLE, SCENE
+from mimics_app.contracts.loop.loop_fields import HapticSnapshot
+from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows, count_rows, has_objects, new_rows, slot_of
+from mimics_app.contracts.shared_memory import ring
+from mimics_app.contracts.shared_memory.session_memory import Capacities, SessionMemory
 from mimics_app.rendering.haptic.channels import channels_of, new_work, newest_snapshot
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.loop_tick import tick

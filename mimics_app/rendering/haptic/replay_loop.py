@@ -8,16 +8,16 @@ import numpy as np
 from numba import from_dtype, types
 from numpy.typing import NDArray
 
-from mimics_app.contracts.borrowed import borrowed
-from mimics_app.contracts.device_descriptor import KINEMATICS_SET, Kin
-from mimics_app.contracts.haptic import (
+from mimics_app.compiled.borrowed import borrowed
+from mimics_app.compiled.kernel import typed_kernel
+from mimics_app.contracts.loop.device_descriptor import KINEMATICS_SET, Kin
+from mimics_app.contracts.loop.haptic import (
     NANOSECOND,
     SAMPLE,
     SCENE,
 )
-from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.loop_ports import FIELDS
-from mimics_app.contracts.object_rows import Rows
+from mimics_app.contracts.loop.loop_ports import FIELDS
+from mimics_app.contracts.loop.object_rows import Rows
 from mimics_app.rendering.haptic.channels import CHANNELS, WORK, Channels, Work
 from mimics_app.rendering.haptic.kernels.rows import read_inputs
 from mimics_app.rendering.haptic.loop_tick import SIMULATION, TICK, rows_of
@@ -25,7 +25,7 @@ from mimics_app.rendering.haptic.objects import ROW_STACK
 from mimics_app.rendering.haptic.publish import publish_events, publish_state
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import Fields, SampleRecord, SceneRecord, Simulate, Table, Tick
+    from mimics_app.rendering.haptic.record_types import Fields, SampleRecord, SceneRecord, Simulate, Table, Tick
 
 __all__ = ["replay_recorded"]
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from mimics_app.contracts.arrays import Records
-from mimics_app.contracts.haptic_objects import ForceLaw, ShapeKind
+from mimics_app.contracts.loop.haptic_objects import ForceLaw, ShapeKind
 
 __all__ = ["SIZE_COMPONENTS", "check_points", "check_shapes"]
 

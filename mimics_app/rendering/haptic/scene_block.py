@@ -12,10 +12,10 @@ import numpy as np
 
 from mimics_app.contracts.arrays import Records, Vec
 from mimics_app.contracts.clock import SECOND_NS
-from mimics_app.contracts.device_descriptor import DeviceDescriptor
-from mimics_app.contracts.haptic import SCENE, AdmittanceForm, Controller
-from mimics_app.contracts.loop_fields import MAX_JOINTS
-from mimics_app.contracts.loop_ports import LIGHTEST_DEVICE, DevicePlugin
+from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
+from mimics_app.contracts.loop.haptic import SCENE, AdmittanceForm, Controller
+from mimics_app.contracts.loop.loop_fields import MAX_JOINTS
+from mimics_app.contracts.loop.loop_ports import LIGHTEST_DEVICE, DevicePlugin
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.descriptors.joint_limits import joint_limits
 from mimics_app.world.components.robot import Admittance, Ball, Impedance, JointPd, Robot, Safety, WorldPd

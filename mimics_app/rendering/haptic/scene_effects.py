@@ -8,8 +8,8 @@ import numpy as np
 
 from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.haptic_objects import EFFECT, STATIC, TUNNEL, EffectKind
-from mimics_app.contracts.loop_ports import MAX_FIELDS
+from mimics_app.contracts.loop.haptic_objects import EFFECT, STATIC, TUNNEL, EffectKind
+from mimics_app.contracts.loop.loop_ports import MAX_FIELDS
 from mimics_app.rendering.haptic.scene_tunnel import built_tunnel
 from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve
 from mimics_app.world.components import haptic_effects as effects

@@ -7,7 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from mimics_app.contracts.arrays import F8, Records
-from mimics_app.contracts.haptic_objects import BODY, SHAPE, STATIC, BodyFlag, ForceLaw, ObjectIntegrator, ShapeKind
+from mimics_app.contracts.loop.haptic_objects import (
+    BODY,
+    SHAPE,
+    STATIC,
+    BodyFlag,
+    ForceLaw,
+    ObjectIntegrator,
+    ShapeKind,
+)
 from mimics_app.maths.quat import product
 from mimics_app.world.components.haptic_shapes import (
     BoxSolid,

@@ -11,7 +11,7 @@ from numpy.typing import DTypeLike
 
 from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.errors import DeviceError, Issue, SceneError
-from mimics_app.contracts.haptic_objects import (
+from mimics_app.contracts.loop.haptic_objects import (
     BODY,
     EFFECT,
     OBJECT_COUNTS,
@@ -22,7 +22,7 @@ from mimics_app.contracts.haptic_objects import (
     WIRE,
     ShapeKind,
 )
-from mimics_app.contracts.object_rows import ObjectCapacities, Rows
+from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows
 from mimics_app.rendering.haptic.body_checks import check_bodies
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.described import descriptor_of

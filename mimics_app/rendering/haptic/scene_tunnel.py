@@ -8,8 +8,8 @@ import numpy as np
 
 from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.haptic_objects import TUNNEL, Projection
-from mimics_app.contracts.regular_file import read_or_nothing
+from mimics_app.contracts.loop.haptic_objects import TUNNEL, Projection
+from mimics_app.contracts.system.regular_file import read_or_nothing
 from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve
 from mimics_app.rendering.haptic.tunnel_source import tunnel_from_component
 from mimics_app.world.components.registry import register_check

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from mimics_app.contracts.object_rows import ObjectCapacities, count_rows, has_objects
+from mimics_app.contracts.loop.object_rows import ObjectCapacities, count_rows, has_objects
 from mimics_app.rendering.haptic.object_statics import ObjectStatics
 from mimics_app.rendering.haptic.scene_objects import SceneObjects
 

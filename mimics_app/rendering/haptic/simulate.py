@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.object_rows import Rows
+from mimics_app.contracts.loop.object_rows import Rows
 from mimics_app.rendering.haptic.kernels.objects.bodies import place_bodies, step_bodies
 from mimics_app.rendering.haptic.kernels.objects.collisions import collide_bodies
 from mimics_app.rendering.haptic.kernels.objects.force_effects import apply_effects
@@ -26,7 +26,7 @@ from mimics_app.rendering.haptic.kernels.vectors import all_finite
 from mimics_app.rendering.haptic.objects import SIMULATE, ObjectWork
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import Fields, ObjectCountsRecord
+    from mimics_app.rendering.haptic.record_types import Fields, ObjectCountsRecord
 
 __all__ = ["simulate_objects"]
 

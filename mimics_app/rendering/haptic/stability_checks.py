@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.haptic import Controller
-from mimics_app.contracts.haptic_objects import STATIC, EffectKind, ForceLaw, ShapeKind
+from mimics_app.contracts.loop.haptic import Controller
+from mimics_app.contracts.loop.haptic_objects import STATIC, EffectKind, ForceLaw, ShapeKind
 from mimics_app.rendering.haptic.devices.dynamics import Dynamics, simulated_dynamics
 from mimics_app.rendering.haptic.kernels.closed_region import REGION, find_region, stiffness_limit
 from mimics_app.rendering.haptic.scene_block import scene_from_components

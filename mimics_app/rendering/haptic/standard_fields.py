@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.loop_ports import FIELD
+from mimics_app.contracts.loop.loop_ports import FIELD
 
 __all__ = ["curl", "saddle", "well"]
 

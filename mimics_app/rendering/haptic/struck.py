@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.contact_force import FOLLOWED
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.ring import push
+from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.loop.contact_force import FOLLOWED
+from mimics_app.contracts.shared_memory.ring import push
 from mimics_app.rendering.haptic.kernels.state import CONTACT_BEGAN
 from mimics_app.rendering.haptic.kernels.vectors import norm
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import (
+    from mimics_app.rendering.haptic.channels import Channels, Work
+    from mimics_app.rendering.haptic.record_types import (
         ObjectCountsRecord,
         ObjectWork,
         PairRecord,
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
         StruckRecord,
         Table,
     )
-    from mimics_app.rendering.haptic.channels import Channels, Work
 
 __all__ = ["publish_forces"]
 

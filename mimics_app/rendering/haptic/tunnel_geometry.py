@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.haptic_objects import MAX_PIECES
+from mimics_app.contracts.loop.haptic_objects import MAX_PIECES
 from mimics_app.maths import bspline, frames
 
 __all__ = ["FrameMethod", "TunnelCurve", "TunnelError", "TunnelFault", "build_tunnel"]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 
-from mimics_app.contracts.messages import TactileEvent
-from mimics_app.contracts.plugins import raised
+from mimics_app.contracts.messages.stage_messages import TactileEvent
+from mimics_app.contracts.ports.plugins import raised
 from mimics_app.rendering.tactile.vibrators import Vibrators
 
 __all__ = ["GuardedVibrators"]

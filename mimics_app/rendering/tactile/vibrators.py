@@ -7,7 +7,7 @@ from typing import Protocol
 
 from mimics_app.contracts.clock import SECOND_NS, MonotonicClock
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.messages import TactileEvent
+from mimics_app.contracts.messages.stage_messages import TactileEvent
 from mimics_app.rendering.tactile.wire import FRAME_BYTES, Command, command_bytes, read_answers
 
 __all__ = ["NoVibrators", "SerialVibrators", "Vibrators"]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from enum import Enum, auto
 
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.messages import Aim
+from mimics_app.contracts.messages.stage_messages import Aim
 
 __all__ = ["Picker", "Sight"]
 

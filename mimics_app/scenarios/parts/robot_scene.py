@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.haptic import Controller
-from mimics_app.contracts.scenario_port import Home
+from mimics_app.contracts.loop.haptic import Controller
+from mimics_app.contracts.ports.scenario_port import Home
 from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.devices.robot_reach import Reach
 from mimics_app.rendering.haptic.scene_block import scene_from_components

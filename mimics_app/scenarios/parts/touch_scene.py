@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
-from mimics_app.contracts.scenario_port import Scenario, TaskContext
+from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskOrders
+from mimics_app.contracts.ports.scenario_port import Scenario, TaskContext
 from mimics_app.rendering.haptic.devices.robot_reach import Reach
 from mimics_app.rendering.haptic.scene_effects import curve_of_path
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene

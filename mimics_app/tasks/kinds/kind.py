@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from msgspec import Meta
 
-from mimics_app.contracts.board import Card
 from mimics_app.contracts.errors import Issue
-from mimics_app.contracts.messages import TactileEvent
-from mimics_app.contracts.report_section import ReportSection
-from mimics_app.contracts.scenario_port import TaskContext
+from mimics_app.contracts.messages.board import Card
+from mimics_app.contracts.messages.report_section import ReportSection
+from mimics_app.contracts.messages.stage_messages import TactileEvent
+from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.observation import Observation
 from mimics_app.world.components.bounds import Factor, Figure
 from mimics_app.world.components.registry import Component

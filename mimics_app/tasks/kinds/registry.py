@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import cache
 from typing import cast
 
-from mimics_app.contracts.members import load_member, member_names
-from mimics_app.contracts.plugins import PluginGroup
-from mimics_app.contracts.report_section import ReportSection
+from mimics_app.contracts.messages.report_section import ReportSection
+from mimics_app.contracts.ports.members import load_member, member_names
+from mimics_app.contracts.ports.plugins import PluginGroup
 from mimics_app.tasks import kinds
 from mimics_app.tasks.kinds.kind import TaskKind
 

@@ -6,7 +6,7 @@ from collections.abc import Collection
 from dataclasses import dataclass
 
 from mimics_app.contracts.errors import nearest
-from mimics_app.contracts.haptic_objects import SignalSource, SignalTarget
+from mimics_app.contracts.loop.haptic_objects import SignalSource, SignalTarget
 
 __all__ = ["SignalFault", "SourceName", "TargetName", "parse_source", "parse_target"]
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
-from mimics_app.contracts.haptic_objects import MAX_PIECES
+from mimics_app.contracts.loop.haptic_objects import MAX_PIECES
 from mimics_app.world.components.bounds import Point
 from mimics_app.world.components.registry import Component
 

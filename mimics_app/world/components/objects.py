@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta
 
-from mimics_app.contracts.haptic_objects import MAX_POINTS
+from mimics_app.contracts.loop.haptic_objects import MAX_POINTS
 from mimics_app.world.components.bounds import Factor, Point, Positive, Quaternion, SignedFactor, Vector
 from mimics_app.world.components.curves import Curve
 from mimics_app.world.components.haptic_effects import Effect

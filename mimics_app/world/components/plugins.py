@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import cast
 
-from mimics_app.contracts.plugins import PluginError, PluginGroup
+from mimics_app.contracts.ports.plugins import PluginError, PluginGroup
 from mimics_app.world.components.registry import Component, component_types, register_component
 
 __all__ = ["PLUGINS", "fault_of_plugin", "register_plugins"]

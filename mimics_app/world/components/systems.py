@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from msgspec import Meta
 
-from mimics_app.contracts.display_choice import DISPLAY_KINDS, display_names
 from mimics_app.contracts.errors import Issue
+from mimics_app.contracts.ports.display_choice import DISPLAY_KINDS, display_names
 from mimics_app.world.components.bounds import Extent, Factor, Length, Share
 from mimics_app.world.components.registry import Component, register_system
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from msgspec import Meta, field
 
 from mimics_app.contracts.errors import Issue
-from mimics_app.contracts.tracker_port import TRACKER_KINDS, tracker_names
+from mimics_app.contracts.ports.tracker_port import TRACKER_KINDS, tracker_names
 from mimics_app.world.components.bounds import NO_ROTATION, Point, Quaternion
 from mimics_app.world.components.registry import Component, register_system
 

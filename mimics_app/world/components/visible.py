@@ -11,7 +11,7 @@ import msgspec
 from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
-from mimics_app.contracts.sound_scene import MAX_EMITTERS
+from mimics_app.contracts.shared_memory.sound_scene import MAX_EMITTERS
 from mimics_app.world.components.bounds import Extent, Factor, FarPoint, Figure, Length, Light, PositiveForce, Share
 from mimics_app.world.components.registry import Component, component, register_check
 from mimics_app.world.components.shapes import RingShape, Shape

@@ -13,9 +13,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
-from mimics_app.contracts.errors import Issue, SceneError, short_text
-from mimics_app.contracts.plural import counted, singular
-from mimics_app.contracts.read_budget import READ_BUDGET
+from mimics_app.contracts.errors import Issue, SceneError, counted, short_text, singular
+from mimics_app.contracts.system.read_budget import READ_BUDGET
 from mimics_app.world.scene.json_text import parse_json
 from mimics_app.world.scene.paths import PathFault, find_file
 from mimics_app.world.scene.scene_files import read_bytes

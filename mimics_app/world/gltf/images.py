@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import SceneError
-from mimics_app.contracts.regular_file import open_regular
+from mimics_app.contracts.system.regular_file import open_regular
 from mimics_app.world.gltf.buffers import GltfBuffers, data_uri
 from mimics_app.world.gltf.gltf_document import GltfSource
 from mimics_app.world.materials.material import Filter, TextureData, Wrap

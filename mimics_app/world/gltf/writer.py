@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.whole_file import whole_file
+from mimics_app.contracts.system.whole_file import whole_file
 
 __all__ = ["GltfWriter", "MeshPart", "WrittenPart", "pack_glb"]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from mimics_app.contracts import resources
+from mimics_app.contracts.system import resources
 from mimics_app.world.components.registry import Component
 from mimics_app.world.materials.technique import TechniqueSpec
 from mimics_app.world.scene.struct_file import read_struct_file

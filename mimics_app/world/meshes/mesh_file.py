@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.read_budget import READ_BUDGET, afford
-from mimics_app.contracts.regular_file import read_regular
+from mimics_app.contracts.system.read_budget import READ_BUDGET, afford
+from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.maths.colour import linear_light
 from mimics_app.world.materials.material import Material, TextureData
 from mimics_app.world.meshes.mesh import FARTHEST, MeshData

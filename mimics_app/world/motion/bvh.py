@@ -13,7 +13,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.read_budget import afford, over_budget
+from mimics_app.contracts.system.read_budget import afford, over_budget
 from mimics_app.world.motion.clip import Clip, clip_of_poses
 from mimics_app.world.motion.humanoid import HumanoidMap, find_humanoid
 from mimics_app.world.motion.pose import Pose

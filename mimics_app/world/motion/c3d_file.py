@@ -12,7 +12,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import Issue, SceneError, UsageError, first_line
-from mimics_app.contracts.read_budget import afford
+from mimics_app.contracts.system.read_budget import afford
 from mimics_app.world.scene.scene_files import read_bytes
 
 __all__ = ["MarkerTake", "read_c3d"]

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from mimics_app.contracts.table_file import read_table_file
+from mimics_app.contracts.system.table_file import read_table_file
 from mimics_app.world.motion.guessed_bones import guess_by_place
 from mimics_app.world.motion.rig import Rig
 

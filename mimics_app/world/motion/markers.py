@@ -15,7 +15,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.table_file import read_table_file
+from mimics_app.contracts.system.table_file import read_table_file
 from mimics_app.world.motion.c3d_file import MarkerTake
 
 __all__ = ["BodyPoints", "find_points"]

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Literal
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.regular_file import open_regular
+from mimics_app.contracts.system.regular_file import open_regular
 from mimics_app.world.components.struct_reader import FAILED, read_struct
 from mimics_app.world.gltf.file import GltfDocument, load_gltf
 from mimics_app.world.gltf.images import PictureFault, read_picture

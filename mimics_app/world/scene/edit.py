@@ -10,7 +10,7 @@ from pathlib import Path
 
 from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.regular_file import read_regular
+from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.world.scene.json_spans import Span, find_span, members
 from mimics_app.world.scene.json_text import parse_json
 from mimics_app.world.scene.scene import Scene

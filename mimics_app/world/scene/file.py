@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.contracts.errors import MOST_SOUGHT, Issue, SceneError
-from mimics_app.contracts.members import import_members
-from mimics_app.contracts.regular_file import read_regular
+from mimics_app.contracts.ports.members import import_members
+from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.world import components
 from mimics_app.world.components.plugins import register_plugins
 from mimics_app.world.components.struct_reader import is_comment

@@ -14,9 +14,9 @@ from functools import cache
 from typing import cast
 
 from mimics_app.contracts.errors import nearest
-from mimics_app.contracts.method_table import Row
-from mimics_app.contracts.methods import Registry, Settings
-from mimics_app.contracts.plugins import PluginGroup
+from mimics_app.contracts.ports.method_table import Row
+from mimics_app.contracts.ports.methods import Registry, Settings
+from mimics_app.contracts.ports.plugins import PluginGroup
 from mimics_app.world.components.tolerance_units import FIELD_OF_UNIT
 from mimics_app.world.scene.scene import Scene
 

@@ -6,8 +6,8 @@ import re
 from pathlib import Path
 from urllib.parse import unquote
 
-from mimics_app.contracts import resources
 from mimics_app.contracts.errors import MimicsError, nearest
+from mimics_app.contracts.system import resources
 
 __all__ = ["SHIPPED", "PathFault", "find_file", "find_root"]
 

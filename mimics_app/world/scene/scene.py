@@ -11,7 +11,7 @@ from typing import Any, TypeVar, cast, overload
 import msgspec
 
 from mimics_app.contracts.errors import Issue, SceneError, nearest
-from mimics_app.contracts.methods import Settings
+from mimics_app.contracts.ports.methods import Settings
 from mimics_app.world.components.registry import component_types
 from mimics_app.world.materials.material import Material
 from mimics_app.world.materials.technique import TechniqueSpec

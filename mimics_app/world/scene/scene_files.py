@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.regular_file import read_regular
+from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.world.components.registry import section_of
 from mimics_app.world.components.struct_reader import is_comment, read_struct
 from mimics_app.world.scene.json_text import find_controls, parse_json

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, I8
-from mimics_app.contracts.kernel import kernel
 
 __all__ = ["collapse", "farthest"]
 

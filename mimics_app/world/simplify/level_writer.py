@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.whole_file import whole_file
+from mimics_app.contracts.system.whole_file import whole_file
 from mimics_app.world.gltf.accessors import GltfAccessors
 from mimics_app.world.gltf.buffers import GltfBuffers, data_uri
 from mimics_app.world.gltf.gltf_document import MAX_TOTAL_BYTES, GltfSource, open_gltf

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.clock import SECOND_NS
-from mimics_app.contracts.input_port import SignalSource
-from mimics_app.contracts.messages import Experience, SignalBlock
+from mimics_app.contracts.messages.stage_messages import Experience, SignalBlock
+from mimics_app.contracts.ports.input_port import SignalSource
 from mimics_app.inputs.physio.simulated.person import Drive, Family, LatentPeople, draw_traits
 from mimics_app.inputs.physio.simulated.signals import RATE, SIGNALS, Disturbance, SignalGenerator
 

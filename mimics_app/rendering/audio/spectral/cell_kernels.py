@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F4, F8, Words
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.audio.spectral.fourier import BINS
 from mimics_app.rendering.audio.spectral.lanes import WIDTH
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.sound_scene import SOUND_SPEED
+from mimics_app.contracts.shared_memory.sound_scene import SOUND_SPEED
 from mimics_app.rendering.audio.spectral.head import HeadResponses, directions_from_angles
 
 __all__ = ["compute_head", "sphere_response"]

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mimics_app.compiled.borrowed import borrowed
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F4, F8, Words
-from mimics_app.contracts.borrowed import borrowed
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.audio.spectral.bins import add_moving, add_to_ears, move, set_shaped
 from mimics_app.rendering.audio.spectral.fourier import BINS, SIZE, WORK, real_block, real_spectrum
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F4, Vec3
-from mimics_app.contracts.audio_port import ListenerState, Start, Timing, frame_at
+from mimics_app.contracts.ports.audio_port import ListenerState, Start, Timing, frame_at
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.settings import AudioSettings, Speakers
 from mimics_app.rendering.audio.spectral.buses import Buses
@@ -58,7 +58,7 @@ _ARRANGEMENTS: Mapping[Speakers, tuple[float | None, ...]] = {
 
 
 class SpectralMixer:
-    """See contracts.audio_port.Mixer.
+    """See contracts.ports.audio_port.Mixer.
 
     Args:
         bank: Sound bank.

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F4, Words
-from mimics_app.contracts.kernel import kernel
 
 __all__ = ["Room"]
 

@@ -17,8 +17,8 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import Issue, SceneError, first_line
-from mimics_app.contracts.read_budget import over_budget
-from mimics_app.contracts.regular_file import open_regular
+from mimics_app.contracts.system.read_budget import over_budget
+from mimics_app.contracts.system.regular_file import open_regular
 
 if TYPE_CHECKING:
     import h5py

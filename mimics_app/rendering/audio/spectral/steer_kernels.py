@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mimics_app.compiled.borrowed import borrowed
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, Words
-from mimics_app.contracts.borrowed import borrowed
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.sound_scene import SOUND_SPEED
+from mimics_app.contracts.shared_memory.sound_scene import SOUND_SPEED
 from mimics_app.rendering.audio.spectral.cell_kernels import Cells, cell_of, fill_cell
 from mimics_app.rendering.audio.spectral.mix_kernels import State, Voices
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Words
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.audio.spectral.fourier import SIZE
 from mimics_app.rendering.audio.spectral.mix_kernels import Bank, State, Voices
 

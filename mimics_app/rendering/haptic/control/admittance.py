@@ -16,9 +16,9 @@ mass does not.
 
 from __future__ import annotations
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.haptic import AdmittanceForm
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop.haptic import AdmittanceForm
 from mimics_app.rendering.haptic.kernels.kinematics import (
     apply_inverse_jacobian,
     apply_jacobian,

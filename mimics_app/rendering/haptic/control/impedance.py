@@ -9,8 +9,8 @@ D2.1 4.2.5 and 4.2.6 command.
 
 from __future__ import annotations
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.limiter import lever_of
 from mimics_app.rendering.haptic.kernels.vectors import clamp_norm
 

@@ -12,16 +12,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.device_descriptor import Kin
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.loop_fields import MAX_JOINTS
+from mimics_app.contracts.loop.device_descriptor import Kin
+from mimics_app.contracts.loop.loop_fields import MAX_JOINTS
 from mimics_app.rendering.haptic.kernels.joints import find_jacobian, to_robot, torques_of, velocities_of
 from mimics_app.rendering.haptic.kernels.solve import solve_positive
 from mimics_app.rendering.haptic.kernels.vectors import copy
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import JointWorkRecord, SceneRecord, StateRecord, Table
+    from mimics_app.rendering.haptic.record_types import JointWorkRecord, SceneRecord, StateRecord, Table
 
 __all__ = ["admit_joints"]
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.device_descriptor import Kin, KinematicsStatus
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop.device_descriptor import Kin, KinematicsStatus
 from mimics_app.rendering.haptic.control.joint_pd import joint_pd
 from mimics_app.rendering.haptic.kernels.joints import joints_of, points_of, rates_of, velocities_of
 from mimics_app.rendering.haptic.kernels.vectors import clamp_joints, copy
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import JointWorkRecord, SceneRecord
+    from mimics_app.rendering.haptic.record_types import JointWorkRecord, SceneRecord
 
 __all__ = ["world_pd_straight", "world_pd_through_joints"]
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
+from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.device_descriptor import (
+from mimics_app.contracts.loop.device_descriptor import (
     KINEMATICS,
     DeviceDescriptor,
     Joint,
     Kinematics,
     KinematicsStatus,
 )
-from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.rendering.haptic.kernels import kinematics
 
 __all__ = ["HAPTICMASTER", "axis_offset"]

@@ -9,7 +9,7 @@ from mimics_app.contracts.errors import DeviceError
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.device_descriptor import DeviceDescriptor
+    from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
     from mimics_app.world.components.robot import Robot
 
 __all__ = ["JointLimits", "joint_limits"]

@@ -5,9 +5,15 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.device_descriptor import KINEMATICS, DeviceDescriptor, Joint, Kinematics, KinematicsStatus
-from mimics_app.contracts.kernel import typed_kernel
+from mimics_app.contracts.loop.device_descriptor import (
+    KINEMATICS,
+    DeviceDescriptor,
+    Joint,
+    Kinematics,
+    KinematicsStatus,
+)
 from mimics_app.rendering.haptic.kernels.leg_kinematics import (
     LEGS as HOW_MANY,
 )

@@ -1,3 +1,3 @@
-"""Devices of the haptic loop behind `contracts.loop_ports.DevicePlugin`."""
+"""Devices of the haptic loop behind `contracts.loop.loop_ports.DevicePlugin`."""
 
 __all__: list[str] = []

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import U1
-from mimics_app.contracts.kernel import kernel
 
 __all__ = ["read_number", "write_fixed", "write_whole"]
 

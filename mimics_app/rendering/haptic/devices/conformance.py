@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.haptic import SafetyState
-from mimics_app.contracts.loop_ports import COMMAND_FORCE, DevicePlugin
+from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.contracts.loop.loop_ports import COMMAND_FORCE, DevicePlugin
 from mimics_app.rendering.haptic.descriptors.joint_limits import joint_limits
 from mimics_app.rendering.haptic.devices.conformance_finding import Failed, Finding, NotApplicable, must
 from mimics_app.rendering.haptic.devices.device_bench import DeviceBench, OtherSide, Track

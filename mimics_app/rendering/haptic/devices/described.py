@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from mimics_app.contracts.device_descriptor import DeviceDescriptor
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.members import load_member
+from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
+from mimics_app.contracts.ports.members import load_member
 from mimics_app.rendering.haptic import descriptors
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.address import split_device
@@ -30,6 +30,6 @@ def descriptor_of(device: str) -> DeviceDescriptor:
     if not isinstance(found, DeviceDescriptor):
         raise DeviceError(
             f'the plug-in of device "{name}" has a descriptor of type {type(found).__name__}',
-            "decorate its builder with contracts.device_descriptor.described(DeviceDescriptor(...))",
+            "decorate its builder with contracts.loop.device_descriptor.described(DeviceDescriptor(...))",
         )
     return found

@@ -9,12 +9,12 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
+from mimics_app.compiled.atomics import now_ns
+from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.atomics import now_ns
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.haptic import SafetyState
-from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.loop_ports import (
+from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.contracts.loop.loop_ports import (
     COMMAND_DQ,
     COMMAND_ENABLED,
     COMMAND_FORCE,
@@ -37,7 +37,7 @@ from mimics_app.contracts.loop_ports import (
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import Read, Write
+    from mimics_app.rendering.haptic.record_types import Read, Write
 
 __all__ = ["DeviceBench", "OtherSide", "Track"]
 

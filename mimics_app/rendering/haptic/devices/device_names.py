@@ -8,8 +8,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple, cast
 
 from mimics_app.contracts.errors import DeviceError, nearest
-from mimics_app.contracts.members import load_member, member_names
-from mimics_app.contracts.plugins import PluginError, PluginGroup
+from mimics_app.contracts.ports.members import load_member, member_names
+from mimics_app.contracts.ports.plugins import PluginError, PluginGroup
 from mimics_app.rendering.haptic.devices import built_in
 from mimics_app.rendering.haptic.devices.address import split_device
 

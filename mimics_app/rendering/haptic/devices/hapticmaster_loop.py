@@ -17,11 +17,11 @@ import math
 
 import numpy as np
 
+from mimics_app.compiled.file_descriptors import HUNG_UP, READABLE, look_at, read_bytes, write_bytes
+from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.arrays import U1, Vec
-from mimics_app.contracts.descriptors import HUNG_UP, READABLE, look_at, read_bytes, write_bytes
-from mimics_app.contracts.haptic import SafetyState
-from mimics_app.contracts.kernel import kernel, typed_kernel
-from mimics_app.contracts.loop_ports import (
+from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.contracts.loop.loop_ports import (
     COMMAND_DQ,
     COMMAND_ENABLED,
     COMMAND_FORCE,

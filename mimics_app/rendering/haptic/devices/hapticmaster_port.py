@@ -10,7 +10,7 @@ import numpy as np
 
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError, nearest
-from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic.descriptors.hapticmaster import axis_offset
 from mimics_app.rendering.haptic.devices import hapticmaster_loop as loop
 from mimics_app.rendering.haptic.devices.address import host_and_port

@@ -10,8 +10,8 @@ number, which agrees with every known frame. Commands are joined with ";", and e
 
 from __future__ import annotations
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import U1, Vec
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.devices.ascii_numbers import read_number, write_fixed
 
 __all__ = [

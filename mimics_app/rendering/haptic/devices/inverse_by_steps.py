@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 from numba import from_dtype, types
 
+from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.device_descriptor import KINEMATICS_SET, Kin
-from mimics_app.contracts.haptic import SCENE
-from mimics_app.contracts.kernel import typed_kernel
+from mimics_app.contracts.loop.device_descriptor import KINEMATICS_SET, Kin
+from mimics_app.contracts.loop.haptic import SCENE
 from mimics_app.rendering.haptic.kernels.joints import JOINT_WORK, joints_of
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import JointWorkRecord, SceneRecord, Table
+    from mimics_app.rendering.haptic.record_types import JointWorkRecord, SceneRecord, Table
 
 __all__ = ["inverse_by_steps"]
 

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.device_descriptor import KinematicsStatus
-from mimics_app.contracts.haptic import SCENE
-from mimics_app.contracts.loop_fields import MAX_CONTACTS, MAX_JOINTS
-from mimics_app.contracts.loop_ports import DATA_DQ, DATA_FORCE, DATA_Q, DATA_TORQUE
+from mimics_app.contracts.loop.device_descriptor import KinematicsStatus
+from mimics_app.contracts.loop.haptic import SCENE
+from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS, MAX_JOINTS
+from mimics_app.contracts.loop.loop_ports import DATA_DQ, DATA_FORCE, DATA_Q, DATA_TORQUE
 from mimics_app.rendering.haptic.descriptors.joint_limits import joint_limits
 from mimics_app.rendering.haptic.devices.conformance_finding import NotApplicable, must
 from mimics_app.rendering.haptic.scene_block import apply_robot

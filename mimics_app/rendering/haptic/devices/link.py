@@ -19,10 +19,10 @@ from contextlib import suppress
 
 import numpy as np
 
+from mimics_app.compiled.atomics import load_acquire, store_release
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec, Words
-from mimics_app.contracts.atomics import load_acquire, store_release
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.kernel import kernel
 
 __all__ = ["LINK_LENGTH", "LinkKeeper", "drop_link", "link_words", "take_link"]
 

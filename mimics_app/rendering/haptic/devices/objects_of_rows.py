@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.haptic_objects import STATIC, ForceLaw, ShapeKind
+from mimics_app.contracts.loop.haptic_objects import STATIC, ForceLaw, ShapeKind
 from mimics_app.rendering.haptic.devices.device_objects import (
     DeviceBlock,
     DeviceCylinder,

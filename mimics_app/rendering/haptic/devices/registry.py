@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.device_descriptor import DeviceDescriptor
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.loop_ports import DevicePlugin
-from mimics_app.contracts.members import load_member
-from mimics_app.contracts.plugins import PluginError, made_by
+from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
+from mimics_app.contracts.loop.loop_ports import DevicePlugin
+from mimics_app.contracts.ports.members import load_member
+from mimics_app.contracts.ports.plugins import PluginError, made_by
 from mimics_app.rendering.haptic import devices
 from mimics_app.rendering.haptic.devices.address import split_device
 from mimics_app.rendering.haptic.devices.described import descriptor_of

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.loop_ports import (
+from mimics_app.contracts.loop.loop_ports import (
     DATA_AGE,
     DATA_BUTTONS,
     DATA_DELAY,

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.device_descriptor import DeviceDescriptor
-from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
+from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.descriptors.joint_limits import JointLimits, joint_limits
 from mimics_app.rendering.haptic.devices.device_objects import DeviceObject

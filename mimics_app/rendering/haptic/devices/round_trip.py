@@ -11,8 +11,8 @@ command counts with its waiting time.
 
 from __future__ import annotations
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
 
 __all__ = [
     "TRIP_LENGTH",

@@ -8,8 +8,8 @@ resynchronises at the first complete frame after garbage.
 
 from __future__ import annotations
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import U1, Vec
-from mimics_app.contracts.kernel import kernel
 
 __all__ = [
     "ASK",

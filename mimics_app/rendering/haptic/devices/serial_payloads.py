@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import U1, Vec
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.loop_ports import (
+from mimics_app.contracts.loop.loop_ports import (
     COMMAND_DQ,
     COMMAND_ENABLED,
     COMMAND_FORCE,

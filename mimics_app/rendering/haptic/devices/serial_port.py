@@ -13,7 +13,7 @@ import numpy as np
 
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic.devices import serial_robot
 from mimics_app.rendering.haptic.devices.address import port_and_baud
 from mimics_app.rendering.haptic.devices.link import LinkKeeper

@@ -11,10 +11,10 @@ import math
 
 import numpy as np
 
+from mimics_app.compiled.file_descriptors import HUNG_UP, READABLE, look_at, read_bytes, write_bytes
+from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.descriptors import HUNG_UP, READABLE, look_at, read_bytes, write_bytes
-from mimics_app.contracts.kernel import kernel, typed_kernel
-from mimics_app.contracts.loop_ports import (
+from mimics_app.contracts.loop.loop_ports import (
     COMMAND_LENGTH,
     DATA_AGE,
     DATA_BUTTONS,

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.haptic import Controller, SafetyState, TripCause
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop.haptic import Controller, SafetyState, TripCause
 from mimics_app.rendering.haptic.kernels.closed_region import contact_share
 from mimics_app.rendering.haptic.kernels.contact_limits import common_share, is_pressed
 from mimics_app.rendering.haptic.kernels.limiter import limit_force, limit_held
@@ -28,7 +28,7 @@ from mimics_app.rendering.haptic.kernels.tunnels import share_in_touch
 from mimics_app.rendering.haptic.kernels.vectors import copy, fill, norm, rotate, rotate_back, scale
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import SceneRecord, StateRecord, Table, TotalsRecord, TouchedRecord
+    from mimics_app.rendering.haptic.record_types import SceneRecord, StateRecord, Table, TotalsRecord, TouchedRecord
 
 __all__ = [
     "ACTING",

@@ -25,12 +25,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mimics_app.contracts.haptic import Controller
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.loop.haptic import Controller
 from mimics_app.rendering.haptic.kernels.stability import LARGEST_MARGIN, margin_of
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import RegionRecord, SceneRecord
+    from mimics_app.rendering.haptic.record_types import RegionRecord, SceneRecord
 
 __all__ = [
     "REGION",

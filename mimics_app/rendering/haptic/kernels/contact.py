@@ -19,12 +19,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Mat, Vec
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.vectors import copy, fill
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import ContactRecord
+    from mimics_app.rendering.haptic.record_types import ContactRecord
 
 __all__ = [
     "cube",

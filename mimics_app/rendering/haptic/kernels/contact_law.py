@@ -16,7 +16,7 @@ The printed equations and their corrections:
 
 from __future__ import annotations
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 
 __all__ = [
     "hunt_crossley",

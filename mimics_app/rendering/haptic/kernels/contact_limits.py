@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 from mimics_app.rendering.haptic.kernels.closed_region import (
     contact_share,
     region_margin,
@@ -23,7 +23,7 @@ from mimics_app.rendering.haptic.kernels.directions import (
 )
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import SceneRecord, StateRecord, Table, TotalsRecord, TouchedRecord
+    from mimics_app.rendering.haptic.record_types import SceneRecord, StateRecord, Table, TotalsRecord, TouchedRecord
 
 __all__ = ["common_share", "is_pressed", "touched_margin"]
 

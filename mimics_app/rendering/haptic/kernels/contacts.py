@@ -9,14 +9,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.haptic import SafetyState
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.rendering.haptic.kernels.safety import latch
 from mimics_app.rendering.haptic.kernels.vectors import copy
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import SceneRecord, StateRecord, Table, TotalsRecord
+    from mimics_app.rendering.haptic.record_types import SceneRecord, StateRecord, Table, TotalsRecord
 
 __all__ = ["collect_events", "publish_others", "set_virtual_forces", "share_device_state"]
 

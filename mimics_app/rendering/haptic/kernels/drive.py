@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.device_descriptor import Kin
-from mimics_app.contracts.haptic import AdmittanceForm, Controller, SafetyState, TripCause
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop.device_descriptor import Kin
+from mimics_app.contracts.loop.haptic import AdmittanceForm, Controller, SafetyState, TripCause
 from mimics_app.rendering.haptic.control.admittance import admit, limit_motion
 from mimics_app.rendering.haptic.control.impedance import draw_along, draw_joints
 from mimics_app.rendering.haptic.control.joint_admittance import admit_joints
@@ -36,7 +36,7 @@ from mimics_app.rendering.haptic.kernels.safety import HOLD, is_stopped, latch, 
 from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill, norm, scale
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import SceneRecord, StateRecord, Table
+    from mimics_app.rendering.haptic.record_types import SceneRecord, StateRecord, Table
 
 __all__ = ["control", "note_arrival"]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Mat
-from mimics_app.contracts.kernel import kernel
 
 __all__ = ["diagonalise", "largest"]
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 from mimics_app.rendering.haptic.kernels.safety import lets_feel
 from mimics_app.rendering.haptic.kernels.vectors import norm
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import SceneRecord, StateRecord, Table
+    from mimics_app.rendering.haptic.record_types import SceneRecord, StateRecord, Table
 
 __all__ = ["follow_extremes", "forget_extremes"]
 

@@ -14,11 +14,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import FrictionRecord, MemoryRecord
+    from mimics_app.rendering.haptic.record_types import FrictionRecord, MemoryRecord
 
 __all__ = [
     "forget_friction",

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 
 __all__ = [
     "free_responses",

@@ -1,7 +1,7 @@
 """Kinematics of any device: the closed form of its own functions where it has one, else from its Jacobian.
 
-`kin` is the tuple of the device's functions in the order of contracts.device_descriptor, `scene` the SCENE record with
-its joints, contacts and geometry. Points are concatenated, three numbers each.
+`kin` is the tuple of the device's functions in the order of contracts.loop.device_descriptor, `scene` the SCENE record
+with its joints, contacts and geometry. Points are concatenated, three numbers each.
 """
 
 from __future__ import annotations
@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.device_descriptor import (
+from mimics_app.contracts.loop.device_descriptor import (
     FORWARD,
     INVERSE,
     JACOBIAN,
@@ -24,12 +25,11 @@ from mimics_app.contracts.device_descriptor import (
     Kin,
     KinematicsStatus,
 )
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.loop_fields import MAX_CONTACTS, MAX_JOINTS
+from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS, MAX_JOINTS
 from mimics_app.rendering.haptic.kernels.solve import solve_positive
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import JointWorkRecord, SceneRecord
+    from mimics_app.rendering.haptic.record_types import JointWorkRecord, SceneRecord
 
 __all__ = [
     "JOINT_WORK",

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.haptic import NANOSECOND, Controller, DeviceStatus, SafetyState
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.loop.haptic import NANOSECOND, Controller, DeviceStatus, SafetyState
 from mimics_app.rendering.haptic.kernels.vectors import copy, norm
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import SceneRecord, StateRecord
+    from mimics_app.rendering.haptic.record_types import SceneRecord, StateRecord
 
 __all__ = ["lags_too_far", "note_jump", "note_lag"]
 

@@ -14,8 +14,8 @@ from __future__ import annotations
 
 import math
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
 
 __all__ = ["GEOMETRY", "LEGS", "foot_torques", "foot_velocity", "leg_jacobian", "leg_joints", "place_foot"]
 

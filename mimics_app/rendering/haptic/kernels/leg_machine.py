@@ -12,8 +12,8 @@ from __future__ import annotations
 
 import math
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.noise import gauss, quantised
 from mimics_app.rendering.haptic.kernels.vectors import copy, fill
 

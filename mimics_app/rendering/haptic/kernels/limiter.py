@@ -7,8 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill, scale
 
 __all__ = ["brake_at_limits", "lever_of", "limit_force", "limit_held", "limit_joints", "limit_torques", "settle"]

@@ -21,12 +21,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 from mimics_app.rendering.haptic.kernels.safety import is_felt
 
 if TYPE_CHECKING:
     from mimics_app.contracts.arrays import Vec
-    from mimics_app.contracts.record_types import StateRecord, SwingRecord, TotalsRecord
+    from mimics_app.rendering.haptic.record_types import StateRecord, SwingRecord, TotalsRecord
 
 __all__ = ["FLOOR", "LEAST_CALM", "SWING", "begin_swing", "watch_swing"]
 

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.vectors import copy
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import ObserverRecord
+    from mimics_app.rendering.haptic.record_types import ObserverRecord
 
 __all__ = ["OBSERVER", "observe", "reset_observer"]
 

@@ -18,8 +18,8 @@ feeds into the virtual mass, while it takes energy from the device that follows.
 
 from __future__ import annotations
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.vectors import norm
 
 __all__ = ["contact_scale", "middle_velocity"]

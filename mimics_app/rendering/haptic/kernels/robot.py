@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import math
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.loop_ports import DATA_AGE, DATA_DQ, DATA_FORCE, DATA_Q
+from mimics_app.contracts.loop.loop_ports import DATA_AGE, DATA_DQ, DATA_FORCE, DATA_Q
 from mimics_app.rendering.haptic.kernels.kinematics import apply_jacobian, forward, robot_to_tool
 from mimics_app.rendering.haptic.kernels.limiter import settle
 from mimics_app.rendering.haptic.kernels.noise import gauss, quantised

@@ -20,8 +20,8 @@ from __future__ import annotations
 
 import math
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, Vec, Vec3
-from mimics_app.contracts.kernel import kernel
 from mimics_app.maths.quat import QUATERNION
 
 __all__ = [

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
+from mimics_app.compiled.record_copy import field_copier
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.haptic import SafetyState
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, moves_of
-from mimics_app.contracts.loop_ports import (
+from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, moves_of
+from mimics_app.contracts.loop.loop_ports import (
     COMMAND_DQ,
     COMMAND_ENABLED,
     COMMAND_FORCE,
@@ -24,11 +25,10 @@ from mimics_app.contracts.loop_ports import (
     DATA_Q,
     DATA_TORQUE,
 )
-from mimics_app.contracts.record_copy import field_copier
 from mimics_app.rendering.haptic.kernels.vectors import norm
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import (
+    from mimics_app.rendering.haptic.record_types import (
         SampleRecord,
         SceneRecord,
         SnapshotRecord,

@@ -19,7 +19,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.haptic import (
+from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.loop.haptic import (
     SECOND_NS,
     Button,
     Controller,
@@ -27,13 +28,12 @@ from mimics_app.contracts.haptic import (
     SafetyState,
     TripCause,
 )
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.jumps import lags_too_far
 from mimics_app.rendering.haptic.kernels.tunnel_state import TunnelStatus
 from mimics_app.rendering.haptic.kernels.vectors import norm
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import SceneRecord, StateRecord, Table
+    from mimics_app.rendering.haptic.record_types import SceneRecord, StateRecord, Table
 
 __all__ = [
     "HOLD",

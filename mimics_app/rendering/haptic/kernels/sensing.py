@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.device_descriptor import Kin
-from mimics_app.contracts.haptic import SECOND_NS, DeviceStatus
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.loop_fields import MAX_JOINTS
-from mimics_app.contracts.loop_ports import (
+from mimics_app.contracts.loop.device_descriptor import Kin
+from mimics_app.contracts.loop.haptic import SECOND_NS, DeviceStatus
+from mimics_app.contracts.loop.loop_fields import MAX_JOINTS
+from mimics_app.contracts.loop.loop_ports import (
     DATA_AGE,
     DATA_BUTTONS,
     DATA_DELAY,
@@ -23,7 +23,7 @@ from mimics_app.rendering.haptic.kernels.joints import points_of, to_robot, velo
 from mimics_app.rendering.haptic.kernels.vectors import copy, fill, rotate
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import SceneRecord, StateRecord, Table
+    from mimics_app.rendering.haptic.record_types import SceneRecord, StateRecord, Table
 
 __all__ = ["find_motion", "size_ball", "take_data"]
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
 
 __all__ = ["solve_positive"]
 

@@ -14,7 +14,7 @@ ticks that catch up after it bring the plain mean back to nominal.
 
 from __future__ import annotations
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 
 __all__ = [
     "LARGEST_MARGIN",

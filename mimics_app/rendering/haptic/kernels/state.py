@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.contracts.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, state_fields
+from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, state_fields
 from mimics_app.rendering.haptic.kernels.acting import ACTING
 from mimics_app.rendering.haptic.kernels.closed_region import REGION
 from mimics_app.rendering.haptic.kernels.directions import SPAN

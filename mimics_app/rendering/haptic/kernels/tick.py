@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.device_descriptor import Kin
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop.device_descriptor import Kin
 from mimics_app.rendering.haptic.kernels.acting import account, act, delay_ticks, device_delay
 from mimics_app.rendering.haptic.kernels.closed_region import find_region
 from mimics_app.rendering.haptic.kernels.contacts import (
@@ -35,7 +35,7 @@ from mimics_app.rendering.haptic.kernels.tunnels import follow_tunnels, forget_t
 from mimics_app.rendering.haptic.kernels.watch import watch_contact, watch_margin
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import (
+    from mimics_app.rendering.haptic.record_types import (
         Fields,
         ObjectWork,
         Rows,
@@ -160,7 +160,7 @@ def tick(
         objects: Working arrays of the objects, advanced by one tick.
         simulate: The objects' part of the tick, see rendering.haptic.objects.SIMULATE.
         fields: Force fields of the objects.
-        kin: Kinematics functions of the device, in the order of contracts.device_descriptor.
+        kin: Kinematics functions of the device, in the order of contracts.loop.device_descriptor.
         states: STATE records, one for each point of contact, advanced by one tick.
         data: Data vector from the device's read function, shape [DATA_LENGTH].
         status: DeviceStatus of that read.

@@ -22,15 +22,15 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.tunnel_frame import arc_at, write_frame
 from mimics_app.rendering.haptic.kernels.tunnel_projection import axis, locate, project
 from mimics_app.rendering.haptic.kernels.tunnel_state import TunnelStatus
 from mimics_app.rendering.haptic.kernels.vectors import fill, norm
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import TunnelRecord, TunnelStateRecord
+    from mimics_app.rendering.haptic.record_types import TunnelRecord, TunnelStateRecord
 
 __all__ = ["fade_at_end", "tunnel_force"]
 

@@ -8,11 +8,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 from mimics_app.rendering.haptic.kernels.tunnel_projection import axis
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import TunnelRecord, TunnelStateRecord
+    from mimics_app.rendering.haptic.record_types import TunnelRecord, TunnelStateRecord
 
 __all__ = ["arc_at", "write_frame"]
 

@@ -12,11 +12,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.haptic_objects import Projection
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.loop.haptic_objects import Projection
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import TunnelRecord, TunnelStateRecord
+    from mimics_app.rendering.haptic.record_types import TunnelRecord, TunnelStateRecord
 
 __all__ = [
     "axis",
@@ -282,7 +282,7 @@ def _keep_branch(
 
 @kernel
 def project(tunnel: TunnelRecord, px: float, py: float, pz: float, state: TunnelStateRecord) -> float:
-    """Closest point by the method of the parameter block (contracts.haptic.Projection)."""
+    """Closest point by the method of the parameter block (contracts.loop.haptic.Projection)."""
     if tunnel.projection == Projection.NEWTON_ONE_STEP:
         return track_one_step(tunnel, px, py, pz, state)
     if tunnel.projection == Projection.GOLDEN_SECTION:

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import TunnelStateRecord
+    from mimics_app.rendering.haptic.record_types import TunnelStateRecord
 
 __all__ = ["TUNNEL_STATE", "TunnelStatus", "restart_tracking"]
 

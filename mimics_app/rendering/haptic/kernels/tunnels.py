@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 from mimics_app.rendering.haptic.kernels.closed_region import stiffness_limit
 from mimics_app.rendering.haptic.kernels.stability import spring_share
 from mimics_app.rendering.haptic.kernels.tunnel import tunnel_force
@@ -24,7 +24,7 @@ from mimics_app.rendering.haptic.kernels.tunnel_state import TunnelStatus, resta
 from mimics_app.rendering.haptic.kernels.vectors import copy, fill
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import (
+    from mimics_app.rendering.haptic.record_types import (
         HoldingRecord,
         OwnTunnelRecord,
         RegionRecord,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Mat, Vec
-from mimics_app.contracts.kernel import kernel
 
 __all__ = ["all_finite", "clamp_joints", "clamp_norm", "copy", "fill", "norm", "rotate", "rotate_back", "scale"]
 

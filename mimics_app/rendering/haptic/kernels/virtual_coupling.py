@@ -7,8 +7,8 @@ to that limit.
 
 from __future__ import annotations
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.vectors import clamp_norm, copy, fill
 
 __all__ = [

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.acting import FREE_TIME, acting_contact
 from mimics_app.rendering.haptic.kernels.closed_region import region_margin, stiffness_limit
 from mimics_app.rendering.haptic.kernels.contact_limits import is_pressed, touched_margin
@@ -14,7 +14,7 @@ from mimics_app.rendering.haptic.kernels.safety import is_felt
 from mimics_app.rendering.haptic.kernels.stability import LARGEST_MARGIN
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import SceneRecord, StateRecord, Table, TotalsRecord, TouchedRecord
+    from mimics_app.rendering.haptic.record_types import SceneRecord, StateRecord, Table, TotalsRecord, TouchedRecord
 
 __all__ = ["watch_contact", "watch_margin"]
 

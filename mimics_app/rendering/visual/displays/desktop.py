@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from mimics_app.contracts.display_port import Eye, Viewpoint
+from mimics_app.contracts.ports.display_port import Eye, Viewpoint
 from mimics_app.rendering.visual.displays.plain_display import PlainDisplay
 from mimics_app.rendering.visual.surfaces.surface import Size
 from mimics_app.rendering.visual.view import View

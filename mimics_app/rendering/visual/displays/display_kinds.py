@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import cast
 
-from mimics_app.contracts.display_choice import PLUGINS, DisplayChoice
-from mimics_app.contracts.display_port import Display
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.plugins import PluginError
+from mimics_app.contracts.ports.display_choice import PLUGINS, DisplayChoice
+from mimics_app.contracts.ports.display_port import Display
+from mimics_app.contracts.ports.plugins import PluginError
 from mimics_app.rendering.visual.displays.desktop import DesktopDisplay
 from mimics_app.rendering.visual.displays.headset import RawHeadset
 from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec, load_headset

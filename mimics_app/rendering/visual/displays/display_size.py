@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from mimics_app.contracts.display_port import Size
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.ports.display_port import Size
 
 __all__ = ["MOST_PIXELS", "check_drawn_size", "too_many_pixels"]
 

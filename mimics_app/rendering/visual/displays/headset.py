@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.display_port import Composing, Eye, Rect, Size, Viewpoint
+from mimics_app.contracts.ports.display_port import Composing, Eye, Rect, Size, Viewpoint
 from mimics_app.maths.poses import pose_from_parts
 from mimics_app.rendering.visual.displays.headset_file import EyeSpec, HeadsetSpec
 from mimics_app.rendering.visual.displays.lens import distort

@@ -17,7 +17,8 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.display_port import (
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.ports.display_port import (
     DisplayFrame,
     Eye,
     FrameTiming,
@@ -27,8 +28,7 @@ from mimics_app.contracts.display_port import (
     Tangents,
     Viewpoint,
 )
-from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.tracker_port import TrackerSample
+from mimics_app.contracts.ports.tracker_port import TrackerSample
 from mimics_app.maths.poses import quaternion_of
 from mimics_app.rendering.visual.displays.plain_display import PlainDisplay
 

@@ -19,9 +19,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.display_port import DisplayFrame, FrameTiming, HeadsetState, Size
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.tracker_port import TrackerSample
+from mimics_app.contracts.ports.display_port import DisplayFrame, FrameTiming, HeadsetState, Size
+from mimics_app.contracts.ports.tracker_port import TrackerSample
 from mimics_app.contracts.version import __version__
 from mimics_app.maths.poses import pose_from_parts
 from mimics_app.rendering.visual.displays.headset_session import (

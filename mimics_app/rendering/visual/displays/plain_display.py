@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.display_port import (
+from mimics_app.contracts.ports.display_port import (
     Composing,
     Display,
     DisplayFrame,
@@ -19,7 +19,7 @@ from mimics_app.contracts.display_port import (
     Viewpoint,
     WindowPlace,
 )
-from mimics_app.contracts.tracker_port import TrackerSample
+from mimics_app.contracts.ports.tracker_port import TrackerSample
 
 __all__ = ["PlainDisplay", "eye_offset"]
 

@@ -10,9 +10,9 @@ from bisect import bisect_right
 import numpy as np
 
 from mimics_app.contracts.arrays import F8, U1
-from mimics_app.contracts.display_port import DisplayFrame, FrameTiming, HeadsetState, Size
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.tracker_port import TrackerSample
+from mimics_app.contracts.ports.display_port import DisplayFrame, FrameTiming, HeadsetState, Size
+from mimics_app.contracts.ports.tracker_port import TrackerSample
 from mimics_app.maths.poses import interpolate_pose, pose_from_parts
 from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec
 from mimics_app.rendering.visual.displays.headset_session import EyeLocation, HeadsetRuntime, sample_of

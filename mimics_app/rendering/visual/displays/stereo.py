@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.display_port import Composing, Eye, Rect, Size, Viewpoint
+from mimics_app.contracts.ports.display_port import Composing, Eye, Rect, Size, Viewpoint
 from mimics_app.rendering.visual.displays.desktop import compute_window_tangents
 from mimics_app.rendering.visual.displays.plain_display import PlainDisplay, eye_offset
 from mimics_app.rendering.visual.view_matrices import Tangents

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.display_port import Composing, Eye, Rect, Size, Viewpoint, WindowPlace
+from mimics_app.contracts.ports.display_port import Composing, Eye, Rect, Size, Viewpoint, WindowPlace
 from mimics_app.rendering.visual.displays.off_axis import look_through
 from mimics_app.rendering.visual.displays.plain_display import PlainDisplay, eye_offset
 from mimics_app.rendering.visual.displays.wall_file import WallSpec, WallsSpec, rectangle_of

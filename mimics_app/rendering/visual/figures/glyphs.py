@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
-from mimics_app.contracts import resources
 from mimics_app.contracts.arrays import F8, U1
 from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.system import resources
 
 __all__ = ["Face", "Glyph", "GlyphAtlas", "Line", "load_glyph_atlas"]
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F4, F8, I4, I8, U1, U4
-from mimics_app.contracts.kernel import kernel
 
 __all__ = ["MAX_TRIANGLES", "write_commands", "write_instances"]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, I4, U1
-from mimics_app.contracts.kernel import kernel
 
 __all__ = ["cull_flat", "distance_key", "find_planes", "is_seen"]
 

@@ -17,8 +17,8 @@ import math
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, I4
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.visual.kernels.projection import TO_SCREEN, project_box, to_screen
 
 __all__ = ["MARGIN_PX", "hides", "is_hidden", "remove_hidden"]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F4, F8, I4, U1, U8
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.visual.kernels.frustum import distance_key
 
 __all__ = ["make_keys", "sort_by_key"]

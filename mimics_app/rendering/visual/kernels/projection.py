@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.kernel import kernel
 
 __all__ = ["TO_SCREEN", "project_box", "to_node", "to_screen"]
 

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import B1, F8, I4, U1
-from mimics_app.contracts.kernel import kernel
 from mimics_app.maths.mat import affine_inverse
 from mimics_app.rendering.visual.kernels.shape_places import MISSED
 

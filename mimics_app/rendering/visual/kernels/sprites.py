@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F4, F8, I4, U1, U8, Records
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.visual.kernels.order import sort_by_key
 
 __all__ = [

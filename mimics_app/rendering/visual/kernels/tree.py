@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, I4, U1
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.visual.kernels.frustum import is_seen
 
 __all__ = ["build_tree", "count_below", "cull_tree", "refit_tree"]

@@ -9,8 +9,8 @@ import math
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F4, F8, I4, I8, U1, U2
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.visual.kernels.occlusion import hides, is_hidden
 from mimics_app.rendering.visual.kernels.projection import TO_SCREEN, project_box, to_node, to_screen
 

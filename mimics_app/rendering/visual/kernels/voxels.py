@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F4, F8, I4, I8, U4
-from mimics_app.contracts.kernel import kernel
 
 __all__ = ["bound_clusters", "voxelise"]
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.window_input import InputEvent
+from mimics_app.contracts.messages.window_input import InputEvent
 from mimics_app.rendering.visual.figures.key_page import draw_keys
 from mimics_app.rendering.visual.launcher.launcher_page import (
     LauncherPage,

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mimics_app.contracts.window_input import InputEvent
+from mimics_app.contracts.messages.window_input import InputEvent
 from mimics_app.rendering.visual.displays.desktop import compute_tangents
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Hud
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from mimics_app.contracts.window_input import InputEvent
+from mimics_app.contracts.messages.window_input import InputEvent
 from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.figures.key_page import Keys, draw_keys
 from mimics_app.rendering.visual.figures.palette import ACCENT, BACK, FAINT, INK, ON_ACCENT, PANEL, PANEL_LIT, QUIET

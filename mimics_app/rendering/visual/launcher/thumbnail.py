@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from mimics_app.contracts.arrays import U1
-from mimics_app.contracts.regular_file import open_regular
+from mimics_app.contracts.system.regular_file import open_regular
 
 __all__ = ["load_thumbnail"]
 

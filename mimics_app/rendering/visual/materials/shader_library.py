@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from mimics_app.contracts import resources
 from mimics_app.contracts.arrays import F4, F8
 from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.system import resources
 from mimics_app.rendering.visual.materials.carried_uniforms import carry_uniforms
 from mimics_app.rendering.visual.materials.shader_source import ShaderFile, ShaderSource, read_shader_file, stamp_of
 from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities

@@ -8,9 +8,9 @@ from statistics import median
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.frame_budget import BUDGET_MS, FRAME_MS
 from mimics_app.rendering.visual.figures.hud import HUD_ROW, Colour, Hud
 from mimics_app.rendering.visual.figures.palette import FAINT, INK
+from mimics_app.rendering.visual.overlay.frame_budget import BUDGET_MS, FRAME_MS
 from mimics_app.rendering.visual.overlay.stage_times import FrameTimes
 
 __all__ = ["draw_frame_graph"]

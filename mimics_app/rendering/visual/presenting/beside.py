@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from mimics_app.contracts.display_port import Display, Eye
+from mimics_app.contracts.ports.display_port import Display, Eye
 from mimics_app.rendering.visual.presenting.compose import ComposePass
 from mimics_app.rendering.visual.surfaces.eye_buffer import EyeBuffer
 from mimics_app.rendering.visual.surfaces.surface import Surface

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from mimics_app.contracts.display_port import Composing, Rect
+from mimics_app.contracts.ports.display_port import Composing, Rect
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.passes.screen import ScreenPass
 from mimics_app.rendering.visual.surfaces.eye_buffer import EyeBuffer

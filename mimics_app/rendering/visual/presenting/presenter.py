@@ -13,10 +13,18 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8, U1
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.display_port import Composing, Display, DisplayFrame, Eye, FrameTiming, HeadSource, Viewpoint
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.plugins import raised
-from mimics_app.contracts.tracker_port import TrackerSample
+from mimics_app.contracts.ports.display_port import (
+    Composing,
+    Display,
+    DisplayFrame,
+    Eye,
+    FrameTiming,
+    HeadSource,
+    Viewpoint,
+)
+from mimics_app.contracts.ports.plugins import raised
+from mimics_app.contracts.ports.tracker_port import TrackerSample
 from mimics_app.rendering.visual.displays.desktop import DesktopDisplay
 from mimics_app.rendering.visual.presenting.beside import BesideWindows
 from mimics_app.rendering.visual.presenting.compose import ComposePass

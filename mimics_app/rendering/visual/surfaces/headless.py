@@ -10,7 +10,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import U1
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.whole_file import whole_file
+from mimics_app.contracts.system.whole_file import whole_file
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.surface import Size, Surface
 

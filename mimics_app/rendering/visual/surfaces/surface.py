@@ -7,14 +7,14 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.window_input import GamepadState, InputEvent
+from mimics_app.contracts.messages.window_input import GamepadState, InputEvent
 from mimics_app.rendering.visual.surfaces.picture_texture import make_picture_texture
 from mimics_app.rendering.visual.surfaces.raw_gl import function_address
 
 if TYPE_CHECKING:
     import moderngl
 
-    from mimics_app.contracts.display_port import WindowPlace
+    from mimics_app.contracts.ports.display_port import WindowPlace
     from mimics_app.rendering.visual.surfaces.wall_windows import WallWindows
 
 __all__ = ["Place", "ResetStatus", "Size", "Surface", "release_framebuffer"]

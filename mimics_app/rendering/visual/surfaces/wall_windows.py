@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
-from mimics_app.contracts.display_port import Rect, Size, WindowPlace
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.ports.display_port import Rect, Size, WindowPlace
 
 __all__ = ["WallWindows"]
 

@@ -8,7 +8,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.window_input import GamepadState, InputEvent
+from mimics_app.contracts.messages.window_input import GamepadState, InputEvent
 from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
 from mimics_app.rendering.visual.surfaces.surface import Place, Size, Surface
 from mimics_app.rendering.visual.surfaces.window_copy import WindowCopy
@@ -17,7 +17,7 @@ from mimics_app.rendering.visual.surfaces.window_size import on_the_desktop, sma
 if TYPE_CHECKING:
     import moderngl
 
-    from mimics_app.contracts.display_port import WindowPlace
+    from mimics_app.contracts.ports.display_port import WindowPlace
     from mimics_app.rendering.visual.surfaces.wall_windows import WallWindows
 
 __all__ = ["WindowSurface"]

@@ -14,7 +14,7 @@ from mimics_app.rendering.visual.surfaces.surface import release_framebuffer
 if TYPE_CHECKING:
     import moderngl
 
-    from mimics_app.contracts.display_port import Rect
+    from mimics_app.contracts.ports.display_port import Rect
 
 __all__ = ["WindowCopy"]
 

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from msgspec import structs
 
-from mimics_app.contracts.board import Card
 from mimics_app.contracts.clock import FRAME_NS, SECOND_NS
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.messages import TactileEvent
-from mimics_app.contracts.report_section import ReportedAttempt, ReportSection
-from mimics_app.contracts.scenario_port import TaskContext
+from mimics_app.contracts.messages.board import Card
+from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
+from mimics_app.contracts.messages.stage_messages import TactileEvent
+from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.kinds.avatar_cord.questionnaire_file import check_questionnaire, read_questionnaire
 from mimics_app.tasks.kinds.avatar_cord.questions import Asking

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from msgspec import Meta, structs
 
-from mimics_app.contracts.board import Bar, Card, Tone
 from mimics_app.contracts.errors import Issue
-from mimics_app.contracts.scenario_port import TaskContext
+from mimics_app.contracts.messages.board import Bar, Card, Tone
+from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.kinds.carry.carried import Carried, CarriedFrame, Stage
 from mimics_app.tasks.kinds.carry.report import CarrySection

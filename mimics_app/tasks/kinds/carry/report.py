@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.report_section import Curve, Marks, ReportedAttempt, ReportSection, Traces, frontal
+from mimics_app.contracts.messages.report_section import Curve, Marks, ReportedAttempt, ReportSection, Traces, frontal
 
 __all__ = ["CarrySection"]
 

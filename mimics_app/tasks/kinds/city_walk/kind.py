@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from msgspec import Meta, structs
 
-from mimics_app.contracts.board import Bar, Card
 from mimics_app.contracts.errors import Issue
-from mimics_app.contracts.report_section import ReportedAttempt, ReportSection
-from mimics_app.contracts.scenario_port import TaskContext
+from mimics_app.contracts.messages.board import Bar, Card
+from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
+from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.deflection import DEAD_ZONE, deflection
 from mimics_app.tasks.kinds.kind import KindPlay, Measure, TaskKind, Values
 from mimics_app.tasks.observation import Observation

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from msgspec import Meta, structs
 
-from mimics_app.contracts.board import Card
 from mimics_app.contracts.errors import Issue
-from mimics_app.contracts.report_section import ReportedAttempt, ReportSection
-from mimics_app.contracts.scenario_port import TaskContext
+from mimics_app.contracts.messages.board import Card
+from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
+from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.deflection import deflection
 from mimics_app.tasks.kinds.guided_walk.walk_people import STEP_S, Alley, Deed, Guide, Walker

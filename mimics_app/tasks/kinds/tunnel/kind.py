@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 from msgspec import Meta, structs
 
 from mimics_app.contracts.errors import Issue
-from mimics_app.contracts.scenario_port import TaskContext
+from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.kinds.kind import KindPlay, TaskKind
 from mimics_app.tasks.kinds.tunnel.report import TunnelSection
 from mimics_app.tasks.observation import Observation

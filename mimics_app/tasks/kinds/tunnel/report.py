@@ -8,7 +8,14 @@ from typing import Any
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.report_section import Curve, ReportedAttempt, ReportSection, Traces, TunnelShape, Word
+from mimics_app.contracts.messages.report_section import (
+    Curve,
+    ReportedAttempt,
+    ReportSection,
+    Traces,
+    TunnelShape,
+    Word,
+)
 
 __all__ = ["TunnelSection"]
 

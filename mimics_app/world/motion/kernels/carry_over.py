@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, I4
-from mimics_app.contracts.kernel import kernel
 from mimics_app.maths.quat import QUATERNION, multiply
 from mimics_app.world.motion.kernels.chain import localise
 

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, I4
-from mimics_app.contracts.kernel import kernel
 from mimics_app.maths.quat import (
     QUATERNION,
     conjugate,

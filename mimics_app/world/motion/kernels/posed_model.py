@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, I4
-from mimics_app.contracts.kernel import kernel
 from mimics_app.world.motion.kernels.chain import follow_one, localise
 
 __all__ = ["PosedModel", "follow", "turn_to"]

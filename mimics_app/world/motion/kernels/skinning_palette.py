@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F4, F8, I4, U1
-from mimics_app.contracts.kernel import kernel
 from mimics_app.maths.quat import (
     QUATERNION,
     from_matrix,

@@ -11,8 +11,8 @@ import math
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, I4
-from mimics_app.contracts.kernel import kernel
 from mimics_app.maths.quat import QUATERNION, conjugate, multiply, rotate, slerp
 from mimics_app.world.motion.kernels.chain import arc, wrap
 from mimics_app.world.motion.kernels.posed_model import PosedModel, follow, turn_to

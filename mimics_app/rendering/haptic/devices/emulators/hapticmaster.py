@@ -7,7 +7,7 @@ from contextlib import suppress
 
 import numpy as np
 
-from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic.devices.emulators.faults import Faults
 from mimics_app.rendering.haptic.devices.emulators.hapticmaster_model import HapticMasterModel
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from mimics_app.contracts.loop_ports import (
+from mimics_app.contracts.loop.loop_ports import (
     COMMAND_LENGTH,
     DATA_GRASP,
     DATA_LENGTH,

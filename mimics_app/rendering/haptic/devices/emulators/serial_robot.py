@@ -13,7 +13,13 @@ from pathlib import Path
 
 import numpy as np
 
-from mimics_app.contracts.loop_ports import COMMAND_ENABLED, COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH, DevicePlugin
+from mimics_app.contracts.loop.loop_ports import (
+    COMMAND_ENABLED,
+    COMMAND_LENGTH,
+    DATA_LENGTH,
+    INBOX_LENGTH,
+    DevicePlugin,
+)
 from mimics_app.rendering.haptic.devices.emulators.faults import Faults
 from mimics_app.rendering.haptic.devices.serial_frames import (
     ASK,

@@ -15,9 +15,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.haptic_objects import BodyFlag, ObjectIntegrator
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop.haptic_objects import BodyFlag, ObjectIntegrator
 from mimics_app.maths import quat
 from mimics_app.rendering.haptic.kernels.integrators import (
     free_responses,
@@ -31,7 +31,7 @@ from mimics_app.rendering.haptic.kernels.rotation import product, rotated, turn_
 from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import (
+    from mimics_app.rendering.haptic.record_types import (
         BodyRecord,
         DynamicsRecord,
         MotionRecord,

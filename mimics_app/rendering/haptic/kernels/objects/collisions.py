@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.haptic_objects import STATIC, ShapeKind
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop.haptic_objects import STATIC, ShapeKind
 from mimics_app.rendering.haptic.kernels.objects.bodies import is_free, rest_time, wake
 from mimics_app.rendering.haptic.kernels.objects.collisions_boxes import separate_boxes
 from mimics_app.rendering.haptic.kernels.objects.collisions_carried_mesh import touch_carried_mesh
@@ -26,7 +26,7 @@ from mimics_app.rendering.haptic.kernels.objects.sweep_and_prune import find_pai
 from mimics_app.rendering.haptic.kernels.objects.triples import dot, times
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import (
+    from mimics_app.rendering.haptic.record_types import (
         BodyRecord,
         DynamicsRecord,
         MeshTable,

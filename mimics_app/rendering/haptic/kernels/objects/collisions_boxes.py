@@ -9,12 +9,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Mat, Vec3
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.triples import axis, cross, dot, minus, position_of, times, to_local
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import SolidRecord
+    from mimics_app.rendering.haptic.record_types import SolidRecord
 
 __all__ = ["separate_boxes"]
 

@@ -16,9 +16,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.haptic_objects import ShapeKind
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.rendering.haptic.kernels.objects.collisions_edges import chord_in, deepest_between, may_pass
 from mimics_app.rendering.haptic.kernels.objects.collisions_mesh import depth_in_mesh, points_in_mesh, project_depths
 from mimics_app.rendering.haptic.kernels.objects.distances import depth_under, distance_to
@@ -36,7 +36,7 @@ from mimics_app.rendering.haptic.kernels.objects.triples import (
 )
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import MeshTable, ScratchRecord, SolidRecord
+    from mimics_app.rendering.haptic.record_types import MeshTable, ScratchRecord, SolidRecord
 
 __all__ = ["depth_of", "edge_in", "keep_point", "touch_carried_mesh"]
 

@@ -12,9 +12,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.haptic_objects import ShapeKind
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.rendering.haptic.kernels.objects.distances import distance_to
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import ANY_DIRECTION, FACING, first_crossing, triangle_normal
 from mimics_app.rendering.haptic.kernels.objects.triples import (
@@ -29,7 +29,7 @@ from mimics_app.rendering.haptic.kernels.objects.triples import (
 )
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import MeshTable, ScratchRecord, SolidRecord
+    from mimics_app.rendering.haptic.record_types import MeshTable, ScratchRecord, SolidRecord
 
 __all__ = ["chord_in", "deepest_between", "may_pass"]
 

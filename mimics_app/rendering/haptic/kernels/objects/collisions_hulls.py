@@ -11,9 +11,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, Vec3
-from mimics_app.contracts.haptic_objects import ShapeKind
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.rendering.haptic.kernels.objects.triples import (
     along,
     axis,
@@ -26,7 +26,7 @@ from mimics_app.rendering.haptic.kernels.objects.triples import (
 )
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import Floats, SolidRecord
+    from mimics_app.rendering.haptic.record_types import Floats, SolidRecord
 
 __all__ = ["separate_hulls", "support"]
 

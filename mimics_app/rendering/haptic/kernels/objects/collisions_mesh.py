@@ -11,9 +11,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.haptic_objects import ShapeKind
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.rendering.haptic.kernels.objects.manifold import CORNER_SHARE, RIM_POINTS, add_point
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
     ANY_DIRECTION,
@@ -34,7 +34,7 @@ from mimics_app.rendering.haptic.kernels.objects.triples import (
 )
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import MeshTable, ScratchRecord, SolidRecord
+    from mimics_app.rendering.haptic.record_types import MeshTable, ScratchRecord, SolidRecord
 
 __all__ = ["depth_in_mesh", "points_in_mesh", "project_depths", "touch_mesh"]
 

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, Vec3
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.collisions_carried_mesh import (
     depth_of,
     edge_in,
@@ -33,7 +33,7 @@ from mimics_app.rendering.haptic.kernels.objects.triples import (
 )
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import Floats, MeshTable, RidgeTable, ScratchRecord, SolidRecord
+    from mimics_app.rendering.haptic.record_types import Floats, MeshTable, RidgeTable, ScratchRecord, SolidRecord
 
 __all__ = ["touch_ridged_mesh"]
 

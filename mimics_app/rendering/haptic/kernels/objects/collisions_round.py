@@ -10,15 +10,15 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, Vec3
-from mimics_app.contracts.haptic_objects import ShapeKind
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.rendering.haptic.kernels.objects.distances import distance_to
 from mimics_app.rendering.haptic.kernels.objects.manifold import add_point
 from mimics_app.rendering.haptic.kernels.objects.triples import along, axis, dot, minus, position_of, times, to_local
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import Floats, SolidRecord
+    from mimics_app.rendering.haptic.record_types import Floats, SolidRecord
 
 __all__ = ["touch_by_capsule", "touch_by_sphere"]
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, Vec3
-from mimics_app.contracts.haptic_objects import ShapeKind
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.rendering.haptic.kernels.objects.manifold import CORNER_SHARE, add_point, write_feature
 from mimics_app.rendering.haptic.kernels.objects.triples import (
     along,
@@ -18,7 +18,7 @@ from mimics_app.rendering.haptic.kernels.objects.triples import (
 )
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import Floats, SolidRecord
+    from mimics_app.rendering.haptic.record_types import Floats, SolidRecord
 
 __all__ = ["touch_wall"]
 

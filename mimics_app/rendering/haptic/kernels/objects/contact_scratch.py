@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.contracts.haptic_objects import MAX_POINTS, SHAPE
+from mimics_app.contracts.loop.haptic_objects import MAX_POINTS, SHAPE
 
 __all__ = ["BEFORE", "BIRTH", "CONTACT_SCRATCH", "DISABLED", "PLACED", "TRACED"]
 

@@ -10,12 +10,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.vectors import norm, scale
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import Table, WallTouchRecord
+    from mimics_app.rendering.haptic.record_types import Table, WallTouchRecord
 
 __all__ = ["orthogonalise", "share_corner"]
 

@@ -6,8 +6,8 @@ by one. The test reads four rows of numbers and no record of a shape.
 
 from __future__ import annotations
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, I8, Vec
-from mimics_app.contracts.kernel import kernel
 
 __all__ = ["find_near", "find_near_plain"]
 

@@ -9,12 +9,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.vectors import clamp_norm, copy, norm
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import EffectMemoryRecord, EffectRecord
+    from mimics_app.rendering.haptic.record_types import EffectMemoryRecord, EffectRecord
 
 __all__ = [
     "add_bounded",

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.effect_laws import add_bounded, is_within
 from mimics_app.rendering.haptic.kernels.tunnel import fade_at_end
 from mimics_app.rendering.haptic.kernels.tunnel_frame import arc_at
 from mimics_app.rendering.haptic.kernels.tunnel_projection import axis, locate, track
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import EffectMemoryRecord, EffectRecord, TunnelRecord
+    from mimics_app.rendering.haptic.record_types import EffectMemoryRecord, EffectRecord, TunnelRecord
 
 __all__ = ["find_path", "guide", "pull_to_path"]
 

@@ -10,10 +10,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.haptic_objects import BodyFlag, EffectKind
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.loop_ports import MAX_FIELDS
+from mimics_app.contracts.loop.haptic_objects import BodyFlag, EffectKind
+from mimics_app.contracts.loop.loop_ports import MAX_FIELDS
 from mimics_app.rendering.haptic.kernels.objects.effect_laws import (
     bound,
     brake,
@@ -31,7 +31,7 @@ from mimics_app.rendering.haptic.kernels.tunnel_state import restart_tracking
 from mimics_app.rendering.haptic.kernels.vectors import copy, fill, rotate, rotate_back
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import (
+    from mimics_app.rendering.haptic.record_types import (
         BodyRecord,
         EffectMemoryRecord,
         EffectRecord,

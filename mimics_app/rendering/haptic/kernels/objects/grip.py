@@ -13,14 +13,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.haptic_objects import BodyFlag, ShapeKind
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop.haptic_objects import BodyFlag, ShapeKind
 from mimics_app.rendering.haptic.kernels.friction import forget_friction, hayward_armstrong
 from mimics_app.rendering.haptic.kernels.objects.extents import half_extent, mesh_extent
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import (
+    from mimics_app.rendering.haptic.record_types import (
         BodyRecord,
         Floats,
         FrictionRecord,

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Mat
-from mimics_app.contracts.kernel import kernel
 from mimics_app.maths import quat
 from mimics_app.rendering.haptic.kernels.eigen import diagonalise
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import DynamicsRecord
+    from mimics_app.rendering.haptic.record_types import DynamicsRecord
 
 __all__ = ["find_principal_axes"]
 

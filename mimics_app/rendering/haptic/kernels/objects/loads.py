@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.bodies import wake
 from mimics_app.rendering.haptic.kernels.vectors import copy
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import ObjectCountsRecord, ObjectWork, Rows
+    from mimics_app.rendering.haptic.record_types import ObjectCountsRecord, ObjectWork, Rows
 
 __all__ = ["load_bodies"]
 

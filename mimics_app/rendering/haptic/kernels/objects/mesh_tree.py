@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, I4, Vec, Vec3
-from mimics_app.contracts.kernel import kernel
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import MeshRecord
+    from mimics_app.rendering.haptic.record_types import MeshRecord
 
 __all__ = [
     "ANY_DIRECTION",

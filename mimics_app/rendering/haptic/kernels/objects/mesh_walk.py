@@ -14,8 +14,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact import remember
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
     ANY_DIRECTION,
@@ -28,7 +28,7 @@ from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
 )
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import ContactRecord, ContactScratchRecord, MeshRecord, MeshTable
+    from mimics_app.rendering.haptic.record_types import ContactRecord, ContactScratchRecord, MeshRecord, MeshTable
 
 __all__ = ["probe_mesh"]
 

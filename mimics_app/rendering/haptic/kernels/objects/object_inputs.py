@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.loop_fields import MAX_CONTACTS
+from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import StateRecord, Table
+    from mimics_app.rendering.haptic.record_types import StateRecord, Table
 
 __all__ = [
     "INPUT_FORCE_MEASURED",

@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import I8
-from mimics_app.contracts.haptic_objects import ForceLaw
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop.haptic_objects import ForceLaw
 from mimics_app.rendering.haptic.kernels.contact_law import pair_damping, pair_stiffness
 from mimics_app.rendering.haptic.kernels.vectors import fill
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import DynamicsRecord, PairRecord, ShapeRecord, Table
+    from mimics_app.rendering.haptic.record_types import DynamicsRecord, PairRecord, ShapeRecord, Table
 
 __all__ = ["add_pair", "drop_pairs", "forget_contact", "forget_pairs", "join_surfaces"]
 

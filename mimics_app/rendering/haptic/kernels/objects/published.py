@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 from mimics_app.rendering.haptic.kernels.vectors import copy
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import MotionRecord, Table
+    from mimics_app.rendering.haptic.record_types import MotionRecord, Table
 
 __all__ = ["sum_motions", "write_poses"]
 

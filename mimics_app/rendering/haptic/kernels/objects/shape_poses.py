@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.haptic_objects import STATIC, ShapeKind
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.loop.haptic_objects import STATIC, ShapeKind
 from mimics_app.maths import quat
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import (
+    from mimics_app.rendering.haptic.record_types import (
         Floats,
         Ints,
         MotionRecord,

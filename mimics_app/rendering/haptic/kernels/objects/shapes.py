@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.haptic_objects import ShapeKind
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.rendering.haptic.kernels.contact import sphere, wall
 from mimics_app.rendering.haptic.kernels.objects.shapes_box import box
 from mimics_app.rendering.haptic.kernels.objects.shapes_round import capsule, cylinder
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import ContactRecord, ContactScratchRecord, ShapeRecord
+    from mimics_app.rendering.haptic.record_types import ContactRecord, ContactScratchRecord, ShapeRecord
 
 __all__ = ["probe_shape"]
 

@@ -8,13 +8,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact import cube, remember
 from mimics_app.rendering.haptic.kernels.vectors import fill
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import ContactRecord
+    from mimics_app.rendering.haptic.record_types import ContactRecord
 
 __all__ = ["SHELL", "box"]
 

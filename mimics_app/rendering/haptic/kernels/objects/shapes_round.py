@@ -9,14 +9,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact import remember, sphere
 from mimics_app.rendering.haptic.kernels.objects.shapes_box import SHELL
 from mimics_app.rendering.haptic.kernels.vectors import copy
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import ContactRecord
+    from mimics_app.rendering.haptic.record_types import ContactRecord
 
 __all__ = ["CAP", "SIDE", "capsule", "cylinder"]
 

@@ -11,15 +11,15 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.haptic_objects import ForceLaw
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop.haptic_objects import ForceLaw
 from mimics_app.rendering.haptic.kernels.contact_law import hunt_crossley, spring_damper
 from mimics_app.rendering.haptic.kernels.friction import hayward_armstrong
 from mimics_app.rendering.haptic.kernels.vectors import clamp_norm, fill
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import ContactRecord, MemoryRecord, ShapeRecord
+    from mimics_app.rendering.haptic.record_types import ContactRecord, MemoryRecord, ShapeRecord
 
 __all__ = ["anchor_stiffness", "lower_by_ripple", "normal_force", "rub"]
 

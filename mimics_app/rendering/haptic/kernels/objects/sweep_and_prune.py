@@ -11,14 +11,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import I8
-from mimics_app.contracts.haptic_objects import STATIC, ShapeKind
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop.haptic_objects import STATIC, ShapeKind
 from mimics_app.rendering.haptic.kernels.objects.bodies import is_free
 from mimics_app.rendering.haptic.kernels.objects.pairs import add_pair, drop_pairs, forget_pairs, join_surfaces
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import (
+    from mimics_app.rendering.haptic.record_types import (
         BodyRecord,
         DynamicsRecord,
         Floats,

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import TotalsRecord
+    from mimics_app.rendering.haptic.record_types import TotalsRecord
 
 __all__ = ["TOTALS", "clear_totals"]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.haptic_objects import BodyFlag, ShapeKind
-from mimics_app.contracts.kernel import kernel
+from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.loop.haptic_objects import BodyFlag, ShapeKind
 from mimics_app.rendering.haptic.kernels.contact import forget, to_object
 from mimics_app.rendering.haptic.kernels.directions import MAX_TOUCHED, note_contact
 from mimics_app.rendering.haptic.kernels.objects.corner import orthogonalise, share_corner
@@ -24,7 +24,7 @@ from mimics_app.rendering.haptic.kernels.objects.surface_force import (
 from mimics_app.rendering.haptic.kernels.vectors import copy, rotate
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import (
+    from mimics_app.rendering.haptic.record_types import (
         ContactRecord,
         ContactScratchRecord,
         Floats,

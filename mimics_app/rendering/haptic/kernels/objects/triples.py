@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.kernel import kernel
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import SolidRecord
+    from mimics_app.rendering.haptic.record_types import SolidRecord
 
 __all__ = ["across", "along", "axis", "cross", "dot", "minus", "position_of", "times", "to_local", "to_world", "unit"]
 

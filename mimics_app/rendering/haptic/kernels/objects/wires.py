@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.haptic_objects import SignalSource, SignalTarget
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop.haptic_objects import SignalSource, SignalTarget
 from mimics_app.rendering.haptic.kernels.objects.object_inputs import (
     INPUT_FORCE_MEASURED,
     INPUT_FORCE_USER,
@@ -22,7 +22,7 @@ from mimics_app.rendering.haptic.kernels.objects.object_inputs import (
 from mimics_app.rendering.haptic.kernels.vectors import copy
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import MotionRecord, ObjectCountsRecord, ObjectWork, Rows, WireRecord
+    from mimics_app.rendering.haptic.record_types import MotionRecord, ObjectCountsRecord, ObjectWork, Rows, WireRecord
 
 __all__ = ["carry_signals"]
 

@@ -1,0 +1,124 @@
+"""Callees: kernels as intermediate code only, to be linked into the kernels that Python calls.
+
+numba wraps every function it compiles for Python and C, and generates machine code for each with all its callees
+inlined. Of some six hundred kernels a few dozen are called from outside; wrappers and machine code of the others would
+be unused, and are more than half of the time of a cold start.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from llvmlite.binding import parse_bitcode
+from numba.core import compiler
+from numba.core.codegen import JITCodeLibrary
+from numba.core.registry import CPUDispatcher
+
+from mimics_app.compiled.kernel_cache import KernelCache, KernelFiles, enable_cache, rebuilt, seal, unseal
+
+__all__ = ["callee_of"]
+
+
+class _Entry:
+    """Placeholder for the entry point from Python, which a callee does not have."""
+
+
+class _LinkedLibrary(JITCodeLibrary):
+    """Library of intermediate code for linking into others, without machine code of its own."""
+
+    def _optimize_final_module(self) -> None:
+        """Run only mandatory inlining and reference pruning: the code is optimised in the caller it is linked into.
+
+        Otherwise each function would be optimised again at every level of calls above it.
+        """
+        generator = self._codegen
+        passes, builder = generator._module_pass_manager(
+            loop_vectorize=False, slp_vectorize=False, opt=generator._opt_level, cost="cheap"
+        )
+        passes.run(self._final_module, builder)
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._verify_declare_only_symbols()
+        self._finalized = True
+
+
+def _new_library(target_context: Any, name: str) -> Any:
+    library = target_context.codegen().create_library(name)
+    library.__class__ = _LinkedLibrary
+    library.enable_object_caching()
+    return library
+
+
+class _LinkedFiles(KernelFiles):
+    def get_filename_base(self, fullname: str, abiflags: str) -> str:
+        """Return a name different from that of the same function's machine code."""
+        return f"linked-{super().get_filename_base(fullname, abiflags)}"
+
+    def reduce(self, cres: Any) -> Any:
+        """Serialise like numba, with intermediate code in place of machine code."""
+        fndesc = cres.fndesc
+        fndesc.typemap = fndesc.calltypes = None
+        environments = tuple(cres._find_referenced_environments())
+        name, kind, bitcode = cres.library.serialize_using_bitcode()
+        content = name, kind, seal(bitcode)
+        return content, fndesc, cres.environment, cres.signature, tuple(cres.reload_init), environments
+
+    def rebuild(self, target_context: Any, payload: Any) -> Any:
+        """Rebuild the compile result from the payload of `reduce`."""
+        name, _, bitcode = payload[0]
+        library = _new_library(target_context, name)
+        library._final_module = parse_bitcode(unseal(bitcode))
+        library._finalize_final_module()
+        return rebuilt(target_context, library, payload, _Entry())
+
+
+class _LinkedCache(KernelCache):
+    _impl_class = _LinkedFiles
+
+
+class _Callee(CPUDispatcher):
+    """Dispatcher of a function that is called by compiled code only."""
+
+    def add_overload(self, cres: Any) -> None:
+        """Store the result for compiled callers, without an entry point from Python."""
+        self.overloads[tuple(cres.signature.args)] = cres
+
+
+def _compile_linked(dispatcher: Any, args: Any, return_type: Any) -> Any:
+    """Compile like numba's `_FunctionCompiler._compile_core`, without wrappers and machine code."""
+    descriptor = dispatcher.targetdescr
+    flags: Any = compiler.Flags()
+    descriptor.options.parse_as_flags(flags, dispatcher.targetoptions)
+    flags.no_compile = True
+    target = descriptor.target_context
+    library = _new_library(target, dispatcher.py_func.__qualname__)
+    made = compiler.compile_extra(
+        descriptor.typing_context,
+        target,
+        dispatcher.py_func,
+        args=args,
+        return_type=return_type,
+        flags=flags,
+        locals=dispatcher.locals,
+        library=library,
+    )
+    library._ensure_finalized()
+    known = made._replace(entry_point=_Entry(), reload_init=tuple(library._reload_init))
+    target.insert_user_function(known.entry_point, known.fndesc, [library])
+    return known
+
+
+def callee_of(function: Callable[..., object], options: dict[str, Any]) -> Any:
+    """Return the dispatcher of `function` for compiled callers.
+
+    Args:
+        function: The Python function.
+        options: Options of the decorator.
+    """
+    options = {**options, "nopython": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    callee: Any = _Callee(function, targetoptions=options)
+    callee._compiler._compile_core = lambda args, return_type: _compile_linked(callee, args, return_type)
+    enable_cache(callee, _LinkedCache)
+    return callee

@@ -1,0 +1,3 @@
+"""The memory that the processes of a session share: segment, rings, triple buffers."""
+
+__all__: list[str] = []

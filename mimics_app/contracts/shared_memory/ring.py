@@ -1,0 +1,72 @@
+"""Single-producer single-consumer ring buffer of records; records that find it full are counted as dropped."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.compiled.atomics import load_acquire, store_release
+from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.arrays import Words
+from mimics_app.contracts.shared_memory.shared_words import DROPPED, HEAD, TAIL
+
+__all__ = ["drain", "peek", "position", "push", "release", "room", "waiting"]
+
+Records = NDArray[np.void]
+
+
+@kernel
+def push(words: Words, slots: Records, record: Records) -> bool:
+    """Producer: append record[0] to slots (structured, shape [2**k]); False, and counted, if the ring is full."""
+    head = words[HEAD]
+    if head - load_acquire(words, TAIL) >= slots.shape[0]:
+        words[DROPPED] += 1
+        return False
+    slots[head & (slots.shape[0] - 1)] = record[0]
+    store_release(words, HEAD, head + 1)
+    return True
+
+
+@kernel
+def room(words: Words, slots: Records) -> int:
+    """Producer: return the number of free slots."""
+    return slots.shape[0] - (words[HEAD] - load_acquire(words, TAIL))
+
+
+@kernel
+def waiting(words: Words) -> int:
+    """Consumer: return the number of records to drain."""
+    return load_acquire(words, HEAD) - words[TAIL]
+
+
+@kernel
+def drain(words: Words, slots: Records, out: Records) -> int:
+    """Consumer: move up to len(out) records to out, oldest first; return their number."""
+    tail = words[TAIL]
+    count = min(load_acquire(words, HEAD) - tail, out.shape[0])
+    for i in range(count):
+        out[i] = slots[(tail + i) & (slots.shape[0] - 1)]
+    store_release(words, TAIL, tail + count)
+    return count
+
+
+@kernel
+def position(words: Words) -> int:
+    """Consumer: return the number of records consumed since the ring was created."""
+    return words[TAIL]
+
+
+@kernel
+def peek(words: Words, slots: Records, out: Records) -> int:
+    """Consumer: copy up to len(out) records to out, oldest first; return their number; they stay until `release`."""
+    tail = words[TAIL]
+    count = min(load_acquire(words, HEAD) - tail, out.shape[0])
+    for i in range(count):
+        out[i] = slots[(tail + i) & (slots.shape[0] - 1)]
+    return count
+
+
+@kernel
+def release(words: Words, count: int) -> None:
+    """Consumer: remove the `count` oldest records, after they were stored elsewhere."""
+    store_release(words, TAIL, words[TAIL] + count)

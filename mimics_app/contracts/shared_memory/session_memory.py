@@ -1,0 +1,156 @@
+"""Shared memory of one session: its arrays by name, with their layout and their writers.
+
+Main, audio, recorder and console processes attach to the same segment.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from enum import IntEnum
+from operator import attrgetter
+from typing import Annotated, get_type_hints
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
+
+from mimics_app.contracts.arrays import Records, Words
+from mimics_app.contracts.loop.contact_force import CONTACT_FORCE
+from mimics_app.contracts.loop.haptic import EVENT, INBOX, POSE, SAMPLE, SCENE, SNAPSHOT
+from mimics_app.contracts.loop.loop_fields import Extent
+from mimics_app.contracts.loop.object_rows import ROW_DTYPES, ObjectCapacities, Rows
+from mimics_app.contracts.shared_memory.segment import ArraySpec, Segment
+from mimics_app.contracts.shared_memory.shared_words import EXCHANGE_WORDS, RING_WORDS, initialise_exchange
+from mimics_app.contracts.shared_memory.sound_scene import SOUND_SCENE
+
+__all__ = ["SHARED_ARRAYS", "Capacities", "ControlWord", "SessionMemory", "Shared"]
+
+
+class ControlWord(IntEnum):
+    """Indices into `control`; each word has its own cache line and one writer."""
+
+    STOP = 0  # main: 1 requests E_STOP, 0 again with a reset
+    QUIT = 8  # main: 1 ends the loop
+    TICKS = 16  # loop: ticks done
+    MISSED = 24  # loop: ticks that ended more than one period after their release, after the first second
+    HELD = 32  # loop: ticks later than late_hold_ns
+    STALE = 40  # loop: ticks with device data older than stale_warn_ns
+    STOPS = 48  # loop: stops latched since the start
+    HOLDS = 72  # loop: times the force was ramped down for late ticks (DEGRADED) since the start
+    CLOSED = 56  # main: 1: no further data
+    START_NS = 64  # loop: monotonic time of tick 0's release [ns]
+
+
+@dataclass(frozen=True, slots=True)
+class Capacities:
+    """Capacities fixed when the session is built; rings have a power of two."""
+
+    objects: ObjectCapacities = field(default_factory=ObjectCapacities)
+    samples: int = 16384  # 16 s at 1 kHz, twice the time to replace a recorder on a busy machine
+    events: int = 2048  # for the same time
+    forces: int = 4096  # half a second of FOLLOWED_AT_ONCE contacts
+    lateness_bins: int = 2048
+    extent: Extent = field(default_factory=Extent)  # subset of the loop's numbers that the device has
+
+
+@dataclass(frozen=True, slots=True)
+class Shared:
+    """Layout of a shared array.
+
+    Attributes:
+        dtype: Dtype of its elements.
+        shape: Numbers, or names of capacities ("events", "objects.bodies").
+    """
+
+    dtype: DTypeLike
+    shape: tuple[int | str, ...]
+
+    def sizes(self, capacities: Capacities) -> tuple[int, ...]:
+        """Return the shape in numbers."""
+        return tuple(each if isinstance(each, int) else int(attrgetter(each)(capacities)) for each in self.shape)
+
+
+_Exchange = Annotated[Words, Shared(np.int64, (EXCHANGE_WORDS,))]
+_Ends = Annotated[Words, Shared(np.int64, (RING_WORDS,))]
+_Events = Annotated[Records, Shared(EVENT, ("events",))]
+
+
+class SessionMemory:
+    """Arrays of a session by name; their layout is derived from these annotations."""
+
+    control: Annotated[Words, Shared(np.int64, (80,))]  # see `ControlWord`
+
+    # triple buffer main -> loop: a parameter block with its tables
+    scene_words: _Exchange
+    scenes: Annotated[Records, Shared(SCENE, (3,))]
+    shapes: Annotated[Records, Shared(ROW_DTYPES["shapes"], (3, "objects.shapes"))]
+    bodies: Annotated[Records, Shared(ROW_DTYPES["bodies"], (3, "objects.bodies"))]
+    effects: Annotated[Records, Shared(ROW_DTYPES["effects"], (3, "objects.effects"))]
+    points: Annotated[Records, Shared(ROW_DTYPES["points"], (3, "objects.points"))]
+    wires: Annotated[Records, Shared(ROW_DTYPES["wires"], (3, "objects.wires"))]
+    tunnels: Annotated[Records, Shared(ROW_DTYPES["tunnels"], (3, "objects.tunnels"))]
+
+    # triple buffer main -> loop: the pointing device
+    inbox_words: _Exchange
+    inboxes: Annotated[Records, Shared(INBOX, (3,))]
+
+    # triple buffers loop -> main, with the poses of the bodies, and loop -> audio
+    snapshot_words: _Exchange
+    snapshots: Annotated[Records, Shared(SNAPSHOT, (3,))]
+    poses: Annotated[NDArray[np.float64], Shared(np.float64, (3, "objects.bodies", POSE))]
+    audio_words: _Exchange
+    audio_snapshots: Annotated[Records, Shared(SNAPSHOT, (3,))]
+
+    # triple buffer main -> audio: the head and the emitters
+    sound_scene_words: _Exchange
+    sound_scenes: Annotated[Records, Shared(SOUND_SCENE, (3,))]
+
+    # rings loop -> recorder, and loop -> each consumer of events
+    sample_words: _Ends
+    samples: Annotated[Records, Shared(SAMPLE, ("samples",))]
+    main_event_words: _Ends
+    main_events: _Events
+    audio_event_words: _Ends
+    audio_events: _Events
+    recorder_event_words: _Ends
+    recorder_events: _Events
+
+    # ring loop -> audio: forces of contacts per tick
+    audio_force_words: _Ends
+    audio_forces: Annotated[Records, Shared(CONTACT_FORCE, ("forces",))]
+
+    # histograms of the loop, see rendering.haptic.histogram
+    lateness: Annotated[Words, Shared(np.int64, ("lateness_bins",))]
+    duration: Annotated[Words, Shared(np.int64, ("lateness_bins",))]
+
+    def __init__(self, capacities: Capacities | None = None, segment: Segment | None = None) -> None:
+        self.capacities = capacities or Capacities()
+        specs = _specs(self.capacities)
+        fresh = segment is None
+        self.segment = segment or Segment.for_arrays(specs)
+        self.__dict__.update(self.segment.arrays(specs))
+        if fresh:
+            exchanges = (self.scene_words, self.inbox_words, self.snapshot_words, self.audio_words)
+            for words in (*exchanges, self.sound_scene_words):
+                initialise_exchange(words)
+
+    @property
+    def rows(self) -> Rows:
+        """The tables of objects beside `scenes`, shape [3, capacity] each."""
+        return Rows(self.shapes, self.bodies, self.effects, self.points, self.wires, self.tunnels)
+
+    def __reduce__(self) -> tuple[Callable[..., SessionMemory], tuple[Capacities, Segment]]:
+        return SessionMemory, (self.capacities, self.segment)
+
+
+def _shared_arrays() -> dict[str, Shared]:
+    hints = get_type_hints(SessionMemory, include_extras=True)
+    return {name: hint.__metadata__[0] for name, hint in hints.items()}
+
+
+SHARED_ARRAYS: dict[str, Shared] = _shared_arrays()
+"""All arrays of a `SessionMemory` by name, in the order of their layout."""
+
+
+def _specs(capacities: Capacities) -> list[ArraySpec]:
+    return [(name, shared.sizes(capacities), shared.dtype) for name, shared in SHARED_ARRAYS.items()]

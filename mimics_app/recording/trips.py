@@ -1,0 +1,101 @@
+"""Trips of the safety state machine in words for the user: what happened, and what to do.
+
+A trip either latches a stop, which a person must reset, or is a short hold (DEGRADED), which ends on its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from numpy.typing import NDArray
+
+from mimics_app.contracts.clock import TICKS_PER_SECOND
+from mimics_app.contracts.loop.haptic import EventKind, SafetyState, TripCause
+
+__all__ = ["Trip", "TripReader"]
+
+_BUSY = "close other programs (mimics doctor: scheduling)"
+
+_WORDS: Mapping[TripCause, tuple[str, str]] = {
+    TripCause.NONE: ("a safety stop", "look at the recording"),
+    TripCause.STOP_KEY: ("the stop key was pressed", "reset it when it is safe"),
+    TripCause.DEVICE_BUTTON: ("the device's stop button was pressed", "release it, then reset when it is safe"),
+    TripCause.NOT_FINITE: ("a number that is not finite reached the loop", "look at the device's data and its line"),
+    TripCause.LATE_TICK: ("this computer was too busy", _BUSY),
+    TripCause.MISSED_IN_ROW: ("this computer was too busy: many control cycles in a row were missed", _BUSY),
+    TripCause.STALE_DEVICE: ("the device sent nothing new for too long", "look at its line and its power"),
+    TripCause.WORKSPACE: ("the hand left the workspace", "lead it back before the reset"),
+    TripCause.VELOCITY: ("the hand was faster than velocity_limit", "move more slowly, or look at the device"),
+    TripCause.DEVICE_FAULT: ("the device reports a fault, is gone, or takes no command", "look at device and line"),
+    TripCause.JUMP: ("the position jumped further than a hand can move", "look at the device's sensors and its line"),
+    TripCause.SENSOR: ("the measured force stayed beyond measured_force_limit", "look at the device's force sensor"),
+    TripCause.NOT_FOLLOWING: (
+        "the device does not move as it is driven",
+        "look at its position sensors and its drives",
+    ),
+    TripCause.OSCILLATION: (
+        "the rendered force shook the hand and did not calm down",
+        "make what was touched softer and less damped, or look at the device's delay",
+    ),
+    TripCause.ENERGY: ("a contact gave more energy than energy_limit", "make what was touched softer or more damped"),
+}
+"""What happened and what to do, by cause."""
+
+
+@dataclass(frozen=True, slots=True)
+class Trip:
+    """One trip.
+
+    Attributes:
+        tick: Tick of the trip.
+        cause: Cause of the trip.
+        latched: True for a stop that a person must reset, False for a short hold.
+    """
+
+    tick: int
+    cause: TripCause
+    latched: bool
+
+    @property
+    def seconds(self) -> float:
+        """Session time of the trip [s]."""
+        return self.tick / TICKS_PER_SECOND
+
+    @property
+    def what(self) -> str:
+        """What happened, in words."""
+        return _WORDS[self.cause][0]
+
+    @property
+    def advice(self) -> str:
+        """What to do about it, in words."""
+        return _WORDS[self.cause][1]
+
+
+class TripReader:
+    """Finds the trips among the loop's events, which arrive in batches."""
+
+    def __init__(self) -> None:
+        self._state = int(SafetyState.OFF)
+
+    def take(self, events: NDArray[Any]) -> list[Trip]:
+        """Return the trips among EVENT records [n], oldest first; the STATE event of a trip comes before it."""
+        trips: list[Trip] = []
+        for event in events:
+            if event["kind"] == EventKind.STATE:
+                self._state = _whole(event["force"])
+            elif event["kind"] == EventKind.TRIP:
+                latched = self._state != SafetyState.DEGRADED
+                trips.append(Trip(int(event["tick"]), _cause_of(_whole(event["force"])), latched))
+        return trips
+
+
+def _whole(number: float) -> int:
+    """Return a number of an event as an integer; -1 for an invalid one of a damaged recording."""
+    return int(number) if abs(float(number)) < 1e9 else -1
+
+
+def _cause_of(number: int) -> TripCause:
+    return TripCause(number) if number in set(TripCause) else TripCause.NONE
