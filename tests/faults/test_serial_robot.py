@@ -52,8 +52,8 @@ def test_at_921600_baud_every_tick_has_data_and_a_command(tmp_path: Path):
 def test_at_115200_the_loop_keeps_its_rate_and_the_delay_lowers_the_stiffness_limit(tmp_path: Path):
     """36 bytes of a command take 3.1 ticks, 54 of a state 4.7, sampled every fifth.
 
-    A busy system may hand over bytes of the pseudo-terminal one command (3.1 ms) late; hence medians of the
-    measured delay and of the limit that follows from it.
+    A state is then 8 to 13 ms old when its command is written. A busy system hands over bytes of the pseudo-terminal
+    later, by up to a command (3.1 ms) in each direction that stays in its queue for good: twice that, and medians.
     """
     limits = {}
     for baud in (921600, 115200):
@@ -67,7 +67,7 @@ def test_at_115200_the_loop_keeps_its_rate_and_the_delay_lowers_the_stiffness_li
             if baud == 115200:
                 assert np.count_nonzero(samples["status"] == DeviceStatus.FRESH) == 199
                 assert rig.emulator.commands == pytest.approx(1000 * 11.52 / 36, abs=3)
-                assert 8e-3 < np.median(samples["delay"][-500:]) < 16e-3
+                assert 8e-3 < np.median(samples["delay"][-500:]) < 13e-3 + 4 * 3.1e-3
                 assert samples["state"][-1] == SafetyState.ACTIVE and not np.any(samples["cause"])
                 assert np.array_equal(
                     bench.replay(samples)["stiffness_limit"],

@@ -90,6 +90,7 @@ def measured(attempt: int) -> tuple[Table, dict[str, float]]:
     return replace(shipped, groups=groups), wholes
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_the_parts_add_up_to_the_measured_tick(name: str):
     scene = load_checked_scene(root() / "scenes" / f"{name}.json")
