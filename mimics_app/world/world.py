@@ -15,6 +15,7 @@ from mimics_app.world.cords import Cord
 from mimics_app.world.effects import Effects
 from mimics_app.world.entity import Entity
 from mimics_app.world.environment import Sky
+from mimics_app.world.following import Follower
 from mimics_app.world.graph import SceneGraph
 from mimics_app.world.light import Light
 from mimics_app.world.materials.material import Material, TextureData
@@ -48,6 +49,7 @@ class World:
         environment: The sky.
         cords: By name of the node at their first end.
         mirrors, screens, insets: Views of the world itself, by name of the node (`world.live_pictures`).
+        followers: Nodes that keep their place beside another one, by name.
     """
 
     def __init__(self) -> None:
@@ -64,6 +66,7 @@ class World:
         self.mirrors: dict[str, Mirror] = {}
         self.screens: dict[str, Screen] = {}
         self.insets: dict[str, Inset] = {}
+        self.followers: dict[str, Follower] = {}
         self._mesh_revisions: dict[str, int] = {}
         self.meshes_published = 0
         self._mesh_buffers: dict[str, MeshBuffer] = {}
@@ -114,6 +117,16 @@ class World:
         """Every camera whose node is in the scene."""
         return [Camera(self, self.graph.store.id_of(index)) for index in self._attached(self.content.cameras.entities)]
 
+    def eye(self, name: str = "") -> SceneNode | None:
+        """Return the node at the person's eyes: that of a name, else of the first camera; None in a scene without one.
+
+        Sound, attention of models and their levels of motion go by it, whichever view is shown.
+        """
+        if name in self:
+            return self.find(name)
+        cameras = self.cameras
+        return cameras[0].node if cameras else None
+
     def update(self) -> int:
         """The frame's end: apply structural edits, then all world matrices in one pass; returns the rows computed."""
         gone = self.graph.apply_edits()
@@ -123,6 +136,8 @@ class World:
             for index in gone.tolist():
                 self.forget_motion(index)
         self.motion.pose(self.transforms)
+        for follower in self.followers.values():
+            follower.step(self, self.motion.time)
         computed = self.transforms.update()
         self.motion.follow(self.transforms)
         moved = self._order != self.transforms.revision

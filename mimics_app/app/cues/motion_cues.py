@@ -29,10 +29,15 @@ _CAUSES: Mapping[TrialState, MotionCause] = {
 
 
 class MotionCues:
-    """Passes time and causes to the models of a world."""
+    """Passes time and causes to the models of a world.
 
-    def __init__(self, world: World) -> None:
-        self._world = world
+    Args:
+        world: The world.
+        levels_from: Entity from which a distant model moves in coarser steps of time; "": the person's eyes.
+    """
+
+    def __init__(self, world: World, levels_from: str = "") -> None:
+        self._world, self._levels_from = world, levels_from
         self._state: TrialState | None = None
 
     def step(self, orders: TaskOrders, events: NDArray[Any], now_ns: int) -> None:
@@ -45,8 +50,8 @@ class MotionCues:
         """
         motion = self._world.motion
         motion.time = now_ns * 1e-9
-        cameras = self._world.cameras
-        motion.eye_world = cameras[0].node.world_matrix()[:3, 3] if cameras and motion.animators else None
+        eye = self._world.eye(self._levels_from) if motion.animators else None
+        motion.eye_world = None if eye is None else eye.world_matrix()[:3, 3]
         begins, self._state = orders.view.state is not self._state, orders.view.state
         if not motion.machines:
             return

@@ -15,6 +15,7 @@ from mimics_app.contracts.ports.audio_port import AudioOutput, AudioReport
 from mimics_app.contracts.shared_memory import triple_buffer
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.contracts.shared_memory.sound_scene import SOUND_SCENE, fill_defaults
+from mimics_app.maths.mat import unscale
 from mimics_app.rendering.audio.queue_need import keep_needed_ms
 from mimics_app.rendering.audio.settings import AudioSettings
 from mimics_app.world.world import World
@@ -37,6 +38,7 @@ class SoundStage:
         settings: Sounds of the triggers, and the emitters.
         surroundings: Obstacles, rooms and walkers.
         gain: Master gain of the scene; the task's own gain multiplies it.
+        listener: Entity at whose place the person hears; "": the person's eyes, whichever view is shown.
     """
 
     def __init__(
@@ -46,8 +48,10 @@ class SoundStage:
         settings: AudioSettings,
         surroundings: SoundSurroundings,
         gain: float,
+        listener: str = "",
     ) -> None:
         self.output = output
+        self._listener = listener
         self._memory = memory
         self._settings = settings
         self._surroundings = surroundings
@@ -86,14 +90,16 @@ class SoundStage:
         return report
 
     def _place(self, world: World, now_ns: int) -> None:
-        """Publish the pose of the head (the camera) and of the emitters, with velocities from the previous frame."""
+        """Publish the pose of the listener and of the emitters, with velocities from the previous frame."""
         now, count = self._now[0], len(self._settings.emitters)
         head, places = now["head_position"], now["position"][:count]
         before, places_before = head.copy(), places.copy()
         span = (now_ns - int(now["t_ns"])) * 1e-9
         now["t_ns"] = now_ns
-        if world.cameras:
-            pose = world.cameras[0].world_from_eye
+        ears = world.eye(self._listener)
+        if ears is not None:
+            pose = ears.world_matrix()
+            unscale(pose)
             now["head_position"], now["head_forward"], now["head_up"] = pose[:3, 3], -pose[:3, 2], pose[:3, 1]
         for row, name in enumerate(self._settings.emitters):
             if name in world:

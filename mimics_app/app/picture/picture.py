@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+from mimics_app.app.picture.active_view import ActiveView, view_names
 from mimics_app.app.picture.board import OPERATORS_CARDS, BoardLayout
 from mimics_app.app.picture.contact_shadow import ContactShadow
 from mimics_app.app.picture.lost_picture import draw_or_recover
@@ -108,12 +109,13 @@ class Picture:
         scene: The scene, for its board and display.
         world: The world to draw; it needs a camera.
         settings: Quality.
-        camera: Entity whose camera is used; "": the first.
+        camera: Entity whose camera is shown first; "": as the scene's `systems.visual.view`.
         display: The display, closed with the picture; None: that of the scene.
         sparse: True for single pictures of a session, see `Renderer`.
 
     Attributes:
         surface: The surface.
+        view: The view that is shown.
         presenter: Presenter of the drawn frames on the display.
         renderer: The renderer.
         film: Video of the shown frames; None without one.
@@ -155,16 +157,25 @@ class Picture:
         """Draw a scene and its world from now on: the first one, or a reloaded one."""
         if not world.cameras:
             raise SceneError(scene.issue("/entities", "has no camera", 'give an entity a "camera" component'))
-        cameras = {camera.node.name: camera for camera in world.cameras}
-        if self._wanted and self._wanted not in cameras:
+        visual, names = visual_of(scene), view_names(world)
+        if self._wanted and self._wanted not in names:
             what = f'has no camera "{self._wanted}"'
-            raise SceneError(scene.issue("/entities", what, nearest(self._wanted, cameras)))
-        self._camera = cameras[self._wanted] if self._wanted else world.cameras[0]
+            raise SceneError(scene.issue("/entities", what, nearest(self._wanted, names)))
+        self.view = ActiveView(world, self._wanted or visual.view or "", visual.flight)
         self.renderer.world = world
         if self._contact is not None and self._contact.world is not world:
             self._contact = ContactShadow(scene, world)
         board = scene.components(HudComponent)
         self._board = board[0][1] if board else None
+
+    def show_view(self, name: str) -> None:
+        """Show the view of an entity's camera from the next frame on, also after a reload of the scene.
+
+        Raises:
+            KeyError: The world has no camera of that name; the message names the nearest.
+        """
+        self.view.select(name)
+        self._wanted = name
 
     def keep_contact_shadow(self, scene: Scene) -> None:
         """Draw a shadow under the hand from now on whenever the quality has no other shadows."""
@@ -173,12 +184,12 @@ class Picture:
     @property
     def views(self) -> list[View]:
         """The views of the display, one for each eye or wall."""
-        return self.presenter.views(self._camera)
+        return self.presenter.views(self.view.camera)
 
     @property
     def _latch(self) -> Latch | None:
         """Function that reads the head again just before drawing; None where the display follows none."""
-        return partial(self.presenter.views, self._camera) if self.presenter.follows_head else None
+        return partial(self.presenter.views, self.view.camera) if self.presenter.follows_head else None
 
     @property
     def leaving(self) -> bool:
@@ -188,6 +199,7 @@ class Picture:
     def draw(self, board: Board, now_ns: int = 0) -> FrameStats:
         """Draw one frame with a board, for a session time [ns]."""
         timing = self.presenter.begin_seen(now_ns)
+        self.view.advance(now_ns)
         views = self.views
         self.stats = self.renderer.draw(views, self._latch, partial(self.lay_out, board, views))
         if timing.render:
@@ -232,6 +244,7 @@ class Picture:
         """
         if self._contact is not None:
             self._contact.follow()
+        self.view.advance(clock.now_ns())
         timing = self.presenter.timing if self.presenter.begun else self.presenter.begin(clock.now_ns())
         if not timing.render:
             self.presenter.skip()
@@ -320,7 +333,7 @@ class Picture:
 
     def ray(self, right: float, up: float) -> Ray | None:
         """Return the ray through a point of the window, each coordinate in [-1, 1]."""
-        origin, direction = self.presenter.ray(self._camera, right, up)
+        origin, direction = self.presenter.ray(self.view.camera, right, up)
         return _triple(origin), _triple(direction)
 
     def save(self, file: Path, write: WritePng = write_png) -> list[Path]:

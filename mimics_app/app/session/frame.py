@@ -32,6 +32,8 @@ from mimics_app.contracts.messages.stage_messages import (
 from mimics_app.contracts.ports.display_port import FrameTiming
 from mimics_app.contracts.ports.tracker_port import TrackedPose
 from mimics_app.maths.length import length
+from mimics_app.world.components.systems import VisualSettings
+from mimics_app.world.scene.scene import Scene
 
 __all__ = ["Frames"]
 
@@ -57,7 +59,7 @@ class Frames:
         self._core = core
         self._inbox = PersonInbox(core.haptics)
         self._effects = EffectCues(core.world)
-        self._motion = MotionCues(core.world)
+        self._motion = MotionCues(core.world, _levels_from(core.scene))
         self._action: TaskAction | None = None
         self.timer = UNTIMED
         self.timing: FrameTiming | None = None
@@ -220,6 +222,12 @@ class Frames:
             core.inputs.hold_at((float(x), float(y), float(z)))
         trial = int(core.parameter_store.block["trial"][0])
         self._inbox.send(vr.pointer, trial=trial, may_act=orders.person_may_act)
+
+
+def _levels_from(scene: Scene) -> str:
+    """Return the entity from which distant models move in coarser steps; "": the person's eyes."""
+    settings = scene.system(VisualSettings)
+    return "" if settings is None else settings.levels_from or ""
 
 
 def _experience_of(orders: TaskOrders, snapshot: HapticSnapshot, head: TrackedPose | None, now_ns: int) -> Experience:

@@ -70,7 +70,8 @@ def open_sound(parts: Preparation, memory: SessionMemory, folder: Path, file: Pa
         return NullSound()
     output: AudioOutput = AudioProcess(memory, chosen) if parts.live else OfflineAudio(memory, chosen)
     output.start()
-    return SoundStage(output, memory, chosen, SoundSurroundings(scene, len(chosen.emitters)), system.gain)
+    surroundings = SoundSurroundings(scene, len(chosen.emitters))
+    return SoundStage(output, memory, chosen, surroundings, system.gain, system.listener or "")
 
 
 def _sink(written: Path | None, *, live: bool) -> Sink:

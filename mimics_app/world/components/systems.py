@@ -8,8 +8,9 @@ from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.ports.display_choice import DISPLAY_KINDS, display_names
-from mimics_app.world.components.bounds import Extent, Factor, Length, Share
+from mimics_app.world.components.bounds import Extent, Factor, Length, Name, Share
 from mimics_app.world.components.registry import Component, register_system
+from mimics_app.world.components.visible import CameraComponent
 
 if TYPE_CHECKING:
     from mimics_app.world.scene.scene import Scene
@@ -83,6 +84,14 @@ class VisualSettings(Component, frozen=True):
     ] = "auto"
     cascades: Annotated[int, Meta(ge=1, le=4, description="Number of nested shadow maps of the sun")] = 3
     fog_density: Annotated[Factor, Meta(description="Density of the fog, in the horizon's colour [1/m]")] = 0.12
+    view: Annotated[Name | None, Meta(description="Entity whose camera is shown first; absent: the first camera")] = None
+    flight: Annotated[
+        float, Meta(ge=0, le=10, description="Duration of the flight from one view to the next [s]; 0: a cut")
+    ] = 0.0
+    levels_from: Annotated[
+        Name | None,
+        Meta(description="Entity from which distant models move in coarser steps; absent: the first camera"),
+    ] = None
 
 
 class DisplaySettings(Component, frozen=True):
@@ -140,6 +149,9 @@ class AudioSettings(Component, frozen=True):
         int, Meta(ge=1, le=4096, description="Maximum number of sounds at once; openal has 200 at most")
     ] = 64
     gain: Annotated[float, Meta(ge=0, le=4, description="Master gain, linear")] = 1.0
+    listener: Annotated[
+        Name | None, Meta(description="Entity at whose place the person hears; absent: the first camera")
+    ] = None
 
 
 _Limit = Annotated[float, Meta(gt=0, le=1e9)]
@@ -173,9 +185,16 @@ def _check_display(settings: DisplaySettings, scene: Scene) -> list[Issue]:
     return scene.check_names({"/systems/display/kind": settings.kind}, "there is no display", known)
 
 
+def _check_visual(settings: VisualSettings, scene: Scene) -> list[Issue]:
+    """Return the faults of a first view without a camera, and of an unknown eye of levels."""
+    issues = scene.check_entity_with(CameraComponent, "/systems/visual/view", settings.view)
+    return issues + scene.check_entity("/systems/visual/levels_from", settings.levels_from)
+
+
 def _check_audio(settings: AudioSettings, scene: Scene) -> list[Issue]:
-    """Return the faults of a head that is no asset, and of loudspeakers or a mixer that would be ignored."""
+    """Return the faults of an unknown listener or head, and of loudspeakers or a mixer that would be ignored."""
     issues = scene.check_asset("/systems/audio/sofa", settings.sofa, "head")
+    issues += scene.check_entity("/systems/audio/listener", settings.listener)
     around = settings.speakers != "stereo"
     if around and settings.hrtf is not False:
         what = f"{settings.speakers} is not played with head-related filters"
@@ -188,6 +207,6 @@ def _check_audio(settings: AudioSettings, scene: Scene) -> list[Issue]:
 
 register_system("tolerances", Tolerances)
 register_system("haptic", HapticSettings)
-register_system("visual", VisualSettings)
+register_system("visual", VisualSettings, _check_visual)
 register_system("display", DisplaySettings, _check_display)
 register_system("audio", AudioSettings, _check_audio)

@@ -141,8 +141,7 @@ def _target_of(world: World, node: SceneNode, target: str) -> Callable[[], F8 | 
     model_from_world = np.empty((4, 4))
 
     def place() -> F8 | None:
-        cameras = world.cameras if target == "camera" else []
-        aim = cameras[0].node if cameras else world.find(target) if target in world else None
+        aim = world.eye() if target == "camera" else world.find(target) if target in world else None
         if aim is None:
             return None
         if affine_inverse(node.world_matrix(), model_from_world) == 0.0:

@@ -82,7 +82,7 @@ def apply_scene(world: World, old: Scene, new: Scene) -> Changes:
     _free_survivors(world, going, after)
     for name in going:
         world.find(name).remove()
-    for views in (world.cords, world.mirrors, world.screens, world.insets):
+    for views in (world.cords, world.mirrors, world.screens, world.insets, world.followers):
         for name in changes.removed:
             views.pop(name, None)
     world.update()
@@ -192,6 +192,8 @@ def _refresh(world: World, scene: Scene, entity: SceneEntity, types: set[str]) -
         world.content.cameras.remove(node.index)
     if "cord" in types:
         world.cords.pop(entity.id, None)
+    if "follow" in types:
+        world.followers.pop(entity.id, None)
     for name, component in entity.components.items():
         if name in stale:
             attach(world, scene, node, component)

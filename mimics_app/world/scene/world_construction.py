@@ -13,11 +13,13 @@ from mimics_app.world.components.animation import Animation, Avatar
 from mimics_app.world.components.cord import CordComponent
 from mimics_app.world.components.effects import Billboard, Particles, Projector
 from mimics_app.world.components.encourager import Encourager
+from mimics_app.world.components.follow import Follow
 from mimics_app.world.components.pictures import Inset, Mirror, Screen
 from mimics_app.world.components.shapes import Shape
 from mimics_app.world.components.visible import CameraComponent, Environment, LightComponent, MeshComponent
 from mimics_app.world.cords import Cord
 from mimics_app.world.environment import Backdrop, Fog, Sky
+from mimics_app.world.following import Follower
 from mimics_app.world.gltf.prefab import ModelPrefab
 from mimics_app.world.live_pictures import show_mirror, show_screen
 from mimics_app.world.meshes.primitives import build_shape
@@ -113,6 +115,8 @@ def attach(world: World, scene: Scene, node: SceneNode, component: msgspec.Struc
             world.effects.add(node.index, component)
         case CordComponent():
             world.cords[node.name] = make_cord(component)
+        case Follow():
+            world.followers[node.name] = Follower(node.name, component)
         case _:
             return False
     return True

@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TypeVar
+from typing import Protocol, TypeVar
 
 import numpy as np
 
@@ -32,9 +32,8 @@ from mimics_app.rendering.visual.surfaces.eye_buffer import EyeBuffer
 from mimics_app.rendering.visual.surfaces.headless import WritePng, read_pixels, write_png
 from mimics_app.rendering.visual.surfaces.surface import Size, Surface
 from mimics_app.rendering.visual.view import Rect, View
-from mimics_app.world.camera import Camera
 
-__all__ = ["Presenter"]
+__all__ = ["Presenter", "SeenFrom"]
 
 _Answer = TypeVar("_Answer")
 
@@ -55,6 +54,26 @@ _PATIENCE_NS, _STEP_NS = 5_000_000_000, 2_000_000
 
 _SHOW = Composing("post/resample.frag", {}, each_eye=True)
 """Composition of a display whose picture has another size than the surface: scaled to fit."""
+
+
+class SeenFrom(Protocol):
+    """What a display needs of a camera; `world.camera.Camera` is one."""
+
+    @property
+    def world_from_eye(self) -> F8:
+        """Rigid pose; looks along -z, +y up; float64 [4, 4]."""
+
+    @property
+    def vertical_fov(self) -> float:
+        """Full vertical angle of view [rad]."""
+
+    @property
+    def near(self) -> float:
+        """Distance of the near plane [m]."""
+
+    @property
+    def far(self) -> float:
+        """Distance of the far plane [m]."""
 
 
 class Presenter:
@@ -171,7 +190,7 @@ class Presenter:
             for each in self._ask(lambda display: display.tracked())
         ]
 
-    def views(self, camera: Camera) -> list[View]:
+    def views(self, camera: SeenFrom) -> list[View]:
         """Return the views of all eyes at the frame's display time: the same ones where nothing has changed."""
         if self.drawn is not self.surface:
             self.drawn.resize(self._wanted())
@@ -188,7 +207,7 @@ class Presenter:
             ]
         return list(self._views)
 
-    def ray(self, camera: Camera, right: float, up: float) -> tuple[F8, F8]:
+    def ray(self, camera: SeenFrom, right: float, up: float) -> tuple[F8, F8]:
         """Return the ray through a point of the shown picture, each coordinate in [-1, 1].
 
         It is that of the eye whose picture is there; the mean of both where their pictures overlap.

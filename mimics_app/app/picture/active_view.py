@@ -1,0 +1,103 @@
+"""The view that is shown: one of the scene's named cameras, or the flight to it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.errors import nearest
+from mimics_app.maths import quat
+from mimics_app.rendering.visual.presenting.presenter import SeenFrom
+from mimics_app.world.camera import Camera
+from mimics_app.world.world import World
+
+__all__ = ["ActiveView", "view_names"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Between:
+    """A camera on its way; see `Camera`."""
+
+    world_from_eye: F8
+    vertical_fov: float
+    near: float
+    far: float
+
+
+def view_names(world: World) -> list[str]:
+    """Return the names of the views, in the order of the scene: those of the entities with a camera."""
+    return [camera.node.name for camera in world.cameras]
+
+
+class ActiveView:
+    """The active view.
+
+    Args:
+        world: The world; it has a camera.
+        name: The first view; "": the first camera.
+        flight_s: Duration of the flight from one view to the next [s]; 0: a cut.
+
+    Raises:
+        KeyError: The world has no camera of that name; the message names the nearest.
+    """
+
+    def __init__(self, world: World, name: str = "", flight_s: float = 0.0) -> None:
+        self._world, self._flight_ns = world, round(flight_s * 1e9)
+        self._from: SeenFrom | None = None
+        self._begun_ns = self._now_ns = 0
+        self._camera = self._find(name or view_names(world)[0])
+
+    @property
+    def name(self) -> str:
+        """Name of the view that is shown, or flown to."""
+        return self._camera.node.name
+
+    def select(self, name: str) -> None:
+        """Show a view from the next frame on.
+
+        Raises:
+            KeyError: The world has no camera of that name; the message names the nearest.
+        """
+        wanted = self._find(name)
+        if self._flight_ns and wanted != self._camera:
+            self._from, self._begun_ns = self._held(), self._now_ns
+        self._camera = wanted
+
+    def advance(self, now_ns: int) -> None:
+        """Go on with a flight at session time `now_ns` [ns]."""
+        self._now_ns = now_ns
+        if now_ns - self._begun_ns >= self._flight_ns:
+            self._from = None
+
+    @property
+    def camera(self) -> SeenFrom:
+        """The camera to draw from: that of the view, or one on the way to it."""
+        if self._from is None:
+            return self._camera
+        share = (self._now_ns - self._begun_ns) / self._flight_ns
+        return _between(self._from, self._camera, share * share * (3.0 - 2.0 * share))
+
+    def _held(self) -> SeenFrom:
+        """Return the camera as it is now, which stays when its entity moves on."""
+        now = self.camera
+        return _Between(now.world_from_eye, now.vertical_fov, now.near, now.far)
+
+    def _find(self, name: str) -> Camera:
+        cameras = {camera.node.name: camera for camera in self._world.cameras}
+        if name not in cameras:
+            raise KeyError(f'no camera "{name}"; {nearest(name, cameras)}')
+        return cameras[name]
+
+
+def _between(begin: SeenFrom, end: SeenFrom, share: float) -> SeenFrom:
+    """Return a camera at a share of the way: places on a line, rotations on the shortest arc."""
+    pose, turns = np.eye(4), np.empty((3, 4))
+    quat.from_matrix(begin.world_from_eye[:3, :3], turns[0])
+    quat.from_matrix(end.world_from_eye[:3, :3], turns[1])
+    quat.slerp(turns[0], turns[1], share, turns[2])
+    quat.to_matrix(turns[2], pose[:3, :3])
+    pose[:3, 3] = (1.0 - share) * begin.world_from_eye[:3, 3] + share * end.world_from_eye[:3, 3]
+    fov = (1.0 - share) * begin.vertical_fov + share * end.vertical_fov
+    return _Between(pose, fov, min(begin.near, end.near), max(begin.far, end.far))
