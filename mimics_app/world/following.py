@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
+from mimics_app.maths import mat, quat
 from mimics_app.world.components.follow import Follow
-
-if TYPE_CHECKING:
-    from mimics_app.world.world import World
+from mimics_app.world.graph import SceneGraph
 
 __all__ = ["Follower"]
 
@@ -33,25 +31,26 @@ class Follower:
         self._aim: F8 = np.full(3, np.nan)
         self._time = 0.0
 
-    def step(self, world: World, time: float) -> None:
+    def step(self, graph: SceneGraph, time: float) -> None:
         """Place the node for a scene time [s], at which the followed node is where the graph has it."""
         elapsed, self._time = time - self._time, time
-        if self._name not in world or self._spec.entity not in world:
+        if self._name not in graph or self._spec.entity not in graph:
             return
-        place, aim = self._wanted(world)
+        place, aim = self._wanted(graph)
         share = self._share(elapsed)
         if not np.linalg.norm(place - self._place) < _REPOSITIONED:  # also before the first step
             share = 1.0
             self._place, self._aim = place, aim
         self._place = self._place + share * (place - self._place)
         self._aim = self._aim + share * (aim - self._aim)
-        node = world.find(self._name)
-        node.set_position(self._place)
-        node.look_at(self._aim)
+        index, turn = graph.find(self._name), np.empty(4)
+        quat.from_matrix(mat.look_at(self._place, self._aim)[:3, :3], turn)
+        graph.transforms.set_translation(index, self._place)
+        graph.transforms.set_rotation(index, turn)
 
-    def _wanted(self, world: World) -> tuple[F8, F8]:
+    def _wanted(self, graph: SceneGraph) -> tuple[F8, F8]:
         """Return where the follower belongs and what it looks at, world [m], float64 [3] each."""
-        pose = world.find(self._spec.entity).world_matrix()
+        pose = graph.world_matrix(graph.find(self._spec.entity))
         turn = _heading(pose) if self._spec.turns else np.eye(3)
         offsets = np.array([self._spec.offset, self._spec.aim])
         place, aim = offsets @ turn.T + pose[:3, 3]

@@ -137,7 +137,7 @@ class World:
                 self.forget_motion(index)
         self.motion.pose(self.transforms)
         for follower in self.followers.values():
-            follower.step(self, self.motion.time)
+            follower.step(self.graph, self.motion.time)
         computed = self.transforms.update()
         self.motion.follow(self.transforms)
         moved = self._order != self.transforms.revision
