@@ -84,7 +84,9 @@ class VisualSettings(Component, frozen=True):
     ] = "auto"
     cascades: Annotated[int, Meta(ge=1, le=4, description="Number of nested shadow maps of the sun")] = 3
     fog_density: Annotated[Factor, Meta(description="Density of the fog, in the horizon's colour [1/m]")] = 0.12
-    view: Annotated[Name | None, Meta(description="Entity whose camera is shown first; absent: the first camera")] = None
+    view: Annotated[Name | None, Meta(description="Entity whose camera is shown first; absent: the first camera")] = (
+        None
+    )
     flight: Annotated[
         float, Meta(ge=0, le=10, description="Duration of the flight from one view to the next [s]; 0: a cut")
     ] = 0.0
