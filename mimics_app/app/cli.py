@@ -106,7 +106,7 @@ def _parser_of(command: str) -> CommandParser:
     module.add_arguments(parser)
     parser.epilog = "\n".join(part for part in (parser.epilog, examples_of(command)) if part)
     parser.add_argument("--json", action="store_true", help="write one JSON object to stdout, all else to stderr")
-    parser.set_defaults(command=command, run=module.run, commands=COMMANDS, parser_of=_parser_of)
+    parser.set_defaults(command=command, run=module.run, known_commands=COMMANDS, parser_of=_parser_of)
     return parser
 
 
@@ -292,18 +292,16 @@ def _raised_again(leave: Callable[[int, object], None]) -> Iterator[None]:
         elif issubclass(dropped.exc_type, SystemExit | KeyboardInterrupt):  # others are its consequences
             signal.setitimer(signal.ITIMER_REAL, _AGAIN_S)
 
+    from mimics_app.app.terminal.output import say_nothing
+
     usual, alarm = sys.unraisablehook, signal.signal(signal.SIGALRM, leave)
     sys.unraisablehook = drop
     try:
         yield
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
-        sys.unraisablehook = _say_nothing if _Terminated.came else usual
+        sys.unraisablehook = say_nothing if _Terminated.came else usual
         signal.signal(signal.SIGALRM, alarm)
-
-
-def _say_nothing(_: sys.UnraisableHookArgs) -> None:
-    """Hook of a process that a signal ends."""
 
 
 if __name__ == "__main__":

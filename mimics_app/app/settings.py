@@ -59,6 +59,7 @@ class RunSettings:
         pictures: Number of frames that a headless run draws and keeps.
         video: File of a video, or folder for every frame as PNG, or None.
         action: File of task actions to replay, or None.
+        commands: File of commands, each given at its time, or None.
         physio: Source of body signals, e.g. "sim" or "lsl:NAME"; "": none.
         learn: Policy that adapts the task; "": the task's own, if any.
         goal: Goal of the policy, see `learning.goals.build_goal`; "": the task's.
@@ -88,6 +89,7 @@ class RunSettings:
     pictures: int = 4
     video: Path | None = None
     action: Path | None = None
+    commands: Path | None = None
     physio: str = ""
     learn: str = ""
     goal: str = ""

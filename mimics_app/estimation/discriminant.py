@@ -44,6 +44,10 @@ class DiscriminantEstimation:
         self._lda.learn(self._view.features(result.performance), None)
         return self._state
 
+    def recalibrate(self) -> None:
+        """Measure the baseline anew; until then the state is unknown."""
+        self._fusion.recalibrate()
+
     def _load(self, success: float | None) -> tuple[float, float, float]:
         low, right, high = self._lda.probabilities(self._view.features(success)).tolist()
         return low, right, high

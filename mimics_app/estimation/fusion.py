@@ -61,6 +61,7 @@ class FusionEstimation:
     """
 
     def __init__(self, baseline_s: float = 60.0) -> None:
+        self._baseline_s = baseline_s
         self._baseline = Baseline(baseline_s)
         self._effort = EffortModel()
         self._mean, self._variance = 0.0, 0.5
@@ -95,6 +96,10 @@ class FusionEstimation:
     def judge(self, result: TrialResult) -> UserState:
         """Return the present state: it depends on body signals alone."""
         return self._state
+
+    def recalibrate(self) -> None:
+        """Measure the baseline anew; until then the state is unknown."""
+        self._baseline = Baseline(self._baseline_s)
 
     def _step(self, values: Mapping[str, float], quality: Mapping[str, float]) -> None:
         """Predict, then update by each observation in turn."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import replace
 
 import numpy as np
 
@@ -15,9 +14,6 @@ from mimics_app.contracts.ports.input_port import PointerSource, SignalSource, W
 __all__ = ["Inputs", "Movement"]
 
 _PREFIX = {"key": "", "button": "mouse_", "pad": "pad_"}
-_STOP_NAMES = frozenset({"space", "pad_b"})
-
-
 _RATE = 60.0
 """Nominal frame rate [Hz]."""
 
@@ -26,8 +22,7 @@ class Inputs:
     """All inputs of a session.
 
     Args:
-        pointers: Pointing devices in order of precedence: the first that is active moves the cursor; a stop requested
-            by any of them is a stop. Space and gamepad B stop even where no pointing device reads the window.
+        pointers: Pointing devices in order of precedence: the first that is active moves the cursor.
         signals: Sources of body signals.
         window: Window with keyboard, mouse and gamepad; None headless.
 
@@ -50,7 +45,7 @@ class Inputs:
         pressed = _pressed_names(self.frame.events)
         states = [state for source in self._pointers if (state := source.read(self.frame, now_ns)) is not None]
         blocks: list[SignalBlock] = [block for source in self.signals for block in source.read(now_ns)]
-        return VRInput(tuple(blocks), _one_pointer(states, stop=not _STOP_NAMES.isdisjoint(pressed)), pressed)
+        return VRInput(tuple(blocks), _one_pointer(states), pressed)
 
     def aim(self, aim: Aim | None) -> None:
         """Pass the next movement of the hand in the scene to every pointing device."""
@@ -89,12 +84,10 @@ def _pressed_names(events: Sequence[InputEvent]) -> tuple[str, ...]:
     )
 
 
-def _one_pointer(states: Sequence[PointerState], *, stop: bool) -> PointerState | None:
+def _one_pointer(states: Sequence[PointerState]) -> PointerState | None:
     if not states:
-        return PointerState((0.0, 0.0, 0.0), 0.0, active=False, stop=True) if stop else None
-    chosen = next((state for state in states if state.active), states[0])
-    stop = stop or any(state.stop for state in states)
-    return chosen if chosen.stop == stop else replace(chosen, stop=stop)
+        return None
+    return next((state for state in states if state.active), states[0])
 
 
 class Movement(SignalSource):

@@ -8,13 +8,23 @@ from typing import Any
 
 import msgspec
 
+from mimics_app.contracts.commands.vocabulary import AnyCommand, Command
 from mimics_app.contracts.errors import PartialDataError
 from mimics_app.contracts.messages.stage_messages import TaskAction
 from mimics_app.recording.event_log import to_json
 from mimics_app.recording.run import Run
 from mimics_app.recording.trial_table import as_read
 
-__all__ = ["TASK_KINDS", "FrameLine", "TaskDifference", "TaskLines", "compare_lines", "compare_rows", "gather_task"]
+__all__ = [
+    "TASK_KINDS",
+    "CommandLine",
+    "FrameLine",
+    "TaskDifference",
+    "TaskLines",
+    "compare_lines",
+    "compare_rows",
+    "gather_task",
+]
 
 TASK_KINDS = ("state", "action", "clipped", "pause", "session_end")
 """Kinds of the app's lines that the task manager journals."""
@@ -23,6 +33,27 @@ TASK_KINDS = ("state", "action", "clipped", "pause", "session_end")
 class _ActionLine(msgspec.Struct):
     values: dict[str, float]
     at_trial: int | None = None
+
+
+class CommandLine(msgspec.Struct):
+    """One command as it was recorded.
+
+    Attributes:
+        command: Its name.
+        values: Its values by name.
+        done: Whether it was carried out.
+        why: Why it was refused, or a remark.
+    """
+
+    command: str
+    values: dict[str, Any]
+    done: bool
+    why: str = ""
+
+    @property
+    def given(self) -> Command:
+        """The command."""
+        return msgspec.convert({"command": self.command, **self.values}, AnyCommand)
 
 
 class FrameLine(msgspec.Struct):
@@ -37,6 +68,7 @@ class FrameLine(msgspec.Struct):
         action: Action chosen by the learning system.
         shown_ns: Predicted time of its display [ns]; None where no display reported it.
         period_ns: Time from one displayed frame to the next [ns].
+        commands: Commands that the task received in it.
     """
 
     frame: int
@@ -47,6 +79,7 @@ class FrameLine(msgspec.Struct):
     action: _ActionLine | None = None
     shown_ns: int | None = None
     period_ns: int = 0
+    commands: tuple[CommandLine, ...] = ()
 
     @property
     def chosen(self) -> TaskAction | None:
@@ -100,11 +133,15 @@ def gather_task(run: Run, kinds: Collection[str] = TASK_KINDS) -> TaskLines:
     frames: list[FrameLine] = []
     lines: list[dict[str, Any]] = []
     waiting: list[dict[str, Any]] = []
+    commands: list[dict[str, Any]] = []
     for line in (line for line in run.lines if line["source"] == "app"):
         if line["kind"] in kinds:
             waiting.append(line)
+        elif line["kind"] == "command":
+            commands += [line] if line.get("of_task") else []
         elif line["kind"] == "frame":
-            frame = _frame(run, line, len(frames))
+            frame = _frame(run, line | {"commands": commands}, len(frames))
+            commands = []
             if not whole and frame.tick >= end:
                 waiting.clear()
                 break

@@ -40,6 +40,13 @@ class Adaptation:
         else:
             self._waiting.setdefault(allowed.at_trial, {}).update(allowed.values)
 
+    def override(self, values: Mapping[str, float]) -> None:
+        """Set the targets to the values of a command; earlier choices of the same parameters that wait are dropped."""
+        self.take(TaskAction(values))
+        for waiting in self._waiting.values():
+            for name in values:
+                waiting.pop(name, None)
+
     def begin_trial(self, number: int, values: Mapping[str, float]) -> None:
         """Set all values for a trial: the session's, the trial list's, those of the actions that waited for it.
 

@@ -79,7 +79,7 @@ class Attempts:
         self._tell = tell
         self._touches = touches
         self._begin_ns = 0
-        self._open = False
+        self._open = self._given_up = False
 
     @property
     def finished(self) -> int:
@@ -108,7 +108,7 @@ class Attempts:
     @property
     def attempts_left(self) -> bool:
         """Whether another attempt at the current trial is allowed."""
-        return self.attempt < self._most
+        return self.attempt < self._most and not self._given_up
 
     @property
     def trial_over(self) -> bool:
@@ -129,12 +129,23 @@ class Attempts:
             left = [replace(trial, number=ahead + i) for i, trial in enumerate(left)]
             self.plan = (*self.plan[:ahead], *left)
 
+    def give_up(self) -> None:
+        """Allow no further attempt at the current trial."""
+        self._given_up = True
+
+    def repeat(self) -> None:
+        """Let the current trial be played once more as the next one; those after it keep their order."""
+        ahead = self.number + 1
+        following = (self.trial, *self.plan[ahead:])
+        self.plan = (*self.plan[:ahead], *(replace(t, number=ahead + i) for i, t in enumerate(following)))
+
     def begin(self, now_ns: int) -> bool:
         """Begin the next attempt, at the next trial where the current is over; return True for a new trial."""
         fresh = self.begun == 0 or self.trial_over
         if fresh:
             self.number += 1
             self.attempt = 0
+            self._given_up = False
         self.attempt += 1
         self.begun += 1
         self.tally = None

@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 from mimics_app.contracts.messages.trial_state import TrialState
 
 __all__ = ["Countdown"]
 
 _READING_S = 6.0
-"""Time for which the page is shown where nobody presses a key, as a simulated person [s]."""
-
-_BEGIN = frozenset({"enter", "mouse_left", "pad_a"})
-"""Keys and buttons that end the reading."""
+"""Time for which the page is shown where nobody begins, as a simulated person [s]."""
 
 
 class Countdown:
@@ -22,7 +18,7 @@ class Countdown:
     Args:
         seconds: Length of the countdown [s]; 0: neither reading time nor countdown.
         introduced: The page is shown in a window.
-        waits: The page stays until a key ends it.
+        waits: The page stays until a command ends it.
 
     Attributes:
         until_s: Earliest time of the go cue in the present state [s]; 0 without a countdown.
@@ -36,15 +32,21 @@ class Countdown:
         self.until_s = 0.0
         self.reading = False
         self.count = 0
+        self._begin = False
 
-    def see(self, state: TrialState, elapsed_s: float, pressed: Sequence[str]) -> None:
+    def begin(self) -> None:
+        """End the reading with the next frame."""
+        self._begin = True
+
+    def see(self, state: TrialState, elapsed_s: float) -> None:
         """Take a frame, `elapsed_s` [s] after the beginning of its state."""
+        begin, self._begin = self._begin, False
         self.until_s, self.reading, self.count = 0.0, False, 0
         if state is TrialState.TRAVEL:
             self._seconds = 0.0
         if state is not TrialState.READY or self._seconds == 0.0:
             return
-        if elapsed_s < self._read_s and not _BEGIN.isdisjoint(pressed):
+        if elapsed_s < self._read_s and begin:
             self._read_s = elapsed_s
         self.until_s = self._read_s + self._seconds
         self.reading = elapsed_s < self._read_s

@@ -11,6 +11,8 @@ from mimics_app.tasks.task import StateName
 __all__ = [
     "ABORTED_CAUSES",
     "BUILT_IN",
+    "REPEATED",
+    "SKIPPED",
     "Announcement",
     "aborted_words",
     "built_in_messages",
@@ -49,7 +51,12 @@ ABORTED_CAUSES: Mapping[TrialState, str] = {
 }
 """Cause in the row of an attempt that was aborted in a state."""
 
+SKIPPED, REPEATED = "skipped", "repeated"
+"""Causes in the row of an attempt that a command ended."""
+
 _ABORTED: Mapping[str, str] = {
+    SKIPPED: "This trial is left out",
+    REPEATED: "This trial is played once more",
     ABORTED_CAUSES[TrialState.APPROACH]: "The start was not reached",
     ABORTED_CAUSES[TrialState.READY]: "The start was not held, or something pushes there",
     ABORTED_CAUSES[TrialState.TRAVEL]: "Faster than the way to the goal allows: it does not count",

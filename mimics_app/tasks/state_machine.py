@@ -3,6 +3,7 @@
 approach --arrived--> ready --go--> travel --goal--> finished --> rest --> approach of the next trial
    |                    |            |  `--time over--> timeout -----^ `--> done after the last one
    `----- too slow -----+-- too fast-+--> aborted --> approach of the same trial, or rest when its attempts are spent
+approach, ready, travel --skip, repeat--> aborted, then the next trial;  a result, rest --start--> on at once
 any state but done --SAFE_STOP, E_STOP--> stopped --operator's reset--> as after aborted; rest when the trial was over
 """
 
@@ -13,13 +14,12 @@ import msgspec
 from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.tasks.observation import Observation
 
-__all__ = ["PAUSED", "Conditions", "Pause", "next_state"]
+__all__ = ["PAUSED", "UNDER_WAY", "Conditions", "Pause", "next_state"]
 
 
-_KEYS = frozenset({"p", "pad_start"})
-_HELP = "h"
-"""Key of the page over the picture, which is read while the clock stands."""
 _NEVER_IN = (TrialState.STOPPED, TrialState.DONE)
+UNDER_WAY = (TrialState.APPROACH, TrialState.READY, TrialState.TRAVEL)
+"""States of a trial that can be skipped."""
 _SHOWS_RESULT = (TrialState.FINISHED, TrialState.TIMEOUT, TrialState.ABORTED)
 PAUSED = "Paused. Press P to go on"
 """Line shown during a pause."""
@@ -42,6 +42,8 @@ class Conditions(msgspec.Struct, frozen=True):
         trial_over: The current trial reached its goal or its time limit, or has no attempts left.
         attempts_left: Another attempt at the current trial is allowed.
         trials_left: Another trial follows.
+        given_up: A command ended the trial under way.
+        hurried: A command ended the showing of a result, or a rest.
     """
 
     elapsed_s: float
@@ -57,6 +59,8 @@ class Conditions(msgspec.Struct, frozen=True):
     trial_over: bool = False
     attempts_left: bool = True
     trials_left: bool = True
+    given_up: bool = False
+    hurried: bool = False
 
 
 def next_state(state: TrialState, seen: Conditions) -> TrialState:
@@ -65,7 +69,9 @@ def next_state(state: TrialState, seen: Conditions) -> TrialState:
         return state
     if seen.latched:
         return TrialState.STOPPED
-    if state in _SHOWS_RESULT and seen.elapsed_s < seen.result_s:
+    if seen.given_up and state in UNDER_WAY:
+        return TrialState.ABORTED
+    if state in _SHOWS_RESULT and seen.elapsed_s < seen.result_s and not seen.hurried:
         return state
     return _FLOW[state](seen)
 
@@ -95,7 +101,7 @@ def _leave_stopped(seen: Conditions) -> TrialState:
 
 
 def _leave_rest(seen: Conditions) -> TrialState:
-    return TrialState.REST if seen.elapsed_s < seen.rest_s else TrialState.APPROACH
+    return TrialState.REST if seen.elapsed_s < seen.rest_s and not seen.hurried else TrialState.APPROACH
 
 
 def _follow_trial(seen: Conditions) -> TrialState:
@@ -127,14 +133,23 @@ class Pause:
 
     def __init__(self) -> None:
         self.on = False
+        self._wanted: bool | None = None
+
+    def want(self, on: bool, state: TrialState) -> str:
+        """Ask for a pause, or its end, in this frame; return why that cannot be, "" where it can."""
+        if state in _NEVER_IN:
+            return "a stop is latched" if state is TrialState.STOPPED else "the session is over"
+        if on is self.on:
+            return "the task is paused already" if on else "the task is not paused"
+        self._wanted = on
+        return ""
 
     def switched(self, seen: Observation, state: TrialState) -> bool:
         """Whether a pause begins or ends with this frame; a safety stop ends one."""
-        before = self.on
+        before, wanted = self.on, self._wanted
+        self._wanted = None
         if seen.latched or state in _NEVER_IN:
             self.on = False
-        elif _KEYS & set(seen.pressed):
-            self.on = not self.on
-        elif _HELP in seen.pressed and state is TrialState.TRAVEL:
-            self.on = True
+        elif wanted is not None:
+            self.on = wanted
         return self.on is not before

@@ -33,13 +33,14 @@ from mimics_app.tasks.board_layout import BoardLayout, Times
 from mimics_app.tasks.control import Approach, Arrival, RobotControl
 from mimics_app.tasks.countdown import Countdown
 from mimics_app.tasks.goals import Goals
-from mimics_app.tasks.kinds.kind import KindPlay, TaskKind
-from mimics_app.tasks.kinds.registry import task_kinds
+from mimics_app.tasks.kinds.kind import TaskKind
+from mimics_app.tasks.kinds.registry import play_of, task_kinds
 from mimics_app.tasks.observation import Observation, observe
 from mimics_app.tasks.outcome_words import what_happened
 from mimics_app.tasks.participation import Participation
 from mimics_app.tasks.prompt import ABORTED_CAUSES, Announcement, built_in_messages, cause_words
 from mimics_app.tasks.state_machine import PAUSED, Conditions, Pause, next_state
+from mimics_app.tasks.steering import Steering
 from mimics_app.tasks.task import ActionDeed, Deed, MessageDeed, ScoreSpec, SoundDeed, TaskSpec
 from mimics_app.tasks.trial_times import TrialTimes
 from mimics_app.tasks.trials import Trial, check_first_trial, plan_trials, trial_blocks
@@ -92,16 +93,16 @@ class TaskManager:
         score = spec.score if has_score else None
         plays = tuple(self._plays.values())
         self._participation, self._limb = Participation(passive=spec.passive), context.limb
-        touches, most = all(kind.touches for kind in kinds), spec.start.attempts
-        self._times = TrialTimes(spec)
-        self._attempts = Attempts(plan, score, most, on_trial, plays, counts, self._tell, first_trial, touches=touches)
+        self._times, touches = TrialTimes(spec), all(kind.touches for kind in kinds)
+        most, say = spec.start.attempts, self._tell
+        self._attempts = Attempts(plan, score, most, on_trial, plays, counts, say, first_trial, touches=touches)
         self._bodies = context.bodies
         self._fastest, self._least_s = context.fastest, 0.0
         self._control = RobotControl(context.home or Home(context.start_joints), context.feel)
         arrival = Arrival(spec.start, context.start_joints)
         self._approach = Approach(0.0 if context.simulated else spec.start.announce_s, arrival, self._control)
-        self._goals = Goals(spec.goals, [self._play_of(goal) for goal in spec.goals])
-        self._triggers = Triggers(spec.triggers, [self._play_of(trigger.when) for trigger in spec.triggers])
+        self._goals = Goals(spec.goals, [play_of(goal, self._plays) for goal in spec.goals])
+        self._triggers = Triggers(spec.triggers, [play_of(trigger.when, self._plays) for trigger in spec.triggers])
         self._announcement, self._pause = Announcement(), Pause()
         self._countdown = Countdown(spec.start.countdown_s, introduced=context.introduced, waits=context.waits)
         self._seen: Observation | None = None
@@ -118,6 +119,7 @@ class TaskManager:
         self._last_ns = 0
         self._cause = 0
         self._result: TrialResult | None = None
+        self._steering = Steering(self._space, self._adaptation, self._attempts, self._pause, self._countdown)
 
     @property
     def values(self) -> Mapping[str, float]:
@@ -155,6 +157,7 @@ class TaskManager:
     ) -> TaskOrders:
         """Process one frame: `events` are the EVENT records since the last one, shape [n]; `now_ns` never decreases."""
         seen = observe(snapshot, events, now_ns, self._bodies, vr.pressed, timing)
+        self._steering.take(vr.commands, self.state, begun=self._seen is not None)
         if action is not None:
             self._take(action, now_ns)
         self._result = None
@@ -231,7 +234,7 @@ class TaskManager:
             goal = self._goals.met(seen, elapsed) and self._participation.acted
         elif self.state in (TrialState.APPROACH, TrialState.READY):
             arrived = self._approach.arrived(seen)
-        self._countdown.see(self.state, elapsed, seen.pressed)
+        self._countdown.see(self.state, elapsed)
         if self.state is TrialState.APPROACH:
             self._approach.drive(seen, elapsed)
         return Conditions(
@@ -248,6 +251,8 @@ class TaskManager:
             trial_over=self._attempts.trial_over,
             attempts_left=self._attempts.attempts_left,
             trials_left=self._attempts.trials_left,
+            given_up=bool(self._steering.gave_up),
+            hurried=self._steering.hurried,
         )
 
     def _leave(self, state: TrialState, following: TrialState, seen: Observation) -> None:
@@ -257,7 +262,7 @@ class TaskManager:
             self._cause = seen.cause
             self._attempts.end(ABORTED, cause_words(seen.cause), values, seen.now_ns)
         elif following is TrialState.ABORTED:
-            self._attempts.end(ABORTED, ABORTED_CAUSES[state], values, seen.now_ns)
+            self._attempts.end(ABORTED, self._steering.gave_up or ABORTED_CAUSES[state], values, seen.now_ns)
         elif following in (TrialState.FINISHED, TrialState.TIMEOUT):
             outcome = FINISHED if following is TrialState.FINISHED else TIMEOUT
             self._attempts.end(outcome, "", values, seen.now_ns)
@@ -305,8 +310,12 @@ class TaskManager:
             self._settings = settings_for(self._spec, self._settled)
 
     def _take(self, action: TaskAction, now_ns: int) -> None:
-        self._adaptation.take(action)
-        self._on_event("action", {"t_ns": now_ns, "at_trial": action.at_trial, "values": dict(action.values)})
+        """Carry out an action but for the parameters that a command has set in the same frame."""
+        overruled = sorted(self._steering.overruled & action.values.keys())
+        values = {name: value for name, value in action.values.items() if name not in overruled}
+        self._adaptation.take(TaskAction(values, action.at_trial, action.propensity))
+        lost = {"overruled": overruled} if overruled else {}
+        self._on_event("action", {"t_ns": now_ns, "at_trial": action.at_trial, "values": dict(action.values), **lost})
         self._report_clipped(now_ns)
 
     def _report_clipped(self, now_ns: int) -> None:
@@ -347,6 +356,7 @@ class TaskManager:
             finished=self.done,
             result=self._result or self._step_result(seen.now_ns),
             demand=self._space.demand(self._adaptation.values),
+            replies=self._steering.replies,
         )
 
     def _step_result(self, now_ns: int) -> TrialResult | None:
@@ -371,19 +381,11 @@ class TaskManager:
 
     def _lay_out(self, seen: Observation, view: TaskView) -> Board:
         rest_s = max(0.0, self._rest_s() - view.elapsed_s)
-        travels = self.state is TrialState.TRAVEL
-        left_s = max(0.0, self._length_s() - view.elapsed_s) if travels else None
+        left_s = max(0.0, self._length_s() - view.elapsed_s) if self.state is TrialState.TRAVEL else None
         times = Times(view.elapsed_s, rest_s, left_s, self._length_s())
         board = self._layout.lay_out(seen, view, self._attempts, self._cause, times)
         line = PAUSED if self._pause.on else self._announcement.line(seen.now_ns, board.message)
         return structs.replace(board, message=line, count=self._countdown.count)
-
-    def _play_of(self, part: object) -> KindPlay | None:
-        """Return the kind of task of a goal or a condition; None for the task's own."""
-        for kind in task_kinds():
-            if isinstance(part, (*kind.goals, *kind.conditions)):
-                return self._plays.get(kind.name)
-        return None
 
     def _elapsed_s(self, now_ns: int) -> float:
         return 0.0 if self._entered_ns is None else max(0, now_ns - self._entered_ns) / 1e9

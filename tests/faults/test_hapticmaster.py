@@ -7,6 +7,7 @@ import socket
 import numpy as np
 import pytest
 
+from mimics_app.contracts.commands.command_ring import request_stop
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.loop.haptic import Controller, DeviceStatus, SafetyState, TripCause
 from mimics_app.rendering.haptic.devices import hapticmaster_loop as loop
@@ -175,7 +176,7 @@ def test_a_stop_is_reported_to_the_machine():
         bench = _bench(rig)
         rig.advance(bench, 100)
         assert rig.emulator.model.state == "force"
-        bench.engine.stop_key()
+        request_stop(bench.memory)
         rig.advance(bench, 4)
         assert rig.emulator.model.state == "stop"
         bench.engine.stop()

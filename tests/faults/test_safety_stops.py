@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mimics_app.contracts.commands.command_ring import request_stop
 from mimics_app.contracts.loop.haptic import Button, Controller, DeviceStatus, EventKind, SafetyState, TripCause
 from mimics_app.contracts.loop.haptic_objects import MAX_PIECES
 from mimics_app.contracts.shared_memory.session_memory import ControlWord
@@ -83,12 +84,12 @@ def test_nan_from_the_device_latches_in_the_same_tick_and_never_leaves(column: i
 def test_stop_key_takes_the_force_away_within_two_ticks_and_latches():
     bench = scripted(_pressing(3000))
     bench.advance(900)
-    bench.engine.stop_key()
+    request_stop(bench.memory)
     samples = bench.advance(600)
     assert np.all(_force(samples)[1:] == 0.0)
     assert np.all(samples["state"][1:] == SafetyState.E_STOP) and samples["cause"][-1] == TripCause.STOP_KEY
     assert np.all(samples["command"][-1] == 0.0)
-    bench.memory.control[ControlWord.STOP] = 0  # releasing the key alone changes nothing
+    # the key is released: that alone changes nothing
     assert np.all(bench.advance(100)["state"] == SafetyState.E_STOP)
 
 
@@ -105,7 +106,7 @@ def test_device_button_stops_like_the_key():
 def test_reset_goes_the_whole_way_again():
     bench = scripted(script(20))
     bench.advance(10)
-    bench.engine.stop_key()
+    request_stop(bench.memory)
     bench.advance(10)
     bench.publish(resets=1)
     states = bench.advance(300)["state"].astype(int)
@@ -130,7 +131,7 @@ def test_e_stop_follows_safe_stop_but_not_the_other_way():
     rows[50, 0] = np.nan
     bench = scripted(rows)
     bench.advance(60)
-    bench.engine.stop_key()
+    request_stop(bench.memory)
     bench.advance(5)
     assert bench.engine.snapshot().state == SafetyState.E_STOP
     assert bench.engine.snapshot().cause == TripCause.STOP_KEY
@@ -280,14 +281,14 @@ def test_not_a_number_and_space_latch_a_simulated_device_too():
     bench = scripted(_pressing())
     bench.publish(late_latches=0)
     bench.advance(900)
-    bench.engine.stop_key()
+    request_stop(bench.memory)
     assert np.all(bench.advance(50)["state"][1:] == SafetyState.E_STOP)
 
 
 def test_stops_and_holds_are_counted_apart():
     bench = scripted(_pressing())
     bench.advance(900)
-    bench.engine.stop_key()
+    request_stop(bench.memory)
     bench.advance(10)
     reported = bench.engine.histogram()
     assert (reported.stops, reported.holds) == (1, 0)

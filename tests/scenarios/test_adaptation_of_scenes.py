@@ -51,7 +51,7 @@ class Played:
         with open_core(parts_with(parts, Once(TaskAction(values, at_trial=0)))) as core:
             play = Frames(core)
             for _ in range(frames):
-                orders = play.play_on()
+                orders = play.advance_frame()
                 self.haptic |= orders.haptic
                 self.visual |= orders.visual
                 self.audio |= orders.audio
@@ -181,7 +181,7 @@ def test_the_flow_goes_on_elsewhere(block: int, tmp_path: Path) -> None:
     with open_core(parts_with(parts, Once(TaskAction({"flow": float(block)}, at_trial=1)))) as core:
         play = Frames(core)
         for _ in range(2000):
-            if play.play_on().finished:
+            if play.advance_frame().finished:
                 break
         blocks = [row["block"] for row in core.tasks.rows]
         numbers = [row["trial"] for row in core.tasks.rows]
@@ -205,7 +205,7 @@ def test_the_walk_reports_steps_and_the_person_is_moved() -> None:
     with open_core(parts) as core:
         play, before = Frames(core), person(core)
         for _ in range(60 * 40):
-            play.play_on()
+            play.advance_frame()
         after = person(core)
     assert len(seen) > 15
     assert {result.outcome for result in seen} == {"step"}

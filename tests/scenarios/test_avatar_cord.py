@@ -68,7 +68,7 @@ def play(tmp_path: Path, conditions: dict, look=None, from_trial: int = 1):
     with open_core(prepare_scene(load_checked_scene(file), settings), recorder) as core:
         frames = Frames(core)
         while not core.tasks.done:
-            frames.play_on()
+            frames.advance_frame()
             assert frames.number < 60 * 60, "the trials do not end"
             if look is not None:
                 look(core, frames)
@@ -204,7 +204,7 @@ def test_one_recording_of_head_and_hands_is_one_simulation_on_every_display(tmp_
             frames = Frames(core)
             picture = None
             while frames.number < 80:
-                frames.play_on()
+                frames.advance_frame()
                 if display and picture is None and frames.number == 6:
                     before = int(core.world.subentities().visible.sum())
                     picture = _open(core, display)

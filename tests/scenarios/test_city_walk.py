@@ -70,7 +70,7 @@ def walked(file: Path, seconds: float) -> tuple[list[tuple[str, int, str, np.nda
         play = Frames(core)
         play.play_to_start()
         for _ in range(round(seconds * 60)):
-            play.play_on()
+            play.advance_frame()
         gaze = -core.world.cameras[0].world_from_eye[:3, 2]
     return listener.steps, gaze
 
@@ -125,7 +125,7 @@ def test_the_whole_walk_ends_at_the_church(tmp_path: Path) -> None:
     with open_core(prepare_scene(load_checked_scene(file), RunSettings(file))) as core:
         play = Frames(core)
         play.play_to_start()
-        while (result := play.play_on().result) is None and play.number < 60 * 60:
+        while (result := play.advance_frame().result) is None and play.number < 60 * 60:
             pass
         eyes = core.world.cameras[0].world_from_eye
     assert result is not None and result.outcome == "finished"

@@ -57,7 +57,7 @@ def test_a_session_greets_and_the_encourager_looks_at_the_person(name: str) -> N
     with open_core(prepare_scene(load_checked_scene(file), RunSettings(file))) as core:
         play = Frames(core)
         for _ in range(60 * 14):
-            play.play_on()
+            play.advance_frame()
             seen.add(_machine(core.world).state)
             if "greet" in seen and (name == "pick_and_place" or "praise 0" in seen):
                 break

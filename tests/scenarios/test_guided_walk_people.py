@@ -48,7 +48,7 @@ def test_the_avatar_does_what_the_task_says(deed: int, shown: str, step_heard: b
         play, world = Frames(core), core.world
         avatar = world.find("avatar").index
         for _ in range(60 * 8):
-            play.play_on()
+            play.advance_frame()
             seen.add(world.motion.machines[avatar].state)
             for index, event in world.motion.happened:
                 if index == avatar:

@@ -76,7 +76,7 @@ def play_limp(name: str, difficulty: str, **settings: Any) -> Limp:
     limp = Limp(CorePlay.of(limp_scene(name), 1, difficulty=difficulty, trials=1, **settings))
     core, frames = limp.play.core, limp.play.frames
     while not core.tasks.rows and frames.number < 60 * 60:
-        frames.play_on()
+        frames.advance_frame()
         state = frames.orders.view.state
         if state is TrialState.READY:
             limp.still.append(frames.snapshot.hip_world.copy())

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mimics_app.app.touch.haptic_side import HapticSide
+from mimics_app.app.touch.haptic_scene_data import HapticSceneData
 from mimics_app.contracts.loop.haptic import SAMPLE, Controller
 from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.contracts.shared_memory import ring
@@ -53,7 +53,7 @@ class Played:
 def play(folder: Path, hand: np.ndarray, ticks: int, transform: dict[str, Any], **mask: Any) -> Played:
     """One object of a scene file, and a hand that goes its own way."""
     entity = {**thing("thing", haptic_object={**CUBE, **mask}), "transform": transform}
-    side = HapticSide(loaded(folder, thing("robot", robot={}, safety=SAFETY), entity))
+    side = HapticSceneData(loaded(folder, thing("robot", robot={}, safety=SAFETY), entity))
     plugin = DevicePlugin("script", read_script, ignore, np.ascontiguousarray(hand).ravel())
     memory = side.memory(plugin)
     engine = side.engine(memory, plugin)

@@ -101,8 +101,8 @@ def test_learning_chooses_after_the_task_and_for_the_next_frame() -> None:
 
         core.tasks.step = step  # type: ignore[method-assign,assignment]
         frames = Frames(core)
-        frames.play_on()
-        frames.play_on()
+        frames.advance_frame()
+        frames.advance_frame()
     assert log == ["choose 1", "task 1", "choose 2", "task 2", "choose 3"]
 
 
@@ -139,9 +139,9 @@ def test_a_still_of_a_trial_is_the_frame_a_run_has_there(tmp_path: Path) -> None
 def test_a_session_that_has_ended_plays_no_further_frame() -> None:
     with open_core(prepare_scene(load_checked_scene(TUNNEL), RunSettings(TUNNEL))) as core:
         frames = Frames(core)
-        frames.play_on()
+        frames.advance_frame()
         core.stop()  # once more at the end of the block: nothing happens
-        for play in (frames.step, frames.play_on, frames.play_to_start, Frames(core).step):
+        for play in (frames.step, frames.advance_frame, frames.play_to_start, Frames(core).step):
             with pytest.raises(UsageError, match="this session has ended"):
                 play()
         assert frames.number == 1
@@ -171,7 +171,7 @@ def test_a_device_that_fails_at_the_end_keeps_no_other_open_and_costs_no_signal(
     parts = prepare_scene(load_checked_scene(TUNNEL), RunSettings(TUNNEL))
     core = open_core(replace(parts, body=Body(sources=sources)))
     monkeypatch.setattr(core.recorder, "signals", lambda rows: log.extend(row.block.name for row in rows))
-    Frames(core).play_on()
+    Frames(core).advance_frame()
     with pytest.raises(DeviceError):
         core.stop()
     assert log == ["first", "second", "first", "second"], "closed, then sent to the recorder"

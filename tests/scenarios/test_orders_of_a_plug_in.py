@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mimics_app.contracts.commands.command_ring import request_stop
 from mimics_app.contracts.loop.haptic import LIMIT_NAMES, SCENE, SafetyState
 from mimics_app.contracts.loop.object_rows import ROW_DTYPES
 from mimics_app.contracts.system.resources import root
@@ -90,7 +91,7 @@ def test_numbers_that_belong_together_are_taken_or_refused_together(play: SceneP
 
 def test_a_latched_stop_is_left_by_a_person_alone():
     play = ScenePlay(root() / "scenes" / "wavy_tunnel.json", seed=2).run(2.5)
-    play.haptics.stop_key()
+    request_stop(play.memory)
     play.run(0.1)
     assert play.snapshots[-1].state == SafetyState.E_STOP
     resets = int(play.parameter_store.block["resets"][0])

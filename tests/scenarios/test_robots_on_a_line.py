@@ -28,7 +28,7 @@ from mimics_app.inputs.stage import Inputs
 from mimics_app.recording.run import Run
 from tests.support.device_rig import Rig
 from tests.support.market_play import SCENE
-from tests.support.robot_play import Lockstep, market_rig, play_on
+from tests.support.robot_play import Lockstep, advance_frame, market_rig
 
 SECONDS = 20.0
 """More than enough for the first apple."""
@@ -43,7 +43,7 @@ AFTER = 300
 @pytest.mark.parametrize("name", [pytest.param("serial", marks=pytest.mark.slow), "hapticmaster"])
 def test_apples_are_placed_through_the_line(name: str):
     with market_rig(name) as rig:
-        result = play_on(rig, SECONDS, 1)
+        result = advance_frame(rig, SECONDS, 1)
     assert result["placed"] >= 1
     assert (result["stops"], result["bruises"]) == (0, 0)
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from mimics_app.compiled.kernel import typed_kernel
+from mimics_app.contracts.commands.command_ring import request_stop
 from mimics_app.contracts.loop.haptic import Controller, SafetyState
 from mimics_app.contracts.loop.loop_ports import DATA_GRASP, READ, DevicePlugin
 from mimics_app.rendering.haptic.control.impedance import draw_along
@@ -155,7 +156,7 @@ def test_stop_key_takes_the_force_off_the_device_within_two_ticks():
     bench.advance(900)
     memory[PUSH + 2] = 4.0
     assert np.linalg.norm(bench.advance(600)["f_command"][-1]) > 1.0
-    bench.engine.stop_key()
+    request_stop(bench.memory)
     rows = bench.advance(10)
     assert (rows["f_command"][2:] == 0.0).all() and rows["state"][-1] == SafetyState.E_STOP
 

@@ -68,7 +68,7 @@ class CorePlay:
 
     def step(self) -> None:
         """Play one frame."""
-        self.frames.play_on()
+        self.frames.advance_frame()
         self._kept.append(self.recorder.samples())
 
     @property

@@ -17,7 +17,7 @@ from tests.support.core_play import change_component
 from tests.support.device_rig import Rig
 from tests.support.market_play import SCENE
 
-__all__ = ["Lockstep", "market_rig", "play_on"]
+__all__ = ["Lockstep", "advance_frame", "market_rig"]
 
 
 class Lockstep:
@@ -43,7 +43,7 @@ def market_rig(name: str) -> Iterator[Rig]:
         yield Rig(emulator, name)
 
 
-def play_on(rig: Rig, seconds: float, wanted: int) -> dict[str, Any]:
+def advance_frame(rig: Rig, seconds: float, wanted: int) -> dict[str, Any]:
     """`task` of a session of pick and place on that robot, until so many apples are placed or its time is over."""
     scene = load_checked_scene(SCENE)
     change_component(scene, "robot", device=f"{rig.name}:{rig.emulator.address}")
@@ -53,6 +53,6 @@ def play_on(rig: Rig, seconds: float, wanted: int) -> dict[str, Any]:
     with core:
         frames = Frames(core)
         while core.clock.now_ns() < seconds * 1e9 and core.tasks.result()["placed"] < wanted:
-            frames.play_on()
+            frames.advance_frame()
         stops = core.haptics.histogram().stops
     return {**core.tasks.result(), "stops": stops}

@@ -8,9 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from mimics_app.contracts.commands.vocabulary import Command
 from mimics_app.contracts.loop.haptic import EVENT, Controller, EventKind, SafetyState, TripCause
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskAction, TaskOrders, VRInput
+from mimics_app.contracts.messages.trial_state import TaskView
 from mimics_app.contracts.ports.scenario_port import TaskContext
+from mimics_app.inputs.commands.keys import command_of_key
+from mimics_app.tasks.steering import TASK_COMMANDS
 from mimics_app.tasks.task_manager import TaskManager
 
 START = (0.01, -0.2, 0.05)
@@ -87,12 +91,17 @@ class Player:
         *rows: tuple[int, EventKind, float],
         action: TaskAction | None = None,
         pressed: tuple[str, ...] = (),
+        commands: tuple[Command, ...] = (),
         frame_ns: int = FRAME_NS,
         **changes: Any,
     ) -> TaskOrders:
         values = {"q": self.q.copy(), "progress": self.progress} | self.change(self.frame, self) | changes
         snapshot = make_snapshot(self.now_ns, **self._with_peaks(values))
-        orders = self.manager.step(VRInput(pressed=pressed), action, snapshot, make_events(*rows), self.now_ns)
+        view = self.orders[-1].view if self.orders else TaskView()
+        keyed = [command_of_key(name, view) for name in pressed]
+        commands = (*commands, *(command for command in keyed if isinstance(command, TASK_COMMANDS)))
+        vr = VRInput(pressed=pressed, commands=commands)
+        orders = self.manager.step(vr, action, snapshot, make_events(*rows), self.now_ns)
         self.scene.update(orders.haptic)
         if self.scene["controller"] == Controller.JOINT_PD:
             self.q = np.array(self.scene["target"], float)

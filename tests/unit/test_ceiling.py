@@ -11,7 +11,7 @@ from mimics_app.app import cli
 from mimics_app.app.commands.check import examine
 from mimics_app.app.session.effective_settings import effective_settings
 from mimics_app.app.session.header import describe_session
-from mimics_app.app.session.preparation import Preparation, prepare
+from mimics_app.app.session.preparation import SessionParts, prepare
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.ceiling import hold_limits
 from mimics_app.app.touch.ceilings import CEILINGS, asked_of, read_ceiling, set_ceiling
@@ -49,7 +49,7 @@ def _scene(tmp_path: Path, **safety: object) -> Path:
     return file
 
 
-def _prepared(file: Path) -> Preparation:
+def _prepared(file: Path) -> SessionParts:
     return prepare(RunSettings(file, headless=True, sound="off"), live=False)
 
 

@@ -1,4 +1,4 @@
-"""Pointing: the mouse on the frontal plane, keys and sticks as velocities, grasp, stop, and the null sources."""
+"""Pointing: the mouse on the frontal plane, keys and sticks as velocities, grasp, and the null sources."""
 
 from __future__ import annotations
 
@@ -226,20 +226,6 @@ def test_trigger_squeezes_and_rests_at_nothing():
     assert grasp.read(frame(), 0.02) == 0.0
 
 
-@pytest.mark.parametrize("stop", [key("space"), InputEvent("pad", "b", True)])
-def test_stop_is_seen_even_when_released_in_the_same_frame(stop):
-    pointer = Pointer(PLANE, straight_ray)
-    release = InputEvent(stop.kind, stop.name, False)
-    assert play(pointer, frame(stop, release)).stop
-    assert not play(pointer, frame()).stop
-
-
-def test_stop_lasts_while_it_is_held():
-    pointer = Pointer(PLANE, straight_ray)
-    assert play(pointer, frame(key("space")), frame(), frame()).stop
-    assert not play(pointer, frame(key("space", False)), frame()).stop
-
-
 def test_cursor_rests_where_the_robot_is_until_moved():
     pointer = Pointer(PLANE, straight_ray)
     play(pointer, frame(InputEvent("move", x=1.0)))
@@ -283,21 +269,16 @@ def test_poll_gathers_pointer_keys_and_signals():
     assert inputs.poll(8).pressed == ()
 
 
-def test_first_active_pointer_has_the_cursor_and_any_may_stop():
-    window = PaperWindow([[InputEvent("move", x=0.5), key("space")]])
+def test_first_active_pointer_has_the_cursor():
+    window = PaperWindow([[InputEvent("move", x=0.5)]])
     inputs = Inputs([SimulatedPatient(), Pointer(PLANE, straight_ray)], window=window)
     pointer = inputs.poll(0).pointer
-    assert pointer.target_world == (0.0, 0.0, 0.0) and pointer.active and pointer.stop
+    assert pointer.target_world == (0.0, 0.0, 0.0) and pointer.active
     inputs = Inputs(
         [SimulatedPatient(intent=False), Pointer(PLANE, straight_ray)],
         window=PaperWindow([[InputEvent("move", x=0.45)]]),
     )
     assert inputs.poll(0).pointer.target_world[0] == pytest.approx(0.15)
-
-
-def test_space_stops_without_any_pointing_device():
-    assert Inputs([], window=PaperWindow([[key("space")]])).poll(0).pointer.stop
-    assert Inputs([SimulatedPatient()], window=PaperWindow([[key("space")]])).poll(0).pointer.stop
 
 
 def test_headless_without_sources_nothing_comes_in():

@@ -54,7 +54,7 @@ class Kept:
         real = manager.step
 
         def step(vr: Any, action: Any, snapshot: Any, events: Any, now_ns: int) -> Any:
-            self.frames.append(TaskFrame(vr.pressed, action, snapshot, events, now_ns))
+            self.frames.append(TaskFrame(vr.pressed, vr.commands, action, snapshot, events, now_ns))
             return real(vr, action, snapshot, events, now_ns)
 
         manager.step = step  # type: ignore[method-assign]

@@ -11,6 +11,7 @@ import pytest
 from mimics_app.app.session.preparation import prepare
 from mimics_app.app.settings import RunSettings
 from mimics_app.compiled.kernel import typed_kernel
+from mimics_app.contracts.commands.command_ring import request_stop
 from mimics_app.contracts.loop.haptic import SAMPLE, Controller, SafetyState, TripCause
 from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, Extent
@@ -170,7 +171,7 @@ def test_a_stop_takes_the_force_off_every_foot():
     floor = _heights((*LEFT, *RIGHT)).min() + 0.08
     bench = _bench(_rows(1500), height=floor)
     assert (np.linalg.norm(_felt(bench.advance(1300)[-1]), axis=1) > 1.0).all()
-    bench.engine.stop_key()
+    request_stop(bench.memory)
     after = bench.advance(2)[-1]
     assert after["state"] == SafetyState.E_STOP
     assert not _felt(after).any() and not after["torque_command"].any()

@@ -107,7 +107,7 @@ class Opened:
         for _ in range(max(1, round(seconds * FRAMES_PER_SECOND))):
             if self.done:
                 return
-            self._frames.play_on()
+            self._frames.advance_frame()
             self._tell()
 
     def run(self) -> dict[str, Any]:

@@ -106,7 +106,7 @@ def _measure_motion(scene: Path, size: Size, frames: int) -> Row:
     latched, queued = [], []
     with _played(scene, size, HeadsetDisplay("sim-hmd", runtime)) as (play, [(renderer, presenter)], _):
         for number in range(frames + _SETTLE):
-            play.play_on()
+            play.advance_frame()
             times = one_frame(renderer, presenter, runtime, clock)
             if number >= _SETTLE:
                 latched.append(times[0])
@@ -138,7 +138,7 @@ def _measure_undrawn(scene: Path, size: Size, frames: int) -> Row:
         unseen = nothing.crender
         assert unseen is not None
         for number in range(frames + _SETTLE):
-            play.play_on()
+            play.advance_frame()
             runtime.asked_ns.clear()
             presenter.begin(number * FRAME_NS)
             with unseen:
@@ -159,7 +159,7 @@ def _measure_queueing(scene: Path, size: Size, frames: int) -> Row:
     with _played(scene, size, *displays) as (play, drawn, _):
         for number in range(frames + _SETTLE):
             started = clock.now_ns()
-            play.play_on()
+            play.advance_frame()
             ended = clock.now_ns()
             times = [_queueing_ms(renderer, presenter) for renderer, presenter in drawn]
             if number >= _SETTLE:

@@ -19,6 +19,7 @@ from mimics_app.app.session.preparation import prepare
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
+from mimics_app.contracts.commands.command_ring import request_stop
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.loop.haptic import SAMPLE, SafetyState, TripCause
 from mimics_app.contracts.shared_memory.ring_reader import RingReader
@@ -52,7 +53,7 @@ def _of_device(fault: DeviceFault) -> Callable[[SessionCore, FaultedDevice], Non
 _FAULTS = (
     Fault("position not a number", TripCause.NOT_FINITE, 0.0, _of_device(DeviceFault.NOT_FINITE_POSITION)),
     Fault("force infinite", TripCause.NOT_FINITE, 0.0, _of_device(DeviceFault.NOT_FINITE_FORCE)),
-    Fault("stop key", TripCause.STOP_KEY, 2.0, lambda core, device: core.haptics.stop_key()),
+    Fault("stop key", TripCause.STOP_KEY, 2.0, lambda core, device: request_stop(core.memory)),
     Fault("stop button of the device", TripCause.DEVICE_BUTTON, 2.0, _of_device(DeviceFault.BUTTON)),
     Fault("no data from the device", TripCause.STALE_DEVICE, 21.0, _of_device(DeviceFault.SILENT)),
     Fault("drive fault", TripCause.DEVICE_FAULT, 1.0, _of_device(DeviceFault.DRIVE_FAULT)),
@@ -130,7 +131,7 @@ def _measure(scene: Path, fault: Fault, seed: int) -> _Outcome:
 def _press(frames: Frames, scene: Path) -> None:
     """Play until the person feels a force."""
     while frames.number < _SEARCHED_S * FRAMES_PER_SECOND:
-        frames.play_on()
+        frames.advance_frame()
         snapshot = frames.snapshot
         if snapshot is not None and float(np.linalg.norm(snapshot.f_user_world)) > _PRESSED_N:
             return
@@ -139,7 +140,7 @@ def _press(frames: Frames, scene: Path) -> None:
 
 def _samples_of_frame(frames: Frames, reader: RingReader) -> Records:
     """Play a frame, and return the samples of its ticks; without a recorder they are dropped with the next frame."""
-    frames.play_on()
+    frames.advance_frame()
     samples = np.zeros(reader.waiting, SAMPLE)
     reader.peek(samples)
     return samples

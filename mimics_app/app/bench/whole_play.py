@@ -80,7 +80,7 @@ class WholePlay:
         self._frames = Frames(self._core)
         self._frames.play_to_start()
         for _ in range(frames):
-            self._frames.play_on()
+            self._frames.advance_frame()
         self._samples = np.concatenate([*self._keeper.batches, self._keeper.samples()])
         statics = self._core.side.statics
         self._statics = ObjectStatics.from_arrays(statics.arrays, statics.fields)

@@ -37,7 +37,7 @@ def run(args: argparse.Namespace) -> int:
     """Print the script, or the completions."""
     if args.shell == "words":
         words = sys.stdin.read().removesuffix("\n").split("\n")
-        found = _suggest(words, args.commands, args.parser_of)
+        found = _suggest(words, args.known_commands, args.parser_of)
         answer(args, {"words": found}, found)
         return 0
     sys.stdout.write((_SCRIPTS / f"mimics.{args.shell}").read_text(encoding="utf-8"))

@@ -87,6 +87,12 @@ def _add_trials(group: Container) -> None:
         metavar="N",
         help="trial to start with, to continue a session that was broken off; the same --seed gives the same order",
     )
+    group.add_argument(
+        "--commands",
+        type=Path,
+        metavar="FILE",
+        help="give the commands of a JSON file, each at its time: pause, resume, skip, set_parameter ...",
+    )
     group.add_argument("--seconds", type=positive_time, help="end after this much simulated time [s]")
     group.add_argument("--seed", type=random_seed, default=1, help="seed of trial order, patient and sensor noise")
 
@@ -278,7 +284,7 @@ def check_names(args: argparse.Namespace) -> None:
     from mimics_app.recording.run_folder import check_parent
 
     args.scene = find_scene(args.scene)
-    check_files(args.action, args.display)
+    check_files(args.action, args.display, args.commands)
     check_parent(args.runs)
     if args.device:
         from mimics_app.rendering.haptic.devices.device_names import check_device_name

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mimics_app.app.cues.cue_watch import CueWatch
 from mimics_app.app.cues.sound_surroundings import SoundSurroundings
 from mimics_app.app.terminal.output import say
+from mimics_app.contracts.commands.vocabulary import Reply
 from mimics_app.contracts.messages.stage_messages import SoundEvent, SoundTrigger, TaskOrders
 from mimics_app.contracts.ports.audio_port import AudioOutput, AudioReport
 from mimics_app.contracts.shared_memory import triple_buffer
@@ -55,21 +56,32 @@ class SoundStage:
         self._memory = memory
         self._settings = settings
         self._surroundings = surroundings
-        self._gain = gain
+        self._gain, self._of_task, self._volume, self._muted = gain, 1.0, 1.0, False
         self._watch = CueWatch()
         self._notice = ""
         self._begun_ns: int | None = None
         self._now = np.zeros(1, SOUND_SCENE)
         fill_defaults(self._now)
         self._placed = False
-        output.master(gain)
+        self._set_master()
+
+    def set_volume(self, level: float) -> Reply:
+        """Set the volume of all sound, 1 as authored; gains of scene and task multiply it."""
+        self._volume = level
+        return self._set_master()
+
+    def mute(self, *, on: bool) -> Reply:
+        """Silence all sound, or end that."""
+        self._muted = on
+        return self._set_master()
 
     def step(self, orders: TaskOrders, world: World, now_ns: int, triggers: Sequence[SoundTrigger] = ()) -> None:
         """Do one frame at session time `now_ns` [ns]; never waits."""
         self._place(world, now_ns)
         gain = orders.audio.get("gain")
         if isinstance(gain, int | float):
-            self.output.master(self._gain * float(gain))
+            self._of_task = float(gain)
+            self._set_master()
         cue = self._watch.look(orders)
         own = [SoundTrigger(cue, now_ns)] if cue else []
         moved = (*_motion_triggers(world, now_ns), *self._surroundings.steps(world, now_ns))
@@ -88,6 +100,10 @@ class SoundStage:
         self._show(report.status.notice)
         keep_needed_ms(report.queue)
         return report
+
+    def _set_master(self) -> Reply:
+        self.output.master(0.0 if self._muted else self._gain * self._of_task * self._volume)
+        return Reply(done=True)
 
     def _place(self, world: World, now_ns: int) -> None:
         """Publish the pose of the listener and of the emitters, with velocities from the previous frame."""

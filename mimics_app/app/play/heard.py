@@ -37,7 +37,7 @@ def write_sound(settings: RunSettings, file: Path, seconds: float, read: Scene |
         frames = Frames(core)
         frames.play_to_start()
         for _ in range(round(seconds * FRAMES_PER_SECOND)):
-            frames.play_on()
+            frames.advance_frame()
         report = core.sound.stop()
     if report is None:
         raise SceneError(Issue(str(parts.scene.path), "", "no entity has a sound", "add a `sound` component"))

@@ -9,7 +9,6 @@ from mimics_app.app.picture.governor import FrameGovernor
 from mimics_app.app.picture.held_quality import held_quality, measure_frame_ms, name_of_picture
 from mimics_app.app.picture.nudges import nudges_of
 from mimics_app.app.planner.tolerances import tolerances_of
-from mimics_app.app.play.leaving import Leaving
 from mimics_app.app.play.reload import SceneReload
 from mimics_app.app.play.view_keys import ViewKeys
 from mimics_app.app.session.frame import Frames
@@ -26,21 +25,25 @@ __all__ = ["run_live", "run_unseen", "run_virtual"]
 _FEWEST_FRAMES = 120
 """Smallest number of frames of a run whose quality is kept for the next one."""
 
+_LINGER_NS = 3_000_000_000
+"""Time for which the last line of a task is shown before the session ends [ns]."""
+
 _LATCHED = (SafetyState.SAFE_STOP, SafetyState.E_STOP)
 
 Progress = Callable[[Frames], None]
 
 
 def run_virtual(session: Session, frames: Frames, after_frame: Progress) -> None:
-    """Run ticks and frames in a fixed pattern on the virtual clock, until the task is done or the time is over.
+    """Run ticks and frames in a fixed pattern on the virtual clock.
 
-    A latched stop ends the run too, since no person can reset it.
+    The run ends when the task is done, the time is over, or a command ends it. A latched stop ends it too unless
+    commands of a file follow, since no person can reset it.
     """
     limit = _limit_ns(session)
-    while not session.tasks.done and session.clock.now_ns() < limit:
-        frames.play_on()
+    while not (session.tasks.done or frames.desk.ended) and session.clock.now_ns() < limit:
+        frames.advance_frame()
         after_frame(frames)
-        if frames.snapshot is not None and frames.snapshot.state in _LATCHED:
+        if frames.snapshot is not None and frames.snapshot.state in _LATCHED and not session.timed_commands.waiting:
             return
 
 
@@ -68,7 +71,7 @@ def _draw_once(session: Session) -> None:
 
 def _run_frames(session: Session, frames: Frames, after_frame: Progress, until: Callable[[], bool]) -> None:
     picture, governor = session.picture, session.governor
-    keys, leaving = ViewKeys(session), Leaving(session)
+    keys, leaving = ViewKeys(session), _Leaving(session)
     reload, watch = SceneReload(session), DeviceWatch(session.haptics.plugin, session.recorder)
     limit = session.clock.now_ns() + _limit_ns(session)
     due = session.clock.now_ns()
@@ -83,7 +86,7 @@ def _run_frames(session: Session, frames: Frames, after_frame: Progress, until: 
         trouble = watch.look()
         if picture is not None and governor is not None:
             keys.step(frames, governor)
-            message = leaving.message or _message(session, frames, reload, trouble)
+            message = session.keys.message or _message(session, frames, reload, trouble)
             try:
                 done_ns = picture.show_frame(frames.board.saying(message), session.clock)
             except DeviceError as error:
@@ -138,7 +141,7 @@ def run_unseen(session: Session, frames: Frames, after_frame: Progress) -> None:
     watch = DeviceWatch(session.haptics.plugin, session.recorder)
     limit = session.clock.now_ns() + _limit_ns(session)
     due = session.clock.now_ns()
-    while session.clock.now_ns() < limit and session.haptics.running and not session.tasks.done:
+    while session.clock.now_ns() < limit and session.haptics.running and not (session.tasks.done or frames.desk.ended):
         frames.step()
         after_frame(frames)
         watch.look()
@@ -158,3 +161,25 @@ def _message(session: Session, frames: Frames, reload: SceneReload, trouble: str
 def _limit_ns(session: Session) -> int:
     seconds = session.settings.seconds
     return 1 << 62 if seconds is None else round(seconds * SECOND_NS)
+
+
+class _Leaving:
+    """Checks once a frame whether the session ends: by a command, with the window, or after the task."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._done_ns: int | None = None
+
+    def wanted(self, frames: Frames) -> bool:
+        """Whether the session ends now."""
+        session = self._session
+        if session.picture is not None and session.picture.leaving:
+            return True
+        return frames.desk.ended or self._is_over(session.clock.now_ns())
+
+    def _is_over(self, now_ns: int) -> bool:
+        """Whether the last line of a task that is done has been shown long enough."""
+        if not self._session.tasks.done:
+            return False
+        self._done_ns = self._done_ns or now_ns
+        return now_ns - self._done_ns > _LINGER_NS

@@ -10,7 +10,7 @@ from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.scenes.scenario_choice import open_scenario
 from mimics_app.app.session.session import Session
 from mimics_app.app.terminal.output import issue_lines, say, with_line
-from mimics_app.app.touch.haptic_side import HapticSide
+from mimics_app.app.touch.haptic_scene_data import HapticSceneData
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.world.scene.file import build_world
 from mimics_app.world.scene.reload import apply_scene
@@ -68,7 +68,7 @@ class SceneReload:
         try:
             scene = load_checked_scene(session.scene.path, before=session.scene)
             open_scenario(scene, build_world(scene))  # in a separate world, so that its faults leave this one intact
-            side = HapticSide(scene)
+            side = HapticSceneData(scene)
             if not side.fits(session.side, session.memory):
                 raise SceneError(Issue(scene.file, "", _NEW_TABLES, "end the run and start it again"))
             changes = apply_scene(session.world, session.scene, scene)

@@ -146,7 +146,7 @@ class _Played:
         """Play up to still `number` and return its board."""
         wanted = self._start + round(self._frames_per_still * (number + 1))
         while self._frames.number < wanted:
-            self._frames.play_on()
+            self._frames.advance_frame()
         return self._frames.board
 
     def time_ns(self, number: int) -> int:

@@ -9,7 +9,7 @@ import itertools
 import math
 from collections.abc import Iterator, Mapping
 
-from mimics_app.app.touch.haptic_side import HapticSide
+from mimics_app.app.touch.haptic_scene_data import HapticSceneData
 from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.errors import DeviceError, Issue, UsageError
 from mimics_app.rendering.haptic.block_check import check_values
@@ -32,7 +32,7 @@ def check_parameters(scene: Scene) -> list[Issue]:
     if not scene.components(Robot):
         return []
     try:
-        block, rows, names = HapticSide(scene).parameters(robot_block(scene))
+        block, rows, names = HapticSceneData(scene).parameters(robot_block(scene))
     except DeviceError:  # a device that does not exist is reported elsewhere
         return []
     if rows is not None and names.get("tunnels"):

@@ -10,7 +10,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from mimics_app.app.session.header import describe_session
-from mimics_app.app.session.preparation import Preparation, prepare
+from mimics_app.app.session.preparation import SessionParts, prepare
 from mimics_app.app.session.session import Session
 from mimics_app.app.session.sound import open_sound
 from mimics_app.app.settings import RunSettings
@@ -54,7 +54,7 @@ def build_session(settings: RunSettings, *, live: bool, read: Scene | None = Non
     return session
 
 
-def _assemble(parts: Preparation, stack: ExitStack) -> Session:
+def _assemble(parts: SessionParts, stack: ExitStack) -> Session:
     """Start the recorder and the sound; the stack stops them after a failure."""
     memory = parts.side.memory(parts.plugin)
     folder = create_run_folder(parts.settings.runs, parts.settings.seconds or 0.0)
@@ -67,7 +67,7 @@ def _assemble(parts: Preparation, stack: ExitStack) -> Session:
     return session
 
 
-def _start_recorder(parts: Preparation, memory: SessionMemory, folder: Path) -> Recorder:
+def _start_recorder(parts: SessionParts, memory: SessionMemory, folder: Path) -> Recorder:
     recorder = Recorder(memory, folder, describe_session(parts))
     write_statics(folder, parts.side.statics)
     recorder.start(wait=False)

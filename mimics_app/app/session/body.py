@@ -41,6 +41,9 @@ class NullEstimation:
         """Return an unknown state at the time of the result."""
         return UserState(result.t_ns)
 
+    def recalibrate(self) -> None:
+        """Nothing is measured."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Body:

@@ -10,7 +10,7 @@ from typing import Any
 import msgspec
 
 from mimics_app.app.session.body import make_stages
-from mimics_app.app.session.tap import Tap
+from mimics_app.app.session.signal_recorder import SignalRecorder
 from mimics_app.contracts.errors import PartialDataError
 from mimics_app.contracts.messages.stage_messages import SignalBlock, TrialResult
 from mimics_app.recording.event_log import encode_line
@@ -61,17 +61,21 @@ def replay_body(run: Run) -> BodyReplay | None:
     if not isinstance(header, dict):
         return None
     stages, lines = make_stages(header), _Lines()
-    tap = Tap(lines)
+    recorder = SignalRecorder(lines)
     results = {line["frame"]: _result(line) for line in run.lines_of("app", "result")}
+    commands = run.lines_of("app", "command")
+    recalibrated = {line["frame"] for line in commands if line.get("command") == "recalibrate" and line["done"]}
     for number, now_ns, blocks in _frames(run):
         features = stages.dsp.process(blocks, now_ns)
         state = stages.estimation.update(features)
+        if number in recalibrated:
+            stages.estimation.recalibrate()
         result = results.get(number)
         for ended in (None, result) if number == 0 else (result,):
             state = state if ended is None else stages.estimation.judge(ended)
             reward = stages.goal.reward(state, ended)
-            tap.choice(number, ended, reward, stages.learning.choose(state, ended, reward, now_ns))
-        tap.step(number, (), features, state)
+            recorder.choice(number, ended, reward, stages.learning.choose(state, ended, reward, now_ns))
+        recorder.step(number, (), features, state)
     compared = [kind for kind in _COMPARED if kind != "choice" or header.get("learn")]
     recorded = {kind: run.lines_of("app", kind) for kind in compared}
     difference = next((d for kind in compared if (d := _difference(kind, recorded[kind], lines.kept[kind]))), "")

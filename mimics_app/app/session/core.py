@@ -13,18 +13,22 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.app.session.preparation import Preparation
+from mimics_app.app.session.preparation import SessionParts
+from mimics_app.app.session.signal_recorder import SignalRecorder
 from mimics_app.app.session.switched_off import NullRecorder, NullSound, RecorderPort, SoundPort
-from mimics_app.app.session.tap import Tap
 from mimics_app.app.session.trackers import make_hub
+from mimics_app.app.terminal.output import say_nothing
 from mimics_app.app.touch.device_fit import device_values
-from mimics_app.app.touch.haptic_side import HapticSide
+from mimics_app.app.touch.haptic_scene_data import HapticSceneData
 from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.clock import Clock, MonotonicClock, VirtualClock
+from mimics_app.contracts.commands.vocabulary import Reply
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.ports.scenario_port import Scenario
 from mimics_app.contracts.ports.stages import Dsp, Estimation, Goal, Learning
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
+from mimics_app.inputs.commands.command_file import TimedCommands
+from mimics_app.inputs.commands.keys import KeyCommands
 from mimics_app.inputs.interaction.simulated_patient import SimulatedPatient
 from mimics_app.inputs.stage import Inputs
 from mimics_app.rendering.haptic.engine import HapticEngine
@@ -57,11 +61,14 @@ class SessionCore:
         report: Shows a line to the person; discards it unless the session is a run.
         live: True when the haptic loop runs in real time; False on the virtual clock.
         ended: Whether `stop` was called: it plays no further frame.
+        has_policy: Whether a policy or a list of actions adapts the task.
+        keys: Keys and gamepad as sources of commands.
+        timed_commands: Commands of a file, each at its time.
     """
 
     def __init__(
         self,
-        parts: Preparation,
+        parts: SessionParts,
         memory: SessionMemory,
         recorder: RecorderPort,
         sound: SoundPort,
@@ -70,7 +77,7 @@ class SessionCore:
         self.scene: Scene = parts.scene
         self.world: World = parts.world
         self.scenario: Scenario = parts.scenario
-        self.side: HapticSide = parts.side
+        self.side: HapticSceneData = parts.side
         self.live: bool = parts.live
         self.ended = False
         self.memory = memory
@@ -94,9 +101,13 @@ class SessionCore:
         self.estimation: Estimation = body.estimation
         self.learning: Learning = body.learning
         self.goal: Goal = body.goal
+        self.has_policy = bool(body.header.get("learn")) or parts.settings.action is not None
+        self._has_signals = bool(parts.settings.physio)
+        self.keys = KeyCommands(memory, self._say)
+        self.timed_commands = TimedCommands(memory, parts.commands, self._say)
         self.recorder = recorder
-        self.tap = Tap(recorder)
-        self.report: Callable[[str], None] = _say_nothing
+        self.signal_recorder = SignalRecorder(recorder)
+        self.report: Callable[[str], None] = say_nothing
         self.sound = sound
         self.tactile = _open_tactile(parts.scene, live=parts.live)
 
@@ -104,10 +115,21 @@ class SessionCore:
         """Refuse to play on after the end: recorder and device are closed.
 
         Raises:
-            UsageError: The session has ended.
+            UsageError: The session is closed.
         """
         if self.ended:
-            raise UsageError("this session has ended: it plays no further frame", "open another one")
+            raise UsageError("session is closed", "open another one")
+
+    def recalibrate(self) -> Reply:
+        """Measure the baseline of the body signals anew."""
+        if not self._has_signals:
+            return Reply(done=False, why="this session measures no body signals")
+        self.estimation.recalibrate()
+        return Reply(done=True)
+
+    def _say(self, text: str) -> None:
+        """Show a line to the person, by the means that the session has at this time."""
+        self.report(text)
 
     def part_of_body(self, role: str, at_ns: int) -> NDArray[np.float64] | None:
         """Return room_from_part of the person's body at a time [ns], float64 [4, 4]; or None."""
@@ -137,7 +159,7 @@ class SessionCore:
             return
         self.ended = True
         with ExitStack() as stack:  # the last first
-            stack.callback(self.tap.flush)
+            stack.callback(self.signal_recorder.flush)
             stack.callback(self.inputs.close)
             stack.callback(self.tactile.close)
             stack.callback(self.trackers.stop)
@@ -151,7 +173,7 @@ class SessionCore:
         self.stop()
 
 
-def open_core(parts: Preparation, recorder: Callable[[SessionMemory], RecorderPort] = NullRecorder) -> SessionCore:
+def open_core(parts: SessionParts, recorder: Callable[[SessionMemory], RecorderPort] = NullRecorder) -> SessionCore:
     """Return a session without processes, sound or picture, ready for its first frame.
 
     Args:
@@ -167,10 +189,6 @@ def open_core(parts: Preparation, recorder: Callable[[SessionMemory], RecorderPo
     core.trackers.start()
     core.begin()
     return core
-
-
-def _say_nothing(text: str) -> None:
-    """Discard a line: no person is present."""
 
 
 def simulated_person(scene: Scene, scenario: Scenario) -> SimulatedPatient:

@@ -10,7 +10,7 @@ from typing import Any, cast, get_type_hints
 
 import msgspec
 
-from mimics_app.app.session.preparation import Preparation
+from mimics_app.app.session.preparation import SessionParts
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.device_fit import device_values
 from mimics_app.rendering.haptic.scene_block import safety_of
@@ -48,7 +48,7 @@ class EffectiveSetting:
     meaning: str
 
 
-def effective_settings(parts: Preparation, options: Mapping[str, str]) -> list[EffectiveSetting]:
+def effective_settings(parts: SessionParts, options: Mapping[str, str]) -> list[EffectiveSetting]:
     """Return all values of a prepared run; the limits are read from the parameter block that the loop would get.
 
     Args:
@@ -67,7 +67,7 @@ def _options(settings: RunSettings, meanings: Mapping[str, str]) -> Iterator[Eff
         yield EffectiveSetting("run", name, _plain(value), _unit(meaning), origin, meaning)
 
 
-def _limits(parts: Preparation) -> Iterator[EffectiveSetting]:
+def _limits(parts: SessionParts) -> Iterator[EffectiveSetting]:
     """Limits and thresholds, with the origin of those that differ from the component's default."""
     parts.parameter_store.fit(device_values(parts.plugin, parts.scene))
     block, device = parts.parameter_store.block, f"device {parts.robot.device}"
@@ -98,7 +98,7 @@ def _description(name: str) -> str:
     return str(annotation.__metadata__[-1].description)
 
 
-def _tolerances(parts: Preparation) -> Iterator[EffectiveSetting]:
+def _tolerances(parts: SessionParts) -> Iterator[EffectiveSetting]:
     stated = parts.scene.system(Tolerances) or Tolerances()
     for name, unit in UNIT_OF_FIELD.items():
         given = getattr(stated, name)

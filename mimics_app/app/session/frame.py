@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from mimics_app.app.cues.effect_cues import EffectCues
 from mimics_app.app.cues.motion_cues import MotionCues
 from mimics_app.app.picture.board import stability_card
+from mimics_app.app.session.command_desk import CommandDesk
 from mimics_app.app.session.core import SessionCore
 from mimics_app.app.session.safety_watch import SafetyWatch
 from mimics_app.app.session.watches import RecorderWatch, SignalWatch, TactileWatch
@@ -45,6 +47,7 @@ class Frames:
     """Calls every stage once per frame and remembers what the next frame needs.
 
     Attributes:
+        desk: Takes the commands.
         number: Frames done.
         orders: Orders of the task in the newest frame.
         snapshot: Haptic state read by the newest frame.
@@ -61,6 +64,7 @@ class Frames:
         self._effects = EffectCues(core.world)
         self._motion = MotionCues(core.world, _levels_from(core.scene))
         self._action: TaskAction | None = None
+        self.desk = CommandDesk(core)
         self.timer = UNTIMED
         self.timing: FrameTiming | None = None
         self.number = 0
@@ -81,7 +85,7 @@ class Frames:
             return self.orders.board
         return self.orders.board.with_cards({"margin": stability_card(self.snapshot)})
 
-    def play_on(self) -> TaskOrders:
+    def advance_frame(self) -> TaskOrders:
         """On the virtual clock: run the ticks up to the next frame, then that frame; return the task's orders.
 
         Raises:
@@ -98,7 +102,7 @@ class Frames:
 
     def play_to_start(self) -> None:
         """On the virtual clock: play until the person of the first trial acts."""
-        while self.number < _LONGEST_START and not self.play_on().person_may_act:
+        while self.number < _LONGEST_START and not self.advance_frame().person_may_act:
             pass
 
     def step(self) -> None:
@@ -115,6 +119,8 @@ class Frames:
         now_ns = core.clock.now_ns()
         with stage("inputs"):
             vr = core.inputs.poll(now_ns)
+            core.keys.step(core.inputs.frame, vr.pressed, self.orders.view, now_ns)
+            core.timed_commands.step(now_ns)
         with stage("signals"):
             features = core.dsp.process(vr.signals, now_ns)
             state = core.estimation.update(features)
@@ -127,11 +133,13 @@ class Frames:
             self._recorder.look()
             self._signals.look(now_ns)
         with stage("tasks"):
-            taken = self._action
+            vr = replace(vr, commands=self.desk.take(snapshot))
+            taken = self.desk.gate.take_confirmed() or self._action
             timing = self.timing or FrameTiming.expected(now_ns)
             orders = core.tasks.step(vr, taken, snapshot, events, now_ns, timing)
             if orders.result is not None:
                 state = core.estimation.judge(orders.result)
+            self.desk.answer(orders.replies, self.number, now_ns)
             self._choose(state, orders.result, now_ns)
             self._touch(vr, orders, snapshot)
             self._feel(orders, now_ns)
@@ -147,7 +155,7 @@ class Frames:
             core.sound.step(orders, core.world, now_ns)
         with stage("record"):
             core.inputs.feel(_experience_of(orders, snapshot, core.trackers.pose("head", now_ns), now_ns))
-            core.tap.step(self.number, vr.signals, features, state)
+            core.signal_recorder.step(self.number, vr.signals, features, state)
             self._journal(vr, taken, snapshot, len(events), now_ns)
         self.number, self.orders, self.snapshot, self.events = self.number + 1, orders, snapshot, events
 
@@ -188,8 +196,9 @@ class Frames:
         """Let the learning system choose, given the result of the task and its reward."""
         core = self._core
         reward = core.goal.reward(state, result)
-        self._action = core.learning.choose(state, result, reward, now_ns)
-        core.tap.choice(self.number, result, reward, self._action)
+        action = core.learning.choose(state, result, reward, now_ns)
+        core.signal_recorder.choice(self.number, result, reward, action)
+        self._action = self.desk.gate.passed(action)
 
     def _journal(
         self, vr: VRInput, action: TaskAction | None, snapshot: HapticSnapshot, events: int, now_ns: int
@@ -212,11 +221,7 @@ class Frames:
     def _touch(self, vr: VRInput, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         """Send the task's haptic orders and the person's pointer to the loop."""
         core = self._core
-        if vr.pointer is not None and vr.pointer.stop:
-            core.haptics.stop_key()
         self._tell(core.parameter_store.order(orders.haptic, of_task=True))
-        if "r" in vr.pressed:
-            core.parameter_store.reset()
         if orders.view.robot_leads:
             x, y, z = snapshot.hip_world
             core.inputs.hold_at((float(x), float(y), float(z)))

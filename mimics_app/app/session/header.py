@@ -10,7 +10,7 @@ import msgspec
 
 from mimics_app.app.planner.explain import explain_plan
 from mimics_app.app.session.mover import mover_of
-from mimics_app.app.session.preparation import Preparation
+from mimics_app.app.session.preparation import SessionParts
 from mimics_app.contracts.loop.haptic import SafetyState, TripCause
 from mimics_app.recording.report_values import mapping
 from mimics_app.rendering.haptic.scene_block import safety_of
@@ -22,7 +22,7 @@ from mimics_app.world.scene.scene import Scene
 __all__ = ["describe_session"]
 
 
-def describe_session(parts: Preparation) -> dict[str, Any]:
+def describe_session(parts: SessionParts) -> dict[str, Any]:
     """Return scene, seed, device and person, limits, names, settings, task and plan as plain objects of JSON."""
     scene, settings = parts.scene, parts.settings
     return {
@@ -68,7 +68,7 @@ def _names(scene: Scene) -> dict[str, list[str]]:
     }
 
 
-def _moved_by(parts: Preparation) -> dict[str, Any]:
+def _moved_by(parts: SessionParts) -> dict[str, Any]:
     """Return the device and the person who moved it; of a replayed recording, the person in its header."""
     device = parts.robot.device
     if parts.recorded is None:
@@ -77,6 +77,6 @@ def _moved_by(parts: Preparation) -> dict[str, Any]:
     return {"device": device, "kind": kind, **{key: before[key] for key in ("person", "preset") if key in before}}
 
 
-def _person(parts: Preparation) -> dict[str, str]:
+def _person(parts: SessionParts) -> dict[str, str]:
     mover = mover_of(parts.plugin)
     return {"person": mover, **({"preset": parts.patient.preset} if mover == "simulated" else {})}

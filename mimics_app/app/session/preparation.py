@@ -5,7 +5,7 @@ Faults of files and devices are found here.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import msgspec
@@ -20,11 +20,12 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.ceiling import Held, hold_limits
 from mimics_app.app.touch.ceilings import read_ceiling
 from mimics_app.app.touch.device_fit import check_shape, feel_of
-from mimics_app.app.touch.haptic_side import HapticSide
+from mimics_app.app.touch.haptic_scene_data import HapticSceneData
 from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.contracts.ports.scenario_port import Scenario, TaskContext
+from mimics_app.inputs.commands.command_file import TimedCommand, read_command_file
 from mimics_app.recording.run import Run
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.described import descriptor_of
@@ -40,11 +41,11 @@ from mimics_app.world.scene.file import build_world
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["Preparation", "prepare", "prepare_scene"]
+__all__ = ["SessionParts", "prepare", "prepare_scene"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Preparation:
+class SessionParts:
     """Parts of a session.
 
     Attributes:
@@ -62,6 +63,7 @@ class Preparation:
         robot: The scene's robot, with the device of this run.
         patient: The scene's simulated patient, with the preset of this run.
         plugin: The device, open; the owner of the parts closes it.
+        commands: Commands of a file, each with its time.
         recorded: Header of the recording that the device replays; None: another device.
     """
 
@@ -71,7 +73,7 @@ class Preparation:
     plan: Plan
     world: World
     scenario: Scenario
-    side: HapticSide
+    side: HapticSceneData
     parameter_store: ParameterStore
     held: Held
     task: TaskSpec
@@ -79,6 +81,7 @@ class Preparation:
     robot: Robot
     patient: Patient
     plugin: DevicePlugin
+    commands: Sequence[TimedCommand] = ()
     recorded: Mapping[str, object] | None = None
 
     @property
@@ -96,7 +99,7 @@ class Preparation:
         )
 
 
-def prepare(settings: RunSettings, *, live: bool, read: Scene | None = None) -> Preparation:
+def prepare(settings: RunSettings, *, live: bool, read: Scene | None = None) -> SessionParts:
     """Read the scene, plan it, and open the device. Nothing moves, no process runs, and nothing is written.
 
     A device that runs in real time makes the session live, even where `live` is False.
@@ -107,14 +110,14 @@ def prepare(settings: RunSettings, *, live: bool, read: Scene | None = None) -> 
         read: Result of `read_requested` for these settings; None: the scene is read here.
 
     Raises:
-        SceneError: The scene, the action file or the file of the display is faulty.
+        SceneError: The scene, the file of actions, commands or the display is faulty.
         UsageError: The session has no such trial.
         DeviceError: The robot is not available.
     """
     return prepare_scene(check_scene(read or read_requested(settings)), settings, live=live)
 
 
-def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, plan: Plan | None = None) -> Preparation:
+def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, plan: Plan | None = None) -> SessionParts:
     """Do the same as `prepare` with a scene that is checked already.
 
     Args:
@@ -133,7 +136,7 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
     world = build_world(scene)
     world.effects.seed = settings.seed
     scenario = open_scenario(scene, world)
-    side = HapticSide(scene)
+    side = HapticSceneData(scene)
     store = side.parameter_store(scenario.scene_block())
     held = hold_limits(store.block, read_ceiling())
     store.fit(held.values)
@@ -141,6 +144,7 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
     task = with_requested_trials(eased(task, settings.difficulty), settings)
     robot, patient = _who_moves(settings, scene, live=live)
     body = open_body(settings, task, patient.preset)
+    commands = () if settings.commands is None else read_command_file(settings.commands)
     points, objects = scenario.via_points_world, side.for_robot(robot)
     recorded = None if settings.recording is None else Run.open(settings.recording)
     if recorded is None:
@@ -153,7 +157,7 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
     live = live or plugin.real_time
     if settings.sound == "device" and not live:
         raise UsageError("the virtual clock is too fast for a sound device", "write --sound file")
-    return Preparation(
+    return SessionParts(
         settings=settings,
         live=live,
         scene=scene,
@@ -168,6 +172,7 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
         robot=robot,
         patient=patient,
         plugin=plugin,
+        commands=commands,
         recorded=None if recorded is None else recorded.session,
     )
 

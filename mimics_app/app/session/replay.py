@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from numpy.typing import NDArray
 
+from mimics_app.contracts.commands.vocabulary import Command, Reply
 from mimics_app.contracts.errors import PartialDataError
 from mimics_app.contracts.loop.device_descriptor import Kinematics
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskAction, VRInput
+from mimics_app.contracts.messages.trial_state import TaskView
 from mimics_app.contracts.ports.display_port import FrameTiming
 from mimics_app.contracts.ports.scenario_port import TaskContext
+from mimics_app.inputs.commands.keys import command_of_key
 from mimics_app.recording.replay import ReplayData
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import FILES
@@ -30,6 +33,7 @@ from mimics_app.rendering.haptic.object_statics import ObjectStatics
 from mimics_app.rendering.haptic.replay import Replayed, replay_run
 from mimics_app.tasks.attempts import Row
 from mimics_app.tasks.kinds.registry import task_kinds
+from mimics_app.tasks.steering import TASK_COMMANDS
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.task_manager import TaskManager
 from mimics_app.tasks.task_record import task_of_record
@@ -39,9 +43,13 @@ __all__ = ["PlayedAgain", "TaskFrame", "play_again", "play_loop", "play_task"]
 
 @dataclass(frozen=True, slots=True)
 class TaskFrame:
-    """Inputs of the task manager in one frame; see `TaskManager.step`."""
+    """Inputs of the task manager in one frame; see `TaskManager.step`.
+
+    Commands are None in a recording of before there were any: the keys gave them.
+    """
 
     pressed: tuple[str, ...]
+    commands: tuple[Command, ...] | None
     action: TaskAction | None
     snapshot: HapticSnapshot
     events: NDArray[Any]
@@ -51,10 +59,11 @@ class TaskFrame:
 
 @dataclass(frozen=True, slots=True)
 class PlayedAgain:
-    """Output of a task: (kind, data) of each line of the journal, and the rows of its attempts."""
+    """Output of a task: (kind, data) of each line of the journal, the rows of its attempts, replies to commands."""
 
     lines: list[tuple[str, dict[str, object]]] = field(default_factory=list)
     rows: list[Row] = field(default_factory=list)
+    replies: list[Reply] = field(default_factory=list)
 
 
 def play_loop(run: Run, data: ReplayData) -> Replayed:
@@ -112,8 +121,18 @@ def play_task(run: Run, snapshots: Mapping[int, HapticSnapshot]) -> tuple[dict[s
     seed, first = int(run.session.get("seed", 0)), _first_trial(run.session)
     again = play_again(spec, context, seed, frames, recorded.end_ns, first)
     difference = compare_lines(recorded.lines, [line for line in again.lines if line[0] in journalled])
+    difference = difference or _compare_replies(recorded.frames, again.replies)
     difference = difference or compare_rows(recorded.rows, again.rows, whole=recorded.whole)
     return {"events": len(recorded.lines), "rows": min(len(recorded.rows), len(again.rows))}, difference
+
+
+def _compare_replies(frames: Sequence[FrameLine], replayed: Sequence[Reply]) -> TaskDifference | None:
+    """Return the first command that became something else; None without one, or without recorded commands."""
+    recorded = [(line, Reply(line.done, line.why)) for frame in frames for line in frame.commands]
+    for (line, one), other in zip(recorded, replayed, strict=False):
+        if one != other:
+            return TaskDifference(f"reply to {line.command}", one, other)
+    return None
 
 
 def _first_trial(session: Mapping[str, Any]) -> int:
@@ -145,20 +164,30 @@ def play_again(
     manager = TaskManager(
         spec, context, seed, again.rows.append, lambda kind, data: again.lines.append((kind, dict(data))), first_trial
     )
+    view = TaskView()
     for frame in frames:
-        vr = VRInput(pressed=frame.pressed)
-        manager.step(vr, frame.action, frame.snapshot, frame.events, frame.now_ns, frame.timing)
+        commands = _commands_of_keys(frame.pressed, view) if frame.commands is None else frame.commands
+        vr = VRInput(pressed=frame.pressed, commands=commands)
+        orders = manager.step(vr, frame.action, frame.snapshot, frame.events, frame.now_ns, frame.timing)
+        again.replies.extend(orders.replies)
+        view = orders.view
     if end_ns is not None:
         manager.end_session(end_ns)
     return again
 
 
+def _commands_of_keys(pressed: Sequence[str], view: TaskView) -> tuple[Command, ...]:
+    found = (command_of_key(name, view) for name in pressed)
+    return tuple(command for command in found if isinstance(command, TASK_COMMANDS))
+
+
 def _frames(run: Run, lines: list[FrameLine], snapshots: Mapping[int, HapticSnapshot]) -> Iterator[TaskFrame]:
-    first = 0
+    first, commanded = 0, "commands" in run.session.get("settings", ())
     for line in lines:
         if line.tick not in snapshots:
             raise PartialDataError(f"{run.folder}: frame {line.frame} saw tick {line.tick}, which is not there")
         events = run.events[first : first + line.events]
         first += line.events
+        commands = tuple(each.given for each in line.commands) if commanded else None
         timing = None if line.shown_ns is None else FrameTiming(line.shown_ns, line.period_ns)
-        yield TaskFrame(line.pressed, line.chosen, snapshots[line.tick], events, line.t_ns, timing)
+        yield TaskFrame(line.pressed, commands, line.chosen, snapshots[line.tick], events, line.t_ns, timing)

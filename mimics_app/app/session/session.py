@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.session.core import SessionCore
-from mimics_app.app.session.preparation import Preparation
+from mimics_app.app.session.preparation import SessionParts
 from mimics_app.app.session.switched_off import SoundPort
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal.output import say
@@ -45,7 +45,7 @@ class Session(SessionCore):
 
     recorder: Recorder
 
-    def __init__(self, parts: Preparation, memory: SessionMemory, recorder: Recorder, sound: SoundPort) -> None:
+    def __init__(self, parts: SessionParts, memory: SessionMemory, recorder: Recorder, sound: SoundPort) -> None:
         super().__init__(parts, memory, recorder, sound, recorder.folder)
         self.report = say
         self.settings: RunSettings = parts.settings

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mimics_app.app.session.preparation import Preparation
+from mimics_app.app.session.preparation import SessionParts
 from mimics_app.app.session.switched_off import NullSound, SoundPort
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.world.components.systems import AudioSettings
@@ -21,7 +21,7 @@ _MOST_OPENAL = 200
 """Largest number of OpenAL voices beside the spare ones."""
 
 
-def open_sound(parts: Preparation, memory: SessionMemory, folder: Path, file: Path | None = None) -> SoundPort:
+def open_sound(parts: SessionParts, memory: SessionMemory, folder: Path, file: Path | None = None) -> SoundPort:
     """Open the sound of a scene; a scene without sounds imports none of its modules.
 
     Args:

@@ -8,6 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.commands.vocabulary import Reply
 from mimics_app.contracts.loop.haptic import SAMPLE
 from mimics_app.contracts.loop.object_rows import Rows
 from mimics_app.contracts.messages.stage_messages import TaskOrders
@@ -18,6 +19,9 @@ from mimics_app.recording.signal_rows import SignalRow
 from mimics_app.world.world import World
 
 __all__ = ["NullRecorder", "NullSound", "RecorderPort", "SoundPort"]
+
+
+_SILENT = Reply(done=False, why="this session has no sound")
 
 
 class RecorderPort(Protocol):
@@ -70,6 +74,14 @@ class SoundPort(Protocol):
     def step(self, orders: TaskOrders, world: World, now_ns: int) -> None:
         """Play the sounds of one frame at session time `now_ns`."""
         return
+
+    def set_volume(self, level: float) -> Reply:
+        """Set the volume of all sound, 1 as authored."""
+        return _SILENT
+
+    def mute(self, *, on: bool) -> Reply:
+        """Silence all sound, or end that."""
+        return _SILENT
 
     def stop(self) -> AudioReport | None:
         """Stop, and return the report; None where there is no sound."""

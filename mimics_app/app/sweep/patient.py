@@ -80,7 +80,7 @@ def travel(
     with open_core(replace(parts, task=_last_trial(parts.task), body=Body(learning=ActionSequence(chosen)))) as core:
         frames = Frames(core)
         for _ in range(round(seconds * FRAMES_PER_SECOND)):
-            if frames.play_on().finished:
+            if frames.advance_frame().finished:
                 break
         rows = core.tasks.rows
     return dict(rows[-1]) if rows else {}

@@ -11,14 +11,16 @@ from mimics_app.contracts.ports.display_choice import parse_display
 __all__ = ["check_adaptation", "check_file", "check_files"]
 
 
-def check_files(action: Path | None, display: str) -> None:
-    """Check that the file of actions, and the file of the display, exist.
+def check_files(action: Path | None, display: str, commands: Path | None = None) -> None:
+    """Check that the files of actions, of the display and of commands exist.
 
     Raises:
         SceneError: A file is missing.
     """
     if action is not None:
         check_file(action, 'write actions there: [{"t": 5, "values": {..}}]')
+    if commands is not None:
+        check_file(commands, 'write commands there: [{"t": 5, "command": "pause"}]')
     shown = parse_display(display).file if display else ""
     if shown:
         check_file(Path(shown), "docs/displays.md shows what a display's file holds")

@@ -94,6 +94,10 @@ def say(text: str) -> None:
     sys.stderr.write(f"mimics: {one_line(short_text(text))}\n")
 
 
+def say_nothing(_: object) -> None:
+    """Discard a line, where no person is present, or the error of a process that a signal ends."""
+
+
 def answer(args: Namespace, data: Mapping[str, Any], lines: Iterable[str]) -> None:
     """Answer a command: with `--json` one object, else lines of text on stdout.
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Vec3
+from mimics_app.contracts.commands.vocabulary import Command, Reply
 from mimics_app.contracts.loop.loop_fields import HapticSnapshot
 from mimics_app.contracts.messages.board import Board
 from mimics_app.contracts.messages.trial_state import TaskView
@@ -34,12 +35,11 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class PointerState:
-    """State of a pointing device in one frame: target [m], grasp force [N], whether it is held, or requests a stop."""
+    """State of a pointing device in one frame: target [m], grasp force [N], and whether it is held."""
 
     target_world: Vec3
     grasp: float
     active: bool
-    stop: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,12 +76,14 @@ class VRInput:
     Attributes:
         signals: Blocks received since the last frame.
         pointer: The pointing device, or None.
-        pressed: Names of keys and buttons pressed since the last frame (see contracts.messages.window_input), in order.
+        pressed: Names of keys and buttons pressed since the last frame (see contracts.window_input), in order.
+        commands: Commands for the task, in the order in which they were given.
     """
 
     signals: tuple[SignalBlock, ...] = ()
     pointer: PointerState | None = None
     pressed: tuple[str, ...] = ()
+    commands: tuple[Command, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -262,6 +264,7 @@ class TaskOrders:
         finished: True when the last trial is over.
         result: Result of the trial that ended in this frame.
         demand: Difficulty by the adaptable parameters, 0 to 1; None if none of them affects it.
+        replies: What became of each of the frame's commands, in their order.
     """
 
     haptic: Mapping[str, object] = field(default_factory=dict)
@@ -275,3 +278,4 @@ class TaskOrders:
     finished: bool = False
     result: TrialResult | None = None
     demand: float | None = None
+    replies: tuple[Reply, ...] = ()

@@ -32,6 +32,10 @@ class Estimation(Protocol):
         """Return the state updated with the result of a trial, before the learning system is called."""
         ...
 
+    def recalibrate(self) -> None:
+        """Measure the person's baseline anew from the next features on."""
+        ...
+
 
 class Goal(Protocol):
     """Goal of the learning system."""

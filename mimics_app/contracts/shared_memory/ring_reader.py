@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.shared_memory.shared_words import DROPPED, HEAD, TAIL
 
-__all__ = ["RingReader"]
+__all__ = ["RingReader", "fence"]
 
 _LOCK = Lock()
 
 
-def _fence() -> None:
+def fence() -> None:
     """Full memory fence, for processors that reorder loads.
 
     Releasing a lock keeps earlier accesses before it, acquiring it keeps later ones after it. x86-64 keeps the order of
@@ -41,7 +41,7 @@ class RingReader:
     def waiting(self) -> int:
         """Number of records to consume."""
         head = int(self._words[HEAD])
-        _fence()
+        fence()
         return head - int(self._words[TAIL])
 
     @property
@@ -65,5 +65,5 @@ class RingReader:
 
     def release(self, count: int) -> None:
         """Remove the `count` oldest records, after they were stored elsewhere."""
-        _fence()
+        fence()
         self._words[TAIL] += count

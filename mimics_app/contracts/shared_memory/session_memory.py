@@ -15,12 +15,13 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from mimics_app.contracts.arrays import Records, Words
+from mimics_app.contracts.commands.command_records import ANSWER, COMMAND, CommandSource
 from mimics_app.contracts.loop.contact_force import CONTACT_FORCE
 from mimics_app.contracts.loop.haptic import EVENT, INBOX, POSE, SAMPLE, SCENE, SNAPSHOT
 from mimics_app.contracts.loop.loop_fields import Extent
 from mimics_app.contracts.loop.object_rows import ROW_DTYPES, ObjectCapacities, Rows
 from mimics_app.contracts.shared_memory.segment import ArraySpec, Segment
-from mimics_app.contracts.shared_memory.shared_words import EXCHANGE_WORDS, RING_WORDS, initialise_exchange
+from mimics_app.contracts.shared_memory.shared_words import EXCHANGE_WORDS, RING_WORDS, STOP_STRIDE, initialise_exchange
 from mimics_app.contracts.shared_memory.sound_scene import SOUND_SCENE
 
 __all__ = ["SHARED_ARRAYS", "Capacities", "ControlWord", "SessionMemory", "Shared"]
@@ -29,7 +30,7 @@ __all__ = ["SHARED_ARRAYS", "Capacities", "ControlWord", "SessionMemory", "Share
 class ControlWord(IntEnum):
     """Indices into `control`; each word has its own cache line and one writer."""
 
-    STOP = 0  # main: 1 requests E_STOP, 0 again with a reset
+    CLEARED = 0  # main: sum of the stop words at the last reset; another sum requests E_STOP
     QUIT = 8  # main: 1 ends the loop
     TICKS = 16  # loop: ticks done
     MISSED = 24  # loop: ticks that ended more than one period after their release, after the first second
@@ -48,6 +49,7 @@ class Capacities:
     objects: ObjectCapacities = field(default_factory=ObjectCapacities)
     samples: int = 16384  # 16 s at 1 kHz, twice the time to replace a recorder on a busy machine
     events: int = 2048  # for the same time
+    commands: int = 64  # of one source between two frames
     forces: int = 4096  # half a second of FOLLOWED_AT_ONCE contacts
     lateness_bins: int = 2048
     extent: Extent = field(default_factory=Extent)  # subset of the loop's numbers that the device has
@@ -79,6 +81,8 @@ class SessionMemory:
     """Arrays of a session by name; their layout is derived from these annotations."""
 
     control: Annotated[Words, Shared(np.int64, (80,))]  # see `ControlWord`
+
+    stop_words: Annotated[Words, Shared(np.int64, (STOP_STRIDE * len(CommandSource),))]  # requests of each source
 
     # triple buffer main -> loop: a parameter block with its tables
     scene_words: _Exchange
@@ -118,6 +122,12 @@ class SessionMemory:
     # ring loop -> audio: forces of contacts per tick
     audio_force_words: _Ends
     audio_forces: Annotated[Records, Shared(CONTACT_FORCE, ("forces",))]
+
+    # rings source of commands -> main, and main -> source
+    command_words: Annotated[NDArray[np.int64], Shared(np.int64, (len(CommandSource), RING_WORDS))]
+    commands: Annotated[Records, Shared(COMMAND, (len(CommandSource), "commands"))]
+    answer_words: Annotated[NDArray[np.int64], Shared(np.int64, (len(CommandSource), RING_WORDS))]
+    answers: Annotated[Records, Shared(ANSWER, (len(CommandSource), "commands"))]
 
     # histograms of the loop, see rendering.haptic.histogram
     lateness: Annotated[Words, Shared(np.int64, ("lateness_bins",))]

@@ -13,6 +13,7 @@ __all__ = [
     "HEAD",
     "RING_WORDS",
     "SHARED",
+    "STOP_STRIDE",
     "TAIL",
     "initialise_exchange",
 ]
@@ -26,6 +27,9 @@ others."""
 
 EXCHANGE_WORDS = 24
 """Length of a triple buffer's word array: three words, one cache line each."""
+
+STOP_STRIDE = 8
+"""Words from the stop word of one source of commands to that of the next: one cache line."""
 
 SHARED, BACK, FRONT = 0, 8, 16
 """Words with the exchanged slot, the writer's slot and the reader's slot."""

@@ -1,10 +1,9 @@
-"""Mouse, keyboard and gamepad as one pointing device: a cursor on the frontal plane, a grasp force, a stop key."""
+"""Mouse, keyboard and gamepad as one pointing device: a cursor on the frontal plane and a grasp force."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TypeVar
 
 from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.messages.stage_messages import Aim, PointerState
@@ -15,11 +14,8 @@ from mimics_app.inputs.interaction.window_reach import levered, pointed
 
 __all__ = ["Pointer", "PointerSettings", "StickResponse"]
 
-T = TypeVar("T")
-
 _ARROWS = {"left": (-1.0, 0.0), "right": (1.0, 0.0), "down": (0.0, -1.0), "up": (0.0, 1.0)}
 _SLOW_KEYS = ("left_shift", "right_shift")
-_STOP = (("key", "space"), ("pad", "b"))
 _LONGEST_FRAME_S = 0.1
 """Longest frame that the cursor moves through [s]: it must not leap after a stall."""
 
@@ -77,8 +73,7 @@ class Pointer:
     The mouse is absolute: the cursor is where its ray meets the plane, stretched where a part of the reach is not in
     the window (see `window_reach`); of a lever it is the deflection from the window's centre. The plane lies at the
     depth of the present target, so that a flat device reaches every target. Arrow keys and sticks are relative: they
-    move the cursor at a speed, within reach. The last one used counts. Space or gamepad B requests a stop in the frame
-    it is pressed and as long as it is held. `active` is False before the first movement.
+    move the cursor at a speed, within reach. The last one used counts. `active` is False before the first movement.
 
     Args:
         plane: Plane of the cursor.
@@ -102,16 +97,15 @@ class Pointer:
         self._grasp = GraspControl(self._settings.grasp_full)
         self._cursor = plane.centre
         self._keys: set[str] = set()
-        self._stop_held: set[tuple[str, str]] = set()
         self._active = False
         self._last_ns: int | None = None
 
     def read(self, window: WindowFrame, now_ns: int) -> PointerState:
         """Return the state of the pointing device after this frame's events."""
         seconds = self._frame_seconds(now_ns)
-        stop = self._take_events(window)
+        self._take_events(window)
         self._move(window, seconds)
-        return PointerState(self._cursor, self._grasp.read(window, seconds), self._active, stop)
+        return PointerState(self._cursor, self._grasp.read(window, seconds), self._active)
 
     def aim(self, aim: Aim | None) -> None:
         """Move the plane, with the cursor, to the depth of the target."""
@@ -123,19 +117,14 @@ class Pointer:
         """Hold the cursor at a point [m] until the person moves it; a mouse at rest does not pull it back."""
         self._cursor = self._plane.clamp(point_world)
 
-    def _take_events(self, window: WindowFrame) -> bool:
-        stop = False
+    def _take_events(self, window: WindowFrame) -> None:
         place: tuple[float, float] | None = None
         for event in window.events:
             if event.kind == "move":
                 place = (event.x, event.y)
             elif event.kind == "key" and (event.name in _ARROWS or event.name in _SLOW_KEYS):
                 _hold(self._keys, event.name, pressed=event.pressed)
-            if (event.kind, event.name) in _STOP:
-                stop = stop or event.pressed
-                _hold(self._stop_held, (event.kind, event.name), pressed=event.pressed)
         self._aim(place)
-        return stop or bool(self._stop_held)
 
     def _aim(self, place: tuple[float, float] | None) -> None:
         """Move the cursor to the last mouse position of a frame, unless its ray misses the plane."""
@@ -163,7 +152,7 @@ class Pointer:
         return 0.0 if last is None else min(max(now_ns - last, 0) / 1e9, _LONGEST_FRAME_S)
 
 
-def _hold(held: set[T], name: T, *, pressed: bool) -> None:
+def _hold(held: set[str], name: str, *, pressed: bool) -> None:
     if pressed:
         held.add(name)
     else:

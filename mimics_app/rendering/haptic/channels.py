@@ -23,8 +23,9 @@ from mimics_app.rendering.haptic.objects import ROW_STACK, ObjectWork, new_objec
 __all__ = ["CHANNELS", "WORK", "Channels", "Work", "channels_of", "new_work", "newest_snapshot"]
 
 
-_CHANNELS = ("rows", *(name for name in SHARED_ARRAYS if name not in Rows._fields))
-"""Names of the session's arrays in the loop: one by one, the tables of objects as one tuple."""
+_COMMANDS = ("command_words", "commands", "answer_words", "answers")
+_CHANNELS = ("rows", *(name for name in SHARED_ARRAYS if name not in (*Rows._fields, *_COMMANDS)))
+"""Names of the session's arrays in the loop: one by one, the tables of objects as one tuple; none of the commands."""
 
 if TYPE_CHECKING:
     Channels = SessionMemory

@@ -118,7 +118,7 @@ class HapticEngine:
     def publish(self, scene: Records, rows: Rows | None = None) -> None:
         """Pass a parameter block to the loop; it takes effect at a tick boundary.
 
-        A changed count of resets also clears the stop word, so that a latched stop can be left.
+        A changed count of resets also answers all stop requests so far, so that a latched stop can be left.
 
         Args:
             scene: SCENE record, shape [1]; `sequence` must count up from 1.
@@ -130,7 +130,7 @@ class HapticEngine:
         check_block(scene, rows, self._memory.capacities.objects, len(self._work.objects.meshes.rows))
         if int(scene[0]["resets"]) != self._resets:
             self._resets = int(scene[0]["resets"])
-            self._memory.control[ControlWord.STOP] = 0
+            self._memory.control[ControlWord.CLEARED] = self._memory.stop_words.sum()
         memory = self._memory
         slot = triple_buffer.back_slot(memory.scene_words)
         memory.scenes[slot] = scene[0]
@@ -210,10 +210,6 @@ class HapticEngine:
             self._plugin.close()
         if self._failure is not None:
             raise DeviceError(f"the haptic loop ended with an error: {self._failure}")
-
-    def stop_key(self) -> None:
-        """Request E_STOP: zero force within two ticks, latched until a block with another count of resets."""
-        self._memory.control[ControlWord.STOP] = 1
 
     def histogram(self) -> LatenessReport:
         """Return the lateness and duration of the ticks so far."""

@@ -27,6 +27,7 @@ from mimics_app.contracts.loop.loop_ports import (
 )
 from mimics_app.contracts.loop.object_rows import Rows
 from mimics_app.contracts.shared_memory.session_memory import ControlWord
+from mimics_app.contracts.shared_memory.shared_words import STOP_STRIDE
 from mimics_app.contracts.shared_memory.triple_buffer import acquire
 from mimics_app.rendering.haptic.channels import CHANNELS, WORK, Channels, Work
 from mimics_app.rendering.haptic.kernels import tick as ticking
@@ -51,7 +52,7 @@ __all__ = ["LOOP_FUNCTIONS", "LOOP_TICK", "SIMULATION", "TICK", "late_class", "l
 
 
 _FAULT = int(DeviceStatus.FAULT)
-_STOP = int(ControlWord.STOP)
+_CLEARED = int(ControlWord.CLEARED)
 _HELD = int(ControlWord.HELD)
 _STALE = int(ControlWord.STALE)
 _STOPS = int(ControlWord.STOPS)
@@ -168,6 +169,15 @@ def _takes_nothing(scene: SceneRecord, state: StateRecord, dt: float) -> bool:
     return state.safety >= SafetyState.HOMED and state.refused_ticks * dt * SECOND_NS > scene.stale_stop_ns
 
 
+@kernel
+def _stop_word(channels: Channels) -> int:
+    """Return 1 while a source of commands requests a stop that no reset has answered, else 0."""
+    requests = 0
+    for i in range(0, len(channels.stop_words), STOP_STRIDE):
+        requests += load_acquire(channels.stop_words, i)
+    return 1 if requests != load_acquire(channels.control, _CLEARED) else 0
+
+
 @typed_kernel(LOOP_TICK)
 def loop_tick(
     channels: Channels,
@@ -194,7 +204,7 @@ def loop_tick(
     status = read(memory, work.inbox, work.data, state.tick)
     if status == DeviceStatus.FRESH and _takes_nothing(scene, state, dt):
         status = _FAULT
-    stop_word = load_acquire(channels.control, _STOP)
+    stop_word = _stop_word(channels)
     held = late_class(scene, late_ns, missed_in_row)
     tick(
         scene,

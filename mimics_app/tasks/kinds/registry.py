@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
 from typing import cast
 
@@ -9,9 +10,9 @@ from mimics_app.contracts.messages.report_section import ReportSection
 from mimics_app.contracts.ports.members import load_member, member_names
 from mimics_app.contracts.ports.plugins import PluginGroup
 from mimics_app.tasks import kinds
-from mimics_app.tasks.kinds.kind import TaskKind
+from mimics_app.tasks.kinds.kind import KindPlay, TaskKind
 
-__all__ = ["PLUGINS", "report_sections", "task_kinds"]
+__all__ = ["PLUGINS", "play_of", "report_sections", "task_kinds"]
 
 
 @cache
@@ -41,6 +42,14 @@ def task_kinds() -> tuple[TaskKind, ...]:
     name.
     """
     return (*_built_in(), *(cast(TaskKind, kind) for _, kind in PLUGINS.load_sound("kind of task")))
+
+
+def play_of(part: object, plays: Mapping[str, KindPlay]) -> KindPlay | None:
+    """Return the play, by its kind's name, that a goal or a condition belongs to; None for the task's own."""
+    for kind in task_kinds():
+        if isinstance(part, (*kind.goals, *kind.conditions)):
+            return plays.get(kind.name)
+    return None
 
 
 def report_sections() -> tuple[ReportSection, ...]:

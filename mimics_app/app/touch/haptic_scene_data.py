@@ -21,10 +21,10 @@ from mimics_app.rendering.haptic.scene_work import Names, fits, row_names, stati
 from mimics_app.world.components.robot import Robot
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["HapticSide"]
+__all__ = ["HapticSceneData"]
 
 
-class HapticSide:
+class HapticSceneData:
     """The haptic objects of a scene, or their absence.
 
     Args:
@@ -86,6 +86,6 @@ class HapticSide:
         work = self._statics.work(memory.capacities.objects)
         return HapticEngine(memory, plugin, recipe=recipe, objects=work, fields=self._statics.functions())
 
-    def fits(self, present: HapticSide, memory: SessionMemory) -> bool:
+    def fits(self, present: HapticSceneData, memory: SessionMemory) -> bool:
         """Whether a session that runs with the objects of `present` in `memory` can take over these ones."""
         return fits(self._objects, memory.capacities.objects, present._objects)

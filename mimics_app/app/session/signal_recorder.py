@@ -10,14 +10,14 @@ import msgspec
 from mimics_app.contracts.messages.stage_messages import FeatureFrame, SignalBlock, TaskAction, TrialResult, UserState
 from mimics_app.recording.signal_rows import SignalRow
 
-__all__ = ["Keeper", "Tap"]
+__all__ = ["SignalRecorder", "SignalSink"]
 
 _FRAMES = 30
 """Number of frames of signals sent as one message: half a second, as a message costs more than its samples."""
 
 
-class Keeper(Protocol):
-    """Recorder as a tap needs it."""
+class SignalSink(Protocol):
+    """Recorder as a signal recorder needs it."""
 
     def journal(self, kind: str, data: Mapping[str, object]) -> None:
         """Write a line of the journal."""
@@ -28,14 +28,14 @@ class Keeper(Protocol):
         ...
 
 
-class Tap:
+class SignalRecorder:
     """Sends new data of the person to the recorder.
 
     Args:
         recorder: Recorder of the session.
     """
 
-    def __init__(self, recorder: Keeper) -> None:
+    def __init__(self, recorder: SignalSink) -> None:
         self._recorder = recorder
         self._rows: list[SignalRow] = []
         self._features_ns = self._state_ns = -1

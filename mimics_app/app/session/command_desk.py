@@ -1,0 +1,167 @@
+"""Commands to the session: taken from all sources once a frame, carried out or refused, answered and recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from mimics_app.app.session.policy_gate import PolicyGate
+from mimics_app.contracts.commands.command_records import CommandSource
+from mimics_app.contracts.commands.command_ring import Answer, CommandReceiver, Given
+from mimics_app.contracts.commands.vocabulary import (
+    Calibrate,
+    Command,
+    Confirm,
+    End,
+    Fault,
+    Mark,
+    Mute,
+    Note,
+    Obstacle,
+    Policy,
+    Recalibrate,
+    Reply,
+    Reset,
+    Stop,
+    View,
+    Volume,
+    command_values,
+    name_of,
+    refusal,
+)
+from mimics_app.contracts.errors import counted
+from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.contracts.messages.stage_messages import HapticSnapshot
+from mimics_app.tasks.steering import TASK_COMMANDS
+
+if TYPE_CHECKING:
+    from mimics_app.app.session.core import SessionCore
+
+__all__ = ["CommandDesk"]
+
+_LATCHED = (SafetyState.SAFE_STOP, SafetyState.E_STOP)
+_DONE = Reply(done=True)
+
+
+def _refused(why: str) -> Reply:
+    return Reply(done=False, why=why)
+
+
+class CommandDesk:
+    """Takes the commands of a frame.
+
+    Args:
+        core: The session.
+
+    Attributes:
+        ended: Whether a command ended the session.
+        gate: What the policy may do.
+    """
+
+    def __init__(self, core: SessionCore) -> None:
+        self._core = core
+        self._receiver = CommandReceiver(core.memory)
+        self._taken: list[tuple[Given, Reply | None]] = []
+        self._stopped = False
+        self._snapshot: HapticSnapshot | None = None
+        self.ended = False
+        self.gate = PolicyGate(has_policy=core.has_policy)
+        self._receivers: Mapping[type[Command], Callable[..., Reply]] = {
+            Stop: lambda command: self._stop(),
+            Reset: lambda command: self._reset(),
+            Policy: lambda command: self.gate.switch(command.mode),
+            Confirm: lambda command: self.gate.confirm(accept=command.accept),
+            Volume: lambda command: core.sound.set_volume(command.level),
+            Mute: lambda command: core.sound.mute(on=command.on),
+            Recalibrate: lambda command: core.recalibrate(),
+            End: lambda command: self._end(),
+            Note: lambda command: _DONE,
+            Mark: lambda command: _DONE,
+            Obstacle: lambda command: _refused("this scene has no obstacles"),
+            View: lambda command: _refused("this scene has no views by name"),
+            Fault: lambda command: _refused("this device takes no faults while it runs"),
+            Calibrate: lambda command: _refused("this device has no steps of calibration"),
+        }
+
+    def take(self, snapshot: HapticSnapshot) -> tuple[Command, ...]:
+        """Take what was given since the last frame, and carry out what is not the task's.
+
+        Args:
+            snapshot: State of the loop that the frame sees.
+
+        Returns:
+            The commands of the task, in the order in which they were given.
+        """
+        self._snapshot, self._stopped = snapshot, False
+        self._tell_dropped()
+        given = self._receiver.take()
+        self._taken = [(each, self._answer(each)) for each in given]
+        return tuple(each.command for each, reply in self._taken if reply is None and each.command is not None)
+
+    def answer(self, replies: Sequence[Reply], frame: int, now_ns: int) -> None:
+        """Answer and record the commands of the frame, those of the task by its replies."""
+        if not self._taken:
+            return
+        tick, of_task = 0 if self._snapshot is None else self._snapshot.tick, iter(replies)
+        for given, reply in self._taken:
+            done, why = reply or next(of_task)
+            line = _line(given, frame, tick, now_ns) | {"of_task": reply is None, "done": done, "why": why}
+            self._core.recorder.journal("command", line)
+            self._receiver.answer(given, Answer(given.sequence, done, why, frame, tick))
+        self._taken = []
+
+    def _answer(self, given: Given) -> Reply | None:
+        """Return what became of a command; None for one that the task is to carry out."""
+        command = given.command
+        if command is None:
+            return _refused(given.fault)
+        why = refusal(command, given.source, simulated=self._core.haptics.plugin.simulated)
+        if why:
+            return _refused(why)
+        if isinstance(command, TASK_COMMANDS):
+            return None
+        return self._receivers[type(command)](command)
+
+    def _stop(self) -> Reply:
+        """Note the stop: its source has set its stop word already."""
+        self._stopped = True
+        return _DONE
+
+    def _reset(self) -> Reply:
+        if self._stopped:
+            return _refused("a stop was given in the same frame")
+        if self._snapshot is None or self._snapshot.state not in _LATCHED:
+            return _refused("no stop is latched")
+        self._core.parameter_store.reset()
+        return _DONE
+
+    def _end(self) -> Reply:
+        self.ended = True
+        return _DONE
+
+    def _tell_dropped(self) -> None:
+        for source, number in self._receiver.take_dropped().items():
+            self._core.recorder.journal("commands_dropped", {"from": source.name.lower(), "number": number})
+            self._core.report(f"{counted(number, 'commands')} from {_said(source)} came too fast and were lost")
+
+
+def _line(given: Given, frame: int, tick: int, now_ns: int) -> dict[str, object]:
+    """Return a command as a line of the journal, without its answer."""
+    command = given.command
+    what = {} if command is None else {"command": name_of(command), "values": command_values(command)}
+    return {
+        "frame": frame,
+        "tick": tick,
+        "t_ns": now_ns,
+        "from": given.source.name.lower(),
+        "who": given.who,
+        "sequence": given.sequence,
+        "given_ns": given.t_ns,
+        **what,
+    }
+
+
+def _said(source: CommandSource) -> str:
+    return {CommandSource.FILE: "the command file", CommandSource.PYTHON: "Python"}.get(
+        source, f"the {source.name.lower()}"
+    )

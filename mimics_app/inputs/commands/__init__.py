@@ -1,0 +1,3 @@
+"""Sources of commands: keys and gamepad, and command files."""
+
+__all__: list[str] = []

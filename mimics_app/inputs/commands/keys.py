@@ -1,0 +1,133 @@
+"""Keys and gamepad as sources of commands; no other part of the program knows these keys."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from mimics_app.contracts.commands.command_records import CommandSource
+from mimics_app.contracts.commands.command_ring import Answer, CommandSender
+from mimics_app.contracts.commands.vocabulary import Command, End, Pause, Reset, Resume, StartTrial, Stop, name_of
+from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.messages.trial_state import TaskView, TrialState
+from mimics_app.contracts.ports.input_port import WindowFrame
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
+
+__all__ = ["KeyCommands", "command_of_key"]
+
+_STOP_KEY, _STOP_BUTTON = "space", "b"
+_ASK_NS = 4_000_000_000
+"""Time within which a second Escape ends a trial [ns]."""
+_UNDER_WAY = (TrialState.READY, TrialState.TRAVEL)
+_PAD = "pad_"
+
+
+def _pause_or_resume(view: TaskView) -> Command:
+    return Resume() if view.paused else Pause()
+
+
+def _read_help(view: TaskView) -> Command | None:
+    """H opens a page over the picture, which is read while the clock stands."""
+    return Pause() if view.state is TrialState.TRAVEL and not view.paused else None
+
+
+def _begin(view: TaskView) -> Command | None:
+    return StartTrial() if view.reading else None
+
+
+_KEYS: dict[str, Callable[[TaskView], Command | None]] = {
+    "space": lambda view: Stop(),
+    "pad_b": lambda view: Stop(),
+    "r": lambda view: Reset(),
+    "p": _pause_or_resume,
+    "pad_start": _pause_or_resume,
+    "h": _read_help,
+    "enter": _begin,
+    "mouse_left": _begin,
+    "pad_a": _begin,
+    "escape": lambda view: End(),
+}
+
+
+def command_of_key(name: str, view: TaskView) -> Command | None:
+    """Return the command of a key ("p"), mouse button ("mouse_left") or gamepad button ("pad_b"); None for none.
+
+    Args:
+        name: The key or button.
+        view: State of the task that the person sees.
+    """
+    find = _KEYS.get(name)
+    return None if find is None else find(view)
+
+
+class KeyCommands:
+    """Gives the commands of keys and buttons once a frame.
+
+    Space and gamepad B request a stop as long as they are held. During a trial Escape must be pressed twice.
+
+    Args:
+        memory: Memory of the session.
+        report: Shows a line to the person.
+
+    Attributes:
+        message: Line for the person after Escape during a trial; "" otherwise.
+    """
+
+    def __init__(self, memory: SessionMemory, report: Callable[[str], None]) -> None:
+        self._keys = CommandSender(memory, CommandSource.KEYS, "keyboard")
+        self._pad = CommandSender(memory, CommandSource.GAMEPAD, "gamepad")
+        self._report = report
+        self._space_held = False
+        self._asked_ns: int | None = None
+        self._waiting: dict[tuple[CommandSender, int], Command] = {}
+        self.message = ""
+
+    def step(self, window: WindowFrame, pressed: Sequence[str], view: TaskView, now_ns: int) -> None:
+        """Give the commands of a frame, and report those of the last one that were refused.
+
+        Args:
+            window: Events and gamepad of the frame.
+            pressed: Names of the keys and buttons that went down.
+            view: State of the task that the person saw.
+            now_ns: The session's time [ns].
+        """
+        self._tell_refusals()
+        if self._asked_ns is not None and now_ns - self._asked_ns > _ASK_NS:
+            self._asked_ns, self.message = None, ""
+        for name in pressed:
+            command = command_of_key(name, view)
+            if command is not None and not (isinstance(command, End) and self._asks(view, now_ns)):
+                self._give(self._pad if name.startswith(_PAD) else self._keys, command, now_ns)
+        self._hold_stops(window)
+
+    def _asks(self, view: TaskView, now_ns: int) -> bool:
+        """Whether this is the first Escape during a trial, which only asks for another one."""
+        if self._asked_ns is not None or view.state not in _UNDER_WAY:
+            return False
+        self._asked_ns = now_ns
+        self.message = "Press Esc again to end: this trial will not count"
+        return True
+
+    def _give(self, sender: CommandSender, command: Command, now_ns: int) -> None:
+        try:
+            self._waiting[sender, sender.send(command, now_ns)] = command
+        except UsageError as error:
+            self._report(str(error))
+
+    def _hold_stops(self, window: WindowFrame) -> None:
+        """Keep a stop requested while its key is held; a button without a release event is held for no time."""
+        for event in window.events:
+            if event.kind == "key" and event.name == _STOP_KEY:
+                self._space_held = event.pressed
+        if self._space_held:
+            self._keys.hold_stop()
+        if _STOP_BUTTON in window.gamepad.buttons:
+            self._pad.hold_stop()
+
+    def _tell_refusals(self) -> None:
+        for sender in (self._keys, self._pad):
+            for answer in sender.answers():
+                self._tell(self._waiting.pop((sender, answer.sequence), None), answer)
+
+    def _tell(self, command: Command | None, answer: Answer) -> None:
+        if command is not None and not answer.done:
+            self._report(f"{name_of(command)} is refused: {answer.why}")
