@@ -36,7 +36,7 @@ def person_inputs(session: Session) -> Inputs:
 
     Where the hand is a lever, the middle of the plane is the start of a trial.
 
-    With a robot that runs in real time the person moves the robot, and only the stops of the mouse count; the simulated
+    With a robot that runs in real time the person moves the robot, and the mouse does not; the simulated
     person of an emulated robot follows the target of the scene.
     """
     picture = session.picture
