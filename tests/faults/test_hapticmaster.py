@@ -7,9 +7,9 @@ import socket
 import numpy as np
 import pytest
 
-from mimics_app.contracts.commands.command_ring import request_stop
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.loop.haptic import Controller, DeviceStatus, SafetyState, TripCause
+from mimics_app.contracts.shared_memory.command_ring import request_stop
 from mimics_app.rendering.haptic.devices import hapticmaster_loop as loop
 from mimics_app.rendering.haptic.devices.device_objects import (
     DeviceBlock,

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.contracts.commands.command_ring import request_stop
 from mimics_app.contracts.loop.haptic import Button, Controller, DeviceStatus, EventKind, SafetyState, TripCause
 from mimics_app.contracts.loop.haptic_objects import MAX_PIECES
+from mimics_app.contracts.shared_memory.command_ring import request_stop
 from mimics_app.contracts.shared_memory.session_memory import ControlWord
 from mimics_app.rendering.haptic.kernels.kinematics import inverse
 from mimics_app.rendering.haptic.live_loop import _misses_in_row

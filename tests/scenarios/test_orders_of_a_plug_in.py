@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mimics_app.contracts.commands.command_ring import request_stop
 from mimics_app.contracts.loop.haptic import LIMIT_NAMES, SCENE, SafetyState
 from mimics_app.contracts.loop.object_rows import ROW_DTYPES
+from mimics_app.contracts.shared_memory.command_ring import request_stop
 from mimics_app.contracts.system.resources import root
 from tests.support.scene_play import ScenePlay
 

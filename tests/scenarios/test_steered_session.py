@@ -12,7 +12,6 @@ import pytest
 
 from mimics_app.app.scenes.loading import check_scene, read_scene
 from mimics_app.contracts.commands.command_records import CommandSource
-from mimics_app.contracts.commands.command_ring import CommandSender
 from mimics_app.contracts.commands.vocabulary import (
     Command,
     Confirm,
@@ -29,6 +28,7 @@ from mimics_app.contracts.commands.vocabulary import (
 )
 from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.messages.stage_messages import TaskAction
+from mimics_app.contracts.shared_memory.command_ring import CommandSender
 from mimics_app.contracts.system.resources import root
 from mimics_app.recording.run import Run
 from tests.support.command import mimics as command

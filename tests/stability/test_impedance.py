@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from mimics_app.compiled.kernel import typed_kernel
-from mimics_app.contracts.commands.command_ring import request_stop
 from mimics_app.contracts.loop.haptic import Controller, SafetyState
 from mimics_app.contracts.loop.loop_ports import DATA_GRASP, READ, DevicePlugin
+from mimics_app.contracts.shared_memory.command_ring import request_stop
 from mimics_app.rendering.haptic.control.impedance import draw_along
 from mimics_app.rendering.haptic.descriptors.leg import LEG
 from mimics_app.rendering.haptic.devices.registry import build_device

@@ -10,7 +10,6 @@ from typing import Any
 import pytest
 
 from mimics_app.contracts.commands.command_records import CommandSource
-from mimics_app.contracts.commands.command_ring import Answer, CommandReceiver, CommandSender
 from mimics_app.contracts.commands.vocabulary import (
     Command,
     End,
@@ -33,6 +32,7 @@ from mimics_app.contracts.errors import SceneError, UsageError
 from mimics_app.contracts.messages.trial_state import TaskView, TrialState
 from mimics_app.contracts.messages.window_input import GamepadState, InputEvent
 from mimics_app.contracts.ports.input_port import WindowFrame
+from mimics_app.contracts.shared_memory.command_ring import Answer, CommandReceiver, CommandSender
 from mimics_app.contracts.shared_memory.session_memory import Capacities, SessionMemory
 from mimics_app.contracts.shared_memory.shared_words import STOP_STRIDE
 from mimics_app.inputs.commands.command_file import TimedCommand, TimedCommands, read_command_file

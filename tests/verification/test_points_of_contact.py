@@ -11,7 +11,6 @@ import pytest
 from mimics_app.app.session.preparation import prepare
 from mimics_app.app.settings import RunSettings
 from mimics_app.compiled.kernel import typed_kernel
-from mimics_app.contracts.commands.command_ring import request_stop
 from mimics_app.contracts.loop.haptic import SAMPLE, Controller, SafetyState, TripCause
 from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, Extent
@@ -25,6 +24,7 @@ from mimics_app.contracts.loop.loop_ports import (
     WRITE,
     DevicePlugin,
 )
+from mimics_app.contracts.shared_memory.command_ring import request_stop
 from mimics_app.recording.column_layout import current_layout, layout_of, samples_schema
 from mimics_app.recording.columns import column_names, column_units, present_columns
 from mimics_app.recording.run import Run

@@ -19,9 +19,9 @@ from mimics_app.app.session.preparation import prepare
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
-from mimics_app.contracts.commands.command_ring import request_stop
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.loop.haptic import SAMPLE, SafetyState, TripCause
+from mimics_app.contracts.shared_memory.command_ring import request_stop
 from mimics_app.contracts.shared_memory.ring_reader import RingReader
 from mimics_app.lab.haptic.faulted_device import DeviceFault, FaultedDevice
 from mimics_app.rendering.haptic.devices.device_names import SIMULATED

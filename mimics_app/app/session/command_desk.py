@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from mimics_app.app.session.policy_gate import PolicyGate
 from mimics_app.contracts.commands.command_records import CommandSource
-from mimics_app.contracts.commands.command_ring import Answer, CommandReceiver, Given
 from mimics_app.contracts.commands.vocabulary import (
     Calibrate,
     Command,
@@ -32,6 +31,7 @@ from mimics_app.contracts.commands.vocabulary import (
 from mimics_app.contracts.errors import counted
 from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot
+from mimics_app.contracts.shared_memory.command_ring import Answer, CommandReceiver, Given
 from mimics_app.tasks.steering import TASK_COMMANDS
 
 if TYPE_CHECKING:

@@ -1,3 +1,3 @@
-"""Commands to a running session: the vocabulary, who may give what, and the rings that carry them."""
+"""Commands to a running session: the vocabulary, and who may give what."""
 
 __all__: list[str] = []

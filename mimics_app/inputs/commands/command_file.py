@@ -19,9 +19,9 @@ from typing import NamedTuple
 import msgspec
 
 from mimics_app.contracts.commands.command_records import CommandSource
-from mimics_app.contracts.commands.command_ring import CommandSender
 from mimics_app.contracts.commands.vocabulary import AnyCommand, Command, command_names, name_of
 from mimics_app.contracts.errors import MOST_SOUGHT, Issue, SceneError, nearest
+from mimics_app.contracts.shared_memory.command_ring import CommandSender
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.world.scene.json_text import escape, parse_json
 from mimics_app.world.scene.scene_files import read_bytes

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from mimics_app.contracts.commands.command_records import CommandSource
-from mimics_app.contracts.commands.command_ring import Answer, CommandSender
 from mimics_app.contracts.commands.vocabulary import Command, End, Pause, Reset, Resume, StartTrial, Stop, name_of
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.messages.trial_state import TaskView, TrialState
 from mimics_app.contracts.ports.input_port import WindowFrame
+from mimics_app.contracts.shared_memory.command_ring import Answer, CommandSender
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 
 __all__ = ["KeyCommands", "command_of_key"]
