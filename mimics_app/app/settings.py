@@ -38,6 +38,10 @@ RECIPES = ("auto", "fifo", "ordinary", "plain")
 """Recipes of `rendering.haptic.scheduler`, repeated so that --help imports no haptic code (a test compares them)."""
 
 
+PICTURE_OPTIONS = ("nosoftware",)
+"""Options of the renderer for comparisons: drawing in software as a graphics card is given it."""
+
+
 @dataclass(frozen=True, slots=True)
 class RunSettings:
     """Settings of one run.
@@ -71,6 +75,7 @@ class RunSettings:
         difficulty: "easier" and "harder" move the adaptable parameters half-way to their easiest or hardest value.
         trials: Number of trials that count, the scene's list repeated where it is shorter; 0: as in the scene.
         participant: Code of the person, for results over time; "": none.
+        opt: One of PICTURE_OPTIONS, or "".
         journey: File for reports to the process that started the run, see `play.journey_log`; or None.
     """
 
@@ -101,6 +106,7 @@ class RunSettings:
     difficulty: Difficulty = "usual"
     trials: int = 0
     participant: str = ""
+    opt: str = ""
     journey: Path | None = None
 
     @property

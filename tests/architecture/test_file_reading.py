@@ -34,7 +34,7 @@ OWN_DATA = {
     "rendering/audio/openal_library.py": "package data",
     "rendering/visual/figures/glyphs.py": "package data",
     "rendering/visual/materials/shader_source.py": "package data, and included only from there",
-    "rendering/visual/surfaces/raster_threads.py": "/proc",
+    "rendering/visual/software/raster_threads.py": "/proc",
 }
 """Modules that read files of the package, of the system, or of their own making."""
 

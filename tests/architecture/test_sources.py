@@ -33,8 +33,10 @@ CLOCKS = re.compile(
 IMPORTERS_BY_NAME = {
     "app/cli.py",
     "contracts/ports/members.py",
+    "rendering/visual/surfaces/rasteriser.py",
 }
-"""Modules that may import by a string: the command line, for its commands, and the finder of a package's members."""
+"""Modules that may import by a string: the command line, for its commands, the finder of a package's members, and the
+seam to drawing in software, which only some drivers need."""
 
 PLATFORM_HOMES = {
     "the shared memory": (
@@ -46,7 +48,7 @@ PLATFORM_HOMES = {
         {
             "rendering/haptic/scheduler.py",
             "rendering/audio/worker.py",
-            "rendering/visual/surfaces/raster_threads.py",
+            "rendering/visual/software/raster_threads.py",
         },
     ),
     "the GL context": (

@@ -12,11 +12,11 @@ from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.system import resources
 from mimics_app.rendering.visual import targets
 from mimics_app.rendering.visual.displays.desktop import desktop_views
-from mimics_app.rendering.visual.materials import shader_library
-from mimics_app.rendering.visual.materials.carried_uniforms import carry_uniforms
 from mimics_app.rendering.visual.materials.shader_library import FEW_PIXELS, ShaderLibrary
 from mimics_app.rendering.visual.materials.shader_source import ShaderSource, read_shader_file
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.software import carried_uniforms
+from mimics_app.rendering.visual.software.carried_uniforms import carry_uniforms
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from tests.golden.demo_world import make_tunnel_world
 from tests.golden.drawing import draw_world
@@ -85,9 +85,9 @@ def test_a_carried_program_links_and_a_line_keeps_its_place(sources):
 def test_no_pixel_changes(monkeypatch, settings):
     world = make_tunnel_world()
     pictures = []
-    for carry in (carry_uniforms, lambda vertex, fragment: None):
+    for carry in (carry_uniforms, lambda vertex, fragment: False):
         monkeypatch.setattr(targets, "_CARRIED_FROM", 0)
-        monkeypatch.setattr(shader_library, "carry_uniforms", carry)
+        monkeypatch.setattr(carried_uniforms, "carry_uniforms", carry)
         with create_surface("egl", (240, 135)) as surface:
             pictures.append(
                 draw_world(surface, world, desktop_views(world.cameras[0], surface.size), settings, hud=True)

@@ -10,9 +10,9 @@ import pytest
 
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.surfaces import raster_threads
+from mimics_app.rendering.visual.software import raster_threads
+from mimics_app.rendering.visual.software.raster_threads import RasterThreads
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
-from mimics_app.rendering.visual.surfaces.raster_threads import RasterThreads
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.meshes.primitives import icosphere
 from mimics_app.world.world import World
@@ -44,7 +44,7 @@ class Placing:
 )
 def test_threads_make_way_then_spread_and_move_only_where_two_share_a_core(monkeypatch, on, spread):
     system = Placing(monkeypatch, on)
-    threads = RasterThreads(software=True)
+    threads = RasterThreads()
     with threads.submitting(placed=True):
         (left,) = {frozenset(cores) for cores in system.allowed.values()}
         assert len(left) == 1
@@ -54,20 +54,19 @@ def test_threads_make_way_then_spread_and_move_only_where_two_share_a_core(monke
 
 
 @pytest.mark.parametrize(
-    ("on", "cores", "software", "few"),
+    ("on", "cores", "few"),
     [
-        ({7: 0, 8: 0}, 2, False, False),
-        ({7: 0, 8: 0}, 2, True, True),
-        ({7: 0}, 1, True, False),
-        ({7: 0, 8: 0}, 4, True, False),
-        ({thread: 0 for thread in range(7, 15)}, 8, True, False),
-        ({}, 2, True, False),
+        ({7: 0, 8: 0}, 2, True),
+        ({7: 0}, 1, False),
+        ({7: 0, 8: 0}, 4, False),
+        ({thread: 0 for thread in range(7, 15)}, 8, False),
+        ({}, 2, False),
     ],
 )
-def test_nothing_is_demanded_elsewhere(monkeypatch, on, cores, software, few):
-    """A graphics card, few pixels, one core, threads of another number, many cores, no threads."""
+def test_nothing_is_demanded_elsewhere(monkeypatch, on, cores, few):
+    """Few pixels, one core, threads of another number, many cores, no threads."""
     system = Placing(monkeypatch, on, cores)
-    threads = RasterThreads(software=software)
+    threads = RasterThreads()
     with threads.submitting(placed=not few):
         pass
     threads.free()
@@ -76,7 +75,7 @@ def test_nothing_is_demanded_elsewhere(monkeypatch, on, cores, software, few):
 
 def test_a_thread_that_ended_leaves_the_others_free(monkeypatch):
     system = Placing(monkeypatch, {7: 0, 8: 1})
-    threads = RasterThreads(software=True)
+    threads = RasterThreads()
     with threads.submitting(placed=True):
         del system.on[7]
         monkeypatch.setattr(raster_threads, "_core_of", lambda thread: system.on.get(thread, -1))

@@ -54,11 +54,11 @@ from mimics_app.rendering.visual.launcher.page_surface import PageSurface
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
-from mimics_app.rendering.visual.surfaces.window_copy import WindowCopy
+from mimics_app.rendering.visual.software.reversed_copy import ReversedCopy
 from tests.golden.test_still_picture import PLAIN, SIZE, make_world, view
 drawn = []
-draw = WindowCopy._draw
-WindowCopy._draw = lambda copy, picture, places, up: (drawn.append(places), draw(copy, picture, places, up=up))
+draw = ReversedCopy._draw
+ReversedCopy._draw = lambda copy, picture, places, up: (drawn.append(places), draw(copy, picture, places, up=up))
 world = make_world()
 with create_surface("window", SIZE, "parts") as surface:
     renderer, page = Renderer(surface, world, PLAIN), PageSurface(surface)

@@ -254,13 +254,13 @@ def test_what_is_chosen_is_what_is_drawn(of, monkeypatch):
     assert (live.ambient_occlusion, live.bloom) == (1.0, 0.0)
 
 
-def test_only_a_picture_drawn_on_the_processor_is_planned_by_its_costs(of, monkeypatch):
+def test_only_a_picture_that_pays_for_its_pixels_is_planned_by_its_costs(of, monkeypatch):
     class Surface:
         size = (640, 360)
 
     monkeypatch.setattr("mimics_app.app.planner.plan.load_table", lambda: (planted(), "planted"))
-    for software, samples in ((True, 0), (False, 4)):
-        monkeypatch.setattr("mimics_app.app.picture.picture.draws_in_software", lambda _, answer=software: answer)
+    for pays, samples in ((True, 0), (False, 4)):
+        monkeypatch.setattr("mimics_app.app.picture.picture.pays_for_pixels", lambda _, answer=pays: answer)
         assert live_quality(of(), "training", Surface()).msaa == samples
 
 

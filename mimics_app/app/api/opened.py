@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 __all__ = ["Opened", "open"]
 
 _LATCHED = (SafetyState.SAFE_STOP, SafetyState.E_STOP)
-_NOT_HERE = {"scene", "headless", "journey", "video", "pictures", "display", "recipe", "size", "quality"}
+_NOT_HERE = {"scene", "headless", "journey", "video", "pictures", "display", "recipe", "size", "quality", "opt"}
 """Settings of a run that have no meaning without a window, or are arguments of methods here."""
 _open: list[Path] = []
 """Run folder of the scene that is open in this process; one at a time, since the loop's work is one per process."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import statistics
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ from mimics_app.rendering.visual.frame_stats import FrameStats
 from mimics_app.rendering.visual.quality_steps import quality_steps
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen, read_pixels, save_png
+from mimics_app.rendering.visual.surfaces.rasteriser import without_software
 from mimics_app.rendering.visual.surfaces.surface import Size, Surface
 
 __all__ = ["RenderBench", "measure_render"]
@@ -43,6 +45,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "feedback": {"skinning": "feedback"},
     "freethreads": {"place_threads": False},
     "osmesa": {},
+    "nosoftware": {},
 }
 """Changes of the settings by the words of `--opt`."""
 
@@ -95,7 +98,9 @@ def measure_render(wanted: RenderBench) -> dict[str, Any]:
     changes: dict[str, Any] = {} if wanted.msaa is None else {"msaa": wanted.msaa}
     for word in wanted.options:
         changes |= _OPTIONS[word]
-    with open_offscreen("osmesa" if "osmesa" in wanted.options else "egl", wanted.size) as surface:
+    backend = "osmesa" if "osmesa" in wanted.options else "egl"
+    driver = without_software() if "nosoftware" in wanted.options else nullcontext()
+    with driver, open_offscreen(backend, wanted.size) as surface:
         renderer = Renderer(surface, workload.world, replace(workload.quality(surface), **changes))
         lowered = _settle(wanted.fps, wanted, workload, renderer) if wanted.fps else {}
         answer = {**_time_frames(wanted, workload, renderer, surface), **lowered, **_quality(renderer)}

@@ -4,10 +4,19 @@ from __future__ import annotations
 
 import argparse
 import sys
+from contextlib import nullcontext
 from dataclasses import fields
 from pathlib import Path
 
-from mimics_app.app.settings import DIFFICULTIES, PATIENTS, QUALITIES, RECIPES, SOUNDS, RunSettings
+from mimics_app.app.settings import (
+    DIFFICULTIES,
+    PATIENTS,
+    PICTURE_OPTIONS,
+    QUALITIES,
+    RECIPES,
+    SOUNDS,
+    RunSettings,
+)
 from mimics_app.app.terminal.arguments import (
     Container,
     add_display_argument,
@@ -119,6 +128,12 @@ def _add_outputs(group: Container) -> None:
         choices=QUALITIES,
         default="auto",
         help="auto: lower the picture's quality where a frame would take too long; full: never",
+    )
+    group.add_argument(
+        "--opt",
+        choices=PICTURE_OPTIONS,
+        default="",
+        help="nosoftware: without a graphics card, draw as on one, for comparison: the same picture, more slowly",
     )
     add_window_size_argument(group)
     add_display_argument(group)
@@ -232,8 +247,10 @@ def _play(settings: RunSettings, *, as_json: bool) -> int:
         read = read_requested(settings)
     say_if_cold(log.doing)
     from mimics_app.app.play.play import play
+    from mimics_app.rendering.visual.surfaces.rasteriser import without_software
 
-    return play(settings, as_json=as_json, read=read)
+    with without_software() if settings.opt == "nosoftware" else nullcontext():
+        return play(settings, as_json=as_json, read=read)
 
 
 def _look(args: argparse.Namespace) -> int:

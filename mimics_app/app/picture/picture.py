@@ -34,15 +34,15 @@ from mimics_app.rendering.visual.passes.hud import plane_of_views
 from mimics_app.rendering.visual.presenting.presenter import Presenter
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
 from mimics_app.rendering.visual.surfaces.headless import WritePng, write_png
+from mimics_app.rendering.visual.surfaces.rasteriser import rasteriser_of
 from mimics_app.rendering.visual.surfaces.surface import Size, Surface
 from mimics_app.rendering.visual.view import Latch, View
 from mimics_app.world.components.visible import Hud as HudComponent
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["Picture", "draws_in_software", "live_quality", "picture_quality"]
+__all__ = ["Picture", "live_quality", "pays_for_pixels", "picture_quality"]
 
 _LEAD_SHARE = 0.1
 """Share of a frame's time to its display that goes into the prediction for the next one."""
@@ -64,12 +64,12 @@ def live_quality(
         full: True for the full quality, however long a frame takes.
     """
     width, height = drawn or surface.size
-    return picture_quality(scene, profile, width * height if draws_in_software(surface) else 0, limited=not full)
+    return picture_quality(scene, profile, width * height if pays_for_pixels(surface) else 0, limited=not full)
 
 
-def draws_in_software(surface: Surface) -> bool:
-    """Whether the driver draws on the processor."""
-    return read_capabilities(surface.ctx).software
+def pays_for_pixels(surface: Surface) -> bool:
+    """Whether the time of a frame grows with its pixels, see `Rasteriser`."""
+    return rasteriser_of(surface.ctx).pays_for_pixels
 
 
 def picture_quality(scene: Scene, profile: Profile, pixels: int = 0, *, limited: bool = True) -> RenderSettings:
@@ -150,7 +150,7 @@ class Picture:
         self._image: Path | None = None
         self._operators: tuple[PageSurface, BoardLayout] | None = None
         self.stats: FrameStats | None = None
-        self._software = draws_in_software(surface)
+        self._defers = rasteriser_of(surface.ctx).defers
         self.show(scene, world)
 
     def show(self, scene: Scene, world: World) -> None:
@@ -268,11 +268,11 @@ class Picture:
         self.surface.renew()
         self.presenter.renew()
         self.renderer.renew()
-        self._software = draws_in_software(self.surface)
+        self._defers = rasteriser_of(self.surface.ctx).defers
 
     def _show(self, board: Board, clock: Clock) -> int:
         views = self.views
-        draw = self.renderer.draw if self._software else self.renderer.draw_finished
+        draw = self.renderer.draw if self._defers else self.renderer.draw_finished
         self.stats = draw(views, self._latch, partial(self.lay_out, board, views))
         self.presenter.present()
         if self.presenter.mirrored:
@@ -280,7 +280,7 @@ class Picture:
         waited_ns = clock.now_ns()
         with self.timer.stage("swap"):
             self.surface.swap()
-        done_ns = clock.now_ns() if self._software else waited_ns
+        done_ns = clock.now_ns() if self._defers else waited_ns
         if self.film is not None:
             self.film.take(done_ns)
         self.report_issues()

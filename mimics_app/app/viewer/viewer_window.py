@@ -86,7 +86,7 @@ class ViewerSession:
                 looked = now
                 self._look(now)
             if self._controls.dirty or self._viewport.renderer.shows("graph"):
-                self._controls.dirty, drawn, rested = False, now, not self._viewport.in_software
+                self._controls.dirty, drawn, rested = False, now, not self._viewport.pays_for_pixels
                 self._draw(smooth=rested)
             elif not rested and now - drawn > _REST_NS:
                 rested = True

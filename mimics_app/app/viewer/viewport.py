@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mimics_app.app.picture.lost_picture import draw_or_recover
-from mimics_app.app.picture.picture import draws_in_software, picture_quality
+from mimics_app.app.picture.picture import pays_for_pixels, picture_quality
 from mimics_app.app.settings import Profile
 from mimics_app.app.terminal.output import say
 from mimics_app.app.viewer.orbit_camera import OrbitCamera
@@ -56,9 +56,9 @@ class Viewport:
         self.reset()
 
     @property
-    def in_software(self) -> bool:
-        """Whether the picture is drawn on the processor."""
-        return draws_in_software(self.surface)
+    def pays_for_pixels(self) -> bool:
+        """Whether the time of a frame grows with its pixels, see `Rasteriser`."""
+        return pays_for_pixels(self.surface)
 
     def show(self, shown: Shown) -> None:
         """Show another model or scene, or the same reloaded; the orbit camera stays."""

@@ -34,7 +34,8 @@ from mimics_app.rendering.visual.stages.shadow_stage import ShadowStage, light_f
 from mimics_app.rendering.visual.stages.still_picture import StillPicture
 from mimics_app.rendering.visual.stages.world_stage import FrameScene, ViewDraws, WorldStage
 from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
-from mimics_app.rendering.visual.surfaces.raster_threads import RasterThreads
+from mimics_app.rendering.visual.surfaces.driver_threads import DriverThreads
+from mimics_app.rendering.visual.surfaces.rasteriser import rasteriser_of
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.targets import PictureTarget
 from mimics_app.rendering.visual.view import Latch, Rect, View
@@ -103,7 +104,8 @@ class Renderer:
         self._effects: EffectStage | None = None
         self._hud_pass = HudPass(ctx, self._shaders)
         self._kept_board = KeptBoard(surface, self._hud_pass)
-        self._pictures, self._raster = PictureStage(ctx, self._shaders), RasterThreads(software=has.software)
+        self._pictures = PictureStage(ctx, self._shaders)
+        self._threads = rasteriser_of(ctx).member(DriverThreads)()
         self._still, self._lighting = StillPicture(sparse=self._sparse), KeptLighting()
         self._materials.live = self._pictures.pictures
         # Once requested, the shaders keep reading it: a governor's step compiles nothing.
@@ -139,7 +141,7 @@ class Renderer:
         Args:
             views: One view per eye; at least one.
             latch: Called just before the world is drawn, for views of the newest head pose; None without tracking.
-            lay_out: Called when the world is submitted, while a software driver draws it; None: `hud` is filled.
+            lay_out: Called when the world is submitted, while the driver draws it; None: `hud` is filled.
 
         Raises:
             UsageError: `views` is empty.
@@ -231,7 +233,7 @@ class Renderer:
             lay_out()
         with self._timed("prepare"):
             scene = self._prepare(views)
-        draws = self._draw_shadows() if self._has.software else 0  # its threads do so while the views are culled
+        draws = self._draw_shadows()  # the driver does so while the views are culled
         with self._timed("cull"):
             parts = self._changed_parts(scene, views if latch is None else ())
             target = self._picture.begin()
@@ -241,14 +243,13 @@ class Renderer:
             self._upload()
             if scene.effects is not None:
                 scene.effects.upload()
-        draws += 0 if self._has.software else self._draw_shadows()
         with self._timed("mirrors"):
             draws += self._pictures.draw(self._world, scene, self._picture.samples)
         with self._timed("submit"):
             if latch is not None:
                 drawn = [each.latched(newer) for each, newer in zip(drawn, latch(), strict=True)]
             paint = self._world.draw if parts is None else self._world.draw_parts
-            with self._raster.submitting(placed=self.settings.place_threads and not self._frame.few_pixels):
+            with self._threads.submitting(placed=self.settings.place_threads and not self._frame.few_pixels):
                 draws += paint(target, self._picture.samples, scene, drawn)
             self._picture.holds = self._picture.keep
         if self._overlay is not None and self._overlay.shows:
@@ -259,7 +260,7 @@ class Renderer:
             lay_out()
         with self._timed("post"):
             draws += self._draw_over(views, parts)
-        self._raster.free()
+        self._threads.free()
         if times is not None:
             times.begun = False
         return self._shadows.triangles + self._pictures.triangles + sum(each.triangles for each in drawn), draws
@@ -288,7 +289,8 @@ class Renderer:
     def _changed_parts(self, scene: FrameScene, views: Sequence[View]) -> list[ChangedPart] | None:
         """Return the parts in which the picture changed; None: draw all of it."""
         place = self._picture.rectangle(views[0].rectangle if views else (0, 0, 0, 0))
-        if (self._overlay and self._overlay.shows) or not (self._has.software and may_keep(scene, views, place)):
+        software = rasteriser_of(self._surface.ctx).defers
+        if (self._overlay and self._overlay.shows) or not (software and may_keep(scene, views, place)):
             self._still.forget()
             self._pictures.forget()
             parts = None

@@ -12,8 +12,8 @@ from mimics_app.contracts.arrays import F8, I4, U1
 from mimics_app.rendering.visual.drawing.mesh_arena import COMMAND_WORDS, MeshArena
 from mimics_app.rendering.visual.kernels.commands import MAX_TRIANGLES, write_commands, write_instances
 from mimics_app.rendering.visual.materials.look import Look
-from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
 from mimics_app.rendering.visual.surfaces.fence import Fence
+from mimics_app.rendering.visual.surfaces.rasteriser import rasteriser_of
 from mimics_app.rendering.visual.surfaces.raw_gl import TRIANGLES, RawGL
 from mimics_app.world.entity_ids import grown
 
@@ -77,7 +77,7 @@ class FrameBuffers:
         self._commands = np.zeros((256, COMMAND_WORDS), np.uint32)
         self._runs = np.zeros((256, 4), np.int64)
         self._buffer: moderngl.Buffer | None = None
-        self._raw = RawGL(ctx) if read_capabilities(ctx).software else None
+        self._raw = RawGL(ctx) if rasteriser_of(ctx).defers else None
         self._fence = Fence(ctx)
         self._waiting, self._most_waiting, self._flushes = 0, MAX_TRIANGLES, 0
         self.instance_count = self.command_count = 0

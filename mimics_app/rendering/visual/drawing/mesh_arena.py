@@ -14,7 +14,7 @@ from mimics_app.contracts.arrays import F4
 from mimics_app.rendering.visual.drawing.occluder_boxes import Solid, find_solid
 from mimics_app.rendering.visual.drawing.seen_triangles import SeenTriangles
 from mimics_app.rendering.visual.materials.vertex_arrays import VertexArrays
-from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
+from mimics_app.rendering.visual.surfaces.rasteriser import rasteriser_of
 from mimics_app.rendering.visual.surfaces.raw_gl import RawGL
 from mimics_app.world.meshes.mesh import MeshData
 from mimics_app.world.meshes.mesh_buffer import MeshChange
@@ -82,7 +82,7 @@ class MeshArena:
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
-        self._software = read_capabilities(ctx).software
+        self._software = rasteriser_of(ctx).defers
         self.seen: SeenTriangles | None = None
         self.ranges: dict[str, MeshRange] = {}
         self.solids: dict[str, Solid] = {}

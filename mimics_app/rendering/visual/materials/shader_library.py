@@ -14,9 +14,14 @@ import numpy as np
 from mimics_app.contracts.arrays import F4, F8
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.system import resources
-from mimics_app.rendering.visual.materials.carried_uniforms import carry_uniforms
-from mimics_app.rendering.visual.materials.shader_source import ShaderFile, ShaderSource, read_shader_file, stamp_of
-from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
+from mimics_app.rendering.visual.materials.shader_source import (
+    PixelInputs,
+    ShaderFile,
+    ShaderSource,
+    read_shader_file,
+    stamp_of,
+)
+from mimics_app.rendering.visual.surfaces.rasteriser import rasteriser_of
 
 if TYPE_CHECKING:
     import moderngl
@@ -24,7 +29,7 @@ if TYPE_CHECKING:
 __all__ = ["FEW_PIXELS", "ShaderLibrary", "ShaderProgram"]
 
 FEW_PIXELS = "FEW_PIXELS"
-"""Define of a program with few pixels per vertex: its vertices carry no uniforms, see `carry_uniforms`."""
+"""Define of a program with few pixels per vertex: its shaders are not rewritten, see `PixelInputs`."""
 
 
 _DRIVER_LINES = (
@@ -102,7 +107,7 @@ class ShaderLibrary:
 
     def __init__(self, ctx: moderngl.Context, folder: Path | None = None) -> None:
         self._ctx = ctx
-        self._carries = read_capabilities(ctx).software
+        self._inputs = rasteriser_of(ctx).member(PixelInputs)()
         self.folder = folder or resources.root() / "shaders"
         self._programs: dict[_Key, ShaderProgram] = {}
         self._files: dict[str, ShaderFile] = {}
@@ -176,13 +181,13 @@ class ShaderLibrary:
     def _compile(
         self, vertex: str, fragment: str, defines: tuple[str, ...], varyings: tuple[str, ...]
     ) -> tuple[moderngl.Program, dict[Path, int]]:
-        if fragment and self._carries and FEW_PIXELS not in defines:
-            sources = self._assemble(vertex, fragment, defines)
-            carry_uniforms(*sources)
+        sources = self._assemble(vertex, fragment, defines)
+        if fragment and FEW_PIXELS not in defines and self._inputs.rewrite(*sources):
             # Not every valid pair of shaders can be rewritten, and messages are to be about what is in the files.
             with suppress(SceneError):
                 return self._link(sources, varyings)
-        return self._link(self._assemble(vertex, fragment, defines), varyings)
+            sources = self._assemble(vertex, fragment, defines)
+        return self._link(sources, varyings)
 
     def _assemble(self, vertex: str, fragment: str, defines: tuple[str, ...]) -> list[ShaderSource]:
         return [ShaderSource(self._read, name, defines) for name in (vertex, fragment) if name]

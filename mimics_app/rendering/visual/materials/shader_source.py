@@ -9,7 +9,7 @@ from pathlib import Path
 
 from mimics_app.contracts.errors import Issue, SceneError
 
-__all__ = ["ShaderFile", "ShaderLine", "ShaderSource", "read_shader_file", "stamp_of"]
+__all__ = ["PixelInputs", "ShaderFile", "ShaderLine", "ShaderSource", "read_shader_file", "stamp_of"]
 
 _INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"\s*$')
 _VERSION = "#version 430 core"
@@ -69,6 +69,19 @@ class ShaderSource:
                 self._paste(line.included, name)
             else:
                 self.lines.append(line)
+
+
+class PixelInputs:
+    """How pixels get what is the same for all of them; on a graphics card: from uniforms, as the shaders say."""
+
+    def rewrite(self, vertex: ShaderSource, fragment: ShaderSource) -> bool:
+        """Rewrite a pair of shaders; return whether one of them changed.
+
+        Args:
+            vertex: Shader of the vertices.
+            fragment: Shader of the pixels.
+        """
+        return False
 
 
 def read_shader_file(path: Path, included_by: str) -> ShaderFile:

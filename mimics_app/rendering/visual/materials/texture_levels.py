@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.materials.vertex_arrays import bare_arrays
-from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
 from mimics_app.rendering.visual.surfaces.raw_gl import SRGB8_ALPHA8, function_address
 
 if TYPE_CHECKING:
@@ -68,9 +67,6 @@ class TextureLevels:
         self._ctx, self._shaders = ctx, shaders
         self._arrays = bare_arrays(ctx)
         self._calls: dict[str, Callable[..., Any]] = {}
-        # llvmpipe never frees the targets of the most draws that were pending at once: from 64 on it draws nothing
-        # ahead any more, and whatever samples one of these targets flushes its queue, for the rest of the run.
-        self._waits = read_capabilities(ctx).software
 
     def make(self, texture: moderngl.Texture | moderngl.TextureArray, *, srgb: bool) -> None:
         """Fill all levels of a texture from its finest one; wrap and filter are set by the caller afterwards.
@@ -117,8 +113,9 @@ class TextureLevels:
             else:
                 self._calls["glFramebufferTexture2D"](_FRAMEBUFFER, _COLOUR, _TEXTURE_2D, texture.glo, level)
             array.render(moderngl.TRIANGLES, vertices=3)
-            if self._waits:
-                self._ctx.finish()
+            # llvmpipe never frees the targets of the most draws that were pending at once: from 64 on it draws nothing
+            # ahead any more, and whatever samples one of these targets flushes its queue, for the rest of the run.
+            self._ctx.finish()
 
     def _reserve(self, kind: int, level: int, size: tuple[int, int, int], inner: int) -> None:
         """Allocate a level."""

@@ -19,7 +19,7 @@ from mimics_app.rendering.visual.overlay.line_set import LineSet
 from mimics_app.rendering.visual.overlay.stage_times import StageTimes
 from mimics_app.rendering.visual.stages.shadow_stage import ShadowStage
 from mimics_app.rendering.visual.stages.world_stage import FrameScene, ViewDraws, WorldStage
-from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
+from mimics_app.rendering.visual.surfaces.rasteriser import rasteriser_of
 
 if TYPE_CHECKING:
     import moderngl
@@ -57,7 +57,7 @@ class Overlay:
         self.arrows: list[Arrow] = []
         self.chosen: int | None = None
         self.handles: list[Arrow] = []
-        self.times = StageTimes(ctx, clock, software=read_capabilities(ctx).software)
+        self.times = StageTimes(ctx, clock, defers=rasteriser_of(ctx).defers)
         self.hud = Hud()
         self.note = ""
         self._lines = LineSet()

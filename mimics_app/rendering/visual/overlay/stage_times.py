@@ -49,7 +49,7 @@ class StageTimes:
     Args:
         ctx: Context to query.
         clock: Clock of the CPU times.
-        software: Whether the driver draws on the processor.
+        defers: Whether the driver draws when it is waited for, see `Rasteriser`: each stage waits for it.
 
     Attributes:
         frames: Oldest first, at most 240; the last one is in progress.
@@ -58,10 +58,10 @@ class StageTimes:
             driver's deferred drawing counts for a later stage.
     """
 
-    def __init__(self, ctx: moderngl.Context, clock: Clock, *, software: bool) -> None:
+    def __init__(self, ctx: moderngl.Context, clock: Clock, *, defers: bool) -> None:
         self._ctx = ctx
         self._clock = clock
-        self._software = software
+        self._defers = defers
         self._queries: list[dict[str, moderngl.Query]] = [{} for _ in range(_BEHIND)]
         self._queried: list[tuple[FrameTimes, list[str]]] = [(FrameTimes(), []) for _ in range(_BEHIND)]
         self._number = 0
@@ -85,7 +85,7 @@ class StageTimes:
         """Time a stage; stages cannot be nested."""
         slot = self._number % _BEHIND
         frame, stages = self._queried[slot]
-        if self._software or not self.waits:
+        if self._defers or not self.waits:
             started = self._clock.now_ns()
             yield
             if self.waits:

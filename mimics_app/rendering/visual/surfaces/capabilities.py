@@ -12,9 +12,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Capabilities", "read_capabilities"]
 
-_SOFTWARE = ("llvmpipe", "softpipe", "SwiftShader")
-"""Names of renderers that draw on the processor."""
-
 
 @dataclass(frozen=True)
 class Capabilities:
@@ -33,11 +30,6 @@ class Capabilities:
     texture_size: int
     extensions: frozenset[str]
     renderer: str = ""
-
-    @property
-    def software(self) -> bool:
-        """Whether the driver draws on the processor."""
-        return any(name in self.renderer for name in _SOFTWARE)
 
     def missing(self, needs: Needs) -> list[str]:
         """Return the needs that are not met, in words; [] when all are."""

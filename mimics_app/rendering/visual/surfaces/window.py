@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.messages.window_input import GamepadState, InputEvent
-from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
+from mimics_app.rendering.visual.surfaces.rasteriser import rasteriser_of
 from mimics_app.rendering.visual.surfaces.surface import Place, Size, Surface
 from mimics_app.rendering.visual.surfaces.window_copy import WindowCopy
 from mimics_app.rendering.visual.surfaces.window_size import on_the_desktop, smallest_size, usual_size
@@ -33,8 +33,8 @@ _READ_FRAMEBUFFER, _DRAW_FRAMEBUFFER, _COLOUR_BUFFER_BIT, _NEAREST = 0x8CA8, 0x8
 class WindowSurface(Surface):
     """A window, of which there is one at a time: the picture is drawn offscreen and copied to it by `swap`.
 
-    Without a size it is as suits the monitor, or small where a scene is drawn in software. F11 toggles full screen.
-    With `stereo` it is quad-buffered, and `swap` fills both back buffers from the halves of `both_eyes`.
+    Without a size it is as suits the monitor, or small for a scene whose frames pay for their pixels. F11 toggles full
+    screen. With `stereo` it is quad-buffered, and `swap` fills both back buffers from the halves of `both_eyes`.
 
     Raises:
         DeviceError: no display, no OpenGL 4.3, or no quad buffers.
@@ -79,7 +79,7 @@ class WindowSurface(Surface):
         self._listen()
         context = moderngl.create_context(require=430)
         if size is None:
-            if self._scene and read_capabilities(context).software:  # the time of a frame grows with its pixels
+            if self._scene and rasteriser_of(context).pays_for_pixels:
                 glfw.set_window_size(self._window, *on_the_desktop(glfw, smallest_size(glfw)))
         if self._visible:
             glfw.show_window(self._window)
@@ -183,7 +183,7 @@ class WindowSurface(Surface):
 
     def _take(self, ctx: moderngl.Context) -> None:
         super()._take(ctx)
-        self._copy = WindowCopy(ctx, draws=read_capabilities(ctx).software)
+        self._copy = rasteriser_of(ctx).member(WindowCopy)(ctx)
         self._changed, self._noted_by = [], self  # noted by nobody, which is not the same as no painter
 
     def toggle_fullscreen(self) -> None:

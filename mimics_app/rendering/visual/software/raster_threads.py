@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from mimics_app.rendering.visual.surfaces.driver_threads import DriverThreads
+
 __all__ = ["RasterThreads"]
 
 _TASKS = Path("/proc/self/task")
@@ -18,21 +20,18 @@ _PROCESSOR = 36
 """Field of a task's `stat`, counted after its name, with the core it ran on last (proc_pid_stat(5))."""
 
 
-class RasterThreads:
+class RasterThreads(DriverThreads):
     """Places the rasteriser's threads frame by frame; idle on other systems, with more cores or with other threads.
 
     There is one thread per core, and one more that submits. Linux leaves two of them on one core for up to 13 ms while
     another core is idle, and lets one compete with the thread that submits, for which the others then wait.
-
-    Args:
-        software: False where the processor does not draw.
     """
 
-    def __init__(self, *, software: bool) -> None:
+    def __init__(self) -> None:
         self._cores: list[int] = []
         self._threads: list[int] = []
         self._placed = False
-        if not (software and hasattr(os, "sched_setaffinity") and _TASKS.is_dir()):
+        if not (hasattr(os, "sched_setaffinity") and _TASKS.is_dir()):
             return
         cores, threads = sorted(os.sched_getaffinity(0)), _find_threads()
         if 2 <= len(cores) == len(threads) <= _MOST_CORES and all(os.sched_getaffinity(n) == {*cores} for n in threads):
@@ -41,10 +40,9 @@ class RasterThreads:
 
     @contextmanager
     def submitting(self, *, placed: bool) -> Iterator[None]:
-        """Leave its core to the caller, who submits; then spread the threads over all cores, while it waits for them.
+        """Leave its core to the caller; then spread the threads over all cores, while it waits for them.
 
-        Args:
-            placed: False leaves them to the system, as for a picture of few pixels, which costs less than placing them.
+        A picture of few pixels costs less than placing them.
         """
         if not (placed and self._threads):
             yield
@@ -57,7 +55,6 @@ class RasterThreads:
             self._place([[core] for core in self._own_cores()])
 
     def free(self) -> None:
-        """Let the system place the threads again."""
         if self._placed:
             self._place([self._cores] * len(self._threads))
             self._placed = False

@@ -10,9 +10,9 @@ import re
 from collections import Counter
 from dataclasses import dataclass
 
-from mimics_app.rendering.visual.materials.shader_source import ShaderLine, ShaderSource
+from mimics_app.rendering.visual.materials.shader_source import PixelInputs, ShaderLine, ShaderSource
 
-__all__ = ["carry_uniforms"]
+__all__ = ["CarriedUniforms", "carry_uniforms"]
 
 _BLOCK = re.compile(r"layout\(std140, binding = \d+\) uniform (\w+) \{")
 _BLOCK_END = "};"
@@ -39,16 +39,26 @@ class _Carried:
         return f"flat {how} {self.kind} carried_{self.name}{self.dimension};"
 
 
-def carry_uniforms(vertex: ShaderSource, fragment: ShaderSource) -> None:
+class CarriedUniforms(PixelInputs):
+    """Carries the uniforms that `carry_uniforms` finds."""
+
+    def rewrite(self, vertex: ShaderSource, fragment: ShaderSource) -> bool:
+        return carry_uniforms(vertex, fragment)
+
+
+def carry_uniforms(vertex: ShaderSource, fragment: ShaderSource) -> bool:
     """Let a fragment shader read the uniforms of both shaders' blocks, and those of its own, from flat inputs.
 
     Args:
         vertex: Shader of the vertices, which is extended.
         fragment: Shader of the pixels; names of uniforms become those of inputs.
+
+    Returns:
+        Whether there are any.
     """
     carried = _find_carried(fragment, {match[1] for line in vertex.lines if (match := _BLOCK.match(line.text))})
     if not carried:
-        return
+        return False
     for each in reversed(carried):
         place = fragment.lines[each.index].place
         added = (each.declare("in"), f"#define {each.name} carried_{each.name}")
@@ -62,6 +72,7 @@ def carry_uniforms(vertex: ShaderSource, fragment: ShaderSource) -> None:
     # The extension of a shader has to stand before everything else that is compiled; a define need not.
     vertex.lines.insert(1, ShaderLine("#define main place_vertex", first))
     vertex.lines += [ShaderLine(text, last) for text in ending]
+    return True
 
 
 def _find_carried(fragment: ShaderSource, shared: set[str]) -> list[_Carried]:

@@ -1,0 +1,86 @@
+"""The room for drawing in software: who imports it, and that the picture is the same without it."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from mimics_app.app.cli import main
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.rasteriser import Rasteriser, rasteriser_of, without_software
+from tests.architecture.sources import ROOT, imports, modules
+from tests.golden.drawing import draw_tunnel
+
+ROOM = "mimics_app.rendering.visual.software"
+
+
+def _imported_by(code: str) -> set[str]:
+    code += "\nimport json, sys\nprint(json.dumps([name for name in sys.modules if name.startswith('mimics_app')]))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    return set(json.loads(done.stdout.splitlines()[-1]))
+
+
+_OPEN = """
+import mimics_app.rendering.visual.renderer as renderer
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.rasteriser import without_software
+from mimics_app.world.world import World
+"""
+
+
+def test_a_renderer_imports_the_room_for_a_driver_that_draws_on_the_processor_alone():
+    at_import = _imported_by(_OPEN)
+    assert f"{ROOM.rpartition('.')[0]}.renderer" in at_import
+    assert not [name for name in at_import if name.startswith(ROOM)]
+    draw = f"{_OPEN}with create_surface('egl', (8, 8)) as surface: renderer.Renderer(surface, World())"
+    assert f"{ROOM}.room" in _imported_by(draw)
+    as_on_a_card = draw.replace("with create", "with without_software(), create")
+    assert not [name for name in _imported_by(as_on_a_card) if name.startswith(ROOM)]
+
+
+def test_nobody_outside_the_room_imports_it():
+    """`lint-imports` sees to the layers; this sees imports within functions and for typing, too."""
+    inside = ROOM.removeprefix("mimics_app.").replace(".", "/")
+    found = [
+        path
+        for path, tree in modules().items()
+        if not path.startswith(f"{inside}/") and any(name.startswith(ROOM) for _, name in imports(tree))
+    ]
+    assert not found
+
+
+def test_without_it_every_class_is_its_own_member():
+    with create_surface("egl", (8, 8)) as surface:
+        in_software = rasteriser_of(surface.ctx)
+        assert rasteriser_of(surface.ctx) is in_software
+        assert type(in_software) is not Rasteriser and in_software.pays_for_pixels and in_software.defers
+    with without_software(), create_surface("egl", (8, 8)) as surface:
+        card = rasteriser_of(surface.ctx)
+        assert type(card) is Rasteriser and card.member(dict) is dict
+        assert not (card.pays_for_pixels or card.defers)
+
+
+def test_the_picture_is_the_same_without_it(assert_same):
+    pictures = []
+    for off in (False, True):
+        with without_software() if off else create_surface("egl", (8, 8)), create_surface("egl", (480, 270)) as surface:
+            pictures.append(draw_tunnel(surface))
+    assert_same(*pictures, "the tunnel")
+
+
+@pytest.mark.parametrize("opt", ["", "nosoftware"])
+def test_a_run_and_a_bench_take_the_option(opt, tmp_path, monkeypatch):
+    seen = []
+    monkeypatch.setattr("mimics_app.app.play.play.play", lambda *_, **__: seen.append(_drawn_by()) or 0)
+    options = ["--opt", opt] if opt else []
+    assert main(["run", "wavy_tunnel", "--headless", "--json", "--runs", str(tmp_path), *options]) == 0
+    assert seen == [bool(opt)]
+
+
+def _drawn_by() -> bool:
+    """Whether a context made now is taken for a graphics card's."""
+    with create_surface("egl", (8, 8)) as surface:
+        return type(rasteriser_of(surface.ctx)) is Rasteriser
