@@ -11,10 +11,10 @@ import pytest
 from mimics_app.app.bench.workload_opening import open_workload
 from mimics_app.app.cli import main
 from mimics_app.maths.mat import look_at
-from mimics_app.rendering.visual.drawing import frame_buffers
 from mimics_app.rendering.visual.kernels.commands import MAX_TRIANGLES
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.software import batched_feed
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.surfaces.raw_gl import RawGL
@@ -63,7 +63,7 @@ def make_crowd(count=300, seed=2) -> World:
     return world
 
 
-@pytest.mark.parametrize(("size", "name"), [(SIZE, "MAX_TRIANGLES_OF_FEW_PIXELS"), ((640, 360), "MAX_TRIANGLES")])
+@pytest.mark.parametrize(("size", "name"), [(SIZE, "FEW_PIXELS_TRIANGLES"), ((640, 360), "MAX_TRIANGLES")])
 def test_a_large_frame_is_sent_in_pieces_which_nothing_shows(monkeypatch, size, name):
     """Of one mesh and of many: no pixel says in how many pieces a frame was sent."""
     world = World()
@@ -82,8 +82,8 @@ def test_a_large_frame_is_sent_in_pieces_which_nothing_shows(monkeypatch, size, 
     with create_surface("egl", size) as surface:
         drawn = Renderer(surface, world, PLAIN).draw(views)
         picture, sent = read_pixels(surface), len(pieces)
-        largest = getattr(frame_buffers, name)
-        monkeypatch.setattr(frame_buffers, name, 10 * drawn.triangles)
+        largest = getattr(batched_feed, name)
+        monkeypatch.setattr(batched_feed, name, 10 * drawn.triangles)
         pieces.clear()
         Renderer(surface, world, PLAIN).draw(views)
         np.testing.assert_array_equal(read_pixels(surface), picture)

@@ -36,7 +36,7 @@ def test_a_renderer_imports_the_room_for_a_driver_that_draws_on_the_processor_al
     assert f"{ROOM.rpartition('.')[0]}.renderer" in at_import
     assert not [name for name in at_import if name.startswith(ROOM)]
     draw = f"{_OPEN}with create_surface('egl', (8, 8)) as surface: renderer.Renderer(surface, World())"
-    assert f"{ROOM}.room" in _imported_by(draw)
+    assert f"{ROOM}.software_rasteriser" in _imported_by(draw)
     as_on_a_card = draw.replace("with create", "with without_software(), create")
     assert not [name for name in _imported_by(as_on_a_card) if name.startswith(ROOM)]
 

@@ -11,10 +11,10 @@ import pytest
 
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.system.resources import root
-from mimics_app.rendering.visual.kernels.sides import choose_states, measure_sides
 from mimics_app.rendering.visual.quality_steps import rehearse_steps
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.software.kernels.sides import choose_states, measure_sides
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View

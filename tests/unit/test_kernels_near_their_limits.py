@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mimics_app.rendering.visual.kernels.skin import skin_dual
-from mimics_app.rendering.visual.kernels.triangles import _is_turned
+from mimics_app.rendering.visual.software.kernels.triangles import _is_turned
 from mimics_app.rendering.visual.stages.screen_places import cover_of, parts_of
 
 SEED = 32

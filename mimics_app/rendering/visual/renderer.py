@@ -93,9 +93,9 @@ class Renderer:
         surface, ctx = self._surface, self._surface.ctx
         self._shaders = ShaderLibrary(ctx, self._shader_folder)
         self._arena = MeshArena(ctx)
-        self._has = has = read_capabilities(ctx)
+        self._has, self._deferred = has, _ = read_capabilities(ctx), rasteriser_of(ctx).defers
         self._materials = MaterialStore(ctx, self._shaders, has)
-        self._list = DrawList(self._arena, self._materials)
+        self._list = DrawList(self._arena, self._materials, rasteriser_of(ctx))
         self._frame = FrameBuffers(ctx, self._arena)
         self._bending = Bending(ctx, self._shaders, self._arena, self.settings.skinning)
         self._picture = PictureTarget(surface, self._shaders, self.settings, board_within=self._sparse)
@@ -104,8 +104,7 @@ class Renderer:
         self._effects: EffectStage | None = None
         self._hud_pass = HudPass(ctx, self._shaders)
         self._kept_board = KeptBoard(surface, self._hud_pass)
-        self._pictures = PictureStage(ctx, self._shaders)
-        self._threads = rasteriser_of(ctx).member(DriverThreads)()
+        self._pictures, self._threads = PictureStage(ctx, self._shaders), rasteriser_of(ctx).member(DriverThreads)()
         self._still, self._lighting = StillPicture(sparse=self._sparse), KeptLighting()
         self._materials.live = self._pictures.pictures
         # Once requested, the shaders keep reading it: a governor's step compiles nothing.
@@ -289,8 +288,7 @@ class Renderer:
     def _changed_parts(self, scene: FrameScene, views: Sequence[View]) -> list[ChangedPart] | None:
         """Return the parts in which the picture changed; None: draw all of it."""
         place = self._picture.rectangle(views[0].rectangle if views else (0, 0, 0, 0))
-        software = rasteriser_of(self._surface.ctx).defers
-        if (self._overlay and self._overlay.shows) or not (software and may_keep(scene, views, place)):
+        if (self._overlay and self._overlay.shows) or not (self._deferred and may_keep(scene, views, place)):
             self._still.forget()
             self._pictures.forget()
             parts = None

@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import B1, F4, F8, I4, U1
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena, is_rewritten
 from mimics_app.rendering.visual.kernels.bounds import follow_box
-from mimics_app.rendering.visual.kernels.sides import measure_sides
-from mimics_app.rendering.visual.kernels.triangles import BENT
 from mimics_app.rendering.visual.materials.look import Look
 from mimics_app.rendering.visual.materials.materials import MaterialStore
 from mimics_app.world.world import World
@@ -45,8 +43,6 @@ class DrawItems:
         entities: Entity index of the node, int32 [n].
         states: Number in `of_state`, int32 [n].
         small_states: The same on small triangles, -1 where that is no other, int32 [n].
-        sides: Length of its triangles' sides in the node's frame [m], see `measure_sides`; 0 where it has no other
-            state on small ones, float64 [n].
         shadow_states: Number in `of_shadow`, int32 [n].
         meshes: Number in `ranges`, int32 [n].
         paint: Instance parameters from the look, float32 [n, 4]; see `Look.paint`.
@@ -61,7 +57,7 @@ class DrawItems:
         families: Number of its body in the table of levels, -1: a body without levels; int32 [n].
         mesh_names: Keys in `World.meshes`.
         ranges: Indices, first index and base vertex of each mesh, int32 [meshes, 3].
-        still: See `kernels.triangles.pick_triangles`, int32 [meshes, 2].
+        listed: See `TriangleLists.line`, int32 [meshes, 2]; zeros for a mesh that was rewritten in place.
         bodies: Body of each skinned mesh, by its number in `ranges`.
         of_state: The states.
         of_shadow: The states of the shadow pass.
@@ -71,7 +67,6 @@ class DrawItems:
     entities: I4
     states: I4
     small_states: I4
-    sides: F8
     shadow_states: I4
     meshes: I4
     paint: F4
@@ -86,7 +81,7 @@ class DrawItems:
     families: I4
     mesh_names: list[str]
     ranges: I4
-    still: I4
+    listed: I4
     bodies: dict[int, SkinnedBody]
     of_state: list[DrawState]
     of_shadow: list[DrawState]
@@ -105,24 +100,13 @@ class DrawItems:
         known = self._numbers
         numbers = np.array([known[name] for name in names if name in known], np.int32)
         local, half = _bounds(world, [self.mesh_names[number] for number in numbers])
-        self.still[numbers] = 0
+        self.listed[numbers] = 0
         line = np.full(len(self.mesh_names), -1, np.int32)
         line[numbers] = np.arange(len(numbers))
         lines = line[self.meshes]
         touched: B1 = lines >= 0
         self.local[touched], self.half[touched] = local[lines[touched]], half[lines[touched]]
         return touched
-
-    @cached_property
-    def bent_parts(self) -> dict[int, tuple[SkinnedBody, str, int, bool, int, int]]:
-        """Body, mesh, row, whether it is one-sided, first index and number of indices of each item of a body."""
-        found = {}
-        for item, mesh in enumerate(self.meshes.tolist()):
-            if mesh in self.bodies:
-                count, start, _ = self.ranges[mesh].tolist()
-                of_mesh = self.bodies[mesh], self.mesh_names[mesh]
-                found[item] = (*of_mesh, int(self.rows[item]), bool(self.one_sided[item]), start, count)
-        return found
 
     @cached_property
     def _of_body(self) -> dict[SkinnedBody, I4]:
@@ -157,12 +141,11 @@ def list_items(world: World, arena: MeshArena, materials: MaterialStore) -> Draw
         [states.number(look.state, look, flag) for look, flag in zip(looks, wide, strict=True)], np.int32
     )
     bodies = world.motion.body_of
-    small, sides = np.full(len(kinds), -1, np.int32), np.zeros(len(kinds))
+    small = np.full(len(kinds), -1, np.int32)
     for i, (name, material) in enumerate(kinds):
         look = materials.small_look(material, coloured=coloured[i]) if name in bodies else None
         if look is not None:
             small[i] = states.number(look.state, look, wide[i])
-            sides[i] = measure_sides(world.meshes[name].positions, world.meshes[name].indices)
     shadows = _States()
     of_shadow = [shadows.number(look.shadow_state, look, flag) for look, flag in zip(looks, wide, strict=True)]
     local, half = _bounds(world, names)
@@ -172,7 +155,6 @@ def list_items(world: World, arena: MeshArena, materials: MaterialStore) -> Draw
         entities=listed.entity,
         states=_spread(of_kind, kind),
         small_states=_spread(small, kind),
-        sides=_spread(sides, kind),
         shadow_states=_spread(np.array(of_shadow, np.int32), kind),
         meshes=mesh,
         paint=_spread(np.array([look.paint for look in looks], np.float32).reshape(-1, 4), kind),
@@ -189,18 +171,16 @@ def list_items(world: World, arena: MeshArena, materials: MaterialStore) -> Draw
         ranges=np.array([(p.count, p.first, p.base_vertex) if p else (0, 0, 0) for p in ranges], np.int32).reshape(
             -1, 3
         ),
-        still=np.array([_still(world, arena, name) for name in names], np.int32).reshape(-1, 2),
+        listed=np.array([_listed(world, arena, name) for name in names], np.int32).reshape(-1, 2),
         bodies={mesh_of[name]: bodies[name] for name in names if name in bodies},
         of_state=states.found,
         of_shadow=shadows.found,
     )
 
 
-def _still(world: World, arena: MeshArena, name: str) -> tuple[int, int]:
-    """Return vertices and first group of a mesh whose triangles may be listed; zeros for another."""
-    if arena.seen is None or name not in arena.seen.groups or is_rewritten(world, name):
-        return 0, 0
-    return arena.ranges[name].vertices, BENT if name in world.motion.body_of else arena.seen.groups[name]
+def _listed(world: World, arena: MeshArena, name: str) -> tuple[int, int]:
+    """Return the line of a mesh whose triangles may be listed; zeros for one that was rewritten."""
+    return (0, 0) if is_rewritten(world, name) else arena.lists.line(name, bent=name in world.motion.body_of)
 
 
 def _families(world: World) -> I4:

@@ -26,12 +26,13 @@ from mimics_app.rendering.visual.drawing.occlusion import (
 )
 from mimics_app.rendering.visual.drawing.shadow_casters import Casters
 from mimics_app.rendering.visual.drawing.skinning import BentMeshes
-from mimics_app.rendering.visual.drawing.small_triangles import SmallTriangles
+from mimics_app.rendering.visual.drawing.state_choice import StateChoice
 from mimics_app.rendering.visual.kernels.bounds import gather_casters, update_bounds
 from mimics_app.rendering.visual.kernels.frustum import cull_flat
 from mimics_app.rendering.visual.kernels.levels import pick_levels
 from mimics_app.rendering.visual.materials.materials import MaterialStore
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surfaces.rasteriser import Rasteriser
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.world import World
 
@@ -64,8 +65,8 @@ class DrawList:
         fates: Fate of each item, 0 (in no view), `HIDDEN` or `DRAWN`, uint8 [n]; None unless requested.
     """
 
-    def __init__(self, arena: MeshArena, materials: MaterialStore) -> None:
-        self._arena = arena
+    def __init__(self, arena: MeshArena, materials: MaterialStore, rasteriser: Rasteriser) -> None:
+        self._arena, self._choose = arena, rasteriser.member(StateChoice)
         self._materials = materials
         self._revision: tuple[int, int, str, str] | None = None
         self._occlusion: OcclusionPass | None = None
@@ -108,7 +109,7 @@ class DrawList:
             light_features=light_features,
             shading=settings.shading,
             profile=settings.profile,
-            vertex_light=settings.vertex_light > 0.0,
+            vertex_light=settings.vertex_light > 0.0 and self._choose.by_size,
         )
         wanted = settings.occlusion if worth else "off"
         revision = (id(world), listed.revision, wanted, settings.culling)
@@ -116,7 +117,7 @@ class DrawList:
         self.remade = meshes or materials or other or revision[2:] != (self._revision or revision)[2:]
         stale = self.remade or revision != self._revision
         if stale:
-            self._take_structure(list_items(world, self._arena, self._materials))
+            self._take_structure(list_items(world, self._arena, self._materials), world)
             self._levels = Levels(world, self.items)
             nodes = world.transforms
             self._culler = make_culler(settings.culling, self.items, nodes.parent_rows, nodes.world[:, :3, 3])
@@ -126,7 +127,7 @@ class DrawList:
         self._levels.begin()
         self._detail, self._by_triangle = settings.detail, settings.occlusion != "off"
         self._by_processor = settings.skinning == "processor"
-        self._small.limit = settings.vertex_light
+        self._state.limit = settings.vertex_light
         self.tally = Tally()
         self._world = world.transforms.world
         before = self._shown.copy()
@@ -236,7 +237,7 @@ class DrawList:
         seen: bool = False,
     ) -> list[DrawRun]:
         """Sort the first `count` of some items, and queue them."""
-        states = self.items.shadow_states if shadow else self._small.states
+        states = self.items.shadow_states if shadow else self._state.states
         layered = not (shadow or frame.few_pixels)  # drawing a few pixels twice costs less than a draw
         self._order.sort(picked, count, origin, self.centres, self.radii, states, self._mirrored, layered=layered)
         parts = self._whole if shadow or not seen else self._parts
@@ -273,7 +274,7 @@ class DrawList:
         count = self._pick(views[0], shown, raster)
         if len(views) > 1:
             count = self._pick_also(views[1:], count, shown, sizes[1:], samples)
-        self._small.choose(key, between, sizes[0], picked, count, self.centres, self.radii)
+        self._state.choose(key, between, sizes[0], picked, count, self.centres, self.radii)
         self.used[picked[:count]] = self.drawn[picked[:count]] = True
         blended = self._split(count)
         solid = count - len(blended)
@@ -296,14 +297,12 @@ class DrawList:
 
     def _pick_triangles(self, view: View, count: int, raster: Raster, samples: int) -> bool:
         """List the triangles of the picked items that a view shows; return False where all are drawn."""
-        triangles = self._arena.seen
-        if triangles is None or not self._by_triangle or view.clip_plane is not None:
+        if not self._by_triangle or view.clip_plane is not None:
             return False
         nearness = NO_OCCLUDER if self._occlusion is None else self._occlusion.nearness
         bodies = (self.items, self._world, self.centres, self.radii, self._mirrored)
         bent = self.bent if self._by_processor else None
-        triangles.pick(self._picked[:count], *bodies, raster, samples, nearness, bent, self._parts)
-        return True
+        return self._arena.lists.pick(self._picked[:count], *bodies, raster, samples, nearness, bent, self._parts)
 
     def _pick_also(self, views: Sequence[View], count: int, shown: U1, sizes: Sequence[Size], samples: int) -> int:
         """Add the items visible in other views to those picked already; return how many there are."""
@@ -351,7 +350,7 @@ class DrawList:
         away = np.linalg.norm(self.centres[blended] - eye, axis=1)
         far_first = np.argsort(-away, kind="stable")
         order = np.ascontiguousarray(blended[far_first])
-        state = self._small.states, self._mirrored
+        state = self._state.states, self._mirrored
         runs = frame.add(order, len(order), eye, self.items, self._world, *state, self._whole, single=True)
         return runs, away[far_first]
 
@@ -365,7 +364,7 @@ class DrawList:
         self._picked[: len(kept)] = kept
         return apart
 
-    def _take_structure(self, items: DrawItems) -> None:
+    def _take_structure(self, items: DrawItems, world: World) -> None:
         self.items = items
         count = len(items.rows)
         self.centres, self.radii = np.zeros((count, 3)), np.zeros(count)
@@ -377,5 +376,5 @@ class DrawList:
         self._whole, self._parts = (np.full((count, 2), -1, np.int32) for _ in range(2))
         self._opaque = 0
         self._order: DrawOrder = DrawOrder(items)
-        self._small: SmallTriangles = SmallTriangles(items)
+        self._state: StateChoice = self._choose(items, world)
         self._any_transparent = bool(items.transparent.any())

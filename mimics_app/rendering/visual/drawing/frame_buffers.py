@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mimics_app.contracts.arrays import F8, I4, U1
+from mimics_app.rendering.visual.drawing.draw_feed import DrawFeed
 from mimics_app.rendering.visual.drawing.mesh_arena import COMMAND_WORDS, MeshArena
-from mimics_app.rendering.visual.kernels.commands import MAX_TRIANGLES, write_commands, write_instances
+from mimics_app.rendering.visual.kernels.commands import write_commands, write_instances
 from mimics_app.rendering.visual.materials.look import Look
-from mimics_app.rendering.visual.surfaces.fence import Fence
 from mimics_app.rendering.visual.surfaces.rasteriser import rasteriser_of
-from mimics_app.rendering.visual.surfaces.raw_gl import TRIANGLES, RawGL
 from mimics_app.world.entity_ids import grown
 
 if TYPE_CHECKING:
@@ -23,13 +21,7 @@ if TYPE_CHECKING:
     from mimics_app.rendering.visual.drawing.draw_items import DrawItems, DrawState
     from mimics_app.rendering.visual.materials.shader_library import ShaderProgram
 
-__all__ = ["MAX_TRIANGLES_OF_FEW_PIXELS", "DrawRun", "FrameBuffers"]
-
-MAX_TRIANGLES_OF_FEW_PIXELS = 2_000
-"""Number of triangles after which a flush follows in a small picture, which one thread rasterises (decision 118)."""
-_FLUSHES_APART = 16
-"""Number of flushes after each of which the driver is waited for up to the one before: once 64 are pending, llvmpipe
-never draws ahead again."""
+__all__ = ["DrawRun", "FrameBuffers"]
 
 _INSTANCES = 1
 """Index of the instance count among the words of a command."""
@@ -77,21 +69,18 @@ class FrameBuffers:
         self._commands = np.zeros((256, COMMAND_WORDS), np.uint32)
         self._runs = np.zeros((256, 4), np.int64)
         self._buffer: moderngl.Buffer | None = None
-        self._raw = RawGL(ctx) if rasteriser_of(ctx).defers else None
-        self._fence = Fence(ctx)
-        self._waiting, self._most_waiting, self._flushes = 0, MAX_TRIANGLES, 0
+        self._feed = rasteriser_of(ctx).member(DrawFeed)(ctx)
         self.instance_count = self.command_count = 0
         self.few_pixels = False
         self._sent = (0, 0)
 
     def begin(self, *, few_pixels: bool) -> None:
-        """Discard the last frame; a picture of few pixels is flushed more often."""
+        """Discard the last frame, and begin one of few pixels or of many."""
         self.few_pixels = few_pixels
-        self._most_waiting = MAX_TRIANGLES_OF_FEW_PIXELS if few_pixels else MAX_TRIANGLES
-        self.instance_count = self.command_count = self._waiting = 0
+        self.instance_count = self.command_count = 0
         self._sent = (0, 0)
-        if self._arena.seen is not None:
-            self._arena.seen.begin()
+        self._feed.begin(few_pixels=few_pixels)
+        self._arena.lists.begin()
 
     def add(
         self,
@@ -158,10 +147,10 @@ class FrameBuffers:
         if self.command_count == commands:
             return
         self._arena.write_instances(self._instances[: self.instance_count], instances)
-        self._arena.write_seen()
+        self._arena.write_lists()
         size = self.command_count * _COMMAND_BYTES
         if self._buffer is None or self._buffer.size < size:
-            self.release()
+            self._free_buffer()
             self._buffer, commands = self._ctx.buffer(reserve=2 * size), 0
         if commands == 0:
             self._buffer.orphan()
@@ -169,15 +158,8 @@ class FrameBuffers:
         self._sent = self.instance_count, self.command_count
 
     def flush(self) -> None:
-        """Let a software driver start the draws so far, while the caller prepares the next ones."""
-        if self._raw is None:
-            return
-        self._flushes = (self._flushes + 1) % _FLUSHES_APART
-        self._raw.flush()
-        self._waiting = 0
-        if self._flushes == 0:
-            self._fence.wait()
-            self._fence.set()
+        """Let the driver start the draws so far, while the caller prepares the next ones."""
+        self._feed.flush()
 
     def draw(self, run: DrawRun, shader: ShaderProgram) -> None:
         """Draw one run with a shader of its look, which is bound already."""
@@ -190,37 +172,16 @@ class FrameBuffers:
             self._render(run, array)
 
     def _render(self, run: DrawRun, array: moderngl.VertexArray) -> None:
-        """Draw one run, in parts with flushes between them where many triangles are waiting."""
         assert self._buffer is not None, "runs are drawn after upload"
-        waiting = self._waiting + run.eyes * run.triangles
-        if self._raw is None or waiting < self._most_waiting or run.count == 1:
-            self._waiting = waiting
-            array.render_indirect(self._buffer, TRIANGLES, run.count, first=run.first)
-            if waiting >= self._most_waiting:
-                self.flush()
-            return
-        for first, count in self._split(run):
-            array.render_indirect(self._buffer, TRIANGLES, count, first=first)
-            if self._waiting >= self._most_waiting:
-                self.flush()
-
-    def _split(self, run: DrawRun) -> Iterator[tuple[int, int]]:
-        """Yield first command and number of commands of each part of a run; counts the triangles since the last flush.
-
-        A software driver transforms vertices in one thread and rasterises in others, which start at a flush or at the
-        end of the frame: flushing in between lets a large frame do both at once.
-        """
-        commands = self._commands[run.first : run.first + run.count].astype(np.int64)
-        begun = 0
-        for number, triangles in enumerate((commands[:, 0] // 3 * commands[:, _INSTANCES]).tolist(), 1):
-            self._waiting += triangles
-            if self._waiting >= self._most_waiting or number == run.count:
-                yield run.first + begun, number - begun
-                begun = number
+        commands = self._commands[run.first : run.first + run.count]
+        self._feed.draw(array, self._buffer, run.first, commands, run.eyes * run.triangles)
 
     def release(self) -> None:
-        """Free the command buffer and the fence."""
-        self._fence.release()
+        """Free everything."""
+        self._feed.release()
+        self._free_buffer()
+
+    def _free_buffer(self) -> None:
         if self._buffer is not None:
             self._buffer.release()
             self._buffer = None

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F4
 from mimics_app.rendering.visual.drawing.occluder_boxes import Solid, find_solid
-from mimics_app.rendering.visual.drawing.seen_triangles import SeenTriangles
+from mimics_app.rendering.visual.drawing.triangle_lists import TriangleLists
 from mimics_app.rendering.visual.materials.vertex_arrays import VertexArrays
 from mimics_app.rendering.visual.surfaces.rasteriser import rasteriser_of
 from mimics_app.rendering.visual.surfaces.raw_gl import RawGL
@@ -72,7 +72,7 @@ class MeshArena:
     Attributes:
         ranges: Location of each mesh of the world.
         solids: Meshes with an occluder box inside.
-        seen: Lists of the triangles that pictures show; None where the processor does not draw.
+        lists: Lists of the triangles that pictures show.
         rewritten: Meshes whose vertices or indices were rewritten in place in the last update.
         uploaded: Bytes of vertices and indices uploaded in the last update.
         rebuilt: Number of times the buffers were rebuilt; skinned vertices are lost each time.
@@ -82,8 +82,8 @@ class MeshArena:
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
-        self._software = rasteriser_of(ctx).defers
-        self.seen: SeenTriangles | None = None
+        self._lists = rasteriser_of(ctx).member(TriangleLists)
+        self.lists = self._lists({}, {})
         self.ranges: dict[str, MeshRange] = {}
         self.solids: dict[str, Solid] = {}
         self.rewritten: list[str] = []
@@ -153,11 +153,11 @@ class MeshArena:
             self._instances.orphan()
         self._instances.write(rows[first:], offset=first * _INSTANCE.itemsize)
 
-    def write_seen(self) -> None:
+    def write_lists(self) -> None:
         """Upload the triangles listed for a frame."""
-        if self.seen is not None and len(self.seen.indices):
-            listed = self.seen.indices
-            self._indices[False].write(listed, offset=listed.itemsize * self.seen.first)
+        listed = self.lists.indices
+        if len(listed):
+            self._indices[False].write(listed, offset=listed.itemsize * self.lists.first)
 
     def write_bent(self, name: str, packed: F4) -> None:
         """Overwrite the vertices of a mesh with its skinned ones, float32 [n, 8]."""
@@ -239,14 +239,13 @@ class MeshArena:
             self.ranges[name] = MeshRange(first[wide], count, base_vertex, len(mesh.positions), wide, coloured)
             first[wide], base_vertex = first[wide] + count, base_vertex + len(mesh.positions)
         self.arrays.release()
+        self.lists = self._lists(meshes, self.ranges)
         self._vertices = self._upload(self._vertices, [_pack(mesh) for mesh in meshes.values()], _VERTEX.itemsize)
         self._colours = self._upload(self._colours, self._all_colours(meshes), _COLOUR.itemsize)
         for wide in (False, True):
             parts = [_indices(mesh) for name, mesh in meshes.items() if self.ranges[name].wide == wide]
-            spare = [np.zeros(first[wide], np.uint16)] if self._software and not wide else []
+            spare = [np.zeros(self.lists.room, np.uint16)] if not wide else []
             self._indices[wide] = self._upload(self._indices[wide], [*parts, *spare], 4)
-        if self._software:
-            self.seen = SeenTriangles(meshes, self.ranges)
 
     def _all_colours(self, meshes: dict[str, MeshData]) -> Iterable[F4]:
         """Return a colour for every vertex of the arena; empty where no mesh has colours."""

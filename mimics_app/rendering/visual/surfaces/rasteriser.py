@@ -19,7 +19,7 @@ __all__ = ["Rasteriser", "rasteriser_of", "without_software"]
 _SOFTWARE = ("llvmpipe", "softpipe", "SwiftShader")
 """Names of renderers that draw on the processor."""
 
-_ROOM = "mimics_app.rendering.visual.software.room"
+_ROOM = "mimics_app.rendering.visual.software.software_rasteriser"
 
 _Part = TypeVar("_Part")
 _off: ContextVar[bool] = ContextVar("off", default=False)

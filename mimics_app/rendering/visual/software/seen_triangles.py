@@ -1,4 +1,4 @@
-"""Triangles that a picture shows, as lists of indices behind those of the meshes (decision 118)."""
+"""Triangles that a picture shows, as lists of indices behind those of the meshes."""
 
 from __future__ import annotations
 
@@ -8,8 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mimics_app.contracts.arrays import F4, F8, I4, U1, U2
+from mimics_app.rendering.visual.drawing.triangle_lists import TriangleLists
 from mimics_app.rendering.visual.kernels.occlusion import MARGIN_PX
-from mimics_app.rendering.visual.kernels.triangles import BENT, GROUP, find_planes, pick_bent_triangles, pick_triangles
+from mimics_app.rendering.visual.software.kernels.triangles import (
+    BENT,
+    GROUP,
+    find_planes,
+    pick_bent_triangles,
+    pick_triangles,
+)
 
 if TYPE_CHECKING:
     from mimics_app.rendering.visual.drawing.draw_items import DrawItems
@@ -17,24 +24,19 @@ if TYPE_CHECKING:
     from mimics_app.rendering.visual.drawing.occlusion import Raster
     from mimics_app.rendering.visual.drawing.skinning import BentMeshes
     from mimics_app.world.meshes.mesh import MeshData
+    from mimics_app.world.motion.skinned_body import SkinnedBody
 
 __all__ = ["SeenTriangles"]
+
+_OfBody = tuple["SkinnedBody", str, int, bool, int, int]
+"""Body, mesh, row, whether it is one-sided, first index and number of indices of an item of a deformable body."""
 
 _CELLS = 4
 """Columns and rows of the grid of llvmpipe's samples in a pixel, where there are several."""
 
 
-class SeenTriangles:
-    """Vertices and triangles of the meshes with 16-bit indices, and the lists of a frame.
-
-    Attributes:
-        first: Index at which the lists begin, after those of the meshes.
-        groups: Number of the first group of triangles of each of those meshes.
-
-    Args:
-        meshes: All meshes of the arena, in order.
-        ranges: Location of each.
-    """
+class SeenTriangles(TriangleLists):
+    """Vertices and triangles of the meshes with 16-bit indices, and the lists of a frame."""
 
     def __init__(self, meshes: Mapping[str, MeshData], ranges: Mapping[str, MeshRange]) -> None:
         narrow = [name for name in meshes if not ranges[name].wide]
@@ -46,25 +48,30 @@ class SeenTriangles:
             place = ranges[name]
             own = slice(place.first // 3, (place.first + place.count) // 3)
             find_planes(self._places, self._triangles[own], place.base_vertex, self._planes[own])
-        self.first = self._triangles.size
+        self.first = self.room = self._triangles.size
         self._out: U2 = np.zeros(self.first, np.uint16)
         self._used = 0
         boxes = [_boxes(meshes[name]) for name in narrow]
         counts = [len(each) for each in boxes]
-        self.groups = dict(zip(narrow, np.cumsum([0, *counts]).tolist(), strict=False))
+        groups = np.cumsum([0, *counts]).tolist()
+        self._lines = {name: (ranges[name].vertices, group) for name, group in zip(narrow, groups, strict=False)}
+        self._items: DrawItems | None = None
+        self._bodies: dict[int, _OfBody] = {}
         lower, upper = np.concatenate([np.zeros((0, 2, 3)), *boxes]).transpose(1, 0, 2)
         self._group_centre: F8 = 0.5 * (lower + upper)
         self._group_half: F8 = 0.5 * (upper - lower)
         self._scratch = np.zeros((3, max((ranges[name].vertices for name in narrow), default=0)))
 
     def begin(self) -> None:
-        """Discard the lists of the last frame."""
         self._used = 0
 
     @property
     def indices(self) -> U2:
-        """The lists of this frame."""
         return self._out[: self._used]
+
+    def line(self, name: str, *, bent: bool) -> tuple[int, int]:
+        vertices, group = self._lines.get(name, (0, 0))
+        return vertices, BENT if bent and vertices else group
 
     def pick(
         self,
@@ -79,22 +86,7 @@ class SeenTriangles:
         nearness: F8,
         bent: BentMeshes | None,
         parts: I4,
-    ) -> None:
-        """List the triangles of some items that a view may show.
-
-        Args:
-            picked: Numbers of the items, [k].
-            items: The draw items.
-            world: T_world_from_node per row, [rows, 4, 4].
-            centres: Centres of the items' spheres, world [m], [n, 3].
-            radii: Their radii [m], [n].
-            mirrored: 1 where the winding of an item's faces is reversed, [n].
-            raster: Projection of the view.
-            samples: Samples per pixel.
-            nearness: 1/w of its nearest occluder per block [1/m], [rows, columns].
-            bent: The skinned meshes; None where they are not skinned on the processor.
-            parts: Written: first index and number of indices of each item's triangles, -1 for all of them; [n, 2].
-        """
+    ) -> bool:
         cells = _CELLS if samples > 1 else 1
         screen: F8 = raster.screen * np.array([[cells], [cells], [1.0]])
         width, height = raster.size
@@ -102,13 +94,15 @@ class SeenTriangles:
         picture = (cells * width, cells * height, nearness)
         self._used = pick_triangles(
             picked, len(picked), *camera, *picture, cells * raster.focal, items.rows, world, centres, radii,
-            items.meshes, items.ranges, items.still, items.one_sided, self._places, self._triangles, self._planes,
+            items.meshes, items.ranges, items.listed, items.one_sided, self._places, self._triangles, self._planes,
             self._group_centre, self._group_half, self.first, self._used, self._out, parts, self._scratch,
         )  # fmt: skip
         if bent is None or not items.bodies:
-            return
-        for item in picked[items.still[items.meshes[picked], 1] == BENT].tolist():
-            body, name, row, one_sided, start, count = items.bent_parts[item]
+            return True
+        if items is not self._items:
+            self._items, self._bodies = items, _list_bodies(items)
+        for item in picked[items.listed[items.meshes[picked], 1] == BENT].tolist():
+            body, name, row, one_sided, start, count = self._bodies[item]
             if self._used + count > len(self._out):
                 continue
             begun, own = self._used, self._triangles[start // 3 : (start + count) // 3]
@@ -120,6 +114,18 @@ class SeenTriangles:
                 parts[item] = self.first + begun, self._used - begun
             else:
                 self._used = begun
+        return True
+
+
+def _list_bodies(items: DrawItems) -> dict[int, _OfBody]:
+    """Return where the triangles of each item of a deformable body are."""
+    found = {}
+    for item, mesh in enumerate(items.meshes.tolist()):
+        if mesh in items.bodies:
+            count, start, _ = items.ranges[mesh].tolist()
+            of_mesh = items.bodies[mesh], items.mesh_names[mesh]
+            found[item] = (*of_mesh, int(items.rows[item]), bool(items.one_sided[item]), start, count)
+    return found
 
 
 def _boxes(mesh: MeshData) -> F8:

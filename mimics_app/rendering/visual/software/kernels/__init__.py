@@ -1,0 +1,3 @@
+"""Kernels of drawing in software."""
+
+__all__: list[str] = []
