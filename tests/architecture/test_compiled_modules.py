@@ -131,9 +131,9 @@ def _compiled() -> tuple[str, ...]:
 
 
 def _stage(path: str) -> str:
-    """Dotted name of the stage a module belongs to, e.g. mimics_app.rendering.haptic; of kernels: around them."""
+    """Dotted name of the stage a module belongs to, e.g. mimics_app.rendering.haptic; of other kernels: around them."""
     parts = path.removesuffix(".py").split("/")
-    end = parts.index("kernels") if "kernels" in parts else 2 if parts[0] == "rendering" else 1
+    end = 2 if parts[0] == "rendering" else parts.index("kernels") if "kernels" in parts else 1
     return ".".join(["mimics_app", *parts[:end]])
 
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from PIL import Image
+
+from mimics_app.rendering.visual.surfaces.rasteriser import without_software
 
 _PICTURES = Path(__file__).parent / "pictures"
 LEVEL = 1
@@ -16,6 +19,19 @@ SHARE = 0.999
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--regenerate", action="store_true", help="write golden pictures anew instead of comparing")
+    parser.addoption("--nosoftware", action="store_true", help="draw as on a graphics card, whatever the driver is")
+
+
+@pytest.fixture(autouse=True)
+def _as_on_a_card(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Without the room for drawing in software, where that is asked for; tests of what is in it are left out."""
+    if not request.config.getoption("--nosoftware", default=False):
+        yield
+        return
+    if request.node.get_closest_marker("software"):
+        pytest.skip("this is about drawing in software")
+    with without_software():
+        yield
 
 
 def compare_pictures(

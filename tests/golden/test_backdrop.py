@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mimics_app.rendering.visual.backdrop import Backdrop
 from mimics_app.rendering.visual.kernels.particles import SPRITE
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.software.kept_backdrop import KeptBackdrop
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.world.components.effects import Billboard, Particles
@@ -42,15 +42,15 @@ def make_cloudy_world() -> World:
 def kept(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """The number of sprites in the backdrop, for each frame that was drawn over a kept one."""
     shown: list[int] = []
-    before = Backdrop.use
+    before = KeptBackdrop.use
 
-    def use(backdrop: Backdrop, sprites: bytes) -> bool:
+    def use(backdrop: KeptBackdrop, sprites: bytes) -> bool:
         found = before(backdrop, sprites)
         if found:
             shown.append(len(sprites))
         return found
 
-    monkeypatch.setattr(Backdrop, "use", use)
+    monkeypatch.setattr(KeptBackdrop, "use", use)
     return shown
 
 

@@ -12,11 +12,11 @@ import pytest
 
 from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.drawing.skinning import BentMeshes
-from mimics_app.rendering.visual.kernels.shadow_prisms import FIGURES, cut_prisms, slice_casters
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.stages.placed_shapes import PlacedShapes, place_items
-from mimics_app.rendering.visual.stages.shape_boxes import ShapeBoxes
+from mimics_app.rendering.visual.software.kernels.shadow_prisms import FIGURES, cut_prisms, slice_casters
+from mimics_app.rendering.visual.software.placed_shapes import PlacedShapes, place_items
+from mimics_app.rendering.visual.software.shape_boxes import ShapeBoxes
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at

@@ -14,8 +14,8 @@ from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.launcher.page_surface import PageSurface
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.stages.kept_board import KeptBoard
-from mimics_app.rendering.visual.stages.screen_places import cover_of, screen_bounds
+from mimics_app.rendering.visual.software.kept_board import KeptBoard
+from mimics_app.rendering.visual.software.screen_places import cover_of, screen_bounds
 from mimics_app.rendering.visual.stages.world_stage import ViewDraws, WorldStage
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels

@@ -10,7 +10,7 @@ import pytest
 
 from mimics_app.rendering.visual.kernels.skin import skin_dual
 from mimics_app.rendering.visual.software.kernels.triangles import _is_turned
-from mimics_app.rendering.visual.stages.screen_places import cover_of, parts_of
+from mimics_app.rendering.visual.software.screen_places import cover_of, parts_of
 
 SEED = 32
 

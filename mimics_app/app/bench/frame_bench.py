@@ -12,10 +12,10 @@ from typing import Any
 
 from mimics_app.app.bench.looked_at_load import STAND_INS
 from mimics_app.app.bench.ogre import measure_ogre
+from mimics_app.app.bench.raster_floor import measure_floor
 from mimics_app.app.scenes.scene_search import find_scene
 from mimics_app.app.scenes.shipped import shipped_scenes
 from mimics_app.app.settings import QUALITIES
-from mimics_app.rendering.visual.surfaces.raster_floor import measure_floor
 
 __all__ = ["measure_frames"]
 

@@ -38,6 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=("all", *_MEASURES, "render"),
         help="realtime: deadlines of the haptic loop under load; methods: cost and error of every method; audio: "
         "mixers and latency; haptic: cost of a tick; physio: R peaks and features; frame: frames of live sessions; "
+        "software: what each part of drawing without a graphics card saves; "
         "displays: stereo and headsets; record: what a killed session loses; faults: time from a fault to zero "
         "force; render: the renderer beside OGRE; all: methods, audio, haptic, frame and realtime",
     )
@@ -91,7 +92,8 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="*",
         metavar="NAME",
         help="with render: city, nodes, crowd, walk, people, people_full or particles; with frame: scenes, walk or "
-        "people (default: all); with physio: figures, or noise for a table of R peaks by kind of noise (default: all)",
+        "people (default: all); with software: scenes (default: wavy_tunnel, pick_and_place, avatar_cord); with "
+        "physio: figures, or noise for a table of R peaks by kind of noise (default: all)",
     )
     parser.add_argument(
         "--data",
@@ -106,7 +108,9 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
         choices=(0, 2, 4, 8),
         help="with render: samples per pixel (default: 0; for walk, as in a window)",
     )
-    parser.add_argument("--frames", type=_frames, default=40, help="with render and displays: number of frames timed")
+    parser.add_argument(
+        "--frames", type=_frames, default=40, help="with render, software and displays: number of frames timed"
+    )
     parser.add_argument(
         "--warmup", type=_frames, default=6, help="with render: number of frames drawn before the timed ones"
     )
@@ -134,7 +138,7 @@ def run(args: argparse.Namespace) -> int:
     if args.what == "render":
         return _run_render(args)
 
-    if args.names and args.what not in ("frame", "physio"):
+    if args.names and args.what not in ("frame", "physio", "software"):
         raise UsageError(
             f"bench {args.what} takes no further name: {' '.join(args.names)}", f"mimics bench {args.what}"
         )
@@ -299,6 +303,13 @@ def _measure_frame(args: argparse.Namespace) -> dict[str, Any]:
     return figures
 
 
+def _measure_software(args: argparse.Namespace) -> dict[str, Any]:
+    """Measure what each part of drawing in software saves."""
+    from mimics_app.app.bench.software_bench import measure_software
+
+    return measure_software([Path(name) for name in args.names], args.size, args.frames, _say)
+
+
 def _measure_displays(args: argparse.Namespace) -> dict[str, Any]:
     """Measure stereo in one pass against two, and the latency from head pose to submitted frame."""
     from mimics_app.app.bench.display_bench import measure_displays
@@ -376,6 +387,7 @@ _MEASURES = {
     "haptic": _measure_haptic,
     "physio": _measure_physio,
     "frame": _measure_frame,
+    "software": _measure_software,
     "displays": _measure_displays,
     "record": _measure_record,
     "faults": _measure_faults,

@@ -1,10 +1,9 @@
-"""What lies behind the sprites that change, kept from frame to frame."""
+"""What lies behind the sprites that change."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
-
-from mimics_app.rendering.visual.draw_buffer import DrawBuffer
 
 if TYPE_CHECKING:
     import moderngl
@@ -13,44 +12,35 @@ __all__ = ["Backdrop"]
 
 
 class Backdrop:
-    """A copy of a target's colours and depths, made before the sprites that change are drawn over them.
+    """A graphics card draws it with everything else, in every frame.
 
-    Attributes:
-        kept: True where it need not be drawn in this frame.
+    Args:
+        ctx: Context of the pictures.
     """
 
     def __init__(self, ctx: moderngl.Context) -> None:
-        self._ctx = ctx
-        self._buffer: DrawBuffer | None = None
-        self._sprites: bytes | None = None
-        self.kept = False
+        """Keep nothing."""
 
     def begin(self, *, same: bool) -> bool:
-        """Begin a frame; return `same`: whether nothing but sprites has changed since the last one."""
-        self._sprites = self._sprites if same else None
-        return same
+        """Begin a frame; return whether its sprites are to be split into those of the backdrop and the others.
+
+        Args:
+            same: Whether nothing but sprites has changed since the last frame.
+        """
+        return False
 
     def use(self, sprites: bytes) -> bool:
         """Use it in this frame, with some sprites that belong to it; return whether it is kept from another one."""
-        self.kept = self._sprites == sprites
-        self._sprites = sprites
-        return self.kept
+        return False
 
-    def keep(self, target: moderngl.Framebuffer) -> None:
-        """Copy a target; changes the framebuffer in use."""
-        drawn = target.color_attachments[0]
-        if self._buffer is None or (self._buffer.size, self._buffer.samples) != (target.size, drawn.samples):
-            self.release()
-            self._buffer = DrawBuffer(self._ctx, target.size, drawn.samples, drawn.dtype)
-        self._ctx.copy_framebuffer(self._buffer.framebuffer, target)
+    def draw(self, target: moderngl.Framebuffer, draw: Callable[[], int]) -> int:
+        """Bring it into a target; return the draw calls. Changes the framebuffer in use.
 
-    def restore(self, target: moderngl.Framebuffer) -> None:
-        """Copy it back; changes the framebuffer in use."""
-        assert self._buffer is not None, "it was kept before"
-        self._ctx.copy_framebuffer(target, self._buffer.framebuffer)
+        Args:
+            target: The target.
+            draw: Draws it, and returns the draw calls.
+        """
+        return draw()
 
     def release(self) -> None:
-        """Free the copy."""
-        if self._buffer is not None:
-            self._buffer.release()
-            self._buffer = None
+        """Free what is kept."""

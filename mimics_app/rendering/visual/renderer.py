@@ -26,12 +26,11 @@ from mimics_app.rendering.visual.materials.shader_library import FEW_PIXELS, Sha
 from mimics_app.rendering.visual.passes.eye_passes import AT_ONCE, EyePasses
 from mimics_app.rendering.visual.passes.hud import HudPass
 from mimics_app.rendering.visual.settings import QualityChanges, RenderSettings
+from mimics_app.rendering.visual.stages.board_copy import BoardCopy
 from mimics_app.rendering.visual.stages.eye_pairs import eye_passes, group_views, see_from_between
-from mimics_app.rendering.visual.stages.kept_board import KeptBoard
 from mimics_app.rendering.visual.stages.picture_stage import PictureStage
-from mimics_app.rendering.visual.stages.seen_frame import capture_frame, may_keep
+from mimics_app.rendering.visual.stages.redraw import Redraw
 from mimics_app.rendering.visual.stages.shadow_stage import ShadowStage, light_features
-from mimics_app.rendering.visual.stages.still_picture import StillPicture
 from mimics_app.rendering.visual.stages.world_stage import FrameScene, ViewDraws, WorldStage
 from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
 from mimics_app.rendering.visual.surfaces.driver_threads import DriverThreads
@@ -93,19 +92,20 @@ class Renderer:
         surface, ctx = self._surface, self._surface.ctx
         self._shaders = ShaderLibrary(ctx, self._shader_folder)
         self._arena = MeshArena(ctx)
-        self._has, self._deferred = has, _ = read_capabilities(ctx), rasteriser_of(ctx).defers
-        self._materials = MaterialStore(ctx, self._shaders, has)
+        self._has, member = read_capabilities(ctx), rasteriser_of(ctx).member
+        self._materials = MaterialStore(ctx, self._shaders, self._has)
         self._list = DrawList(self._arena, self._materials, rasteriser_of(ctx))
         self._frame = FrameBuffers(ctx, self._arena)
         self._bending = Bending(ctx, self._shaders, self._arena, self.settings.skinning)
         self._picture = PictureTarget(surface, self._shaders, self.settings, board_within=self._sparse)
         self._shadows = ShadowStage(ctx, self.settings.shadow_size)
-        self._world = WorldStage(ctx, self._shaders, self._frame, self.settings, has.texture_size)
+        self._world = WorldStage(ctx, self._shaders, self._frame, self.settings, self._has.texture_size)
         self._effects: EffectStage | None = None
         self._hud_pass = HudPass(ctx, self._shaders)
-        self._kept_board = KeptBoard(surface, self._hud_pass)
-        self._pictures, self._threads = PictureStage(ctx, self._shaders), rasteriser_of(ctx).member(DriverThreads)()
-        self._still, self._lighting = StillPicture(sparse=self._sparse), KeptLighting()
+        self._board = member(BoardCopy)(surface, self._hud_pass)
+        self._pictures, self._threads = PictureStage(ctx, self._shaders), member(DriverThreads)()
+        self._redraw = member(Redraw)(self._list, self._frame, self._pictures, sparse=self._sparse)
+        self._lighting = KeptLighting()
         self._materials.live = self._pictures.pictures
         # Once requested, the shaders keep reading it: a governor's step compiles nothing.
         self._ambient = False
@@ -174,7 +174,7 @@ class Renderer:
 
     def forget_picture(self) -> None:
         """Draw the next frame as a whole, without reusing parts of the last one."""
-        self._still.forget()
+        self._redraw.forget()
 
     def reload_shaders(self) -> list[Issue]:
         """Recompile changed shaders; return their errors. A program that fails to compile stays in use as it was."""
@@ -237,7 +237,9 @@ class Renderer:
             parts = self._changed_parts(scene, views if latch is None else ())
             target = self._picture.begin()
             parts = parts if self._picture.holds else None
-            split = self._world.backdrop.begin(same=self._still.only_sprites and not scene.by_stencil) and parts is None
+            split = (
+                self._world.backdrop.begin(same=self._redraw.only_sprites and not scene.by_stencil) and parts is None
+            )
             drawn = self._batch_all(scene, views, split) if parts is None else self._batch_parts(scene, views[0], parts)
             self._upload()
             if scene.effects is not None:
@@ -288,36 +290,15 @@ class Renderer:
     def _changed_parts(self, scene: FrameScene, views: Sequence[View]) -> list[ChangedPart] | None:
         """Return the parts in which the picture changed; None: draw all of it."""
         place = self._picture.rectangle(views[0].rectangle if views else (0, 0, 0, 0))
-        if (self._overlay and self._overlay.shows) or not (self._deferred and may_keep(scene, views, place)):
-            self._still.forget()
-            self._pictures.forget()
-            parts = None
-        else:
-            capture = partial(capture_frame, scene, self._list, self._shaders.replaced)
-            changes = self._pictures.find_changes(scene, self._list, views[0], place[2:], capture)
-            parts = self._still.parts(capture(views[0], place, 0, *changes, self.hud if self._sparse else None))
-        self._picture.keep = self._still.keeps
+        compared = () if self._overlay is not None and self._overlay.shows else views
+        parts = self._redraw.find(scene, compared, place, self._shaders.replaced, self.hud)
+        self._picture.keep = self._redraw.keeps
         return parts
 
     def _batch_parts(self, scene: FrameScene, view: View, parts: Sequence[ChangedPart]) -> list[ViewDraws]:
         """Queue what is visible in parts of a view, and in what changed of the pictures within it."""
         place = self._picture.rectangle(view.rectangle)
-        inside, within = partial(self._batch_inside, scene), partial(self._batch_within, scene)
-        return self._pictures.queue_parts(self.world, view, place, parts, inside, within)
-
-    def _batch_within(
-        self, scene: FrameScene, parts: Sequence[ChangedPart], view: View, place: Rect, key: Hashable
-    ) -> list[ViewDraws]:
-        """Queue what is visible in parts of a view in a rectangle of its target."""
-        drawn, frame, samples = [], self._frame, self._picture.samples
-        for part in parts:
-            size, (left, bottom) = part.rectangle[2:], part.rectangle[:2]
-            seen = view.through((left - place[0], bottom - place[1], *size), place[2:])
-            runs = self._list.batch_views(frame, [seen], view.eye_world, [size], samples, key)
-            projected = [] if scene.effects is None else scene.effects.meet([seen], self._list, self._frame)
-            mixed = runs[1] if scene.effects is None else scene.effects.mix(seen, size[1], *runs[1:])[0]
-            drawn.append(ViewDraws(view, place, runs[0], mixed, projected=projected, part=part))
-        return drawn
+        return self._redraw.queue(scene, view, place, parts, self._picture.samples, self._batch_inside)
 
     def _prepare(self, views: Sequence[View]) -> FrameScene:
         """Update lighting and draw list from the world, and queue the shadow casters."""
@@ -385,7 +366,7 @@ class Renderer:
         filtered, written = picture.finish([view.rectangle for view in views], parts)
         alone = not (within or self.world.insets or (self._overlay is not None and self._overlay.layers))
         over = (self.hud, views[0], self.settings.hud_depth)
-        if (drawn := self._kept_board.draw(picture.finished, written if alone else None, *over)) is None:
+        if (drawn := self._board.draw(picture.finished, written if alone else None, *over)) is None:
             picture.show(picture.finished)
             self._surface.note_changed(None)
             drawn = 0 if within else self._draw_hud(views)

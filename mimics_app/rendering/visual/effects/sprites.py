@@ -86,13 +86,17 @@ class SpriteField:
         cuts: Whether large sprites are cut along their outline, which changes pixels at its edge by two levels of 255.
         behind: The SPRITE records that the last batch left out, for comparison with those of another frame.
         issues: Missing textures, each reported once; the caller removes what it reports.
+
+    Args:
+        arrays: Textures of the sprites.
+        far: Counts the sprites that are behind everything that changes.
     """
 
-    def __init__(self, arrays: PictureArrays) -> None:
+    def __init__(self, arrays: PictureArrays, far: FarSprites) -> None:
         self._arrays = arrays
         self.cuts = True
         self.behind = b""
-        self._far = FarSprites()
+        self._far = far
         self._made_for: tuple[int, int, int] | None = None
         self._pictures: dict[str, TextureData | None] = {}
         self._states: list[SpriteState] = []

@@ -8,7 +8,7 @@ from mimics_app.contracts.arrays import F4, F8, I4, I8, U1, U4
 __all__ = ["MAX_TRIANGLES", "write_commands", "write_instances"]
 
 MAX_TRIANGLES = 6_000
-"""Number of triangles after which a command of many instances ends, and a flush follows (decision 118)."""
+"""Number of triangles after which a command of many instances ends, and a flush follows."""
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""Threads of llvmpipe's rasteriser, kept on cores where they wait for nobody (decision 118)."""
+"""Threads of llvmpipe's rasteriser, kept on cores where they wait for nobody."""
 
 from __future__ import annotations
 

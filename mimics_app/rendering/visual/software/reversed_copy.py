@@ -14,7 +14,7 @@ from mimics_app.rendering.visual.surfaces.window_copy import WindowCopy
 if TYPE_CHECKING:
     import moderngl
 
-    from mimics_app.contracts.display_port import Rect
+    from mimics_app.contracts.ports.display_port import Rect
 
 __all__ = ["ReversedCopy"]
 

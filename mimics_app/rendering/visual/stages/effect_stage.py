@@ -9,6 +9,7 @@ from mimics_app.contracts.arrays import B1, F8
 from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
+from mimics_app.rendering.visual.effects.far_sprites import FarSprites
 from mimics_app.rendering.visual.effects.projectors import Beam, BeamRuns, ProjectorField
 from mimics_app.rendering.visual.effects.sprites import SpriteField, SpriteRun
 from mimics_app.rendering.visual.materials.picture_arrays import PictureArrays
@@ -17,6 +18,7 @@ from mimics_app.rendering.visual.passes.projector import ProjectorPass
 from mimics_app.rendering.visual.passes.sprites import SpritePass
 from mimics_app.rendering.visual.passes.states import draw_runs
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surfaces.rasteriser import rasteriser_of
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.world import World
 
@@ -31,7 +33,7 @@ class EffectStage:
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, max_size: int) -> None:
         self._pictures = PictureArrays(ctx, shaders, max_size)
-        self._field = SpriteField(self._pictures)
+        self._field = SpriteField(self._pictures, rasteriser_of(ctx).member(FarSprites)())
         self._sprites = SpritePass(ctx, shaders)
         self._projectors = ProjectorField()
         self._projecting = ProjectorPass(ctx, shaders, max_size)

@@ -3,27 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mimics_app.contracts.arrays import B1, F8
 from mimics_app.contracts.errors import Issue
-from mimics_app.rendering.visual.changed_part import ChangedPart
 from mimics_app.rendering.visual.displays.desktop import desktop_views
-from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.passes.hud import plane_of_views
 from mimics_app.rendering.visual.passes.inset import InsetPass, inset_pixels
 from mimics_app.rendering.visual.pictures.live_picture import LivePicture, MirrorPicture
 from mimics_app.rendering.visual.pictures.mirror_views import Reflection, plane_of_sheet, reflect_view
-from mimics_app.rendering.visual.stages.seen_frame import SeenFrame
-from mimics_app.rendering.visual.stages.still_picture import StillPicture
 from mimics_app.rendering.visual.stages.world_stage import FrameScene, ViewDraws, WorldStage
 from mimics_app.rendering.visual.surfaces.surface import Size
-from mimics_app.rendering.visual.view import Rect, View
+from mimics_app.rendering.visual.view import View
 from mimics_app.world.components.pictures import Mirror
 from mimics_app.world.live_pictures import body_of, live_key
 from mimics_app.world.world import World
@@ -31,42 +26,19 @@ from mimics_app.world.world import World
 if TYPE_CHECKING:
     import moderngl
 
-__all__ = ["PictureStage"]
+__all__ = ["Batch", "PictureJob", "PictureStage"]
 
 Batch = Callable[[View, Hashable], ViewDraws]
 """Queues what is visible in a view whose rectangle starts at 0, 0."""
 
-BatchParts = Callable[[Sequence[ChangedPart], View, Rect, Hashable], list[ViewDraws]]
-"""Queues what is visible in parts of a view in a rectangle of its target."""
-
-Capture = Callable[[View, Rect, Hashable, B1], SeenFrame]
-"""Captures what the picture of a view in a rectangle of its target depends on, given its key and what is renewed."""
-
 
 @dataclass(frozen=True, eq=False)
-class _Job:
+class PictureJob:
     """A picture to draw: its target, the number of the view it belongs to (mirrors), and its draws, or one a part."""
 
     picture: LivePicture
     number: int
     drawn: list[ViewDraws]
-
-
-@dataclass(eq=False)
-class _Kept:
-    """A mirror's picture in the only view, from frame to frame.
-
-    Attributes:
-        still: Finds what changes in it.
-        held: True while its buffer has the picture of the last frame.
-        reflection: The reflection of this frame; None where the mirror is not visible.
-        parts: Parts of the picture that changed; None: all of it.
-    """
-
-    still: StillPicture = field(default_factory=StillPicture)
-    held: bool = False
-    reflection: Reflection | None = None
-    parts: list[ChangedPart] | None = None
 
 
 class PictureStage:
@@ -78,6 +50,8 @@ class PictureStage:
     Attributes:
         pictures: Pictures by the key of the texture they replace.
         issues: Mirrors that are not flat, each reported once; the caller removes what it reports.
+        jobs: Pictures to draw in this frame.
+        held: Keys of the mirrors whose buffers have the picture of the last frame.
     """
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
@@ -85,10 +59,9 @@ class PictureStage:
         self._insets = InsetPass(ctx, shaders)
         self.pictures: dict[str, LivePicture] = {}
         self.issues: list[Issue] = []
-        self._jobs: list[_Job] = []
+        self.jobs: list[PictureJob] = []
+        self.held: set[str] = set()
         self._frames = 0
-        self._seen: set[str] = set()
-        self._kept: dict[str, _Kept] = {}
         self._reported: set[str] = set()
 
     def update(self, world: World) -> None:
@@ -100,56 +73,10 @@ class PictureStage:
         wanted |= dict.fromkeys(map(_inset_key, world.insets), partial(LivePicture, decoded=False))
         for key in [key for key in self.pictures if key not in wanted]:
             self.pictures.pop(key).release()
-            self._kept.pop(key, None)
+            self.held.discard(key)
         for key, make in wanted.items():
             if key not in self.pictures:
                 self.pictures[key] = make(self._ctx)
-
-    def forget(self) -> None:
-        """Discard what is known of the mirrors of the last frame."""
-        for kept in self._kept.values():
-            kept.still.forget()
-
-    def find_changes(
-        self, scene: FrameScene, listed: DrawList, view: View, size: Size, capture: Capture
-    ) -> tuple[B1, F8]:
-        """Find what differs from the last frame in the screens and reflections that the only view of a frame shows.
-
-        Args:
-            scene: World and settings of the frame.
-            listed: Its draw list.
-            view: The view.
-            size: Size of its picture [px].
-            capture: Captures a frame of a reflection.
-
-        Returns:
-            Items that show a screen whose picture is drawn in this frame, [n]; and where changed parts of reflections
-            are seen, as shares of the view's picture: left, right, bottom, top; [m, 4].
-        """
-        renewed, places, world = self._renewed(scene.world, listed), [np.zeros((0, 4))], scene.world
-        for name, mirror in world.mirrors.items():
-            kept = self._kept.setdefault(live_key(name), _Kept())
-            kept.reflection = found = self._reflect(world, name, mirror, view, size, scene.settings.mirror_scale)
-            if found is None:
-                kept.still.forget()
-                kept.held = False
-                continue
-            parts = kept.still.parts(capture(found.view, found.view.rectangle, (live_key(name), 0), renewed))
-            kept.parts = parts if kept.held else None
-            places.append(found.places(kept.parts) / np.repeat(size, 2))
-        return renewed, np.concatenate(places)
-
-    def _renewed(self, world: World, listed: DrawList) -> B1:
-        """Return the items that show a screen whose picture is drawn in this frame, [n]."""
-        items = listed.items
-        if not world.screens:
-            self._seen = set()
-            return np.zeros(len(items.rows), np.bool_)
-        names = np.array([state.look.material.name for state in items.of_state])
-        self._seen = set(names[items.states[listed.drawn]].tolist())
-        screens = ((live_key(name), screen) for name, screen in world.screens.items())
-        due = [key for key, screen in screens if key in self._seen and self._due(key, screen.every)]
-        return np.isin(names, due)[items.states]
 
     def queue(self, world: World, drawn: Sequence[ViewDraws], batch: Batch, resolution: float) -> list[ViewDraws]:
         """Choose the pictures of a frame and queue what is visible in them.
@@ -163,52 +90,21 @@ class PictureStage:
         Returns:
             The views, each with its mirrors.
         """
-        self._jobs = []
+        self.jobs = []
         if not (world.mirrors or world.screens or world.insets):
             return list(drawn)
         reflected = [self._queue_mirrors(world, number, each, batch, resolution) for number, each in enumerate(drawn)]
-        self._queue_cameras(world, drawn[0].view, set().union(*(each.materials for each in drawn)), batch)
+        self.queue_cameras(world, drawn[0].view, set().union(*(each.materials for each in drawn)), batch)
         return reflected
-
-    def queue_parts(
-        self, world: World, view: View, place: Rect, parts: Sequence[ChangedPart], batch: Batch, batch_parts: BatchParts
-    ) -> list[ViewDraws]:
-        """Queue what is visible in parts of the only view, in the changed parts of its mirrors, in screens and insets.
-
-        Args:
-            world: The world, updated.
-            view: The view.
-            place: Its rectangle in the target [px].
-            parts: The parts; `find_changes` has found those of the mirrors.
-            batch: Queues what is visible in a view.
-            batch_parts: Queues what is visible in parts of a view.
-
-        Returns:
-            The parts, each with the mirrors.
-        """
-        self._jobs, shown = [], []
-        drawn = batch_parts(parts, view, place, 0)
-        for key in map(live_key, world.mirrors):
-            picture, kept = self.pictures[key], self._kept[key]
-            assert isinstance(picture, MirrorPicture)
-            if kept.reflection is not None:
-                seen, name = kept.reflection.view, (key, 0)
-                whole = kept.parts is None
-                jobs = [batch(seen, name)] if whole else batch_parts(kept.parts or (), seen, seen.rectangle, name)
-                self._jobs += [_Job(picture, 0, jobs)] if jobs else []
-                kept.held = True
-            shown.append((picture, 0, kept.reflection))
-        self._queue_cameras(world, view, self._seen, batch)
-        return [replace(each, mirrors=shown) for each in drawn]
 
     @property
     def triangles(self) -> int:
         """Triangles of all pictures of the frame."""
-        return sum(each.triangles for job in self._jobs for each in job.drawn)
+        return sum(each.triangles for job in self.jobs for each in job.drawn)
 
     def draw(self, stage: WorldStage, scene: FrameScene, samples: int) -> int:
         """Draw the frame's pictures; return the draw calls."""
-        if not self._jobs:
+        if not self.jobs:
             return 0
         # A screen emits linear light, which is tone mapped in the view that sees the screen.
         scene = replace(scene, settings=replace(scene.settings, ambient_occlusion=0.0))
@@ -217,7 +113,7 @@ class PictureStage:
         for picture in self.pictures.values():
             if isinstance(picture, MirrorPicture):
                 picture.show(())
-        for job in self._jobs:
+        for job in self.jobs:
             size = job.drawn[0].rectangle[2:]
             parts = [each.part for each in job.drawn if each.part is not None]
             if isinstance(job.picture, MirrorPicture):
@@ -263,20 +159,30 @@ class PictureStage:
         seen, shown = drawn.materials, []
         for name, mirror in world.mirrors.items():
             key = live_key(name)
-            picture, kept = self.pictures[key], self._kept.setdefault(key, _Kept())
-            kept.held = False
+            picture = self.pictures[key]
+            self.held.discard(key)
             if key not in seen or not isinstance(picture, MirrorPicture):
                 continue
-            reflection = self._reflect(world, name, mirror, drawn.view, drawn.rectangle[2:], resolution)
+            reflection = self.reflect(world, name, mirror, drawn.view, drawn.rectangle[2:], resolution)
             if reflection is not None:
-                self._jobs.append(_Job(picture, number, [batch(reflection.view, (key, number))]))
-                kept.held = True
+                self.jobs.append(PictureJob(picture, number, [batch(reflection.view, (key, number))]))
+                self.held.add(key)
             shown.append((picture, number, reflection))
         return replace(drawn, mirrors=shown)
 
-    def _reflect(
+    def reflect(
         self, world: World, name: str, mirror: Mirror, view: View, size: Size, resolution: float
     ) -> Reflection | None:
+        """Return the reflection of a view in a mirror; None where it shows none.
+
+        Args:
+            world: The world, updated.
+            name: Name of the mirror's node.
+            mirror: The mirror.
+            view: The view.
+            size: Size of the view's picture [px].
+            resolution: Factor on the resolution of mirrors.
+        """
         body = body_of(world.find(name)) if name in world else None
         if body is None:
             return None
@@ -295,17 +201,17 @@ class PictureStage:
         corners = local @ world_from_body[:3, :3].T + world_from_body[:3, 3]
         return reflect_view(view, size, of_world, corners, mirror.resolution * resolution)
 
-    def _queue_cameras(self, world: World, view: View, seen: set[str], batch: Batch) -> None:
+    def queue_cameras(self, world: World, view: View, seen: set[str], batch: Batch) -> None:
         """Queue insets, and the screens visible with some materials, in mirrors, insets or other screens.
 
         Screens are drawn before the mirrors that show them.
         """
-        mirrored = self._jobs
-        self._jobs = []
+        mirrored = self.jobs
+        self.jobs = []
         for name, inset in world.insets.items():
-            if name in world and self._due(_inset_key(name), inset.every):
+            if name in world and self.due(_inset_key(name), inset.every):
                 self._queue_camera(world, _inset_key(name), inset.camera, inset_pixels(inset, view)[2:], batch)
-        insets, self._jobs = self._jobs, []
+        insets, self.jobs = self.jobs, []
         waiting, known = [seen, *(each.materials for job in (*mirrored, *insets) for each in job.drawn)], set[str]()
         while waiting:
             seen = waiting.pop()
@@ -313,9 +219,9 @@ class PictureStage:
                 key = live_key(name)
                 if key in seen and name not in known:
                     known.add(name)
-                    if self._due(key, screen.every):
+                    if self.due(key, screen.every):
                         waiting += self._queue_camera(world, key, screen.camera, screen.size, batch)
-        self._jobs += mirrored + insets
+        self.jobs += mirrored + insets
 
     def _queue_camera(self, world: World, key: str, camera: str, size: Size, batch: Batch) -> list[set[str]]:
         """Queue the picture of a camera; return the materials seen in it, as the only one."""
@@ -323,10 +229,11 @@ class PictureStage:
         if eye is None:
             return []
         drawn = batch(desktop_views(eye, size)[0], key)
-        self._jobs.append(_Job(self.pictures[key], 0, [drawn]))
+        self.jobs.append(PictureJob(self.pictures[key], 0, [drawn]))
         return [drawn.materials]
 
-    def _due(self, key: str, every: int) -> bool:
+    def due(self, key: str, every: int) -> bool:
+        """Whether the picture of a key is drawn in this frame, of which every `every`-th one draws it."""
         return not self.pictures[key].drawn or self._frames % every == 0
 
 

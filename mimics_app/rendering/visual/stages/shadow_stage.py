@@ -7,17 +7,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from mimics_app.contracts.arrays import F8, I4
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.drawing.frame_buffers import FrameBuffers
-from mimics_app.rendering.visual.kernels.screen_bounds import bound_in_map
 from mimics_app.rendering.visual.lighting import Lighting
 from mimics_app.rendering.visual.passes.shadow import MapWork, draw_shadows
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.shadows.cascades import Cascades
+from mimics_app.rendering.visual.shadows.shadow_layers import ShadowLayers, SunBox, equal_bytes
 from mimics_app.rendering.visual.shadows.shadow_maps import (
     MAX_SPOT_MAPS,
     ShadowMap,
@@ -27,10 +25,8 @@ from mimics_app.rendering.visual.shadows.shadow_maps import (
     whole_map,
 )
 from mimics_app.rendering.visual.shadows.shadow_target import ShadowTarget
-from mimics_app.rendering.visual.shadows.steady_box import SteadyBox
-from mimics_app.rendering.visual.shadows.still_layers import StillLayers, equal_bytes
-from mimics_app.rendering.visual.stages.screen_places import parts_of
-from mimics_app.rendering.visual.view import Rect, View
+from mimics_app.rendering.visual.surfaces.rasteriser import rasteriser_of
+from mimics_app.rendering.visual.view import View
 
 if TYPE_CHECKING:
     import moderngl
@@ -63,8 +59,8 @@ class ShadowStage:
         self._ctx = ctx
         self._target = ShadowTarget(ctx, size)
         self.plan = ShadowPlan(1, [], {})
-        self._cascades, self._box = Cascades(), SteadyBox()
-        self._layers = StillLayers()
+        member = rasteriser_of(ctx).member
+        self._cascades, self._box, self._layers = Cascades(), member(SunBox)(), member(ShadowLayers)()
         self.work: list[MapWork | None] = []
         self._drawn: dict[tuple[int, int], _Drawn] = {}
 
@@ -137,23 +133,13 @@ class ShadowStage:
 
     def _queue(self, shadow: ShadowMap, listed: DrawList, frame: FrameBuffers) -> MapWork:
         """Queue the casters of a map; no static ones where their depths were kept."""
-        split, casters = self._layers.split(shadow, self.plan.grid), shadow.casters
+        width = self._target.size // self.plan.grid
+        split, casters = self._layers.split(shadow, self.plan.grid, listed, width), shadow.casters
         still, moving = (
             None if items is None else listed.batch_casters(frame, casters.only(items), shadow.origin)
             for items in (split.still, split.moving)
         )
-        return MapWork(still, split.keep, moving or [], self._reach(shadow, listed, split.moving))
-
-    def _reach(self, shadow: ShadowMap, listed: DrawList, items: I4) -> list[Rect]:
-        """Return the rectangles of a map that some items can cover [texel]; all of a spot light's map."""
-        if not len(items):
-            return []
-        width = self._target.size // self.plan.grid
-        if shadow.clip_from_world[3, :3].any():
-            return [(0, 0, width, width)]
-        bounds = np.empty((len(items), 4))
-        bound_in_map(shadow.clip_from_world, items, listed.centres, listed.radii, bounds)
-        return parts_of(bounds, (width, width))
+        return MapWork(still, split.keep, moving or [], split.reach)
 
     def _is_stale(self, shadow: ShadowMap, listed: DrawList) -> bool:
         """Whether a map has to be redrawn; records its present content."""

@@ -24,6 +24,7 @@ from mimics_app.rendering.visual.pictures.mirror_views import Reflection
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.shadows.shadow_maps import ShadowPlan
 from mimics_app.rendering.visual.stages.eye_pairs import group_views
+from mimics_app.rendering.visual.surfaces.rasteriser import rasteriser_of
 from mimics_app.rendering.visual.surfaces.raw_gl import CLIP_DISTANCE_0, EQUAL
 from mimics_app.rendering.visual.view import Rect, View
 from mimics_app.rendering.visual.view_block import ViewBlock
@@ -142,7 +143,7 @@ class WorldStage:
         self._ambient = AmbientPass(ctx, shaders, frame)
         self._cords = CordPass(ctx, shaders)
         self.sky = SkyPass(ctx, shaders, max_size)
-        self.backdrop = Backdrop(ctx)
+        self.backdrop = rasteriser_of(ctx).member(Backdrop)(ctx)
 
     def draw_parts(
         self, target: moderngl.Framebuffer, samples: int, scene: FrameScene, parts: Sequence[ViewDraws]
@@ -193,12 +194,8 @@ class WorldStage:
     def _draw_over_backdrop(
         self, target: moderngl.Framebuffer, samples: int, scene: FrameScene, drawn: ViewDraws
     ) -> int:
-        draws = 0
-        if self.backdrop.kept:
-            self.backdrop.restore(target)
-        else:
-            draws += self.draw(target, samples, scene, [replace(drawn, transparent=drawn.behind or (), behind=None)])
-            self.backdrop.keep(target)
+        behind = replace(drawn, transparent=drawn.behind or (), behind=None)
+        draws = self.backdrop.draw(target, lambda: self.draw(target, samples, scene, [behind]))
         target.use()
         self._fill(scene, [drawn], sun=True)
         for _ in self._together(target, scene, [drawn]):

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, TypeVar
 if TYPE_CHECKING:
     import moderngl
 
-__all__ = ["Rasteriser", "rasteriser_of", "without_software"]
+__all__ = ["Rasteriser", "leave_out", "rasteriser_of", "without_software"]
 
 _SOFTWARE = ("llvmpipe", "softpipe", "SwiftShader")
 """Names of renderers that draw on the processor."""
@@ -40,6 +40,15 @@ class Rasteriser:
         """Return the class to use for a class of the renderer: itself, or a subclass that suits the driver better."""
         return part
 
+    @property
+    def parts(self) -> tuple[type, ...]:
+        """The classes of the renderer that have another member here."""
+        return ()
+
+    def without(self, *parts: type) -> Rasteriser:
+        """Return a rasteriser for which some of `parts` are their own members, to measure what they are worth."""
+        return self
+
 
 def rasteriser_of(ctx: moderngl.Context) -> Rasteriser:
     """Return the rasteriser of a context, the same one for its life."""
@@ -47,6 +56,11 @@ def rasteriser_of(ctx: moderngl.Context) -> Rasteriser:
         drawn = not _off.get() and any(name in str(ctx.info["GL_RENDERER"]) for name in _SOFTWARE)
         ctx.extra = import_module(_ROOM).SoftwareRasteriser() if drawn else Rasteriser()
     return ctx.extra
+
+
+def leave_out(ctx: moderngl.Context, *parts: type) -> None:
+    """Let some of the rasteriser's `parts` be their own members in a context, in all that is created there later."""
+    ctx.extra = rasteriser_of(ctx).without(*parts)
 
 
 @contextmanager

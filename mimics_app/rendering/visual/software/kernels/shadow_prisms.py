@@ -9,7 +9,7 @@ import numpy as np
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import B1, F8, I4, U1
 from mimics_app.maths.mat import affine_inverse
-from mimics_app.rendering.visual.kernels.shape_places import MISSED
+from mimics_app.rendering.visual.software.kernels.shape_places import MISSED
 
 __all__ = ["FIGURES", "cut_prisms", "cut_prisms_on_items", "slice_casters"]
 

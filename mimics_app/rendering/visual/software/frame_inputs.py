@@ -21,7 +21,7 @@ from mimics_app.world.materials.material import TextureData
 from mimics_app.world.render_list import RenderList
 from mimics_app.world.world import World
 
-__all__ = ["Overlaid", "SeenFrame", "capture_frame", "may_keep"]
+__all__ = ["FrameInputs", "Overlaid", "capture_frame", "may_keep"]
 
 
 _MIN_PIXELS = 10_000
@@ -51,7 +51,7 @@ class Overlaid:
 
 
 @dataclass(frozen=True, eq=False)
-class SeenFrame:
+class FrameInputs:
     """Everything a frame's picture depends on.
 
     Attributes:
@@ -114,7 +114,7 @@ def capture_frame(
     renewed: B1,
     redrawn: F8 = _NOWHERE,
     hud: Hud | None = None,
-) -> SeenFrame:
+) -> FrameInputs:
     """Capture what a frame's picture depends on.
 
     Args:
@@ -125,7 +125,7 @@ def capture_frame(
         rectangle: Rectangle in the target [px].
         key: Identifies the view from frame to frame, see `DrawList.batch_views`.
         renewed: Items that show a live picture which is drawn in this frame, [n].
-        redrawn: Where mirrors show another reflection, see `SeenFrame`.
+        redrawn: Where mirrors show another reflection, see `FrameInputs`.
         hud: The heads-up display that is drawn into the kept picture, None where it is drawn over it.
     """
     plan, lighting, world = scene.plan, scene.lighting, scene.world
@@ -136,7 +136,7 @@ def capture_frame(
     shown = listed.shown_in(view, rectangle[2:], key)
     for shadow in plan.maps:
         shown[shadow.casters.items] = True
-    return SeenFrame(
+    return FrameInputs(
         fixed=fixed,
         pictures=list(world.textures.values()),
         world=world,

@@ -14,7 +14,8 @@ from mimics_app.contracts.arrays import F8, U1
 from mimics_app.rendering.visual.changed_part import ChangedPart
 from mimics_app.rendering.visual.figures.hud import HUD_ROW, Hud
 from mimics_app.rendering.visual.passes.hud import HudPass, clip_from_hud, places_of, plane_of_views
-from mimics_app.rendering.visual.stages.screen_places import mark_cells_of, pieces_of
+from mimics_app.rendering.visual.software.screen_places import mark_cells_of, pieces_of
+from mimics_app.rendering.visual.stages.board_copy import BoardCopy
 from mimics_app.rendering.visual.surfaces.raw_gl import RawGL
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.view import Rect, View
@@ -69,13 +70,8 @@ class _Drawn:
         return alike and np.array_equal(self.clip, clip)
 
 
-class KeptBoard:
-    """Updates a surface that shows the last frame, a finished picture with the heads-up display over it.
-
-    Args:
-        surface: The surface.
-        hud_pass: Draws the display.
-    """
+class KeptBoard(BoardCopy):
+    """Remembers what the display drew, and where."""
 
     def __init__(self, surface: Surface, hud_pass: HudPass) -> None:
         self._surface, self._gl, self._hud_pass = surface, RawGL(surface.ctx), hud_pass
@@ -89,18 +85,6 @@ class KeptBoard:
         view: View,
         depth: float,
     ) -> int | None:
-        """Copy what changed of a picture to the surface, and draw the display over that and where it changed itself.
-
-        Args:
-            finished: The picture without the display; None where that is the surface's already.
-            parts: Parts of it that changed since the last frame; None: all of it, or it is not for this class to draw.
-            hud: The display.
-            view: The only view of the picture.
-            depth: Distance of the display [m].
-
-        Returns:
-            Draw calls made; None where all of it has to be copied and drawn.
-        """
         if finished is None or parts is None or hud.empty or view.screen < 0:
             self._surface.painter = self._drawn = None
             return None

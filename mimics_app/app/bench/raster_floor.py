@@ -65,15 +65,13 @@ def _time(
     shown: moderngl.Framebuffer | None = None,
 ) -> float:
     """Return the median time of clearing a target, filling it and resolving it to `shown` if given [ms]."""
-    import moderngl
-
     clock, array, times = MonotonicClock(), ctx.vertex_array(program, []), []
     for _ in range(_WARM_UP + _FRAMES):
         started = clock.now_ns()
         target.use()
         target.clear(depth=1.0)
-        ctx.enable_only(moderngl.DEPTH_TEST)
-        array.render(moderngl.TRIANGLES, 3)
+        ctx.enable_only(ctx.DEPTH_TEST)
+        array.render(ctx.TRIANGLES, 3)
         if shown is not None:
             ctx.copy_framebuffer(shown, target)
         ctx.finish()

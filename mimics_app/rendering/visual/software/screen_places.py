@@ -6,8 +6,8 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8, U1
 from mimics_app.rendering.visual.changed_part import ChangedPart
-from mimics_app.rendering.visual.kernels.screen_bounds import bound_balls
-from mimics_app.rendering.visual.kernels.screen_cover import cover_marks, mark_cells
+from mimics_app.rendering.visual.software.kernels.screen_bounds import bound_balls
+from mimics_app.rendering.visual.software.kernels.screen_cover import cover_marks, mark_cells
 from mimics_app.rendering.visual.view import Rect, View
 
 __all__ = ["cell_tangent", "cover_of", "mark_cells_of", "parts_of", "pieces_of", "screen_bounds"]

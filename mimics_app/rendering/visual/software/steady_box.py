@@ -7,6 +7,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.kernels.bounds import enclose
 from mimics_app.rendering.visual.lighting import SHADOW_STEP, ShadowFrustum, fit_shadow_frustum, shadow_texel
+from mimics_app.rendering.visual.shadows.shadow_layers import SunBox
 
 __all__ = ["SteadyBox"]
 
@@ -18,7 +19,7 @@ _MIN_TEXELS = 1.5
 """Minimum distance of a caster from the border of the map, the reach of the filter [texel]."""
 
 
-class SteadyBox:
+class SteadyBox(SunBox):
     """Keeps the box of the last frame: only an identical box allows its map to be reused in part.
 
     When a caster leaves the box, the new one is a step wider than required, so that it is not left at once again.
@@ -29,7 +30,6 @@ class SteadyBox:
         self._box: ShadowFrustum | None = None
 
     def fit(self, sun_direction: F8, centres: F8, radii: F8, size: int) -> ShadowFrustum | None:
-        """Return the box of this frame; arguments and result as of `fit_shadow_frustum`."""
         had, sun, room = self._box, sun_direction.tobytes(), 1.0
         if had is not None and had.size == size and self._sun == sun and len(radii):
             border = 1.0 - 2.0 * _MIN_TEXELS / size

@@ -3,37 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8, I4
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
-from mimics_app.rendering.visual.kernels.still_casters import find_moving
+from mimics_app.rendering.visual.shadows.shadow_layers import ShadowLayers, Split, equal_bytes
 from mimics_app.rendering.visual.shadows.shadow_maps import ShadowMap
+from mimics_app.rendering.visual.software.kernels.screen_bounds import bound_in_map
+from mimics_app.rendering.visual.software.kernels.still_casters import find_moving
+from mimics_app.rendering.visual.software.screen_places import parts_of
+from mimics_app.rendering.visual.view import Rect
 
-__all__ = ["QUIET_FRAMES", "Split", "StillLayers", "equal_bytes"]
+__all__ = ["QUIET_FRAMES", "StillLayers"]
 
 
 QUIET_FRAMES = 120
 """Frames without motion after which a caster counts as static."""
-
-
-@dataclass(frozen=True, eq=False)
-class Split:
-    """Casters of a map: the static ones, drawn first, and the moving ones.
-
-    Attributes:
-        still: Numbers of items to draw into the cleared map; None where its kept layer is restored instead.
-        keep: True where the depths of `still` are to be kept.
-        moving: Numbers of items to draw over them.
-    """
-
-    still: I4 | None
-    keep: bool
-    moving: I4
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +33,7 @@ class _Layer:
     frame: int
 
 
-class StillLayers:
+class StillLayers(ShadowLayers):
     """Records when each item last moved, and the items in the layer of each tile.
 
     The nearest depth does not depend on the drawing order, for dithered casters too: with a layer a map has the same
@@ -60,11 +47,9 @@ class StillLayers:
         self._layers: dict[tuple[int, int], _Layer] = {}
 
     def forget(self) -> None:
-        """Discard all layers."""
         self._layers.clear()
 
     def begin(self, listed: DrawList) -> None:
-        """Record the items that moved since the last frame."""
         self._frame += 1
         if listed.items is not self._items:
             self._items = listed.items
@@ -76,23 +61,28 @@ class StillLayers:
         else:
             self._moved_at[listed.moved] = self._frame
 
-    def split(self, shadow: ShadowMap, grid: int) -> Split:
-        """Split the casters of a map that has changed, in one of grid x grid tiles."""
+    def split(self, shadow: ShadowMap, grid: int, listed: DrawList, width: int) -> Split:
         casters, layer = shadow.casters.items, self._layers.get(shadow.tile)
         if layer is not None and layer.grid == grid and equal_bytes(layer.clip, shadow.clip_from_world):
             over, last = np.empty(len(casters), np.int32), self._frame - QUIET_FRAMES
             count = find_moving(casters, layer.items, self._moved_at, layer.frame, last, self._marks, over)
             if count >= 0:
-                return Split(None, False, over[:count])
+                return Split(None, False, over[:count], _reach(shadow, listed, over[:count], width))
         self._layers.pop(shadow.tile, None)
         quiet = self._frame - self._moved_at[casters] >= QUIET_FRAMES
         if quiet.all() or not quiet.any():
-            return Split(casters, False, casters[:0])
-        still = casters[quiet]
+            return Split(casters, False, casters[:0], [])
+        still, moving = casters[quiet], casters[~quiet]
         self._layers[shadow.tile] = _Layer(grid, shadow.clip_from_world, still, self._frame)
-        return Split(still, True, casters[~quiet])
+        return Split(still, True, moving, _reach(shadow, listed, moving, width))
 
 
-def equal_bytes(one: NDArray[Any], other: NDArray[Any]) -> bool:
-    """Whether two arrays of one type and shape are equal, in a tenth of the time of `np.array_equal`."""
-    return one is other or one.tobytes() == other.tobytes()
+def _reach(shadow: ShadowMap, listed: DrawList, items: I4, width: int) -> list[Rect]:
+    """Return the rectangles of a map that some items can cover [texel]; all of a spot light's map."""
+    if not len(items):
+        return []
+    if shadow.clip_from_world[3, :3].any():
+        return [(0, 0, width, width)]
+    bounds = np.empty((len(items), 4))
+    bound_in_map(shadow.clip_from_world, items, listed.centres, listed.radii, bounds)
+    return parts_of(bounds, (width, width))

@@ -9,13 +9,13 @@ import numpy as np
 
 from mimics_app.contracts.arrays import B1, F8
 from mimics_app.rendering.visual.changed_part import ChangedPart
-from mimics_app.rendering.visual.stages.placed_shapes import PlacedItems, PlacedShapes, place_items
-from mimics_app.rendering.visual.stages.screen_places import cover_of, screen_bounds
-from mimics_app.rendering.visual.stages.seen_frame import Overlaid, SeenFrame
-from mimics_app.rendering.visual.stages.shadow_places import find_shadow_places
-from mimics_app.rendering.visual.stages.shape_boxes import ShapeBoxes
+from mimics_app.rendering.visual.software.frame_inputs import FrameInputs, Overlaid
+from mimics_app.rendering.visual.software.placed_shapes import PlacedItems, PlacedShapes, place_items
+from mimics_app.rendering.visual.software.screen_places import cover_of, screen_bounds
+from mimics_app.rendering.visual.software.shadow_places import find_shadow_places
+from mimics_app.rendering.visual.software.shape_boxes import ShapeBoxes
 
-__all__ = ["StillPicture"]
+__all__ = ["PictureChanges"]
 
 
 _STEADY_FRAMES = 2
@@ -41,12 +41,12 @@ _MAX_SPRITES = 300
 class _Before:
     """State of the last frame; without places while the camera moves, and without shapes where it was not searched."""
 
-    seen: SeenFrame | None = None
+    seen: FrameInputs | None = None
     placed: PlacedItems | None = None
     shapes: PlacedShapes | None = None
 
 
-class StillPicture:
+class PictureChanges:
     """Finds the parts of a frame that differ from the last one.
 
     While camera, light and most bodies do not move, most pixels equal those of the last frame, to the bit.
@@ -70,7 +70,7 @@ class StillPicture:
         """Discard the last frame."""
         self.keeps, self.only_sprites, self._steady, self._before = False, False, 0, _Before()
 
-    def parts(self, seen: SeenFrame) -> list[ChangedPart] | None:
+    def parts(self, seen: FrameInputs) -> list[ChangedPart] | None:
         """Return the parts in which a frame differs from the last one; None: redraw all of it."""
         before, listed = self._before, seen.listed
         sprites = _changed_sprites(before.seen, seen)
@@ -97,7 +97,7 @@ class StillPicture:
         overlaid = _changed_overlaid(before.seen, seen)
         return None if hulls is None else self._cover(seen, hulls, sprites, overlaid, places)
 
-    def _shapes_of(self, before: _Before, seen: SeenFrame) -> PlacedShapes:
+    def _shapes_of(self, before: _Before, seen: FrameInputs) -> PlacedShapes:
         """Return the shapes of a frame, placed as in the last one where they are the same."""
         if self._boxes is None or self._boxes.world is not seen.world:
             self._boxes = ShapeBoxes(seen.world, seen.listed.bent)
@@ -117,7 +117,7 @@ class StillPicture:
             self.keeps = False
 
     def _find(
-        self, was: PlacedItems, now: PlacedItems, shapes: PlacedShapes, seen: SeenFrame, changed: B1
+        self, was: PlacedItems, now: PlacedItems, shapes: PlacedShapes, seen: FrameInputs, changed: B1
     ) -> F8 | None:
         """Return hulls [n, 8, 3] of changed items, before and after, and of their shadows; None: too many to find."""
         found = shapes.place(was, now, changed, self._hulls)
@@ -130,7 +130,7 @@ class StillPicture:
         return self._hulls[:count] if count <= len(self._hulls) else None
 
     def _cover(
-        self, seen: SeenFrame, hulls: F8, sprites: F8, overlaid: list[Overlaid], places: list[F8]
+        self, seen: FrameInputs, hulls: F8, sprites: F8, overlaid: list[Overlaid], places: list[F8]
     ) -> list[ChangedPart] | None:
         """Return parts around hulls of points, sprites (by spheres), what is overlaid, and places in the picture."""
         view, (x, y, width, height) = seen.view, seen.rectangle
@@ -146,7 +146,7 @@ class StillPicture:
         return [part.moved(x, y) for part in parts]
 
 
-def _changed_items(before: _Before, seen: SeenFrame) -> B1 | None:
+def _changed_items(before: _Before, seen: FrameInputs) -> B1 | None:
     """Return the items that moved or changed their look; None where more changed, or it is unknown."""
     listed, last = seen.listed, before.seen
     if last is None or listed.moved is None or listed.remade or last.fixed != seen.fixed:
@@ -165,7 +165,7 @@ def _changed_items(before: _Before, seen: SeenFrame) -> B1 | None:
     return changed
 
 
-def _differ_in_sprites(last: SeenFrame | None, seen: SeenFrame, changed: B1) -> bool:
+def _differ_in_sprites(last: FrameInputs | None, seen: FrameInputs, changed: B1) -> bool:
     """Whether a frame differs from a comparable one in nothing but sprites, given its changed items.
 
     Mirrors show sprites, too.
@@ -175,7 +175,7 @@ def _differ_in_sprites(last: SeenFrame | None, seen: SeenFrame, changed: B1) -> 
     return np.array_equal(last.shown, seen.shown) and not _changed_overlaid(last, seen)
 
 
-def _changed_sprites(last: SeenFrame | None, seen: SeenFrame) -> F8:
+def _changed_sprites(last: FrameInputs | None, seen: FrameInputs) -> F8:
     """Return bounding spheres of the changed sprites, before and after, [n, 4]."""
     now = seen.sprites
     before = now[:0] if last is None else last.sprites
@@ -185,7 +185,7 @@ def _changed_sprites(last: SeenFrame | None, seen: SeenFrame) -> F8:
     return np.concatenate([before[other, :4], now[other, :4]])
 
 
-def _changed_overlaid(last: SeenFrame, seen: SeenFrame) -> list[Overlaid]:
+def _changed_overlaid(last: FrameInputs, seen: FrameInputs) -> list[Overlaid]:
     """Return the projected textures and cords that changed, before and after."""
     was, now = last.overlaid, seen.overlaid
     kept = {name for name in was.keys() & now.keys() if was[name].state == now[name].state}

@@ -5,11 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from mimics_app.contracts.arrays import B1, F8
-from mimics_app.rendering.visual.kernels.shadow_prisms import FIGURES, cut_prisms, cut_prisms_on_items, slice_casters
 from mimics_app.rendering.visual.lighting import sun_axes
-from mimics_app.rendering.visual.stages.placed_shapes import PlacedItems, PlacedShapes, Shapes
-from mimics_app.rendering.visual.stages.screen_places import cell_tangent
-from mimics_app.rendering.visual.stages.seen_frame import SeenFrame
+from mimics_app.rendering.visual.software.frame_inputs import FrameInputs
+from mimics_app.rendering.visual.software.kernels.shadow_prisms import (
+    FIGURES,
+    cut_prisms,
+    cut_prisms_on_items,
+    slice_casters,
+)
+from mimics_app.rendering.visual.software.placed_shapes import PlacedItems, PlacedShapes, Shapes
+from mimics_app.rendering.visual.software.screen_places import cell_tangent
 
 __all__ = ["find_shadow_places"]
 
@@ -25,7 +30,7 @@ _MAX_SPRITES = 300
 
 
 def find_shadow_places(
-    seen: SeenFrame, cast: Shapes, placed: PlacedItems, receiving: B1, shapes: PlacedShapes, hulls: F8
+    seen: FrameInputs, cast: Shapes, placed: PlacedItems, receiving: B1, shapes: PlacedShapes, hulls: F8
 ) -> int:
     """Write hulls of the places where the sun's shadows of shapes may fall.
 
@@ -69,7 +74,7 @@ def find_shadow_places(
     return count
 
 
-def _boxes_apart(seen: SeenFrame) -> F8:
+def _boxes_apart(seen: FrameInputs) -> F8:
     """Return boxes in the world of lit sprites, or one around many, and of what is overlaid [m], [n, 2, 3]."""
     if not (len(seen.sprites) or seen.overlaid):
         return np.zeros((0, 2, 3))
