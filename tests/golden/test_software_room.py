@@ -71,6 +71,13 @@ def test_the_picture_is_the_same_without_it(assert_same):
     assert_same(*pictures, "the tunnel")
 
 
+@pytest.mark.slow  # the whole suite of pictures once more
+def test_the_golden_suite_passes_without_it():
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "not slow", "--nosoftware"]
+    done = subprocess.run([*command, "tests/golden"], capture_output=True, text=True, check=False, cwd=ROOT)
+    assert done.returncode == 0, done.stdout[-4000:]
+
+
 @pytest.mark.parametrize("opt", ["", "nosoftware"])
 def test_a_run_and_a_bench_take_the_option(opt, tmp_path, monkeypatch):
     seen = []

@@ -102,5 +102,7 @@ def _draw(frames: Frames, picture: Picture) -> float:
 
 
 def _close(picture: Picture) -> None:
-    picture.surface.ctx.__enter__()  # not left again: it ends here
+    entered = ExitStack()
+    entered.enter_context(picture.surface.ctx)
     picture.close()
+    entered.pop_all()  # the context has ended, and is not left
