@@ -11,7 +11,7 @@ import numpy as np
 
 from mimics_app.dsp.filters import Floats
 
-__all__ = ["Channel", "Event", "Found"]
+__all__ = ["Channel", "Event", "FeatureSet"]
 
 _LARGEST = 2.0**24
 """Largest sample in any unit: counts of a 24-bit converter fit, a damaged number or an infinity does not."""
@@ -37,7 +37,7 @@ class Event:
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class FeatureSet:
     """Features by name as of the last whole second, and the signal quality in it."""
 
     features: dict[str, float] = field(default_factory=dict)
@@ -67,7 +67,7 @@ class Channel(ABC):
     def __init__(self, rate: float) -> None:
         self.rate = rate
         self.samples = 0
-        self.found = Found()
+        self.found = FeatureSet()
         self._length = max(round(rate), 1)
         self._shift = round(self.phase * self._length)
         self._raw = np.full(self._length, np.nan)
@@ -112,7 +112,7 @@ class Channel(ABC):
         """Process samples within one second and return the events; `samples` counts only those before."""
 
     @abstractmethod
-    def _look_back(self, raw: Floats) -> Found:
+    def _look_back(self, raw: Floats) -> FeatureSet:
         """Compute the features at the end of a second; `raw` holds its samples as received, shape [rate]."""
 
     def _contact(self, raw: Floats, *, steps: float = np.inf) -> float:

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from mimics_app.dsp.channel import Channel, Event, Found
+from mimics_app.dsp.channel import Channel, Event, FeatureSet
 from mimics_app.dsp.filters import Floats, band_pass, delay_of
 from mimics_app.dsp.kernels.beats import BEATS_STATE, FITTED, PROVISIONAL, FormDetector, choose_beats
 from mimics_app.dsp.kernels.ecg import (
@@ -75,7 +75,7 @@ class Ecg(Channel):
             self.rhythm.pause()
         return events
 
-    def _look_back(self, raw: Floats) -> Found:
+    def _look_back(self, raw: Floats) -> FeatureSet:
         now_s = self.samples / self.rate
         features, state = self.rhythm.features(now_s), self._energy.state
         silent = now_s - state[LAST] / self.rate if state[LAST] >= 0.0 else np.inf
@@ -85,7 +85,7 @@ class Ecg(Channel):
         self._unclear = self._bad[-1] and now_s > _FIRST_S  # what is found in noise gives no interval
         if sum(self._bad) >= _MOSTLY * _DOUBTED_S:
             self.rhythm.forget(now_s - _DOUBTED_S)
-        return Found(features if quality > 0.0 else {}, quality)
+        return FeatureSet(features if quality > 0.0 else {}, quality)
 
 
 _QRS = (13.0, 20.0, 13.0)

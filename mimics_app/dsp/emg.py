@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from mimics_app.dsp.channel import Channel, Event, Found
+from mimics_app.dsp.channel import Channel, Event, FeatureSet
 from mimics_app.dsp.filters import Floats, band_pass
 from mimics_app.dsp.kernels.emg import ACTIVE, EMG_STATE, TOTAL, N, find_onsets
 
@@ -47,12 +47,12 @@ class Emg(Channel):
             for onset, known, size in self._out[:count].tolist()
         ]
 
-    def _look_back(self, raw: Floats) -> Found:
+    def _look_back(self, raw: Floats) -> FeatureSet:
         quality = self._contact(raw)
         total = float(self._state[TOTAL])
         integrated, self._before = total - self._before, total
         if quality == 0.0:
-            return Found({}, 0.0)
+            return FeatureSet({}, 0.0)
         n = int(self._state[N]) % self._length
         features = {
             "emg": float(np.mean(self._envelope)),
@@ -67,7 +67,7 @@ class Emg(Channel):
                 minutes = np.arange(len(self._medians)) / 60.0
                 slope = np.polynomial.polynomial.polyfit(minutes, np.array(self._medians), 1)[1]
                 features["emg_fatigue"] = float(slope)
-        return Found(features, quality)
+        return FeatureSet(features, quality)
 
     def _median_frequency(self, second: Floats) -> float:
         """Return the median frequency of the last second's power spectrum [Hz], 0 without power."""

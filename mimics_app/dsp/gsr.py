@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from mimics_app.dsp.channel import Channel, Event, Found
+from mimics_app.dsp.channel import Channel, Event, FeatureSet
 from mimics_app.dsp.filters import Floats, delay_of, low_pass
 from mimics_app.dsp.kernels.slow import TURN_STATE, find_responses
 from mimics_app.dsp.skin_noise import SkinNoise
@@ -72,7 +72,7 @@ class Gsr(Channel):
             events.append(Event(t_s, (known + 1.0) / self.rate, "scr", size, self.found.quality))
         return events
 
-    def _look_back(self, raw: Floats) -> Found:
+    def _look_back(self, raw: Floats) -> FeatureSet:
         now_s = self.samples / self.rate
         quality = self._quality(raw)
         while self._responses and self._responses[0][0] < now_s - _WINDOW_S:
@@ -81,7 +81,7 @@ class Gsr(Channel):
             if now_s - self._contact_s > _TONIC_S:
                 self._levels.clear()
                 self._responses.clear()
-            return Found({}, 0.0)
+            return FeatureSet({}, 0.0)
         self._contact_s = now_s
         self._levels.append((now_s, float(self._smooth[-1])))
         times, levels = np.array(self._levels).T
@@ -95,7 +95,7 @@ class Gsr(Channel):
             features["scr_rate"] = 60.0 * len(self._responses) / covered
             features["scr_sum"] = 60.0 * sum(size for _, size in self._responses) / covered
             features["scl_slope"] = float(np.polynomial.polynomial.polyfit((times - now_s) / 60.0, levels, 1)[1])
-        return Found(features, quality)
+        return FeatureSet(features, quality)
 
     def _quality(self, raw: Floats) -> float:
         """Return the share of samples with contact, less for noise in the band of the responses."""

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from mimics_app.dsp.channel import Channel, Event, Found
+from mimics_app.dsp.channel import Channel, Event, FeatureSet
 from mimics_app.dsp.filters import Floats
 
 __all__ = ["Head", "Power", "Speed"]
@@ -36,18 +36,18 @@ class _Motion(Channel):
     def _take(self, piece: Floats) -> list[Event]:
         return []
 
-    def _look_back(self, raw: Floats) -> Found:
+    def _look_back(self, raw: Floats) -> FeatureSet:
         self._seconds.append(raw[np.isfinite(raw)])
         speed = np.concatenate(self._seconds)
         if not len(speed):
-            return Found({}, 0.0)
+            return FeatureSet({}, 0.0)
         peak = float(speed.max())
         features = {f"{self.part}_speed": float(np.mean(speed))}
         if peak > self.least:
             turns = int(np.count_nonzero(np.diff(np.sign(np.diff(speed))) < 0))
             features[f"{self.part}_peaks_per_s"] = turns * self.rate / len(speed)
             features[f"{self.part}_evenness"] = float(np.mean(speed) / peak)
-        return Found(features, float(np.isfinite(raw).mean()))
+        return FeatureSet(features, float(np.isfinite(raw).mean()))
 
 
 class Speed(_Motion):
@@ -76,8 +76,8 @@ class Power(Channel):
     def _take(self, piece: Floats) -> list[Event]:
         return []
 
-    def _look_back(self, raw: Floats) -> Found:
+    def _look_back(self, raw: Floats) -> FeatureSet:
         good = raw[np.isfinite(raw)]
         if not len(good):
-            return Found({}, 0.0)
-        return Found({"hand_power": float(np.mean(good))}, len(good) / len(raw))
+            return FeatureSet({}, 0.0)
+        return FeatureSet({"hand_power": float(np.mean(good))}, len(good) / len(raw))

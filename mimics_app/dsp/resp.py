@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from mimics_app.dsp.channel import Channel, Event, Found
+from mimics_app.dsp.channel import Channel, Event, FeatureSet
 from mimics_app.dsp.filters import Floats, band_pass, delay_of
 from mimics_app.dsp.kernels.slow import TURN_STATE, find_breaths
 
@@ -49,15 +49,15 @@ class Resp(Channel):
             events.append(Event(t_s, (known + 1.0) / self.rate, "breath", depth, self.found.quality))
         return events
 
-    def _look_back(self, raw: Floats) -> Found:
+    def _look_back(self, raw: Floats) -> FeatureSet:
         now_s = self.samples / self.rate
         quality = self._contact(raw)
         while self.breaths and self.breaths[0][0] < now_s - _WINDOW_S:
             self.breaths.popleft()
         if not self.breaths and now_s < _FIRST_S:
-            return Found({}, quality)
+            return FeatureSet({}, quality)
         if quality == 0.0 or not self.breaths or now_s - self.breaths[-1][0] > 20.0:
-            return Found({}, 0.0)
+            return FeatureSet({}, 0.0)
         rows = np.array(self.breaths)
         recent = rows[rows[:, 0] > now_s - _SHORT_S]
         recent = recent if len(recent) >= 2 else rows[-2:]
@@ -68,4 +68,4 @@ class Resp(Channel):
             spread = float(np.std(rows[:, 3], ddof=1) / np.mean(rows[:, 3]))
             features["breath_variability"] = spread
             quality *= float(np.clip(1.6 - 2.0 * spread, 0.1, 1.0))
-        return Found(features, quality)
+        return FeatureSet(features, quality)

@@ -36,7 +36,7 @@ class DiscriminantEstimation:
                 self._state = replace(self._state, load=self._load(None))
         return self._state
 
-    def judge(self, result: TrialResult) -> UserState:
+    def update_from_result(self, result: TrialResult) -> UserState:
         """Return the state updated by the success of a trial; steps and practice do not count."""
         if self._state.load is None or result.practice or result.outcome == "step":
             return self._state

@@ -93,7 +93,7 @@ class FusionEstimation:
         )
         return self._state
 
-    def judge(self, result: TrialResult) -> UserState:
+    def update_from_result(self, result: TrialResult) -> UserState:
         """Return the present state: it depends on body signals alone."""
         return self._state
 

@@ -77,7 +77,7 @@ def load_action_sequence(path: Path, space: ActionSpace) -> ActionSequence:
     document, issues = parse_json(read_bytes(path, file, _MAX_BYTES), file)
     if not isinstance(document, list):
         fix = 'write [{"t": 0, "values": {...}}, ...]'
-        raise SceneError(Issue(file, "", "is no list of actions", fix))
+        raise SceneError(Issue(file, "", "not a list of actions", fix))
     known = {issue.pointer for issue in issues}
     found = (fault for i, entry in enumerate(document) for fault in _check_entry(entry, f"/{i}", space))
     faults = list(islice(found, MOST_SOUGHT))
@@ -99,11 +99,11 @@ def _timed_action(entry: Mapping[str, Any]) -> TimedAction:
 
 def _check_entry(entry: object, pointer: str, space: ActionSpace) -> Iterator[_Fault]:
     if not isinstance(entry, Mapping):
-        yield pointer, "is no action", 'write {"t": 0, "values": {...}}'
+        yield pointer, "not an action", 'write {"t": 0, "values": {...}}'
         return
     for name in entry:
         if name not in _KEYS and not name.startswith("x-"):
-            yield f"{pointer}/{escape(name)}", f'"{name}" is no key of an action', nearest(name, _KEYS)
+            yield f"{pointer}/{escape(name)}", f'unknown key "{name}"', nearest(name, _KEYS)
     yield from _check_moment(entry, pointer)
     values = entry.get("values")
     if not isinstance(values, Mapping) or not values:
@@ -117,11 +117,11 @@ def _check_moment(entry: Mapping[str, Any], pointer: str) -> Iterator[_Fault]:
     if ("t" in entry) == ("trial" in entry):
         yield pointer, "needs either a time or a trial", 'give exactly one of "t" [s] and "trial"'
     elif "t" in entry and not (_is_number(entry["t"]) and entry["t"] >= 0.0):
-        yield f"{pointer}/t", f"{entry['t']!r} is no time", "write seconds, 0 or more"
+        yield f"{pointer}/t", f"invalid time {entry['t']!r}", "write seconds, 0 or more"
     elif "trial" in entry and not (
         isinstance(entry["trial"], int) and _is_number(entry["trial"]) and entry["trial"] >= 0
     ):
-        yield f"{pointer}/trial", f"{entry['trial']!r} is no trial", "write a whole number, 0 for the first"
+        yield f"{pointer}/trial", f"invalid trial {entry['trial']!r}", "write a whole number, 0 for the first"
 
 
 def _check_value(name: str, value: object, pointer: str, space: ActionSpace) -> Iterator[_Fault]:
@@ -132,7 +132,7 @@ def _check_value(name: str, value: object, pointer: str, space: ActionSpace) -> 
     parameter = space[name]
     unit = "" if parameter.unit == "-" else f" {parameter.unit}"
     if not _is_number(value):
-        yield pointer, f"{value!r} is no number", f"write a number from {parameter.low:g} to {parameter.high:g}{unit}"
+        yield pointer, f"not a number: {value!r}", f"write a number from {parameter.low:g} to {parameter.high:g}{unit}"
     elif not parameter.fits(value):
         what = f"{value:g}{unit} lies outside {parameter.low:g} to {parameter.high:g}{unit}"
         yield pointer, what, "choose a value inside the limits"

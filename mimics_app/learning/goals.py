@@ -122,4 +122,4 @@ def _read(words: str) -> tuple[str, tuple[float, ...]]:
         return name, numbers or (TARGET,)
     if name in STATES and len(numbers) == 2 and -1.0 <= numbers[0] < numbers[1] <= 1.0:
         return name, numbers
-    raise ValueError(f'"{words}" is no goal: task, success:SHARE, or arousal, valence or effort with :LOW:HIGH')
+    raise ValueError(f'unknown goal "{words}": task, success:SHARE, or arousal, valence or effort with :LOW:HIGH')

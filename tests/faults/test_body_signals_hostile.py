@@ -222,7 +222,7 @@ def test_a_long_table_takes_no_more_memory_than_a_short_one(tmp_path: Path, monk
         ("x/2 1 250 1000\n../z 500\n", "not in its folder"),
         ("x/2 1 250 1000\nx 500\n", "record of records"),
         ("x many 250 1000\n", "no numbers"),
-        ("", "no WFDB header"),
+        ("", "not a WFDB header"),
     ],
 )
 def test_a_header_of_wfdb_names_files_of_its_folder_alone(tmp_path: Path, text: str, told: str) -> None:

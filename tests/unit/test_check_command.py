@@ -215,7 +215,7 @@ def test_a_device_that_nobody_has_keeps_its_place_where_reach_is_checked(tmp_pat
     [
         ("learn", "stair", 'there is no policy "stair"; did you mean "staircase"'),
         ("estimator", "lad", 'there is no estimator "lad"; did you mean "lda"'),
-        ("goal", "succes:0.7", '"succes:0.7" is no goal: task, success:SHARE'),
+        ("goal", "succes:0.7", 'unknown goal "succes:0.7": task, success:SHARE'),
     ],
 )
 def test_policy_goal_and_estimator_of_a_task_must_be_there(tmp_path, capsys, field: str, words: str, said: str):

@@ -35,7 +35,7 @@ REFUSED = (
     ("run --action nowhere.json", 3, "nowhere.json: no such file"),
     ("run --display cave:nowhere.json", 3, "nowhere.json: no such file"),
     ("run --learn stair", 2, 'did you mean "staircase"'),
-    ("run --learn kalman --goal succes", 2, '"succes" is no goal'),
+    ("run --learn kalman --goal succes", 2, 'unknown goal "succes"'),
     ("run --learn kalman --goal arousal:-0.2:0.3", 2, "these can: linucb, thompson"),
     ("run --physio sim --estimator ldaa", 2, 'did you mean "lda"'),
     ("render nowhere", 3, "there is no such scene"),

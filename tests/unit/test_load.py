@@ -135,7 +135,7 @@ def result(second: int, success: float, outcome: str = "finished", *, practice: 
 @pytest.mark.parametrize("name", sorted(ESTIMATORS))
 def test_every_estimator_knows_nothing_first_and_then_what_is_too_hard(name: str) -> None:
     estimation = build_estimation(name, 30.0)
-    assert estimation.judge(result(0, 0.5)).load is None
+    assert estimation.update_from_result(result(0, 0.5)).load is None
     assert estimation.update(frame(0)).load is None
     for second in range(1, 60):
         estimation.update(frame(second))
@@ -195,7 +195,7 @@ def test_the_success_of_a_trial_is_part_of_its_load(name: str) -> None:
         for second in range(90):
             estimation.update(frame(second, 0.1 if second > 30 else 0.0))
         before = estimation.update(frame(89))
-        state = estimation.judge(result(90, success, *more, practice=practice))
+        state = estimation.update_from_result(result(90, success, *more, practice=practice))
         assert (state == before) == (practice or bool(more))
         assert state.load is not None
         return state.load

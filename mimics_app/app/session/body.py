@@ -37,7 +37,7 @@ class NullEstimation:
         """Return an unknown state at the time of the features."""
         return UserState(features.t_ns)
 
-    def judge(self, result: TrialResult) -> UserState:
+    def update_from_result(self, result: TrialResult) -> UserState:
         """Return an unknown state at the time of the result."""
         return UserState(result.t_ns)
 

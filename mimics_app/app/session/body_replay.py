@@ -72,7 +72,7 @@ def replay_body(run: Run) -> BodyReplay | None:
             stages.estimation.recalibrate()
         result = results.get(number)
         for ended in (None, result) if number == 0 else (result,):
-            state = state if ended is None else stages.estimation.judge(ended)
+            state = state if ended is None else stages.estimation.update_from_result(ended)
             reward = stages.goal.reward(state, ended)
             recorder.choice(number, ended, reward, stages.learning.choose(state, ended, reward, now_ns))
         recorder.step(number, (), features, state)

@@ -138,7 +138,7 @@ class Frames:
             timing = self.timing or FrameTiming.expected(now_ns)
             orders = core.tasks.step(vr, taken, snapshot, events, now_ns, timing)
             if orders.result is not None:
-                state = core.estimation.judge(orders.result)
+                state = core.estimation.update_from_result(orders.result)
             self.desk.answer(orders.replies, self.number, now_ns)
             self._choose(state, orders.result, now_ns)
             self._touch(vr, orders, snapshot)

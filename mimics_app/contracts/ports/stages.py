@@ -28,7 +28,7 @@ class Estimation(Protocol):
         """Return the state at the features' time, with None for unknown quantities."""
         ...
 
-    def judge(self, result: TrialResult) -> UserState:
+    def update_from_result(self, result: TrialResult) -> UserState:
         """Return the state updated with the result of a trial, before the learning system is called."""
         ...
 

@@ -125,7 +125,7 @@ def _channels(stream: io.BufferedReader, path: Path, factor: Callable[[str, str]
     head = stream.read(_HEAD)
     width = {b"0       ": 2, b"\xffBIOSEMI": 3}.get(head[:8])
     if width is None:
-        raise ValueError("it is no EDF or BDF file")
+        raise ValueError("not an EDF or BDF file")
     if head[192:197] in (b"EDF+D", b"BDF+D"):
         fix = "export it as EDF+C, without gaps"
         raise SceneError(Issue(str(path), "", "there are gaps between its records (EDF+D)", fix))
@@ -186,7 +186,7 @@ def _number(text: bytes, what: str) -> float:
     except ValueError:
         number = math.nan
     if not math.isfinite(number):
-        raise ValueError(f"its {what} is no number: {_words(text)!r}")
+        raise ValueError(f"its {what} is not a number: {_words(text)!r}")
     return number
 
 

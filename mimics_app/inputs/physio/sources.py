@@ -30,7 +30,7 @@ def _simulated(preset: str, seed: int) -> SignalSource:
     from mimics_app.inputs.physio.simulated.source import PRESETS, SimulatedBody
 
     if preset and preset not in PRESETS:
-        raise UsageError(f'there is no simulated person "{preset}"', nearest(preset, PRESETS))
+        raise UsageError(f'unknown simulated person "{preset}"', nearest(preset, PRESETS))
     return SimulatedBody(preset or "moderate", seed)
 
 
@@ -189,5 +189,5 @@ def _split(address: str) -> tuple[str, str]:
     if kind in KINDS and kind != "sim" and not rest:
         raise UsageError(f'"{address}" names no {kind} source', f"write {kind}:NAME")
     if kind not in (known := source_kinds()):
-        raise UsageError(f'"{address}" is no source of body signals', nearest(kind, known))
+        raise UsageError(f'unknown source of body signals "{address}"', nearest(kind, known))
     return kind, rest

@@ -27,7 +27,7 @@ def check_wfdb_header(path: Path, depth: int = 1) -> None:
         raise SceneError(Issue(str(path), "", f"cannot be read: {error.strerror}")) from error
     lines = [line.split() for line in text.splitlines() if line.strip() and not line.startswith("#")]
     if not lines or len(lines[0]) < 2:
-        raise SceneError(Issue(str(path), "", "is no WFDB header"))
+        raise SceneError(Issue(str(path), "", "not a WFDB header"))
     name, signals, *rest = lines[0]
     try:
         samples = int(rest[1]) if len(rest) > 1 else 0

@@ -110,7 +110,7 @@ class _Person:
             regret[t] = regret_of(gap)[0]
             self._live(TRIAL_S, self._felt.uniform() if self._blind else float(demand[0]), POWER_W, estimation)
             share = float(self._success.share(gap, self._chance)[0])
-            state = UserState(-1) if estimation is None else self._judge(estimation, share)
+            state = UserState(-1) if estimation is None else self._state_after(estimation, share)
             policy.learn(Outcome.of_one(float(demand[0]), share, state, float(success_reward(share))))
         return regret
 
@@ -122,5 +122,5 @@ class _Person:
         for _ in range(seconds):
             self._latent.step(1.0, np.array([felt]), np.array([power]), np.isfinite([felt]).astype(float))
 
-    def _judge(self, estimation: Estimation, share: float) -> UserState:
-        return estimation.judge(TrialResult(0, self._session.now_ns + 1, "finished", share, share, False))
+    def _state_after(self, estimation: Estimation, share: float) -> UserState:
+        return estimation.update_from_result(TrialResult(0, self._session.now_ns + 1, "finished", share, share, False))
