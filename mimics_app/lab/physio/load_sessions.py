@@ -15,7 +15,7 @@ from mimics_app.contracts.arrays import F8
 from mimics_app.estimation.fusion import FusionEstimation
 from mimics_app.estimation.load_people import LoadPeople
 from mimics_app.estimation.trial_view import TrialView
-from mimics_app.inputs.physio.simulated.person import FAMILIES, Family, LatentPeople, draw_traits
+from mimics_app.inputs.physio.simulated.kinds import KINDS, Kind
 from mimics_app.lab.physio.simulated_task import POWER_W, REST_S, TRIAL_S, SignalSession, Success, draw_slope
 from mimics_app.learning.policy import logit
 
@@ -36,13 +36,13 @@ def draw_load_people(each: int, gap: float, seed: int = 1) -> LoadPeople:
     """Simulate the sessions.
 
     Args:
-        each: Number of people of each family.
+        each: Number of people of each kind.
         gap: Deviation of the demand in a trial that is too easy or too hard; small ones are hard to estimate.
         seed: Seed of the simulation.
     """
-    places = np.repeat(np.arange(len(FAMILIES)), each)
+    places = np.repeat(np.arange(len(KINDS)), each)
     streams = np.random.default_rng([seed, 164]).spawn(len(places))
-    played = [_play(rng, FAMILIES[k], gap) for rng, k in zip(streams, places.tolist(), strict=True)]
+    played = [_play(rng, KINDS[k], gap) for rng, k in zip(streams, places.tolist(), strict=True)]
     features, classes, fusion = (np.array([one[i] for one in played]) for i in range(3))
     return LoadPeople(places, features, classes.astype(np.int64), fusion)
 
@@ -54,16 +54,17 @@ def write_shipped_people(path: Path) -> None:
         OSError: The file cannot be written.
     """
     each, gap, seed = 8, 0.15, 1
-    what = f"simulated people, {each} of each family, demand {gap:g} off in a wrong trial, seed {seed}"
+    what = f"simulated people, {each} of each kind, demand {gap:g} off in a wrong trial, seed {seed}"
     draw_load_people(each, gap, seed).write(path, f"{what}: mimics bench physio --people FILE")
 
 
 class _Session:
     """Session of one person."""
 
-    def __init__(self, rng: np.random.Generator, family: Family) -> None:
-        self.people = LatentPeople(draw_traits(rng, 1, family), family)
-        self._signals, self._fusion = SignalSession(self.people, rng), FusionEstimation(_BASELINE_S)
+    def __init__(self, rng: np.random.Generator, kind: Kind) -> None:
+        self.people = kind.people(rng)
+        self._signals = SignalSession(self.people, kind.signals(rng))
+        self._fusion = FusionEstimation(_BASELINE_S)
 
     def live(self, seconds: int, demand: float, power: float) -> tuple[TrialView, F8]:
         """Advance in time; return the features and the mean load by the fusion at its end."""
@@ -75,9 +76,9 @@ class _Session:
         return view, np.mean(loads[-_LOAD_S:], axis=0)
 
 
-def _play(rng: np.random.Generator, family: Family, gap: float) -> tuple[F8, F8, F8]:
+def _play(rng: np.random.Generator, kind: Kind, gap: float) -> tuple[F8, F8, F8]:
     """Simulate a person; return features [t, f], classes [t] and probabilities by the fusion [t, 3] of the trials."""
-    session = _Session(rng, family)
+    session = _Session(rng, kind)
     slope, right = draw_slope(rng, 1), rng.uniform(*_RIGHT)
     success = Success(slope, logit(np.array(right)) / slope)
     order = np.concatenate([rng.permutation(3) for _ in range(_ROUNDS)])

@@ -15,7 +15,7 @@ from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.messages.stage_messages import TrialResult, UserState
 from mimics_app.contracts.ports.stages import Estimation
 from mimics_app.estimation.registry import DEFAULT, build_estimation
-from mimics_app.inputs.physio.simulated.person import FAMILIES, Family, LatentPeople, draw_traits
+from mimics_app.inputs.physio.simulated.kinds import KINDS, Kind
 from mimics_app.lab.physio.simulated_task import POWER_W, REST_S, TRIAL_S, SignalSession, draw_success, regret_of
 from mimics_app.learning.goals import success_reward
 from mimics_app.learning.policy import Outcome, Policy
@@ -58,7 +58,7 @@ class LoopScore:
 def loop_study(
     policy: str, n: int = PEOPLE, trials: int = TRIALS, seed: int = 1, *, silent: bool = False, blind: bool = False
 ) -> LoopScore:
-    """Let a policy adapt the task of people of every family.
+    """Let a policy adapt the task of people of every kind.
 
     Args:
         policy: Name in `POLICIES`; signals are simulated only for the one that uses the load.
@@ -73,7 +73,7 @@ def loop_study(
     return LoopScore(
         np.array(
             [
-                _Person(rng, FAMILIES[k % len(FAMILIES)], silent=silent, blind=blind).play(
+                _Person(rng, KINDS[k % len(KINDS)], silent=silent, blind=blind).play(
                     POLICIES[policy](), trials, sees=sees
                 )
                 for k, rng in enumerate(streams)
@@ -90,13 +90,12 @@ def pooled(scores: Sequence[LoopScore]) -> LoopScore:
 class _Person:
     """Session of one person."""
 
-    def __init__(self, rng: np.random.Generator, family: Family, *, silent: bool, blind: bool) -> None:
+    def __init__(self, rng: np.random.Generator, kind: Kind, *, silent: bool, blind: bool) -> None:
         who, self._chance, body, self._choice, self._felt = rng.spawn(5)
-        traits = draw_traits(who, 1, family)
-        while silent and traits.more_responses[0] > 0.0:
-            traits = draw_traits(who, 1, family)
-        self._latent, self._blind = LatentPeople(traits, family), blind
-        self._success, self._session = draw_success(who, 1), SignalSession(self._latent, body)
+        self._latent, self._blind = kind.people(who), blind
+        while silent and self._latent.traits.more_responses[0] > 0.0:
+            self._latent = kind.people(who)
+        self._success, self._session = draw_success(who, 1), SignalSession(self._latent, kind.signals(body))
 
     def play(self, policy: Policy, trials: int, *, sees: bool) -> F8:
         """Return the regret of each trial, shape [trials]; `sees`: signals are simulated and the load is estimated."""

@@ -83,11 +83,11 @@ class SignalSession:
 
     Args:
         people: The person.
-        rng: Source of the signals' randomness.
+        generator: Their signals.
     """
 
-    def __init__(self, people: LatentPeople, rng: np.random.Generator) -> None:
-        self._people, self._generator = people, SignalGenerator(rng)
+    def __init__(self, people: LatentPeople, generator: SignalGenerator) -> None:
+        self._people, self._generator = people, generator
         self._dsp, self._second = PhysioDsp(), 0
 
     @property

@@ -7,6 +7,7 @@ assumptions. It is no clinical evidence.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Literal
 
@@ -14,11 +15,20 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 
-__all__ = ["FAMILIES", "Drive", "Family", "LatentPeople", "Traits", "draw_traits"]
+__all__ = ["Drive", "Family", "LatentPeople", "Skin", "Traits", "draw_traits"]
 
 Family = Literal["linear", "saturating", "lagged", "blocked", "flipped"]
-FAMILIES: tuple[Family, ...] = ("linear", "saturating", "lagged", "blocked", "flipped")
 """Response of the heart rate to arousal: proportional; saturating; delayed; damped (beta blocker); inverted."""
+
+Skin = Literal["rate", "level", "amplitude"]
+"""What of the skin shows arousal most: the number of responses, the level between them, or their amplitude."""
+_BY_SKIN: Mapping[Skin, tuple[float, float, float]] = {
+    "rate": (1.0, 0.15, 0.0),
+    "level": (0.4, 0.3, 0.2),
+    "amplitude": (0.5, 0.12, 1.0),
+}
+"""Share of the further responses, and rises of level and amplitude from rest to full arousal as shares of rest: the
+three go together in some people and not in others (Boucsein, Electrodermal Activity, 2012)."""
 
 _NON_RESPONDERS = 0.12
 """Share of people whose body does not show arousal; 10-15 % do not respond electrodermally (Dawson, Schell & Filion,
@@ -51,7 +61,9 @@ class Traits:
         conductance: Tonic level [uS]; 2 to 20 (Boucsein, Electrodermal Activity, 2012).
         responses: SCRs per minute at rest; 1 to 3 (Dawson et al., 2007).
         more_responses: Further ones at full arousal; up to 20 in all.
+        level_rise: Rise of the tonic level at full arousal, as a share of it.
         response: Amplitude [uS]; 0.1 to 1.
+        response_rise: Rise of the amplitude at full arousal, as a share of it.
         delay_s: From arousal to heart [s], beyond its own time constant.
         habituation: Share of the amplitude left after ten minutes.
     """
@@ -66,18 +78,23 @@ class Traits:
     conductance: F8
     responses: F8
     more_responses: F8
+    level_rise: F8
     response: F8
+    response_rise: F8
     delay_s: F8
     habituation: F8
 
 
-def draw_traits(rng: np.random.Generator, n: int, family: Family = "linear", skill: float = 0.5) -> Traits:
-    """Draw people of a family around a mean skill; about one in eight is a non-responder."""
+def draw_traits(
+    rng: np.random.Generator, n: int, family: Family = "linear", skill: float = 0.5, skin: Skin = "rate"
+) -> Traits:
+    """Draw people of a family and a skin around a mean skill; about one in eight is a non-responder."""
 
     def normal(mean: float, deviation: float, low: float, high: float) -> F8:
         return np.clip(rng.normal(mean, deviation, n), low, high)
 
     responds = (rng.random(n) >= _NON_RESPONDERS).astype(float)
+    share, level, amplitude = _BY_SKIN[skin]
     heart = responds * normal(12.0, 4.0, 5.0, 20.0)
     if family == "blocked":
         heart *= 0.3
@@ -93,8 +110,10 @@ def draw_traits(rng: np.random.Generator, n: int, family: Family = "linear", ski
         breath_rest=normal(15.0, 2.0, 11.0, 20.0),
         conductance=normal(7.0, 3.0, 2.0, 18.0),
         responses=normal(2.0, 0.7, 0.5, 4.0),
-        more_responses=responds * normal(10.0, 3.0, 4.0, 16.0),
+        more_responses=responds * share * normal(10.0, 3.0, 4.0, 16.0),
+        level_rise=responds * level,
         response=normal(0.35, 0.12, 0.1, 0.9),
+        response_rise=responds * amplitude,
         delay_s=rng.uniform(10.0, 30.0, n) if family == "lagged" else rng.uniform(0.0, 4.0, n),
         habituation=rng.uniform(0.5, 0.9, n),
     )
@@ -200,9 +219,9 @@ class LatentPeople:
             variability=traits.variability * np.clip(quiet, 0.15, 1.3),
             breath_rate=traits.breath_rest * (1.0 + np.where(responding, 0.2, 0.0) * felt + 0.35 * self.effort),
             breath_depth=1.0 + 0.5 * self.effort - 0.15 * excited,
-            conductance=traits.conductance * (1.0 + np.where(responding, 0.15, 0.0) * self.arousal),
+            conductance=traits.conductance * (1.0 + traits.level_rise * self.arousal),
             responses=np.maximum(traits.responses + traits.more_responses * self.arousal, 0.2),
-            response=traits.response * worn,
+            response=traits.response * worn * np.maximum(1.0 + traits.response_rise * self.arousal, 0.2),
             muscle=np.clip(self.effort, 0.0, 1.0),
             fatigue=self.fatigue,
             motion=motion,

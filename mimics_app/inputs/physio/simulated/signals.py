@@ -12,6 +12,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.inputs.physio.simulated.person import Drive
+from mimics_app.inputs.physio.simulated.shapes import BREATHS, RESPONSES
 
 __all__ = ["RATE", "SIGNALS", "Disturbance", "SignalGenerator", "Truth"]
 
@@ -25,8 +26,34 @@ _WAVES = ((-0.17, 0.025, 0.12), (-0.026, 0.010, -0.12), (0.0, 0.011, 1.05), (0.0
 50(3), 2003."""
 _ECTOPIC = ((0.0, 0.035, 1.35), (0.07, 0.04, -0.55), (0.30, 0.07, -0.30))
 """A ventricular beat: no P, broad QRS, T against it."""
-_RISE_S, _FALL_S = 0.75, 2.6
-"""Time constants of an SCR [s]: rise 1 to 3 s, half recovery 2 to 10 s (Dawson et al., 2007)."""
+_ECTOPIC_AT, _PAUSE = 0.62, 1.35
+"""An early beat comes after this share of the interval, the next one after this multiple: the two make a whole pair."""
+_SHORTEST_RR = 0.28
+"""Refractory time of the heart [s]: no two beats are nearer."""
+_SLOW_BACK, _SLOW_KICK, _BY_BREATH, _BY_CHANCE = 0.12, 0.35, 0.75, 0.4
+"""Variation of the intervals, in RMSSD: return and kick of its slow part a beat, swing by the breath (respiratory sinus
+arrhythmia, most of the fast part), and chance."""
+_LUNG = 0.06
+"""Change of the ECG's height by the lung's filling: its conductivity."""
+_WANDER_HZ = (0.07, 0.19, 0.33)
+"""Frequencies of the baseline wander [Hz]: below and at the breath, no multiples of each other."""
+_UNEVEN_BREATH = 0.06
+"""Relative deviation of the breath rate from second to second."""
+_LEVEL_FOLLOWS = 0.02
+"""Share by which the tonic level goes to its aim in a second: sweat ducts fill within a minute."""
+_APART_S, _UNEVEN_RESPONSE = 1.5, 0.35
+"""Least time between two responses [s], and the standard deviation of the logarithm of their amplitude."""
+_MUSCLE_LOW, _MUSCLE_TIRED, _MUSCLE_MEAN = 0.55, 0.3, 0.94
+"""Poles of the two filters that shape noise to the band of surface EMG, 10 to 95 Hz; the first one rises by the second
+figure with full fatigue, which lowers the upper end to 26 Hz."""
+_MUSCLE_REST, _MUSCLE_FULL = 0.004, 0.25
+"""Standard deviation of the pattern at rest, and what full activity adds [mV]."""
+_SHAKE_EVERY, _SHAKE_KEEPS = 50, 0.8
+"""Samples between two places of the motion artefact, and what it keeps of itself: a corner of 0.7 Hz, as an arm's."""
+_OFF_S = 4
+"""Length of a loss of contact [s]: until somebody presses the electrode on."""
+_SKIN_SHARE = 0.2
+"""Motion artefact of the skin's electrodes [uS] for one of 1 mV in the ECG: they lie on the still hand."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,14 +98,24 @@ class SignalGenerator:
     Args:
         rng: Source of all random numbers.
         disturbance: Disturbances of the signals.
+        response: Shape of a skin response, a name in `shapes.RESPONSES`.
+        breath: Waveform of a breath, a name in `shapes.BREATHS`.
 
     Attributes:
         truth: Ground truth so far.
         seconds: Seconds made so far.
     """
 
-    def __init__(self, rng: np.random.Generator, disturbance: Disturbance | None = None) -> None:
+    def __init__(
+        self,
+        rng: np.random.Generator,
+        disturbance: Disturbance | None = None,
+        response: str = "exponentials",
+        breath: str = "rounded",
+    ) -> None:
         self._rng = rng
+        self._response, self._breath = RESPONSES[response], BREATHS[breath]
+        self._peak = self._response.peak
         self._bad = disturbance or Disturbance()
         self.truth = Truth()
         self.seconds = 0
@@ -102,7 +139,7 @@ class SignalGenerator:
         resp = float(drive.breath_depth[0]) * breath + self._bad.white * 2.0 * self._rng.standard_normal(RATE)
         shake = self._motion(float(drive.motion[0]))
         ecg += self._bad.motion * shake
-        gsr += 0.2 * self._bad.motion * shake
+        gsr += _SKIN_SHARE * self._bad.motion * shake
         self._lose_contact(ecg, gsr)
         if self._bad.rail > 0.0:
             ecg = np.clip(ecg, -self._bad.rail, self._bad.rail)
@@ -110,20 +147,20 @@ class SignalGenerator:
         return {"ecg": ecg, "gsr": gsr, "emg": emg, "resp": resp}
 
     def _breathe(self, drive: Drive, t: F8) -> F8:
-        """Return the breathing in [-1, 1], in-breath shorter than out-breath, and note where an in-breath begins."""
-        rate = float(drive.breath_rate[0]) / 60.0 * (1.0 + 0.06 * self._rng.standard_normal())
+        """Return the breathing in [-1, 1], and note where an in-breath begins."""
+        rate = float(drive.breath_rate[0]) / 60.0 * (1.0 + _UNEVEN_BREATH * self._rng.standard_normal())
         phase = self._phase + 2.0 * np.pi * rate * np.arange(1, RATE + 1) / RATE
         turns = np.floor(phase / (2.0 * np.pi)) > np.floor((phase - 2.0 * np.pi * rate / RATE) / (2.0 * np.pi))
         self.truth.breaths += t[turns].tolist()
         self._phase = float(phase[-1])
-        return -np.cos(phase + 0.35 * np.sin(phase))
+        return self._breath(phase / (2.0 * np.pi) % 1.0)
 
     def _heart(self, drive: Drive, t: F8, breath: F8) -> F8:
         """Return the ECG: beats, baseline wander, mains, muscle noise."""
         while self._beats[-1][0] < t[-1] + 1.0:
             self._plan_beat(drive, float(breath[-1]))
         ecg = np.zeros(RATE)
-        lung = 1.0 + 0.06 * breath
+        lung = 1.0 + _LUNG * breath
         for at, ectopic in self._beats:
             if t[0] - 0.8 <= at <= t[-1] + 0.8:
                 for place, width, height in _ECTOPIC if ectopic else _WAVES:
@@ -134,7 +171,7 @@ class SignalGenerator:
                     self.truth.ectopic.append(at)
         self._beats = [beat for beat in self._beats if beat[0] > t[0] - 1.0]
         wander = sum(
-            np.sin(2.0 * np.pi * f * t + p) for f, p in zip((0.07, 0.19, 0.33), self._wander_phase, strict=True)
+            np.sin(2.0 * np.pi * f * t + p) for f, p in zip(_WANDER_HZ, self._wander_phase, strict=True)
         )
         noise = self._rng.standard_normal(RATE)
         muscle = np.convolve(noise, [0.5, 0.0, -0.5], "same")
@@ -150,12 +187,12 @@ class SignalGenerator:
         """Add the next beat: respiratory sinus arrhythmia, slow waves, random variation, ectopic beats."""
         rr = 60.0 / float(drive.heart_rate[0])
         rmssd = 1e-3 * float(drive.variability[0])
-        self._slow += 0.12 * (0.0 - self._slow) + 0.35 * rmssd * self._rng.standard_normal()
-        step = rr - 0.75 * rmssd * breath + self._slow + 0.4 * rmssd * self._rng.standard_normal()
+        self._slow += _SLOW_KICK * rmssd * self._rng.standard_normal() - _SLOW_BACK * self._slow
+        step = rr - _BY_BREATH * rmssd * breath + self._slow + _BY_CHANCE * rmssd * self._rng.standard_normal()
         last, early = self._beats[-1]
-        step = max(step * 1.35 if early else step, 0.28)
+        step = max(step * _PAUSE if early else step, _SHORTEST_RR)
         if not early and self._rng.random() < self._bad.ectopic:
-            self._beats.append((last + 0.62 * step, True))
+            self._beats.append((last + _ECTOPIC_AT * step, True))
         else:
             self._beats.append((last + step, False))
 
@@ -163,43 +200,42 @@ class SignalGenerator:
         """Return the skin conductance: tonic level and SCRs."""
         for _ in range(self._rng.poisson(float(drive.responses[0]) / 60.0)):
             onset = float(t[0] + self._rng.random())
-            if not self._responses or onset - self._responses[-1][0] > 1.5:
-                self._responses.append((onset, float(drive.response[0]) * self._rng.lognormal(0.0, 0.35)))
-                self.truth.responses.append(onset + _PEAK_S)
+            if not self._responses or onset - self._responses[-1][0] > _APART_S:
+                self._responses.append((onset, float(drive.response[0]) * self._rng.lognormal(0.0, _UNEVEN_RESPONSE)))
+                self.truth.responses.append(onset + self._response.peak_s)
         before = self._tonic
         self._tonic += (
-            0.02 * (float(drive.conductance[0]) - self._tonic) if self.seconds else float(drive.conductance[0])
+            _LEVEL_FOLLOWS * (float(drive.conductance[0]) - self._tonic) if self.seconds else float(drive.conductance[0])
         )
         begin = before if self.seconds else self._tonic
         gsr = np.linspace(begin, self._tonic, RATE, endpoint=False)
         for onset, size in self._responses:
-            since = np.maximum(t - onset, 0.0)
-            gsr += size / _PEAK * (np.exp(-since / _FALL_S) - np.exp(-since / _RISE_S))
-        self._responses = [each for each in self._responses if each[0] > t[0] - 12.0 * _FALL_S]
+            gsr += size / self._peak * self._response.of(np.maximum(t - onset, 0.0))
+        self._responses = [each for each in self._responses if each[0] > t[0] - self._response.lasts_s]
         return gsr + self._bad.white * self._rng.standard_normal(RATE)
 
     def _muscle(self, drive: Drive) -> F8:
         """Return the interference pattern [mV]; fatigue lowers its frequency."""
-        slow = 0.55 + 0.3 * float(drive.fatigue[0])
+        slow = _MUSCLE_LOW + _MUSCLE_TIRED * float(drive.fatigue[0])
         noise = self._rng.standard_normal(RATE)
         excited, self._coloured[:1] = _first_order(noise, slow, float(self._coloured[0]))
-        mean, self._coloured[1:] = _first_order(excited, 0.94, float(self._coloured[1]))
+        mean, self._coloured[1:] = _first_order(excited, _MUSCLE_MEAN, float(self._coloured[1]))
         shaped = excited - mean
         activity = float(drive.muscle[0])
-        return (0.004 + 0.25 * activity) * shaped + self._bad.white * 0.2 * self._rng.standard_normal(RATE)
+        return (_MUSCLE_REST + _MUSCLE_FULL * activity) * shaped + self._bad.white * 0.2 * self._rng.standard_normal(RATE)
 
     def _motion(self, speed: float) -> F8:
         """Return the motion artefact: low-frequency noise in proportion to the hand's speed."""
         places = [self._shake]
-        for kick in (self._rng.standard_normal(RATE // 50) * speed).tolist():
-            places.append(0.8 * places[-1] + kick)
+        for kick in (self._rng.standard_normal(RATE // _SHAKE_EVERY) * speed).tolist():
+            places.append(_SHAKE_KEEPS * places[-1] + kick)
         self._shake = places[-1]
-        return np.interp(np.arange(RATE) / 50.0, np.arange(len(places)), places)
+        return np.interp(np.arange(RATE) / _SHAKE_EVERY, np.arange(len(places)), places)
 
     def _lose_contact(self, *signals: F8) -> None:
-        """Replace the signals by NaN during lead-off, which lasts 4 s each time."""
-        if self._off == 0 and self._bad.lead_off > 0.0 and self._rng.random() < self._bad.lead_off / 4.0:
-            self._off = 4
+        """Replace the signals by NaN during lead-off."""
+        if self._off == 0 and self._bad.lead_off > 0.0 and self._rng.random() < self._bad.lead_off / _OFF_S:
+            self._off = _OFF_S
         if self._off > 0:
             self._off -= 1
             for signal in signals:
@@ -212,8 +248,3 @@ def _first_order(values: F8, keep: float, last: float) -> tuple[F8, float]:
 
     out, _ = lfilter([1.0 - keep], [1.0, -keep], values, zi=[keep * last])
     return out, float(out[-1])
-
-
-_PEAK_S = float(np.log(_FALL_S / _RISE_S) * _FALL_S * _RISE_S / (_FALL_S - _RISE_S))
-"""Time from onset to peak of a response with these time constants [s]."""
-_PEAK = float(np.exp(-_PEAK_S / _FALL_S) - np.exp(-_PEAK_S / _RISE_S))

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.messages.stage_messages import Experience, SignalBlock
 from mimics_app.contracts.ports.input_port import SignalSource
-from mimics_app.inputs.physio.simulated.person import Drive, Family, LatentPeople, draw_traits
-from mimics_app.inputs.physio.simulated.signals import RATE, SIGNALS, Disturbance, SignalGenerator
+from mimics_app.inputs.physio.simulated.kinds import KINDS, Kind
+from mimics_app.inputs.physio.simulated.person import Drive
+from mimics_app.inputs.physio.simulated.signals import RATE, SIGNALS, Disturbance
 
 __all__ = ["PRESETS", "Preset", "SimulatedBody"]
 
@@ -23,22 +24,24 @@ class Preset:
     Attributes:
         skill: Mean demand that is a challenge, 0 to 1.
         what: Description.
-        family: Response of the heart rate to arousal.
+        kind: Heart, skin and breath.
         disturbance: Disturbances of the signals.
     """
 
     skill: float
     what: str
-    family: Family = "linear"
+    kind: Kind = KINDS[0]
     disturbance: Disturbance = field(default_factory=Disturbance)
 
+
+_WITH_HEART = {kind.heart: kind for kind in KINDS}
 
 PRESETS: dict[str, Preset] = {
     "healthy": Preset(0.7, "finds the task easy"),
     "moderate": Preset(0.5, "finds the task just right"),
     "severe": Preset(0.3, "finds the task hard"),
-    "blocked": Preset(0.5, "takes a beta blocker", "blocked"),
-    "lagged": Preset(0.5, "a heart that follows late", "lagged"),
+    "blocked": Preset(0.5, "takes a beta blocker", _WITH_HEART["blocked"]),
+    "lagged": Preset(0.5, "a heart that follows late", _WITH_HEART["lagged"]),
     "ectopic": Preset(0.5, "5 % early beats", disturbance=Disturbance(ectopic=0.05)),
     "noisy": Preset(0.5, "bad electrodes", disturbance=Disturbance(wander=0.3, muscle=0.12, mains=0.05, motion=0.6)),
     "loose": Preset(0.5, "electrodes that come off", disturbance=Disturbance(lead_off=0.6)),
@@ -57,10 +60,10 @@ class SimulatedBody(SignalSource):
     """
 
     def __init__(self, preset: str, seed: int) -> None:
-        kind = PRESETS[preset]
+        who = PRESETS[preset]
         person, signals = np.random.default_rng([seed, 1601]).spawn(2)
-        self._people = LatentPeople(draw_traits(person, 1, kind.family, kind.skill), kind.family)
-        self._generator = SignalGenerator(signals, kind.disturbance)
+        self._people = who.kind.people(person, skill=who.skill)
+        self._generator = who.kind.signals(signals, who.disturbance)
         self._start_ns: int | None = None
         self._taken = 0
         self._second: dict[str, NDArray[np.float64]] = {}
