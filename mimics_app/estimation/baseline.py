@@ -53,15 +53,12 @@ class Baseline:
         measured = max((n for n, _, _ in self._sums.values()), default=0)
         self.done = self._frames >= self._wanted and measured >= _MEASURED * self._wanted
 
+    def at_rest(self, name: str) -> tuple[float, float] | None:
+        """Return mean and standard deviation of a feature at rest; None where too little of it was seen."""
+        n, mean, square = self._sums.get(name, (0, 0.0, 0.0))
+        return None if n < _LEAST_FRAMES else (mean, max((square / (n - 1)) ** 0.5, _LEAST_SPREAD[name]))
+
     def z(self, name: str, values: Mapping[str, float]) -> float | None:
         """Return a feature in standard deviations from rest; None without the feature or its baseline."""
-        n, mean, square = self._sums.get(name, (0, 0.0, 0.0))
-        if name not in values or n < _LEAST_FRAMES:
-            return None
-        spread = max((square / (n - 1)) ** 0.5, _LEAST_SPREAD[name])
-        return (values[name] - mean) / spread
-
-    def offset(self, name: str, values: Mapping[str, float]) -> float | None:
-        """Return a feature less its mean at rest, in its own unit; None without the feature or its baseline."""
-        n, mean, _ = self._sums.get(name, (0, 0.0, 0.0))
-        return None if name not in values or n < _LEAST_FRAMES else values[name] - mean
+        rest = self.at_rest(name)
+        return None if name not in values or rest is None else (values[name] - rest[0]) / rest[1]

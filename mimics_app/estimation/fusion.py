@@ -22,7 +22,7 @@ _INNOVATION = 1.5
 _LEAST_QUALITY = 0.2
 """Signal quality below which features are not used."""
 _VIEWS = {
-    "heart": (0.22, 1.4),
+    "heart": (0.22, 3.0),
     "scr_rate": (0.25, 1.5),
     "scl": (0.20, 2.0),
     "rmssd": (-0.35, 1.5),
@@ -30,22 +30,23 @@ _VIEWS = {
 """Arousal per standard deviation of each feature from rest, and the feature's noise in standard deviations. At full
 arousal the heart beats some 12/min faster (spread of rest 2 to 3), ten more SCRs come in a minute (2 to 3), the level
 rises by 1 to 2 uS (0.25), and RMSSD falls by a third to a half (6 ms): Boucsein, Electrodermal Activity, 2012; Kim et
-al., Psychiatry Investig 15(3), 2018."""
+al., Psychiatry Investig 15(3), 2018. The heart counts least: what work, posture and talk do to it is no arousal."""
 _SIGNAL = {"heart": "ecg", "rmssd": "ecg", "scr_rate": "gsr", "scl": "gsr"}
 """Signal of each feature."""
+_AS_AT_REST = ("scr_rate", "scl", "rmssd", "breath_rate")
+"""Features that are compared with rest as they are; of RMSSD the effect of work is taken away afterwards."""
 _CORRELATED_S = 25.0
 """Correlation time of the features, whose windows are 10 to 60 s: factor on the noise of observations 1 s apart."""
 _UNKNOWN = 0.6
 """Standard deviation of arousal above which it is unknown: 0.64 without an observation, 0.35 with all of them."""
-_PEOPLE = 2.9
+_PEOPLE = 2.1
 """Ratio of the variance of arousal over people to that of the filter, which takes everybody for the same: with it 95 %
 of the truth lies within 1.96 standard deviations, over simulated people of five families (decision 292)."""
 _VALENCE_VARIANCE = 0.3
 """Variance of valence, which body signals hardly show."""
-_EFFORT_RMSSD = 2.0
-"""Fall of RMSSD at full effort, which differs between people by as much [standard deviations at rest]."""
-_EFFORT_HEART = 2.0
-"""Smallest standard deviation of the heart rate at rest [1/min]."""
+_EFFORT_RMSSD, _FALL_DIFFERS = 0.3, 0.5
+"""Fall of RMSSD at full effort as a share of its value at rest, and its standard deviation between people as a share of
+the fall."""
 _BAND = (-0.3, 0.35)
 """Arousal of a task that is a challenge; below it the person is under-challenged, above it over-challenged."""
 
@@ -57,7 +58,7 @@ class FusionEstimation:
         baseline_s: Shortest length of the calibration at rest [s], see `Baseline`.
 
     Attributes:
-        seen: Newest features in standard deviations from rest; the heart rate without the effect of work.
+        seen: Newest features in standard deviations from rest, heart rate and RMSSD without the effect of work.
     """
 
     def __init__(self, baseline_s: float = 60.0) -> None:
@@ -65,7 +66,7 @@ class FusionEstimation:
         self._baseline = Baseline(baseline_s)
         self._effort = EffortModel()
         self._mean, self._variance = 0.0, 0.5
-        self._doubts: Mapping[str, float] = {}
+        self._doubts: dict[str, float] = {}
         self.seen: Mapping[str, float] = {}
         self._state = UserState(-1)
 
@@ -118,19 +119,19 @@ class FusionEstimation:
             self._variance *= 1.0 - k
 
     def _seen(self, values: Mapping[str, float]) -> dict[str, float]:
-        """Return the features in standard deviations from rest; the heart rate without the effect of work."""
-        seen: dict[str, float] = {}
-        heart = self._baseline.offset("heart_rate", values)
-        if heart is not None:
+        """Return the features in standard deviations from rest, heart rate and RMSSD without the effect of work."""
+        seen = {name: z for name in _AS_AT_REST if (z := self._baseline.z(name, values)) is not None}
+        self._doubts = {}
+        heart, rmssd = self._baseline.at_rest("heart_rate"), self._baseline.at_rest("rmssd")
+        if heart is not None and "heart_rate" in values:
             quiet = self._baseline.done and abs(self._mean) < 0.35
-            left = self._effort.residual(heart, learn=quiet)
-            spread = max(abs(heart / (self._baseline.z("heart_rate", values) or math.inf)), _EFFORT_HEART)
-            seen["heart"] = left / spread
-            self._doubts = {"heart": self._effort.doubt / spread, "rmssd": _EFFORT_RMSSD * self._effort.effort}
-        for name in ("scr_rate", "scl", "rmssd", "breath_rate"):
-            z = self._baseline.z(name, values)
-            if z is not None:
-                seen[name] = z + (_EFFORT_RMSSD * self._effort.effort if name == "rmssd" else 0.0)
+            left = self._effort.residual(values["heart_rate"] - heart[0], learn=quiet)
+            seen["heart"] = left / heart[1]
+            self._doubts["heart"] = self._effort.doubt / heart[1]
+        if rmssd is not None and "rmssd" in seen:
+            fall = _EFFORT_RMSSD * self._effort.effort * rmssd[0] / rmssd[1]
+            seen["rmssd"] += fall
+            self._doubts["rmssd"] = _FALL_DIFFERS * fall
         return seen
 
     def _arousal(self) -> Estimate:

@@ -10,6 +10,8 @@ import pytest
 from mimics_app.contracts.messages.stage_messages import SignalBlock
 from mimics_app.dsp.stage import PhysioDsp
 from mimics_app.estimation.fusion import FusionEstimation
+from mimics_app.inputs.physio.simulated.kinds import KINDS as SIMULATED
+from mimics_app.lab.physio.arousal_study import arousal_study
 from tests.support.body_signals import body
 from tests.support.own_people import KINDS, OwnPerson, states_of
 
@@ -22,7 +24,7 @@ def script(second: int) -> float:
 
 
 def test_the_interval_covers_what_it_says() -> None:
-    """Ten people of five kinds: at least 95 % of the truth within 1.96 standard deviations; it is not boundless."""
+    """Ten people of another make: at least 95 % of the truth within 1.96 standard deviations; it is not boundless."""
     inside, widths = [], []
     for seed in PEOPLE:
         for state, true in states_of(OwnPerson(seed).features(420, script, lambda second: 0.0)):
@@ -32,7 +34,27 @@ def test_the_interval_covers_what_it_says() -> None:
                 widths.append(deviation)
     assert len(inside) > 300 * len(PEOPLE)
     assert np.mean(inside) >= 0.95
-    assert np.mean(widths) < 0.65
+    assert np.mean(widths) < 0.5
+
+
+def covered(people: range) -> tuple[float, float]:
+    """Share of the truth in the interval, over people in all and in the kind with the lowest one, from raw signals."""
+    scores = arousal_study(people)
+    of_kind = [[score.covered for score in scores if score.heart == kind.heart] for kind in SIMULATED]
+    return float(np.mean([score.covered for score in scores])), min(float(np.mean(each)) for each in of_kind)
+
+
+def test_the_interval_holds_for_kinds_that_differ_in_heart_skin_and_breath() -> None:
+    assert len({kind.response for kind in SIMULATED}) == len({kind.breath for kind in SIMULATED}) == 3
+    assert covered(PEOPLE)[0] >= 0.94
+
+
+@pytest.mark.slow
+def test_the_interval_of_forty_others_is_neither_too_narrow_nor_too_wide() -> None:
+    """People who were not looked at when the width was set; the mean of forty varies by 1 %."""
+    everybody, worst = covered(range(40, 80))
+    assert 0.94 <= everybody <= 0.985
+    assert worst >= 0.9
 
 
 def test_arousal_is_seen_in_every_kind_but_the_turned_heart() -> None:
@@ -51,12 +73,11 @@ def mean_arousal(seed: int, power: float) -> float:
     return float(np.mean([state.arousal.mean for state, _ in states_of(frames)[-150:] if state.arousal is not None]))
 
 
-def test_pure_effort_is_not_arousal_in_ten_people() -> None:
+def test_pure_effort_is_not_arousal_in_any_of_thirty_people() -> None:
     """The same person with the same chance, with and without work."""
-    moved = np.array([mean_arousal(seed, 1.2) - mean_arousal(seed, 0.0) for seed in PEOPLE])
+    moved = np.array([mean_arousal(seed, 1.2) - mean_arousal(seed, 0.0) for seed in range(30)])
     assert abs(moved.mean()) <= 0.03
-    assert np.sort(np.abs(moved))[-2] <= 0.11, "all but one"
-    assert np.abs(moved).max() <= 0.15
+    assert np.abs(moved).max() <= 0.1
 
 
 @pytest.mark.parametrize("seed", [1])
