@@ -48,6 +48,8 @@ _MUSCLE_LOW, _MUSCLE_TIRED, _MUSCLE_MEAN = 0.55, 0.3, 0.94
 figure with full fatigue, which lowers the upper end to 26 Hz."""
 _MUSCLE_REST, _MUSCLE_FULL = 0.004, 0.25
 """Standard deviation of the pattern at rest, and what full activity adds [mV]."""
+_MUSCLE_NOISE, _BREATH_NOISE = 0.2, 2.0
+"""Sizes of EMG [mV] and breath that the amplifier's noise is a share of."""
 _SHAKE_EVERY, _SHAKE_KEEPS = 50, 0.8
 """Samples between two places of the motion artefact, and what it keeps of itself: a corner of 0.7 Hz, as an arm's."""
 _OFF_S = 4
@@ -136,7 +138,7 @@ class SignalGenerator:
         ecg = self._heart(drive, t, breath)
         gsr = self._skin(drive, t)
         emg = self._muscle(drive)
-        resp = float(drive.breath_depth[0]) * breath + self._bad.white * 2.0 * self._rng.standard_normal(RATE)
+        resp = float(drive.breath_depth[0]) * breath + self._bad.white * _BREATH_NOISE * self._rng.standard_normal(RATE)
         shake = self._motion(float(drive.motion[0]))
         ecg += self._bad.motion * shake
         gsr += _SKIN_SHARE * self._bad.motion * shake
@@ -170,9 +172,7 @@ class SignalGenerator:
                 if ectopic:
                     self.truth.ectopic.append(at)
         self._beats = [beat for beat in self._beats if beat[0] > t[0] - 1.0]
-        wander = sum(
-            np.sin(2.0 * np.pi * f * t + p) for f, p in zip(_WANDER_HZ, self._wander_phase, strict=True)
-        )
+        wander = sum(np.sin(2.0 * np.pi * f * t + p) for f, p in zip(_WANDER_HZ, self._wander_phase, strict=True))
         noise = self._rng.standard_normal(RATE)
         muscle = np.convolve(noise, [0.5, 0.0, -0.5], "same")
         return (
@@ -203,11 +203,9 @@ class SignalGenerator:
             if not self._responses or onset - self._responses[-1][0] > _APART_S:
                 self._responses.append((onset, float(drive.response[0]) * self._rng.lognormal(0.0, _UNEVEN_RESPONSE)))
                 self.truth.responses.append(onset + self._response.peak_s)
-        before = self._tonic
-        self._tonic += (
-            _LEVEL_FOLLOWS * (float(drive.conductance[0]) - self._tonic) if self.seconds else float(drive.conductance[0])
-        )
-        begin = before if self.seconds else self._tonic
+        level = float(drive.conductance[0])
+        begin = self._tonic if self.seconds else level
+        self._tonic = begin + _LEVEL_FOLLOWS * (level - begin)
         gsr = np.linspace(begin, self._tonic, RATE, endpoint=False)
         for onset, size in self._responses:
             gsr += size / self._peak * self._response.of(np.maximum(t - onset, 0.0))
@@ -222,7 +220,8 @@ class SignalGenerator:
         mean, self._coloured[1:] = _first_order(excited, _MUSCLE_MEAN, float(self._coloured[1]))
         shaped = excited - mean
         activity = float(drive.muscle[0])
-        return (_MUSCLE_REST + _MUSCLE_FULL * activity) * shaped + self._bad.white * 0.2 * self._rng.standard_normal(RATE)
+        noise = self._bad.white * _MUSCLE_NOISE * self._rng.standard_normal(RATE)
+        return (_MUSCLE_REST + _MUSCLE_FULL * activity) * shaped + noise
 
     def _motion(self, speed: float) -> F8:
         """Return the motion artefact: low-frequency noise in proportion to the hand's speed."""
