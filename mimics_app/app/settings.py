@@ -67,7 +67,7 @@ class RunSettings:
         physio: Source of body signals, e.g. "sim" or "lsl:NAME"; "": none.
         learn: Policy that adapts the task; "": the task's own, if any.
         goal: Goal of the policy, see `learning.goals.build_goal`; "": the task's.
-        estimator: Estimator of the person's state, one of `estimation.registry.ESTIMATORS`; "": the task's.
+        estimator: Estimator of the person's state, one of `estimation.registry.BUILT_IN`; "": the task's.
         baseline_s: Length of the baseline measured at rest before the first trial [s].
         runs: Parent of the run folder.
         recipe: Scheduling of the live haptic loop, one of RECIPES.

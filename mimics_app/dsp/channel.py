@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -52,6 +53,8 @@ class Channel(ABC):
 
     Attributes:
         name: Name of the signal.
+        unit: Its unit, "1" where it has none.
+        features: Unit of each of its features, by name.
         latency_s: Longest time from an event to its detection, in clean signals [s].
         lowest_rate: Lowest sampling rate that can be processed [Hz].
         phase: Share of a second by which its seconds begin before the signal does, so that the signals of a session do
@@ -60,6 +63,8 @@ class Channel(ABC):
     """
 
     name: ClassVar[str]
+    unit: ClassVar[str]
+    features: ClassVar[Mapping[str, str]]
     latency_s: ClassVar[float]
     lowest_rate: ClassVar[float]
     phase: ClassVar[float] = 0.0

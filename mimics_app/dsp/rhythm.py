@@ -10,6 +10,16 @@ from collections import deque
 
 import numpy as np
 
+from mimics_app.contracts.messages.feature_names import (
+    HEART_RATE,
+    HF,
+    HRV_WINDOW_S,
+    LF,
+    LF_HF,
+    PNN50,
+    RMSSD,
+    SDNN,
+)
 from mimics_app.dsp.filters import Floats
 from mimics_app.dsp.spectrum import band_power
 
@@ -126,16 +136,16 @@ class Rhythm:
         if len(lengths) < 3 or now_s - times[-1] > 5.0:
             return found
         short = lengths[times > now_s - 10.0]
-        found["heart_rate"] = 60.0 / float(np.mean(short if len(short) >= 3 else lengths[-3:]))
+        found[HEART_RATE] = 60.0 / float(np.mean(short if len(short) >= 3 else lengths[-3:]))
         if times[-1] - times[0] < 0.4 * _WINDOW_S or len(lengths) < 15:
             return found
         steps = 1e3 * np.diff(lengths)[follows[1:] > 0.0]
         if len(steps) < 10:
             return found
-        found["rmssd"] = float(np.sqrt(np.mean(steps**2)))
-        found["sdnn"] = 1e3 * float(np.std(lengths, ddof=1))
-        found["pnn50"] = 100.0 * float(np.mean(np.abs(steps) > 50.0))
-        found["hrv_window_s"] = float(min(times[-1] - times[0], _WINDOW_S))
+        found[RMSSD] = float(np.sqrt(np.mean(steps**2)))
+        found[SDNN] = 1e3 * float(np.std(lengths, ddof=1))
+        found[PNN50] = 100.0 * float(np.mean(np.abs(steps) > 50.0))
+        found[HRV_WINDOW_S] = float(min(times[-1] - times[0], _WINDOW_S))
         if now_s - self._spectrum_at >= _SPECTRUM_EVERY_S:
             self._spectrum_at, self._found_spectrum = now_s, self._spectrum(now_s)
         return found | self._found_spectrum
@@ -146,4 +156,4 @@ class Rhythm:
         if len(times) < 60 or times[-1] - times[0] < _LEAST_SPECTRUM_S:
             return {}
         low, high = (band_power(times, 1e3 * lengths, *band) for band in (_LF, _HF))
-        return {"lf": low, "hf": high, **({"lf_hf": low / high} if high > 0.0 else {})}
+        return {LF: low, HF: high, **({LF_HF: low / high} if high > 0.0 else {})}

@@ -6,21 +6,13 @@ import copy
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import numpy as np
-
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.messages.stage_messages import FeatureFrame, SignalBlock
 from mimics_app.dsp.channel import Channel, Event
-from mimics_app.dsp.ecg import Ecg
-from mimics_app.dsp.emg import Emg
-from mimics_app.dsp.gsr import Gsr
-from mimics_app.dsp.movement import Head, Power, Speed
-from mimics_app.dsp.resp import Resp
+from mimics_app.dsp.channel_kinds import channel_kind, check_rate
+from mimics_app.dsp.cross_signal import cross_signal_features
 
-__all__ = ["CHANNELS", "PhysioDsp", "check_rate"]
-
-CHANNELS: dict[str, Callable[[float], Channel]] = {c.name: c for c in (Ecg, Gsr, Emg, Resp, Speed, Power, Head)}
-"""Processing of each signal by its name; signals of other names are recorded and not processed."""
+__all__ = ["PhysioDsp"]
 
 _SECOND = 1_000_000_000
 _SILENT_NS = 3 * _SECOND
@@ -40,6 +32,7 @@ class PhysioDsp:
     def __init__(self, on_event: Callable[[str, Event], None] = lambda name, event: None) -> None:
         self._on_event = on_event
         self.channels: dict[str, Channel] = {}
+        self._only_recorded: set[str] = set()
         self._heard: dict[str, int] = {}
         self._frame = FeatureFrame(0)
         self._second = -1
@@ -67,17 +60,21 @@ class PhysioDsp:
         """Set the state to one that `save` returned; the processing continues from it bit for bit."""
         self.channels = {}
         for name, (rate, state) in saved["channels"].items():
-            self.channels[name] = CHANNELS[name](rate)
-            self.channels[name].restore(state)
+            channel = _open(name, rate)
+            assert channel is not None  # it was processed when it was saved
+            channel.restore(state)
+            self.channels[name] = channel
         self._heard, self._frame, self._second = dict(saved["heard"]), saved["frame"], saved["second"]
 
     def _take(self, block: SignalBlock, now_ns: int) -> None:
-        if block.name not in CHANNELS or not len(block.values):
+        if block.name in self._only_recorded or not len(block.values):
             return
-        channel = self.channels.get(block.name)
+        channel = self.channels.get(block.name) or _open(block.name, block.rate)
         if channel is None:
-            channel = self.channels[block.name] = _open(block)
-        elif channel.rate != block.rate:
+            self._only_recorded.add(block.name)
+            return
+        self.channels[block.name] = channel
+        if channel.rate != block.rate:
             raise DeviceError(
                 f'the rate of the signal "{block.name}" changed from {channel.rate:g} Hz to {block.rate:g} Hz',
                 "set the amplifier to one rate",
@@ -94,36 +91,11 @@ class PhysioDsp:
             quality[name] = 0.0 if silent else channel.found.quality
             if quality[name] > 0.0:
                 values |= channel.found.features
-        return FeatureFrame(now_ns, values | self._of_two(values), quality)
-
-    def _of_two(self, values: dict[str, float]) -> dict[str, float]:
-        """Return features of two signals: respiratory sinus arrhythmia (RSA, peak to trough) [ms]."""
-        ecg, resp = self.channels.get("ecg"), self.channels.get("resp")
-        if not isinstance(ecg, Ecg) or not isinstance(resp, Resp) or "breath_rate" not in values:
-            return {}
-        swings = []
-        times, lengths, _ = ecg.rhythm.intervals(ecg.seconds - 60.0)
-        for end, _, _, whole in list(resp.breaths)[-8:]:
-            inside = lengths[(times > end - whole) & (times <= end)]
-            if len(inside) >= 3:
-                swings.append(float(np.ptp(inside)))
-        return {"rsa": 1e3 * float(np.mean(swings))} if len(swings) >= 3 else {}
+        return FeatureFrame(now_ns, values | cross_signal_features(self.channels, values), quality)
 
 
-def check_rate(name: str, rate: float) -> None:
-    """Check that a signal can be processed at a rate [Hz]; one that is only recorded has any.
-
-    Raises:
-        DeviceError: It cannot.
-    """
-    lowest = getattr(CHANNELS[name], "lowest_rate", 0.0) if name in CHANNELS else 0.0
-    if not lowest <= rate <= 20_000.0:
-        raise DeviceError(
-            f'the rate of the signal "{name}" is {rate:g} Hz, which cannot be processed',
-            f"set a rate from {lowest:g} to 20000 Hz",
-        )
-
-
-def _open(block: SignalBlock) -> Channel:
-    check_rate(block.name, block.rate)
-    return CHANNELS[block.name](block.rate)
+def _open(name: str, rate: float) -> Channel | None:
+    """Return the channel of a signal, None for one that is only recorded."""
+    check_rate(name, rate)
+    kind = channel_kind(name)
+    return None if kind is None else kind(rate)

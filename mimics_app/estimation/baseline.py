@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from mimics_app.contracts.messages.feature_names import BREATH_RATE, HEART_RATE, RMSSD, SCL, SCR_RATE
+
 __all__ = ["Baseline"]
 
 _LEAST_SPREAD = {
-    "heart_rate": 2.0,
-    "rmssd": 6.0,
-    "scl": 0.25,
-    "scr_rate": 1.5,
-    "breath_rate": 1.0,
-    "emg": 0.002,
+    HEART_RATE: 2.0,
+    RMSSD: 6.0,
+    SCL: 0.25,
+    SCR_RATE: 1.5,
+    BREATH_RATE: 1.0,
 }
 """Smallest standard deviation of a baseline [unit of the feature]: two minutes at rest underestimate it."""
 

@@ -6,10 +6,11 @@ from dataclasses import replace
 
 from mimics_app.contracts.messages.stage_messages import FeatureFrame, TrialResult, UserState
 from mimics_app.estimation.fusion import FusionEstimation
-from mimics_app.estimation.load import Lda
+from mimics_app.estimation.load import Lda, train_load
+from mimics_app.estimation.load_people import shipped_people
 from mimics_app.estimation.trial_view import TrialView
 
-__all__ = ["DiscriminantEstimation"]
+__all__ = ["DiscriminantEstimation", "train_discriminant"]
 
 
 class DiscriminantEstimation:
@@ -51,3 +52,17 @@ class DiscriminantEstimation:
     def _load(self, success: float | None) -> tuple[float, float, float]:
         low, right, high = self._lda.probabilities(self._view.features(success)).tolist()
         return low, right, high
+
+
+def train_discriminant(baseline_s: float, kind: type[Lda]) -> DiscriminantEstimation:
+    """Return an estimator trained on the people shipped with the product.
+
+    Args:
+        baseline_s: Length of the calibration [s].
+        kind: Fixed or adaptive discriminant.
+
+    Raises:
+        SceneError: The people are missing from the installation.
+    """
+    people = shipped_people()
+    return DiscriminantEstimation(FusionEstimation(baseline_s), kind(train_load(people.features, people.classes)))

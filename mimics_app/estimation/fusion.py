@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from mimics_app.contracts.messages.feature_names import BREATH_RATE, HAND_POWER, HEART_RATE, RMSSD, SCL, SCR_RATE
 from mimics_app.contracts.messages.stage_messages import Estimate, FeatureFrame, TrialResult, UserState
 from mimics_app.estimation.baseline import Baseline
 from mimics_app.estimation.effort import EffortModel
+from mimics_app.estimation.trial_view import HEART
 
 __all__ = ["FusionEstimation", "load_of"]
 
@@ -22,18 +24,18 @@ _INNOVATION = 1.5
 _LEAST_QUALITY = 0.2
 """Signal quality below which features are not used."""
 _VIEWS = {
-    "heart": (0.22, 3.0),
-    "scr_rate": (0.25, 1.5),
-    "scl": (0.20, 2.0),
-    "rmssd": (-0.35, 1.5),
+    HEART: (0.22, 3.0),
+    SCR_RATE: (0.25, 1.5),
+    SCL: (0.20, 2.0),
+    RMSSD: (-0.35, 1.5),
 }
 """Arousal per standard deviation of each feature from rest, and the feature's noise in standard deviations. At full
 arousal the heart beats some 12/min faster (spread of rest 2 to 3), ten more SCRs come in a minute (2 to 3), the level
 rises by 1 to 2 uS (0.25), and RMSSD falls by a third to a half (6 ms): Boucsein, Electrodermal Activity, 2012; Kim et
 al., Psychiatry Investig 15(3), 2018. The heart counts least: what work, posture and talk do to it is no arousal."""
-_SIGNAL = {"heart": "ecg", "rmssd": "ecg", "scr_rate": "gsr", "scl": "gsr"}
+_SIGNAL = {HEART: "ecg", RMSSD: "ecg", SCR_RATE: "gsr", SCL: "gsr"}
 """Signal of each feature."""
-_AS_AT_REST = ("scr_rate", "scl", "rmssd", "breath_rate")
+_AS_AT_REST = (SCR_RATE, SCL, RMSSD, BREATH_RATE)
 """Features that are compared with rest as they are; of RMSSD the effect of work is taken away afterwards."""
 _CORRELATED_S = 25.0
 """Correlation time of the features, whose windows are 10 to 60 s: factor on the noise of observations 1 s apart."""
@@ -75,14 +77,14 @@ class FusionEstimation:
         if features.t_ns == self._state.t_ns:
             return self._state
         values, quality = features.values, features.quality
-        self._effort.step(values.get("hand_power"), _STEP_S)
+        self._effort.step(values.get(HAND_POWER), _STEP_S)
         if not self._baseline.done and self._effort.effort < 0.2:
             self._baseline.add(values)
         self._step(values, quality)
         body = [quality[name] for name in ("ecg", "gsr") if name in quality]
         known = self._baseline.done and self._variance < _UNKNOWN**2 and bool(body) and max(body) > _LEAST_QUALITY
         effort = None
-        if "hand_power" in values:
+        if HAND_POWER in values:
             effort = Estimate(min(self._effort.effort, 1.0), 0.02)
         self._state = UserState(
             features.t_ns,
@@ -122,16 +124,16 @@ class FusionEstimation:
         """Return the features in standard deviations from rest, heart rate and RMSSD without the effect of work."""
         seen = {name: z for name in _AS_AT_REST if (z := self._baseline.z(name, values)) is not None}
         self._doubts = {}
-        heart, rmssd = self._baseline.at_rest("heart_rate"), self._baseline.at_rest("rmssd")
-        if heart is not None and "heart_rate" in values:
+        heart, rmssd = self._baseline.at_rest(HEART_RATE), self._baseline.at_rest(RMSSD)
+        if heart is not None and HEART_RATE in values:
             quiet = self._baseline.done and abs(self._mean) < 0.35
-            left = self._effort.residual(values["heart_rate"] - heart[0], learn=quiet)
-            seen["heart"] = left / heart[1]
-            self._doubts["heart"] = self._effort.doubt / heart[1]
-        if rmssd is not None and "rmssd" in seen:
+            left = self._effort.residual(values[HEART_RATE] - heart[0], learn=quiet)
+            seen[HEART] = left / heart[1]
+            self._doubts[HEART] = self._effort.doubt / heart[1]
+        if rmssd is not None and RMSSD in seen:
             fall = _EFFORT_RMSSD * self._effort.effort * rmssd[0] / rmssd[1]
-            seen["rmssd"] += fall
-            self._doubts["rmssd"] = _FALL_DIFFERS * fall
+            seen[RMSSD] += fall
+            self._doubts[RMSSD] = _FALL_DIFFERS * fall
         return seen
 
     def _arousal(self) -> Estimate:

@@ -8,10 +8,13 @@ from collections.abc import Mapping
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.messages.feature_names import BREATH_RATE, RMSSD, SCL, SCR_RATE
 
-__all__ = ["FEATURES", "TrialView"]
+__all__ = ["FEATURES", "HEART", "TrialView"]
 
-FEATURES = ("heart", "scr_rate", "scl", "rmssd", "breath_rate", "success")
+HEART, SUCCESS = "heart", "success"
+"""Heart rate without the effect of work, and the success of the trial: no features of a signal."""
+FEATURES = (HEART, SCR_RATE, SCL, RMSSD, BREATH_RATE, SUCCESS)
 """Features of a trial in this order; all but the last in standard deviations from rest."""
 _SECONDS = 30
 """Averaging time [s]; the features themselves have windows of up to a minute."""

@@ -6,7 +6,7 @@ from itertools import product
 
 import numpy as np
 
-from mimics_app.dsp.ecg import Ecg
+from mimics_app.dsp.channels.ecg import Ecg
 from mimics_app.inputs.physio.simulated.person import LatentPeople, draw_traits
 from mimics_app.inputs.physio.simulated.signals import Disturbance, SignalGenerator
 from mimics_app.lab.figure import Figure

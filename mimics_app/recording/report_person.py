@@ -11,6 +11,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.messages.action_space import ActionSpace, Parameter
+from mimics_app.contracts.messages.feature_names import HEART_RATE, SCL, SCR_RATE
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.plot import Plot, envelope
 from mimics_app.recording.report_values import mapping, number, shown
@@ -39,7 +40,7 @@ class Person:
 def person_of(run: Run) -> Person | None:
     """Return the body signals of a run, the estimated state and the difficulty; None without body signals."""
     features, states, results = (_timed(run, kind) for kind in ("features", "person", "result"))
-    heart, level, responses = (_feature(features, name) for name in ("heart_rate", "scl", "scr_rate"))
+    heart, level, responses = (_feature(features, name) for name in (HEART_RATE, SCL, SCR_RATE))
     if not any(np.isfinite(values).any() for values in (heart, level)):
         return None
     when = _times(features)

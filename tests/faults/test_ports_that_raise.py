@@ -15,7 +15,7 @@ from mimics_app.contracts.messages.stage_messages import Experience, SignalBlock
 from mimics_app.contracts.ports.display_port import Display, FrameTiming
 from mimics_app.contracts.ports.input_port import SignalSource, WindowFrame
 from mimics_app.contracts.ports.tracker_port import TrackerSample, TrackerSink, TrackerSource
-from mimics_app.dsp.stage import check_rate
+from mimics_app.dsp.channel_kinds import check_rate
 from mimics_app.inputs.physio import sources
 from mimics_app.inputs.physio.guarded_source import GuardedSource
 from mimics_app.inputs.physio.sources import KINDS, open_source

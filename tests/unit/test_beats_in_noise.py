@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import sosfilt
 
-from mimics_app.dsp.ecg import Ecg
+from mimics_app.dsp.channels.ecg import Ecg
 from mimics_app.dsp.filters import low_pass
 from mimics_app.dsp.kernels.beats import MATCHED
 from mimics_app.dsp.kernels.templates import COUNT, ENERGY, SIGNAL, WHITE, Bank, learn_beat, learn_noise, score, whiten

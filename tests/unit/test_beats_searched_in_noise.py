@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mimics_app.dsp.ecg import Ecg
+from mimics_app.dsp.channels.ecg import Ecg
 from mimics_app.dsp.kernels.beat_path import BEATS, EVIDENCE, PATH, PERIOD, PathModel, find_form, find_path
 from mimics_app.dsp.kernels.beats import MATCHED, PROVISIONAL
 from mimics_app.dsp.kernels.form_tuning import TUNING

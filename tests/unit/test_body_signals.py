@@ -12,11 +12,11 @@ import pytest
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.messages.stage_messages import SignalBlock
 from mimics_app.dsp.channel import Channel
-from mimics_app.dsp.ecg import Ecg
-from mimics_app.dsp.emg import Emg
-from mimics_app.dsp.feature_units import FEATURE_UNITS
-from mimics_app.dsp.gsr import Gsr
-from mimics_app.dsp.resp import Resp
+from mimics_app.dsp.channel_kinds import feature_units
+from mimics_app.dsp.channels.ecg import Ecg
+from mimics_app.dsp.channels.emg import Emg
+from mimics_app.dsp.channels.gsr import Gsr
+from mimics_app.dsp.channels.resp import Resp
 from mimics_app.dsp.rhythm import Rhythm
 from mimics_app.dsp.stage import PhysioDsp
 from mimics_app.inputs.physio.simulated.signals import Disturbance
@@ -295,7 +295,7 @@ def test_every_feature_has_a_unit() -> None:
         second = slice(1000 * i, 1000 * i + 1000)
         blocks = [SignalBlock(name, 1000.0, i * 10**9, v[second]) for name, v in (signals | moving).items()]
         names |= set(dsp.process(blocks, (i + 1) * 10**9).values)
-    assert names == set(FEATURE_UNITS)
+    assert names == set(feature_units())
 
 
 @pytest.mark.parametrize("rate", [0.0, 50.0, 1e6])

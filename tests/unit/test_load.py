@@ -15,7 +15,7 @@ from mimics_app.contracts.system.resources import root
 from mimics_app.estimation.fusion import _PEOPLE
 from mimics_app.estimation.load import AdaptiveLda, Lda, train_load
 from mimics_app.estimation.load_people import LoadPeople, shipped_people
-from mimics_app.estimation.registry import DEFAULT, ESTIMATORS, build_estimation
+from mimics_app.estimation.registry import BUILT_IN, DEFAULT, build_estimation
 from mimics_app.estimation.trial_view import FEATURES, TrialView
 from mimics_app.lab.physio.load_sessions import draw_load_people
 from mimics_app.lab.physio.loop_study import SEEDS, loop_study, pooled
@@ -44,7 +44,7 @@ def test_people_of_unseen_families_are_reported(scores: dict[str, StateScore]) -
 def test_the_default_is_the_best_that_a_session_can_run(scores: dict[str, StateScore]) -> None:
     """In a session nobody is asked."""
     of = {"fusion": "fusion", "lda": "fixed", "adaptive_lda": "adaptive, not asked"}
-    assert set(of) == set(ESTIMATORS)
+    assert set(of) == set(BUILT_IN)
     assert max(of, key=lambda name: scores[of[name]].share) == DEFAULT
     assert scores["adaptive, not asked"].share >= scores["fixed"].share + 0.05
 
@@ -132,7 +132,7 @@ def result(second: int, success: float, outcome: str = "finished", *, practice: 
     return TrialResult(0, second * SECOND + 5, outcome, success, success, practice)
 
 
-@pytest.mark.parametrize("name", sorted(ESTIMATORS))
+@pytest.mark.parametrize("name", BUILT_IN)
 def test_every_estimator_knows_nothing_first_and_then_what_is_too_hard(name: str) -> None:
     estimation = build_estimation(name, 30.0)
     assert estimation.update_from_result(result(0, 0.5)).load is None
@@ -148,7 +148,7 @@ def test_every_estimator_knows_nothing_first_and_then_what_is_too_hard(name: str
     assert state.arousal is not None
 
 
-@pytest.mark.parametrize("name", sorted(ESTIMATORS))
+@pytest.mark.parametrize("name", BUILT_IN)
 def test_electrodes_that_come_late_are_calibrated_first(name: str) -> None:
     """Before, the calibration was over without them: their features said nothing for the rest of the session."""
     estimation = build_estimation(name, 30.0)

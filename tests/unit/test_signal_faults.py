@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from mimics_app.dsp.channel import Channel
-from mimics_app.dsp.ecg import Ecg
-from mimics_app.dsp.emg import Emg
-from mimics_app.dsp.gsr import Gsr
-from mimics_app.dsp.movement import Speed
-from mimics_app.dsp.resp import Resp
+from mimics_app.dsp.channels.ecg import Ecg
+from mimics_app.dsp.channels.emg import Emg
+from mimics_app.dsp.channels.gsr import Gsr
+from mimics_app.dsp.channels.resp import Resp
+from mimics_app.dsp.channels.speed import Speed
 from tests.support.body_signals import body, f1, feed
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from mimics_app.app.cli import main
 from mimics_app.contracts.errors import DeviceError, SceneError
-from mimics_app.dsp.stage import check_rate
+from mimics_app.dsp.channel_kinds import check_rate
 from mimics_app.inputs.physio.channel_names import columns_of, signal_of
 from mimics_app.inputs.physio.recording import FileSource, read_signal_file
 from mimics_app.inputs.physio.sources import open_source

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mimics_app.dsp.ecg import Ecg
-from mimics_app.dsp.emg import Emg
-from mimics_app.dsp.gsr import Gsr
-from mimics_app.dsp.resp import Resp
+from mimics_app.dsp.channels.ecg import Ecg
+from mimics_app.dsp.channels.emg import Emg
+from mimics_app.dsp.channels.gsr import Gsr
+from mimics_app.dsp.channels.resp import Resp
 from mimics_app.dsp.rhythm import Rhythm
 from mimics_app.dsp.spectrum import band_power
 from tests.support.body_signals import f1, feed

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.dsp.ecg import Ecg
+from mimics_app.dsp.channels.ecg import Ecg
 from tests.support.body_signals import f1
 from tests.support.heart import WAVES, heart
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mimics_app.dsp.ecg import Ecg
+from mimics_app.dsp.channels.ecg import Ecg
 from mimics_app.inputs.physio.simulated.signals import Disturbance
 from tests.support.body_signals import body, feed
 

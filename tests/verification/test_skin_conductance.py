@@ -7,8 +7,8 @@ import pytest
 from numpy.typing import NDArray
 
 from mimics_app.dsp.channel import Event
+from mimics_app.dsp.channels.gsr import Gsr
 from mimics_app.dsp.filters import low_pass
-from mimics_app.dsp.gsr import Gsr
 from mimics_app.dsp.kernels.slow import TURN_STATE, find_responses
 
 Floats = NDArray[np.float64]

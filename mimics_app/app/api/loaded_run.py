@@ -12,7 +12,7 @@ import numpy as np
 
 from mimics_app.app.api.unit_array import Quantity, Table
 from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, Replay
-from mimics_app.dsp.feature_units import FEATURE_UNITS
+from mimics_app.dsp.channel_kinds import feature_units
 from mimics_app.recording.run import Run
 
 __all__ = ["Recording", "Signal", "load"]
@@ -92,7 +92,7 @@ class Recording:
     def features(self) -> Table:
         """Features of body signals, a row for each second: `t_s`, and each feature; NaN while it is unknown."""
         rows = [{"t_s": self._seconds(line["t_ns"]), **line["values"]} for line in self.run.lines_of("app", "features")]
-        return _table_of(rows, {"t_s": "s", **FEATURE_UNITS})
+        return _table_of(rows, {"t_s": "s", **feature_units()})
 
     @cached_property
     def signals(self) -> dict[str, Signal]:

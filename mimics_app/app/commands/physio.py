@@ -87,7 +87,7 @@ def _open(args: argparse.Namespace) -> tuple[SignalSource, float, float, bool]:
     The channels are compiled before a live source is opened, and after a file was found to be right.
     """
     from mimics_app.app.physio.watch import compile_channels
-    from mimics_app.dsp.stage import check_rate
+    from mimics_app.dsp.channel_kinds import check_rate
     from mimics_app.inputs.physio.sources import look_for_source, open_file, open_source, source_kinds
 
     kind, colon, _ = args.source.partition(":")
@@ -143,7 +143,7 @@ _EVENTS = {"r_peak": "heart beats", "scr": "skin responses", "breath": "breaths"
 
 
 def _lines(found: dict[str, Any]) -> Iterator[str]:
-    from mimics_app.dsp.feature_units import FEATURE_UNITS
+    from mimics_app.dsp.channel_kinds import feature_units
 
     for name, signal in found["signals"].items():
         bad = f"{100 * signal['bad_share']:.0f} % bad seconds"
@@ -154,7 +154,7 @@ def _lines(found: dict[str, Any]) -> Iterator[str]:
             yield f"note   {name}: {dropped} samples were left out: they repeat others, or have no time"
     events = (counted(n, _EVENTS.get(kind, kind)) for kind, n in found["events"].items())
     yield "found  " + (", ".join(events) or "nothing")
-    units = {name: f" {unit}" for name, unit in FEATURE_UNITS.items() if unit != "1"}
+    units = {name: f" {unit}" for name, unit in feature_units().items() if unit != "1"}
     features = {name: value for name, value in found["features"].items() if name != "t_s"}
     yield "last   " + ", ".join(f"{name} {value:.4g}{units.get(name, '')}" for name, value in features.items())
     if "advice" in found:

@@ -16,6 +16,8 @@ __all__ = ["PluginReport", "list_plugins", "plugin_groups", "report_group"]
 def plugin_groups() -> tuple[PluginGroup, ...]:
     """Return the groups of entry points, each from the stage that uses its plug-ins."""
     from mimics_app.contracts.ports import display_choice, scenario_port, tracker_port
+    from mimics_app.dsp import channel_kinds
+    from mimics_app.estimation import registry as estimators
     from mimics_app.inputs.physio import sources
     from mimics_app.learning import registry as policies
     from mimics_app.rendering.haptic import force_fields
@@ -25,7 +27,8 @@ def plugin_groups() -> tuple[PluginGroup, ...]:
     from mimics_app.world.scene import method_plugins
 
     contracts = (scenario_port, display_choice, tracker_port)
-    stages = (device_names, components, kinds, force_fields, policies, sources, method_plugins)
+    signals = (sources, channel_kinds, estimators, policies)
+    stages = (device_names, components, kinds, force_fields, *signals, method_plugins)
     return tuple(owner.PLUGINS for owner in (*contracts, *stages))
 
 

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from mimics_app.app.physio.watch import Watch
-from mimics_app.dsp.feature_units import FEATURE_UNITS
+from mimics_app.contracts.messages.feature_names import BREATH_RATE, HEART_RATE, RMSSD, SCL, SCR_RATE
+from mimics_app.dsp.channel_kinds import channel_kind, feature_units
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.page_templates import load_templates
 from mimics_app.plotting.plot import Plot, envelope
@@ -15,7 +16,6 @@ from mimics_app.recording.run_folder import write_atomically
 
 __all__ = ["write_page"]
 
-_UNITS = {"ecg": "mV", "gsr": "µS", "emg": "mV", "resp": "1", "speed": "m/s", "power": "W", "head": "rad/s"}
 _EVENTS = {
     "ecg": ("r_peak", "R peak"),
     "gsr": ("scr", "skin conductance response"),
@@ -24,11 +24,11 @@ _EVENTS = {
 }
 """Kind of the events found in each signal, and its text in the legend."""
 _TRENDS = (
-    ("heart_rate", "heart rate"),
-    ("rmssd", "RMSSD"),
-    ("scl", "skin conductance"),
-    ("scr_rate", "responses"),
-    ("breath_rate", "breath"),
+    (HEART_RATE, "heart rate"),
+    (RMSSD, "RMSSD"),
+    (SCL, "skin conductance"),
+    (SCR_RATE, "responses"),
+    (BREATH_RATE, "breath"),
 )
 _TEMPLATES = Path(__file__).with_name("templates")
 _REFRESH_S = 2
@@ -51,7 +51,8 @@ def _signal(watch: Watch, name: str) -> Plot:
     good = values[np.isfinite(values)]
     low, high = (float(good.min()), float(good.max())) if len(good) else (0.0, 1.0)
     room = 0.08 * (high - low) or 0.5
-    y = Axis(f"{name} [{_UNITS.get(name, '1')}]", low - room, high + room)
+    kind_of = channel_kind(name)
+    y = Axis(f"{name} [{kind_of.unit if kind_of else '1'}]", low - room, high + room)
     plot = Plot(Axis("time [s]", float(times[0]), float(times[-1]) + 1e-3), y, name, height=180.0)
     plot.line(*envelope(times, values), "a", name)
     kind, text = _EVENTS.get(name, ("", ""))
@@ -68,7 +69,7 @@ def _trend(watch: Watch, name: str, text: str) -> Plot | None:
         return None
     low, high = float(pairs[:, 1].min()), float(pairs[:, 1].max())
     room = 0.1 * (high - low) or 1.0
-    label = f"{text} [{FEATURE_UNITS[name]}]"
+    label = f"{text} [{feature_units()[name]}]"
     plot = Plot(Axis("time [s]", 0.0, float(pairs[-1, 0])), Axis(label, low - room, high + room), label, height=170.0)
     plot.line(pairs[:, 0], pairs[:, 1], "a")
     return plot

@@ -18,7 +18,8 @@ from mimics_app.contracts.messages.stage_messages import SignalBlock
 from mimics_app.contracts.ports.input_port import SignalSource
 from mimics_app.contracts.system.whole_file import private_text
 from mimics_app.dsp.channel import Event
-from mimics_app.dsp.stage import CHANNELS, PhysioDsp
+from mimics_app.dsp.channel_kinds import BUILT_IN, channel_kind
+from mimics_app.dsp.stage import PhysioDsp
 
 __all__ = ["Watch", "blocks_of_file", "compile_channels", "follow"]
 
@@ -131,8 +132,9 @@ class Watch:
 
 def compile_channels() -> None:
     """Compile the processing of every signal: a live source would lose what it sends meanwhile."""
-    for channel in CHANNELS.values():
-        channel(_ANY_RATE).push(np.zeros(1))
+    for name in BUILT_IN:
+        if (kind := channel_kind(name)) is not None:
+            kind(_ANY_RATE).push(np.zeros(1))
 
 
 def blocks_of_file(source: SignalSource, seconds: float) -> Iterator[tuple[tuple[SignalBlock, ...], int]]:

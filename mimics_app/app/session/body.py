@@ -165,7 +165,7 @@ def _sources(settings: RunSettings, preset: str) -> tuple[SignalSource, ...]:
 
     if not settings.physio:
         return (Movement(),)
-    from mimics_app.dsp.stage import check_rate
+    from mimics_app.dsp.channel_kinds import check_rate
     from mimics_app.inputs.physio.sources import open_source
 
     address = f"sim:{preset}" if settings.physio == "sim" and preset else settings.physio

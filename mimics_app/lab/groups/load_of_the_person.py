@@ -9,6 +9,7 @@ from functools import cache, partial
 from itertools import count
 
 from mimics_app.contracts.clock import SECOND_NS
+from mimics_app.contracts.messages.feature_names import BREATH_RATE, HEART_RATE, RMSSD, SCL, SCR_RATE
 from mimics_app.contracts.messages.stage_messages import FeatureFrame
 from mimics_app.estimation.load_people import shipped_people
 from mimics_app.estimation.registry import build_estimation
@@ -18,7 +19,7 @@ from mimics_app.lab.rivals import Rival, compare
 
 __all__: list[str] = []
 
-_FEATURES = {"heart_rate": 72.0, "scr_rate": 3.0, "scl": 6.0, "rmssd": 35.0, "breath_rate": 15.0}
+_FEATURES = {HEART_RATE: 72.0, SCR_RATE: 3.0, SCL: 6.0, RMSSD: 35.0, BREATH_RATE: 15.0}
 _BASELINE_S = 20.0
 
 

@@ -13,7 +13,7 @@ from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.messages.stage_messages import SignalBlock
 from mimics_app.dsp.channel import Event
-from mimics_app.dsp.ecg import Ecg
+from mimics_app.dsp.channels.ecg import Ecg
 from mimics_app.dsp.filters import band_pass
 from mimics_app.dsp.stage import PhysioDsp
 from mimics_app.inputs.physio.simulated.person import LatentPeople, draw_traits

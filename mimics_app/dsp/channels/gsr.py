@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
 
+from mimics_app.contracts.messages.feature_names import (
+    PHASIC,
+    SCL,
+    SCL_SLOPE,
+    SCR_RATE,
+    SCR_SUM,
+)
 from mimics_app.dsp.channel import Channel, Event, FeatureSet
 from mimics_app.dsp.filters import Floats, delay_of, low_pass
 from mimics_app.dsp.kernels.slow import TURN_STATE, find_responses
 from mimics_app.dsp.skin_noise import SkinNoise
 
-__all__ = ["Gsr"]
+__all__ = ["CHANNEL", "Gsr"]
 
 _SMOOTH_HZ = 2.0
 """Corner of the low-pass [Hz]."""
@@ -42,6 +50,14 @@ class Gsr(Channel):
     """SCRs, detected within half a second of their peak; the tonic level is the 20 % quantile of the last 10 s."""
 
     name: ClassVar[str] = "gsr"
+    unit: ClassVar[str] = "µS"
+    features: ClassVar[Mapping[str, str]] = {
+        SCL: "µS",
+        PHASIC: "µS",
+        SCR_RATE: "1/min",
+        SCR_SUM: "µS/min",
+        SCL_SLOPE: "µS/min",
+    }
     latency_s: ClassVar[float] = 0.5
     lowest_rate: ClassVar[float] = 4.0
     phase: ClassVar[float] = 0.2
@@ -87,14 +103,14 @@ class Gsr(Channel):
         times, levels = np.array(self._levels).T
         tonic = float(np.quantile(levels[-round(_TONIC_S) :], 0.2))
         features = {
-            "scl": tonic,
-            "phasic": float(self._smooth[-1]) - tonic,
+            SCL: tonic,
+            PHASIC: float(self._smooth[-1]) - tonic,
         }
         covered = min(len(levels), _WINDOW_S)
         if covered >= _COVERED * _WINDOW_S:
-            features["scr_rate"] = 60.0 * len(self._responses) / covered
-            features["scr_sum"] = 60.0 * sum(size for _, size in self._responses) / covered
-            features["scl_slope"] = float(np.polynomial.polynomial.polyfit((times - now_s) / 60.0, levels, 1)[1])
+            features[SCR_RATE] = 60.0 * len(self._responses) / covered
+            features[SCR_SUM] = 60.0 * sum(size for _, size in self._responses) / covered
+            features[SCL_SLOPE] = float(np.polynomial.polynomial.polyfit((times - now_s) / 60.0, levels, 1)[1])
         return FeatureSet(features, quality)
 
     def _quality(self, raw: Floats) -> float:
@@ -112,3 +128,6 @@ class Gsr(Channel):
         if coarse and self._still_s < _STILL_S:
             contact = len(good) / len(raw)
         return contact * float(np.clip((_LOUD - self._noise.sd) / (_LOUD - _QUIET), 0.0, 1.0))
+
+
+CHANNEL = Gsr

@@ -3,10 +3,21 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
 
+from mimics_app.contracts.messages.feature_names import (
+    HEART_RATE,
+    HF,
+    HRV_WINDOW_S,
+    LF,
+    LF_HF,
+    PNN50,
+    RMSSD,
+    SDNN,
+)
 from mimics_app.dsp.channel import Channel, Event, FeatureSet
 from mimics_app.dsp.filters import Floats, band_pass, delay_of
 from mimics_app.dsp.kernels.beats import BEATS_STATE, FITTED, PROVISIONAL, FormDetector, choose_beats
@@ -23,7 +34,7 @@ from mimics_app.dsp.kernels.rhythm import LAST, UNSTEADY
 from mimics_app.dsp.kernels.templates import Bank
 from mimics_app.dsp.rhythm import Rhythm
 
-__all__ = ["Ecg"]
+__all__ = ["CHANNEL", "Ecg"]
 
 BANDS = ((8.2, 29.0), (15.0, 40.0), (2.0, 60.0))
 """Lower and upper band-pass of the QRS, and the wide one of its templates [Hz]."""
@@ -35,6 +46,17 @@ class Ecg(Channel):
     """R peaks, known within 150 ms in the median, for any polarity, gain and sampling rate."""
 
     name: ClassVar[str] = "ecg"
+    unit: ClassVar[str] = "mV"
+    features: ClassVar[Mapping[str, str]] = {
+        HEART_RATE: "1/min",
+        RMSSD: "ms",
+        SDNN: "ms",
+        PNN50: "%",
+        HRV_WINDOW_S: "s",
+        LF: "ms²",
+        HF: "ms²",
+        LF_HF: "1",
+    }
     latency_s: ClassVar[float] = 0.25
     lowest_rate: ClassVar[float] = 100.0
     phase: ClassVar[float] = 0.8
@@ -114,3 +136,6 @@ def _empty_bank(rate: float) -> Bank:
     rings, templates = np.zeros((3, int(_SEARCHED_S * rate))), np.zeros((_TEMPLATES, length + _ORDER))
     whitened, sizes = np.zeros((_TEMPLATES, length)), np.zeros((_TEMPLATES, 2))
     return Bank(rings, templates, whitened, sizes, np.zeros((_ORDER + 1, _ORDER + 1)), np.zeros(_ORDER + 1))
+
+
+CHANNEL = Ecg

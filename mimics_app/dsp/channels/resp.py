@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
 
+from mimics_app.contracts.messages.feature_names import (
+    BREATH_DEPTH,
+    BREATH_RATE,
+    BREATH_RATIO,
+    BREATH_VARIABILITY,
+)
 from mimics_app.dsp.channel import Channel, Event, FeatureSet
 from mimics_app.dsp.filters import Floats, band_pass, delay_of
 from mimics_app.dsp.kernels.slow import TURN_STATE, find_breaths
 
-__all__ = ["Resp"]
+__all__ = ["CHANNEL", "Resp"]
 
 _BAND = (0.05, 1.0)
 """Band-pass [Hz]."""
@@ -27,6 +34,13 @@ class Resp(Channel):
     """Breaths, each detected within a second of the trough that ends it."""
 
     name: ClassVar[str] = "resp"
+    unit: ClassVar[str] = "1"
+    features: ClassVar[Mapping[str, str]] = {
+        BREATH_RATE: "1/min",
+        BREATH_DEPTH: "1",
+        BREATH_RATIO: "1",
+        BREATH_VARIABILITY: "1",
+    }
     latency_s: ClassVar[float] = 1.0
     lowest_rate: ClassVar[float] = 8.0
     phase: ClassVar[float] = 0.6
@@ -62,10 +76,13 @@ class Resp(Channel):
         recent = rows[rows[:, 0] > now_s - _SHORT_S]
         recent = recent if len(recent) >= 2 else rows[-2:]
         lengths = recent[:, 3]
-        features = {"breath_rate": 60.0 / float(np.mean(lengths)), "breath_depth": float(np.mean(recent[:, 1]))}
-        features["breath_ratio"] = float(np.mean(recent[:, 2] / np.maximum(lengths - recent[:, 2], 1e-3)))
+        features = {BREATH_RATE: 60.0 / float(np.mean(lengths)), BREATH_DEPTH: float(np.mean(recent[:, 1]))}
+        features[BREATH_RATIO] = float(np.mean(recent[:, 2] / np.maximum(lengths - recent[:, 2], 1e-3)))
         if len(rows) >= 5:
             spread = float(np.std(rows[:, 3], ddof=1) / np.mean(rows[:, 3]))
-            features["breath_variability"] = spread
+            features[BREATH_VARIABILITY] = spread
             quality *= float(np.clip(1.6 - 2.0 * spread, 0.1, 1.0))
         return FeatureSet(features, quality)
+
+
+CHANNEL = Resp

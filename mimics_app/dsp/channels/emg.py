@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
 
+from mimics_app.contracts.messages.feature_names import (
+    EMG,
+    EMG_ACTIVE,
+    EMG_FATIGUE,
+    EMG_INTEGRATED,
+    EMG_MEDIAN_HZ,
+)
 from mimics_app.dsp.channel import Channel, Event, FeatureSet
 from mimics_app.dsp.filters import Floats, band_pass
 from mimics_app.dsp.kernels.emg import ACTIVE, EMG_STATE, TOTAL, N, find_onsets
 
-__all__ = ["Emg"]
+__all__ = ["CHANNEL", "Emg"]
 
 _BAND = (20.0, 450.0)
 """Band-pass of surface EMG [Hz]."""
@@ -23,6 +31,14 @@ class Emg(Channel):
     """Envelope, onsets (detected within 100 ms of the muscle's) and median frequency."""
 
     name: ClassVar[str] = "emg"
+    unit: ClassVar[str] = "mV"
+    features: ClassVar[Mapping[str, str]] = {
+        EMG: "mV",
+        EMG_INTEGRATED: "mV·s",
+        EMG_ACTIVE: "1",
+        EMG_MEDIAN_HZ: "Hz",
+        EMG_FATIGUE: "Hz/min",
+    }
     latency_s: ClassVar[float] = 0.1
     lowest_rate: ClassVar[float] = 200.0
     phase: ClassVar[float] = 0.4
@@ -55,18 +71,18 @@ class Emg(Channel):
             return FeatureSet({}, 0.0)
         n = int(self._state[N]) % self._length
         features = {
-            "emg": float(np.mean(self._envelope)),
-            "emg_integrated": integrated,
-            "emg_active": float(self._state[ACTIVE]),
+            EMG: float(np.mean(self._envelope)),
+            EMG_INTEGRATED: integrated,
+            EMG_ACTIVE: float(self._state[ACTIVE]),
         }
         median = self._median_frequency(np.roll(self._ring, -n))
         if self._state[ACTIVE] > 0.0 and median > 0.0:
-            features["emg_median_hz"] = median
+            features[EMG_MEDIAN_HZ] = median
             self._medians.append(median)
             if len(self._medians) >= 10:
                 minutes = np.arange(len(self._medians)) / 60.0
                 slope = np.polynomial.polynomial.polyfit(minutes, np.array(self._medians), 1)[1]
-                features["emg_fatigue"] = float(slope)
+                features[EMG_FATIGUE] = float(slope)
         return FeatureSet(features, quality)
 
     def _median_frequency(self, second: Floats) -> float:
@@ -76,3 +92,6 @@ class Emg(Channel):
         if summed[-1] <= 0.0:
             return 0.0
         return float(np.searchsorted(summed, 0.5 * summed[-1]) * self.rate / len(second))
+
+
+CHANNEL = Emg
