@@ -104,9 +104,7 @@ def test_a_file_beside_the_built_in_ones_adds_them(tmp_path: Path, monkeypatch: 
     (tmp_path / "warmth.py").write_text(WARMTH)
     for package in (channels, estimators):
         monkeypatch.setattr(package, "__path__", [*package.__path__, str(tmp_path)])
-        monkeypatch.setattr(
-            channel_kinds if package is channels else registry, "BUILT_IN", member_names(package)
-        )
+        monkeypatch.setattr(channel_kinds if package is channels else registry, "BUILT_IN", member_names(package))
     check_warmth("warmth")
 
 
