@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.lab.audio.hearing import hearing_errors
+from mimics_app.lab.audio.live_latency import measure_live_latency, pulse_missing
 from mimics_app.lab.audio.rendered import render_clicks
 from mimics_app.lab.groups.spatialiser import measure_block_us, own_head_errors
 from mimics_app.lab.peer_harness import run_harness
 from mimics_app.lab.probe import reference_us
-from mimics_app.rendering.audio.live_latency import measure_live_latency, pulse_missing
 from mimics_app.rendering.audio.spectral.sofa import read_sofa
 
 __all__ = ["KEMAR", "find_measured_head", "measure_audio"]

@@ -17,9 +17,9 @@ from mimics_app.lab.audio.rendered import render_clicks
 from mimics_app.lab.audio_bench import find_measured_head
 from mimics_app.lab.figure import Figure, write_figure
 from mimics_app.lab.groups.spatialiser import measure_block_us
+from mimics_app.lab.panel import Panel
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.drawing import document, legend
-from mimics_app.plotting.panel import Panel
 from mimics_app.rendering.audio.settings import AudioSettings, MixerName
 from mimics_app.rendering.audio.sound_stream import LIVE_BLOCK
 from mimics_app.rendering.audio.spectral.computed_head import compute_head

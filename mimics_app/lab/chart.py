@@ -13,10 +13,10 @@ from markupsafe import Markup
 from mimics_app.lab.figure import Figure
 from mimics_app.lab.measure import Measured, MeasuredGroup
 from mimics_app.lab.measured_on import measured_on
+from mimics_app.lab.panel import Label, Panel
 from mimics_app.plotting.axis import Axis, format_number
 from mimics_app.plotting.drawing import SERIES, document, legend, wrapped
 from mimics_app.plotting.marks import word
-from mimics_app.plotting.panel import Label, Panel
 
 __all__ = ["draw_chart", "pareto_front"]
 

@@ -11,6 +11,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import process_seconds
 from mimics_app.lab.figure import Figure, write_figure
+from mimics_app.lab.panel import Label, Panel
 from mimics_app.lab.physio.cohort import play_cohort
 from mimics_app.lab.physio.detection import Annotated, annotated_records, detect, f1_of, matched, mixed_noise
 from mimics_app.lab.physio.load_sessions import draw_load_people
@@ -24,7 +25,6 @@ from mimics_app.learning.registry import POLICIES
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.drawing import legend
 from mimics_app.plotting.marks import element, path, word
-from mimics_app.plotting.panel import Label, Panel
 
 __all__ = ["FIGURES", "detectors", "draw_figures"]
 

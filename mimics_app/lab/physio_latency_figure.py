@@ -7,12 +7,12 @@ from itertools import groupby
 from pathlib import Path
 
 from mimics_app.lab.figure import Figure
+from mimics_app.lab.panel import Panel
 from mimics_app.lab.physio.detection import NOISE_DB, Annotated, annotated_records, mixed_noise
 from mimics_app.lab.physio.noise_study import IN_TIME_S, lag_rows, noisy_records
 from mimics_app.lab.physio_drawing import physio_figure, row_of
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.drawing import legend
-from mimics_app.plotting.panel import Panel
 
 __all__ = ["beat_latency"]
 

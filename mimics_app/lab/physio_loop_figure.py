@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from mimics_app.lab.figure import Figure
+from mimics_app.lab.panel import Panel
 from mimics_app.lab.physio.loop_study import PEOPLE, SEEDS, TRIALS, LoopScore, loop_study, pooled
 from mimics_app.lab.physio_drawing import physio_figure, row_of
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.drawing import legend
-from mimics_app.plotting.panel import Panel
 
 __all__ = ["loop_regret"]
 

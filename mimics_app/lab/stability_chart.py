@@ -5,9 +5,9 @@ from __future__ import annotations
 from mimics_app.contracts.system.machine import describe_machine
 from mimics_app.lab.experiment import Experiment, Outcome, Points, Row
 from mimics_app.lab.figure import Figure
+from mimics_app.lab.panel import Panel
 from mimics_app.plotting.axis import Axis, format_number
 from mimics_app.plotting.drawing import SERIES, document, legend, text_width, wrapped
-from mimics_app.plotting.panel import Panel
 
 __all__ = ["draw_outcome"]
 

@@ -1,3 +1,3 @@
-"""Drawings as SVG: axes, marks, the plots of a report and the panels of the laboratory, all escaped in one place."""
+"""Drawings as SVG: axes, marks and the plots of a report, all escaped in one place."""
 
 __all__: list[str] = []

@@ -75,6 +75,11 @@ PLANTED = {
         "import mimics_app.scenarios.city_walk\n",
         "Scenarios above their parts",
     ),
+    "a session knows a probe of the laboratory": (
+        "app/session/planted_lab.py",
+        "def measure():\n    import mimics_app.lab.chart\n\n    return mimics_app.lab.chart\n",
+        "No session reaches",
+    ),
     "a session knows what made its models": (
         "app/session/planted_content.py",
         "import assets.builders.catalogue\n",

@@ -31,7 +31,7 @@ READERS = {
 }
 """Modules that drain a ring or read a snapshot: they name these arrays and hand them to the reading calls alone."""
 
-PLAYS_THE_LOOP = {"rendering/audio/live_latency.py"}
+PLAYS_THE_LOOP = {"lab/audio/live_latency.py"}
 """A bench that has no loop and pushes the events itself, into a memory of its own."""
 
 READING = {"drain", "peek", "room", "waiting", "acquire", "len", "wait_for_records", "RingReader"}

@@ -20,8 +20,8 @@ from mimics_app.contracts.errors import DeviceError, MimicsError
 from mimics_app.contracts.messages.stage_messages import SoundEvent
 from mimics_app.contracts.ports.audio_port import AudioReport, AudioStatus
 from mimics_app.contracts.shared_memory.session_memory import Capacities, ControlWord, SessionMemory
+from mimics_app.lab.audio.live_latency import private_pulse_server, pulse_missing
 from mimics_app.rendering.audio import openal_library
-from mimics_app.rendering.audio.live_latency import private_pulse_server, pulse_missing
 from mimics_app.rendering.audio.process import AudioProcess
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 from tests.support.audio_scene import RATE, contact, first_sounding, place, push

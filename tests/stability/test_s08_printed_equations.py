@@ -7,11 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mimics_app.lab.haptic.printed_equations import joint_pd_printed, pair_force_printed, rotate_printed
 from mimics_app.lab.stability import s08_printed_equations as s08
 from mimics_app.lab.stability.laws import identified_rate
-from mimics_app.rendering.haptic.control.joint_pd import joint_pd_as_printed
-from mimics_app.rendering.haptic.kernels.contact_law import pair_force, pair_force_printed, spring_damper
-from mimics_app.rendering.haptic.kernels.rotation import rotate_printed
+from mimics_app.rendering.haptic.kernels.contact_law import pair_force, spring_damper
 
 
 def test_printed_equations_run_away_at_their_closed_form_rates():
@@ -22,7 +21,7 @@ def test_printed_equations_run_away_at_their_closed_form_rates():
 
 
 def test_rate_of_equation_5_is_the_stated_one():
-    assert s08.pd_rate(joint_pd_as_printed, 20.0) == pytest.approx(20.0 / 1.3, rel=0.01)
+    assert s08.pd_rate(joint_pd_printed, 20.0) == pytest.approx(20.0 / 1.3, rel=0.01)
 
 
 @settings(max_examples=30)
@@ -47,7 +46,7 @@ def test_identified_rate_is_that_of_a_made_motion(rate: float, turn: float):
 
 
 def test_fault_sign_of_5(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(s08, "joint_pd", joint_pd_as_printed)
+    monkeypatch.setattr(s08, "joint_pd", joint_pd_printed)
     assert not s08.EXPERIMENT.run(2).passed
 
 

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mimics_app.compiled.kernel import kernel
+from mimics_app.lab.haptic.printed_equations import cube_printed
 from mimics_app.lab.stability import s10_corner_slide as s10
-from mimics_app.rendering.haptic.kernels.contact import cube_printed
 
 
 @kernel

@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mimics_app.lab.haptic.printed_equations import rotate_printed
+from mimics_app.lab.haptic.rotation_updates import rotate_axes, rotate_exponential, rotate_start
 from mimics_app.lab.stability import s12_rotation_drift as s12
 from mimics_app.lab.stability import s12b_free_top as s12b
-from mimics_app.rendering.haptic.kernels.rotation import rotate_axes, rotate_exponential, rotate_printed, rotate_start
 
 COMPONENT = st.floats(-8.0, 8.0)
 

@@ -9,10 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mimics_app.lab.haptic.printed_equations import pair_force_printed
 from mimics_app.lab.stability import s13_mass_ratio as s13
 from mimics_app.lab.stability import s13b_stack as s13b
 from mimics_app.lab.stability.stack import UNIT_MASS, keeps_still, smallest_mass, stack_eigenvalue
-from mimics_app.rendering.haptic.kernels.contact_law import pair_force, pair_force_printed
+from mimics_app.rendering.haptic.kernels.contact_law import pair_force
 
 EITHER_SIDE = st.one_of(st.floats(0.7, 0.98), st.floats(1.02, 1.4))
 

@@ -13,8 +13,8 @@ from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.shared_memory import triple_buffer
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.contracts.shared_memory.sound_scene import SOUND_SCENE, fill_defaults
+from mimics_app.lab.audio.live_latency import Monitor, private_pulse_server, pulse_missing
 from mimics_app.rendering.audio.engine import open_engine
-from mimics_app.rendering.audio.live_latency import Monitor, private_pulse_server, pulse_missing
 from mimics_app.rendering.audio.process import AudioProcess
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec, Speakers
 

@@ -18,7 +18,7 @@ from mimics_app.contracts.ports.audio_port import AudioReport
 from mimics_app.contracts.shared_memory import ring, triple_buffer
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.contracts.shared_memory.sound_scene import SOUND_SCENE, fill_defaults
-from mimics_app.rendering.audio.live_latency import (
+from mimics_app.lab.audio.live_latency import (
     Monitor,
     handed_out_ns,
     match_onsets,

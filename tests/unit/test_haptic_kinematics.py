@@ -93,15 +93,6 @@ def test_vector_forms_equal_the_matrices():
         assert np.allclose(_vector(kin.apply_inverse_jacobian, q, D1, v), inverse, atol=1e-14)
 
 
-def test_rate_of_the_jacobian_is_its_central_difference_along_the_motion():
-    h = 1e-5
-    rng = np.random.default_rng(5)
-    for q in _poses(100):
-        dq = rng.uniform(-1, 1, 3)
-        rate = (_matrix(kin.jacobian, q + h * dq, D1) - _matrix(kin.jacobian, q - h * dq, D1)) / (2 * h)
-        assert np.allclose(_vector(kin.apply_jacobian_rate, q, dq, D1), rate @ dq, atol=1e-9)
-
-
 def test_power_is_the_same_in_both_frames():
     rng = np.random.default_rng(7)
     for q in _poses():

@@ -23,11 +23,11 @@ from mimics_app.lab.experiment import Experiment, Outcome, largest_disagreement
 from mimics_app.lab.figure import write_figure
 from mimics_app.lab.gallery import _time, write_gallery
 from mimics_app.lab.measure import Growth, Measured, MeasuredGroup
+from mimics_app.lab.panel import Label, Panel
 from mimics_app.lab.stability_chart import draw_outcome
 from mimics_app.plotting.axis import Axis, format_number, format_ticks
 from mimics_app.plotting.drawing import text_width
 from mimics_app.plotting.marks import circle, word
-from mimics_app.plotting.panel import Label, Panel
 
 CHARTS = Path(__file__).parents[2] / "docs" / "charts"
 KEYS = ["kind", "name", "command", "machine", "rows", "front", "default", "boundary"]

@@ -13,7 +13,6 @@ from mimics_app.lab.physio.cohort import play_cohort
 from mimics_app.learning.agent import Agent
 from mimics_app.learning.bandits import LinUcb
 from mimics_app.learning.goals import StateBand, SuccessShare, build_goal
-from mimics_app.learning.off_policy import evaluate
 from mimics_app.learning.policy import LEVELS, TARGET, Outcome
 from mimics_app.learning.registry import EXPLORERS, POLICIES, build_policy
 from mimics_app.tasks.adaptation import Adaptation
@@ -233,27 +232,6 @@ def test_a_policy_that_is_not_there_is_reported_with_the_nearest() -> None:
     assert set(POLICIES) >= EXPLORERS
 
 
-def test_off_policy_evaluation_finds_the_better_policy_from_another_ones_log() -> None:
-    """Two arms worth 0.2 and 0.8, logged by a coin that prefers the worse: known truth."""
-    rng = np.random.default_rng(4)
-    taken = rng.random(4000) < 0.3
-    propensity = np.where(taken, 0.3, 0.7)
-    reward = np.where(taken, 0.8, 0.2) + 0.1 * rng.standard_normal(4000)
-    wanted = np.where(taken, 0.9, 0.1)
-    found = evaluate(reward, propensity, wanted)
-    assert found.low < 0.9 * 0.8 + 0.1 * 0.2 < found.high
-    assert found.high - found.low < 0.1
-    assert evaluate(reward, propensity, propensity).mean == pytest.approx(reward.mean())
-    with pytest.raises(ValueError, match="propensit"):
-        evaluate(reward, np.zeros(4000), wanted)
-
-
-def test_a_choice_that_was_hardly_ever_made_does_not_decide_an_evaluation() -> None:
-    propensity, reward = np.full(81, 1.0), np.zeros(81)
-    propensity[0], reward[0] = 1e-6, 1.0
-    assert evaluate(reward, propensity, np.ones(81)).mean == pytest.approx(20.0 / (20.0 + 80.0))
-
-
 def test_pure_effort_is_explained_by_its_power() -> None:
     """Heart rate that follows power with the kinetics of another leaves little to be read as arousal."""
     model, heart, worst = EffortModel(), 0.0, 0.0
@@ -264,23 +242,3 @@ def test_pure_effort_is_explained_by_its_power() -> None:
         left = model.residual(heart, learn=True)
         worst = max(worst, abs(left)) if second > 300 else worst
     assert worst < 2.5
-
-
-def test_the_environment_is_one_of_gymnasium() -> None:
-    from gymnasium.utils.env_checker import check_env
-
-    from mimics_app.lab.physio.gym_env import TrainingEnv
-
-    check_env(TrainingEnv(SPACE, trials=5), skip_render_check=True)
-
-
-def test_the_environment_punishes_what_is_too_hard() -> None:
-    from mimics_app.lab.physio.gym_env import TrainingEnv
-
-    env, totals = TrainingEnv(trials=20), []
-    for demand in (0.5, 1.0):
-        env.reset(seed=3)
-        steps = [env.step({"difficulty": np.array([demand], np.float32)}) for _ in range(20)]
-        assert steps[-1][3]
-        totals.append(sum(step[1] for step in steps))
-    assert totals[0] > totals[1]

@@ -15,7 +15,7 @@ from mimics_app.app.picture.methods import with_methods
 from mimics_app.app.planner.explain import OF_OBJECTS, TICK_GROUP, explain_plan
 from mimics_app.app.planner.plan import choose, load_table, plan_scene, settle
 from mimics_app.app.planner.tolerances import BY_PROFILE, tolerances_of
-from mimics_app.app.planner.uses import NOT_PLANNED, USES
+from mimics_app.app.planner.uses import USES
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import PROFILES
 from mimics_app.contracts.loop.haptic import AdmittanceForm
@@ -229,6 +229,23 @@ def test_an_integrator_that_needs_more_damping_is_never_chosen_by_itself(scene):
 def test_the_printed_form_runs_only_where_a_scene_asks_for_it(scene):
     leave_open(scene)
     assert plan_scene(accepting(scene, force_N=100.0), "draft", planted()).methods["admittance form"] == "polar"
+
+
+NOT_PLANNED = {
+    "integrator": 'the integrators of bodies on one wall alone; "colliding bodies" chooses among all a body can have',
+    "bounding geometry": "the shape of an object is its author's choice",
+    "effects": "each is another force: its author's choice",
+    "joint mixing": "the bending of a body is a matter of appearance: the scene's `animation.skinning` states it",
+    "culling": "the faster one depends on the view: the renderer counts the items of each scene",
+    "frame of nodes": "culling, measured in whole frames",
+    "frame of triangles": "level of detail, measured in whole frames",
+    "raster threads": "the renderer places them wherever that was measured to pay",
+    "loop scheduling": "the first recipe that the system grants runs",
+    "model reading": "kinds of files, not rivals",
+    "haptic tick": "the whole tick, by the tunnel projection that is chosen",
+    "load of the person": "body signals belong to a run, not to a scene: the best of the chart, or the task's",
+}
+"""Groups with several methods of which the planner chooses none, with the reason."""
 
 
 def test_the_planner_knows_every_group_with_two_rivals_that_run():

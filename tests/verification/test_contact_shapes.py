@@ -11,18 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mimics_app.lab.groups.box_face import false_force
+from mimics_app.lab.haptic.face_rules import cube_nearest_face, rate_of_depth
+from mimics_app.lab.haptic.printed_equations import cube_printed
 from mimics_app.maths import quat
-from mimics_app.rendering.haptic.kernels.contact import (
-    cube,
-    cube_nearest_face,
-    cube_printed,
-    forget,
-    rate_of_depth,
-    sphere,
-    sphere_nearest,
-    to_object,
-    wall,
-)
+from mimics_app.rendering.haptic.kernels.contact import cube, forget, sphere, to_object, wall
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 from mimics_app.rendering.haptic.kernels.integrators import step_free
@@ -231,7 +223,8 @@ def with_memory(z, contact):
 
 
 def without_memory(z, contact):
-    sphere_nearest(np.array([0.0, 0.0, z]), R, contact)
+    """(13) with the right sign, and no normal kept at the centre."""
+    contact["depth"], contact["normal"] = max(0.0, R - abs(z)), (0.0, 0.0, math.copysign(1.0, z))
 
 
 def test_13_pops_through_at_r_sqrt_k_m_without_memory_and_at_twice_that_with_it():

@@ -10,16 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mimics_app.lab.groups.friction import LAWS, hold
+from mimics_app.lab.haptic.friction_laws import karnopp, lugre_explicit, lugre_implicit, regularised
+from mimics_app.lab.haptic.printed_equations import regularised_printed
 from mimics_app.rendering.haptic.kernels.contact_records import FRICTION
-from mimics_app.rendering.haptic.kernels.friction import (
-    forget_friction,
-    hayward_armstrong,
-    karnopp,
-    lugre_explicit,
-    lugre_implicit,
-    regularised,
-    regularised_printed,
-)
+from mimics_app.rendering.haptic.kernels.friction import forget_friction, hayward_armstrong
 
 MU, NORMAL, THRESHOLD = 0.4, 30.0, 0.01
 G = 9.81

@@ -9,15 +9,13 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from mimics_app.lab.groups.integrator import STEPS, contact_error
+from mimics_app.lab.groups.integrator import STEPS, contact_error, step_implicit, step_rk4
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.integrators import (
     step_exact,
     step_explicit,
     step_free,
-    step_implicit,
     step_midpoint,
-    step_rk4,
     step_semi_implicit,
 )
 

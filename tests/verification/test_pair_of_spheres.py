@@ -10,8 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mimics_app.lab.groups.contact_law import restitution_spring_damper
+from mimics_app.lab.haptic.printed_equations import pair_force_printed
 from mimics_app.rendering.haptic.kernels.contact import wall
-from mimics_app.rendering.haptic.kernels.contact_law import pair_force, pair_force_printed
+from mimics_app.rendering.haptic.kernels.contact_law import pair_force
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 from tests.support.body_play import new_play
 from tests.support.contact_play import Pair, angle_factor, bounce, bounce_pair

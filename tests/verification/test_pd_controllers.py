@@ -12,7 +12,8 @@ from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.loop.device_descriptor import KINEMATICS_SET, KinematicsStatus
 from mimics_app.contracts.loop.haptic import SCENE
 from mimics_app.contracts.loop.loop_fields import MAX_JOINTS
-from mimics_app.rendering.haptic.control.joint_pd import joint_pd, joint_pd_as_printed
+from mimics_app.lab.haptic.printed_equations import joint_pd_printed
+from mimics_app.rendering.haptic.control.joint_pd import joint_pd
 from mimics_app.rendering.haptic.control.world_pd import world_pd_straight, world_pd_through_joints
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.kernels.joints import JOINT_WORK
@@ -57,7 +58,7 @@ def test_ramp_lag_is_6_5_mm():
 def test_printed_sign_runs_away():
     """Planted fault: with the sign of the document the error grows as exp(Kp t / (1 + Kd))."""
     kp, kd = 20.0, 0.3
-    path = _ideal_servo(joint_pd_as_printed, lambda t: 0.1, kp, kd, 0.5)
+    path = _ideal_servo(joint_pd_printed, lambda t: 0.1, kp, kd, 0.5)
     error = 0.1 - path
     assert error[-1] > 100 * 0.1
     growth = math.log(error[-1] / error[-201]) / 0.2

@@ -9,19 +9,16 @@ import pytest
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.lab.groups.rotation_update import MOMENTS, RATE, angle_between, drift_of, follow_top
-from mimics_app.maths import quat
-from mimics_app.rendering.haptic.kernels.rotation import (
+from mimics_app.lab.haptic.printed_equations import rotate_printed
+from mimics_app.lab.haptic.rotation_updates import (
     angular_velocity,
     kinetic_energy,
     rotate_axes,
     rotate_exponential,
-    rotate_printed,
     rotate_rk4,
     rotate_start,
-    turn_axes,
-    turn_exponential,
-    turn_printed,
 )
+from mimics_app.maths import quat
 
 ALL = (rotate_printed, rotate_axes, rotate_start, rotate_exponential, rotate_rk4)
 
@@ -173,11 +170,11 @@ def test_12_locked_axis_does_not_turn(rotate):
     assert 2.0 * math.atan2(q[1], q[3]) == pytest.approx(0.5, rel=1e-3)
 
 
-def constant_rate_error(turn, omega, seconds=10.0, dt=1e-3):
-    """Degrees between a turn by steps and the exact turn at a constant angular velocity."""
+def constant_rate_error(rotate, omega, seconds=10.0, dt=1e-3):
+    """Degrees between steps and the exact rotation at a constant angular velocity: that of a body of moments 1."""
     q, omega = identity(), np.array(omega)
     for _ in range(round(seconds / dt)):
-        turn(q, omega, dt)
+        rotate(q, omega, np.ones(3), dt)
     return math.degrees(angle_of(matrix(q) @ about(omega, np.linalg.norm(omega) * seconds).T))
 
 
@@ -185,8 +182,8 @@ def constant_rate_error(turn, omega, seconds=10.0, dt=1e-3):
 def test_12_axis_product_drifts_by_its_closed_form(omega):
     """(h/2) |wx wy wz|/|w| rad/s: 2.43 and 9.71 degrees in 10 s at 1 ms, where the exponential map errs by nothing."""
     expected = math.degrees(0.5e-3 * abs(np.prod(omega)) / np.linalg.norm(omega) * 10.0)
-    assert constant_rate_error(turn_axes, omega) == pytest.approx(expected, rel=5e-3)
-    assert constant_rate_error(turn_exponential, omega) < 1e-9
+    assert constant_rate_error(rotate_axes, omega) == pytest.approx(expected, rel=5e-3)
+    assert constant_rate_error(rotate_exponential, omega) < 1e-9
 
 
 def test_12_axis_product_matches_the_matrices_it_is_written_as():
@@ -194,8 +191,8 @@ def test_12_axis_product_matches_the_matrices_it_is_written_as():
     quat.normalise(q, q)
     R0, x, y, z = matrix(q), *(dt * omega)
     right, printed = q.copy(), q.copy()
-    turn_axes(right, omega, dt)
-    turn_printed(printed, omega, dt)
+    rotate_axes(right, omega, np.ones(3), dt)
+    rotate_printed(printed, omega, np.ones(3), dt)
     rot = [about(e, angle) for e, angle in zip(np.eye(3), (x, y, z), strict=True)]
     assert matrix(right) == pytest.approx(rot[0] @ rot[1] @ rot[2] @ R0, abs=1e-14)
     assert matrix(printed) == pytest.approx(rot[0] @ rot[1] @ rot[1] @ R0, abs=1e-14)
@@ -204,7 +201,7 @@ def test_12_axis_product_matches_the_matrices_it_is_written_as():
 def test_12_literal_product_turns_by_another_velocity():
     """Rot(x) rot(y) rot(y) is the turn of (wx, 2 wy, 0): at (3, 4, 5) rad/s 151 degrees off after 10 s."""
     expected = about((3.0, 8.0, 0.0), math.hypot(30.0, 80.0)) @ about((3.0, 4.0, 5.0), math.sqrt(50.0) * 10.0).T
-    assert constant_rate_error(turn_printed, (3.0, 4.0, 5.0)) == pytest.approx(
+    assert constant_rate_error(rotate_printed, (3.0, 4.0, 5.0)) == pytest.approx(
         math.degrees(angle_of(expected)), abs=1.0
     )
     assert math.degrees(angle_of(expected)) == pytest.approx(151.0, abs=1.0)

@@ -12,9 +12,10 @@ from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.lab import haptic_bench, haptic_peers
 from mimics_app.lab.groups import bounding_geometry, mesh_finger, shape_cull
+from mimics_app.lab.groups.shape_cull import find_near_plain
 from mimics_app.lab.haptic_harness import HarnessRow, run_harnesses
 from mimics_app.lab.stability import s10b_rounded_edge
-from mimics_app.rendering.haptic.kernels.objects.cull import find_near, find_near_plain
+from mimics_app.rendering.haptic.kernels.objects.cull import find_near
 
 
 @pytest.mark.parametrize("number", range(3))

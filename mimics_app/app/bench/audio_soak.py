@@ -24,7 +24,7 @@ from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.shared_memory import triple_buffer
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.contracts.shared_memory.sound_scene import SOUND_SCENE, fill_defaults
-from mimics_app.rendering.audio.live_latency import private_pulse_server, pulse_missing
+from mimics_app.lab.audio.live_latency import private_pulse_server, pulse_missing
 from mimics_app.rendering.audio.process import AudioProcess
 from mimics_app.rendering.audio.queue_need import keep_needed_ms, known_needed_ms
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec

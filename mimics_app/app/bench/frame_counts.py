@@ -15,9 +15,9 @@ from mimics_app.contracts.messages.board import Board, Card
 from mimics_app.contracts.system.machine import describe_machine
 from mimics_app.lab.figure import Figure, write_figure
 from mimics_app.lab.groups.frame_of_nodes import node_world
+from mimics_app.lab.panel import Panel
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.drawing import document, legend
-from mimics_app.plotting.panel import Panel
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen

@@ -34,7 +34,6 @@ from mimics_app.world.scene.scene import Scene
 from mimics_app.world.scene.spread import ENOUGH, spread_of_casters
 
 __all__ = [
-    "NOT_PLANNED",
     "TOUCH",
     "USES",
     "WHOLE_TICK",
@@ -356,20 +355,3 @@ def uses() -> Mapping[str, Use]:
     """Return `USES`, and the uses of the groups of installed packages."""
     brought = {plugin.group: plugin.use for plugin in method_plugins() if plugin.use is not None}
     return {**brought, **USES}
-
-
-NOT_PLANNED: Mapping[str, str] = {
-    "integrator": 'the integrators of bodies on one wall alone; "colliding bodies" chooses among all a body can have',
-    "bounding geometry": "the shape of an object is its author's choice",
-    "effects": "each is another force: its author's choice",
-    "joint mixing": "the bending of a body is a matter of appearance: the scene's `animation.skinning` states it",
-    "culling": "the faster one depends on the view: the renderer counts the items of each scene",
-    "frame of nodes": "culling, measured in whole frames",
-    "frame of triangles": "level of detail, measured in whole frames",
-    "raster threads": "the renderer places them wherever that was measured to pay",
-    "loop scheduling": "the first recipe that the system grants runs",
-    "model reading": "kinds of files, not rivals",
-    "haptic tick": "the whole tick, by the tunnel projection that is chosen",
-    "load of the person": "body signals belong to a run, not to a scene: the best of the chart, or the task's",
-}
-"""Groups with several methods of which the planner chooses none, with the reason."""

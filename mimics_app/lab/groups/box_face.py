@@ -12,10 +12,12 @@ import numpy as np
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8
+from mimics_app.lab.haptic.face_rules import cube_nearest_face
+from mimics_app.lab.haptic.printed_equations import cube_printed
 from mimics_app.lab.haptic.probe import reference_us
 from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
-from mimics_app.rendering.haptic.kernels.contact import cube, cube_nearest_face, cube_printed
+from mimics_app.rendering.haptic.kernels.contact import cube
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 
 if TYPE_CHECKING:

@@ -12,10 +12,11 @@ import numpy as np
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8
+from mimics_app.lab.haptic.printed_equations import spring_damper_printed
 from mimics_app.lab.haptic.probe import SIZES, reference_us
 from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
-from mimics_app.rendering.haptic.kernels.contact_law import hunt_crossley, spring_damper, spring_damper_printed
+from mimics_app.rendering.haptic.kernels.contact_law import hunt_crossley, spring_damper
 from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
 
 __all__ = [

@@ -16,18 +16,13 @@ from numpy.typing import NDArray
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8
+from mimics_app.lab.haptic.friction_laws import karnopp, lugre_explicit, lugre_implicit, regularised
+from mimics_app.lab.haptic.printed_equations import regularised_printed
 from mimics_app.lab.haptic.probe import SIZES, reference_us
 from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.kernels.contact_records import FRICTION
-from mimics_app.rendering.haptic.kernels.friction import (
-    hayward_armstrong,
-    karnopp,
-    lugre_explicit,
-    lugre_implicit,
-    regularised,
-    regularised_printed,
-)
+from mimics_app.rendering.haptic.kernels.friction import hayward_armstrong
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import FrictionRecord, Table

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mimics_app.compiled.kernel import kernel
+from mimics_app.lab.haptic.face_rules import rate_of_depth
 from mimics_app.lab.haptic.taps import observed_leak
 from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
-from mimics_app.rendering.haptic.kernels.contact import rate_of_depth, wall
+from mimics_app.rendering.haptic.kernels.contact import wall
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe

@@ -21,17 +21,45 @@ from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.kernels.integrators import (
     step_exact,
     step_explicit,
-    step_implicit,
     step_midpoint,
-    step_rk4,
     step_semi_implicit,
 )
 
-__all__ = ["STEPS", "contact_error", "step_by"]
+__all__ = ["STEPS", "contact_error", "step_by", "step_implicit", "step_rk4"]
 
 
 _RATES_KHZ = (1, 4, 16)
 """Steps per tick of 1 ms."""
+
+
+@kernel
+def step_implicit(x: float, v: float, f: float, m: float, b: float, k: float, dt: float) -> tuple[float, float]:
+    """Implicit Euler: position and velocity from the new state, in closed form.
+
+    Never grows: |lambda| = 1/sqrt(1 + (h w)^2).
+
+    Arguments and result as `step_explicit`.
+    """
+    v = (m * v + dt * (f - k * x)) / (m + dt * b + dt * dt * k)
+    return x + dt * v, v
+
+
+@kernel
+def step_rk4(x: float, v: float, f: float, m: float, b: float, k: float, dt: float) -> tuple[float, float]:
+    """Classical Runge-Kutta method of order 4: |lambda| = 1 - (h w)^6/144, stable for h w < 2.828.
+
+    Arguments and result as `step_explicit`.
+    """
+    half = 0.5 * dt
+    a1 = (f - b * v - k * x) / m
+    v2 = v + half * a1
+    a2 = (f - b * v2 - k * (x + half * v)) / m
+    v3 = v + half * a2
+    a3 = (f - b * v3 - k * (x + half * v2)) / m
+    v4 = v + dt * a3
+    a4 = (f - b * v4 - k * (x + dt * v3)) / m
+    return x + dt * (v + 2.0 * v2 + 2.0 * v3 + v4) / 6.0, v + dt * (a1 + 2.0 * a2 + 2.0 * a3 + a4) / 6.0
+
 
 STEPS: dict[str, Callable[..., Any]] = {
     "explicit": step_explicit,

@@ -13,18 +13,18 @@ import numpy as np
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8
+from mimics_app.lab.haptic.printed_equations import rotate_printed
 from mimics_app.lab.haptic.probe import SIZES, reference_us
-from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
-from mimics_app.rendering.haptic.kernels.rotation import (
+from mimics_app.lab.haptic.rotation_updates import (
     angular_velocity,
     kinetic_energy,
     rotate_axes,
     rotate_exponential,
-    rotate_printed,
     rotate_rk4,
     rotate_start,
 )
+from mimics_app.lab.probe import shortest_us
+from mimics_app.lab.rivals import Rival, compare
 
 __all__ = ["MOMENTS", "RATE", "Drift", "angle_between", "drift_of", "follow_top"]
 

@@ -12,19 +12,31 @@ from typing import Any
 import numpy as np
 
 from mimics_app.compiled.kernel import kernel
-from mimics_app.contracts.arrays import F8, Words
+from mimics_app.contracts.arrays import F8, I8, Vec, Words
 from mimics_app.lab.haptic.probe import reference_us
 from mimics_app.lab.haptic.touch_probe import RADIUS
 from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
-from mimics_app.rendering.haptic.kernels.objects.cull import find_near, find_near_plain
+from mimics_app.rendering.haptic.kernels.objects.cull import find_near, reaches
 
-__all__ = ["misses"]
+__all__ = ["find_near_plain", "misses"]
 
 
 _QUERIES = 2000
 _TYPICAL = 1000
 _CELL = 0.06
+
+
+@kernel
+def find_near_plain(bounds: F8, shapes: int, p: Vec, radius: float, near: I8) -> int:
+    """Rival of `find_near` that tests one shape after the other; same arguments and result."""
+    x, y, z = p[0], p[1], p[2]
+    found = 0
+    for i in range(shapes):
+        if reaches(bounds, i, x, y, z, radius):
+            near[found] = i
+            found += 1
+    return found
 
 
 @kernel

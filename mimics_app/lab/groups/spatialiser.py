@@ -16,6 +16,7 @@ from mimics_app.contracts.ports.audio_port import ListenerState
 from mimics_app.contracts.shared_memory.sound_scene import BANDS
 from mimics_app.lab.audio.hearing import HearingErrors, hearing_errors
 from mimics_app.lab.audio.rendered import render_clicks
+from mimics_app.lab.audio.spherical_head import add_at_sphere
 from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.audio.bank import SoundBank
@@ -25,7 +26,6 @@ from mimics_app.rendering.audio.settings import AudioSettings, MixerName, SoundS
 from mimics_app.rendering.audio.spectral.computed_head import compute_head
 from mimics_app.rendering.audio.spectral.head import HeadResponses
 from mimics_app.rendering.audio.spectral.head_table import TAPS, build_head_table
-from mimics_app.rendering.audio.spherical_head import add_at_sphere
 
 __all__ = [
     "KEMAR_DELAYS_US",

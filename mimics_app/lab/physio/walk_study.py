@@ -15,10 +15,9 @@ from mimics_app.learning.stepwise import StepMethod, StepValues, place_of
 from mimics_app.tasks.kinds.guided_walk.kind import NEAREST
 from mimics_app.tasks.kinds.guided_walk.walk_people import STEP_S, Alley, Deed, Guide, Walker
 
-__all__ = ["CONDITIONS", "CONTROLS", "WalkResult", "walk_study"]
+__all__ = ["CONTROLS", "WalkResult", "walk_study"]
 
 Lesson = Literal["taught", "permuted", "never taught"]
-CONDITIONS = ("intimate", "social", "random")
 CONTROLS: tuple[Lesson | Deed, ...] = ("permuted", "never taught", *Deed)
 """Guides beside the one that learns."""
 

@@ -11,9 +11,10 @@ import numpy as np
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Mat, Vec
 from mimics_app.lab.experiment import Experiment, Outcome, Points, Row
+from mimics_app.lab.haptic.printed_equations import joint_pd_printed
 from mimics_app.lab.stability.growth import dies_away, note_peak
 from mimics_app.lab.stability.linear import find_limit, is_contracting
-from mimics_app.rendering.haptic.control.joint_pd import joint_pd, joint_pd_as_printed
+from mimics_app.rendering.haptic.control.joint_pd import joint_pd
 
 __all__ = ["EXPERIMENT", "closed_limit", "exact_limit", "is_stable", "simulated_limit"]
 
@@ -41,7 +42,7 @@ def _follow(kp: float, kd: float, dt: float, delay: int, printed: bool, ticks: i
     for i in range(ticks):
         command = line[i % (delay + 1)]
         if printed:
-            joint_pd_as_printed(q, dq, target, gains, rates, command)
+            joint_pd_printed(q, dq, target, gains, rates, command)
         else:
             joint_pd(q, dq, target, gains, rates, command)
         oldest = line[(i + 1) % (delay + 1)]

@@ -21,14 +21,16 @@ from numba import types
 from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.lab.experiment import Experiment, Outcome, Row, points_of
+from mimics_app.lab.haptic.face_rules import rate_of_depth
+from mimics_app.lab.haptic.printed_equations import joint_pd_printed, pair_force_printed, rotate_printed
+from mimics_app.lab.haptic.rotation_updates import rotate_exponential
 from mimics_app.lab.stability import s12_rotation_drift as rotations
 from mimics_app.lab.stability.laws import NORMAL_LAW, NormalLaw, identified_rate
-from mimics_app.rendering.haptic.control.joint_pd import joint_pd, joint_pd_as_printed
-from mimics_app.rendering.haptic.kernels.contact import rate_of_depth, sphere
-from mimics_app.rendering.haptic.kernels.contact_law import pair_force, pair_force_printed, spring_damper
+from mimics_app.rendering.haptic.control.joint_pd import joint_pd
+from mimics_app.rendering.haptic.kernels.contact import sphere
+from mimics_app.rendering.haptic.kernels.contact_law import pair_force, spring_damper
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
-from mimics_app.rendering.haptic.kernels.rotation import rotate_exponential, rotate_printed
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import ContactRecord, Table
@@ -154,7 +156,7 @@ def _row(equation: int, setting: str, printed: float, exact: float, corrected: f
 
 def _pd_row(kp: float) -> Row:
     exact = _root_rate(1.0 + kp * _DT - _KD, -_KD)
-    return _row(5, f"Kp = {kp:.3g} 1/s", pd_rate(joint_pd_as_printed, kp), exact, pd_rate(joint_pd, kp))
+    return _row(5, f"Kp = {kp:.3g} 1/s", pd_rate(joint_pd_printed, kp), exact, pd_rate(joint_pd, kp))
 
 
 def _object_row(b: float) -> Row:

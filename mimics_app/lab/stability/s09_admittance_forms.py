@@ -23,7 +23,7 @@ from mimics_app.rendering.haptic.control.admittance import admit
 from mimics_app.rendering.haptic.kernels.kinematics import apply_jacobian, forward
 from mimics_app.rendering.haptic.kernels.vectors import copy, norm
 
-__all__ = ["EXPERIMENT", "SEED_CASE", "exact_flight", "fly"]
+__all__ = ["EXPERIMENT", "exact_flight", "fly"]
 
 
 _D1 = 0.46
@@ -32,9 +32,6 @@ _RADIAL_SPEED = 0.2
 _SECONDS = 0.5
 _DT = 1e-3
 _FREE = 1e9
-
-SEED_CASE = (0.153, 0.0786)
-"""Energy gained [J] and distance off the line [m] at 1 rad/s, printed form, after 0.5 s."""
 
 _KEPT = {AdmittanceForm.CARTESIAN: 1e-12, AdmittanceForm.POLAR: 5e-3}
 """Largest share of its energy that a corrected form may gain or lose in 0.5 s at 1 ms and 2 rad/s."""

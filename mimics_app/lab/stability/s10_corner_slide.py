@@ -18,8 +18,9 @@ from numba import from_dtype, types
 from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.lab.experiment import Experiment, Outcome, Row, largest_disagreement, points_of
+from mimics_app.lab.haptic.face_rules import cube_nearest_face, rate_of_depth
 from mimics_app.lab.stability.laws import SHAPE
-from mimics_app.rendering.haptic.kernels.contact import cube, cube_nearest_face, rate_of_depth
+from mimics_app.rendering.haptic.kernels.contact import cube
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 

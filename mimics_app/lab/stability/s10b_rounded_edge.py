@@ -18,7 +18,7 @@ import numpy as np
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.lab.experiment import Experiment, Outcome, points_of
-from mimics_app.rendering.haptic.kernels.contact import rate_of_depth
+from mimics_app.lab.haptic.face_rules import rate_of_depth
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 from mimics_app.rendering.haptic.kernels.objects.shapes_box import box

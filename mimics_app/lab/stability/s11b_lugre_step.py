@@ -13,9 +13,9 @@ import numpy as np
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points
+from mimics_app.lab.haptic.friction_laws import lugre_explicit, lugre_implicit
 from mimics_app.lab.stability.linear import find_limit
 from mimics_app.rendering.haptic.kernels.contact_records import FRICTION
-from mimics_app.rendering.haptic.kernels.friction import lugre_explicit, lugre_implicit
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import FrictionRecord, Table

@@ -15,13 +15,9 @@ from numba import types
 from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.arrays import Mat, Vec
 from mimics_app.lab.experiment import Experiment, Outcome, Row, largest_disagreement, points_of
+from mimics_app.lab.haptic.printed_equations import rotate_printed
+from mimics_app.lab.haptic.rotation_updates import rotate_axes, rotate_exponential, rotate_rk4
 from mimics_app.lab.stability.laws import ROTATION, Rotation
-from mimics_app.rendering.haptic.kernels.rotation import (
-    rotate_axes,
-    rotate_exponential,
-    rotate_printed,
-    rotate_rk4,
-)
 
 __all__ = ["DIRECTION", "EXPERIMENT", "drift", "exact_drift"]
 

@@ -18,16 +18,16 @@ from numba import types
 from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.lab.experiment import Experiment, Outcome, Points, Row, largest_disagreement
-from mimics_app.lab.stability.laws import ROTATION, Rotation
-from mimics_app.rendering.haptic.kernels.rotation import (
+from mimics_app.lab.haptic.printed_equations import rotate_printed
+from mimics_app.lab.haptic.rotation_updates import (
     angular_velocity,
     kinetic_energy,
     rotate_axes,
     rotate_exponential,
-    rotate_printed,
     rotate_rk4,
     rotate_start,
 )
+from mimics_app.lab.stability.laws import ROTATION, Rotation
 
 __all__ = ["EXPERIMENT", "INERTIA", "exact_interval", "tumble"]
 

@@ -28,13 +28,13 @@ if TYPE_CHECKING:
 
 __all__ = [
     "cube",
-    "cube_nearest_face",
-    "cube_printed",
     "forget",
-    "rate_of_depth",
+    "hold_face",
+    "in_box",
+    "leave",
+    "nearest_face",
     "remember",
     "sphere",
-    "sphere_nearest",
     "to_object",
     "wall",
 ]
@@ -54,7 +54,7 @@ def forget(contact: ContactRecord) -> None:
 
 
 @kernel
-def _leave(p: Vec, contact: ContactRecord) -> None:
+def leave(p: Vec, contact: ContactRecord) -> None:
     """Note that the point p is outside."""
     forget(contact)
     remember(p, contact)
@@ -91,16 +91,10 @@ def to_object(R: Mat, centre: Vec, v_object: Vec, omega: Vec, hip: Vec, v_hip: V
 
 
 @kernel
-def rate_of_depth(v: Vec, contact: ContactRecord) -> float:
-    """Rate of depth d' = -v.n [m/s], positive going in; v is the HIP's velocity in the object's frame (`to_object`)."""
-    return -(v[0] * contact.normal[0] + v[1] * contact.normal[1] + v[2] * contact.normal[2])
-
-
-@kernel
 def wall(p: Vec, contact: ContactRecord) -> None:
     """Test a half-space z < 0 with its free side at +z, (16): d = -HIP'(z), n = +e_z. Any depth is inside."""
     if p[2] >= 0.0:
-        _leave(p, contact)
+        leave(p, contact)
         return
     contact.depth = -p[2]
     _flat(2, 1.0, contact)
@@ -132,7 +126,7 @@ def sphere(p: Vec, v: Vec, radius: float, contact: ContactRecord) -> None:
     """
     distance = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
     if distance >= radius:
-        _leave(p, contact)
+        leave(p, contact)
         return
     n = contact.normal
     along = p[0] * n[0] + p[1] * n[1] + p[2] * n[2]
@@ -161,22 +155,6 @@ def _against(v: Vec, n: Vec) -> None:
 
 
 @kernel
-def sphere_nearest(p: Vec, radius: float, contact: ContactRecord) -> None:
-    """Test a sphere, (13) with the right sign but no memory: rival of `sphere` that lets fast points through."""
-    distance = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
-    if distance >= radius:
-        _leave(p, contact)
-        return
-    if distance > _CENTRE:
-        for i in range(3):
-            contact.normal[i] = p[i] / distance
-    contact.depth = radius - distance
-    contact.inside = 1
-    contact.feature = 1
-    remember(p, contact)
-
-
-@kernel
 def cube(p: Vec, v: Vec, dimensions: Vec, contact: ContactRecord) -> None:
     """Test a box, (14) with the face of entry held while the HIP is inside (Figure 27).
 
@@ -190,45 +168,19 @@ def cube(p: Vec, v: Vec, dimensions: Vec, contact: ContactRecord) -> None:
         dimensions: Edge lengths [m], shape [3], > 0.
         contact: Record of `CONTACT`, updated. Depth may exceed half the edge.
     """
-    if not _in_box(p, dimensions):
-        _leave(p, contact)
+    if not in_box(p, dimensions):
+        leave(p, contact)
         return
     if not contact.inside:
         contact.feature = _entered_face(p, v, dimensions, contact.previous) if contact.known else 0
         if contact.feature == 0:
-            contact.feature = _nearest_face(p, dimensions)
-    _hold(p, dimensions, contact)
+            contact.feature = nearest_face(p, dimensions)
+    hold_face(p, dimensions, contact)
 
 
 @kernel
-def cube_nearest_face(p: Vec, dimensions: Vec, contact: ContactRecord) -> None:
-    """Test a box by the nearest face of every tick: rival of `cube` whose force flips where two faces are equally near.
-
-    At 3 mm on 2 kN/m the force changes by sqrt(2) k d = 8.485 N within one tick.
-    """
-    if not _in_box(p, dimensions):
-        _leave(p, contact)
-        return
-    contact.feature = _nearest_face(p, dimensions)
-    _hold(p, dimensions, contact)
-
-
-@kernel
-def cube_printed(p: Vec, dimensions: Vec, contact: ContactRecord) -> None:
-    """Test a box by the face of (14) as printed, the smallest |HIP'_i| - dim_i/2: the farthest one. Demonstration."""
-    if not _in_box(p, dimensions):
-        _leave(p, contact)
-        return
-    farthest = 0
-    for i in range(1, 3):
-        if abs(p[i]) - 0.5 * dimensions[i] < abs(p[farthest]) - 0.5 * dimensions[farthest]:
-            farthest = i
-    contact.feature = farthest + 1 if p[farthest] >= 0.0 else -farthest - 1
-    _hold(p, dimensions, contact)
-
-
-@kernel
-def _in_box(p: Vec, dimensions: Vec) -> bool:
+def in_box(p: Vec, dimensions: Vec) -> bool:
+    """Return whether a point is inside a box of these edge lengths [m] around the origin."""
     for i in range(3):
         if not abs(p[i]) < 0.5 * dimensions[i]:
             return False
@@ -236,7 +188,7 @@ def _in_box(p: Vec, dimensions: Vec) -> bool:
 
 
 @kernel
-def _hold(p: Vec, dimensions: Vec, contact: ContactRecord) -> None:
+def hold_face(p: Vec, dimensions: Vec, contact: ContactRecord) -> None:
     """Set depth and normal of the held face."""
     face = contact.feature
     axis = abs(face) - 1
@@ -247,7 +199,8 @@ def _hold(p: Vec, dimensions: Vec, contact: ContactRecord) -> None:
 
 
 @kernel
-def _nearest_face(p: Vec, dimensions: Vec) -> int:
+def nearest_face(p: Vec, dimensions: Vec) -> int:
+    """Return the face of a box nearest to a point in it: the number of its axis from 1, negative at its low end."""
     nearest = 0
     for i in range(1, 3):
         if 0.5 * dimensions[i] - abs(p[i]) < 0.5 * dimensions[nearest] - abs(p[nearest]):

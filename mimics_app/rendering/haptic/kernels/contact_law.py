@@ -21,12 +21,9 @@ from mimics_app.compiled.kernel import kernel
 __all__ = [
     "hunt_crossley",
     "pair_damping",
-    "pair_damping_printed",
     "pair_force",
-    "pair_force_printed",
     "pair_stiffness",
     "spring_damper",
-    "spring_damper_printed",
 ]
 
 
@@ -43,18 +40,6 @@ def spring_damper(depth: float, rate: float, k: float, b: float) -> float:
     if depth <= 0.0:
         return 0.0
     return max(0.0, k * depth + b * rate)
-
-
-@kernel
-def spring_damper_printed(depth: float, rate: float, k: float, b: float) -> float:
-    """Normal force [N] of (9) as printed, taken as the force on the user: without clamp it pulls on the way out.
-
-    For demonstration. A free mass rebounds with exp(-pi zeta / sqrt(1 - zeta^2)) of its speed instead of
-    exp(-2 zeta arccos(zeta) / sqrt(1 - zeta^2)).
-    """
-    if depth <= 0.0:
-        return 0.0
-    return k * depth + b * rate
 
 
 @kernel
@@ -96,12 +81,6 @@ def pair_damping(k1: float, b1: float, k2: float, b2: float) -> float:
 
 
 @kernel
-def pair_damping_printed(b1: float, b2: float) -> float:
-    """Damping [N s/m] as printed in (17): b1 + b2, four times too large for equal bodies. For demonstration."""
-    return b1 + b2
-
-
-@kernel
 def pair_force(depth: float, approach: float, k: float, b: float) -> float:
     """Normal force [N] between two bodies, (17) corrected: max(0, k_s d + b_s v_d.n) with n from body 1 to body 2.
 
@@ -114,14 +93,3 @@ def pair_force(depth: float, approach: float, k: float, b: float) -> float:
         b: `pair_damping` [N s/m].
     """
     return spring_damper(depth, approach, k, b)
-
-
-@kernel
-def pair_force_printed(depth: float, approach: float, k: float, b: float) -> float:
-    """Normal force [N] of (17) as printed, n from body 1 to body 2: k_s d - b_s v_d.n. For demonstration.
-
-    Bodies separate exp(+pi zeta / sqrt(1 - zeta^2)) times faster than they approached.
-    """
-    if depth <= 0.0:
-        return 0.0
-    return k * depth - b * approach

@@ -1,12 +1,9 @@
-"""Tangential friction of one contact in its tangent plane (or along one axis): five rival laws.
-
-All take the clamped normal force F_N >= 0 and write the force ON the moving body [N] into `out`, shape [1] or [2]; all
-vectors have out's shape and the same frame.
+"""Tangential friction of one contact in its tangent plane (or along one axis): an anchor that is dragged at the cone.
 
 4.3.2 prints F_fric = +mu F_penal v_y/|v_y|: without the minus sign it drives the foot. It also has one tangential axis
-only, and is 0/0 for a threshold of 0 at rest; here the threshold is > 0 (the caller rejects others). Regularised
-friction does not stick: a load F < mu F_N creeps at threshold F/(mu F_N), while the text requires stiction. The default
-is therefore the anchor of Hayward and Armstrong.
+only, and is 0/0 for a threshold of 0 at rest. With both corrected it still does not stick: a load F < mu F_N creeps at
+threshold F/(mu F_N), while the text requires stiction. The law is therefore the anchor of Hayward and Armstrong; its
+rivals are in the laboratory.
 """
 
 from __future__ import annotations
@@ -20,15 +17,7 @@ from mimics_app.contracts.arrays import Vec
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import FrictionRecord, MemoryRecord
 
-__all__ = [
-    "forget_friction",
-    "hayward_armstrong",
-    "karnopp",
-    "lugre_explicit",
-    "lugre_implicit",
-    "regularised",
-    "regularised_printed",
-]
+__all__ = ["forget_friction", "hayward_armstrong"]
 
 
 @kernel
@@ -42,82 +31,6 @@ def forget_friction(state: FrictionRecord) -> None:
 
 
 @kernel
-def _length(a: Vec) -> float:
-    """Euclidean length of a vector of one or two components."""
-    total = 0.0
-    for i in range(a.shape[0]):
-        total += a[i] * a[i]
-    return math.sqrt(total)
-
-
-@kernel
-def regularised(v: Vec, normal_force: float, mu: float, threshold: float, out: Vec) -> None:
-    """Coulomb friction, linear below a threshold, 4.3.2 with the right sign: F = -mu F_N v / max(|v|, v_th).
-
-    Below the threshold it is a damper of mu F_N / v_th, stable in a tick h on a mass m while h mu F_N < 2 m v_th (and
-    without chatter while < 1).
-
-    Args:
-        v: Sliding velocity [m/s].
-        normal_force: F_N [N] >= 0.
-        mu: Coefficient of friction.
-        threshold: v_th [m/s] > 0.
-        out: Receives the force on the body [N].
-    """
-    gain = -mu * normal_force / max(_length(v), threshold)
-    for i in range(out.shape[0]):
-        out[i] = gain * v[i]
-
-
-@kernel
-def regularised_printed(v: Vec, normal_force: float, mu: float, threshold: float, out: Vec) -> None:
-    """4.3.2 as printed, without the minus sign: it drives the foot. For demonstration."""
-    gain = mu * normal_force / max(_length(v), threshold)
-    for i in range(out.shape[0]):
-        out[i] = gain * v[i]
-
-
-@kernel
-def karnopp(
-    v: Vec,
-    load: Vec,
-    normal_force: float,
-    mu: float,
-    mu_static: float,
-    threshold: float,
-    state: FrictionRecord,
-    out: Vec,
-) -> None:
-    """Karnopp (1985): within +-threshold the body counts as at rest and the load is cancelled up to mu_static F_N.
-
-    While `state.sticking` is set the caller sets the velocity to 0, as the model does. It needs the load, hence a
-    device with a force sensor.
-
-    Args:
-        v: Sliding velocity [m/s].
-        load: All other tangential forces on the body [N].
-        normal_force: F_N [N] >= 0.
-        mu: Coefficient while sliding.
-        mu_static: Coefficient while at rest, >= mu.
-        threshold: Half width of the stiction band [m/s].
-        state: Record of `FRICTION`.
-        out: Receives the force on the body [N].
-    """
-    speed = _length(v)
-    pull = _length(load)
-    state.sticking = speed <= threshold and pull <= mu_static * normal_force
-    if state.sticking:
-        for i in range(out.shape[0]):
-            out[i] = -load[i]
-    elif speed > threshold:
-        for i in range(out.shape[0]):
-            out[i] = -mu * normal_force * v[i] / speed
-    else:
-        for i in range(out.shape[0]):
-            out[i] = -mu * normal_force * load[i] / pull
-
-
-@kernel
 def hayward_armstrong(
     x: Vec, normal_force: float, mu: float, stiffness: float, state: FrictionRecord | MemoryRecord, out: Vec
 ) -> None:
@@ -127,12 +40,12 @@ def hayward_armstrong(
     no stability limit beyond that of the spring k_t.
 
     Args:
-        x: Position in the tangent plane [m].
+        x: Position in the tangent plane [m], shape [1] or [2].
         normal_force: F_N [N] >= 0; 0 ends the contact.
         mu: Coefficient of friction.
         stiffness: k_t [N/m] > 0.
         state: Record of `FRICTION`; the anchor is set at first touch.
-        out: Receives the force on the body [N].
+        out: Receives the force on the body [N], as x.
     """
     reach = mu * normal_force / stiffness
     if normal_force <= 0.0:
@@ -155,87 +68,3 @@ def hayward_armstrong(
     for i in range(out.shape[0]):
         state.anchor[i] = x[i] - share * out[i]
         out[i] = -stiffness * share * out[i]
-
-
-@kernel
-def _stribeck(speed: float, normal_force: float, mu: float, mu_static: float, stribeck: float) -> float:
-    """g(v) [N]: the friction of steady sliding, from mu_static F_N at rest down to mu F_N."""
-    ratio = speed / stribeck
-    return normal_force * (mu + (mu_static - mu) * math.exp(-ratio * ratio))
-
-
-@kernel
-def lugre_explicit(
-    v: Vec,
-    normal_force: float,
-    mu: float,
-    mu_static: float,
-    stribeck: float,
-    stiffness: float,
-    damping: float,
-    dt: float,
-    state: FrictionRecord,
-    out: Vec,
-) -> None:
-    """LuGre bristles (Canudas de Wit et al. 1995), z' = v - s0 |v| z / g(v), by explicit Euler.
-
-    Stable only for dt < 2 g(v) / (s0 |v|): 20 us at s0 = 1e5 N/m, g = 1 N, v = 1 m/s.
-
-    Args:
-        v: Sliding velocity [m/s].
-        normal_force: F_N [N] >= 0; 0 ends the contact.
-        mu: Coefficient while sliding fast.
-        mu_static: Coefficient while hardly sliding.
-        stribeck: Speed [m/s] > 0 of the change between the two.
-        stiffness: s0 [N/m] of the bristles.
-        damping: s1 [N s/m] of the bristles.
-        dt: Tick [s].
-        state: Record of `FRICTION`.
-        out: Receives the force on the body -(s0 z + s1 z') [N].
-    """
-    if normal_force <= 0.0:
-        _no_bristles(state, out)
-        return
-    speed = _length(v)
-    decay = stiffness * speed / _stribeck(speed, normal_force, mu, mu_static, stribeck)
-    for i in range(out.shape[0]):
-        z_rate = v[i] - decay * state.bristle[i]
-        state.bristle[i] += dt * z_rate
-        out[i] = -(stiffness * state.bristle[i] + damping * z_rate)
-
-
-@kernel
-def lugre_implicit(
-    v: Vec,
-    normal_force: float,
-    mu: float,
-    mu_static: float,
-    stribeck: float,
-    stiffness: float,
-    damping: float,
-    dt: float,
-    state: FrictionRecord,
-    out: Vec,
-) -> None:
-    """LuGre bristles by implicit Euler in z: z = (z + dt v) / (1 + dt s0 |v| / g(v)), stable in any tick.
-
-    Arguments and result as `lugre_explicit`.
-    """
-    if normal_force <= 0.0:
-        _no_bristles(state, out)
-        return
-    speed = _length(v)
-    decay = stiffness * speed / _stribeck(speed, normal_force, mu, mu_static, stribeck)
-    for i in range(out.shape[0]):
-        before = state.bristle[i]
-        after = (before + dt * v[i]) / (1.0 + dt * decay)
-        state.bristle[i] = after
-        out[i] = -(stiffness * after + damping * (after - before) / dt)
-
-
-@kernel
-def _no_bristles(state: FrictionRecord, out: Vec) -> None:
-    """Relax the bristles, without force."""
-    for i in range(out.shape[0]):
-        state.bristle[i] = 0.0
-        out[i] = 0.0

@@ -1,13 +1,11 @@
-"""One step of m x'' + b x' + k x = f under a held force f: six rivals with one signature.
+"""One step of m x'' + b x' + k x = f under a held force f: methods with one signature.
 
 Each takes (x, v, f, m, b, k, dt) and returns (x, v) one step later. They differ in the amplification |lambda| of a free
 oscillation (b = 0); with w = sqrt(k/m) and h the step it is
 
     explicit         sqrt(1 + (h w)^2)      always grows; with damping stable for h < b/k
     semi_implicit    1 for h w < 2          stable for h^2 k/m + 2 h b/m < 4
-    implicit         1/sqrt(1 + (h w)^2)    never grows; numerical damping
     midpoint         1                      any step; the phase lags
-    rk4              1 - (h w)^6/144        stable for h w < 2.828
     exact            1                      the matrix exponential: any step, no error while f, m, b, k are constant
 
 `step_free` is the exact step of (11), which has no spring.
@@ -24,9 +22,7 @@ __all__ = [
     "step_exact",
     "step_explicit",
     "step_free",
-    "step_implicit",
     "step_midpoint",
-    "step_rk4",
     "step_semi_implicit",
 ]
 
@@ -61,32 +57,11 @@ def step_semi_implicit(x: float, v: float, f: float, m: float, b: float, k: floa
 
 
 @kernel
-def step_implicit(x: float, v: float, f: float, m: float, b: float, k: float, dt: float) -> tuple[float, float]:
-    """Implicit Euler: position and velocity from the new state, in closed form. As `step_explicit`."""
-    v = (m * v + dt * (f - k * x)) / (m + dt * b + dt * dt * k)
-    return x + dt * v, v
-
-
-@kernel
 def step_midpoint(x: float, v: float, f: float, m: float, b: float, k: float, dt: float) -> tuple[float, float]:
     """Implicit midpoint: acceleration of the mean of old and new state, in closed form. As `step_explicit`."""
     half = 0.5 * dt
     mean = (m * v + half * (f - k * x)) / (m + half * b + half * half * k)
     return x + dt * mean, 2.0 * mean - v
-
-
-@kernel
-def step_rk4(x: float, v: float, f: float, m: float, b: float, k: float, dt: float) -> tuple[float, float]:
-    """Classical Runge-Kutta method of order 4. As `step_explicit`."""
-    half = 0.5 * dt
-    a1 = (f - b * v - k * x) / m
-    v2 = v + half * a1
-    a2 = (f - b * v2 - k * (x + half * v)) / m
-    v3 = v + half * a2
-    a3 = (f - b * v3 - k * (x + half * v2)) / m
-    v4 = v + dt * a3
-    a4 = (f - b * v4 - k * (x + dt * v3)) / m
-    return x + dt * (v + 2.0 * v2 + 2.0 * v3 + v4) / 6.0, v + dt * (a1 + 2.0 * a2 + 2.0 * a3 + a4) / 6.0
 
 
 @kernel

@@ -16,7 +16,6 @@ from mimics_app.contracts.arrays import Mat, Vec
 __all__ = [
     "apply_inverse_jacobian",
     "apply_jacobian",
-    "apply_jacobian_rate",
     "apply_jacobian_transposed",
     "forward",
     "inverse",
@@ -91,18 +90,6 @@ def apply_inverse_jacobian(q: Vec, d1: float, v: Vec, dq: Vec) -> None:
     dq[0] = c * v[0] + s * v[1]
     dq[1] = (c * v[1] - s * v[0]) / (q[0] + d1)
     dq[2] = v[2]
-
-
-@kernel
-def apply_jacobian_rate(q: Vec, dq: Vec, d1: float, a: Vec) -> None:
-    """Set a = (dJ/dt) dq, the centripetal and Coriolis acceleration [m/s^2], robot frame."""
-    c = math.cos(q[1])
-    s = math.sin(q[1])
-    radial = -(q[0] + d1) * dq[1] * dq[1]
-    tangential = 2.0 * dq[0] * dq[1]
-    a[0] = c * radial - s * tangential
-    a[1] = s * radial + c * tangential
-    a[2] = 0.0
 
 
 @kernel

@@ -9,7 +9,7 @@ from __future__ import annotations
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, I8, Vec
 
-__all__ = ["find_near", "find_near_plain"]
+__all__ = ["find_near", "reaches"]
 
 
 _GROUP = 16
@@ -17,8 +17,8 @@ _GROUP = 16
 
 
 @kernel
-def _reaches(bounds: F8, i: int, x: float, y: float, z: float, radius: float) -> bool:
-    """Whether a bounding sphere overlaps the ball; a radius < 0 never does, an infinite one always."""
+def reaches(bounds: F8, i: int, x: float, y: float, z: float, radius: float) -> bool:
+    """Return whether a bounding sphere overlaps the ball; a radius < 0 never does, an infinite one always."""
     dx, dy, dz = bounds[0, i] - x, bounds[1, i] - y, bounds[2, i] - z
     reach = bounds[3, i] + radius
     return dx * dx + dy * dy + dz * dz < reach * abs(reach)
@@ -51,23 +51,11 @@ def find_near(bounds: F8, shapes: int, p: Vec, radius: float, near: I8) -> int:
             hit |= dx * dx + dy * dy + dz * dz < reach * abs(reach)
         if hit:
             for i in range(first, first + _GROUP):
-                if _reaches(bounds, i, x, y, z, radius):
+                if reaches(bounds, i, x, y, z, radius):
                     near[found] = i
                     found += 1
     for i in range(grouped, shapes):
-        if _reaches(bounds, i, x, y, z, radius):
-            near[found] = i
-            found += 1
-    return found
-
-
-@kernel
-def find_near_plain(bounds: F8, shapes: int, p: Vec, radius: float, near: I8) -> int:
-    """Rival of `find_near` that tests one shape after the other; same arguments and result."""
-    x, y, z = p[0], p[1], p[2]
-    found = 0
-    for i in range(shapes):
-        if _reaches(bounds, i, x, y, z, radius):
+        if reaches(bounds, i, x, y, z, radius):
             near[found] = i
             found += 1
     return found
