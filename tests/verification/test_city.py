@@ -17,7 +17,7 @@ from assets.builders.city.furniture import CARS, build_car
 from assets.builders.city.house import House, build_house
 from assets.builders.city.house_kinds import draw_kinds
 from assets.builders.city.layout import lay_houses
-from assets.builders.kit.chance import Chance
+from assets.builders.kit.rng import Rng
 from assets.builders.kit.sketch import Sketch
 from mimics_app.contracts.system.resources import root
 from mimics_app.world.gltf.file import GltfDocument, load_gltf
@@ -46,7 +46,7 @@ def built(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
 
 
 def houses() -> list[House]:
-    return [build_house(kind) for seed in SEEDS for kind in draw_kinds(Chance(seed, "kinds"))]
+    return [build_house(kind) for seed in SEEDS for kind in draw_kinds(Rng(seed, "kinds"))]
 
 
 def corners(sketch: Sketch) -> np.ndarray:
@@ -116,7 +116,7 @@ def test_same_seed_makes_the_same_bytes(built: Built) -> None:
 
 def test_another_seed_is_another_city() -> None:
     rows = [
-        [(each.model, each.place) for each in lay_houses(draw_kinds(Chance(seed, "kinds")), 4, Chance(seed, "rows"))]
+        [(each.model, each.place) for each in lay_houses(draw_kinds(Rng(seed, "kinds")), 4, Rng(seed, "rows"))]
         for seed in SEEDS
     ]
     assert sum(a != b for a, b in zip(*rows, strict=False)) > 0.9 * min(map(len, rows))
@@ -124,8 +124,8 @@ def test_another_seed_is_another_city() -> None:
 
 def test_chance_is_pcg_as_published() -> None:
     """First numbers of the demonstration that comes with pcg32: seed 42, sequence 54 (O'Neill 2014)."""
-    chance = Chance(42, "6")  # the stream's text becomes 54, the code of "6"
-    assert [chance.below(2**32) for _ in range(6)] == [
+    rng = Rng(42, "6")  # the stream's text becomes 54, the code of "6"
+    assert [rng.below(2**32) for _ in range(6)] == [
         0xA15C02B7, 0x7B47F409, 0xBA1D3330, 0x83D2F293, 0xBFA4784B, 0xCBED606E
     ]  # fmt: skip
 
@@ -175,7 +175,7 @@ def test_trees_and_lamps_stand_on_sidewalks(built: Built) -> None:
 
 
 def test_twenty_kinds_of_houses() -> None:
-    kinds = draw_kinds(Chance(1, "kinds"))
+    kinds = draw_kinds(Rng(1, "kinds"))
     assert len({kind.name for kind in kinds}) == len(kinds) == 20
     assert {kind.roof for kind in kinds} == {"gable", "mansard", "flat", "gabled_front", "stepped", "hip"}
 
@@ -224,7 +224,7 @@ def test_nodes_say_their_boxes(built: Built) -> None:
 
 
 def houses_of(seed: int) -> list[House]:
-    return [build_house(kind) for kind in draw_kinds(Chance(seed, "kinds"))]
+    return [build_house(kind) for kind in draw_kinds(Rng(seed, "kinds"))]
 
 
 def test_rows_leave_no_gap(built: Built) -> None:

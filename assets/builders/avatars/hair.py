@@ -21,8 +21,8 @@ from assets.builders.avatars.piece import Piece
 from assets.builders.avatars.sheet import I8
 from assets.builders.avatars.skeleton import Skeleton
 from assets.builders.avatars.weights import rigid
-from assets.builders.kit.chance import Chance
-from assets.builders.market.clay import noise
+from assets.builders.kit.rng import Rng
+from assets.builders.market.sculpt import noise
 
 __all__ = ["hairline", "make_hair"]
 
@@ -109,13 +109,13 @@ def make_hair(head: Head, bones: Skeleton, looks: Looks, seed: int) -> Piece:
     draft = Draft(len(bones.names))
     shades: list[F8] = []
     _cap(draft, shades, head, bones, worn, seed)
-    chance = Chance(seed, "locks")
-    for lock in LAID[style](chance) if style in LAID else ():
+    rng = Rng(seed, "locks")
+    for lock in LAID[style](rng) if style in LAID else ():
         azimuth, share, lift = lock.steps()
         line = _path(head, worn, azimuth, share, lift, brow=_BROW)
         shades += add_lock(draft, line, head.middle, lock, lambda places: _held(bones, places, head))
     if style == "tail":
-        _tail(draft, shades, head, bones, chance)
+        _tail(draft, shades, head, bones, rng)
     return _rounded(draft.finish("hair", np.array(shades)), head)
 
 
@@ -197,7 +197,7 @@ def _lump(azimuth: F8, share: float) -> F8:
 def _cap(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, worn: _Style, seed: int) -> None:
     count = worn.columns
     azimuth = -math.pi + 2.0 * math.pi * np.arange(count) / count
-    rings, bump = [], Chance(seed, "cap")
+    rings, bump = [], Rng(seed, "cap")
     ragged = 0.045 * np.array([bump.share() - 0.5 for _ in range(count)])
     for share in worn.shares:
         rough = worn.lumps * _lump(azimuth, share)
@@ -282,7 +282,7 @@ def _underside(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, worn
     shades.append(np.full(3, 0.4))
 
 
-def _tail(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, chance: Chance) -> None:
+def _tail(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, rng: Rng) -> None:
     """Hair gathered behind: a tube from the knot downwards, and loose strands at its end."""
     root = head.mark(*_KNOT)
     count, rows = 10, 9
@@ -309,9 +309,9 @@ def _tail(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, chance: C
         angle = 2.0 * math.pi * number / 5.0
         spread = np.array([0.016 * math.cos(angle), 0.0, 0.012 * math.sin(angle)])
         along = np.linspace(0.0, 1.0, 4)
-        line = root + np.array([_hang(0.62 + (0.42 + 0.10 * chance.share()) * t) for t in along])
+        line = root + np.array([_hang(0.62 + (0.42 + 0.10 * rng.share()) * t) for t in along])
         line = line + spread * (1.0 - 0.55 * along[:, None])
-        strand = Lock((0.0, 0.0), (0.0, 0.0), (0.0, 0.0, 0.0), 0.017, 0.85 + 0.2 * chance.share(), 3)
+        strand = Lock((0.0, 0.0), (0.0, 0.0), (0.0, 0.0, 0.0), 0.017, 0.85 + 0.2 * rng.share(), 3)
         shades += add_lock(draft, line, root + _hang(0.7), strand, lambda places: _held(bones, places, head))
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from assets.builders.avatars.draft import Draft
 from assets.builders.avatars.fields import F8
 from assets.builders.avatars.sheet import I8
-from assets.builders.kit.chance import Chance
+from assets.builders.kit.rng import Rng
 
 __all__ = ["LAID", "Lock", "add_lock"]
 
@@ -78,37 +78,37 @@ def add_lock(draft: Draft, line: F8, middle: F8, lock: Lock, held: Callable[[F8]
     return [*shades, np.full(3, 1.1 * lock.shade)]
 
 
-def _parted(chance: Chance) -> list[Lock]:
+def _parted(rng: Rng) -> list[Lock]:
     """Long hair from a parting to both sides, and a fringe that sweeps over the forehead."""
     locks = []
     for number in range(7):  # the broad side, from behind to before
         begin, end = 0.20 + 0.095 * number, -2.35 + 0.215 * number
-        locks.append((_PARTING - 0.12, end, begin, 1.80 + 0.20 * chance.share()))
+        locks.append((_PARTING - 0.12, end, begin, 1.80 + 0.20 * rng.share()))
     for number in range(5):
         begin, end = 0.26 + 0.13 * number, 2.30 - 0.28 * number
-        locks.append((_PARTING + 0.12, end, begin, 1.80 + 0.20 * chance.share()))
+        locks.append((_PARTING + 0.12, end, begin, 1.80 + 0.20 * rng.share()))
     for number in range(6):
         end = math.pi + 0.26 * (number - 2.5)
-        locks.append((end + 0.2 * (chance.share() - 0.5), end, 0.14 + 0.3 * (number % 2), 1.86 + 0.16 * chance.share()))
+        locks.append((end + 0.2 * (rng.share() - 0.5), end, 0.14 + 0.3 * (number % 2), 1.86 + 0.16 * rng.share()))
     long = [
-        Lock((one, two), (begin, end), (-0.0005, 0.0035 + 0.002 * chance.share(), _flick(chance)),
-             0.034 + 0.008 * chance.share(), 0.88 + 0.18 * chance.share(), 5)
+        Lock((one, two), (begin, end), (-0.0005, 0.0035 + 0.002 * rng.share(), _flick(rng)),
+             0.034 + 0.008 * rng.share(), 0.88 + 0.18 * rng.share(), 5)
         for one, two, begin, end in locks
     ]  # fmt: skip
     fringe = ((-0.92, 1.62), (-1.02, 1.78), (-1.12, 1.92))
     return long + [
         Lock((_PARTING - 0.08, tip), (0.84 + 0.05 * k, end), (0.0, 0.008, 0.004), 0.034, tone, 6)
         for k, (tip, end) in enumerate(fringe)
-        for tone in (0.92 + 0.12 * chance.share(),)
+        for tone in (0.92 + 0.12 * rng.share(),)
     ]
 
 
-def _flick(chance: Chance) -> float:
+def _flick(rng: Rng) -> float:
     """Distance of the tip of long hair from the hair below it [m]."""
-    return -0.004 + 0.008 * chance.share()
+    return -0.004 + 0.008 * rng.share()
 
 
-def _brushed_up(chance: Chance) -> list[Lock]:
+def _brushed_up(rng: Rng) -> list[Lock]:
     """Short hair: a fringe brushed up and to one side, rows overlapping like shingles behind it, close at the sides."""
 
     def row(
@@ -116,7 +116,7 @@ def _brushed_up(chance: Chance) -> list[Lock]:
     ) -> list[Lock]:
         made = []
         for azimuth in azimuths:
-            loose, askew, tone = (chance.share() - 0.5 for _ in range(3))
+            loose, askew, tone = (rng.share() - 0.5 for _ in range(3))
             ends = float(azimuth) + 0.10 * askew, float(azimuth) + turn + 0.25 * askew
             high = lift[0] * (1.0 + 0.3 * loose), lift[1] * (1.0 + 0.5 * loose)
             begin, end = share[0] + 0.03 * askew, share[1] + 0.06 * loose
@@ -134,5 +134,5 @@ def _brushed_up(chance: Chance) -> list[Lock]:
     ]
 
 
-LAID: Mapping[str, Callable[[Chance], list[Lock]]] = {"bob": _parted, "short": _brushed_up}
+LAID: Mapping[str, Callable[[Rng], list[Lock]]] = {"bob": _parted, "short": _brushed_up}
 """The locks of each style of hair that has some."""

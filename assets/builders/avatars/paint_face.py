@@ -12,7 +12,7 @@ from assets.builders.avatars.hair import hairline
 from assets.builders.avatars.person import Person
 from assets.builders.avatars.piece import Piece
 from assets.builders.avatars.textures import encode, place_map, slopes
-from assets.builders.market.clay import noise
+from assets.builders.market.sculpt import noise
 
 __all__ = ["paint_face"]
 

@@ -13,7 +13,7 @@ from assets.builders.avatars.fields import F8, step
 from assets.builders.avatars.sheet import I8
 from assets.builders.avatars.skeleton import FINGERS
 from assets.builders.avatars.textures import encode, place_map, slopes
-from assets.builders.kit.chance import hash_noise, smooth_noise
+from assets.builders.kit.lattice_noise import hash_noise, smooth_noise
 from assets.builders.kit.palette_texture import Rgb
 
 __all__ = ["paint_cloth", "paint_curls", "paint_eye", "paint_hair", "paint_hands"]

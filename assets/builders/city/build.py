@@ -12,7 +12,7 @@ from assets.builders.city.house import House, build_house
 from assets.builders.city.house_kinds import draw_kinds
 from assets.builders.city.layout import Placed
 from assets.builders.city.painted_materials import Colour, Painted, add_materials
-from assets.builders.kit.chance import Chance
+from assets.builders.kit.rng import Rng
 from assets.builders.kit.sketch import Sketch
 from mimics_app.contracts.system.table_file import read_table_file
 from mimics_app.world.gltf.writer import GltfWriter, WrittenPart
@@ -118,13 +118,13 @@ class _City:
 
     def add_houses(self) -> None:
         """All rows, each kind in four colours that share their arrays."""
-        kinds = draw_kinds(Chance(self._seed, "kinds"))
+        kinds = draw_kinds(Rng(self._seed, "kinds"))
         houses = {kind.name: build_house(kind) for kind in kinds}
         for number, house in enumerate(houses.values()):
             for colour in range(_COLOURS):
                 self._add_colour(house, colour, number)
         group = self.writer.add_node("houses")
-        for number, placed in enumerate(layout.lay_houses(kinds, _COLOURS, Chance(self._seed, "rows"))):
+        for number, placed in enumerate(layout.lay_houses(kinds, _COLOURS, Rng(self._seed, "rows"))):
             size, centre = houses[placed.model.split("/")[0]].solid
             extras = {"mimics": {"occluder": {"size": list(size), "centre": list(centre)}}}
             node = self._place(group, f"house{number}", placed, extras)
@@ -148,12 +148,12 @@ class _City:
         self._mesh("bench", furniture.build_bench())
         self._mesh("planter", furniture.build_planter())
         names = [kind.name for kind in street_tree.TREES]
-        chance = Chance(self._seed, "trees")
+        rng = Rng(self._seed, "trees")
         group = self.writer.add_node("trees")
-        for number, placed in enumerate(layout.lay_street_trees(names, chance)):
+        for number, placed in enumerate(layout.lay_street_trees(names, rng)):
             self._add_tree(group, f"tree{number}", placed)
         square = self.writer.add_node("square")
-        for number, placed in enumerate(layout.lay_square(names, chance)):
+        for number, placed in enumerate(layout.lay_square(names, rng)):
             if placed.model in names:
                 self._add_tree(square, f"square_tree{number}", placed)
             else:
@@ -168,7 +168,7 @@ class _City:
         self._mesh("workshop", landmark.build_workshop())
         group = self.writer.add_node("yards")
         names = [kind.name for kind in street_tree.TREES]
-        for number, placed in enumerate(layout.lay_yards(names, Chance(self._seed, "yards"))):
+        for number, placed in enumerate(layout.lay_yards(names, Rng(self._seed, "yards"))):
             self._place(group, f"yard{number}", placed)
 
     def add_furniture(self) -> None:
@@ -181,7 +181,7 @@ class _City:
         ):
             self._mesh(name, make())
         group = self.writer.add_node("furniture")
-        for number, placed in enumerate(layout.lay_furniture(Chance(self._seed, "street"))):
+        for number, placed in enumerate(layout.lay_furniture(Rng(self._seed, "street"))):
             self._place(group, f"{placed.model}{number}", placed)
 
     def add_cars(self) -> None:
@@ -193,7 +193,7 @@ class _City:
                 names.append(f"{kind}/{paint}")
                 self._mesh(names[-1], sketch, {"paint": f"paint_{paint}"}, shared=kind)
         group = self.writer.add_node("cars")
-        for number, placed in enumerate(layout.lay_cars(names, Chance(self._seed, "cars"))):
+        for number, placed in enumerate(layout.lay_cars(names, Rng(self._seed, "cars"))):
             if self._triangles + self._meshes[placed.model][1] > TRIANGLES:
                 break
             self._place(group, f"car{number}", placed)

@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 
-from assets.builders.kit.chance import Chance, smooth_noise
+from assets.builders.kit.lattice_noise import smooth_noise
 from assets.builders.kit.palette_texture import Canvas, Ramp
+from assets.builders.kit.rng import Rng
 from assets.builders.kit.solids import Skin
 from mimics_app.rendering.visual.effects.captions import draw_letters
 from mimics_app.rendering.visual.figures.glyphs import GlyphAtlas, load_glyph_atlas
@@ -110,35 +111,35 @@ _WINDOW_RAMPS: list[Ramp] = [
 def paint_windows(seed: int) -> bytes:
     """Twelve windows, each with its own frame, bars, curtain and what the glass mirrors."""
     canvas = Canvas(*_WINDOW_SIZE, _WINDOW_RAMPS)
-    chance = Chance(seed, "windows")
+    rng = Rng(seed, "windows")
     frames = [1, 1, 6, 1, 3, 2]
     for number in range(WINDOWS):
         left, top = number % 6 * 85, number // 6 * 128
-        _paint_glass(canvas, left, top, chance)
+        _paint_glass(canvas, left, top, rng)
         _paint_bars(canvas, left, top, frames[number % 6], number)
     canvas.grain(0.05, seed)
     return canvas.to_png()
 
 
-def _paint_glass(canvas: Canvas, left: int, top: int, chance: Chance) -> None:
+def _paint_glass(canvas: Canvas, left: int, top: int, rng: Rng) -> None:
     """Sky above, the houses opposite as a dark band below, sometimes a curtain or a light."""
     right, bottom = left + 85, top + 128
-    skyline = top + 50 + chance.below(40)
-    canvas.rectangle(left, top, right, skyline, 0, (chance.between(0.6, 0.8), 0.45))
+    skyline = top + 50 + rng.below(40)
+    canvas.rectangle(left, top, right, skyline, 0, (rng.between(0.6, 0.8), 0.45))
     canvas.rectangle(left, skyline, right, bottom, 0, (0.22, 0.12))
     for _ in range(3):
-        at = left + chance.below(60)
-        canvas.rectangle(at, skyline - 4 - chance.below(14), at + 12 + chance.below(12), skyline, 0, 0.2)
-    style = chance.below(4)
+        at = left + rng.below(60)
+        canvas.rectangle(at, skyline - 4 - rng.below(14), at + 12 + rng.below(12), skyline, 0, 0.2)
+    style = rng.below(4)
     if style == 0:  # curtains drawn to both sides
-        wide = 14 + chance.below(8)
+        wide = 14 + rng.below(8)
         for first, last in ((left, left + wide), (right - wide, right)):
             for fold in range(first, last, 4):
                 canvas.rectangle(fold, top, fold + 4, bottom, 4, 0.4 + 0.1 * (fold // 4 % 3))
     elif style == 1:  # a blind
-        canvas.rectangle(left, top, right, top + 30 + chance.below(40), 4, (0.75, 0.6))
+        canvas.rectangle(left, top, right, top + 30 + rng.below(40), 4, (0.75, 0.6))
     elif style == 2:  # a lamp behind the glass
-        at, level = left + 20 + chance.below(40), top + 78 + chance.below(20)
+        at, level = left + 20 + rng.below(40), top + 78 + rng.below(20)
         canvas.rectangle(at, level, at + 12, level + 9, 5, (0.6, 0.4))
 
 
@@ -185,12 +186,12 @@ _DETAIL_RAMPS: list[Ramp] = [
 def paint_details(seed: int) -> bytes:
     """Doors, shop fronts, sign boards, dormer and oriel faces, awnings, plain colours."""
     canvas = Canvas(*_DETAIL_SIZE, _DETAIL_RAMPS)
-    chance = Chance(seed, "details")
+    rng = Rng(seed, "details")
     for number in range(DOORS):
-        _paint_door(canvas, number * 64, (4, 5, 6, 7, 4, 2, 5, 1)[number], chance)
+        _paint_door(canvas, number * 64, (4, 5, 6, 7, 4, 2, 5, 1)[number], rng)
     atlas = load_glyph_atlas()
     for number, ramp in enumerate((5, 7, 4, 6, 5, 7, 4, 6)):
-        _paint_shop(canvas, (number % 4 * 128, _SHOP_TOPS[number // 4]), ramp, number, chance)
+        _paint_shop(canvas, (number % 4 * 128, _SHOP_TOPS[number // 4]), ramp, number, rng)
         _paint_sign(canvas, 512 + number * 32, (5, 7, 6, 2, 4, 9, 7, 1)[number], _WORDS[number], atlas)
     _paint_car_parts(canvas)
     for number in range(4):
@@ -207,12 +208,12 @@ def paint_details(seed: int) -> bytes:
     return canvas.to_png()
 
 
-def _paint_door(canvas: Canvas, left: int, ramp: int, chance: Chance) -> None:
+def _paint_door(canvas: Canvas, left: int, ramp: int, rng: Rng) -> None:
     canvas.rectangle(left, 0, left + 64, 128, 1, 0.8)
     canvas.rectangle(left + 5, 5, left + 59, 128, ramp, (0.42, 0.55))
     canvas.rectangle(left + 5, 5, left + 59, 30, 8, (0.3, 0.5))  # light above the door
     canvas.rectangle(left + 5, 28, left + 59, 32, 1, 0.7)
-    glazed = chance.happens(0.5)
+    glazed = rng.happens(0.5)
     for first in (left + 9, left + 34):
         for top, bottom in ((38, 74), (80, 118)):
             canvas.rectangle(first, top, first + 21, bottom, ramp, 0.25)
@@ -224,14 +225,14 @@ def _paint_door(canvas: Canvas, left: int, ramp: int, chance: Chance) -> None:
     canvas.rectangle(left, 124, left + 64, 128, 0, 0.4)
 
 
-def _paint_shop(canvas: Canvas, corner: tuple[int, int], ramp: int, goods: int, chance: Chance) -> None:
+def _paint_shop(canvas: Canvas, corner: tuple[int, int], ramp: int, goods: int, rng: Rng) -> None:
     """A timber shop front: large panes over a panelled base, a lit room with goods on shelves behind them."""
     left, top = corner
     canvas.rectangle(left, top, left + 128, top + 128, ramp, (0.5, 0.36))
     for first in (left + 6, left + 66):
         canvas.rectangle(first, top + 12, first + 56, top + 98, 8, (0.40, 0.16))
         for shelf in (top + 48, top + 70, top + 92):
-            _paint_goods(canvas, (first + 4, shelf), goods, chance)
+            _paint_goods(canvas, (first + 4, shelf), goods, rng)
             canvas.rectangle(first + 2, shelf, first + 54, shelf + 2, 4, 0.5)
         canvas.rectangle(first, top + 12, first + 56, top + 18, 0, 0.1)
         canvas.rectangle(first, top + 26, first + 56, top + 28, ramp, 0.6)
@@ -254,11 +255,11 @@ _GOODS: tuple[tuple[int, int, int, tuple[int, ...], bool], ...] = (
 """What stands on the shelves of each shop: width, least and greatest height [px], ramps, whether it is round above."""
 
 
-def _paint_goods(canvas: Canvas, foot: tuple[int, int], number: int, chance: Chance) -> None:
+def _paint_goods(canvas: Canvas, foot: tuple[int, int], number: int, rng: Rng) -> None:
     wide, least, most, ramps, is_round = _GOODS[number]
     left, shelf = foot
     for item in range(left, left + 49 - wide, wide + 2):
-        high, ramp, tone = least + chance.below(most - least + 1), chance.pick(ramps), chance.between(0.45, 0.85)
+        high, ramp, tone = least + rng.below(most - least + 1), rng.pick(ramps), rng.between(0.45, 0.85)
         canvas.rectangle(item, shelf - high, item + wide, shelf, ramp, tone)
         if is_round:
             canvas.rectangle(item + 2, shelf - high - 2, item + wide - 2, shelf - high, ramp, min(1.0, tone + 0.1))
@@ -326,7 +327,7 @@ def paint_leaves(seed: int) -> bytes:
     )
     canvas.clear[:] = True
     canvas.tone[:] = 0.35
-    chance = Chance(seed, "leaves")
+    rng = Rng(seed, "leaves")
     for number in range(count):
         # The golden angle spreads them; a power above one half, with which they would fill the disc evenly, thins its
         # edge, so that no card shows its outline in a crown.
@@ -334,18 +335,18 @@ def paint_leaves(seed: int) -> bytes:
         share = (place + 0.5) / count
         reach = 116.0 * math.sqrt(share) * math.sqrt(math.sqrt(share))
         along, across = _golden(place)
-        middle = (128.0 + reach * along + chance.between(-6.0, 6.0), 128.0 + reach * across + chance.between(-6.0, 6.0))
-        tone = 0.22 + 0.6 * number / count + chance.between(-0.15, 0.15)
-        _paint_leaf(canvas, middle, chance, tone)
+        middle = (128.0 + reach * along + rng.between(-6.0, 6.0), 128.0 + reach * across + rng.between(-6.0, 6.0))
+        tone = 0.22 + 0.6 * number / count + rng.between(-0.15, 0.15)
+        _paint_leaf(canvas, middle, rng, tone)
     canvas.grain(0.06, seed)
     return canvas.to_png()
 
 
-def _paint_leaf(canvas: Canvas, middle: tuple[float, float], chance: Chance, tone: float) -> None:
+def _paint_leaf(canvas: Canvas, middle: tuple[float, float], rng: Rng, tone: float) -> None:
     """An ellipse with a rib, one half in the light."""
     cx, cy = middle
-    tx, ty = _golden(chance.below(1000))
-    long, wide, ramp = chance.between(8.0, 12.0), chance.between(3.6, 5.2), chance.below(3)
+    tx, ty = _golden(rng.below(1000))
+    long, wide, ramp = rng.between(8.0, 12.0), rng.between(3.6, 5.2), rng.below(3)
     size = canvas.size[0]
     left, right = max(0, int(cx) - 13), min(size, int(cx) + 14)
     top, bottom = max(0, int(cy) - 13), min(size, int(cy) + 14)

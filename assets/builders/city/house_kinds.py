@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Literal
 
 from assets.builders.city.fittings import DOORS, SHOPS, SIGNS, WINDOWS
-from assets.builders.kit.chance import Chance
+from assets.builders.kit.rng import Rng
 from mimics_app.contracts.system.table_file import read_table_file
 
 __all__ = ["HouseKind", "Roof", "draw_kinds"]
@@ -78,26 +78,26 @@ _STYLES = Path(__file__).with_suffix(".json")
 """Styles of houses in a row and of those at a corner."""
 
 
-def draw_kinds(chance: Chance) -> list[HouseKind]:
+def draw_kinds(rng: Rng) -> list[HouseKind]:
     """The twenty kinds of a city: sixteen for rows, then two corners, each for both hands."""
     styles = read_table_file(_STYLES, dict[str, list[HouseKind]])
-    kinds = [_vary(style, chance) for style in styles["rows"]]
+    kinds = [_vary(style, rng) for style in styles["rows"]]
     for style in styles["corners"]:
-        varied = _vary(style, chance)
+        varied = _vary(style, rng)
         kinds += [replace(varied, name=f"{style.name}_{side}", corner=side) for side in ("left", "right")]
     return kinds
 
 
-def _vary(style: HouseKind, chance: Chance) -> HouseKind:
+def _vary(style: HouseKind, rng: Rng) -> HouseKind:
     """The style with a little more or less of everything."""
     return replace(
         style,
-        width=round(style.width + 0.3 * (chance.below(5) - 2), 1),
-        ground=round(style.ground + 0.1 * (chance.below(4) - 1), 1),
-        storey=round(style.storey + 0.05 * (chance.below(5) - 2), 2),
-        rise=round(style.rise + 0.2 * (chance.below(4) - 1), 1) if style.roof != "flat" else style.rise,
-        window=chance.below(WINDOWS),
-        door=chance.below(DOORS),
-        shop=chance.below(SHOPS),
-        sign=chance.below(SIGNS),
+        width=round(style.width + 0.3 * (rng.below(5) - 2), 1),
+        ground=round(style.ground + 0.1 * (rng.below(4) - 1), 1),
+        storey=round(style.storey + 0.05 * (rng.below(5) - 2), 2),
+        rise=round(style.rise + 0.2 * (rng.below(4) - 1), 1) if style.roof != "flat" else style.rise,
+        window=rng.below(WINDOWS),
+        door=rng.below(DOORS),
+        shop=rng.below(SHOPS),
+        sign=rng.below(SIGNS),
     )

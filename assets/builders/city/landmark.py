@@ -7,8 +7,8 @@ import math
 from assets.builders.city.fittings import plain, window
 from assets.builders.city.streets import SIDE
 from assets.builders.city.textures import TILE
-from assets.builders.kit.chance import Chance
 from assets.builders.kit.facade import Opening, Zone, add_zone, wall_axes
+from assets.builders.kit.rng import Rng
 from assets.builders.kit.sketch import Point, Sketch
 from assets.builders.kit.solids import ALONG_X, UPRIGHT, Axes, Skin, add_column, add_prism, circle, rectangle
 
@@ -85,20 +85,20 @@ def build_workshop() -> Sketch:
 def build_skyline(seed: int) -> Sketch:
     """Blocks of flats and towers on a ring beyond the border, each in a belt of trees that roots it in the haze."""
     sketch = Sketch()
-    chance = Chance(seed, "skyline")
+    rng = Rng(seed, "skyline")
     bay, lid, trees = Skin("skyline", (3.6, 3.4)), plain("lead"), Skin("hills", (14.0, 14.0), shade=0.6)
     count = 96
     for number in range(count):
-        turn = 2.0 * math.pi * (number + chance.between(-0.35, 0.35)) / count
-        away = chance.between(620.0, 900.0)
+        turn = 2.0 * math.pi * (number + rng.between(-0.35, 0.35)) / count
+        away = rng.between(620.0, 900.0)
         x, z = round(away * math.cos(turn), 2), round(away * math.sin(turn), 2)
         if max(abs(x), abs(z)) < 0.5 * SIDE + 60.0:
             continue
-        tall = chance.between(14.0, 26.0) if chance.happens(0.72) else chance.between(34.0, 86.0)
+        tall = rng.between(14.0, 26.0) if rng.happens(0.72) else rng.between(34.0, 86.0)
         half, deep = (
-            (chance.between(9.0, 13.0), chance.between(9.0, 13.0))
+            (rng.between(9.0, 13.0), rng.between(9.0, 13.0))
             if tall > 30.0
-            else (chance.between(14.0, 34.0), chance.between(7.0, 12.0))
+            else (rng.between(14.0, 34.0), rng.between(7.0, 12.0))
         )
         outline = rectangle(z - deep, z + deep, x - half, x + half)
         add_prism(sketch, UPRIGHT, outline, 0.0, tall, (lid, lid), (bay,))
@@ -113,10 +113,10 @@ def build_skyline(seed: int) -> Sketch:
 def build_hills(seed: int) -> Sketch:
     """Two wooded ridges all round, the farther one higher."""
     sketch = Sketch()
-    chance = Chance(seed, "hills")
+    rng = Rng(seed, "hills")
     steps = 72
     for away, low, high in ((1350.0, 30.0, 75.0), (1750.0, 80.0, 170.0)):
-        tops = [chance.between(low, high) for _ in range(steps)]
+        tops = [rng.between(low, high) for _ in range(steps)]
         tops = [(tops[n - 1] + 2.0 * tops[n] + tops[(n + 1) % steps]) / 4.0 for n in range(steps)]
         rim = [
             (away * math.cos(2.0 * math.pi * n / steps), away * math.sin(2.0 * math.pi * n / steps))

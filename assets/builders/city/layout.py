@@ -17,7 +17,7 @@ from assets.builders.city.streets import (
     city_blocks,
     square_middle,
 )
-from assets.builders.kit.chance import Chance
+from assets.builders.kit.rng import Rng
 
 __all__ = [
     "Placed",
@@ -61,7 +61,7 @@ def square_block(blocks: Sequence[Block]) -> Block:
     return next(block for block in blocks if block.left > 0 > block.near and set(block.streets) == set("wesn"))
 
 
-def lay_houses(kinds: Sequence[HouseKind], colours: int, chance: Chance) -> list[Placed]:
+def lay_houses(kinds: Sequence[HouseKind], colours: int, rng: Rng) -> list[Placed]:
     """Rows that close every block but the square to its streets; models are named "kind/colour"."""
     blocks = city_blocks()
     square = square_block(blocks)
@@ -69,11 +69,11 @@ def lay_houses(kinds: Sequence[HouseKind], colours: int, chance: Chance) -> list
     for block in blocks:
         if block != square:
             for side in block.streets:
-                placed += _row(block, side, kinds, colours, chance)
+                placed += _row(block, side, kinds, colours, rng)
     return placed
 
 
-def _row(block: Block, side: str, kinds: Sequence[HouseKind], colours: int, chance: Chance) -> list[Placed]:
+def _row(block: Block, side: str, kinds: Sequence[HouseKind], colours: int, rng: Rng) -> list[Placed]:
     """One row, seen from the street from left to right; rows along x leave the corners to those along z."""
     left, right, near, far = block.plot
     depth = kinds[0].depth
@@ -91,7 +91,7 @@ def _row(block: Block, side: str, kinds: Sequence[HouseKind], colours: int, chan
     else:
         begin += sign * depth if at_begin in block.streets else 0.0
         end -= sign * depth if at_end in block.streets else 0.0
-    chosen = _fill(abs(end - begin), kinds, (corner_left, corner_right), chance)
+    chosen = _fill(abs(end - begin), kinds, (corner_left, corner_right), rng)
     stretch = abs(end - begin) / sum(kind.width for kind in chosen)
     line = {"e": right, "w": left, "s": near, "n": far}[side]
     placed, at, before = [], begin, -1
@@ -99,7 +99,7 @@ def _row(block: Block, side: str, kinds: Sequence[HouseKind], colours: int, chan
         width = kind.width * stretch
         middle = round(at + sign * 0.5 * width, 4)
         at += sign * width
-        colour = chance.below(colours)
+        colour = rng.below(colours)
         if colour == before:
             colour = (colour + 1) % colours
         before = colour
@@ -108,25 +108,25 @@ def _row(block: Block, side: str, kinds: Sequence[HouseKind], colours: int, chan
     return placed
 
 
-def _fill(length: float, kinds: Sequence[HouseKind], corners: tuple[bool, bool], chance: Chance) -> list[HouseKind]:
+def _fill(length: float, kinds: Sequence[HouseKind], corners: tuple[bool, bool], rng: Rng) -> list[HouseKind]:
     """Kinds whose widths come close to the length: small ones stand in groups, great ones alone."""
     ends = [[kind for kind in kinds if kind.corner == side] for side in ("left", "right")]
     row_kinds = [kind for kind in kinds if not kind.corner]
-    style = chance.below(len(ends[0]))
+    style = rng.below(len(ends[0]))
     first = [ends[0][style]] if corners[0] else []
-    last = [ends[1][chance.below(len(ends[1]))]] if corners[1] else []
+    last = [ends[1][rng.below(len(ends[1]))]] if corners[1] else []
     chosen: list[HouseKind] = []
     room = length - sum(kind.width for kind in (*first, *last))
     while room > 0.0:
         options = [kind for kind in row_kinds if kind not in chosen[-2:]]
-        kind = chance.pick(options)
+        kind = rng.pick(options)
         if kind.width > room:
             kind = min(options, key=lambda each: abs(each.width - room))
             if kind.width - room > 0.5 * kind.width:
                 break
         chosen.append(kind)
         room -= kind.width
-        if kind.floors == 1 and room > kind.width and chance.happens(0.6):  # cottages like company
+        if kind.floors == 1 and room > kind.width and rng.happens(0.6):  # single-storey houses come in pairs
             chosen.append(kind)
             room -= kind.width
     return [*first, *chosen, *last]
@@ -152,7 +152,7 @@ def _facing(along_z: bool, across: float) -> tuple[float, float]:
     return _TURNS["s" if across > 0 else "n"]
 
 
-def lay_street_trees(names: Sequence[str], chance: Chance) -> list[Placed]:
+def lay_street_trees(names: Sequence[str], rng: Rng) -> list[Placed]:
     """One every 40 m on both sidewalks of every street; each street has its own kind."""
     placed = []
     for number, (street, along_z, _) in enumerate(_streets()):
@@ -160,21 +160,19 @@ def lay_street_trees(names: Sequence[str], chance: Chance) -> list[Placed]:
         for across in (-_TREE_LINE, _TREE_LINE):
             for step in range(int(SIDE / _TREE_STEP)):
                 along = -0.5 * SIDE + _TREE_STEP * (step + 0.5)
-                tall, wide = chance.between(0.88, 1.14), chance.between(0.9, 1.08)
+                tall, wide = rng.between(0.88, 1.14), rng.between(0.9, 1.08)
                 placed.append(
-                    Placed(
-                        name, _at(street, along_z, across, along, KERB_HEIGHT), _any_turn(chance), (wide, tall, wide)
-                    )
+                    Placed(name, _at(street, along_z, across, along, KERB_HEIGHT), _any_turn(rng), (wide, tall, wide))
                 )
     return placed
 
 
-def _any_turn(chance: Chance) -> tuple[float, float]:
-    half = math.pi * chance.share()
+def _any_turn(rng: Rng) -> tuple[float, float]:
+    half = math.pi * rng.share()
     return round(math.sin(half), 6), round(math.cos(half), 6)
 
 
-def lay_furniture(chance: Chance) -> list[Placed]:
+def lay_furniture(rng: Rng) -> list[Placed]:
     """Lamps between the trees, benches and bins beside some, signs and bollards at crossings, tubs before fronts."""
     placed = []
     for street, along_z, crossings in _streets():
@@ -188,20 +186,20 @@ def lay_furniture(chance: Chance) -> list[Placed]:
                 placed.append(Placed("lamp", _at(street, along_z, across, along, KERB_HEIGHT), look))
                 near_tree = along + 0.5 * _TREE_STEP
                 if near_tree < 0.5 * SIDE:
-                    placed += _beside_tree(street, along_z, side, near_tree, chance)
+                    placed += _beside_tree(street, along_z, side, near_tree, rng)
             for crossing in crossings:
                 placed += _corner(street, along_z, side, crossing)
     return placed
 
 
-def _beside_tree(street: float, along_z: bool, side: float, along: float, chance: Chance) -> list[Placed]:
+def _beside_tree(street: float, along_z: bool, side: float, along: float, rng: Rng) -> list[Placed]:
     placed = []
     look = _facing(along_z, side)
     away = _facing(along_z, -side)
-    if chance.happens(0.3):
+    if rng.happens(0.3):
         placed.append(Placed("bench", _at(street, along_z, side * 7.3, along + 2.2, KERB_HEIGHT), away))
         placed.append(Placed("bin", _at(street, along_z, side * 7.0, along + 3.8, KERB_HEIGHT)))
-    if chance.happens(0.28):
+    if rng.happens(0.28):
         spots = [_at(street, along_z, side * (FRONT - 0.75), along + shift, KERB_HEIGHT) for shift in (-3.0, -5.4)]
         placed += [Placed("planter", spot, look) for spot in spots]
     return placed
@@ -221,7 +219,7 @@ def _corner(street: float, along_z: bool, side: float, crossing: float) -> list[
     return placed
 
 
-def lay_cars(names: Sequence[str], chance: Chance) -> list[Placed]:
+def lay_cars(names: Sequence[str], rng: Rng) -> list[Placed]:
     """Every place of the parking lanes that may be taken, in an order that spreads any number of them evenly."""
     places = []
     for street, along_z, crossings in _streets():
@@ -229,18 +227,18 @@ def lay_cars(names: Sequence[str], chance: Chance) -> list[Placed]:
             along = -0.5 * SIDE + 6.0
             while along < 0.5 * SIDE - 5.0:
                 if all(abs(along - crossing) > 19.0 for crossing in crossings):
-                    places.append((street, along_z, across, round(along + chance.between(-0.3, 0.3), 3)))
+                    places.append((street, along_z, across, round(along + rng.between(-0.3, 0.3), 3)))
                 along += 6.1
     rows = []
     for street, along_z, across, along in places:
         # Cars drive on the right: where z grows to the south, the eastern lane leads north.
         forward = ("n" if across > 0 else "s") if along_z else ("e" if across > 0 else "w")
         turned = {"e": (0.0, 1.0), "n": (_HALF, _HALF), "w": (1.0, 0.0), "s": (-_HALF, _HALF)}[forward]
-        rows.append((chance.share(), Placed(chance.pick(names), _at(street, along_z, across, along, 0.0), turned)))
+        rows.append((rng.share(), Placed(rng.pick(names), _at(street, along_z, across, along, 0.0), turned)))
     return [car for _, car in sorted(rows, key=lambda row: row[0])]
 
 
-def lay_square(names: Sequence[str], chance: Chance) -> list[Placed]:
+def lay_square(names: Sequence[str], rng: Rng) -> list[Placed]:
     """The church with its door to the west, trees in rows and along the paths, benches and tubs."""
     block = square_block(city_blocks())
     left, right, near, far = block.plot
@@ -256,9 +254,9 @@ def lay_square(names: Sequence[str], chance: Chance) -> list[Placed]:
     ]
     for at, row in spots:
         if not x - 11.0 < at < x + 3.0:  # the path to the south and north stays free
-            place = (round(at + chance.between(-0.8, 0.8), 3), KERB_HEIGHT, round(row + chance.between(-0.8, 0.8), 3))
-            size = chance.between(0.85, 1.2)
-            placed.append(Placed(chance.pick(names), place, _any_turn(chance), (size, size, size)))
+            place = (round(at + rng.between(-0.8, 0.8), 3), KERB_HEIGHT, round(row + rng.between(-0.8, 0.8), 3))
+            size = rng.between(0.85, 1.2)
+            placed.append(Placed(rng.pick(names), place, _any_turn(rng), (size, size, size)))
     for side, look in ((-4.2, "s"), (4.2, "n")):
         benches = [(at + 6.5, KERB_HEIGHT, round(z + side, 3)) for at in _steps(left + 12.0, x - 40.0)]
         placed += [Placed("bench", spot, _TURNS[look]) for spot in benches]
@@ -271,7 +269,7 @@ def _steps(first: float, last: float) -> list[float]:
     return [round(first + 15.0 * step, 3) for step in range(max(0, int((last - first) / 15.0) + 1))]
 
 
-def lay_yards(names: Sequence[str], chance: Chance) -> list[Placed]:
+def lay_yards(names: Sequence[str], rng: Rng) -> list[Placed]:
     """Workshops and trees behind the rows of houses."""
     blocks = city_blocks()
     placed = []
@@ -280,12 +278,10 @@ def lay_yards(names: Sequence[str], chance: Chance) -> list[Placed]:
             continue
         left, right, near, far = block.plot
         for _ in range(3):
-            x, z = chance.between(left + 30.0, right - 30.0), chance.between(far + 30.0, near - 30.0)
-            placed.append(Placed("workshop", (x, KERB_HEIGHT, z), _TURNS[chance.pick("sewn")]))
+            x, z = rng.between(left + 30.0, right - 30.0), rng.between(far + 30.0, near - 30.0)
+            placed.append(Placed("workshop", (x, KERB_HEIGHT, z), _TURNS[rng.pick("sewn")]))
         for _ in range(9):
-            x, z = chance.between(left + 18.0, right - 18.0), chance.between(far + 18.0, near - 18.0)
-            size = chance.between(0.7, 1.15)
-            placed.append(
-                Placed(f"{chance.pick(names)}/coarse", (x, KERB_HEIGHT, z), _any_turn(chance), (size, size, size))
-            )
+            x, z = rng.between(left + 18.0, right - 18.0), rng.between(far + 18.0, near - 18.0)
+            size = rng.between(0.7, 1.15)
+            placed.append(Placed(f"{rng.pick(names)}/coarse", (x, KERB_HEIGHT, z), _any_turn(rng), (size, size, size)))
     return placed

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from assets.builders.city.textures import TILE
-from assets.builders.kit.chance import Chance
+from assets.builders.kit.rng import Rng
 from assets.builders.kit.sketch import Point, Sketch
 from assets.builders.kit.solids import Skin, add_column
 
@@ -50,27 +50,27 @@ _HUG = (0.15, 0.55)
 def build_tree(kind: TreeKind, seed: int) -> Sketch:
     """The tree, standing on y = 0 at the origin."""
     sketch = Sketch()
-    chance = Chance(seed, kind.name)
+    rng = Rng(seed, kind.name)
     bark = Skin("bark", TILE["bark"])
-    fork = (chance.between(-0.15, 0.15), kind.trunk + 0.3, chance.between(-0.15, 0.15))
+    fork = (rng.between(-0.15, 0.15), kind.trunk + 0.3, rng.between(-0.15, 0.15))
     add_column(sketch, (0.0, -0.05, 0.0), fork, (0.19, 0.13), 6, bark, open_foot=True)
     for number in range(3):
-        turn = 2.0 * math.pi * (number + chance.share()) / 3.0
+        turn = 2.0 * math.pi * (number + rng.share()) / 3.0
         tip = (
             fork[0] + 0.55 * kind.wide * math.cos(turn),
             fork[1] + 0.8 * kind.high,
             fork[2] + 0.55 * kind.wide * math.sin(turn),
         )
         add_column(sketch, fork, tip, (0.10, 0.0), 4, bark, open_foot=True)
-    _add_tufts(sketch, kind, chance, _INNER, 0.62, 1.15)
-    _add_tufts(sketch, kind, chance, _OUTER, 1.0, 1.0)
+    _add_tufts(sketch, kind, rng, _INNER, 0.62, 1.15)
+    _add_tufts(sketch, kind, rng, _OUTER, 1.0, 1.0)
     return sketch
 
 
 def build_coarse_tree(kind: TreeKind, seed: int) -> Sketch:
     """The same outline out of fewer, larger tufts."""
     sketch = Sketch()
-    chance = Chance(seed, kind.name)
+    rng = Rng(seed, kind.name)
     add_column(
         sketch,
         (0.0, -0.05, 0.0),
@@ -80,11 +80,11 @@ def build_coarse_tree(kind: TreeKind, seed: int) -> Sketch:
         Skin("bark", TILE["bark"]),
         open_foot=True,
     )
-    _add_tufts(sketch, kind, chance, _COARSE, 0.86, 1.75)
+    _add_tufts(sketch, kind, rng, _COARSE, 0.86, 1.75)
     return sketch
 
 
-def _add_tufts(sketch: Sketch, kind: TreeKind, chance: Chance, count: int, reach: float, size: float) -> None:
+def _add_tufts(sketch: Sketch, kind: TreeKind, rng: Rng, count: int, reach: float, size: float) -> None:
     """Cards spread evenly over the crown (a Fibonacci sphere), each a little out of place and askew."""
     centre = kind.trunk + kind.high
     for number in range(count):
@@ -93,19 +93,19 @@ def _add_tufts(sketch: Sketch, kind: TreeKind, chance: Chance, count: int, reach
         turn = number * _GOLDEN_TURN
         x, z = ring * math.cos(turn), ring * math.sin(turn)
         slim = 1.0 - kind.narrow * max(0.0, y)
-        out = reach * chance.between(0.86, 1.02)
+        out = reach * rng.between(0.86, 1.02)
         place = (x * kind.wide * slim * out, centre + y * kind.high * out, z * kind.wide * slim * out)
         normal = _unit((x / kind.wide, y / kind.high, z / kind.wide))
         askew = _unit(
             (
-                normal[0] + chance.between(-_ASKEW, _ASKEW),
-                normal[1] + chance.between(-_ASKEW, _ASKEW),
-                normal[2] + chance.between(-_ASKEW, _ASKEW),
+                normal[0] + rng.between(-_ASKEW, _ASKEW),
+                normal[1] + rng.between(-_ASKEW, _ASKEW),
+                normal[2] + rng.between(-_ASKEW, _ASKEW),
             )
         )
-        side = kind.tuft * size * chance.between(0.85, 1.15)
+        side = kind.tuft * size * rng.between(0.85, 1.15)
         light = (0.56 + 0.44 * (0.5 + 0.5 * y)) * (0.66 if reach < 0.7 else 1.0)
-        _add_card(sketch, place, askew, normal, side, light, chance.below(4))
+        _add_card(sketch, place, askew, normal, side, light, rng.below(4))
 
 
 def _add_card(sketch: Sketch, place: Point, facing: Point, normal: Point, side: float, light: float, roll: int) -> None:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from assets.builders.kit.chance import Chance, hash_noise, pixels, smooth_noise
+from assets.builders.kit.lattice_noise import hash_noise, pixels, smooth_noise
 from assets.builders.kit.palette_texture import Canvas, Ramp
+from assets.builders.kit.rng import Rng
 
 __all__ = [
     "LANE_HALF",
@@ -243,20 +244,20 @@ def paint_gardens(seed: int) -> bytes:
     ]
     canvas = Canvas(_SIDE, _SIDE, ramps)
     canvas.tone = 0.4 + 0.3 * smooth_noise(_SIDE, _SIDE, 9, 9, seed)
-    chance = Chance(seed, "gardens")
+    rng = Rng(seed, "gardens")
     for plot in range(3):
         left = plot * 85 + 2
         for _ in range(2):
-            x, y = left + 4 + chance.below(40), chance.below(200)
-            canvas.rectangle(x, y, x + 16 + chance.below(20), y + 12 + chance.below(20), 2, 0.5)  # a paved yard
-        at = left + 10 + chance.below(50)
+            x, y = left + 4 + rng.below(40), rng.below(200)
+            canvas.rectangle(x, y, x + 16 + rng.below(20), y + 12 + rng.below(20), 2, 0.5)  # a paved yard
+        at = left + 10 + rng.below(50)
         canvas.rectangle(at, 40, at + 4, 230, 2, 0.45)
         for _ in range(4):
-            x, y = left + 4 + chance.below(56), 90 + chance.below(130)
-            canvas.rectangle(x, y, x + 12 + chance.below(12), y + 8 + chance.below(24), 3, 0.45)
-            canvas.rectangle(x + 2, y + 2, x + 10, y + 6, 4 if chance.happens(0.5) else 0, 0.6)
+            x, y = left + 4 + rng.below(56), 90 + rng.below(130)
+            canvas.rectangle(x, y, x + 12 + rng.below(12), y + 8 + rng.below(24), 3, 0.45)
+            canvas.rectangle(x + 2, y + 2, x + 10, y + 6, 4 if rng.happens(0.5) else 0, 0.6)
         for _ in range(5):
-            _paint_bush(canvas, left + 8 + chance.below(66), 60 + chance.below(180), 5 + chance.below(9))
+            _paint_bush(canvas, left + 8 + rng.below(66), 60 + rng.below(180), 5 + rng.below(9))
     for row, wide in ((0, 3), (85, 3), (170, 3)):
         canvas.rectangle(row, 0, row + wide, _SIDE, 1, 0.4)
     canvas.rectangle(0, 250, _SIDE, 256, 1, 0.4)

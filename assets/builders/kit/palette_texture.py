@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from assets.builders.kit.chance import hash_noise, pixels
+from assets.builders.kit.lattice_noise import hash_noise, pixels
 from assets.builders.kit.png_writer import write_indexed_png
 from mimics_app.contracts.arrays import F8
 

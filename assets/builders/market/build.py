@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from assets.builders.market.clay import PIXELS, PIXELS_OF_EDGES, PIXELS_OF_SKIN, Clay, pack_forms, pack_model
 from assets.builders.market.fruit import apple
 from assets.builders.market.garden import MEADOW_COVERAGES, TREE_COVERAGES, build_meadow, build_tree
 from assets.builders.market.props import barrel, bed, crate, fence, jug
+from assets.builders.market.sculpt import PIXELS, PIXELS_OF_EDGES, PIXELS_OF_SKIN, Sculpt, pack_forms, pack_model
 from assets.builders.market.sleeved_hand import fingers, palm, thumb
 from assets.builders.market.stall import awning, goods, stall_wood
 
@@ -20,7 +20,7 @@ def compose(seed: int) -> dict[str, bytes]:
     Args:
         seed: Of everything that grows.
     """
-    models: Mapping[str, Mapping[str, tuple[Clay, float]]] = {
+    models: Mapping[str, Mapping[str, tuple[Sculpt, float]]] = {
         "apple": {"apple": (apple(), 0.30)},
         "stall": {"wood": (stall_wood(), 0.8), "cloth": (awning(), 1.0), "goods": (goods(), 0.4)},
         "hand": {"palm": (palm(), 0.6), "fingers": (fingers(), 0.6), "thumb": (thumb(), 0.6)},

@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
-from assets.builders.market.clay import (
+from assets.builders.market.sculpt import (
     F8,
-    Clay,
     Colour,
     Painter,
+    Sculpt,
     capsule_bar,
     joined,
     mix,
@@ -64,17 +64,17 @@ def apple_body(radius: float) -> tuple[MeshData, Painter]:
     return mesh, paint
 
 
-def apple() -> Clay:
+def apple() -> Sculpt:
     """An apple with stalk and leaf; its middle at the origin."""
-    clay = Clay()
+    sculpt = Sculpt()
     mesh, paint = apple_body(APPLE_RADIUS)
-    clay.add(mesh, paint)
+    sculpt.add(mesh, paint)
     r = APPLE_RADIUS
     t = np.linspace(0.0, 1.0, 7)
     stalk = np.stack([0.10 * r * t**2, r * (0.62 + 0.62 * t), 0.06 * r * t], axis=1)
-    clay.add(capsule_bar(stalk, r * np.linspace(0.050, 0.075, 7), 10, 3), (0.16, 0.075, 0.03))
-    clay.add(*leaf(1.05 * r), at=(0.06 * r, 1.02 * r, 0.03 * r), turn=turned(8.0, -28.0, 22.0))
-    return clay
+    sculpt.add(capsule_bar(stalk, r * np.linspace(0.050, 0.075, 7), 10, 3), (0.16, 0.075, 0.03))
+    sculpt.add(*leaf(1.05 * r), at=(0.06 * r, 1.02 * r, 0.03 * r), turn=turned(8.0, -28.0, 22.0))
+    return sculpt
 
 
 def leaf(length: float) -> tuple[MeshData, Painter]:

@@ -8,19 +8,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from assets.builders.market.clay import (
+from assets.builders.market.sculpt import (
     F8,
-    Clay,
     Colour,
     Painter,
+    Sculpt,
     bar,
     capsule_bar,
-    chance,
     mix,
     noise,
     picked,
     surface,
     turned,
+    uniform_draws,
 )
 from mimics_app.world.meshes.mesh import MeshData, compute_normals
 from mimics_app.world.meshes.primitives import icosphere
@@ -91,7 +91,7 @@ _GROUNDS = (
 )
 
 
-def build_tree(seed: int) -> list[Clay]:
+def build_tree(seed: int) -> list[Sculpt]:
     """An apple tree about 0.62 m high, its foot at the origin: the finest form, then those for farther away.
 
     All have the same apples, and the same leaves or every fourth of them, in the same places.
@@ -99,8 +99,8 @@ def build_tree(seed: int) -> list[Clay]:
     return [_shape_tree(seed, form) for form in _FORMS]
 
 
-def _shape_tree(seed: int, form: _Form) -> Clay:
-    clay = Clay()
+def _shape_tree(seed: int, form: _Form) -> Sculpt:
+    sculpt = Sculpt()
     lean = 0.03 if seed % 2 == 0 else -0.02
     t = np.linspace(0.0, 1.0, 9)
     trunk = np.stack([lean * t + 0.012 * np.sin(3.0 * t), 0.34 * t - 0.01, 0.010 * np.sin(2.0 * t + seed)], 1)
@@ -109,12 +109,12 @@ def _shape_tree(seed: int, form: _Form) -> Clay:
         colour = mix((0.13, 0.068, 0.032), (0.27, 0.16, 0.085), noise(at * [1.0, 0.25, 1.0], 0.012, seed))
         return colour * (0.6 + 0.4 * np.clip(at[:, 1] / 0.08, 0.0, 1.0))[:, None]
 
-    clay.add(bar(trunk, 0.034 - 0.018 * t + 0.016 * np.exp(-t / 0.07), form.trunk), bark)
+    sculpt.add(bar(trunk, 0.034 - 0.018 * t + 0.016 * np.exp(-t / 0.07), form.trunk), bark)
     for side, up in ((-1.0, 0.55), (1.0, 0.68)):
         foot = trunk[5]
         branch = foot + np.stack([side * 0.10 * t, 0.12 * up * t + 0.05 * t * t, 0.03 * side * t], 1)
-        clay.add(bar(branch, 0.012 - 0.007 * t, 2 * form.trunk // 3), bark)
-    r = chance(200, 11 + seed)
+        sculpt.add(bar(branch, 0.012 - 0.007 * t, 2 * form.trunk // 3), bark)
+    r = uniform_draws(200, 11 + seed)
     blobs = [(0.0, 0.46, 0.0, 0.165)]
     for i in range(7):
         turn = 2.0 * math.pi * (i / 7.0 + 0.06 * r[i])
@@ -124,22 +124,22 @@ def _shape_tree(seed: int, form: _Form) -> Clay:
     blobs += [(0.055, 0.565, 0.03, 0.085), (-0.06, 0.55, -0.02, 0.082)]
     centre = np.array([lean, 0.45, 0.0])
     for i, (x, y, z, radius) in enumerate(blobs):
-        clay.add(
+        sculpt.add(
             _foliage(0.93 * radius, 50 * seed + i, form.ball), _bright(_leaves(centre, seed), 0.55), at=(x + lean, y, z)
         )
     crown = np.array(blobs) + [lean, 0.0, 0.0, 0.0]
     places = list(enumerate(_on_crown(crown, 1700, seed)))
     for i, (at, normal) in places[:: form.leaves]:
         paint = _bright(_leaves(centre, seed), 1.05 + 0.5 * r[i % 200])
-        clay.add(_leaf(at, normal, 1000 * seed + i, form), paint)
-    _hang_apples(clay, crown, seed, form)
-    return clay
+        sculpt.add(_leaf(at, normal, 1000 * seed + i, form), paint)
+    _hang_apples(sculpt, crown, seed, form)
+    return sculpt
 
 
 def _on_crown(blobs: F8, count: int, seed: int) -> list[tuple[F8, F8]]:
     """Places on the outside of balls (x, y, z, radius), [n, 4], with normals: evenly on each, none inside another."""
     places: list[tuple[F8, F8]] = []
-    r = chance(4 * count, 300 + seed)
+    r = uniform_draws(4 * count, 300 + seed)
     total = float((blobs[:, 3] ** 2).sum())
     for x, y, z, radius in blobs:
         share = round(count * radius * radius / total)
@@ -160,7 +160,7 @@ def _leaf(at: F8, normal: F8, seed: int, form: _Form) -> MeshData:
 
     Of one triangle it is flat and without its tip, and as wide as makes up for that.
     """
-    r = chance(6, seed)
+    r = uniform_draws(6, seed)
     outward = normal + 0.9 * (r[:3] - 0.5) + [0.0, 0.15, 0.0]
     outward /= np.linalg.norm(outward)
     along = np.cross(outward, r[3:] - 0.5)
@@ -189,7 +189,7 @@ def _leaf(at: F8, normal: F8, seed: int, form: _Form) -> MeshData:
     return MeshData(positions.astype(np.float32), normals.astype(np.float32), triangles)
 
 
-def _hang_apples(clay: Clay, crown: F8, seed: int, form: _Form) -> None:
+def _hang_apples(sculpt: Sculpt, crown: F8, seed: int, form: _Form) -> None:
     """Apples among the leaves, most of them below, each on its stalk from the foliage."""
 
     def paint(at: F8, normals: F8) -> F8:
@@ -205,8 +205,8 @@ def _hang_apples(clay: Clay, crown: F8, seed: int, form: _Form) -> None:
             [out - 0.012 * normal + [0.0, 0.010, 0.0], out + [0.0, 0.001, 0.0], middle + [0.0, 0.009, 0.0]]
         )
         if form.stalk:
-            clay.add(capsule_bar(stalk, 0.0011, form.stalk, form.stalk // 6 * 2), (0.16, 0.09, 0.04))
-        clay.add(_ball(0.0125, form.apple), paint, at=middle, turn=turned(scale=(1.0, 0.92, 1.0)))
+            sculpt.add(capsule_bar(stalk, 0.0011, form.stalk, form.stalk // 6 * 2), (0.16, 0.09, 0.04))
+        sculpt.add(_ball(0.0125, form.apple), paint, at=middle, turn=turned(scale=(1.0, 0.92, 1.0)))
 
 
 def _ball(radius: float, subdivisions: int) -> MeshData:
@@ -279,9 +279,9 @@ class _Tiles:
     """
 
     def __init__(self) -> None:
-        self.clays = [Clay() for _ in range(_SECTORS * (len(_RINGS) + 1))]
+        self.clays = [Sculpt() for _ in range(_SECTORS * (len(_RINGS) + 1))]
 
-    def at(self, x: float, z: float) -> Clay:
+    def at(self, x: float, z: float) -> Sculpt:
         """Return the tile that holds a point [m]."""
         return self.clays[int(_tile(np.array([x]), np.array([z]))[0])]
 
@@ -300,7 +300,7 @@ def _tile(x: F8, z: F8) -> NDArray[np.int64]:
     return np.asarray(ring * _SECTORS + sector)
 
 
-def build_meadow(seed: int) -> list[list[Clay]]:
+def build_meadow(seed: int) -> list[list[Sculpt]]:
     """Ground out to 9 m, finest where it is near: of each tile the fine form, then the coarse one."""
     return [list(forms) for forms in zip(*(_lay_ground(seed, ground).clays for ground in _GROUNDS), strict=True)]
 
@@ -341,7 +341,7 @@ def _lay_ground(seed: int, ground: _Ground) -> _Tiles:
 
 def _grow(tiles: _Tiles, seed: int, ground: _Ground) -> None:
     """Tufts and flowers about the bed and the path, none inside."""
-    r = chance(6000, 76 + seed)
+    r = uniform_draws(6000, 76 + seed)
     count = 0
     for i in range(620):
         x, z = -1.0 + 2.0 * r[3 * i], -0.95 + 1.5 * r[3 * i + 1]
@@ -351,11 +351,11 @@ def _grow(tiles: _Tiles, seed: int, ground: _Ground) -> None:
         count += 1
         size = 0.014 + 0.020 * r[3 * i + 2]
         y = float(ground_height(np.array([x]), np.array([z]))[0])
-        clay = tiles.at(x, z)
-        clay.add(_tuft(size, i, ground.blades), _blades, at=(x, y, z))
+        sculpt = tiles.at(x, z)
+        sculpt.add(_tuft(size, i, ground.blades), _blades, at=(x, y, z))
         if ground.flowers and count % 5 == 0:
             colour = ((0.90, 0.86, 0.78), (0.85, 0.60, 0.06), (0.62, 0.16, 0.30))[count // 5 % 3]
-            clay.add(
+            sculpt.add(
                 icosphere(0.0052, 0),
                 colour,
                 at=(x + 0.006, y + size * 1.25, z + 0.004),
@@ -365,7 +365,7 @@ def _grow(tiles: _Tiles, seed: int, ground: _Ground) -> None:
 
 def _tuft(size: float, seed: int, blades: int) -> MeshData:
     """Blades of grass, each a bent triangle seen from both sides; as wide together as seven."""
-    r = chance(40, seed)
+    r = uniform_draws(40, seed)
     corners: list[F8] = []
     triangles: list[int] = []
     for i in range(blades):

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from assets.builders.market.clay import (
+from assets.builders.market.sculpt import (
     F8,
-    Clay,
     Colour,
     Painter,
+    Sculpt,
     capsule_bar,
     mix,
     noise,
@@ -33,50 +33,50 @@ _ROWS = (
 """Of the fingers: where along z [m], how long, how far out [m], radius [m]."""
 
 
-def palm() -> Clay:
+def palm() -> Sculpt:
     """The back of a hand and the sleeve it comes from; the origin lies between the fingertips below it."""
-    clay = Clay()
+    sculpt = Sculpt()
     back = rounded_box(0.072, 0.025, 0.060, 0.0120, 4)
-    clay.add(back, _skin(1), at=(0.0, 0.070, 0.0), turn=turned(0.0, 0.0, -3.0))
+    sculpt.add(back, _skin(1), at=(0.0, 0.070, 0.0), turn=turned(0.0, 0.0, -3.0))
     for z, _, out, radius in _ROWS:
         ridge = np.array([[-0.012 + 0.012 * i, 0.0790 + 0.0010 * i, (0.80 + 0.06 * i) * z] for i in range(4)])
-        clay.add(capsule_bar(ridge, 0.55 * radius, 10, 3), _skin(2))
+        sculpt.add(capsule_bar(ridge, 0.55 * radius, 10, 3), _skin(2))
         knuckle = turned(scale=(1.15, 0.75, 1.0))
-        clay.add(icosphere(0.90 * radius, 2), _skin(3), at=(0.029 + 0.4 * out, 0.0785, z), turn=knuckle)
+        sculpt.add(icosphere(0.90 * radius, 2), _skin(3), at=(0.029 + 0.4 * out, 0.0785, z), turn=knuckle)
     wrist = np.array([[-0.004, 0.070, 0.0], [-0.004, 0.092, 0.006], [-0.003, 0.112, 0.016]])
-    clay.add(capsule_bar(wrist, np.array([0.0235, 0.0205, 0.0195]), 24, 5), _skin(4))
+    sculpt.add(capsule_bar(wrist, np.array([0.0235, 0.0205, 0.0195]), 24, 5), _skin(4))
     along = np.array([0.0, 0.88, 0.475])
     lean = turned(x=float(np.degrees(np.arctan2(along[2], along[1]))))
     foot = np.array([-0.003, 0.104, 0.012])
     sleeve = cylinder(0.0235, 0.052, top_radius=0.0285, segments=44)
-    clay.add(sleeve, _cloth, at=foot + 0.026 * along, turn=lean)
-    clay.add(cylinder(0.0262, 0.001, segments=44), (0.075, 0.21, 0.42), at=foot + 0.0524 * along, turn=lean)
+    sculpt.add(sleeve, _cloth, at=foot + 0.026 * along, turn=lean)
+    sculpt.add(cylinder(0.0262, 0.001, segments=44), (0.075, 0.21, 0.42), at=foot + 0.0524 * along, turn=lean)
     for up, radius, thick in ((0.0, 0.0222, 0.0036), (0.010, 0.0240, 0.0014), (0.052, 0.0270, 0.0022)):
-        clay.add(torus(radius, thick, 44), plain((0.17, 0.38, 0.66), 5), at=foot + up * along, turn=lean)
-    return clay
+        sculpt.add(torus(radius, thick, 44), plain((0.17, 0.38, 0.66), 5), at=foot + up * along, turn=lean)
+    return sculpt
 
 
-def fingers() -> Clay:
+def fingers() -> Sculpt:
     """Four fingers at +x, the inner sides of their pads at x = 0 at the height of the origin."""
-    clay = Clay()
+    sculpt = Sculpt()
     for z, long, out, radius in _ROWS:
-        _add_digit(clay, radius, z, long, out)
-    return clay
+        _add_finger(sculpt, radius, z, long, out)
+    return sculpt
 
 
-def thumb() -> Clay:
+def thumb() -> Sculpt:
     """The thumb, made at +x as the fingers; the scene turns it to the other side."""
-    clay = Clay()
-    _add_digit(clay, 0.0104, 0.004, 0.90, -0.003)
-    return clay
+    sculpt = Sculpt()
+    _add_finger(sculpt, 0.0104, 0.004, 0.90, -0.003)
+    return sculpt
 
 
-def _add_digit(clay: Clay, radius: float, z: float, long: float, out: float) -> None:
+def _add_finger(sculpt: Sculpt, radius: float, z: float, long: float, out: float) -> None:
     """One finger from the palm over the knuckle, `out` farther from the middle, down to its tip with its nail."""
     mesh, tip = _bent(radius, z, long, out)
-    clay.add(mesh, _skin(6))
+    sculpt.add(mesh, _skin(6))
     nail = turned(scale=(0.32, 0.95, 0.72))
-    clay.add(icosphere(0.80 * radius, 2), NAIL, at=tip + [0.70 * radius, 0.35 * radius, 0.0], turn=nail)
+    sculpt.add(icosphere(0.80 * radius, 2), NAIL, at=tip + [0.70 * radius, 0.35 * radius, 0.0], turn=nail)
 
 
 def _bent(radius: float, z: float, long: float, out: float) -> tuple[MeshData, F8]:

@@ -6,21 +6,21 @@ import math
 
 import numpy as np
 
-from assets.builders.market.clay import (
+from assets.builders.market.fruit import coarse_fruit, fruit_paint
+from assets.builders.market.sculpt import (
     F8,
-    Clay,
     Colour,
     Painter,
+    Sculpt,
     capsule_bar,
-    chance,
     noise,
     plain,
     planked,
     rounded_box,
     surface,
     turned,
+    uniform_draws,
 )
-from assets.builders.market.fruit import coarse_fruit, fruit_paint
 from mimics_app.world.meshes.primitives import box, icosphere
 
 __all__ = ["awning", "goods", "stall_wood"]
@@ -37,44 +37,44 @@ STALL_LOW, STALL_HIGH = (0.088, -0.150), (0.300, 0.030)
 TABLE = 0.160
 
 
-def stall_wood() -> Clay:
+def stall_wood() -> Sculpt:
     """Table, panels, posts and beams."""
-    clay = Clay()
+    sculpt = Sculpt()
     (x0, z0), (x1, z1) = STALL_LOW, STALL_HIGH
     middle, deep = 0.5 * (x0 + x1), 0.5 * (z0 + z1)
-    _table_top(clay)
-    _panels(clay)
-    clay.add(box(x1 - x0 - 0.02, 0.15, z1 - z0 - 0.024), (0.03, 0.02, 0.015), at=(middle, 0.075, deep))
+    _table_top(sculpt)
+    _panels(sculpt)
+    sculpt.add(box(x1 - x0 - 0.02, 0.15, z1 - z0 - 0.024), (0.03, 0.02, 0.015), at=(middle, 0.075, deep))
     for y in (0.022, 0.130):
-        clay.add(rounded_box(x1 - x0 + 0.004, 0.011, 0.006, 0.002, 1), plain(CREAM, 7), at=(middle, y, z1 - 0.004))
-        clay.add(rounded_box(0.006, 0.011, z1 - z0 + 0.002, 0.002, 1), plain(CREAM, 8), at=(x0 + 0.003, y, deep))
-    _frame_of_awning(clay)
-    _sign(clay)
-    return clay
+        sculpt.add(rounded_box(x1 - x0 + 0.004, 0.011, 0.006, 0.002, 1), plain(CREAM, 7), at=(middle, y, z1 - 0.004))
+        sculpt.add(rounded_box(0.006, 0.011, z1 - z0 + 0.002, 0.002, 1), plain(CREAM, 8), at=(x0 + 0.003, y, deep))
+    _frame_of_awning(sculpt)
+    _sign(sculpt)
+    return sculpt
 
 
-def _table_top(clay: Clay) -> None:
+def _table_top(sculpt: Sculpt) -> None:
     """Five boards of pale wood."""
     (x0, z0), (x1, z1) = STALL_LOW, STALL_HIGH
     boards = 5
     deep = (z1 - z0 + 0.012) / boards
     for i in range(boards):
-        tone = 0.92 + 0.16 * chance(8, 3)[i]
-        clay.add(
+        tone = 0.92 + 0.16 * uniform_draws(8, 3)[i]
+        sculpt.add(
             rounded_box(x1 - x0 + 0.014, 0.013, deep - 0.0012, 0.0022, 1),
             planked(tuple(tone * part for part in PALE_WOOD), 2, deep, 20 + i),
             at=(0.5 * (x0 + x1), TABLE - 0.0065, z0 - 0.004 + (i + 0.5) * deep),
         )
 
 
-def _panels(clay: Clay) -> None:
+def _panels(sculpt: Sculpt) -> None:
     """Nine teal boards in front, seven at either side."""
     (x0, z0), (x1, z1) = STALL_LOW, STALL_HIGH
     count = 9
     wide = (x1 - x0 - 0.008) / count
     for i in range(count):
-        tone = 0.86 + 0.28 * chance(32, 5)[i]
-        clay.add(
+        tone = 0.86 + 0.28 * uniform_draws(32, 5)[i]
+        sculpt.add(
             rounded_box(wide - 0.0012, 0.140, 0.007, 0.0018, 1),
             planked(tuple(tone * c for c in TEAL), 0, wide, 40 + i),
             at=(x0 + 0.004 + (i + 0.5) * wide, 0.075, z1 - 0.010),
@@ -82,50 +82,50 @@ def _panels(clay: Clay) -> None:
     count = 7
     wide = (z1 - z0 - 0.012) / count
     for i in range(count):
-        tone = 0.80 + 0.28 * chance(32, 6)[i]
+        tone = 0.80 + 0.28 * uniform_draws(32, 6)[i]
         for x in (x0 + 0.008, x1 - 0.008):
-            clay.add(
+            sculpt.add(
                 rounded_box(0.007, 0.140, wide - 0.0012, 0.0018, 1),
                 planked(tuple(tone * c for c in TEAL), 2, wide, 60 + i),
                 at=(x, 0.075, z0 + 0.004 + (i + 0.5) * wide),
             )
 
 
-def _frame_of_awning(clay: Clay) -> None:
+def _frame_of_awning(sculpt: Sculpt) -> None:
     (x0, z0), x1 = STALL_LOW, STALL_HIGH[0]
     for x in (x0 + 0.012, x1 - 0.012):
-        clay.add(rounded_box(0.013, 0.34, 0.013, 0.003, 1), plain(WOOD, 11), at=(x, TABLE + 0.17, z0 + 0.010))
+        sculpt.add(rounded_box(0.013, 0.34, 0.013, 0.003, 1), plain(WOOD, 11), at=(x, TABLE + 0.17, z0 + 0.010))
         reach = np.linspace(0.0, 1.0, 5)
         brace = np.stack([np.full(5, x), 0.395 + 0.055 * reach, z0 + 0.014 + 0.085 * reach], 1)
-        clay.add(capsule_bar(brace, 0.0042, 8, 2), plain(WOOD, 12))
-    clay.add(
+        sculpt.add(capsule_bar(brace, 0.0042, 8, 2), plain(WOOD, 12))
+    sculpt.add(
         rounded_box(x1 - x0 + 0.01, 0.012, 0.012, 0.003, 1), plain(WOOD, 13), at=(0.5 * (x0 + x1), 0.484, z0 + 0.010)
     )
-    clay.add(
+    sculpt.add(
         rounded_box(x1 - x0 - 0.01, 0.010, 0.008, 0.002, 1), plain(WOOD, 14), at=(0.5 * (x0 + x1), 0.300, z0 + 0.010)
     )
 
 
-def _sign(clay: Clay) -> None:
+def _sign(sculpt: Sculpt) -> None:
     """A slate with a painted apple on the front."""
     z = STALL_HIGH[1] - 0.002
-    clay.add(rounded_box(0.062, 0.052, 0.005, 0.002, 1), plain(PALE_WOOD, 15), at=(0.226, 0.076, z))
-    clay.add(rounded_box(0.053, 0.043, 0.005, 0.001, 1), (0.022, 0.026, 0.024), at=(0.226, 0.076, z + 0.0012))
+    sculpt.add(rounded_box(0.062, 0.052, 0.005, 0.002, 1), plain(PALE_WOOD, 15), at=(0.226, 0.076, z))
+    sculpt.add(rounded_box(0.053, 0.043, 0.005, 0.001, 1), (0.022, 0.026, 0.024), at=(0.226, 0.076, z + 0.0012))
     flat = turned(scale=(1.0, 1.0, 0.12))
-    clay.add(icosphere(0.0125, 3), (0.70, 0.05, 0.04), at=(0.226, 0.073, z + 0.0038), turn=flat)
-    clay.add(
+    sculpt.add(icosphere(0.0125, 3), (0.70, 0.05, 0.04), at=(0.226, 0.073, z + 0.0038), turn=flat)
+    sculpt.add(
         icosphere(0.0045, 2),
         (0.20, 0.50, 0.06),
         at=(0.232, 0.088, z + 0.0038),
         turn=turned(0.0, 0.0, 35.0) @ turned(scale=(1.4, 0.7, 0.2)),
     )
     stem = np.array([[0.226, 0.083, z + 0.004], [0.2265, 0.087, z + 0.004], [0.228, 0.090, z + 0.004]])
-    clay.add(capsule_bar(stem, 0.0011, 6, 2), (0.75, 0.62, 0.40))
+    sculpt.add(capsule_bar(stem, 0.0011, 6, 2), (0.75, 0.62, 0.40))
 
 
-def awning() -> Clay:
+def awning() -> Sculpt:
     """Striped cloth over the table, sagging between its beams, with a scalloped border."""
-    clay = Clay()
+    sculpt = Sculpt()
     (x0, z0), (x1, z1) = STALL_LOW, STALL_HIGH
     x0, x1, z0, z1 = x0 - 0.022, x1 + 0.022, z0 - 0.012, z1 + 0.028
     stripes = 10
@@ -141,8 +141,8 @@ def awning() -> Clay:
             edge = surface(
                 _border(left, wide, z1, lift), np.linspace(0.0, 1.0, 3), np.linspace(0.0, 1.0, 15), flip=below
             )
-            clay.add(roof, paint).add(edge, paint)
-    return clay
+            sculpt.add(roof, paint).add(edge, paint)
+    return sculpt
 
 
 def _cloth(colour: Colour, shade: float) -> Painter:
@@ -177,9 +177,9 @@ def _border(left: float, wide: float, front: float, lift: float) -> Painter:
     return point
 
 
-def goods() -> Clay:
+def goods() -> Sculpt:
     """Fruit in crates at the table's far side, and a basket."""
-    clay = Clay()
+    sculpt = Sculpt()
     kinds: list[tuple[Colour, Colour]] = [
         ((0.50, 0.012, 0.015), (0.70, 0.36, 0.05)),
         ((0.80, 0.34, 0.015), (0.85, 0.45, 0.03)),
@@ -188,22 +188,24 @@ def goods() -> Clay:
     for i, colours in enumerate(kinds):
         z = -0.118 + 0.052 * i
         lift = 0.012 * (2 - i)
-        _tray(clay, (0.252, TABLE + lift, z), colours, i)
+        _tray(sculpt, (0.252, TABLE + lift, z), colours, i)
         if lift > 0.0:
-            clay.add(rounded_box(0.088, lift, 0.046, 0.001, 1), plain(WOOD, 70 + i), at=(0.252, TABLE + 0.5 * lift, z))
-    return clay
+            sculpt.add(
+                rounded_box(0.088, lift, 0.046, 0.001, 1), plain(WOOD, 70 + i), at=(0.252, TABLE + 0.5 * lift, z)
+            )
+    return sculpt
 
 
-def _tray(clay: Clay, at: tuple[float, float, float], colours: tuple[Colour, Colour], seed: int) -> None:
+def _tray(sculpt: Sculpt, at: tuple[float, float, float], colours: tuple[Colour, Colour], seed: int) -> None:
     x, y, z = at
     w, d, h, t = 0.092, 0.048, 0.020, 0.003
     wood = plain(PALE_WOOD, 80 + seed)
     for dz in (-0.5 * d, 0.5 * d):
-        clay.add(rounded_box(w, h, t, 0.001, 1), wood, at=(x, y + 0.5 * h, z + dz))
+        sculpt.add(rounded_box(w, h, t, 0.001, 1), wood, at=(x, y + 0.5 * h, z + dz))
     for dx in (-0.5 * w, 0.5 * w):
-        clay.add(rounded_box(t, h, d, 0.001, 1), wood, at=(x + dx, y + 0.5 * h, z))
-    clay.add(box(w, 0.002, d), (0.10, 0.06, 0.03), at=(x, y + 0.002, z))
-    wobble = chance(64, 30 + seed)
+        sculpt.add(rounded_box(t, h, d, 0.001, 1), wood, at=(x + dx, y + 0.5 * h, z))
+    sculpt.add(box(w, 0.002, d), (0.10, 0.06, 0.03), at=(x, y + 0.002, z))
+    wobble = uniform_draws(64, 30 + seed)
     radius = 0.0105
     place = 0
     for layer, (rows, columns) in enumerate(((2, 4), (1, 3))):
@@ -216,5 +218,5 @@ def _tray(clay: Clay, at: tuple[float, float, float], colours: tuple[Colour, Col
                     40.0 * (wobble[place + 30] - 0.5), 360.0 * wobble[place], 40.0 * (wobble[place + 40] - 0.5)
                 )
                 small = coarse_fruit(radius)
-                clay.add(small, fruit_paint(colours, seed * 40 + place), at=(x + dx, y + up, z + dz), turn=turn)
+                sculpt.add(small, fruit_paint(colours, seed * 40 + place), at=(x + dx, y + up, z + dz), turn=turn)
                 place += 1

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 
 from assets.builders.kit.sketch import Point, Sketch
-from assets.builders.market.clay import pack_model
+from assets.builders.market.sculpt import pack_model
 from assets.builders.room import force_models, textures
 from mimics_app.world.gltf.writer import GltfWriter
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from assets.builders.kit.chance import hash_noise, pixels, smooth_noise
+from assets.builders.kit.lattice_noise import hash_noise, pixels, smooth_noise
 from assets.builders.kit.palette_texture import Canvas, Ramp
 from mimics_app.contracts.arrays import F8
 

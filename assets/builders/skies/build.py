@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from assets.builders.kit.chance import smooth_step
+from assets.builders.kit.lattice_noise import smooth_step
 from mimics_app.contracts.arrays import F8
 
 __all__ = ["compose"]

@@ -7,7 +7,7 @@ import io
 import numpy as np
 from PIL import Image
 
-from assets.builders.kit.chance import smooth_step
+from assets.builders.kit.lattice_noise import smooth_step
 from mimics_app.contracts.arrays import F8
 
 __all__ = ["compose"]

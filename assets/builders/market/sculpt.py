@@ -1,4 +1,4 @@
-"""Modelling by formula with a colour at every vertex: pieces of mesh, each placed and painted, kneaded into one."""
+"""Modelling by formula with a colour at every vertex: pieces of mesh, each placed and coloured, joined into one."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from assets.builders.kit.chance import mixed_bits
+from assets.builders.kit.lattice_noise import mixed_bits
 from mimics_app.contracts.arrays import F8
 from mimics_app.world.gltf.gltf_document import parse_gltf
 from mimics_app.world.gltf.writer import GltfWriter, MeshPart
@@ -22,12 +22,11 @@ __all__ = [
     "PIXELS",
     "PIXELS_OF_EDGES",
     "PIXELS_OF_SKIN",
-    "Clay",
     "Colour",
     "Painter",
+    "Sculpt",
     "bar",
     "capsule_bar",
-    "chance",
     "mix",
     "noise",
     "pack_forms",
@@ -38,6 +37,7 @@ __all__ = [
     "rounded_box",
     "surface",
     "turned",
+    "uniform_draws",
 ]
 
 Colour = tuple[float, float, float]
@@ -57,7 +57,7 @@ PIXELS_OF_SKIN = 4.0
 """The same of round models of one colour."""
 
 
-class Clay:
+class Sculpt:
     """Mesh of one material."""
 
     def __init__(self) -> None:
@@ -69,7 +69,7 @@ class Clay:
         paint: Colour | Painter,
         at: Sequence[float] | F8 = (0.0, 0.0, 0.0),
         turn: F8 | None = None,
-    ) -> Clay:
+    ) -> Sculpt:
         """Add a mesh, turned by a 3 x 3 matrix (which may scale), then moved; painted in its place."""
         R = np.eye(3) if turn is None else turn
         positions = mesh.positions @ R.T + np.asarray(at)
@@ -98,20 +98,20 @@ class Clay:
         )
 
 
-def pack_model(model: str, parts: Mapping[str, tuple[Clay, float]], pixels: float = PIXELS) -> bytes:
-    """A GLB of one node per name, each painted clay of a roughness; materials are named after the model too.
+def pack_model(model: str, parts: Mapping[str, tuple[Sculpt, float]], pixels: float = PIXELS) -> bytes:
+    """A GLB of one node per name, each a sculpt of a roughness; materials are named after the model too.
 
     All have levels of detail, wrong by so many `pixels` at most.
     """
     writer = GltfWriter("mimics market builder")
-    for name, (clay, roughness) in parts.items():
+    for name, (sculpt, roughness) in parts.items():
         material = writer.add_material(f"{model}_{name}", roughness=roughness)
-        mesh = writer.add_mesh(name, [(writer.add_part(clay.part()), material)])
+        mesh = writer.add_mesh(name, [(writer.add_part(sculpt.part()), material)])
         writer.add_node(name, mesh=mesh)
     return add_levels(parse_gltf(writer.to_bytes(), Path(model), Path(), model), LEVELS, pixels)[0]
 
 
-def pack_forms(model: str, name: str, tiles: Mapping[str, Sequence[Clay]], coverages: Sequence[float]) -> bytes:
+def pack_forms(model: str, name: str, tiles: Mapping[str, Sequence[Sculpt]], coverages: Sequence[float]) -> bytes:
     """Return a GLB file of one rough material whose nodes have levels of detail, each down to a share of the picture.
 
     Several nodes are tiles of one thing, of which those out of view are left out.
@@ -162,7 +162,7 @@ def noise(places: F8, cell: float, seed: int = 0) -> F8:
     return total
 
 
-def chance(count: int, seed: int) -> F8:
+def uniform_draws(count: int, seed: int) -> F8:
     """`count` numbers of [0, 1) from a seed, the same on every machine."""
     steps = np.arange(count)
     return _hash(np.stack([steps, steps * 7 + 3, 0 * steps], axis=1), seed)
