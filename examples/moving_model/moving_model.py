@@ -12,9 +12,9 @@ from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen, save_png
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
-from mimics_app.world.extent import world_extent
-from mimics_app.world.gltf.model_world import load_model_world
-from mimics_app.world.meshes.primitives import sphere
+from mimics_app.world.content.extent import world_extent
+from mimics_app.world.content.meshes.primitives import sphere
+from mimics_app.world.files.scene.model_world import load_model_world
 
 SIZE = (480, 480)
 

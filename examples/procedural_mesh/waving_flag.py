@@ -17,12 +17,12 @@ from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.environment import Sky
-from mimics_app.world.materials.material import Material
-from mimics_app.world.meshes.mesh import MeshData, compute_normals
-from mimics_app.world.meshes.mesh_buffer import MeshBuffer
-from mimics_app.world.meshes.primitives import box, cylinder, plane
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Sky
+from mimics_app.world.content.materials.material import Material
+from mimics_app.world.content.meshes.mesh import MeshData, compute_normals
+from mimics_app.world.content.meshes.mesh_buffer import MeshBuffer
+from mimics_app.world.content.meshes.primitives import box, cylinder, plane
+from mimics_app.world.content.world import World
 
 WIDTH, HEIGHT, COLUMNS, ROWS = 1.5, 0.9, 48, 24
 POSTS = 24

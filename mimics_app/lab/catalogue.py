@@ -14,7 +14,7 @@ from mimics_app.contracts.ports.members import import_member, member_names
 from mimics_app.contracts.ports.methods import Registry, registry
 from mimics_app.lab import groups
 from mimics_app.lab.rivals import group_of
-from mimics_app.world.scene.method_plugins import method_plugins
+from mimics_app.world.files.scene.method_plugins import method_plugins
 
 __all__ = ["GROUPS", "all_groups", "load_methods"]
 

@@ -18,8 +18,8 @@ from typing import Any, TypeGuard
 from mimics_app.contracts.errors import MOST_SOUGHT, Issue, SceneError, nearest
 from mimics_app.contracts.messages.action_space import ActionSpace
 from mimics_app.contracts.messages.stage_messages import TaskAction, TrialResult, UserState
-from mimics_app.world.scene.json_text import escape, parse_json
-from mimics_app.world.scene.scene_files import read_bytes
+from mimics_app.world.files.reading.file_bytes import read_bytes
+from mimics_app.world.files.reading.json_text import escape, parse_json
 
 __all__ = ["ActionSequence", "TimedAction", "load_action_sequence"]
 

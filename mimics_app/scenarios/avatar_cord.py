@@ -23,9 +23,9 @@ from mimics_app.scenarios.figures.walking_figure import OWN_HEAD
 from mimics_app.scenarios.parts.touch_scene import TouchScene
 from mimics_app.world.components.cord import CordComponent
 from mimics_app.world.components.objects import ForceField
-from mimics_app.world.cords import Cord
-from mimics_app.world.scene.scene import Scene
-from mimics_app.world.world import World
+from mimics_app.world.content.cords import Cord
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["SCENARIO", "AvatarCord", "Tap", "ball_motion"]
 

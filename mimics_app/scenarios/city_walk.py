@@ -16,8 +16,8 @@ from mimics_app.tasks.kinds.city_walk.kind import CityWalkSpec
 from mimics_app.tasks.scene_section import section_of
 from mimics_app.world.components.visible import CameraComponent
 from mimics_app.world.components.walking import PathWalker, WalkingPath
-from mimics_app.world.scene.scene import Scene
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["SCENARIO", "CityWalk"]
 
@@ -46,7 +46,7 @@ class CityWalk(TouchScene):
         paths = {name: GroundPath(path) for name, path, _ in scene.components(WalkingPath)}
         walkers = {name: walker for name, walker, _ in scene.components(PathWalker)}
         figures = {
-            name: PathFigure(world.find(name), walker, paths[walker.path], -1.0 if name == spec.person else 1.0)
+            name: PathFigure(world, world.find(name), walker, paths[walker.path], -1.0 if name == spec.person else 1.0)
             for name, walker in walkers.items()
         }
         led = {spec.person, *(name for name, walker in walkers.items() if walker.beside == spec.person)}

@@ -9,8 +9,8 @@ from mimics_app.scenarios.figures.walking_figure import follow_numbers, see_past
 from mimics_app.scenarios.parts.touch_scene import TouchScene
 from mimics_app.tasks.kinds.guided_walk.kind import PLACES, GuidedWalkSpec
 from mimics_app.tasks.scene_section import section_of
-from mimics_app.world.scene.scene import Scene
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["SCENARIO", "GuidedWalk"]
 
@@ -37,9 +37,9 @@ class GuidedWalk(TouchScene):
     def __init__(self, scene: Scene, world: World) -> None:
         super().__init__(scene, world)
         spec = section_of(scene, GuidedWalkSpec)
-        self._person = AlleyFigure(world.find(spec.person), -1.0)
+        self._person = AlleyFigure(world, world.find(spec.person), -1.0)
         see_past_head(world.cameras, world.find(spec.person))
-        self._avatar = AlleyFigure(world.find(spec.avatar), 1.0)
+        self._avatar = AlleyFigure(world, world.find(spec.avatar), 1.0)
         x, _, z = world.find(spec.place).world_matrix()[:3, 3].tolist()
         self._place = (-z, x)
         self._places = dict.fromkeys(PLACES, 0.0) | {"walk.avatar": -2.0, "walk.deed": 3.0}

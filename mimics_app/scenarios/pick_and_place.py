@@ -21,10 +21,10 @@ from mimics_app.scenarios.parts.robot_scene import robot_block, robot_facts, sta
 from mimics_app.tasks.kinds.carry.spec import CarrySpec
 from mimics_app.tasks.scene_section import section_of
 from mimics_app.world.components.hand import GraspingHand
-from mimics_app.world.extent import world_extent
-from mimics_app.world.scene.scene import Scene
-from mimics_app.world.scene_node import SceneNode
-from mimics_app.world.world import World
+from mimics_app.world.content.extent import world_extent
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.scene import Scene
+from mimics_app.world.graph.scene_node import SceneNode
 
 __all__ = ["SCENARIO", "PickAndPlace"]
 

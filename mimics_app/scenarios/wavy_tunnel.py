@@ -19,8 +19,8 @@ from mimics_app.scenarios.parts.tunnel_look import TunnelLook
 from mimics_app.tasks.kinds.tunnel.kind import own_tunnel
 from mimics_app.world.components.robot import Ball, Tunnel
 from mimics_app.world.components.visible import TunnelView
-from mimics_app.world.scene.scene import Scene
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["SCENARIO", "WavyTunnel"]
 

@@ -21,7 +21,7 @@ from mimics_app.tasks.task import (
     ScoreSpec,
     TaskSpec,
 )
-from mimics_app.world.scene.json_text import escape
+from mimics_app.world.files.reading.json_text import escape
 
 __all__ = ["check_blocks", "check_task", "haptic_targets", "object_of_target"]
 

@@ -14,10 +14,10 @@ from mimics_app.tasks.trial_file import resolve_trials
 from mimics_app.world.components.registry import Component, register_check, register_section
 from mimics_app.world.components.robot import Tunnel
 from mimics_app.world.components.visible import Hud, Sound
-from mimics_app.world.scene.json_text import escape
+from mimics_app.world.files.reading.json_text import escape
 
 if TYPE_CHECKING:
-    from mimics_app.world.scene.scene import Scene
+    from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["check_section", "section_of", "task_of"]
 

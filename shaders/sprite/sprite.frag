@@ -66,7 +66,7 @@ vec3 shown(vec3 picture) {
 #endif
 
 #ifdef DOTS
-// The texture "dot" of world/materials/sprite_pictures.py as a formula: a spot with a soft edge. A dot no larger than a
+// The texture "dot" of world/content/materials/sprite_pictures.py as a formula: a spot with a soft edge. A dot no larger than a
 // pixel has the mean of its square; in between, a mixture keeps the mean at any size.
 const float MEAN = 0.3 * 3.14159265 / 4.0;
 const float BLURRED = 0.35;

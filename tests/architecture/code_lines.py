@@ -25,8 +25,8 @@ PARTS: dict[str, tuple[int, tuple[str, ...]]] = {
     "people that move": (
         8_000,
         (
-            "world/motion/*",
-            "world/gltf/:bending,clips,deforms,skins,unfolding",
+            "world/content/motion/*",
+            "world/files/gltf/:bending,clips,deforms,skins,unfolding",
             "world/components/:animation,encourager",
             "rendering/visual/:drawing/skinning,drawing/feedback,kernels/skin",
             "lab/:groups/crowd,groups/limb_reach,groups/skinning,groups/joint_mixing,visual/skinned_figure",
@@ -44,7 +44,7 @@ PARTS: dict[str, tuple[int, tuple[str, ...]]] = {
             "lab/:audio_bench,audio_figures,groups/spatialiser",
             "app/:bench/audio_soak,session/sound",
             "contracts/:ports/audio_port,shared_memory/sound_scene",
-            "world/gltf/:sounds",
+            "world/files/gltf/:sounds",
         ),
     ),
     "body signals, learning and the guided walk": (

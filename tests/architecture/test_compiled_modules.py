@@ -105,7 +105,7 @@ DEVIATIONS: dict[str, tuple[tuple[str, ...], str]] = {
         ("mimics_app.rendering.haptic.channels",),
         "the words of control and the types of its channels",
     ),
-    "world/simplify/edge_collapse.py": (("heapq",), "a queue of edges beside the compiled costs"),
+    "world/files/simplify/edge_collapse.py": (("heapq",), "a queue of edges beside the compiled costs"),
     "lab/": (
         (
             "pathlib",
@@ -208,7 +208,7 @@ def test_the_loop_the_laws_and_the_devices_are_among_the_compiled_modules() -> N
         "rendering/haptic/control/admittance.py",
         "rendering/haptic/devices/serial_robot.py",
         "maths/quat.py",
-        "world/propagation.py",
+        "world/graph/propagation.py",
     } <= set(_compiled())
 
 

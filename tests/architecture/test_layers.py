@@ -61,9 +61,9 @@ PLANTED = {
         "Packages of the picture",
     ),
     "a table of the world knows scenes": (
-        "world/entity_ids.py",
-        "import mimics_app.world.scene.scene\n",
-        "Packages of the world",
+        "world/graph/entity_ids.py",
+        "import mimics_app.world.files.scene.scene\n",
+        "Floors of the world",
     ),
     "a probe knows the chart it is drawn in": (
         "lab/haptic/planted_probe.py",

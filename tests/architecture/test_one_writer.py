@@ -100,7 +100,7 @@ PLANTED = {
     "in place": "def f(memory, way):\n    memory.poses[0] += way\n",
     "a field of a snapshot": "def f(memory, k):\n    memory.snapshots[k]['state'] = 4\n",
     "a call": "import numpy as np\ndef f(memory, way):\n    np.copyto(memory.poses[0], way)\n",
-    "a publish": "from mimics_app.contracts import triple_buffer\n"
+    "a publish": "from mimics_app.contracts.shared_memory import triple_buffer\n"
     "def f(memory):\n    triple_buffer.publish(memory.snapshot_words)\n",
     "the channels": "from mimics_app.rendering.haptic.channels import channels_of\n",
     "the picture's copy": "def f(snapshot):\n    snapshot.poses[2] = 0.0\n",

@@ -102,7 +102,7 @@ from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.displays.desktop import desktop_views
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.world.components.effects import Billboard
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
 world = World()
 node = world.root.create_child("eye")
 node.create_camera()

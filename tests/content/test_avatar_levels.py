@@ -16,7 +16,7 @@ from mimics_app.app.bench.people_workload import People
 from mimics_app.app.bench.render_bench import RenderBench, measure_render
 from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.world.gltf.file import load_gltf
+from mimics_app.world.files.gltf.file import load_gltf
 from tests.golden.drawing import draw_offscreen
 
 AVATARS = root() / "assets" / "models" / "avatars"

@@ -10,7 +10,7 @@ import pytest
 from assets.builders.catalogue import find_builder
 from assets.builders.market.fruit import APPLE_RADIUS
 from mimics_app.contracts.system.resources import root
-from mimics_app.world.gltf.file import GltfDocument, GltfMesh, load_gltf
+from mimics_app.world.files.gltf.file import GltfDocument, GltfMesh, load_gltf
 
 FOLDER = root() / "assets" / "models" / "market"
 

@@ -15,9 +15,9 @@ from assets.builders.avatars.face_shape import EYE_RADIUS
 from assets.builders.avatars.folds import BENDS
 from assets.builders.avatars.postures import Pose
 from mimics_app.contracts.system.resources import root
-from mimics_app.world.gltf.accessors import GltfAccessors
-from mimics_app.world.gltf.buffers import GltfBuffers
-from mimics_app.world.gltf.gltf_document import open_gltf
+from mimics_app.world.files.gltf.accessors import GltfAccessors
+from mimics_app.world.files.gltf.buffers import GltfBuffers
+from mimics_app.world.files.gltf.gltf_document import open_gltf
 from tests.support.reference_skinning import skin_dual, skin_linear, volume
 from tests.support.shipped_people import NAMES, Part, Shipped, load_shipped
 

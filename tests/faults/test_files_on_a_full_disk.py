@@ -13,7 +13,7 @@ from mimics_app.app.study.tables import write_table
 from mimics_app.contracts.system.whole_file import whole_file
 from mimics_app.lab.sweep.store import ChunkStore
 from mimics_app.rendering.visual.surfaces.headless import write_png
-from mimics_app.world.gltf.writer import GltfWriter
+from mimics_app.world.files.gltf.writer import GltfWriter
 from tests.support.full_disk import largest_file
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -17,7 +17,7 @@ from pathlib import Path
 import pytest
 
 from mimics_app.contracts.errors import SceneError
-from mimics_app.world.gltf.file import load_gltf
+from mimics_app.world.files.gltf.file import load_gltf
 from tests.support.gltf_maker import glb, square
 
 HANG_S = 60.0
@@ -530,7 +530,7 @@ from pathlib import Path
 folder = Path(sys.argv[1])
 opened, connected = [], []
 import PIL.Image, PIL.PngImagePlugin, PIL.JpegImagePlugin
-from mimics_app.world.gltf.file import GltfError, load_gltf
+from mimics_app.world.files.gltf.file import GltfError, load_gltf
 def watch(event, arguments):
     if event == "open" and not isinstance(arguments[0], int):  # a descriptor was opened by its name before
         opened.append(str(arguments[0]))

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import SceneError
-from mimics_app.world.gltf import clips, gltf_document, meshes
-from mimics_app.world.gltf.clips import MAX_CHANNELS
-from mimics_app.world.gltf.file import load_gltf
-from mimics_app.world.gltf.gltf_document import MAX_ITEMS, MAX_NOTES, MAX_TOTAL_BYTES
-from mimics_app.world.gltf.skins import MAX_SKINNED
+from mimics_app.world.files.gltf import clips, gltf_document, meshes
+from mimics_app.world.files.gltf.clips import MAX_CHANNELS
+from mimics_app.world.files.gltf.file import load_gltf
+from mimics_app.world.files.gltf.gltf_document import MAX_ITEMS, MAX_NOTES, MAX_TOTAL_BYTES
+from mimics_app.world.files.gltf.skins import MAX_SKINNED
 from tests.support.gltf_maker import INDICES, POSITIONS, GltfMaker, square
 
 ROOM = 8 * 1024 * 1024

@@ -21,15 +21,15 @@ from mimics_app.contracts.messages.action_space import ActionSpace
 from mimics_app.lab.sweep.spec import load_sweep
 from mimics_app.learning.action_sequence import load_action_sequence
 from mimics_app.tasks.task import TaskSpec
-from mimics_app.world.components import struct_reader
 from mimics_app.world.components.objects import MAX_SHAPES
 from mimics_app.world.components.registry import component_types, system_types
-from mimics_app.world.gltf.file import load_gltf
-from mimics_app.world.meshes.mesh_file import add_mesh_file
-from mimics_app.world.scene import scene_files
-from mimics_app.world.scene.file import load_scene
-from mimics_app.world.scene.spec import MAX_ENTITIES, SceneSpec
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.files.gltf.file import load_gltf
+from mimics_app.world.files.mesh_file import add_mesh_file
+from mimics_app.world.files.reading import struct_reader
+from mimics_app.world.files.scene import scene_files
+from mimics_app.world.files.scene.file import load_scene
+from mimics_app.world.files.scene.spec import MAX_ENTITIES, SceneSpec
 from tests.support.scenes import faults, scene, thing, write
 
 SPHERE = {"shape": "sphere", "radius": 0.05}

@@ -24,9 +24,9 @@ from mimics_app.lab.sweep.spec import load_sweep, span_of
 from mimics_app.learning.action_sequence import load_action_sequence
 from mimics_app.rendering.haptic.tunnel_source import read_path
 from mimics_app.tasks.trial_file import load_blocks
-from mimics_app.world.gltf.file import load_gltf
-from mimics_app.world.gltf.model_world import read_model
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.files.gltf.file import load_gltf
+from mimics_app.world.files.scene.model_world import read_model
 from tests.support.gltf_maker import INDICES, POSITIONS, GltfMaker, glb
 from tests.support.mutations import as_text, spoil_bytes, spoil_json, survey
 

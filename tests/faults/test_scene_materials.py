@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from mimics_app.contracts.errors import SceneError
-from mimics_app.world.scene.file import load_scene
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.file import load_scene
+from mimics_app.world.files.scene.scene import Scene
 
 PASSES = [{"fragment": "unlit/unlit.frag", "blend": "add"}]
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.world.entity import Entity
-from mimics_app.world.environment import Sky
-from mimics_app.world.materials.material import Material
-from mimics_app.world.meshes.mesh import MeshData
-from mimics_app.world.meshes.primitives import plane, ring, sphere, tube
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Sky
+from mimics_app.world.content.materials.material import Material
+from mimics_app.world.content.meshes.mesh import MeshData
+from mimics_app.world.content.meshes.primitives import plane, ring, sphere, tube
+from mimics_app.world.content.world import World
+from mimics_app.world.graph.entity import Entity
 
 F8 = NDArray[np.float64]
 

@@ -22,7 +22,7 @@ from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
 from tests.golden.demo_world import make_tunnel_world
 
 SIZE = (480, 270)

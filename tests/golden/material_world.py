@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.world.environment import Backdrop, Fog, Sky
-from mimics_app.world.materials.material import Material, TextureData
-from mimics_app.world.meshes.primitives import box, plane, sphere
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Backdrop, Fog, Sky
+from mimics_app.world.content.materials.material import Material, TextureData
+from mimics_app.world.content.meshes.primitives import box, plane, sphere
+from mimics_app.world.content.world import World
 
 
 def make_room() -> World:

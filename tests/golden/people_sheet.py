@@ -22,11 +22,11 @@ from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
-from mimics_app.world.environment import Sky
-from mimics_app.world.gltf.model_world import read_model
-from mimics_app.world.motion.animator import Animator
-from mimics_app.world.motion.pose import Pose
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Sky
+from mimics_app.world.content.motion.animator import Animator
+from mimics_app.world.content.motion.pose import Pose
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.model_world import read_model
 from tests.golden.drawing import Picture, draw_offscreen
 
 SHOWN = ("woman_anna", "woman_mara", "man_tom", "player_red", "therapist")

@@ -16,9 +16,9 @@ from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.world.components.effects import Billboard, Particles
 from mimics_app.world.components.pictures import Inset, Mirror
-from mimics_app.world.live_pictures import show_mirror
-from mimics_app.world.meshes.primitives import plane
-from mimics_app.world.world import World
+from mimics_app.world.content.live_pictures import show_mirror
+from mimics_app.world.content.meshes.primitives import plane
+from mimics_app.world.content.world import World
 from tests.golden.test_still_picture import PLAIN, SIZE, draw_whole, dress, make_world, view
 
 
@@ -139,7 +139,7 @@ def test_where_a_backdrop_would_be_another_one_the_picture_is_drawn_as_a_whole(k
         world.meshes["glass"] = plane(2.0, 1.0)
         mirror = world.root.create_child("mirror", (0.0, 0.7, -1.7), (0.5**0.5, 0.0, 0.0, 0.5**0.5))
         mirror.create_entity("glass", "default")
-        show_mirror(mirror, Mirror())
+        show_mirror(world, mirror, Mirror())
     with create_surface("egl", SIZE) as surface:
         renderer = Renderer(surface, world, settings)
         for step in range(8):

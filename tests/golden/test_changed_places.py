@@ -20,11 +20,11 @@ from mimics_app.rendering.visual.software.shape_boxes import ShapeBoxes
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
-from mimics_app.world.gltf.model_world import load_model_world
-from mimics_app.world.meshes.mesh import MeshData
-from mimics_app.world.meshes.primitives import box, icosphere, plane, torus
-from mimics_app.world.motion.posing import posed_positions
-from mimics_app.world.world import World
+from mimics_app.world.content.meshes.mesh import MeshData
+from mimics_app.world.content.meshes.primitives import box, icosphere, plane, torus
+from mimics_app.world.content.motion.posing import posed_positions
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.model_world import load_model_world
 from tests.support.gltf_maker import write_gltf
 from tests.support.skin_maker import add_clip, bar, turn
 

@@ -18,7 +18,7 @@ from mimics_app.contracts.messages.board import Board
 from mimics_app.rendering.visual.quality_steps import quality_steps
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
-from mimics_app.world.scene.file import build_world, load_scene
+from mimics_app.world.files.scene.file import build_world, load_scene
 
 SCENES = ("wavy_tunnel", "pick_and_place", "tower")
 SIZE = (480, 270)

@@ -15,8 +15,8 @@ from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_block import VIEW_BLOCK
 from mimics_app.rendering.visual.view_matrices import compose_look_at
-from mimics_app.world.cords import Cord
-from mimics_app.world.world import World
+from mimics_app.world.content.cords import Cord
+from mimics_app.world.content.world import World
 from tests.golden.drawing import draw_offscreen
 
 UP = np.array([0.0, 1.0, 0.0])

@@ -24,7 +24,7 @@ from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
 from tests.golden.test_projection import PLAIN, centroid, make_disc_world
 from tests.support.lens import undistort
 

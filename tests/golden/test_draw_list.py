@@ -19,11 +19,11 @@ from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.surfaces.raw_gl import RawGL
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.environment import Sky
-from mimics_app.world.materials.material import Material, TextureData
-from mimics_app.world.meshes.mesh import MeshData
-from mimics_app.world.meshes.primitives import box, sphere
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Sky
+from mimics_app.world.content.materials.material import Material, TextureData
+from mimics_app.world.content.meshes.mesh import MeshData
+from mimics_app.world.content.meshes.primitives import box, sphere
+from mimics_app.world.content.world import World
 from tests.golden.drawing import draw_offscreen
 from tests.support.gltf_maker import glb, square, write_gltf
 from tests.support.skin_maker import add_clip, bar, turn

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
-from mimics_app.world.environment import Sky
-from mimics_app.world.materials.material import Material
-from mimics_app.world.meshes.mesh import MeshData
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Sky
+from mimics_app.world.content.materials.material import Material
+from mimics_app.world.content.meshes.mesh import MeshData
+from mimics_app.world.content.world import World
 from tests.golden.drawing import draw_offscreen
 
 F8 = NDArray[np.float64]

@@ -23,11 +23,11 @@ from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.components.effects import Projector
 from mimics_app.world.components.pictures import Mirror
-from mimics_app.world.cords import Cord
-from mimics_app.world.live_pictures import show_mirror
-from mimics_app.world.materials.material import Material
-from mimics_app.world.meshes.primitives import box, plane, sphere
-from mimics_app.world.world import World
+from mimics_app.world.content.cords import Cord
+from mimics_app.world.content.live_pictures import show_mirror
+from mimics_app.world.content.materials.material import Material
+from mimics_app.world.content.meshes.primitives import box, plane, sphere
+from mimics_app.world.content.world import World
 
 SETTINGS = RenderSettings(msaa=0, tone_map="none", occlusion="off")
 SIZE = (320, 120)
@@ -121,7 +121,7 @@ def furnished() -> World:
     world.root.create_child("", (0.35, -0.55, -1.6)).create_entity("bubble", "paint 20")
     node = world.root.create_child("mirror", (-0.6, -0.35, -1.7), (math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)))
     node.create_entity("sheet", "wet")
-    show_mirror(node, Mirror())
+    show_mirror(world, node, Mirror())
     for place, blend in (((0.5, 0.0, -1.0), "light"), ((0.0, -0.3, -1.0), "stain")):
         index = world.root.create_child("", place).index
         world.effects.add(index, Projector(kind="slide", fov=0.5, depth=6.0, blend=blend))

@@ -16,8 +16,8 @@ from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.environment import Sky
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Sky
+from mimics_app.world.content.world import World
 
 BLACK = Sky((0.0,) * 3, (0.0,) * 3, (0.0,) * 3, 0.0)
 WHITE = (1.0, 1.0, 1.0, 1.0)

@@ -14,9 +14,9 @@ from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.gltf.model_world import load_model_world
-from mimics_app.world.meshes.primitives import icosphere
-from mimics_app.world.world import World
+from mimics_app.world.content.meshes.primitives import icosphere
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.model_world import load_model_world
 from tests.support.gltf_maker import INDICES, POSITIONS, GltfMaker, glb
 
 SETTINGS = RenderSettings(msaa=0, shadow_size=0, shading="plain", occlusion="off")  # all triangles are counted

@@ -9,7 +9,7 @@ from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.displays.desktop import desktop_views
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
-from mimics_app.world.scene.file import build_world, load_scene
+from mimics_app.world.files.scene.file import build_world, load_scene
 from tests.golden.drawing import draw_world
 
 SIZE = (480, 270)

@@ -18,9 +18,9 @@ from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View, tilt_near_plane
 from mimics_app.rendering.visual.view_matrices import compose_clip_from_view, compose_look_at
 from mimics_app.world.components.pictures import Inset, Mirror, Screen
-from mimics_app.world.live_pictures import show_mirror, show_screen
-from mimics_app.world.meshes.primitives import box, plane, sphere
-from mimics_app.world.world import World
+from mimics_app.world.content.live_pictures import show_mirror, show_screen
+from mimics_app.world.content.meshes.primitives import box, plane, sphere
+from mimics_app.world.content.world import World
 from tests.golden.drawing import draw_world
 from tests.golden.material_world import make_room
 
@@ -39,7 +39,7 @@ def make_mirrored_room(width: float = 6.0, height: float = 4.0) -> World:
     world.meshes["mirror"] = plane(width, height)
     node = world.root.create_child("mirror", (0.0, 1.0, 2.0), AWAY)
     node.create_entity("mirror", "default").subentities[0].casts_shadow = False
-    show_mirror(node, Mirror())
+    show_mirror(world, node, Mirror())
     world.update()
     return world
 
@@ -147,7 +147,7 @@ def test_a_mirror_in_a_mirror_shows_the_sky_and_ends_there():
     world = make_mirrored_room()
     node = world.root.create_child("opposite", (0.0, 1.0, -1.0), UPRIGHT)
     node.create_entity("mirror", "default").subentities[0].casts_shadow = False
-    show_mirror(node, Mirror())
+    show_mirror(world, node, Mirror())
     world.update()
     with create_surface("egl", SIZE) as surface:
         renderer = Renderer(surface, world, PLAIN)
@@ -265,7 +265,8 @@ def make_screen_room(shines: bool = True, every: int = 1) -> World:
     world.meshes["screen"] = plane(1.6, 0.9)
     node = world.root.create_child("screen", (0.0, 3.2, 1.0), UPRIGHT)
     node.create_entity("screen", "default").subentities[0].casts_shadow = False
-    show_screen(node, Screen(camera="second", size=(192, 108), every=every, shows="light" if shines else "paint"))
+    shows = "light" if shines else "paint"
+    show_screen(world, node, Screen(camera="second", size=(192, 108), every=every, shows=shows))
     world.update()
     return world
 
@@ -341,7 +342,7 @@ def test_pictures_come_and_go_with_what_shows_them():
         node.entity.set_material("default")
         world.update()
         assert not np.array_equal(picture(), mirrored)
-        show_mirror(node, Mirror())
+        show_mirror(world, node, Mirror())
         world.update()
         assert np.array_equal(picture(), mirrored)
         renderer.world = make_room()

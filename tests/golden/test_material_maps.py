@@ -8,10 +8,10 @@ import pytest
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
-from mimics_app.world.environment import Sky
-from mimics_app.world.materials.material import IDENTITY, Material, TextureData
-from mimics_app.world.meshes.primitives import plane
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Sky
+from mimics_app.world.content.materials.material import IDENTITY, Material, TextureData
+from mimics_app.world.content.meshes.primitives import plane
+from mimics_app.world.content.world import World
 from tests.golden.drawing import draw_offscreen
 from tests.golden.test_shading import encode, front_view, make_ball
 

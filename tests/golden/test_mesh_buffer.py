@@ -12,13 +12,13 @@ from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
-from mimics_app.world.environment import Sky
-from mimics_app.world.materials.material import Material
-from mimics_app.world.meshes.mesh import MeshData
-from mimics_app.world.meshes.mesh_buffer import MeshBuffer
-from mimics_app.world.meshes.primitives import box, plane
-from mimics_app.world.meshes.vertex_declaration import COLOUR_DECLARATION, VERTEX_DECLARATION
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Sky
+from mimics_app.world.content.materials.material import Material
+from mimics_app.world.content.meshes.mesh import MeshData
+from mimics_app.world.content.meshes.mesh_buffer import MeshBuffer
+from mimics_app.world.content.meshes.primitives import box, plane
+from mimics_app.world.content.meshes.vertex_declaration import COLOUR_DECLARATION, VERTEX_DECLARATION
+from mimics_app.world.content.world import World
 
 SIZE = (64, 64)
 PLAIN = RenderSettings(msaa=0, shadow_size=0, tone_map="none", fog_density=0.0)

@@ -22,7 +22,7 @@ from mimics_app.rendering.visual.presenting.compose import ComposePass
 from mimics_app.rendering.visual.presenting.presenter import Presenter
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.view import Latch, View
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
 
 MS = 1_000_000
 ROOT = Path(__file__).parents[2]

@@ -13,11 +13,11 @@ from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.gltf.model_world import load_model_world
-from mimics_app.world.materials.material import Material
-from mimics_app.world.meshes.mesh import MeshData
-from mimics_app.world.meshes.primitives import box, icosphere, plane
-from mimics_app.world.world import World
+from mimics_app.world.content.materials.material import Material
+from mimics_app.world.content.meshes.mesh import MeshData
+from mimics_app.world.content.meshes.primitives import box, icosphere, plane
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.model_world import load_model_world
 from tests.support.gltf_maker import GltfMaker, glb
 from tests.verification.test_solids import house
 
@@ -46,7 +46,7 @@ def make_town(seed: int) -> World:
             kind, turn = rng.integers(5), (0.0, float(rng.normal()), 0.0, 1.0)
             place = (24.0 * x + rng.uniform(-2, 2), 0.0, 20.0 * z + rng.uniform(-1, 1))
             node = world.root.create_child("", place, turn, (1.0, float(rng.uniform(0.8, 1.4)), 1.0))
-            world.show(node, [(f"a{kind}", f"{rng.integers(8)}"), (f"b{kind}", f"{rng.integers(8)}")])
+            node.show([(f"a{kind}", f"{rng.integers(8)}"), (f"b{kind}", f"{rng.integers(8)}")])
             ball = world.root.create_child("", (place[0] + 11.0, 1.0, place[2] + rng.uniform(-8, 8)))
             ball.create_entity("c", str(rng.choice(["pane", "veil", "1", "2"])))
     world.update()

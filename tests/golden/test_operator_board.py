@@ -12,7 +12,7 @@ from mimics_app.contracts.messages.board import Board, Card
 from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
-from mimics_app.world.scene.file import build_world, load_scene
+from mimics_app.world.files.scene.file import build_world, load_scene
 
 BOARD = Board({"trial": Card("Trial", "1"), "time": Card("Time", "7 s")}, "Look at the figure before you")
 

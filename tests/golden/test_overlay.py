@@ -23,10 +23,10 @@ from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
-from mimics_app.world.environment import Sky
-from mimics_app.world.materials.material import Material
-from mimics_app.world.meshes.primitives import box, plane
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Sky
+from mimics_app.world.content.materials.material import Material
+from mimics_app.world.content.meshes.primitives import box, plane
+from mimics_app.world.content.world import World
 
 SIZE = (480, 270)
 SETTINGS = RenderSettings(msaa=0, shadow_size=256, fog_density=0.0)
@@ -173,7 +173,7 @@ import json, sys
 from tests.golden.test_safe_pictures import view_from_above
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.renderer import Renderer
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
 with create_surface("egl", (16, 16)) as surface:
     Renderer(surface, World()).draw([view_from_above()])
 print(json.dumps([name for name in sys.modules if ".overlay." in name]))

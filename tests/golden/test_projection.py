@@ -15,10 +15,10 @@ from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.view import View, compute_frustum_planes
 from mimics_app.rendering.visual.view_matrices import compose_look_at
-from mimics_app.world.environment import Sky
-from mimics_app.world.materials.material import Material
-from mimics_app.world.meshes.primitives import ring, sphere
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Sky
+from mimics_app.world.content.materials.material import Material
+from mimics_app.world.content.meshes.primitives import ring, sphere
+from mimics_app.world.content.world import World
 from tests.golden.demo_world import make_tunnel_world
 from tests.golden.drawing import SIZE, draw_offscreen, draw_world
 

@@ -17,10 +17,10 @@ from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.components.effects import Projector
-from mimics_app.world.environment import Sky
-from mimics_app.world.materials.material import Material, TextureData
-from mimics_app.world.meshes.primitives import box, plane
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Sky
+from mimics_app.world.content.materials.material import Material, TextureData
+from mimics_app.world.content.meshes.primitives import box, plane
+from mimics_app.world.content.world import World
 from tests.golden.drawing import draw_offscreen
 from tests.golden.test_sprites import encode
 

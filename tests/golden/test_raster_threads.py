@@ -14,8 +14,8 @@ from mimics_app.rendering.visual.software import raster_threads
 from mimics_app.rendering.visual.software.raster_threads import RasterThreads
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.meshes.primitives import icosphere
-from mimics_app.world.world import World
+from mimics_app.world.content.meshes.primitives import icosphere
+from mimics_app.world.content.world import World
 
 SETTINGS = RenderSettings(msaa=0, shadow_size=0)
 LARGE, SMALL = (640, 480), (64, 36)

@@ -20,11 +20,11 @@ from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
-from mimics_app.world.environment import Backdrop
-from mimics_app.world.gltf.file import load_gltf
-from mimics_app.world.gltf.nodes import MAX_DEPTH
-from mimics_app.world.materials.material import MISSING_PICTURE, Material, TextureData
-from mimics_app.world.scene.file import build_world, load_scene
+from mimics_app.world.content.environment import Backdrop
+from mimics_app.world.content.materials.material import MISSING_PICTURE, Material, TextureData
+from mimics_app.world.files.gltf.file import load_gltf
+from mimics_app.world.files.gltf.nodes import MAX_DEPTH
+from mimics_app.world.files.scene.file import build_world, load_scene
 from tests.golden.test_techniques import PLAIN, draw, make_world
 from tests.support.gltf_maker import square, write_gltf
 

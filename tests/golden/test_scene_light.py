@@ -14,7 +14,7 @@ from mimics_app.app.play.scene_sheet import SceneLight, draw_scene_sheet, measur
 from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.lighting import gather_lighting
 from mimics_app.world.components.visible import Environment
-from mimics_app.world.scene.file import build_world, load_scene
+from mimics_app.world.files.scene.file import build_world, load_scene
 
 SCENES = scenes_in(root() / "scenes")
 QUICK = ("wavy_tunnel", "surfaces", "decals")

@@ -15,9 +15,9 @@ from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.materials.material import Material
-from mimics_app.world.meshes.primitives import box, icosphere, plane, torus
-from mimics_app.world.world import World
+from mimics_app.world.content.materials.material import Material
+from mimics_app.world.content.meshes.primitives import box, icosphere, plane, torus
+from mimics_app.world.content.world import World
 
 SETTINGS = RenderSettings(msaa=0, shadow_size=0, fog_density=0.0, shading="plain")
 WHOLE = replace(SETTINGS, occlusion="off")

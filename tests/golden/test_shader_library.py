@@ -19,8 +19,8 @@ from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
-from mimics_app.world.materials.material import Material
-from mimics_app.world.meshes.primitives import sphere
+from mimics_app.world.content.materials.material import Material
+from mimics_app.world.content.meshes.primitives import sphere
 from tests.golden.demo_world import make_tunnel_world
 
 _SHADERS = Path(__file__).parents[2] / "shaders"

@@ -20,10 +20,10 @@ from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
-from mimics_app.world.environment import Sky
-from mimics_app.world.materials.material import Material
-from mimics_app.world.meshes.primitives import box, plane, sphere
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Sky
+from mimics_app.world.content.materials.material import Material
+from mimics_app.world.content.meshes.primitives import box, plane, sphere
+from mimics_app.world.content.world import World
 
 F8 = NDArray[np.float64]
 SIZE = (320, 180)

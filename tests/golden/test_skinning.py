@@ -13,9 +13,9 @@ from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
-from mimics_app.world.gltf.model_world import load_model_world
-from mimics_app.world.motion.posing import mix_duals, mix_matrices
-from mimics_app.world.world import World
+from mimics_app.world.content.motion.posing import mix_duals, mix_matrices
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.model_world import load_model_world
 from tests.support.gltf_maker import GltfMaker, write_gltf
 from tests.support.skin_maker import add_clip, bar, turn
 

@@ -11,10 +11,10 @@ from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
-from mimics_app.world.environment import Backdrop, Fog, Sky
-from mimics_app.world.materials.material import Material, TextureData
-from mimics_app.world.meshes.primitives import plane
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Backdrop, Fog, Sky
+from mimics_app.world.content.materials.material import Material, TextureData
+from mimics_app.world.content.meshes.primitives import plane
+from mimics_app.world.content.world import World
 from tests.golden.test_shading import encode
 
 PLAIN = RenderSettings(msaa=0, shadow_size=0, tone_map="none", fog_density=0.0)

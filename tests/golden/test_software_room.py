@@ -27,7 +27,7 @@ _OPEN = """
 import mimics_app.rendering.visual.renderer as renderer
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.rasteriser import without_software
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
 """
 
 

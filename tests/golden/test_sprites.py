@@ -21,11 +21,11 @@ from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.components.effects import Billboard, Particles, Projector
-from mimics_app.world.environment import Fog, Sky
-from mimics_app.world.materials.material import Material, TextureData
-from mimics_app.world.materials.sprite_pictures import sprite_picture
-from mimics_app.world.meshes.primitives import plane
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Fog, Sky
+from mimics_app.world.content.materials.material import Material, TextureData
+from mimics_app.world.content.materials.sprite_pictures import sprite_picture
+from mimics_app.world.content.meshes.primitives import plane
+from mimics_app.world.content.world import World
 from tests.golden.drawing import draw_offscreen
 
 F8 = NDArray[np.float64]

@@ -14,9 +14,9 @@ from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
-from mimics_app.world.materials.material import Material
-from mimics_app.world.meshes.primitives import box, icosphere, plane
-from mimics_app.world.world import World
+from mimics_app.world.content.materials.material import Material
+from mimics_app.world.content.meshes.primitives import box, icosphere, plane
+from mimics_app.world.content.world import World
 
 SIZE = (160, 120)
 BOX, BALL = 12, 80

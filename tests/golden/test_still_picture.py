@@ -23,12 +23,12 @@ from mimics_app.rendering.visual.view import Rect, View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.components.effects import Billboard, Projector
 from mimics_app.world.components.pictures import Inset, Mirror, Screen
-from mimics_app.world.cords import Cord
-from mimics_app.world.live_pictures import show_mirror, show_screen
-from mimics_app.world.materials.material import Material
-from mimics_app.world.materials.technique import PassSpec, TechniqueSpec
-from mimics_app.world.meshes.primitives import box, icosphere, plane
-from mimics_app.world.world import World
+from mimics_app.world.content.cords import Cord
+from mimics_app.world.content.live_pictures import show_mirror, show_screen
+from mimics_app.world.content.materials.material import Material
+from mimics_app.world.content.materials.technique import PassSpec, TechniqueSpec
+from mimics_app.world.content.meshes.primitives import box, icosphere, plane
+from mimics_app.world.content.world import World
 
 SIZE = (320, 192)
 PLAIN = RenderSettings(msaa=0, shadow_size=256)
@@ -303,8 +303,8 @@ def add_live_pictures(world: World) -> None:
     world.find("screen").set_orientation((0.0, math.sqrt(0.5), -math.sqrt(0.5), 0.0))
     world.root.create_child("eye", (-2.0, 1.5, 0.0)).create_camera(0.8, 0.05, 20.0)
     world.find("eye").look_at((0.0, 0.3, 0.3))
-    show_mirror(world.find("mirror"), Mirror())
-    show_screen(world.find("screen"), Screen(camera="eye", size=(96, 64)))
+    show_mirror(world, world.find("mirror"), Mirror())
+    show_screen(world, world.find("screen"), Screen(camera="eye", size=(96, 64)))
     world.insets["eye"] = Inset(camera="eye", rectangle=(0.7, 0.7, 0.25, 0.25))
     world.update()
 

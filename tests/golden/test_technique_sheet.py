@@ -17,12 +17,12 @@ from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
-from mimics_app.world.environment import Sky
-from mimics_app.world.materials.material import Material
-from mimics_app.world.materials.technique import PassSpec, TechniqueSpec
-from mimics_app.world.materials.technique_library import built_in_techniques
-from mimics_app.world.meshes.primitives import plane, sphere
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Sky
+from mimics_app.world.content.materials.material import Material
+from mimics_app.world.content.materials.technique import PassSpec, TechniqueSpec
+from mimics_app.world.content.meshes.primitives import plane, sphere
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.technique_library import built_in_techniques
 from tests.golden.drawing import draw_world
 from tests.golden.material_world import bricks, bumps, leaf, worn
 

@@ -17,12 +17,12 @@ from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
-from mimics_app.world.environment import Sky
-from mimics_app.world.materials.material import Material, TextureData
-from mimics_app.world.materials.technique import Needs, PassSpec, TechniqueSpec
-from mimics_app.world.materials.technique_library import built_in_techniques
-from mimics_app.world.meshes.primitives import plane
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Sky
+from mimics_app.world.content.materials.material import Material, TextureData
+from mimics_app.world.content.materials.technique import Needs, PassSpec, TechniqueSpec
+from mimics_app.world.content.meshes.primitives import plane
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.technique_library import built_in_techniques
 
 PLAIN = RenderSettings(msaa=0, shadow_size=0, tone_map="none", fog_density=0.0)
 WHOLE = Capabilities(460, 32, 16384, frozenset({"GL_ARB_shader_viewport_layer_array"}))

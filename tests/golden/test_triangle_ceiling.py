@@ -12,7 +12,7 @@ from mimics_app.app.picture.picture import Picture, picture_quality
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
-from mimics_app.world.scene.file import build_world
+from mimics_app.world.files.scene.file import build_world
 
 CEILING = 80_000
 HIGHER = {"city_walk": 100_000, "avatar_gallery": 100_000}

@@ -19,9 +19,9 @@ from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
-from mimics_app.world.gltf.model_world import load_model_world
-from mimics_app.world.materials.technique_library import built_in_techniques
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.model_world import load_model_world
+from mimics_app.world.files.scene.technique_library import built_in_techniques
 from tests.golden.drawing import Picture, draw_offscreen
 
 SIZE = (320, 320)

@@ -24,7 +24,7 @@ from mimics_app.contracts.system.resources import root
 from mimics_app.maths import mat, quat
 from mimics_app.scenarios.figures.ground_path import GroundPath
 from mimics_app.world.components.walking import WalkingPath
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
 from tests.verification.test_sound_onset import read_file
 
 SCENE = root() / "scenes" / "city_walk.json"

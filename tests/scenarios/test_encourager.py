@@ -14,9 +14,9 @@ from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.system.resources import root
-from mimics_app.world.motion.state_machine import StateMachine
-from mimics_app.world.scene.file import build_world
-from mimics_app.world.world import World
+from mimics_app.world.content.motion.state_machine import StateMachine
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.file import build_world
 
 SCENES = ("wavy_tunnel", "pick_and_place")
 

@@ -17,8 +17,8 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.messages.stage_messages import TaskAction, TrialResult, UserState
 from mimics_app.contracts.system.resources import root
 from mimics_app.scenarios.figures.alley_figure import AlleyFigure
-from mimics_app.world.scene.file import build_world
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.file import build_world
 
 WALK = root() / "scenes" / "guided_walk.json"
 FRAME = 1.0 / 60.0
@@ -133,7 +133,7 @@ def test_who_is_too_near_steps_back_and_keeps_looking() -> None:
 def alley() -> tuple[World, AlleyFigure, AlleyFigure]:
     """The scene's world, its avatar and its person."""
     world = build_world(load_checked_scene(WALK))
-    return world, AlleyFigure(world.find("avatar"), 1.0), AlleyFigure(world.find("person"), -1.0)
+    return world, AlleyFigure(world, world.find("avatar"), 1.0), AlleyFigure(world, world.find("person"), -1.0)
 
 
 def play(world: World) -> None:

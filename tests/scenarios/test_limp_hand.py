@@ -14,7 +14,7 @@ from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task import DurationGoal
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene
 from tests.support.core_play import CorePlay, change_component
 
 TRAVEL_S = 4.0

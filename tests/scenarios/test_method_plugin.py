@@ -33,7 +33,7 @@ from mimics_app.contracts.ports.method_table import Row
 from mimics_app.contracts.ports.methods import Group, Method
 from mimics_app.scenarios.parts.touch_scene import TouchScene
 from mimics_app.world.components.robot import Robot
-from mimics_app.world.scene.method_plugins import MethodPlugin, Use
+from mimics_app.world.files.scene.method_plugins import MethodPlugin, Use
 
 GROUP = "square root"
 
@@ -150,7 +150,7 @@ def test_the_planner_takes_the_cheapest_within_and_that_one_runs(answers: dict[o
     said = "".join(answer.stderr for answer in answers.values())  # once in a process
     for name, why in {
         "broken": "its plug-in lab_of_guesses:no_such_thing cannot be imported: AttributeError",
-        "wrong": "its plug-in lab_of_guesses:Guesser is not a mimics_app.world.scene.method_plugins.MethodPlugin",
+        "wrong": "its plug-in lab_of_guesses:Guesser is not a mimics_app.world.files.scene.method_plugins.MethodPlugin",
         "odd": 'its plug-in lab_of_guesses:ODD has errors in "parsec", which no tolerance bounds',
     }.items():
         assert f'mimics: the entry of methods "{name}" is left out: {why}' in said

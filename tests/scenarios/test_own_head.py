@@ -13,10 +13,10 @@ from mimics_app.app.scenes.scenario_choice import open_scenario
 from mimics_app.contracts.messages.stage_messages import TaskOrders
 from mimics_app.contracts.system.resources import root
 from mimics_app.scenarios.figures.walking_figure import OWN_HEAD
-from mimics_app.world.motion.humanoid import find_humanoid
-from mimics_app.world.motion.reach import Chain
-from mimics_app.world.scene.file import build_world, load_scene
-from mimics_app.world.world import World
+from mimics_app.world.content.motion.humanoid import find_humanoid
+from mimics_app.world.content.motion.reach import Chain
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.file import build_world, load_scene
 from tests.support.task_play import make_snapshot
 
 ROOT = root()

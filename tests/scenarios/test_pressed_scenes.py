@@ -9,7 +9,7 @@ import pytest
 
 from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.world.components.robot import Patient, Robot
-from mimics_app.world.scene.file import load_scene
+from mimics_app.world.files.scene.file import load_scene
 from tests.support.core_play import CorePlay, change_component
 from tests.support.press_play import QUIET, shaking
 

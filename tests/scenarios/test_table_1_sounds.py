@@ -15,7 +15,7 @@ from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.rendering.audio.offline import OfflineAudio
 from mimics_app.rendering.audio.scene_sounds import settings_from_components
 from mimics_app.world.components.visible import Sound, SoundEmitter
-from mimics_app.world.scene.file import build_world
+from mimics_app.world.files.scene.file import build_world
 from tests.support.audio_scene import RATE, contact, push
 from tests.verification.test_sound_onset import read_file
 

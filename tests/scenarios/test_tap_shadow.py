@@ -11,7 +11,7 @@ import pytest
 from mimics_app.scenarios.avatar_cord import AvatarCord
 from mimics_app.tasks.kinds.avatar_cord.spec import ConditionSpec, TapsSpec
 from mimics_app.tasks.kinds.avatar_cord.tap_schedule import plan_taps
-from mimics_app.world.scene.file import build_world, load_scene
+from mimics_app.world.files.scene.file import build_world, load_scene
 
 ROOT = Path(__file__).parents[2]
 BALL, HEAD = 0.022, 0.13

@@ -11,8 +11,8 @@ import pytest
 from mimics_app.contracts.errors import SceneError
 from mimics_app.maths.poses import pose_from_parts, rotation_from_vector
 from mimics_app.scenarios.figures.tracked_figure import TrackedFigure
-from mimics_app.world.raycast import cast_ray
-from mimics_app.world.scene.file import build_world, load_scene
+from mimics_app.world.content.raycast import cast_ray
+from mimics_app.world.files.scene.file import build_world, load_scene
 
 ROOT = Path(__file__).parents[2]
 FRAME_NS = 16_666_667

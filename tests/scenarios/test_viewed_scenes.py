@@ -10,7 +10,7 @@ import pytest
 from mimics_app.app.viewer.shown import open_shown
 from mimics_app.contracts.errors import SceneError
 from mimics_app.world.components.robot import Ball
-from mimics_app.world.scene.placing import world_matrix
+from mimics_app.world.files.scene.placing import world_matrix
 
 _SCENES = Path(__file__).parents[2] / "scenes"
 SCENES = sorted(

@@ -19,7 +19,7 @@ from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.scene_block import impedance_values
 from mimics_app.world.components.robot import Impedance, Patient, Robot
-from mimics_app.world.scene.file import load_scene
+from mimics_app.world.files.scene.file import load_scene
 from tests.support.felt_energy import fastest_change, given, paid
 from tests.support.haptic_bench import Bench, bench_of, wavy
 from tests.support.scene_play import ScenePlay

@@ -31,7 +31,7 @@ from mimics_app.recording.arrow_scan import read_index
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import FILES
 from mimics_app.rendering.visual.displays.desktop import desktop_views
-from mimics_app.world.scene.file import build_world
+from mimics_app.world.files.scene.file import build_world
 from tests.support.xvfb import display
 
 __all__ = ["SIZE", "AppWindow", "open_journey", "open_window", "pixel_of"]

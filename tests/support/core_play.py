@@ -12,7 +12,7 @@ from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.session.switched_off import NullRecorder
 from mimics_app.app.settings import RunSettings
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["CorePlay", "KeepingRecorder", "change_component"]
 

@@ -9,7 +9,7 @@ from typing import Any
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.contracts.errors import SceneError
 from mimics_app.rendering.haptic.scene_objects import SceneObjects, objects_of_scene
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene
 from tests.support.scenes import scene, thing, write
 
 CUBE = {"shape": "cube", "size": [0.1, 0.1, 0.1]}

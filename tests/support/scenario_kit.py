@@ -17,8 +17,8 @@ from mimics_app.app.viewer.resting import rest
 from mimics_app.contracts.loop.haptic import SCENE
 from mimics_app.contracts.messages.stage_messages import Aim, TaskOrders
 from mimics_app.contracts.ports.scenario_port import Scenario
-from mimics_app.world.scene.file import build_world
-from mimics_app.world.scene.reload import apply_scene
+from mimics_app.world.files.scene.file import build_world
+from mimics_app.world.files.scene.reload import apply_scene
 from tests.support.core_play import CorePlay
 
 SEED = 3

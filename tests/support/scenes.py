@@ -8,7 +8,7 @@ from typing import Any
 
 from mimics_app.app.scenes.stage_checks import check_components
 from mimics_app.contracts.errors import SceneError
-from mimics_app.world.scene.file import load_scene
+from mimics_app.world.files.scene.file import load_scene
 
 
 def scene(*entities: dict[str, Any], **parts: Any) -> dict[str, Any]:

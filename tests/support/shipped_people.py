@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from assets.builders.avatars.person import EVERYBODY, Person
 from assets.builders.avatars.skeleton import Skeleton, make_skeleton
 from mimics_app.contracts.system.resources import root
-from mimics_app.world.gltf.file import load_gltf
+from mimics_app.world.files.gltf.file import load_gltf
 
 F8 = NDArray[np.float64]
 I8 = NDArray[np.int64]

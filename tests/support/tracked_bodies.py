@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from mimics_app.compiled.kernel import kernel
-from mimics_app.world.motion.humanoid import find_humanoid
-from mimics_app.world.motion.kernels.chain import follow_chain
-from mimics_app.world.motion.kernels.upper_body import STATE, solve_upper_body
-from mimics_app.world.motion.reach import SWIVEL_RATE, Chain
-from mimics_app.world.motion.rig import Rig
-from mimics_app.world.motion.upper_body import UpperBody
+from mimics_app.world.content.motion.humanoid import find_humanoid
+from mimics_app.world.content.motion.kernels.chain import follow_chain
+from mimics_app.world.content.motion.kernels.upper_body import STATE, solve_upper_body
+from mimics_app.world.content.motion.reach import SWIVEL_RATE, Chain
+from mimics_app.world.content.motion.rig import Rig
+from mimics_app.world.content.motion.upper_body import UpperBody
 
 __all__ = ["MEASURED", "pose_all"]
 

@@ -15,7 +15,7 @@ from mimics_app.rendering.audio.scene_sounds import settings_from_components
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 from mimics_app.rendering.audio.synth_crowd import synthesise_crowd
 from mimics_app.world.components.visible import Sound, SoundEmitter
-from mimics_app.world.scene.assets import SceneAsset
+from mimics_app.world.files.scene.assets import SceneAsset
 
 
 def from_scene(sounds, emitters=(), **changes):

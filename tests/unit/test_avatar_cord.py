@@ -41,7 +41,7 @@ from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.trial_file import resolve_files
 from mimics_app.tasks.trials import plan_trials
-from mimics_app.world.scene.file import load_scene
+from mimics_app.world.files.scene.file import load_scene
 from tests.support.task_play import make_events, make_snapshot
 from tests.support.vibrator_box import CommandReader, EmulatedVibrators
 

@@ -10,7 +10,7 @@ import pytest
 
 from mimics_app.app.cli import main
 from mimics_app.contracts.system.resources import root
-from mimics_app.world.scene.file import build_world, load_scene
+from mimics_app.world.files.scene.file import build_world, load_scene
 from tests.support.gltf_maker import write_gltf
 from tests.support.guide import pieces, written_module
 from tests.support.person_maker import PLACES, person
@@ -53,7 +53,7 @@ def test_the_python_of_the_guide_runs(tmp_path: Path, model: Path) -> None:
     assert len(heights) == 30 and max(heights) > min(heights) + 0.2
     assert callable(written_module(tmp_path, found["capture"]).add_take)
     module = written_module(tmp_path, found["twin"])
-    from mimics_app.world.gltf.model_world import load_model_world
+    from mimics_app.world.files.scene.model_world import load_model_world
 
     worlds = [load_model_world(model) for _ in range(2)]
     first, second = (next(iter(world.motion.animators.values())) for world in worlds)

@@ -165,7 +165,7 @@ def test_a_module_among_the_component_types_registers_before_scenes_are_read(tmp
     (tmp_path / "planted.py").write_text(planted + "class Planted(Component, frozen=True):\n    share: float = 0.5\n")
     code = (
         "import sys; from mimics_app.world import components; components.__path__.append(sys.argv[1]);"
-        "from mimics_app.world.scene.file import load_scene;"
+        "from mimics_app.world.files.scene.file import load_scene;"
         "from mimics_app.world.components.registry import component_types; assert 'planted' in component_types()"
     )
     subprocess.run([sys.executable, "-c", code, str(tmp_path)], cwd=root(), check=True, timeout=120)

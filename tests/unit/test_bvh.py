@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import SceneError
-from mimics_app.world.gltf.model_world import load_model_world
-from mimics_app.world.motion.bvh import capture_clip, read_bvh
-from mimics_app.world.motion.humanoid import find_humanoid
-from mimics_app.world.motion.layer import Layer
-from mimics_app.world.motion.pose import Pose
-from mimics_app.world.motion.reach import Chain
+from mimics_app.world.content.motion.humanoid import find_humanoid
+from mimics_app.world.content.motion.layer import Layer
+from mimics_app.world.content.motion.pose import Pose
+from mimics_app.world.content.motion.reach import Chain
+from mimics_app.world.files.capture.bvh import capture_clip, read_bvh
+from mimics_app.world.files.scene.model_world import load_model_world
 from tests.support.person_maker import PLACES, write_person
 from tests.support.skin_maker import turn
 

@@ -17,12 +17,12 @@ from mimics_app.app.cli import main
 from mimics_app.app.viewer.playing import read_motion
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.system import read_budget
-from mimics_app.world.gltf.model_world import load_model_world
-from mimics_app.world.motion.c3d_file import read_c3d
-from mimics_app.world.motion.humanoid import find_humanoid
-from mimics_app.world.motion.layer import Layer
-from mimics_app.world.motion.markers import find_points
-from mimics_app.world.motion.reach import Chain
+from mimics_app.world.content.motion.humanoid import find_humanoid
+from mimics_app.world.content.motion.layer import Layer
+from mimics_app.world.content.motion.reach import Chain
+from mimics_app.world.files.capture.c3d_file import read_c3d
+from mimics_app.world.files.capture.markers import find_points
+from mimics_app.world.files.scene.model_world import load_model_world
 from tests.support.person_maker import PLACES, write_person
 from tests.support.skin_maker import turn
 

@@ -15,7 +15,7 @@ from mimics_app.rendering.visual.kernels.particles import SPRITE
 from mimics_app.rendering.visual.kernels.sprites import MAX_PIECES, SPRITE_VERTEX, write_sprites
 from mimics_app.scenarios.parts.next_station import NextStation
 from mimics_app.world.components.shapes import SphereShape
-from mimics_app.world.scene.file import build_world, load_scene
+from mimics_app.world.files.scene.file import build_world, load_scene
 
 PLATE = (0.10, 0.02)
 

@@ -11,7 +11,7 @@ import pytest
 from mimics_app.app.cli import main
 from mimics_app.contracts.system.resources import root
 from mimics_app.world.components.registry import component_types, system_types
-from mimics_app.world.scene.schema import scene_schema
+from mimics_app.world.files.scene.schema import scene_schema
 from tests.support.gltf_maker import square, write_gltf
 from tests.support.scenes import scene, thing, write
 

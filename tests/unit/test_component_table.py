@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mimics_app.world.table import ComponentTable
+from mimics_app.world.graph.table import ComponentTable
 
 
 @settings(max_examples=100)

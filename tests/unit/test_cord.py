@@ -10,7 +10,7 @@ import pytest
 
 from mimics_app.lab.groups.ripple_distance import BENDS, crest_error, midway, straight
 from mimics_app.maths.cord import Ripple, Ripples, hang
-from mimics_app.world.cords import MAX_TAPS, Cord
+from mimics_app.world.content.cords import MAX_TAPS, Cord
 
 SEED = 11
 

@@ -9,8 +9,8 @@ from mimics_app.app.cues.effect_cues import EffectCues
 from mimics_app.contracts.loop.haptic import EVENT, EventKind
 from mimics_app.contracts.messages.stage_messages import TaskOrders
 from mimics_app.contracts.messages.trial_state import TaskView, TrialState
-from mimics_app.world.scene.file import build_world, load_scene
-from mimics_app.world.scene.reload import apply_scene
+from mimics_app.world.files.scene.file import build_world, load_scene
+from mimics_app.world.files.scene.reload import apply_scene
 from tests.support.scenes import faults, scene, thing, write
 
 NONE = np.zeros(0, EVENT)

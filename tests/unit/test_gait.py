@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimics_app.world.gltf.model_world import load_model_world
-from mimics_app.world.motion.animator import Animator
-from mimics_app.world.motion.gait import Pace, Walk, natural_step
-from mimics_app.world.motion.humanoid import find_humanoid
-from mimics_app.world.motion.reach import Chain
-from mimics_app.world.motion.reference_gait import NATURAL, SAMPLES, TILT, knee_by_speed
-from mimics_app.world.motion.rig import Rig
+from mimics_app.world.content.motion.animator import Animator
+from mimics_app.world.content.motion.gait import Pace, Walk, natural_step
+from mimics_app.world.content.motion.humanoid import find_humanoid
+from mimics_app.world.content.motion.reach import Chain
+from mimics_app.world.content.motion.reference_gait import NATURAL, SAMPLES, TILT, knee_by_speed
+from mimics_app.world.content.motion.rig import Rig
+from mimics_app.world.files.scene.model_world import load_model_world
 from tests.support.person_maker import PLACES, REST_ARMS, resting, write_person
 
 FRAME = 1.0 / 60.0

@@ -12,9 +12,9 @@ from mimics_app.app.cli import main
 from mimics_app.app.viewer.shown import open_shown
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.system.resources import root
-from mimics_app.world.gltf.model_world import load_model_world
-from mimics_app.world.meshes.primitives import sphere
-from mimics_app.world.simplify.level_writer import write_levels
+from mimics_app.world.content.meshes.primitives import sphere
+from mimics_app.world.files.scene.model_world import load_model_world
+from mimics_app.world.files.simplify.level_writer import write_levels
 
 STONE = root() / "assets" / "models" / "touch" / "stone.glb"
 PIXEL = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR4nGP4z8DwHwAFAAH/iZk9HQAAAABJRU5ErkJggg=="

@@ -12,8 +12,8 @@ from mimics_app.app.cli import main
 from mimics_app.app.viewer.playing import play_clip
 from mimics_app.app.viewer.shown import open_shown
 from mimics_app.contracts.errors import SceneError
-from mimics_app.world.gltf.file import load_gltf
-from mimics_app.world.motion.posing import posed_positions
+from mimics_app.world.content.motion.posing import posed_positions
+from mimics_app.world.files.gltf.file import load_gltf
 from tests.support.gltf_maker import GltfMaker, write_gltf
 from tests.support.gltf_reference import Reference
 from tests.support.shared_data import shared_folder

@@ -16,8 +16,8 @@ from mimics_app.contracts.errors import SceneError
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.scene_sounds import settings_from_components
 from mimics_app.world.components.visible import Sound, SoundEmitter
-from mimics_app.world.gltf.file import load_gltf
-from mimics_app.world.scene.file import build_world
+from mimics_app.world.files.gltf.file import load_gltf
+from mimics_app.world.files.scene.file import build_world
 from tests.support.gltf_maker import GltfMaker, write_gltf
 
 RATE = 48_000

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import SceneError
-from mimics_app.world.gltf.file import load_gltf
-from mimics_app.world.gltf.model_world import load_model_world
+from mimics_app.world.files.gltf.file import load_gltf
+from mimics_app.world.files.scene.model_world import load_model_world
 from tests.support.gltf_maker import GltfMaker, square, write_gltf
 
 

@@ -11,11 +11,11 @@ import pytest
 from mimics_app.app.commands.check import examine
 from mimics_app.app.viewer.shown import open_shown
 from mimics_app.contracts.errors import SceneError
-from mimics_app.world.gltf.model_world import load_model_world, read_model
-from mimics_app.world.motion.animator import Animator
-from mimics_app.world.motion.gait import Pace, Walk, natural_step
-from mimics_app.world.motion.humanoid import NEEDED, find_humanoid
-from mimics_app.world.motion.reach import Chain
+from mimics_app.world.content.motion.animator import Animator
+from mimics_app.world.content.motion.gait import Pace, Walk, natural_step
+from mimics_app.world.content.motion.humanoid import NEEDED, find_humanoid
+from mimics_app.world.content.motion.reach import Chain
+from mimics_app.world.files.scene.model_world import load_model_world, read_model
 from tests.support.gltf_maker import write_gltf
 from tests.support.person_maker import PLACES, REST_ARMS, person, resting, write_person
 

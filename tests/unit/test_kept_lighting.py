@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mimics_app.rendering.visual.lighting import KeptLighting, gather_lighting
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
 
 
 def _world() -> World:

@@ -7,13 +7,13 @@ import pytest
 
 from mimics_app.contracts.errors import SceneError
 from mimics_app.maths.quat import about_axis, to_matrix
-from mimics_app.world.gltf.file import load_gltf
-from mimics_app.world.gltf.writer import GltfWriter, MeshPart
-from mimics_app.world.meshes.deform import MorphTarget, VertexWeights
-from mimics_app.world.simplify.decimation import decimate
-from mimics_app.world.simplify.error_poses import bent_joints, bent_places, morphed_places
-from mimics_app.world.simplify.level_vertices import Bending, lighter
-from mimics_app.world.simplify.level_writer import write_levels
+from mimics_app.world.content.meshes.deform import MorphTarget, VertexWeights
+from mimics_app.world.files.gltf.file import load_gltf
+from mimics_app.world.files.gltf.writer import GltfWriter, MeshPart
+from mimics_app.world.files.simplify.decimation import decimate
+from mimics_app.world.files.simplify.error_poses import bent_joints, bent_places, morphed_places
+from mimics_app.world.files.simplify.level_vertices import Bending, lighter
+from mimics_app.world.files.simplify.level_writer import write_levels
 
 ROWS, AROUND, LONG, THICK = 33, 24, 1.0, 0.08
 

@@ -10,14 +10,14 @@ import pytest
 
 from mimics_app.contracts.errors import SceneError
 from mimics_app.world.components.animation import AnimationState, AnimationTransition
-from mimics_app.world.gltf.model_world import load_model_world
-from mimics_app.world.motion.animator import Animator, mask_of
-from mimics_app.world.motion.clip import ClipEvent, Interpolation, Track, TrackPath, pack_clip
-from mimics_app.world.motion.layer import Layer
-from mimics_app.world.motion.pose import Pose
-from mimics_app.world.motion.root_motion import RootMotion
-from mimics_app.world.motion.state_machine import StateMachine
-from mimics_app.world.scene.file import build_world, load_scene
+from mimics_app.world.content.motion.animator import Animator, mask_of
+from mimics_app.world.content.motion.clip import ClipEvent, Interpolation, Track, TrackPath, pack_clip
+from mimics_app.world.content.motion.layer import Layer
+from mimics_app.world.content.motion.pose import Pose
+from mimics_app.world.content.motion.root_motion import RootMotion
+from mimics_app.world.content.motion.state_machine import StateMachine
+from mimics_app.world.files.scene.file import build_world, load_scene
+from mimics_app.world.files.scene.model_world import load_model_world
 from tests.support.gltf_maker import GltfMaker, write_gltf
 from tests.support.skin_maker import add_clip, bar, turn
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from mimics_app.world.components.registry import component_types
-from mimics_app.world.scene.schema import scene_schema
+from mimics_app.world.files.scene.schema import scene_schema
 from tests.support.object_scenes import CUBE, at, gltf_box, reported, thing
 
 BALL = thing("ball_a", haptic_object={"shapes": [{"shape": "sphere", "radius": 0.05}]})

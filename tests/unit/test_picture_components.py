@@ -7,9 +7,9 @@ import json
 import pytest
 
 from mimics_app.world.components.pictures import Inset, Screen
-from mimics_app.world.live_pictures import live_key
-from mimics_app.world.scene.file import build_world, load_scene
-from mimics_app.world.scene.reload import apply_scene
+from mimics_app.world.content.live_pictures import live_key
+from mimics_app.world.files.scene.file import build_world, load_scene
+from mimics_app.world.files.scene.reload import apply_scene
 from tests.support.scenes import faults, scene, thing, write
 
 SHEET = {"primitive": {"shape": "plane", "size": [0.5, 0.4]}, "material": "paint"}

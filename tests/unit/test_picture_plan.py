@@ -15,7 +15,7 @@ from mimics_app.app.planner.uses import USES
 from mimics_app.contracts.ports.method_table import Row, Table
 from mimics_app.lab.catalogue import load_methods
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.world.scene.file import load_scene
+from mimics_app.world.files.scene.file import load_scene
 from tests.support.scenes import scene, thing, write
 
 PIXELS = 640 * 360

@@ -7,7 +7,7 @@ import pytest
 from mimics_app.app.picture.picture import picture_quality
 from mimics_app.app.planner.explain import explain_plan
 from mimics_app.app.planner.plan import plan_scene
-from mimics_app.world.scene.file import load_scene
+from mimics_app.world.files.scene.file import load_scene
 from tests.support.scenes import faults, scene, thing, write
 
 

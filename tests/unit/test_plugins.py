@@ -25,8 +25,8 @@ from mimics_app.rendering.haptic.devices.device_names import PLUGINS as DEVICES
 from mimics_app.rendering.haptic.devices.device_names import find_plugin
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.world.components.robot import Robot
-from mimics_app.world.scene.file import load_scene
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.file import load_scene
 from tests.architecture.sources import modules, nodes
 from tests.support.command import Answer, mimics_with
 from tests.support.plugin_site import write_package

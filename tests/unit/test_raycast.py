@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.world.meshes.primitives import box, plane, sphere
-from mimics_app.world.raycast import cast_ray, meet_triangles
-from mimics_app.world.world import World
+from mimics_app.world.content.meshes.primitives import box, plane, sphere
+from mimics_app.world.content.raycast import cast_ray, meet_triangles
+from mimics_app.world.content.world import World
 
 DOWN = np.array([0.0, -1.0, 0.0])
 

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from mimics_app.lab.groups.limb_reach import arms, elbow_gain
-from mimics_app.world.gltf.model_world import load_model_world
-from mimics_app.world.motion.animator import Animator
-from mimics_app.world.motion.humanoid import NEEDED, find_humanoid
-from mimics_app.world.motion.kernels.iterative import reach_by_descent, reach_by_fabrik
-from mimics_app.world.motion.kernels.two_bone import reach_two_bones
-from mimics_app.world.motion.looking import LookAt
-from mimics_app.world.motion.reach import Chain, LimbReach, ReachCase
-from mimics_app.world.motion.upper_body import DelayedTwin, Trackers, UpperBody, calibrate
+from mimics_app.world.content.motion.animator import Animator
+from mimics_app.world.content.motion.humanoid import NEEDED, find_humanoid
+from mimics_app.world.content.motion.kernels.iterative import reach_by_descent, reach_by_fabrik
+from mimics_app.world.content.motion.kernels.two_bone import reach_two_bones
+from mimics_app.world.content.motion.looking import LookAt
+from mimics_app.world.content.motion.reach import Chain, LimbReach, ReachCase
+from mimics_app.world.content.motion.upper_body import DelayedTwin, Trackers, UpperBody, calibrate
+from mimics_app.world.files.scene.model_world import load_model_world
 from tests.support.person_maker import PLACES, write_person
 from tests.support.skin_maker import turn
 

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimics_app.world.gltf.model_world import load_model_world
-from mimics_app.world.motion.bvh import capture_clip, read_bvh
-from mimics_app.world.motion.humanoid import find_humanoid
-from mimics_app.world.motion.layer import Layer
-from mimics_app.world.motion.retarget import Retarget
-from mimics_app.world.motion.rig import Rig
+from mimics_app.world.content.motion.humanoid import find_humanoid
+from mimics_app.world.content.motion.layer import Layer
+from mimics_app.world.content.motion.retarget import Retarget
+from mimics_app.world.content.motion.rig import Rig
+from mimics_app.world.files.capture.bvh import capture_clip, read_bvh
+from mimics_app.world.files.scene.model_world import load_model_world
 from tests.support.person_maker import REST_ARMS, resting, write_person
 from tests.support.skin_maker import turn
 

@@ -12,10 +12,10 @@ import pytest
 from PIL import Image
 
 from mimics_app.contracts.errors import SceneError
-from mimics_app.world.entity_ids import StaleHandleError
-from mimics_app.world.scene.file import build_world, load_scene
-from mimics_app.world.scene.reload import apply_scene, reload_scene
-from mimics_app.world.scene.watcher import SceneWatcher
+from mimics_app.world.files.scene.file import build_world, load_scene
+from mimics_app.world.files.scene.reload import apply_scene, reload_scene
+from mimics_app.world.files.scene.watcher import SceneWatcher
+from mimics_app.world.graph.entity_ids import StaleHandleError
 from tests.support.gltf_maker import square, write_gltf
 from tests.support.scenes import scene, thing, write
 

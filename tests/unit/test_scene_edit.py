@@ -9,9 +9,9 @@ import stat
 import pytest
 
 from mimics_app.contracts.errors import SceneError
-from mimics_app.world.scene.edit import edit_translation, is_written_in_file, write_translation
-from mimics_app.world.scene.file import load_scene
-from mimics_app.world.scene.json_spans import find_span, members
+from mimics_app.world.files.reading.json_spans import find_span, members
+from mimics_app.world.files.scene.edit import edit_translation, is_written_in_file, write_translation
+from mimics_app.world.files.scene.file import load_scene
 
 TEXT = """{
   "format": "mimics-scene", "version": 1,

@@ -10,7 +10,7 @@ from PIL import Image
 
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.world.components.registry import register_check
-from mimics_app.world.scene.file import load_scene
+from mimics_app.world.files.scene.file import load_scene
 from tests.support.scenes import faults, scene, thing, write
 
 BALL = thing("ball", ball={})
@@ -174,7 +174,7 @@ def test_an_asset_that_cannot_be_read_is_reported_where_it_is_named(tmp_path, mo
         raise PermissionError(13, "Permission denied")
 
     (tmp_path / "path.csv").write_text("x,y,z\n")
-    monkeypatch.setattr("mimics_app.world.scene.assets.open_regular", refuse)
+    monkeypatch.setattr("mimics_app.world.files.scene.assets.open_regular", refuse)
     found = the_fault(tmp_path, scene(assets={"path": {"uri": "path.csv"}}))
     assert found == 'scene.json#/assets/path/uri: "path.csv" cannot be read: Permission denied'
 

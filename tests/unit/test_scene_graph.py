@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mimics_app.maths import mat, quat
-from mimics_app.world.entity_ids import EntityId, StaleHandleError
-from mimics_app.world.meshes.mesh import MeshData
-from mimics_app.world.world import World
+from mimics_app.world.content.meshes.mesh import MeshData
+from mimics_app.world.content.world import World
+from mimics_app.world.graph.entity_ids import EntityId, StaleHandleError
 
 EPS = np.finfo(float).eps
 
@@ -217,7 +217,7 @@ def test_rows_of_bodies_follow_a_removal_before_them():
     world = World()
     world.meshes |= {"m": triangle(), "n": triangle()}
     nodes = [world.create_node(str(i)) for i in range(4)]
-    bodies = [world.show(node, [("m", "default"), ("n", "default")]) for node in nodes]
+    bodies = [node.show([("m", "default"), ("n", "default")]) for node in nodes]
     nodes[1].remove()
     world.update()
     listed = world.subentities()

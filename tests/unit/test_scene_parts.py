@@ -13,10 +13,10 @@ from mimics_app.world.components.registry import Component, register_section
 from mimics_app.world.components.robot import Ball, Safety
 from mimics_app.world.components.systems import AudioSettings, HapticSettings
 from mimics_app.world.components.visible import LightComponent, MeshComponent
-from mimics_app.world.scene import document as scene_document
-from mimics_app.world.scene import scene_files
-from mimics_app.world.scene.file import load_scene
-from mimics_app.world.scene.provenance import Layer, Origins, merged
+from mimics_app.world.files.reading.provenance import Layer, Origins, merged
+from mimics_app.world.files.scene import document as scene_document
+from mimics_app.world.files.scene import scene_files
+from mimics_app.world.files.scene.file import load_scene
 from tests.support.gltf_maker import square, write_gltf
 from tests.support.scenes import faults, scene, thing, write
 

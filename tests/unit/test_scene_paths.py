@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from mimics_app.contracts.system import resources
-from mimics_app.world.scene.paths import PathFault, find_file, find_root
+from mimics_app.world.files.reading.paths import PathFault, find_file, find_root
 from tests.support.scenes import faults, scene, write
 
 ROOT = Path(__file__).parents[2]
@@ -53,7 +53,7 @@ def test_reading_a_scene_without_models_imports_no_compiler_window_or_picture_li
     program = (
         "import sys\n"
         "from pathlib import Path\n"
-        "from mimics_app.world.scene.file import load_scene\n"
+        "from mimics_app.world.files.scene.file import load_scene\n"
         "load_scene(Path('scenes/examples/path_tunnel.json'))\n"
         "print([name for name in ('numba', 'moderngl', 'glfw', 'PIL', 'trimesh', 'openal') if name in sys.modules])\n"
     )

@@ -7,9 +7,9 @@ import math
 import pytest
 
 from mimics_app.contracts.system.resources import root
-from mimics_app.world.extent import world_extent
-from mimics_app.world.scene.file import build_world, load_scene
-from mimics_app.world.scene.spread import ENOUGH, spread_of_casters
+from mimics_app.world.content.extent import world_extent
+from mimics_app.world.files.scene.file import build_world, load_scene
+from mimics_app.world.files.scene.spread import ENOUGH, spread_of_casters
 from tests.support.scenes import scene, thing, write
 
 BOX = {"primitive": {"shape": "box", "size": [0.2, 0.2, 0.2]}}

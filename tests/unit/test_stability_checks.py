@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from mimics_app.rendering.haptic.stability_checks import check_stability
-from mimics_app.world.scene.file import load_scene
+from mimics_app.world.files.scene.file import load_scene
 from tests.support.scenes import write
 
 

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimics_app.world.gltf.model_world import load_model_world
-from mimics_app.world.motion.humanoid import find_humanoid
-from mimics_app.world.motion.kernels.two_bone import reach_two_bones
-from mimics_app.world.motion.reach import Chain, ReachCase
-from mimics_app.world.motion.rig import Rig
-from mimics_app.world.motion.upper_body import Trackers, UpperBody
+from mimics_app.world.content.motion.humanoid import find_humanoid
+from mimics_app.world.content.motion.kernels.two_bone import reach_two_bones
+from mimics_app.world.content.motion.reach import Chain, ReachCase
+from mimics_app.world.content.motion.rig import Rig
+from mimics_app.world.content.motion.upper_body import Trackers, UpperBody
+from mimics_app.world.files.scene.model_world import load_model_world
 from tests.support.person_maker import Places, resting, write_person
 from tests.support.tracked_bodies import pose_all
 

@@ -19,7 +19,7 @@ from mimics_app.inputs.trackers.pose_senders import OscSender, VrpnServer
 from mimics_app.inputs.trackers.tape import TapeTracker
 from mimics_app.inputs.trackers.tracker_kinds import TrackerRequest, build_tracker
 from mimics_app.world.components.trackers import TrackerSpec
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene
 from tests.support.plugin_site import write_package
 from tests.support.tracker_kit import FRAME_NS, check_tracker, on_the_virtual_clock
 

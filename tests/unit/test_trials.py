@@ -15,7 +15,7 @@ from mimics_app.tasks.task import BlockSpec, TaskSpec
 from mimics_app.tasks.trial_file import load_blocks, resolve_trials
 from mimics_app.tasks.trials import order_conditions, plan_trials, trial_blocks, williams_square
 from mimics_app.world.components.visible import Sound
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene
 
 BLOCKS = msgspec.convert(
     [

@@ -11,8 +11,8 @@ from trimesh.triangles import closest_point
 from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel
 from mimics_app.scenarios.parts.tunnel_look import TunnelLook
 from mimics_app.world.components.visible import TunnelView
-from mimics_app.world.materials.material import Material
-from mimics_app.world.world import World
+from mimics_app.world.content.materials.material import Material
+from mimics_app.world.content.world import World
 
 RADIUS, PICTURE = 0.03, 1920 * 1080
 BENT = [[-0.2, 0.0, 0.0], [-0.1, 0.06, 0.02], [0.0, -0.05, 0.0], [0.1, 0.04, -0.03], [0.2, 0.0, 0.0]]

@@ -19,7 +19,7 @@ from mimics_app.contracts.messages.trial_state import TaskView, TrialState
 from mimics_app.contracts.messages.window_input import InputEvent
 from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.figures.key_page import KeyPage
-from mimics_app.world.scene.file import load_scene
+from mimics_app.world.files.scene.file import load_scene
 
 
 class Picture:

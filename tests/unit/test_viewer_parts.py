@@ -10,10 +10,10 @@ from mimics_app.app.viewer.orbit_camera import OrbitCamera
 from mimics_app.app.viewer.selection import Selection, drag_offset
 from mimics_app.app.viewer.shown import Shown, open_shown
 from mimics_app.contracts.errors import SceneError
-from mimics_app.world.extent import world_extent
-from mimics_app.world.meshes.primitives import box, sphere
-from mimics_app.world.meshes.shading_groups import shaded_mesh
-from mimics_app.world.world import World
+from mimics_app.world.content.extent import world_extent
+from mimics_app.world.content.meshes.primitives import box, sphere
+from mimics_app.world.content.meshes.shading_groups import shaded_mesh
+from mimics_app.world.content.world import World
 
 SIZE = (1280, 720)
 EXTENT = (np.array([-1.0, 0.0, -2.0]), np.array([1.0, 1.0, 2.0]))

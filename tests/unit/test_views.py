@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from mimics_app.app.picture.active_view import ActiveView, view_names
-from mimics_app.world.scene.file import build_world, load_scene
-from mimics_app.world.scene.reload import apply_scene
+from mimics_app.world.files.scene.file import build_world, load_scene
+from mimics_app.world.files.scene.reload import apply_scene
 from tests.support.scenes import faults, scene, thing, write
 
 PERSON = thing("person")

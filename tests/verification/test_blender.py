@@ -21,8 +21,8 @@ import pytest
 from mimics_app.app.viewer.playing import animators_of, play_clip, write_vertices
 from mimics_app.app.viewer.shown import open_shown
 from mimics_app.contracts.system.resources import root
-from mimics_app.world.gltf.model_world import load_model_world
-from mimics_app.world.motion.clip import Clip, Interpolation, Track, TrackPath, pack_clip
+from mimics_app.world.content.motion.clip import Clip, Interpolation, Track, TrackPath, pack_clip
+from mimics_app.world.files.scene.model_world import load_model_world
 from tests.support.shared_data import shared_folder
 
 AVATARS = root() / "assets" / "models" / "avatars"

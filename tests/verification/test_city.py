@@ -20,8 +20,8 @@ from assets.builders.city.layout import lay_houses
 from assets.builders.kit.rng import Rng
 from assets.builders.kit.sketch import Sketch
 from mimics_app.contracts.system.resources import root
-from mimics_app.world.gltf.file import GltfDocument, load_gltf
-from mimics_app.world.scene.file import load_scene
+from mimics_app.world.files.gltf.file import GltfDocument, load_gltf
+from mimics_app.world.files.scene.file import load_scene
 
 SEEDS = (1, 20)
 FLAT = ("railing", "leaves")

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.world.meshes.primitives import box, sphere
-from mimics_app.world.simplify.decimation import decimate
+from mimics_app.world.content.meshes.primitives import box, sphere
+from mimics_app.world.files.simplify.decimation import decimate
 
 
 def grid(n, height=lambda x, y: 0.0 * x):

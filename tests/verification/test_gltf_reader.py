@@ -14,7 +14,7 @@ import pytest
 import trimesh
 from PIL import Image
 
-from mimics_app.world.gltf.file import GltfError, load_gltf
+from mimics_app.world.files.gltf.file import GltfError, load_gltf
 from tests.support.gltf_maker import INDICES, POSITIONS, GltfMaker, glb, square, write_gltf
 from tests.support.shared_data import shared_folder
 

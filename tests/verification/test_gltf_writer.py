@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from assets.builders.kit.png_writer import write_indexed_png
-from mimics_app.world.gltf.file import load_gltf
-from mimics_app.world.gltf.writer import GltfWriter, MeshPart
+from mimics_app.world.files.gltf.file import load_gltf
+from mimics_app.world.files.gltf.writer import GltfWriter, MeshPart
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0]], np.float32)
 

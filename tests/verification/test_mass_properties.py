@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.world.meshes.convex_hull import convex_hull
-from mimics_app.world.meshes.mass_properties import (
+from mimics_app.world.content.meshes.convex_hull import convex_hull
+from mimics_app.world.content.meshes.mass_properties import (
     box_integrals,
     capsule_integrals,
     combine,
     cylinder_integrals,
     sphere_integrals,
 )
-from mimics_app.world.meshes.primitives import box, capsule, cylinder, sphere
-from mimics_app.world.meshes.solids import SolidMesh, enclosing_sphere, mesh_integrals
+from mimics_app.world.content.meshes.primitives import box, capsule, cylinder, sphere
+from mimics_app.world.files.scene.solids import SolidMesh, enclosing_sphere, mesh_integrals
 
 FINE = 256
 

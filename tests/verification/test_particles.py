@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from mimics_app.rendering.visual.effects.emitters import Emitter, SpriteRows, axes_about
 from mimics_app.rendering.visual.kernels.particles import ease, fall, hash_unit
 from mimics_app.world.components.effects import Particles
-from mimics_app.world.effects import Burst
-from mimics_app.world.world import World
+from mimics_app.world.content.effects import Burst
+from mimics_app.world.content.world import World
 
 F8 = NDArray[np.float64]
 HERE = np.eye(4)

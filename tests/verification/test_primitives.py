@@ -17,9 +17,9 @@ from mimics_app.world.components.shapes import (
     SphereShape,
     TorusShape,
 )
-from mimics_app.world.meshes import primitives
-from mimics_app.world.meshes.mesh import MeshData, compute_normals
-from mimics_app.world.meshes.shape_levels import shape_levels
+from mimics_app.world.content.meshes import primitives
+from mimics_app.world.content.meshes.mesh import MeshData, compute_normals
+from mimics_app.world.content.meshes.shape_levels import shape_levels
 
 
 def solid(mesh):

@@ -8,8 +8,8 @@ import pytest
 from mimics_app.rendering.visual.drawing.occluder_boxes import find_solid
 from mimics_app.rendering.visual.drawing.t_junctions import remove_t_junctions, unmatched_edges
 from mimics_app.rendering.visual.kernels.solid import winding_number
-from mimics_app.world.meshes.mesh import MeshData, compute_normals
-from mimics_app.world.meshes.primitives import box, cylinder, icosphere, plane, sphere, torus
+from mimics_app.world.content.meshes.mesh import MeshData, compute_normals
+from mimics_app.world.content.meshes.primitives import box, cylinder, icosphere, plane, sphere, torus
 
 
 def mesh_of(positions, triangles):

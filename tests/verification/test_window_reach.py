@@ -25,8 +25,8 @@ from mimics_app.tasks.kinds.guided_walk.kind import GuidedWalkSpec
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task_manager import TaskManager
 from mimics_app.world.components.robot import Robot
-from mimics_app.world.scene.file import build_world
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.file import build_world
 from tests.support.task_play import make_snapshot
 
 SIZES = ((1280, 720), (500, 900), (3840, 1080), (900, 900))

@@ -13,7 +13,7 @@ from assets.builders.city.street_tree import TREES, build_tree
 from assets.builders.kit.sketch import Point, Sketch
 from assets.builders.kit.solids import Skin, add_column
 from mimics_app.contracts.system.table_file import read_table_file
-from mimics_app.world.gltf.writer import GltfWriter
+from mimics_app.world.files.gltf.writer import GltfWriter
 
 __all__ = ["compose"]
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from assets.builders.avatars.piece import Piece
 from assets.builders.avatars.weights import strongest
-from mimics_app.world.simplify.decimation import decimate
+from mimics_app.world.files.simplify.decimation import decimate
 
 __all__ = ["LEVELS", "Level", "coarser", "coverages"]
 

@@ -13,7 +13,7 @@ from assets.builders.avatars.fields import F8
 from assets.builders.avatars.motions import Motion
 from assets.builders.avatars.piece import Piece
 from assets.builders.avatars.skeleton import Skeleton
-from mimics_app.world.gltf.writer import GltfWriter
+from mimics_app.world.files.gltf.writer import GltfWriter
 
 __all__ = ["FigureWriter", "Paint"]
 

@@ -15,7 +15,7 @@ from assets.builders.city.painted_materials import Colour, Painted, add_material
 from assets.builders.kit.rng import Rng
 from assets.builders.kit.sketch import Sketch
 from mimics_app.contracts.system.table_file import read_table_file
-from mimics_app.world.gltf.writer import GltfWriter, WrittenPart
+from mimics_app.world.files.gltf.writer import GltfWriter, WrittenPart
 
 __all__ = ["TRIANGLES", "compose", "compose_city"]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from assets.builders.city import fittings, textures
-from mimics_app.world.gltf.writer import GltfWriter
+from mimics_app.world.files.gltf.writer import GltfWriter
 
 __all__ = ["Colour", "Painted", "add_materials"]
 

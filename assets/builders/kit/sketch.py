@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from mimics_app.world.gltf.writer import MeshPart
+from mimics_app.world.files.gltf.writer import MeshPart
 
 __all__ = ["Point", "Sketch", "Uv"]
 

@@ -18,7 +18,7 @@ from assets.builders.market.sculpt import (
     surface,
     turned,
 )
-from mimics_app.world.meshes.mesh import MeshData
+from mimics_app.world.content.meshes.mesh import MeshData
 
 __all__ = ["APPLE_RADIUS", "apple", "coarse_fruit", "fruit_paint"]
 

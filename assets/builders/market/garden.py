@@ -22,8 +22,8 @@ from assets.builders.market.sculpt import (
     turned,
     uniform_draws,
 )
-from mimics_app.world.meshes.mesh import MeshData, compute_normals
-from mimics_app.world.meshes.primitives import icosphere
+from mimics_app.world.content.meshes.mesh import MeshData, compute_normals
+from mimics_app.world.content.meshes.primitives import icosphere
 
 __all__ = ["MEADOW_COVERAGES", "TREE_COVERAGES", "build_meadow", "build_tree"]
 

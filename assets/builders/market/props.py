@@ -19,8 +19,8 @@ from assets.builders.market.sculpt import (
     surface,
     uniform_draws,
 )
-from mimics_app.world.meshes.mesh import MeshData, compute_normals
-from mimics_app.world.meshes.primitives import box, cylinder
+from mimics_app.world.content.meshes.mesh import MeshData, compute_normals
+from mimics_app.world.content.meshes.primitives import box, cylinder
 
 __all__ = ["barrel", "bed", "crate", "fence", "jug"]
 

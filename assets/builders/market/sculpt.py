@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from assets.builders.kit.lattice_noise import mixed_bits
 from mimics_app.contracts.arrays import F8
-from mimics_app.world.gltf.gltf_document import parse_gltf
-from mimics_app.world.gltf.writer import GltfWriter, MeshPart
-from mimics_app.world.meshes.mesh import MeshData, compute_normals
-from mimics_app.world.meshes.primitives import tube
-from mimics_app.world.simplify.level_writer import add_levels
+from mimics_app.world.content.meshes.mesh import MeshData, compute_normals
+from mimics_app.world.content.meshes.primitives import tube
+from mimics_app.world.files.gltf.gltf_document import parse_gltf
+from mimics_app.world.files.gltf.writer import GltfWriter, MeshPart
+from mimics_app.world.files.simplify.level_writer import add_levels
 
 __all__ = [
     "F8",

@@ -16,8 +16,8 @@ from assets.builders.market.sculpt import (
     rounded_box,
     turned,
 )
-from mimics_app.world.meshes.mesh import MeshData
-from mimics_app.world.meshes.primitives import cylinder, icosphere, torus
+from mimics_app.world.content.meshes.mesh import MeshData
+from mimics_app.world.content.meshes.primitives import cylinder, icosphere, torus
 
 __all__ = ["fingers", "palm", "thumb"]
 

@@ -21,7 +21,7 @@ from assets.builders.market.sculpt import (
     turned,
     uniform_draws,
 )
-from mimics_app.world.meshes.primitives import box, icosphere
+from mimics_app.world.content.meshes.primitives import box, icosphere
 
 __all__ = ["awning", "goods", "stall_wood"]
 

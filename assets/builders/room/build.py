@@ -8,7 +8,7 @@ from collections.abc import Callable
 from assets.builders.kit.sketch import Point, Sketch
 from assets.builders.market.sculpt import pack_model
 from assets.builders.room import force_models, textures
-from mimics_app.world.gltf.writer import GltfWriter
+from mimics_app.world.files.gltf.writer import GltfWriter
 
 __all__ = ["compose"]
 

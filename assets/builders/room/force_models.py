@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from assets.builders.market.sculpt import Colour, Sculpt, bar, capsule_bar, plain, rounded_box, turned
-from mimics_app.world.meshes.primitives import cylinder
+from mimics_app.world.content.meshes.primitives import cylinder
 
 __all__ = ["arrow", "magnet", "magnet_tips", "rounded_cube", "spring", "spring_foot"]
 

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.world.gltf.writer import GltfWriter, MeshPart
-from mimics_app.world.meshes.mesh import compute_normals
-from mimics_app.world.meshes.primitives import icosphere
+from mimics_app.world.content.meshes.mesh import compute_normals
+from mimics_app.world.content.meshes.primitives import icosphere
+from mimics_app.world.files.gltf.writer import GltfWriter, MeshPart
 
 __all__ = ["compose"]
 

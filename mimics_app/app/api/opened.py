@@ -24,7 +24,7 @@ from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot
 from mimics_app.recording.run_folder import private_files
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene
 
 if TYPE_CHECKING:
     from mimics_app.app.picture.picture import Picture

@@ -12,7 +12,7 @@ from mimics_app.lab.visual.probe import differing_pixels
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.surfaces.surface import Size, Surface
-from mimics_app.world.simplify.level_writer import write_levels
+from mimics_app.world.files.simplify.level_writer import write_levels
 
 __all__ = ["compare_levels"]
 

@@ -24,9 +24,9 @@ from mimics_app.contracts.messages.board import Board
 from mimics_app.rendering.visual.quality_steps import lower_to_scale, quality_steps
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.surface import Surface
-from mimics_app.world.scene.file import build_world
-from mimics_app.world.scene.scene import Scene
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.file import build_world
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["PEOPLE", "STAND_INS", "measure_looked_at"]
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from PIL import Image
 
-from mimics_app.world.materials.sprite_pictures import sprite_picture
+from mimics_app.world.content.materials.sprite_pictures import sprite_picture
 
 __all__ = ["OGRE_WORKLOADS", "measure_ogre", "measure_ogre_particles"]
 

@@ -14,7 +14,7 @@ from mimics_app.app.bench.render_workloads import Workload, light_up
 from mimics_app.contracts.arrays import F8
 from mimics_app.maths.colour import linear_light
 from mimics_app.world.components.effects import Particles
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
 
 __all__ = ["Fountain", "FountainNumbers"]
 

@@ -24,8 +24,8 @@ from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.lab.python_loop import PythonLoop
 from mimics_app.rendering.haptic.devices.device_names import SIMULATED
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
-from mimics_app.world.scene.scene import Scene
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["main"]
 

@@ -19,10 +19,10 @@ from mimics_app.maths.mat import look_at
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.environment import Sky
-from mimics_app.world.gltf.model_world import read_model
-from mimics_app.world.scene.file import build_world
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Sky
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.file import build_world
+from mimics_app.world.files.scene.model_world import read_model
 
 __all__ = [
     "PEERS_NODES",
@@ -154,7 +154,7 @@ class Nodes(Workload):
         for node in first[1:]:
             node.remove()
         for cube in cubes:
-            world.show(cube, parts)
+            cube.show(parts)
         world.update()
         self._handles = [*groups, *cubes]
         self._rows = world.transforms.rows(np.array([node.index for node in self._handles]))

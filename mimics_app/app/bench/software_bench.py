@@ -20,8 +20,8 @@ from mimics_app.contracts.clock import process_seconds
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 from mimics_app.rendering.visual.surfaces.rasteriser import leave_out, rasteriser_of
 from mimics_app.rendering.visual.surfaces.surface import Size
-from mimics_app.world.scene.scene import Scene
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["measure_software"]
 

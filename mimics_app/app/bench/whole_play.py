@@ -23,7 +23,7 @@ from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.rendering.haptic.object_statics import ObjectStatics
 from mimics_app.rendering.haptic.replay import replay_run
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen, read_pixels
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["WholePlay"]
 

@@ -42,7 +42,7 @@ def open_workload(name: str, folder: Path | None, count: int) -> Workload:
 
 def _open_city(folder: Path | None, count: int) -> Workload:
     from mimics_app.app.bench.render_workloads import City, light_up
-    from mimics_app.world.gltf.model_world import load_model_world
+    from mimics_app.world.files.scene.model_world import load_model_world
 
     world = _from_file(folder, "city.glb", load_model_world)
     light_up(world)

@@ -12,7 +12,7 @@ from mimics_app.contracts.errors import UsageError, counted
 from mimics_app.contracts.system.regular_file import read_regular
 
 if TYPE_CHECKING:
-    from mimics_app.world.simplify.level_writer import MeshLevels
+    from mimics_app.world.files.simplify.level_writer import MeshLevels
 
 __all__ = ["add_arguments", "run"]
 
@@ -89,7 +89,7 @@ def _levels(args: argparse.Namespace) -> int:
     from dataclasses import asdict
 
     from mimics_app.app.terminal.progress import ProgressBar
-    from mimics_app.world.simplify.level_writer import SHARES, write_levels
+    from mimics_app.world.files.simplify.level_writer import SHARES, write_levels
 
     file = Path(args.name)
     if not args.name:

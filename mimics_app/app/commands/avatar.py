@@ -27,9 +27,9 @@ def run(args: argparse.Namespace) -> int:
     Raises:
         SceneError: The file is faulty, or has neither a skeleton nor an animation.
     """
-    from mimics_app.world.gltf.model_world import read_model
-    from mimics_app.world.motion.humanoid import find_humanoid, report_lines
-    from mimics_app.world.world import World
+    from mimics_app.world.content.motion.humanoid import find_humanoid, report_lines
+    from mimics_app.world.content.world import World
+    from mimics_app.world.files.scene.model_world import read_model
 
     world, model = World(), read_model(args.file)
     model.instantiate(world, world.root)

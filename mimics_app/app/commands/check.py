@@ -11,7 +11,7 @@ from mimics_app.app.terminal.output import errors_of, issue_lines, one_line, wit
 from mimics_app.contracts.errors import DeviceError, Issue, MimicsError, SceneError, counted
 
 if TYPE_CHECKING:
-    from mimics_app.world.scene.scene import Scene
+    from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["add_arguments", "examine", "run"]
 
@@ -51,7 +51,7 @@ def examine(file: Path) -> dict[str, Any]:
         MimicsError: The file is faulty; the error carries every issue.
     """
     if file.suffix.lower() in _MODELS:
-        from mimics_app.world.gltf.file import load_gltf
+        from mimics_app.world.files.gltf.file import load_gltf
 
         model = load_gltf(file)
         holds = {"nodes": len(model.nodes), "meshes": len(model.meshes), "materials": len(model.materials)}
@@ -79,7 +79,7 @@ def _notes_on_play(scene: Scene) -> list[str]:
     from mimics_app.app.scenes.scenario_choice import is_part, open_scenario
     from mimics_app.app.scenes.shipped import ONLY_LOOKED_AT
     from mimics_app.world.components.robot import Robot
-    from mimics_app.world.scene.file import build_world
+    from mimics_app.world.files.scene.file import build_world
 
     if scene.scenario == ONLY_LOOKED_AT:
         return ["a scene to look at only: mimics view opens it"]

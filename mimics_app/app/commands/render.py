@@ -23,7 +23,7 @@ from mimics_app.contracts.errors import counted
 
 if TYPE_CHECKING:
     from mimics_app.app.play.scene_sheet import SceneLight
-    from mimics_app.world.scene.scene import Scene
+    from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["add_arguments", "run"]
 

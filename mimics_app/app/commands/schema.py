@@ -20,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Write the schema, plain or inside the object of `--json`."""
     import mimics_app.app.scenes.loading  # noqa: F401  registers the types of every stage
-    from mimics_app.world.scene.schema import scene_schema
+    from mimics_app.world.files.scene.schema import scene_schema
 
     schema = scene_schema()
     text = json.dumps(schema, indent=2, ensure_ascii=False) + "\n"

@@ -43,7 +43,7 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.app.study.subjects import find_run, run_subject
     from mimics_app.app.study.tables import ANSWER_COLUMNS, TAP_COLUMNS, read_study, write_table
     from mimics_app.recording.run_folder import PRIVATE_FOLDER
-    from mimics_app.world.scene.file import load_scene
+    from mimics_app.world.files.scene.file import load_scene
 
     path = find_scene(args.scene)
     scene = load_scene(path) if args.of else load_checked_scene(path)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from mimics_app.app.terminal.output import answer
 
 if TYPE_CHECKING:
-    from mimics_app.world.scene.scene import Scene
+    from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["PARTS", "add_arguments", "compile_beside", "run"]
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mimics_app.app.cues.cue_watch import TOUCHES, CueWatch
 from mimics_app.contracts.messages.stage_messages import TaskOrders
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
 
 __all__ = ["EffectCues"]
 

@@ -11,7 +11,7 @@ from mimics_app.app.cues.cue_watch import TOUCHES
 from mimics_app.contracts.messages.stage_messages import TaskOrders
 from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.world.components.animation import MotionCause
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
 
 __all__ = ["MotionCues"]
 

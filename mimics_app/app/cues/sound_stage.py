@@ -19,7 +19,7 @@ from mimics_app.contracts.shared_memory.sound_scene import SOUND_SCENE, fill_def
 from mimics_app.maths.mat import unscale
 from mimics_app.rendering.audio.queue_need import keep_needed_ms
 from mimics_app.rendering.audio.settings import AudioSettings
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
 
 __all__ = ["SoundStage"]
 

@@ -11,8 +11,8 @@ from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.messages.stage_messages import SoundTrigger
 from mimics_app.rendering.audio.obstacles import Box, passes_of
 from mimics_app.world.components.visible import SoundObstacle, SoundRoom, Walker
-from mimics_app.world.scene.scene import Scene
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["SoundSurroundings"]
 

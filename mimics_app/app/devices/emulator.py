@@ -27,7 +27,7 @@ from mimics_app.rendering.haptic.devices.emulators.faults import Faults, apply_o
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.scene_block import robot_from_world
 from mimics_app.world.components.robot import Patient, Robot
-from mimics_app.world.scene.file import build_world
+from mimics_app.world.files.scene.file import build_world
 
 __all__ = ["EMULATED", "EmulatorSettings", "open_emulator", "serve"]
 

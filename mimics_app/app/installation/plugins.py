@@ -24,7 +24,7 @@ def plugin_groups() -> tuple[PluginGroup, ...]:
     from mimics_app.rendering.haptic.devices import device_names
     from mimics_app.tasks.kinds import registry as kinds
     from mimics_app.world.components import plugins as components
-    from mimics_app.world.scene import method_plugins
+    from mimics_app.world.files.scene import method_plugins
 
     contracts = (scenario_port, display_choice, tracker_port)
     signals = (sources, channel_kinds, estimators, policies)

@@ -10,8 +10,8 @@ from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import nearest
 from mimics_app.maths import quat
 from mimics_app.rendering.visual.presenting.presenter import SeenFrom
-from mimics_app.world.camera import Camera
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.graph.camera import Camera
 
 __all__ = ["ActiveView", "view_names"]
 

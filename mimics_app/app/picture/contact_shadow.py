@@ -9,8 +9,8 @@ import numpy as np
 from mimics_app.app.picture.nudges import hand_of
 from mimics_app.maths import quat
 from mimics_app.world.components.effects import Projector
-from mimics_app.world.scene.scene import Scene
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["ContactShadow"]
 

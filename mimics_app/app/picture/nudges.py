@@ -8,9 +8,9 @@ import numpy as np
 
 from mimics_app.world.components.hand import GraspingHand
 from mimics_app.world.components.robot import Ball
-from mimics_app.world.scene.scene import Scene
-from mimics_app.world.scene_node import SceneNode
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.scene import Scene
+from mimics_app.world.graph.scene_node import SceneNode
 
 __all__ = ["hand_of", "nudges_of"]
 

@@ -39,8 +39,8 @@ from mimics_app.rendering.visual.surfaces.rasteriser import rasteriser_of
 from mimics_app.rendering.visual.surfaces.surface import Size, Surface
 from mimics_app.rendering.visual.view import Latch, View
 from mimics_app.world.components.visible import Hud as HudComponent
-from mimics_app.world.scene.scene import Scene
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["Picture", "live_quality", "pays_for_pixels", "picture_quality"]
 

@@ -11,8 +11,8 @@ from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.messages.board import Board
 from mimics_app.world.components.visible import LightComponent
-from mimics_app.world.scene.file import build_world
-from mimics_app.world.scene.scene import Scene, SceneEntity
+from mimics_app.world.files.scene.file import build_world
+from mimics_app.world.files.scene.scene import Scene, SceneEntity
 
 if TYPE_CHECKING:
     from mimics_app.app.picture.picture import Picture

@@ -12,8 +12,8 @@ from mimics_app.rendering.visual.displays.display_kinds import check_display_fil
 from mimics_app.rendering.visual.displays.display_size import check_drawn_size
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.world.components.systems import DisplaySettings
-from mimics_app.world.scene.paths import PathFault, find_file
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.reading.paths import PathFault, find_file
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["check_display", "chosen_display", "open_display"]
 

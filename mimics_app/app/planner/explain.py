@@ -29,7 +29,7 @@ from mimics_app.world.components.objects import ForceField, HapticEffect, Haptic
 from mimics_app.world.components.pictures import Inset, Mirror, Screen
 from mimics_app.world.components.robot import Tunnel
 from mimics_app.world.components.visible import LightComponent, Sound, SoundEmitter
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["OF_OBJECTS", "TICK_GROUP", "Part", "explain_plan"]
 

@@ -20,8 +20,8 @@ from mimics_app.app.settings import Profile
 from mimics_app.contracts.ports.method_table import Row, Table
 from mimics_app.contracts.ports.methods import Settings
 from mimics_app.world.components.tolerance_units import FIELD_OF_UNIT
-from mimics_app.world.scene.method_plugins import Use, method_plugins
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.method_plugins import Use, method_plugins
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["ROOM", "Choice", "Costlier", "Plan", "choose", "load_table", "plan_scene", "settle"]
 

@@ -8,7 +8,7 @@ import msgspec
 
 from mimics_app.app.settings import PROFILES, Profile
 from mimics_app.world.components.systems import Tolerances
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["BY_PROFILE", "tolerances_of"]
 

@@ -29,9 +29,9 @@ from mimics_app.world.components.visible import (
     SoundEmitter,
     SoundRoom,
 )
-from mimics_app.world.scene.method_plugins import Use, method_plugins
-from mimics_app.world.scene.scene import Scene
-from mimics_app.world.scene.spread import ENOUGH, spread_of_casters
+from mimics_app.world.files.scene.method_plugins import Use, method_plugins
+from mimics_app.world.files.scene.scene import Scene
+from mimics_app.world.files.scene.spread import ENOUGH, spread_of_casters
 
 __all__ = [
     "TOUCH",

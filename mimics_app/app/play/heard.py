@@ -12,7 +12,7 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
 from mimics_app.contracts.errors import Issue, OutputError, SceneError
 from mimics_app.contracts.ports.audio_port import AudioReport
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["write_sound"]
 

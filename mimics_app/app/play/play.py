@@ -30,7 +30,7 @@ from mimics_app.recording.report import write_report
 from mimics_app.recording.run_folder import private_files
 from mimics_app.rendering.visual.surfaces.surface import Place, Surface
 from mimics_app.tasks.kinds.registry import report_sections
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["open_picture", "play"]
 

@@ -12,9 +12,9 @@ from mimics_app.app.session.session import Session
 from mimics_app.app.terminal.output import issue_lines, say, with_line
 from mimics_app.app.touch.haptic_scene_data import HapticSceneData
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.world.scene.file import build_world
-from mimics_app.world.scene.reload import apply_scene
-from mimics_app.world.scene.watcher import SceneWatcher
+from mimics_app.world.files.scene.file import build_world
+from mimics_app.world.files.scene.reload import apply_scene
+from mimics_app.world.files.scene.watcher import SceneWatcher
 
 if TYPE_CHECKING:
     from mimics_app.app.picture.picture import Picture

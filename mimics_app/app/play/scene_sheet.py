@@ -20,8 +20,8 @@ from mimics_app.maths.colour import linear_light
 from mimics_app.rendering.visual.effects.captions import caption_picture
 from mimics_app.rendering.visual.lighting import gather_lighting
 from mimics_app.world.components.visible import Environment
-from mimics_app.world.scene.file import build_world, load_scene
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.file import build_world, load_scene
+from mimics_app.world.files.scene.scene import Scene
 
 if TYPE_CHECKING:
     from PIL import Image

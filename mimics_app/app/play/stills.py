@@ -22,9 +22,9 @@ from mimics_app.rendering.visual.frame_set import render_frames
 from mimics_app.rendering.visual.presenting.presenter import Presenter
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.scene.file import build_world
-from mimics_app.world.scene.scene import Scene
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.file import build_world
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["draw_stills"]
 

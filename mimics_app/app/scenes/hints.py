@@ -18,12 +18,12 @@ from mimics_app.world.components.haptic_shapes import (
     Solid,
     SphereSolid,
 )
-from mimics_app.world.components.object_bodies import shapes_of
 from mimics_app.world.components.objects import HapticObject
 from mimics_app.world.components.robot import Robot
 from mimics_app.world.components.visible import Sound
-from mimics_app.world.scene.placing import pose_of
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.object_bodies import shapes_of
+from mimics_app.world.files.scene.placing import pose_of
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["hints"]
 

@@ -11,8 +11,8 @@ from pathlib import Path
 import mimics_app.tasks.scene_section  # noqa: F401  registers the task block
 from mimics_app.app.scenes.scene_search import find_scene
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.world.scene.file import FaultyScene, load_scene
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.file import FaultyScene, load_scene
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["check_scene", "load_checked_scene", "read_scene"]
 

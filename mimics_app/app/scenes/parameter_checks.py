@@ -18,8 +18,8 @@ from mimics_app.tasks.actions import settings_for
 from mimics_app.tasks.kinds.tunnel.kind import own_tunnel
 from mimics_app.tasks.task import ParameterSpec, TaskSpec
 from mimics_app.world.components.robot import Robot
-from mimics_app.world.scene.json_text import escape
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.reading.json_text import escape
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["check_parameters"]
 

@@ -16,8 +16,8 @@ from mimics_app.contracts.ports.plugins import PluginError
 from mimics_app.contracts.ports.scenario_port import PLUGINS, Scenario
 from mimics_app.world.components.hand import GraspingHand
 from mimics_app.world.components.robot import Robot, Tunnel
-from mimics_app.world.scene.scene import Scene
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["BUILT_IN", "is_part", "is_playable", "open_scenario"]
 

@@ -31,8 +31,8 @@ from mimics_app.tasks.task import TaskSpec
 from mimics_app.world.components.objects import ForceField, HapticObject, HapticPath, InteractionPoints
 from mimics_app.world.components.robot import Robot, Tunnel
 from mimics_app.world.components.visible import Sound
-from mimics_app.world.scene.placing import pose_of
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.placing import pose_of
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["check_apart", "check_components", "check_stages"]
 

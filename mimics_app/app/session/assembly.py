@@ -20,7 +20,7 @@ from mimics_app.recording.recorder import Recorder
 from mimics_app.recording.run_folder import create_run_folder
 from mimics_app.recording.statics import write_statics
 from mimics_app.rendering.haptic import scheduler
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["build_session", "start_loop"]
 

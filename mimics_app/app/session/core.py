@@ -36,8 +36,8 @@ from mimics_app.rendering.tactile.vibrators import NoVibrators, Vibrators
 from mimics_app.tasks.task_manager import TaskManager
 from mimics_app.world.components.robot import Patient
 from mimics_app.world.components.tactile import TactileSettings
-from mimics_app.world.scene.scene import Scene
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.scene import Scene
 
 if TYPE_CHECKING:
     from mimics_app.rendering.visual.presenting.presenter import Presenter

@@ -17,7 +17,7 @@ from mimics_app.rendering.haptic.scene_block import safety_of
 from mimics_app.world.components.robot import Safety
 from mimics_app.world.components.systems import Tolerances
 from mimics_app.world.components.tolerance_units import UNIT_OF_FIELD
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["EffectiveSetting", "effective_settings"]
 

@@ -35,7 +35,7 @@ from mimics_app.contracts.ports.display_port import FrameTiming
 from mimics_app.contracts.ports.tracker_port import TrackedPose
 from mimics_app.maths.length import length
 from mimics_app.world.components.systems import VisualSettings
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["Frames"]
 

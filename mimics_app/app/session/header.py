@@ -17,7 +17,7 @@ from mimics_app.rendering.haptic.scene_block import safety_of
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.tasks.task_record import task_record
 from mimics_app.world.components.robot import Robot
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["describe_session"]
 

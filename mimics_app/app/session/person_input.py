@@ -20,7 +20,7 @@ from mimics_app.inputs.stage import Inputs
 from mimics_app.maths import mat
 from mimics_app.rendering.haptic.devices.robot_reach import Reach
 from mimics_app.world.components.robot import Ball, Robot
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene
 
 if TYPE_CHECKING:
     from mimics_app.app.picture.picture import Picture

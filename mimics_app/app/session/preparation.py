@@ -37,9 +37,9 @@ from mimics_app.tasks.tailoring import eased
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.trial_file import resolve_files
 from mimics_app.world.components.robot import Patient, Robot
-from mimics_app.world.scene.file import build_world
-from mimics_app.world.scene.scene import Scene
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.file import build_world
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["SessionParts", "prepare", "prepare_scene"]
 

@@ -10,7 +10,7 @@ from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.trial_file import resolve_trials
 from mimics_app.tasks.trials import check_first_trial, repeated, trial_blocks
 from mimics_app.world.components.systems import DisplaySettings
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["read_requested", "with_requested_trials"]
 

@@ -16,7 +16,7 @@ from mimics_app.contracts.ports.audio_port import AudioReport
 from mimics_app.contracts.shared_memory import ring
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.recording.signal_rows import SignalRow
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
 
 __all__ = ["NullRecorder", "NullSound", "RecorderPort", "SoundPort"]
 

@@ -13,8 +13,8 @@ from mimics_app.inputs.trackers.tape import TapeWriter
 from mimics_app.inputs.trackers.tracker_kinds import TrackerRequest, build_tracker
 from mimics_app.maths.poses import pose_from_parts
 from mimics_app.world.components.trackers import TrackerSpec, TrackersSettings
-from mimics_app.world.scene.paths import PathFault
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.reading.paths import PathFault
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["make_hub"]
 

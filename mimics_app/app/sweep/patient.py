@@ -26,7 +26,7 @@ from mimics_app.lab.sweep.quantity import Columns, Quantity, SweepExperiment
 from mimics_app.learning.action_sequence import ActionSequence, TimedAction
 from mimics_app.tasks.actions import build_action_space
 from mimics_app.tasks.task import MEASURES, BlockSpec, TaskSpec
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["EXPERIMENT", "travel"]
 

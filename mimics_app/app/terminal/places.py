@@ -22,7 +22,7 @@ def line_and_column(issue: Issue) -> tuple[int, int] | None:
     text = _text_of(issue.file) if issue.pointer else ""
     if not text:
         return None
-    from mimics_app.world.scene.json_spans import find_span
+    from mimics_app.world.files.reading.json_spans import find_span
 
     steps = [step.replace("~1", "/").replace("~0", "~") for step in issue.pointer.split("/")[1:]]
     while (span := find_span(text, steps)) is None:

@@ -12,7 +12,7 @@ from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.scene_block import dynamics_of, impedance_values, kinematic_values
 from mimics_app.world.components.robot import Admittance, Impedance, Robot
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["check_shape", "device_values", "feel_of"]
 

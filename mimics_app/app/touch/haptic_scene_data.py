@@ -19,7 +19,7 @@ from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.rendering.haptic.scene_work import Names, fits, row_names, statics_of
 from mimics_app.world.components.robot import Robot
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["HapticSceneData"]
 

@@ -20,8 +20,8 @@ from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen, read_pixels, write_png
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.environment import Sky
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Sky
+from mimics_app.world.content.world import World
 
 __all__ = ["Sheet", "Tile", "draw_models", "draw_sheet"]
 

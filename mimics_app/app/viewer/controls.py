@@ -9,7 +9,7 @@ import numpy as np
 from mimics_app.app.viewer.selection import Ray, Selection
 from mimics_app.app.viewer.viewport import Viewport
 from mimics_app.contracts.messages.window_input import InputEvent
-from mimics_app.world.extent import world_extent
+from mimics_app.world.content.extent import world_extent
 
 __all__ = ["ViewerControls"]
 

@@ -11,8 +11,8 @@ from mimics_app.rendering.visual.displays.desktop import compute_window_tangents
 from mimics_app.rendering.visual.surfaces.surface import Size
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
-from mimics_app.world.camera import Camera
-from mimics_app.world.extent import Extent
+from mimics_app.world.content.extent import Extent
+from mimics_app.world.graph.camera import Camera
 
 __all__ = ["OrbitCamera"]
 

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from mimics_app.app.viewer.shown import Shown
 from mimics_app.contracts.errors import Issue, OutputError, SceneError, UsageError
-from mimics_app.world.motion.animator import Animator
-from mimics_app.world.motion.clip import Clip
-from mimics_app.world.motion.humanoid import HumanoidMap
-from mimics_app.world.motion.rig import Rig
+from mimics_app.world.content.motion.animator import Animator
+from mimics_app.world.content.motion.clip import Clip
+from mimics_app.world.content.motion.humanoid import HumanoidMap
+from mimics_app.world.content.motion.rig import Rig
 
 __all__ = ["add_motion", "animators_of", "clips_of", "play_clip", "read_motion", "write_vertices"]
 
@@ -38,7 +38,7 @@ def add_motion(shown: Shown, path: Path) -> None:
         SceneError: The file is faulty, or no person is shown.
         UsageError: The file is of neither kind.
     """
-    from mimics_app.world.motion.humanoid import find_humanoid
+    from mimics_app.world.content.motion.humanoid import find_humanoid
 
     for animator in shown.world.motion.animators.values():
         bones = find_humanoid(animator.rig)
@@ -125,15 +125,15 @@ def read_motion(path: Path, target: Rig, bones: HumanoidMap) -> tuple[Clip, list
     """
     kind = path.suffix.lower()
     if kind == ".bvh":
-        from mimics_app.world.motion.bvh import capture_clip, read_bvh
+        from mimics_app.world.files.capture.bvh import capture_clip, read_bvh
 
         try:
             return capture_clip(read_bvh(path), path.stem, target, bones)
         except ValueError as error:
             raise SceneError(Issue(str(path), "", str(error))) from error
     if kind == ".c3d":
-        from mimics_app.world.motion.c3d_file import read_c3d
-        from mimics_app.world.motion.marker_clip import marker_clip
+        from mimics_app.world.files.capture.c3d_file import read_c3d
+        from mimics_app.world.files.capture.marker_clip import marker_clip
 
         return marker_clip(read_c3d(path), path.stem, target, bones)
     raise UsageError(f"{path} is not a file of recorded motion", "give a .bvh or a .c3d file")

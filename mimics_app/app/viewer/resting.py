@@ -12,8 +12,8 @@ from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.ports.scenario_port import Scenario
 from mimics_app.world.components.robot import Ball, Robot
-from mimics_app.world.scene.scene import Scene
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["rest"]
 

@@ -12,9 +12,9 @@ from mimics_app.app.viewer.shown import Shown
 from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.overlay.layers import Arrow
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.raycast import cast_ray
-from mimics_app.world.scene.edit import is_written_in_file, write_translation
-from mimics_app.world.scene_node import SceneNode
+from mimics_app.world.content.raycast import cast_ray
+from mimics_app.world.files.scene.edit import is_written_in_file, write_translation
+from mimics_app.world.graph.scene_node import SceneNode
 
 __all__ = ["Selection", "drag_offset"]
 

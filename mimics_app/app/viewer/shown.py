@@ -7,16 +7,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.world.extent import Extent, world_extent
-from mimics_app.world.gltf.gltf_document import GLTF_SUFFIXES
-from mimics_app.world.gltf.model_world import read_model
-from mimics_app.world.gltf.prefab import ModelPrefab
-from mimics_app.world.meshes.mesh_file import MESH_SUFFIXES, add_mesh_file
-from mimics_app.world.scene_node import SceneNode
-from mimics_app.world.world import World
+from mimics_app.world.content.extent import Extent, world_extent
+from mimics_app.world.content.world import World
+from mimics_app.world.files.gltf.gltf_document import GLTF_SUFFIXES
+from mimics_app.world.files.mesh_file import MESH_SUFFIXES, add_mesh_file
+from mimics_app.world.files.scene.model_world import read_model
+from mimics_app.world.files.scene.prefab import ModelPrefab
+from mimics_app.world.graph.scene_node import SceneNode
 
 if TYPE_CHECKING:
-    from mimics_app.world.scene.scene import Scene
+    from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["MODEL_SUFFIXES", "Shown", "Up", "open_shown"]
 
@@ -124,7 +124,7 @@ def open_shown(path: Path, up: Up = "y") -> Shown:
 def _open_scene(path: Path) -> Shown:
     from mimics_app.app.scenes.loading import load_checked_scene
     from mimics_app.app.viewer.resting import rest
-    from mimics_app.world.scene.file import build_world
+    from mimics_app.world.files.scene.file import build_world
 
     scene = load_checked_scene(path)
     world = build_world(scene)

@@ -8,11 +8,11 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.world.environment import Fog, Sky
-from mimics_app.world.extent import Extent
-from mimics_app.world.materials.material import Material
-from mimics_app.world.meshes.primitives import plane
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Fog, Sky
+from mimics_app.world.content.extent import Extent
+from mimics_app.world.content.materials.material import Material
+from mimics_app.world.content.meshes.primitives import plane
+from mimics_app.world.content.world import World
 
 __all__ = ["Studio", "studio_settings"]
 

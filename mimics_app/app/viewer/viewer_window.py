@@ -20,7 +20,7 @@ from mimics_app.contracts.errors import MimicsError, SceneError
 from mimics_app.rendering.visual.figures.key_page import draw_keys
 from mimics_app.rendering.visual.surfaces.headless import save_png
 from mimics_app.rendering.visual.surfaces.surface import Size
-from mimics_app.world.scene.watcher import SceneWatcher
+from mimics_app.world.files.scene.watcher import SceneWatcher
 
 __all__ = ["ViewerSession"]
 
@@ -261,7 +261,7 @@ class ViewerSession:
             self._selection.show(fresh)
         else:
             from mimics_app.app.viewer.resting import rest
-            from mimics_app.world.scene.reload import reload_scene
+            from mimics_app.world.files.scene.reload import reload_scene
 
             shown.scene, _ = reload_scene(shown.world, shown.scene)
             rest(shown.scene, shown.world)

@@ -15,7 +15,7 @@ from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.camera import Camera
+from mimics_app.world.graph.camera import Camera
 
 __all__ = ["Viewport"]
 

@@ -23,8 +23,8 @@ from mimics_app.contracts.commands.vocabulary import AnyCommand, Command, comman
 from mimics_app.contracts.errors import MOST_SOUGHT, Issue, SceneError, nearest
 from mimics_app.contracts.shared_memory.command_ring import CommandSender
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
-from mimics_app.world.scene.json_text import escape, parse_json
-from mimics_app.world.scene.scene_files import read_bytes
+from mimics_app.world.files.reading.file_bytes import read_bytes
+from mimics_app.world.files.reading.json_text import escape, parse_json
 
 __all__ = ["TimedCommand", "TimedCommands", "read_command_file"]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mimics_app.contracts.errors import UsageError
 from mimics_app.world.components.trackers import TrackersSettings
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["hears_the_network", "listening", "place_of"]
 

@@ -18,8 +18,8 @@ from mimics_app.inputs.trackers.pointer_tracker import PointerTracker
 from mimics_app.inputs.trackers.scripted_person import ScriptedPerson
 from mimics_app.inputs.trackers.tape import TapeTracker
 from mimics_app.world.components.trackers import TrackerSpec
-from mimics_app.world.scene.paths import find_file
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.reading.paths import find_file
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["BUILT_IN", "TrackerBuilder", "TrackerRequest", "build_tracker"]
 

@@ -14,7 +14,7 @@ from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.maths.cord import Catenary, Ripple, Ripples, hang
 from mimics_app.rendering.visual.passes.cord import CORD_BLOCK, RINGS, SIDES, fill_cord_block
-from mimics_app.world.cords import Cord
+from mimics_app.world.content.cords import Cord
 
 __all__: list[str] = []
 

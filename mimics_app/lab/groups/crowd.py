@@ -21,11 +21,11 @@ from mimics_app.lab.visual.probe import differing_pixels, frame_us, show_picture
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
-from mimics_app.world.environment import Sky
-from mimics_app.world.gltf.file import load_gltf
-from mimics_app.world.gltf.prefab import ModelPrefab
-from mimics_app.world.scene.assets import ModelPart, SceneAsset
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Sky
+from mimics_app.world.content.world import World
+from mimics_app.world.files.gltf.file import load_gltf
+from mimics_app.world.files.scene.assets import ModelPart, SceneAsset
+from mimics_app.world.files.scene.prefab import ModelPrefab
 
 __all__ = ["Crowd", "load_person"]
 

@@ -14,9 +14,9 @@ from mimics_app.lab.rivals import Rival, compare
 from mimics_app.lab.visual.small_frame import PLAIN, MovingWorld, changed_share, cost_us, square_grid, view_over
 from mimics_app.rendering.visual.settings import Culling
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.materials.material import Material
-from mimics_app.world.meshes.primitives import box
-from mimics_app.world.world import World
+from mimics_app.world.content.materials.material import Material
+from mimics_app.world.content.meshes.primitives import box
+from mimics_app.world.content.world import World
 
 __all__ = ["node_world"]
 
@@ -33,7 +33,7 @@ def node_world(count: int, materials: int = 1) -> MovingWorld:
     places = square_grid(count, 2.0)
     nodes = [world.root.create_child("", tuple(place)) for place in places.tolist()]
     for number, node in enumerate(nodes):
-        world.show(node, [("cube", f"{number % materials}")])
+        node.show([("cube", f"{number % materials}")])
     world.update()
     rows = world.transforms.rows(np.array([node.index for node in nodes]))
     view = view_over(2.0 * math.sqrt(count))

@@ -10,8 +10,8 @@ from dataclasses import replace
 
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.lab.visual.small_frame import PLAIN, MovingWorld, changed_share, cost_us, square_grid, view_over
-from mimics_app.world.meshes.primitives import icosphere
-from mimics_app.world.world import World
+from mimics_app.world.content.meshes.primitives import icosphere
+from mimics_app.world.content.world import World
 
 __all__ = ["ball_world"]
 

@@ -12,9 +12,9 @@ import numpy as np
 
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.lab.visual.skinned_figure import RIGID, SIZES, VERTICES, bend_by_loops, cost_of_call, dual_quaternions
-from mimics_app.world.meshes.deform import VertexWeights
-from mimics_app.world.motion.posing import mix_duals, mix_matrices
-from mimics_app.world.motion.skinned_body import Skinning
+from mimics_app.world.content.meshes.deform import VertexWeights
+from mimics_app.world.content.motion.posing import mix_duals, mix_matrices
+from mimics_app.world.content.motion.skinned_body import Skinning
 
 __all__: list[str] = []
 

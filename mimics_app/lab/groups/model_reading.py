@@ -15,7 +15,7 @@ from typing import Any
 
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.lab.rivals import Rival, compare
-from mimics_app.world.gltf.file import GltfDocument, load_gltf
+from mimics_app.world.files.gltf.file import GltfDocument, load_gltf
 
 __all__ = ["KINDS", "count_parts"]
 

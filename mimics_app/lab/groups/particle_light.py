@@ -17,10 +17,10 @@ from mimics_app.rendering.visual.settings import ParticleLight, RenderSettings
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.components.effects import Particles
-from mimics_app.world.environment import Sky
-from mimics_app.world.materials.material import Material
-from mimics_app.world.meshes.primitives import plane
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Sky
+from mimics_app.world.content.materials.material import Material
+from mimics_app.world.content.meshes.primitives import plane
+from mimics_app.world.content.world import World
 
 __all__: list[str] = []
 

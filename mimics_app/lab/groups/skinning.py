@@ -28,9 +28,9 @@ from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.drawing.skinning import BentMeshes, ProcessorSkinning
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen
-from mimics_app.world.motion.posing import mix_duals, mix_matrices
-from mimics_app.world.motion.skinned_body import SkinnedBody, Skinning
-from mimics_app.world.world import World
+from mimics_app.world.content.motion.posing import mix_duals, mix_matrices
+from mimics_app.world.content.motion.skinned_body import SkinnedBody, Skinning
+from mimics_app.world.content.world import World
 
 __all__: list[str] = []
 

@@ -15,8 +15,8 @@ from msgspec import Meta
 
 from mimics_app.contracts.errors import MOST_SOUGHT, Issue, SceneError, nearest
 from mimics_app.lab.sweep.quantity import Quantity, SweepExperiment
-from mimics_app.world.scene.json_text import escape
-from mimics_app.world.scene.struct_file import read_struct_file
+from mimics_app.world.files.reading.json_text import escape
+from mimics_app.world.files.reading.struct_file import read_struct_file
 
 __all__ = ["MAX_POINTS", "Range", "Sample", "Scalar", "Sweep", "count_values", "load_sweep", "span_of"]
 

@@ -13,9 +13,9 @@ from mimics_app.lab.visual.probe import differing_pixels, frame_us, show_picture
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
-from mimics_app.world.environment import Sky
-from mimics_app.world.gltf.model_world import load_model_world
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Sky
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.model_world import load_model_world
 
 __all__ = ["PLAIN", "city_error", "city_pictures", "city_us"]
 

@@ -8,10 +8,10 @@ from mimics_app.lab.visual.probe import frame_us
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
-from mimics_app.world.environment import Sky
-from mimics_app.world.materials.material import Material
-from mimics_app.world.meshes.primitives import cylinder, plane, sphere
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Sky
+from mimics_app.world.content.materials.material import Material
+from mimics_app.world.content.meshes.primitives import cylinder, plane, sphere
+from mimics_app.world.content.world import World
 
 __all__ = ["FEW", "PLAIN", "hall_us"]
 

@@ -14,7 +14,7 @@ from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen, read_pixels
 from mimics_app.rendering.visual.surfaces.surface import Size
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
 
 __all__ = ["differing_pixels", "frame_us", "show_picture"]
 

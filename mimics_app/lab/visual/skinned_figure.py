@@ -10,10 +10,10 @@ from mimics_app.contracts.arrays import F4, F8
 from mimics_app.lab.probe import shortest_us
 from mimics_app.maths.quat import from_matrix, multiply
 from mimics_app.rendering.visual.drawing.skinning import bend_mesh, make_source
-from mimics_app.world.meshes.deform import VertexWeights
-from mimics_app.world.meshes.mesh import MeshData
-from mimics_app.world.motion.skinned_body import SkinnedBody, Skinning, bind
-from mimics_app.world.world import World
+from mimics_app.world.content.meshes.deform import VertexWeights
+from mimics_app.world.content.meshes.mesh import MeshData
+from mimics_app.world.content.motion.skinned_body import SkinnedBody, Skinning, bind
+from mimics_app.world.content.world import World
 
 __all__ = [
     "KEY",
@@ -64,7 +64,7 @@ def figure_world(vertices: int, skinning: Skinning) -> tuple[World, SkinnedBody]
     body = SkinnedBody(node.index, {KEY: mesh}, binding, np.zeros(0), skinning)
     world.set_mesh(KEY, mesh)
     world.motion.add_body(body)
-    world.show(node, [(KEY, "default")])
+    node.show([(KEY, "default")])
     world.update()
     return world, body
 

@@ -12,7 +12,7 @@ from mimics_app.lab.visual.probe import Move, differing_pixels, frame_us, show_p
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
 
 __all__ = ["PLAIN", "MovingWorld", "changed_share", "cost_us", "square_grid", "view_over"]
 

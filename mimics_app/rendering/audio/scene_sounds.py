@@ -12,8 +12,8 @@ from mimics_app.rendering.audio.settings import AROUSAL, AudioSettings, SoundSpe
 from mimics_app.rendering.audio.sound_file import check_sound_file
 from mimics_app.world.components.systems import AudioSettings as AudioSystem
 from mimics_app.world.components.visible import Sound, SoundEmitter
-from mimics_app.world.scene.assets import SceneAsset
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.assets import SceneAsset
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["check_head", "check_sound", "settings_from_components"]
 

@@ -128,7 +128,7 @@ def _resample(samples: NDArray[np.float64], rate_in: int, rate_out: int) -> NDAr
 
 
 def _taken_out(model: Path, number: int) -> bytes:
-    from mimics_app.world.gltf.sounds import read_embedded_sound
+    from mimics_app.world.files.gltf.sounds import read_embedded_sound
 
     return read_embedded_sound(model, number)
 

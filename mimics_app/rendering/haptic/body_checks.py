@@ -25,7 +25,7 @@ from mimics_app.rendering.haptic.kernels.objects.pairs import join_surfaces
 from mimics_app.rendering.haptic.kernels.objects.records import PAIR
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 from mimics_app.rendering.haptic.row_checks import SIZE_COMPONENTS
-from mimics_app.world.components.object_bodies import rotation_of
+from mimics_app.world.files.scene.object_bodies import rotation_of
 
 __all__ = ["BodyFault", "check_bodies", "contact_modes"]
 

@@ -15,7 +15,7 @@ from mimics_app.contracts.errors import Issue, nearest
 from mimics_app.contracts.loop.loop_ports import FIELD, FIELD_PARAMETERS
 from mimics_app.contracts.ports.plugins import PluginError, PluginGroup
 from mimics_app.world.components.objects import ForceField
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["PLUGINS", "Field", "add_field", "check_field", "find_field"]
 

@@ -13,12 +13,12 @@ from mimics_app.contracts.loop.loop_ports import MAX_FIELDS
 from mimics_app.rendering.haptic.scene_tunnel import built_tunnel
 from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve
 from mimics_app.world.components import haptic_effects as effects
-from mimics_app.world.components.object_bodies import rotation_of
-from mimics_app.world.components.object_checks import check_path
 from mimics_app.world.components.objects import ForceField, HapticEffect, HapticPath
 from mimics_app.world.components.robot import Tunnel
-from mimics_app.world.scene.placing import pose_of
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.object_bodies import rotation_of
+from mimics_app.world.files.scene.object_checks import check_path
+from mimics_app.world.files.scene.placing import pose_of
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["EffectRows", "check_field_count", "check_haptic_path", "curve_of_path"]
 

@@ -27,17 +27,17 @@ from mimics_app.world.components.haptic_shapes import (
     TouchSurface,
     surface_of,
 )
-from mimics_app.world.components.object_bodies import (
+from mimics_app.world.components.objects import SIDES, HapticObject, HapticWalls, Wall
+from mimics_app.world.files.scene.object_bodies import (
     digest_of,
     mass_properties_of,
     mesh_of,
     rotation_of,
     shapes_of,
 )
-from mimics_app.world.components.objects import SIDES, HapticObject, HapticWalls, Wall
-from mimics_app.world.meshes.solids import SolidMesh
-from mimics_app.world.scene.placing import pose_of
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.placing import pose_of
+from mimics_app.world.files.scene.scene import Scene
+from mimics_app.world.files.scene.solids import SolidMesh
 
 __all__ = ["MeshKey", "ObjectRows", "ShapeRow", "rows_of_object", "rows_of_walls"]
 

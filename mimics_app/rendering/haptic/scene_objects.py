@@ -31,7 +31,6 @@ from mimics_app.rendering.haptic.scene_effects import EffectRows
 from mimics_app.rendering.haptic.scene_object import MeshKey, ObjectRows, rows_of_object, rows_of_walls
 from mimics_app.rendering.haptic.scene_tunnel import planned_projection, tunnel_rows
 from mimics_app.world.components.block_signals import parse_source, parse_target
-from mimics_app.world.components.object_bodies import ObjectFault, digest_of
 from mimics_app.world.components.objects import (
     Connections,
     ForceField,
@@ -41,8 +40,9 @@ from mimics_app.world.components.objects import (
     InteractionPoints,
 )
 from mimics_app.world.components.robot import Ball, Robot
-from mimics_app.world.meshes.solids import SolidMesh, hull_corners
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.object_bodies import ObjectFault, digest_of
+from mimics_app.world.files.scene.scene import Scene
+from mimics_app.world.files.scene.solids import SolidMesh, hull_corners
 
 __all__ = ["SceneObjects", "check_objects", "objects_of_scene"]
 

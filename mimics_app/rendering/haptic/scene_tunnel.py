@@ -14,9 +14,9 @@ from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve
 from mimics_app.rendering.haptic.tunnel_source import tunnel_from_component
 from mimics_app.world.components.registry import register_check
 from mimics_app.world.components.robot import Tunnel
-from mimics_app.world.components.robot_checks import check_tunnel_component
 from mimics_app.world.components.systems import HapticSettings
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.robot_checks import check_tunnel_component
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["PROJECTIONS", "built_tunnel", "planned_projection", "tunnel_of_scene", "tunnel_rows"]
 

@@ -17,7 +17,7 @@ from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.scene_objects import SceneObjects, objects_of_scene
 from mimics_app.world.components.objects import HapticEffect, HapticObject, HapticWalls
 from mimics_app.world.components.robot import Admittance, Impedance, Robot, Safety, Tunnel
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["check_stability"]
 

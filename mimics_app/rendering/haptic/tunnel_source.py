@@ -14,8 +14,8 @@ from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.maths.bspline_fit import fit_spline
 from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve, TunnelError, TunnelFault, build_tunnel
 from mimics_app.world.components.robot import Tunnel
-from mimics_app.world.scene.json_text import parse_json
-from mimics_app.world.scene.scene_files import read_bytes
+from mimics_app.world.files.reading.file_bytes import read_bytes
+from mimics_app.world.files.reading.json_text import parse_json
 
 __all__ = ["fit_path", "read_path", "tunnel_from_component"]
 

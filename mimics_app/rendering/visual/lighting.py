@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.world.environment import Backdrop, Fog
-from mimics_app.world.light import Light
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Backdrop, Fog
+from mimics_app.world.content.world import World
+from mimics_app.world.graph.light import Light
 
 __all__ = [
     "MAX_LIGHTS",

@@ -38,7 +38,7 @@ from mimics_app.rendering.visual.surfaces.rasteriser import rasteriser_of
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.targets import PictureTarget
 from mimics_app.rendering.visual.view import Latch, Rect, View
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
 
 if TYPE_CHECKING:
     from mimics_app.rendering.visual.overlay.layers import Layer

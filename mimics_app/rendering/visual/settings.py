@@ -8,7 +8,7 @@ from functools import cache
 from typing import Any, Literal, TypedDict, get_args, get_origin, get_type_hints
 
 from mimics_app.contracts.errors import UsageError, require_choice
-from mimics_app.world.materials.technique import Profile
+from mimics_app.world.content.materials.technique import Profile
 
 __all__ = [
     "BendBy",

@@ -17,7 +17,7 @@ from mimics_app.rendering.visual.shadows.shadow_maps import (
     texture_from_world,
 )
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.environment import Fog, FogKind
+from mimics_app.world.content.environment import Fog, FogKind
 
 if TYPE_CHECKING:
     import moderngl

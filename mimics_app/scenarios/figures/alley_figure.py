@@ -6,10 +6,11 @@ import math
 from typing import TYPE_CHECKING
 
 from mimics_app.scenarios.figures.walking_figure import add_walk, below, pace_at, stand
-from mimics_app.world.scene_node import SceneNode
+from mimics_app.world.content.world import World
+from mimics_app.world.graph.scene_node import SceneNode
 
 if TYPE_CHECKING:
-    from mimics_app.world.motion.gait import Pace
+    from mimics_app.world.content.motion.gait import Pace
 
 __all__ = ["AlleyFigure"]
 
@@ -35,6 +36,7 @@ class AlleyFigure:
     """A node that moves along an alley (-z), with a model whose legs walk where the node goes.
 
     Args:
+        world: The world of the node.
         node: The node; its model is at the node or at a child of it, and has the state "still". Without a model only
             the node moves.
         ahead: 1: the figure looks along the node's +z, as models do; -1: along its -z, as cameras do.
@@ -44,10 +46,10 @@ class AlleyFigure:
         aside: Position to its right, +x [m].
     """
 
-    def __init__(self, node: SceneNode, ahead: float) -> None:
+    def __init__(self, world: World, node: SceneNode, ahead: float) -> None:
         self._node, self._ahead = node, ahead
-        animator = below(node, node.world.motion.animators)
-        self._machine = below(node, node.world.motion.machines)
+        animator = below(node, world.motion.animators)
+        self._machine = below(node, world.motion.machines)
         self._height = float(node.position[1])
         self._doing, self._walks = "", False
         self._yaw: float | None = None

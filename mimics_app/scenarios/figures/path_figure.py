@@ -7,7 +7,8 @@ import math
 from mimics_app.scenarios.figures.ground_path import GroundPath
 from mimics_app.scenarios.figures.walking_figure import add_walk, below, pace_at, stand
 from mimics_app.world.components.walking import PathWalker
-from mimics_app.world.scene_node import SceneNode
+from mimics_app.world.content.world import World
+from mimics_app.world.graph.scene_node import SceneNode
 
 __all__ = ["PathFigure"]
 
@@ -16,17 +17,18 @@ class PathFigure:
     """A walker of a scene.
 
     Args:
+        world: The world of the node.
         node: The node; its model is at the node or at a child of it. Without a model only the node moves.
         walker: Its component.
         path: The path of the component.
         ahead: 1: the figure looks along the node's +z, as models do; -1: along its -z, as cameras do.
     """
 
-    def __init__(self, node: SceneNode, walker: PathWalker, path: GroundPath, ahead: float = 1.0) -> None:
+    def __init__(self, world: World, node: SceneNode, walker: PathWalker, path: GroundPath, ahead: float = 1.0) -> None:
         self._node, self._walker, self._path, self._ahead = node, walker, path, ahead
         self._x = self._z = self._yaw = self._speed = 0.0
         self._s = walker.start
-        animator = below(node, node.world.motion.animators)
+        animator = below(node, world.motion.animators)
         add_walk(
             animator, lambda: pace_at(self._speed), lambda: (self._x, self._z, self._yaw), lambda: path.ground(self._s)
         )

@@ -7,11 +7,11 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.world.motion.humanoid import HumanoidMap
-from mimics_app.world.motion.kernels.chain import localise
-from mimics_app.world.motion.pose import Pose
-from mimics_app.world.motion.reach import Chain, LimbReach
-from mimics_app.world.motion.rig import Rig
+from mimics_app.world.content.motion.humanoid import HumanoidMap
+from mimics_app.world.content.motion.kernels.chain import localise
+from mimics_app.world.content.motion.pose import Pose
+from mimics_app.world.content.motion.reach import Chain, LimbReach
+from mimics_app.world.content.motion.rig import Rig
 
 __all__ = ["PlantedFeet"]
 

@@ -10,13 +10,13 @@ from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import SceneError
 from mimics_app.maths.poses import quaternion_of, turn_vector, turned_back
 from mimics_app.scenarios.figures.planted_feet import PlantedFeet
-from mimics_app.world.motion.animator import Animator
-from mimics_app.world.motion.humanoid import HumanoidMap, find_humanoid
-from mimics_app.world.motion.reach import Chain
-from mimics_app.world.motion.rig import Rig
-from mimics_app.world.motion.upper_body import Trackers, UpperBody
-from mimics_app.world.scene.scene import Scene
-from mimics_app.world.world import World
+from mimics_app.world.content.motion.animator import Animator
+from mimics_app.world.content.motion.humanoid import HumanoidMap, find_humanoid
+from mimics_app.world.content.motion.reach import Chain
+from mimics_app.world.content.motion.rig import Rig
+from mimics_app.world.content.motion.upper_body import Trackers, UpperBody
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["TrackedFigure"]
 

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from mimics_app.maths import quat
-from mimics_app.world.scene_node import SceneNode
+from mimics_app.world.graph.scene_node import SceneNode
 
 if TYPE_CHECKING:
-    from mimics_app.world.camera import Camera
-    from mimics_app.world.motion.animator import Animator
-    from mimics_app.world.motion.gait import Pace
+    from mimics_app.world.content.motion.animator import Animator
+    from mimics_app.world.content.motion.gait import Pace
+    from mimics_app.world.graph.camera import Camera
 
 __all__ = ["OWN_HEAD", "add_walk", "below", "follow_numbers", "pace_at", "see_past_head", "stand"]
 
@@ -48,7 +48,7 @@ def stand(node: SceneNode, place: tuple[float, float, float], yaw: float, ahead:
 
 def pace_at(speed: float) -> Pace:
     """Return the pace of the legs at a speed [m/s], negative for walking backwards; they stand when it is tiny."""
-    from mimics_app.world.motion.gait import Pace, natural_step
+    from mimics_app.world.content.motion.gait import Pace, natural_step
 
     return Pace(0.0, 0.0) if abs(speed) < _CRAWL else Pace(speed, natural_step(abs(speed)))
 
@@ -89,8 +89,8 @@ def add_walk(
     """
     if animator is None:
         return
-    from mimics_app.world.motion.gait import Walk
-    from mimics_app.world.motion.humanoid import find_humanoid
+    from mimics_app.world.content.motion.gait import Walk
+    from mimics_app.world.content.motion.humanoid import find_humanoid
 
     bones = find_humanoid(animator.rig)
     if not bones.missing:

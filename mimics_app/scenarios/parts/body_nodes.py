@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.maths import mat, quat
-from mimics_app.world.scene_node import SceneNode
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.graph.scene_node import SceneNode
 
 __all__ = ["BodyNodes"]
 

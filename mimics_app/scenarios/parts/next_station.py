@@ -8,10 +8,10 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8, Vec3
 from mimics_app.world.components.robot import NextMark
-from mimics_app.world.extent import Extent, world_extent
-from mimics_app.world.scene.placing import pose_of
-from mimics_app.world.scene.scene import Scene
-from mimics_app.world.world import World
+from mimics_app.world.content.extent import Extent, world_extent
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.placing import pose_of
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["NextStation"]
 

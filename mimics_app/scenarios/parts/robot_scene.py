@@ -17,8 +17,8 @@ from mimics_app.rendering.haptic.devices.robot_reach import Reach
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve
 from mimics_app.world.components.robot import Admittance, Ball, JointPd, Robot, Safety, WorldPd
-from mimics_app.world.scene.placing import pose_of
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.files.scene.placing import pose_of
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["Places", "Vec3", "even_points", "robot_block", "robot_facts", "start_at", "triple"]
 

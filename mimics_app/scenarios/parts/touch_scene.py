@@ -21,10 +21,10 @@ from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task import PointGoal
 from mimics_app.world.components.objects import HapticObject, HapticPath, InteractionPoints
 from mimics_app.world.components.robot import Ball, Patient, Robot
-from mimics_app.world.meshes.primitives import tube
-from mimics_app.world.scene.placing import pose_of
-from mimics_app.world.scene.scene import Scene
-from mimics_app.world.world import World
+from mimics_app.world.content.meshes.primitives import tube
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.placing import pose_of
+from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["TouchScene"]
 
@@ -140,7 +140,7 @@ class TouchScene(Scenario):
             self._world.replace_mesh(name, tube(curve.point(s), n, b, radii, sides=_PATH_SIDES))
             node = self._world.find(name) if name in self._world else self._world.root.create_child(name)
             if node.entity is None:
-                self._world.show(node, [(name, path.material)])
+                node.show([(name, path.material)])
             else:
                 node.entity.set_material(path.material)
 

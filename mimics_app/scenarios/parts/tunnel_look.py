@@ -11,12 +11,12 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve
 from mimics_app.world.components.visible import TunnelView
-from mimics_app.world.levels import coverages_of
-from mimics_app.world.meshes.mesh import MeshData
-from mimics_app.world.meshes.primitives import tube
-from mimics_app.world.meshes.shape_levels import PIXELS
-from mimics_app.world.scene_node import SceneNode
-from mimics_app.world.world import World
+from mimics_app.world.content.meshes.mesh import MeshData
+from mimics_app.world.content.meshes.primitives import tube
+from mimics_app.world.content.meshes.shape_levels import PIXELS
+from mimics_app.world.content.world import World
+from mimics_app.world.graph.levels import coverages_of
+from mimics_app.world.graph.scene_node import SceneNode
 
 __all__ = ["TunnelLook"]
 

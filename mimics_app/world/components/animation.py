@@ -5,20 +5,15 @@ Units are SI, angles radians.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import msgspec
 from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.world.components.bounds import Name, Seconds, Share
+from mimics_app.world.components.checked_scene import CheckedScene
 from mimics_app.world.components.registry import Component, component, register_check
-from mimics_app.world.components.visible import MeshComponent
-from mimics_app.world.scene.assets import find_in_model
-
-if TYPE_CHECKING:
-    from mimics_app.world.gltf.file import GltfDocument
-    from mimics_app.world.scene.scene import Scene
 
 __all__ = [
     "Animation",
@@ -28,7 +23,6 @@ __all__ = [
     "Avatar",
     "MotionCause",
     "Reach",
-    "model_of",
 ]
 
 MotionCause = Literal[
@@ -132,20 +126,8 @@ class Avatar(Component, frozen=True):
     )
 
 
-def model_of(pointer: str, scene: Scene) -> GltfDocument | None:
-    """Return the model that the same entity shows; None where it is missing or broken, which is reported elsewhere."""
-    entity = next((each for each in scene.entities if pointer.startswith(f"{each.pointer}/")), None)
-    mesh = None if entity is None else entity.components.get("mesh")
-    if not isinstance(mesh, MeshComponent) or mesh.source is None:
-        return None
-    try:
-        return find_in_model(scene.assets, mesh.source).model
-    except KeyError:
-        return None
-
-
-def _check_animation(animation: Animation, pointer: str, scene: Scene) -> list[Issue]:
-    model = model_of(pointer, scene)
+def _check_animation(animation: Animation, pointer: str, scene: CheckedScene) -> list[Issue]:
+    model = scene.model_of(pointer)
     if model is None:
         return [
             scene.issue(pointer, "the entity shows no model whose clips could play", 'give it a "mesh" with a "source"')
@@ -165,7 +147,7 @@ def _check_animation(animation: Animation, pointer: str, scene: Scene) -> list[I
     return issues + _check_states(animation, pointer, scene)
 
 
-def _check_states(animation: Animation, pointer: str, scene: Scene) -> list[Issue]:
+def _check_states(animation: Animation, pointer: str, scene: CheckedScene) -> list[Issue]:
     named = {f"{pointer}/start": animation.start}
     named |= {f"{pointer}/states/{name}/next": state.next for name, state in animation.states.items()}
     for i, transition in enumerate(animation.transitions):
@@ -174,9 +156,9 @@ def _check_states(animation: Animation, pointer: str, scene: Scene) -> list[Issu
     return scene.check_names(named, "there is no state", animation.states, "give `states`")
 
 
-def _check_avatar(avatar: Avatar, pointer: str, scene: Scene) -> list[Issue]:
+def _check_avatar(avatar: Avatar, pointer: str, scene: CheckedScene) -> list[Issue]:
     issues: list[Issue] = []
-    if model_of(pointer, scene) is None:
+    if scene.model_of(pointer) is None:
         issues.append(scene.issue(pointer, "the entity shows no model", 'give it a "mesh" with a "source"'))
     if avatar.look_at != "camera":
         issues += scene.check_entity(f"{pointer}/look_at", avatar.look_at)

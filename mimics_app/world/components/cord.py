@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.world.components.bounds import Point, Share
+from mimics_app.world.components.checked_scene import CheckedScene
 from mimics_app.world.components.registry import Component, component, register_check
-
-if TYPE_CHECKING:
-    from mimics_app.world.scene.scene import Scene
 
 __all__ = ["CordComponent"]
 
@@ -34,7 +32,7 @@ class CordComponent(Component, frozen=True):
     wavelength: Annotated[float, Meta(gt=1e-3, le=1.0, description="Wavelength of ripples [m]")] = 0.05
 
 
-def _check(cord: CordComponent, pointer: str, scene: Scene) -> list[Issue]:
+def _check(cord: CordComponent, pointer: str, scene: CheckedScene) -> list[Issue]:
     return scene.check_entity(f"{pointer}/to", cord.to)
 
 

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.loop.haptic_objects import MAX_PIECES
 from mimics_app.world.components.bounds import Point
+from mimics_app.world.components.checked_scene import CheckedScene
 from mimics_app.world.components.registry import Component
-
-if TYPE_CHECKING:
-    from mimics_app.world.scene.scene import Scene
 
 __all__ = ["Curve", "check_curve"]
 
@@ -35,7 +33,7 @@ class Curve(Component, frozen=True):
     ] = None
 
 
-def check_curve(curve: Curve, pointer: str, scene: Scene) -> list[Issue]:
+def check_curve(curve: Curve, pointer: str, scene: CheckedScene) -> list[Issue]:
     """Faults of what a component says of its curve; the haptic stage checks that it can be built."""
     points = curve.control_points
     if (points is None) == (curve.path_file is None):

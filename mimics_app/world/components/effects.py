@@ -5,7 +5,7 @@ Units are SI, colours linear RGB, angles radians.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 from msgspec import Meta
 
@@ -21,10 +21,8 @@ from mimics_app.world.components.bounds import (
     Share,
     Vector,
 )
+from mimics_app.world.components.checked_scene import CheckedScene
 from mimics_app.world.components.registry import Component, component, register_check
-
-if TYPE_CHECKING:
-    from mimics_app.world.scene.scene import Scene
 
 __all__ = ["Billboard", "Particles", "Projector", "SpriteShape", "Trigger"]
 
@@ -159,7 +157,7 @@ class Projector(Component, frozen=True):
     ] = ()
 
 
-def _check_billboard(billboard: Billboard, pointer: str, scene: Scene) -> list[Issue]:
+def _check_billboard(billboard: Billboard, pointer: str, scene: CheckedScene) -> list[Issue]:
     issues = scene.check_asset(f"{pointer}/texture", billboard.texture, "picture")
     if billboard.text and billboard.texture is not None:
         issues.append(scene.issue(f"{pointer}/text", "has text and texture", "leave one of the two"))
@@ -170,7 +168,7 @@ def _check_billboard(billboard: Billboard, pointer: str, scene: Scene) -> list[I
     return issues
 
 
-def _check_particles(particles: Particles, pointer: str, scene: Scene) -> list[Issue]:
+def _check_particles(particles: Particles, pointer: str, scene: CheckedScene) -> list[Issue]:
     issues = scene.check_asset(f"{pointer}/texture", particles.texture, "picture")
     for name in ("lifetime", "speed", "size"):
         least, greatest = getattr(particles, name)
@@ -183,7 +181,7 @@ def _check_particles(particles: Particles, pointer: str, scene: Scene) -> list[I
     return issues
 
 
-def _check_projector(projector: Projector, pointer: str, scene: Scene) -> list[Issue]:
+def _check_projector(projector: Projector, pointer: str, scene: CheckedScene) -> list[Issue]:
     issues = scene.check_asset(f"{pointer}/texture", projector.texture, "picture")
     if projector.last_angle <= projector.full_angle:
         what = f"{projector.last_angle:g} rad is not beyond full_angle, {projector.full_angle:g} rad"

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
-from mimics_app.world.components.animation import model_of
 from mimics_app.world.components.bounds import Name
+from mimics_app.world.components.checked_scene import CheckedScene
 from mimics_app.world.components.registry import Component, component, register_check
-
-if TYPE_CHECKING:
-    from mimics_app.world.scene.scene import Scene
 
 __all__ = ["Encourager"]
 
@@ -34,8 +31,8 @@ class Encourager(Component, frozen=True):
     farewell: Annotated[Name, Meta(description="Clip after the last trial")] = "wave"
 
 
-def _check(wanted: Encourager, pointer: str, scene: Scene) -> list[Issue]:
-    model = model_of(pointer, scene)
+def _check(wanted: Encourager, pointer: str, scene: CheckedScene) -> list[Issue]:
+    model = scene.model_of(pointer)
     if model is None:
         return [scene.issue(pointer, "the entity shows no model that could react", 'give it a "mesh" with a "source"')]
     clips = [clip.name for clip in model.clips]

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.world.components.bounds import Name, Point
+from mimics_app.world.components.checked_scene import CheckedScene
 from mimics_app.world.components.registry import Component, component, register_check
-
-if TYPE_CHECKING:
-    from mimics_app.world.scene.scene import Scene
 
 __all__ = ["Follow"]
 
@@ -32,7 +30,7 @@ class Follow(Component, frozen=True):
     ] = 0.0
 
 
-def _check_follow(follow: Follow, pointer: str, scene: Scene) -> list[Issue]:
+def _check_follow(follow: Follow, pointer: str, scene: CheckedScene) -> list[Issue]:
     """Return the faults of an entity that is unknown or follows itself, and of a place with no line of sight."""
     issues = scene.check_entity(f"{pointer}/entity", follow.entity)
     if scene.owner(pointer).parent is not None:

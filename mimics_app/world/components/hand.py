@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.world.components.bounds import PositiveForce
+from mimics_app.world.components.checked_scene import CheckedScene
 from mimics_app.world.components.registry import Component, component, register_check
-
-if TYPE_CHECKING:
-    from mimics_app.world.scene.scene import Scene
 
 __all__ = ["GraspingHand"]
 
@@ -33,7 +31,7 @@ class GraspingHand(Component, frozen=True):
     closing_force: Annotated[PositiveForce, Meta(description="Grasp force that closes it on nothing [N]")] = 2.0
 
 
-def _check(hand: GraspingHand, pointer: str, scene: Scene) -> list[Issue]:
+def _check(hand: GraspingHand, pointer: str, scene: CheckedScene) -> list[Issue]:
     named = {f"{pointer}/fingers/{i}": finger for i, finger in enumerate(hand.fingers)}
     issues = scene.check_names(named, "no entity", scene.by_id)
     if hand.closed >= hand.open:

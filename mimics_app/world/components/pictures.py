@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.world.components.bounds import Share
+from mimics_app.world.components.checked_scene import CheckedScene
 from mimics_app.world.components.registry import Component, component, register_check
 from mimics_app.world.components.shapes import PlaneShape, RingShape
 from mimics_app.world.components.visible import CameraComponent, MeshComponent
-
-if TYPE_CHECKING:
-    from mimics_app.world.scene.scene import Scene
 
 __all__ = ["Inset", "Mirror", "Screen"]
 
@@ -66,7 +64,7 @@ class Inset(Component, frozen=True):
     border: Annotated[float, Meta(ge=0, le=50, description="Width of its border in a display of 720 lines [px]")] = 3.0
 
 
-def _check_mirror(mirror: Mirror, pointer: str, scene: Scene) -> list[Issue]:
+def _check_mirror(mirror: Mirror, pointer: str, scene: CheckedScene) -> list[Issue]:
     mesh = _mesh_beside(pointer, scene)
     if mesh is None:
         return [_needs_mesh(pointer, scene)]
@@ -75,14 +73,14 @@ def _check_mirror(mirror: Mirror, pointer: str, scene: Scene) -> list[Issue]:
     return []
 
 
-def _check_screen(screen: Screen, pointer: str, scene: Scene) -> list[Issue]:
+def _check_screen(screen: Screen, pointer: str, scene: CheckedScene) -> list[Issue]:
     issues = [] if _mesh_beside(pointer, scene) else [_needs_mesh(pointer, scene)]
     if pointer.rpartition("/")[0] in {other.rpartition("/")[0] for _, _, other in scene.components(Mirror)}:
         issues.append(scene.issue(pointer, "a screen cannot be a mirror too", "keep one of the two"))
     return issues + scene.check_entity_with(CameraComponent, f"{pointer}/camera", screen.camera)
 
 
-def _check_inset(inset: Inset, pointer: str, scene: Scene) -> list[Issue]:
+def _check_inset(inset: Inset, pointer: str, scene: CheckedScene) -> list[Issue]:
     left, bottom, width, height = inset.rectangle
     issues = scene.check_entity_with(CameraComponent, f"{pointer}/camera", inset.camera)
     if width == 0.0 or height == 0.0 or left + width > 1.0 + 1e-9 or bottom + height > 1.0 + 1e-9:
@@ -91,7 +89,7 @@ def _check_inset(inset: Inset, pointer: str, scene: Scene) -> list[Issue]:
     return issues
 
 
-def _mesh_beside(pointer: str, scene: Scene) -> MeshComponent | None:
+def _mesh_beside(pointer: str, scene: CheckedScene) -> MeshComponent | None:
     """Return the mesh of the entity whose component has this pointer."""
     beside = pointer.rpartition("/")[0]
     return next(
@@ -99,7 +97,7 @@ def _mesh_beside(pointer: str, scene: Scene) -> MeshComponent | None:
     )
 
 
-def _needs_mesh(pointer: str, scene: Scene) -> Issue:
+def _needs_mesh(pointer: str, scene: CheckedScene) -> Issue:
     return scene.issue(pointer, 'needs a "mesh" of the same entity to be seen on', 'give the entity a "mesh"')
 
 

@@ -6,14 +6,12 @@ Packages above `world` register their own on import, so that one validator serve
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import msgspec
 
 from mimics_app.contracts.errors import Issue
-
-if TYPE_CHECKING:
-    from mimics_app.world.scene.scene import Scene
+from mimics_app.world.components.checked_scene import CheckedScene
 
 __all__ = [
     "Component",
@@ -38,10 +36,10 @@ class Component(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     """Base of all structs of a scene file: immutable, no unknown fields, SI units."""
 
 
-ComponentCheck = Callable[[Any, str, "Scene"], list[Issue]]
+ComponentCheck = Callable[[Any, str, Any], list[Issue]]
 """(struct, pointer into the resolved scene, scene) -> faults; make them with `scene.issue(pointer + "/field", ...)`."""
 
-SectionCheck = Callable[[Any, "Scene"], list[Issue]]
+SectionCheck = Callable[[Any, Any], list[Issue]]
 """(struct, scene) -> faults of a section such as `task`, or of a system."""
 
 
@@ -135,7 +133,7 @@ def checks_of(component_type: str) -> list[ComponentCheck]:
     return list(_checks.get(component_type, ()))
 
 
-def _check_once(own: msgspec.Struct, pointer: str, scene: Scene) -> list[Issue]:
+def _check_once(own: msgspec.Struct, pointer: str, scene: CheckedScene) -> list[Issue]:
     first = scene.components(type(own))[0][2]
     if pointer == first:
         return []

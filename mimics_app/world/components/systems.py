@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.ports.display_choice import DISPLAY_KINDS, display_names
 from mimics_app.world.components.bounds import Extent, Factor, Length, Name, Share
+from mimics_app.world.components.checked_scene import CheckedScene
 from mimics_app.world.components.registry import Component, register_system
 from mimics_app.world.components.visible import CameraComponent
-
-if TYPE_CHECKING:
-    from mimics_app.world.scene.scene import Scene
 
 __all__ = ["AudioSettings", "DisplaySettings", "HapticSettings", "Tolerances", "VisualSettings"]
 
@@ -181,19 +179,19 @@ class Tolerances(Component, frozen=True):
     ] = None
 
 
-def _check_display(settings: DisplaySettings, scene: Scene) -> list[Issue]:
+def _check_display(settings: DisplaySettings, scene: CheckedScene) -> list[Issue]:
     """Return a fault where neither the program nor an installed package has the display."""
     known = DISPLAY_KINDS if settings.kind in DISPLAY_KINDS else display_names()
     return scene.check_names({"/systems/display/kind": settings.kind}, "there is no display", known)
 
 
-def _check_visual(settings: VisualSettings, scene: Scene) -> list[Issue]:
+def _check_visual(settings: VisualSettings, scene: CheckedScene) -> list[Issue]:
     """Return the faults of a first view without a camera, and of an unknown eye of levels."""
     issues = scene.check_entity_with(CameraComponent, "/systems/visual/view", settings.view)
     return issues + scene.check_entity("/systems/visual/levels_from", settings.levels_from)
 
 
-def _check_audio(settings: AudioSettings, scene: Scene) -> list[Issue]:
+def _check_audio(settings: AudioSettings, scene: CheckedScene) -> list[Issue]:
     """Return the faults of an unknown listener or head, and of loudspeakers or a mixer that would be ignored."""
     issues = scene.check_asset("/systems/audio/sofa", settings.sofa, "head")
     issues += scene.check_entity("/systems/audio/listener", settings.listener)

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 from msgspec import Meta, field
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.ports.tracker_port import TRACKER_KINDS, tracker_names
 from mimics_app.world.components.bounds import NO_ROTATION, Point, Quaternion
+from mimics_app.world.components.checked_scene import CheckedScene
 from mimics_app.world.components.registry import Component, register_system
-
-if TYPE_CHECKING:
-    from mimics_app.world.scene.scene import Scene
 
 __all__ = ["RoomPoints", "TrackerSpec", "TrackersSettings"]
 
@@ -74,7 +72,7 @@ class TrackersSettings(Component, frozen=True):
     tape: Annotated[bool, Meta(description="True: every report is kept in the run folder, as trackers.jsonl")] = False
 
 
-def _check_trackers(settings: TrackersSettings, scene: Scene) -> list[Issue]:
+def _check_trackers(settings: TrackersSettings, scene: CheckedScene) -> list[Issue]:
     """Return the devices of a kind that neither the program nor an installed package has."""
     kinds = {f"/systems/trackers/devices/{n}/kind": spec.kind for n, spec in enumerate(settings.devices)}
     known = TRACKER_KINDS if {*kinds.values()} <= {*TRACKER_KINDS} else tracker_names()

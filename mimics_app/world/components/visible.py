@@ -5,7 +5,7 @@ Units are SI, colours linear RGB, angles radians; the descriptions become the JS
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import msgspec
 from msgspec import Meta
@@ -13,11 +13,9 @@ from msgspec import Meta
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.shared_memory.sound_scene import MAX_EMITTERS
 from mimics_app.world.components.bounds import Extent, Factor, FarPoint, Figure, Length, Light, PositiveForce, Share
+from mimics_app.world.components.checked_scene import CheckedScene
 from mimics_app.world.components.registry import Component, component, register_check
 from mimics_app.world.components.shapes import RingShape, Shape
-
-if TYPE_CHECKING:
-    from mimics_app.world.scene.scene import Scene
 
 __all__ = [
     "BackdropSpec",
@@ -270,7 +268,7 @@ class TunnelView(Component, frozen=True):
     rings_per_piece: Annotated[int, Meta(ge=2, le=128, description="Rings along each piece of the curve")] = 16
 
 
-def _check_mesh(mesh: MeshComponent, pointer: str, scene: Scene) -> list[Issue]:
+def _check_mesh(mesh: MeshComponent, pointer: str, scene: CheckedScene) -> list[Issue]:
     issues = []
     if (mesh.primitive is None) == (mesh.source is None):
         issues.append(scene.issue(pointer, "needs either a primitive or a source", "give exactly one of the two"))
@@ -282,20 +280,20 @@ def _check_mesh(mesh: MeshComponent, pointer: str, scene: Scene) -> list[Issue]:
     return issues + scene.check_material(f"{pointer}/material", mesh.material)
 
 
-def _check_light(light: LightComponent, pointer: str, scene: Scene) -> list[Issue]:
+def _check_light(light: LightComponent, pointer: str, scene: CheckedScene) -> list[Issue]:
     issues = []
     if light.kind == "spot" and light.inner_cone >= light.outer_cone:
         issues.append(scene.issue(f"{pointer}/inner_cone", f"{light.inner_cone:g} rad is not inside outer_cone"))
     return issues
 
 
-def _check_camera(camera: CameraComponent, pointer: str, scene: Scene) -> list[Issue]:
+def _check_camera(camera: CameraComponent, pointer: str, scene: CheckedScene) -> list[Issue]:
     if camera.far > camera.near:
         return []
     return [scene.issue(f"{pointer}/far", f"{camera.far:g} m is not beyond near, {camera.near:g} m")]
 
 
-def _check_environment(environment: Environment, pointer: str, scene: Scene) -> list[Issue]:
+def _check_environment(environment: Environment, pointer: str, scene: CheckedScene) -> list[Issue]:
     backdrop, issues = environment.backdrop, []
     if backdrop is not None:
         below = f"{pointer}/backdrop/textures"
@@ -309,7 +307,7 @@ def _check_environment(environment: Environment, pointer: str, scene: Scene) -> 
     return issues
 
 
-def _check_sound(sound: Sound, pointer: str, scene: Scene) -> list[Issue]:
+def _check_sound(sound: Sound, pointer: str, scene: CheckedScene) -> list[Issue]:
     issues = []
     if (sound.asset is None) == (sound.synth is None):
         issues.append(scene.issue(pointer, "needs either an asset or a synth recipe", "give exactly one of the two"))
@@ -319,7 +317,7 @@ def _check_sound(sound: Sound, pointer: str, scene: Scene) -> list[Issue]:
     return issues
 
 
-def _check_sound_bus(bus: SoundBus, pointer: str, scene: Scene) -> list[Issue]:
+def _check_sound_bus(bus: SoundBus, pointer: str, scene: CheckedScene) -> list[Issue]:
     others = [(number, name) for number, name in enumerate(bus.ducks) if name != "main"]
     return [
         issue
@@ -328,14 +326,14 @@ def _check_sound_bus(bus: SoundBus, pointer: str, scene: Scene) -> list[Issue]:
     ]
 
 
-def _check_sound_emitter(emitter: SoundEmitter, pointer: str, scene: Scene) -> list[Issue]:
+def _check_sound_emitter(emitter: SoundEmitter, pointer: str, scene: CheckedScene) -> list[Issue]:
     issues = scene.check_entity_with(Sound, f"{pointer}/sound", emitter.sound)
     if emitter.cone_inner > emitter.cone_outer:
         issues.append(scene.issue(f"{pointer}/cone_inner", f"{emitter.cone_inner:g} rad is not inside cone_outer"))
     return issues
 
 
-def _check_tunnel_view(view: TunnelView, pointer: str, scene: Scene) -> list[Issue]:
+def _check_tunnel_view(view: TunnelView, pointer: str, scene: CheckedScene) -> list[Issue]:
     issues = scene.check_material(f"{pointer}/material", view.material)
     return issues + scene.check_material(f"{pointer}/bisector_material", view.bisector_material)
 

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.world.components.bounds import Extent, Point
+from mimics_app.world.components.checked_scene import CheckedScene
 from mimics_app.world.components.registry import Component, component, register_check
-
-if TYPE_CHECKING:
-    from mimics_app.world.scene.scene import Scene
 
 __all__ = ["PathWalker", "WalkingPath"]
 
@@ -55,7 +53,7 @@ class PathWalker(Component, frozen=True):
     ] = None
 
 
-def _check_path(path: WalkingPath, pointer: str, scene: Scene) -> list[Issue]:
+def _check_path(path: WalkingPath, pointer: str, scene: CheckedScene) -> list[Issue]:
     corners = [*path.points, path.points[0]] if path.closed else [*path.points]
     issues = [
         scene.issue(f"{pointer}/points/{i % len(path.points)}", "it is where the corner before it is", "leave it out")
@@ -69,7 +67,7 @@ def _check_path(path: WalkingPath, pointer: str, scene: Scene) -> list[Issue]:
     return issues
 
 
-def _check_walker(walker: PathWalker, pointer: str, scene: Scene) -> list[Issue]:
+def _check_walker(walker: PathWalker, pointer: str, scene: CheckedScene) -> list[Issue]:
     issues = scene.check_entity_with(WalkingPath, f"{pointer}/path", walker.path)
     return issues + scene.check_entity_with(PathWalker, f"{pointer}/beside", walker.beside)
 

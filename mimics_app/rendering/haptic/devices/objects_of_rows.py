@@ -19,7 +19,7 @@ from mimics_app.rendering.haptic.devices.device_objects import (
     DeviceSphere,
     Point,
 )
-from mimics_app.world.components.object_bodies import rotation_of
+from mimics_app.world.files.scene.object_bodies import rotation_of
 
 if TYPE_CHECKING:
     from mimics_app.world.components.robot import Robot

@@ -12,7 +12,7 @@ from mimics_app.world.components.robot import Robot
 
 if TYPE_CHECKING:
     from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
-    from mimics_app.world.scene.scene import Scene
+    from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["check_points", "check_robot"]
 

@@ -9,7 +9,7 @@ from mimics_app.rendering.visual.displays.plain_display import PlainDisplay
 from mimics_app.rendering.visual.surfaces.surface import Size
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import Tangents
-from mimics_app.world.camera import Camera
+from mimics_app.world.graph.camera import Camera
 
 __all__ = ["DesktopDisplay", "compute_tangents", "compute_window_tangents", "desktop_views"]
 

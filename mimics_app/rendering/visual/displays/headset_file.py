@@ -13,7 +13,7 @@ from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.rendering.visual.displays.display_size import too_many_pixels
 from mimics_app.world.components.bounds import Point, Quaternion
 from mimics_app.world.components.registry import Component
-from mimics_app.world.scene.struct_file import read_struct_file
+from mimics_app.world.files.reading.struct_file import read_struct_file
 
 __all__ = ["EyeSpec", "HeadsetSpec", "LensSpec", "PoseSpec", "StateSpec", "load_headset"]
 

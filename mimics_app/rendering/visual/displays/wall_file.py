@@ -14,7 +14,7 @@ from mimics_app.rendering.visual.displays.display_size import too_many_pixels
 from mimics_app.rendering.visual.displays.off_axis import Rectangle
 from mimics_app.world.components.bounds import Point
 from mimics_app.world.components.registry import Component
-from mimics_app.world.scene.struct_file import read_struct_file
+from mimics_app.world.files.reading.struct_file import read_struct_file
 
 __all__ = ["WallSpec", "WallsSpec", "load_walls", "rectangle_of"]
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.settings import BendBy
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
 
 if TYPE_CHECKING:
     import moderngl

@@ -15,10 +15,10 @@ from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena, is_rewritt
 from mimics_app.rendering.visual.kernels.bounds import follow_box
 from mimics_app.rendering.visual.materials.look import Look
 from mimics_app.rendering.visual.materials.materials import MaterialStore
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
 
 if TYPE_CHECKING:
-    from mimics_app.world.motion.skinned_body import SkinnedBody
+    from mimics_app.world.content.motion.skinned_body import SkinnedBody
 
 __all__ = ["DrawItems", "DrawState", "list_items"]
 

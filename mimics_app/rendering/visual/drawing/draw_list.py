@@ -34,10 +34,10 @@ from mimics_app.rendering.visual.materials.materials import MaterialStore
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.rasteriser import Rasteriser
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
 
 if TYPE_CHECKING:
-    from mimics_app.world.motion.skinned_body import SkinnedBody
+    from mimics_app.world.content.motion.skinned_body import SkinnedBody
 
 __all__ = ["DRAWN", "HIDDEN", "DrawList"]
 

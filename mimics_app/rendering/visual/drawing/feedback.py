@@ -13,9 +13,9 @@ from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.drawing.skinning import BendSource, bend_mesh, make_source
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
 from mimics_app.rendering.visual.materials.vertex_arrays import VertexArrays
-from mimics_app.world.meshes.mesh import MeshData
-from mimics_app.world.motion.skinned_body import SkinnedBody
-from mimics_app.world.world import World
+from mimics_app.world.content.meshes.mesh import MeshData
+from mimics_app.world.content.motion.skinned_body import SkinnedBody
+from mimics_app.world.content.world import World
 
 if TYPE_CHECKING:
     import moderngl

@@ -13,7 +13,7 @@ from mimics_app.rendering.visual.drawing.mesh_arena import COMMAND_WORDS, MeshAr
 from mimics_app.rendering.visual.kernels.commands import write_commands, write_instances
 from mimics_app.rendering.visual.materials.look import Look
 from mimics_app.rendering.visual.surfaces.rasteriser import rasteriser_of
-from mimics_app.world.entity_ids import grown
+from mimics_app.world.graph.entity_ids import grown
 
 if TYPE_CHECKING:
     import moderngl

@@ -10,8 +10,8 @@ from mimics_app.contracts.arrays import F8, I4, U1
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.kernels.levels import choose_for_texels, choose_levels, show_levels
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.levels import COVERED_PICTURE
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.graph.levels import COVERED_PICTURE
 
 __all__ = ["Levels", "fewer_pixels"]
 

@@ -16,10 +16,10 @@ from mimics_app.rendering.visual.drawing.triangle_lists import TriangleLists
 from mimics_app.rendering.visual.materials.vertex_arrays import VertexArrays
 from mimics_app.rendering.visual.surfaces.rasteriser import rasteriser_of
 from mimics_app.rendering.visual.surfaces.raw_gl import RawGL
-from mimics_app.world.meshes.mesh import MeshData
-from mimics_app.world.meshes.mesh_buffer import MeshChange
-from mimics_app.world.meshes.vertex_declaration import COLOUR_DECLARATION, VERTEX_DECLARATION
-from mimics_app.world.world import World
+from mimics_app.world.content.meshes.mesh import MeshData
+from mimics_app.world.content.meshes.mesh_buffer import MeshChange
+from mimics_app.world.content.meshes.vertex_declaration import COLOUR_DECLARATION, VERTEX_DECLARATION
+from mimics_app.world.content.world import World
 
 if TYPE_CHECKING:
     import moderngl

@@ -18,7 +18,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F8, I4
 from mimics_app.rendering.visual.drawing.t_junctions import remove_t_junctions, unmatched_edges
 from mimics_app.rendering.visual.kernels.solid import find_best_box, grow_box, label_cells, mark_cells, winding_number
-from mimics_app.world.meshes.mesh import MeshData
+from mimics_app.world.content.meshes.mesh import MeshData
 
 __all__ = ["MAX_TRIANGLES", "Solid", "find_solid"]
 

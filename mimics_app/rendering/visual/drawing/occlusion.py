@@ -15,7 +15,7 @@ from mimics_app.rendering.visual.kernels.occluders import draw_occluders, pick_o
 from mimics_app.rendering.visual.kernels.occlusion import MARGIN_PX, remove_hidden
 from mimics_app.rendering.visual.settings import Occlusion
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
 
 __all__ = ["MIN_ITEMS", "NO_OCCLUDER", "Occluders", "OcclusionPass", "Raster", "gather_occluders", "make_raster"]
 

@@ -10,9 +10,9 @@ import numpy as np
 from mimics_app.contracts.arrays import F4
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.kernels.skin import morph_vertices, skin_dual, skin_linear
-from mimics_app.world.meshes.mesh import MeshData
-from mimics_app.world.motion.skinned_body import SkinnedBody
-from mimics_app.world.world import World
+from mimics_app.world.content.meshes.mesh import MeshData
+from mimics_app.world.content.motion.skinned_body import SkinnedBody
+from mimics_app.world.content.world import World
 
 __all__ = ["BendSource", "BentMeshes", "ProcessorSkinning", "bend_mesh", "make_source"]
 

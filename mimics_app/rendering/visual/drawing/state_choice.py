@@ -7,7 +7,7 @@ from collections.abc import Hashable
 from mimics_app.contracts.arrays import F8, I4
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
 
 __all__ = ["StateChoice"]
 

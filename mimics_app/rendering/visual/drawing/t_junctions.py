@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F4, F8, I4, I8
 from mimics_app.rendering.visual.kernels.solid import points_on_edges
-from mimics_app.world.meshes.mesh import MeshData
+from mimics_app.world.content.meshes.mesh import MeshData
 
 __all__ = ["Sealed", "remove_t_junctions", "unmatched_edges"]
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from mimics_app.rendering.visual.drawing.mesh_arena import MeshRange
     from mimics_app.rendering.visual.drawing.occlusion import Raster
     from mimics_app.rendering.visual.drawing.skinning import BentMeshes
-    from mimics_app.world.meshes.mesh import MeshData
+    from mimics_app.world.content.meshes.mesh import MeshData
 
 __all__ = ["TriangleLists"]
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8, U1
 from mimics_app.rendering.visual.figures.glyphs import GlyphAtlas, load_glyph_atlas
-from mimics_app.world.materials.material import TextureData
+from mimics_app.world.content.materials.material import TextureData
 
 __all__ = ["caption_key", "caption_picture", "draw_letters"]
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.kernels.particles import BIRTH, EMITTER, SPRITE, fill_particles
 from mimics_app.world.components.effects import Particles
-from mimics_app.world.effects import Burst
-from mimics_app.world.entity_ids import grown
+from mimics_app.world.content.effects import Burst
+from mimics_app.world.graph.entity_ids import grown
 
 __all__ = ["Emitter", "SpriteRows"]
 

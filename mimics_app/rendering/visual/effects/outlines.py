@@ -6,7 +6,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.kernels.sprites import MAX_PIECES
-from mimics_app.world.materials.material import TextureData
+from mimics_app.world.content.materials.material import TextureData
 
 __all__ = ["outline_of", "whole_outline"]
 

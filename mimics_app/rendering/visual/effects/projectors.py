@@ -14,9 +14,9 @@ from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun
 from mimics_app.rendering.visual.view import compute_frustum_planes
 from mimics_app.rendering.visual.view_matrices import TEXTURE_FROM_CLIP, compose_clip_from_view
 from mimics_app.world.components.effects import Projector
-from mimics_app.world.materials.material import TextureData
-from mimics_app.world.materials.sprite_pictures import sprite_picture
-from mimics_app.world.world import World
+from mimics_app.world.content.materials.material import TextureData
+from mimics_app.world.content.materials.sprite_pictures import sprite_picture
+from mimics_app.world.content.world import World
 
 __all__ = ["Beam", "BeamRuns", "ProjectorField", "clip_from_projector"]
 

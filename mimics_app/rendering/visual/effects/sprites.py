@@ -30,10 +30,10 @@ from mimics_app.rendering.visual.kernels.sprites import (
 from mimics_app.rendering.visual.materials.picture_arrays import PictureArray, PictureArrays
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.components.effects import Billboard, Particles, SpriteShape
-from mimics_app.world.entity_ids import grown
-from mimics_app.world.materials.material import TextureData
-from mimics_app.world.materials.sprite_pictures import sprite_picture
-from mimics_app.world.world import World
+from mimics_app.world.content.materials.material import TextureData
+from mimics_app.world.content.materials.sprite_pictures import sprite_picture
+from mimics_app.world.content.world import World
+from mimics_app.world.graph.entity_ids import grown
 
 __all__ = ["SpriteField", "SpriteRun", "SpriteState"]
 

@@ -11,8 +11,8 @@ import numpy as np
 from mimics_app.rendering.visual.materials.picture_arrays import PictureArray
 from mimics_app.rendering.visual.materials.shader_library import ShaderProgram
 from mimics_app.rendering.visual.pictures.live_picture import LivePicture
-from mimics_app.world.materials.material import MAPS, Material, TextureData
-from mimics_app.world.materials.technique import Blend, Cull, Depth, PassSpec
+from mimics_app.world.content.materials.material import MAPS, Material, TextureData
+from mimics_app.world.content.materials.technique import Blend, Cull, Depth, PassSpec
 
 if TYPE_CHECKING:
     import moderngl

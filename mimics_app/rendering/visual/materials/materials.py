@@ -18,10 +18,10 @@ from mimics_app.rendering.visual.materials.texture_store import TextureStore
 from mimics_app.rendering.visual.pictures.live_picture import LivePicture
 from mimics_app.rendering.visual.settings import Shading
 from mimics_app.rendering.visual.surfaces.capabilities import Capabilities
-from mimics_app.world.materials.material import IDENTITY, MAPS, MISSING_PICTURE, Material, TextureData
-from mimics_app.world.materials.technique import Profile, TechniqueSpec
-from mimics_app.world.materials.technique_library import built_in_techniques
-from mimics_app.world.world import World
+from mimics_app.world.content.materials.material import IDENTITY, MAPS, MISSING_PICTURE, Material, TextureData
+from mimics_app.world.content.materials.technique import Profile, TechniqueSpec
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.technique_library import built_in_techniques
 
 if TYPE_CHECKING:
     import moderngl

@@ -9,7 +9,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F8, U1
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.materials.texture_levels import TextureLevels
-from mimics_app.world.materials.material import TextureData
+from mimics_app.world.content.materials.material import TextureData
 
 if TYPE_CHECKING:
     import moderngl

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from mimics_app.contracts.errors import nearest
 from mimics_app.rendering.visual.surfaces.capabilities import Capabilities
-from mimics_app.world.materials.technique import Profile, TechniqueSpec
+from mimics_app.world.content.materials.technique import Profile, TechniqueSpec
 
 __all__ = ["SAFE", "Choice", "choose_technique", "technique_chain"]
 

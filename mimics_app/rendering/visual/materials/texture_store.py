@@ -8,7 +8,7 @@ from mimics_app.rendering.visual.materials.picture_arrays import set_sampling, s
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.materials.texture_levels import TextureLevels
 from mimics_app.rendering.visual.surfaces.raw_gl import SRGB8_ALPHA8
-from mimics_app.world.materials.material import TextureData
+from mimics_app.world.content.materials.material import TextureData
 
 if TYPE_CHECKING:
     import moderngl

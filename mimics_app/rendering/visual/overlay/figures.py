@@ -13,8 +13,8 @@ from mimics_app.rendering.visual.drawing.draw_list import DRAWN, HIDDEN, DrawLis
 from mimics_app.rendering.visual.figures.hud import Colour
 from mimics_app.rendering.visual.overlay.line_set import LineSet, box_lines, circle_lines
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.light import Light
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
+from mimics_app.world.graph.light import Light
 
 __all__ = ["add_bounds", "add_lights", "add_node_bounds"]
 

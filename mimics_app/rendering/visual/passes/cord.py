@@ -15,7 +15,7 @@ from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, 
 from mimics_app.rendering.visual.materials.vertex_arrays import VertexArrays
 from mimics_app.rendering.visual.passes.eye_passes import EyePass
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.cords import MAX_TAPS, Cord
+from mimics_app.world.content.cords import MAX_TAPS, Cord
 
 if TYPE_CHECKING:
     import moderngl

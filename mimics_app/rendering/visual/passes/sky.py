@@ -14,9 +14,9 @@ from mimics_app.rendering.visual.materials.texture_store import TextureStore
 from mimics_app.rendering.visual.materials.vertex_arrays import bare_arrays
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.raw_gl import SRGB8_ALPHA8
-from mimics_app.world.environment import Backdrop
-from mimics_app.world.materials.material import TextureData
-from mimics_app.world.world import World
+from mimics_app.world.content.environment import Backdrop
+from mimics_app.world.content.materials.material import TextureData
+from mimics_app.world.content.world import World
 
 if TYPE_CHECKING:
     import moderngl

@@ -17,8 +17,8 @@ from mimics_app.rendering.visual.passes.eye_passes import EyePass
 from mimics_app.rendering.visual.shadows.shadow_volumes import VolumeSource, extrude
 from mimics_app.rendering.visual.surfaces.raw_gl import NOT_EQUAL, RawGL
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.meshes.mesh import MeshData
-from mimics_app.world.world import World
+from mimics_app.world.content.meshes.mesh import MeshData
+from mimics_app.world.content.world import World
 
 if TYPE_CHECKING:
     import moderngl

@@ -10,7 +10,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.changed_part import ChangedPart
 from mimics_app.rendering.visual.view import Rect, View
-from mimics_app.world.meshes.mesh import MeshData
+from mimics_app.world.content.meshes.mesh import MeshData
 
 __all__ = ["Reflection", "plane_of_sheet", "reflect_view"]
 

@@ -13,7 +13,7 @@ from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.drawing.shadow_casters import Casters
 from mimics_app.rendering.visual.lighting import ShadowFrustum
 from mimics_app.rendering.visual.view_matrices import TEXTURE_FROM_CLIP, compose_clip_from_view
-from mimics_app.world.light import Light
+from mimics_app.world.graph.light import Light
 
 __all__ = [
     "MAX_SPOT_MAPS",

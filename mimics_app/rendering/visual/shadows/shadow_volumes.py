@@ -6,7 +6,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F4, F8
 from mimics_app.rendering.visual.drawing.t_junctions import unmatched_edges
-from mimics_app.world.meshes.mesh import MeshData
+from mimics_app.world.content.meshes.mesh import MeshData
 
 __all__ = ["VolumeSource", "extrude"]
 

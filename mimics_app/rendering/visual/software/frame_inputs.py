@@ -16,10 +16,10 @@ from mimics_app.rendering.visual.passes.hud import places_of, plane_of_views
 from mimics_app.rendering.visual.shadows.shadow_maps import ShadowMap
 from mimics_app.rendering.visual.stages.world_stage import FrameScene
 from mimics_app.rendering.visual.view import Rect, View
-from mimics_app.world.cords import Cord
-from mimics_app.world.materials.material import TextureData
-from mimics_app.world.render_list import RenderList
-from mimics_app.world.world import World
+from mimics_app.world.content.cords import Cord
+from mimics_app.world.content.materials.material import TextureData
+from mimics_app.world.content.world import World
+from mimics_app.world.graph.render_list import RenderList
 
 __all__ = ["FrameInputs", "Overlaid", "capture_frame", "may_keep"]
 
@@ -32,7 +32,7 @@ _NOWHERE = np.zeros((0, 4))
 _PIECES = 16
 """Pieces of a cord: rectangles around pieces cover fewer pixels than one around all of it."""
 _SWELL = 1.5
-"""Largest radius of a rippled cord over its radius (see world/cords.py)."""
+"""Largest radius of a rippled cord over its radius (see world/content/cords.py)."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,8 +18,8 @@ from mimics_app.rendering.visual.stages.picture_stage import Batch, PictureJob, 
 from mimics_app.rendering.visual.stages.world_stage import FrameScene, ViewDraws
 from mimics_app.rendering.visual.surfaces.surface import Size
 from mimics_app.rendering.visual.view import Rect, View
-from mimics_app.world.live_pictures import live_key
-from mimics_app.world.world import World
+from mimics_app.world.content.live_pictures import live_key
+from mimics_app.world.content.world import World
 
 __all__ = ["MirrorParts"]
 

@@ -11,7 +11,7 @@ from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.software.kernels.shape_places import KNOWN, MISSED, place_shapes
 from mimics_app.rendering.visual.software.shape_boxes import ShapeBoxes
-from mimics_app.world.motion.skinned_body import SkinnedBody
+from mimics_app.world.content.motion.skinned_body import SkinnedBody
 
 __all__ = ["PlacedItems", "PlacedShapes", "Shapes", "place_items"]
 

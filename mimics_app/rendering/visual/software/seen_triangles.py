@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from mimics_app.rendering.visual.drawing.mesh_arena import MeshRange
     from mimics_app.rendering.visual.drawing.occlusion import Raster
     from mimics_app.rendering.visual.drawing.skinning import BentMeshes
-    from mimics_app.world.meshes.mesh import MeshData
-    from mimics_app.world.motion.skinned_body import SkinnedBody
+    from mimics_app.world.content.meshes.mesh import MeshData
+    from mimics_app.world.content.motion.skinned_body import SkinnedBody
 
 __all__ = ["SeenTriangles"]
 

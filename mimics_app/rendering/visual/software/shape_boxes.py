@@ -10,9 +10,9 @@ import numpy as np
 from mimics_app.contracts.arrays import F4, F8, I4
 from mimics_app.rendering.visual.drawing.skinning import BentMeshes
 from mimics_app.rendering.visual.software.kernels.voxels import bound_clusters, voxelise
-from mimics_app.world.meshes.mesh import MeshData
-from mimics_app.world.motion.skinned_body import SkinnedBody
-from mimics_app.world.world import World
+from mimics_app.world.content.meshes.mesh import MeshData
+from mimics_app.world.content.motion.skinned_body import SkinnedBody
+from mimics_app.world.content.world import World
 
 __all__ = ["ShapeBoxes"]
 

@@ -12,7 +12,7 @@ from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.state_choice import StateChoice
 from mimics_app.rendering.visual.software.kernels.sides import choose_states, measure_sides
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
 
 __all__ = ["SmallTriangles"]
 

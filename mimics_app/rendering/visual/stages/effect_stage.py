@@ -20,7 +20,7 @@ from mimics_app.rendering.visual.passes.states import draw_runs
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.rasteriser import rasteriser_of
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
 
 if TYPE_CHECKING:
     import moderngl

@@ -20,8 +20,8 @@ from mimics_app.rendering.visual.stages.world_stage import FrameScene, ViewDraws
 from mimics_app.rendering.visual.surfaces.surface import Size
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.components.pictures import Mirror
-from mimics_app.world.live_pictures import body_of, live_key
-from mimics_app.world.world import World
+from mimics_app.world.content.live_pictures import body_of, live_key
+from mimics_app.world.content.world import World
 
 if TYPE_CHECKING:
     import moderngl

@@ -28,7 +28,7 @@ from mimics_app.rendering.visual.surfaces.rasteriser import rasteriser_of
 from mimics_app.rendering.visual.surfaces.raw_gl import CLIP_DISTANCE_0, EQUAL
 from mimics_app.rendering.visual.view import Rect, View
 from mimics_app.rendering.visual.view_block import ViewBlock
-from mimics_app.world.world import World
+from mimics_app.world.content.world import World
 
 if TYPE_CHECKING:
     import moderngl

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from mimics_app.world.materials.technique import Needs
+from mimics_app.world.content.materials.technique import Needs
 
 if TYPE_CHECKING:
     import moderngl

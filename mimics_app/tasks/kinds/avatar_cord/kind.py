@@ -26,11 +26,11 @@ from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, TaskKind
 from mimics_app.tasks.observation import Observation
 from mimics_app.world.components.cord import CordComponent
 from mimics_app.world.components.registry import Component
-from mimics_app.world.scene.json_text import escape
+from mimics_app.world.files.reading.json_text import escape
 
 if TYPE_CHECKING:
     from mimics_app.tasks.task import TaskSpec
-    from mimics_app.world.scene.scene import Scene
+    from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["KIND", "AvatarCordKind"]
 

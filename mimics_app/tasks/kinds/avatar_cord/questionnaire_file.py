@@ -6,8 +6,8 @@ from pathlib import Path
 
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.tasks.kinds.avatar_cord.spec import QuestionnaireSpec
-from mimics_app.world.scene.paths import PathFault, find_file
-from mimics_app.world.scene.struct_file import read_struct_file
+from mimics_app.world.files.reading.paths import PathFault, find_file
+from mimics_app.world.files.reading.struct_file import read_struct_file
 
 __all__ = ["check_questionnaire", "read_questionnaire"]
 

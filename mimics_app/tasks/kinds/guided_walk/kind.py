@@ -21,7 +21,7 @@ from mimics_app.world.components.registry import Component
 
 if TYPE_CHECKING:
     from mimics_app.tasks.task import TaskSpec
-    from mimics_app.world.scene.scene import Scene
+    from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["KIND", "NEAREST", "PLACES", "GuidedWalkPlay", "GuidedWalkSpec"]
 

@@ -18,7 +18,7 @@ from mimics_app.world.components.robot import Robot, Tunnel
 
 if TYPE_CHECKING:
     from mimics_app.tasks.task import TaskSpec
-    from mimics_app.world.scene.scene import Scene
+    from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["KIND", "ProgressGoal", "TunnelTask", "has_tunnel", "own_tunnel"]
 

@@ -1,0 +1,3 @@
+"""What nodes show: meshes, materials, motion, effects, and the world that holds them."""
+
+__all__: list[str] = []

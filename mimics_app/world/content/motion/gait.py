@@ -1,0 +1,350 @@
+"""Gait synthesis from speed and step length, or from angles of hip and knee, without foot slip.
+
+Legs follow the published curves of `reference_gait`, fitted to the step by inverse kinematics; pelvis, trunk and arms
+swing along. Given angles are followed as far as the stance foot allows; the correction is reported.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from mimics_app.contracts.arrays import F8
+from mimics_app.maths.quat import multiply
+from mimics_app.world.content.motion.clip import ClipEvent
+from mimics_app.world.content.motion.footholds import Footholds, Ground
+from mimics_app.world.content.motion.humanoid import HumanoidMap
+from mimics_app.world.content.motion.kernels.gait import place_feet
+from mimics_app.world.content.motion.pose import Pose
+from mimics_app.world.content.motion.reach import Chain, LimbReach, about
+from mimics_app.world.content.motion.reference_gait import NATURAL_STANCE, SAMPLES, shape_gait, stance_share
+from mimics_app.world.content.motion.rig import Rig
+from mimics_app.world.content.motion.walking_trunk import WalkingTrunk
+
+__all__ = ["Gait", "Pace", "Walk", "natural_step"]
+
+
+_PREFERRED = 1.3
+"""Preferred walking speed [m/s]."""
+_LIVELY = 1.3
+"""Maximum factor on the swing of pelvis, trunk and arms at the preferred speed."""
+_NATURAL_STEP = 0.80
+"""Step of the published curves over the leg's length, on a leg of two equal bones."""
+_LEG = 0.82
+"""Leg length, hip to ankle, of a person 1.75 m tall [m]."""
+_TABLE_SPEED, _TABLE_STRETCH = 0.02, 0.02
+"""Resolution of the cached tables of angles in speed [m/s] and in stretch of the step."""
+_SOFT = 5e-4
+"""Soft reach of the legs, as a share of their length, below the minimum knee flexion."""
+_MIN_FLEXION = math.radians(3.7)
+"""Minimum flexion of a loaded knee [rad], just beyond the start of the soft reach."""
+_SLACK = 0.05
+"""Excess height of the hips over the reach of a swing foot, per cycle until or since its stance [m]."""
+_LATE = 4.0
+"""Inverse of the share of the swing, from its middle on, in which its knee comes to be bent as the table has it."""
+_ROUND = 0.003
+"""Distance over which the hips change smoothly from one limit of their height to the other [m]."""
+_TOE_BEND = math.radians(60.0)
+"""Maximum dorsiflexion of the toes [rad]."""
+_HEEL, _TIP = 0.5, 1.75
+"""Distances of heel behind and toe tip before the ankle, over that of the ball: feet of 265 mm."""
+_SETTLE = 0.9
+"""Cadence while the feet of a standing person are brought under the body [1/s]."""
+_MIN_STRETCH = 0.12
+"""Stretch of the step below which foot clearance does not decrease further."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pace:
+    """Walking pace.
+
+    Attributes:
+        speed: Speed [m/s]; negative: backwards.
+        step: Step length [m].
+    """
+
+    speed: float
+    step: float
+
+    @property
+    def cadence(self) -> float:
+        """Cadence in cycles of two steps [1/s]."""
+        return self.speed / (2.0 * self.step) if self.step > 0.0 else 0.0
+
+    @property
+    def stance(self) -> float:
+        """Stance phase as a share of the cycle."""
+        return stance_share(abs(self.speed))
+
+
+def natural_step(speed: float) -> float:
+    """Return the natural step [m] at a speed [m/s]: it grows with the root (Grieve 1968)."""
+    return _NATURAL_STEP * _LEG * math.sqrt(abs(speed) / _PREFERRED)
+
+
+@dataclass(frozen=True, eq=False)
+class Gait:
+    """State of a walk after a time step.
+
+    Attributes:
+        phase: Phase of the left foot, 0: heel strike.
+        contacts: Points of support of both feet in the model's frame [m], [2, 3]; NaN for a swing foot.
+        advance: Distance of the model in this time step [m].
+        hip, knee, ankle: Angles of both sides in the sagittal plane, flexion positive, the hip's to the vertical
+            [rad], [2] each.
+        correction: Root mean square correction of given angles of hip and knee so far [rad].
+        touched: Sides with a heel strike in this time step.
+    """
+
+    phase: float
+    contacts: F8
+    advance: float
+    hip: F8
+    knee: F8
+    ankle: F8
+    correction: float
+    touched: tuple[str, ...]
+
+
+class Walk:
+    """Gait of a model; a step of an animator. At zero speed it stands, once both feet are under the body.
+
+    Args:
+        rig: Nodes of the model, whose rest axes are +y up, +z forward.
+        bones: Bones of the model.
+        pace: Returns the present speed and step length.
+        angles: Returns angles of hip and knee [rad] at a phase of the cycle, [left hip, left knee, right hip, right
+            knee], flexion positive; None: the feet follow the published curves.
+        move: Called with the distance of each time step [m], to move the model's root.
+        ground: Returns the model's pose on the ground, for foot lock while the model turns and changes its speed. None:
+            stance feet move backwards at the pace.
+        events: Receives a "step" event at each heel strike.
+
+    Attributes:
+        gait: State after the last time step.
+    """
+
+    def __init__(
+        self,
+        rig: Rig,
+        bones: HumanoidMap,
+        pace: Callable[[], Pace],
+        *,
+        angles: Callable[[float], F8] | None = None,
+        move: Callable[[float], None] | None = None,
+        ground: Ground | None = None,
+        events: Callable[[ClipEvent], None] | None = None,
+    ) -> None:
+        self._rig, self._bones, self._pace, self._angles, self._move = rig, bones, pace, angles, move
+        self._events = events
+        self._rest, self._chain = Chain(rig), Chain(rig)
+        self._trunk = WalkingTrunk(rig, bones, self._rest, self._chain)
+        self._feet = [bones.limb(f"{side}_leg") for side in ("left", "right")]
+        self._toes = [bones.slots.get(f"{side}Toes", -1) for side in ("left", "right")]
+        self._goals = [np.zeros(3), np.zeros(3)]
+        self._legs = [
+            LimbReach(rig, joints, lambda k=k: self._goals[k], lambda hip: hip + (0.0, -0.1, 1.0), soft=_SOFT)  # type: ignore[misc]
+            for k, joints in enumerate(self._feet)
+        ]
+        self._shape = self._leg_shape()
+        self._leg = float(self._shape[4] + self._shape[5])
+        self._holds = Footholds(ground) if ground is not None else None
+        self._phase, self._sum, self._count = 0.0, 0.0, 0
+        self._placed = np.zeros((2, 7))
+        zero = np.zeros(2)
+        self.gait = Gait(0.0, np.full((2, 3), np.nan), 0.0, zero, zero, zero, 0.0, ())
+
+    def __call__(self, pose: Pose, seconds: float) -> None:
+        pace = self._pace()
+        before = self._phase
+        self._phase = (self._phase + self._cadence(pace) * seconds) % 1.0
+        backwards = pace.cadence < 0.0
+        natural = _NATURAL_STEP * self._leg * NATURAL_STANCE
+        stretch = min(1.3, pace.step * pace.stance / natural)
+        vigour = min(_LIVELY, abs(pace.speed) / _PREFERRED)
+        table = self._aim_feet(pace, stretch)
+        self._trunk.swing(pose, self._phase, vigour)
+        self._raise_hips(pose, table, pace.stance)
+        wanted = None if self._angles is None else np.asarray(self._angles(self._phase), np.float64)
+        if wanted is not None:
+            self._follow_angles(pose, wanted, pace)
+        self._keep_bent(table, pace.stance)
+        for leg in self._legs:
+            leg(pose, seconds)
+        self._chain.follow(pose)
+        self._pitch_feet(pose)
+        hip, knee, ankle = self._measure()
+        if wanted is not None:
+            self._sum += float(((np.stack([hip, knee], 1).ravel() - wanted) ** 2).sum())
+            self._count += wanted.size
+        advance = pace.speed * seconds
+        if self._move is not None:
+            self._move(advance)
+        correction = math.sqrt(self._sum / self._count) if self._count else 0.0
+        touched = self._touched(before, pace.stance, backwards)
+        self.gait = Gait(self._phase, self._contacts(), advance, hip, knee, ankle, correction, touched)
+
+    def _leg_shape(self) -> F8:
+        """Return the dimensions of leg and foot for `place_feet`."""
+        places, (hip, knee, foot), toes = self._rest.places, self._feet[0], self._toes[0]
+        ball = float(places[toes, 2] - places[foot, 2]) if toes >= 0 else 0.14
+        joint = float(places[toes, 1]) if toes >= 0 else 0.0
+        thigh, shank = (float(np.linalg.norm(places[a] - places[b])) for a, b in ((hip, knee), (knee, foot)))
+        bend = _TOE_BEND if toes >= 0 else 0.0
+        return np.array([places[foot, 1], _HEEL * ball, ball, _TIP * ball, thigh, shank, bend, max(joint, 0.0)])
+
+    def _cadence(self, pace: Pace) -> float:
+        """Return the cadence [1/s]; at zero speed the feet are first brought under the body."""
+        if self._holds is None or abs(pace.speed) > 1e-3:
+            return pace.cadence
+        stands = bool((self._placed[:, 4] > 0.0).all())
+        return 0.0 if stands and self._holds.settled else _SETTLE
+
+    def _aim_feet(self, pace: Pace, stretch: float) -> F8:
+        """Set the targets of the ankles and return the table of angles that the legs follow."""
+        round_speed = _TABLE_SPEED * round(abs(pace.speed) / _TABLE_SPEED)
+        lively = max(_MIN_STRETCH, _TABLE_STRETCH * round(stretch / _TABLE_STRETCH))
+        table = shape_gait(round(round_speed, 2), round(lively, 2))
+        stance, stride = pace.stance, 2.0 * pace.step
+        shape, placed = self._shape, self._placed
+        place_feet(self._phase, stance, stride, _touch(table, stance, stride, shape), shape, table, placed)
+        for k in range(2):
+            ankle, hip = (self._rest.places[self._feet[k][j]] for j in (2, 0))
+            x, z = ankle[0], hip[2] + placed[k, 0]
+            if self._holds is not None:
+                off = self._hold(k, x, hip[2] + placed[k, 3], pace)
+                x, z = x + off[0], z + off[1]
+            self._goals[k][:] = (x, placed[k, 1], z)
+        return table
+
+    def _hold(self, k: int, x: float, z: float, pace: Pace) -> F8:
+        assert self._holds is not None
+        own = (self._phase + 0.5 * k) % 1.0
+        share = (own - pace.stance) / (1.0 - pace.stance)
+        # The locked point is that of the flat foot under the ankle: heel and ball are rigid with it.
+        base = z - self._pivot(k)
+        return self._holds.follow(k, x, base, bool(self._placed[k, 4]), share if pace.speed >= 0.0 else 1.0 - share)
+
+    def _pivot(self, k: int) -> float:
+        """Return the distance of a foot's point of support ahead of a flat foot's ankle [m]."""
+        pitch = self._placed[k, 2]
+        if not self._placed[k, 4] or pitch == 0.0:
+            return 0.0
+        return float(-self._shape[1] if pitch > 0.0 else self._shape[2])
+
+    def _raise_hips(self, pose: Pose, table: F8, stance: float) -> None:
+        """Set the height of the hips so that loaded legs bend as the table has it and stance feet are in reach."""
+        places = self._chain.places
+        thigh, shank = self._shape[4], self._shape[5]
+        lift, highest = 0.0, math.inf
+        for k, joints in enumerate(self._feet):
+            hip, goal = places[joints[0]], self._goals[k]
+            aside = float((goal[0] - hip[0]) ** 2 + (goal[2] - hip[2]) ** 2)
+            phase = (self._phase + 0.5 * k) % 1.0
+            knee = max(_knee_at(table, phase), _MIN_FLEXION)
+            chord = thigh**2 + shank**2 + 2.0 * thigh * shank * math.cos(knee)
+            over = float(goal[1] - hip[1])
+            lift += self._placed[k, 6] * (over + math.sqrt(max(chord - aside, 0.0)))
+            # A swing foot need not be in reach until heel strike.
+            slack = 0.0 if self._placed[k, 4] else _SLACK * min(phase - stance, 1.0 - phase)
+            highest = min(highest, slack + over + math.sqrt(max(((1.0 - _SOFT) * self._leg) ** 2 - aside, 0.0)))
+        # The smaller of the two, smoothly: where they meet, a nearly straight knee magnifies every kink.
+        lift = 0.5 * (lift + highest - math.hypot(lift - highest, _ROUND))
+        self._chain.shift(pose, self._bones.slots["hips"], np.array([0.0, lift, 0.0]))
+
+    def _follow_angles(self, pose: Pose, wanted: F8, pace: Pace) -> None:
+        """Move the targets of swing ankles to given angles; a stance foot keeps its place on the ground."""
+        thigh, shank = self._shape[4], self._shape[5]
+        for k, (hip, _, _) in enumerate(self._feet):
+            lean, bend = wanted[2 * k], wanted[2 * k] - wanted[2 * k + 1]
+            ahead = thigh * math.sin(lean) + shank * math.sin(bend)
+            down = thigh * math.cos(lean) + shank * math.cos(bend)
+            phase = (self._phase + 0.5 * k) % 1.0
+            if phase >= pace.stance:
+                # Toes and heel stay above the ground for any angles.
+                x = (phase - pace.stance) / (1.0 - pace.stance)
+                share = math.sin(math.pi * x) ** 2
+                own, place = self._goals[k], self._chain.places[hip]
+                asked = np.array([own[0], place[1] - down, place[2] + ahead])
+                asked[1] = max(asked[1], 0.9 * own[1])
+                own[:] = (1.0 - share) * own + share * asked
+
+    def _keep_bent(self, table: F8, stance: float) -> None:
+        """Move the targets of swing ankles to the hip until the knee has the table's flexion before strike."""
+        thigh, shank = self._shape[4], self._shape[5]
+        for k, (hip, _, _) in enumerate(self._feet):
+            phase = (self._phase + 0.5 * k) % 1.0
+            x = min(max(_LATE * ((phase - stance) / (1.0 - stance) - 0.5), 0.0), 1.0)
+            if self._placed[k, 4] or x == 0.0:
+                continue
+            # From mid-swing on, where the knee bends most by itself.
+            more = max(_knee_at(table, phase) - _knee_at(table, 0.0), 0.0)
+            knee = _MIN_FLEXION + x * x * (3.0 - 2.0 * x) * more
+            reach = math.sqrt(thigh**2 + shank**2 + 2.0 * thigh * shank * math.cos(knee))
+            away = self._goals[k] - self._chain.places[hip]
+            far = float(np.linalg.norm(away))
+            if far > reach:
+                self._goals[k][:] = self._chain.places[hip] + reach / far * away
+
+    def _pitch_feet(self, pose: Pose) -> None:
+        """Set the pitch of the feet for their phase, and bend the toes."""
+        for k, joints in enumerate(self._feet):
+            pitch, bend = self._placed[k, 2], self._placed[k, 5]
+            yaw = 0.0 if self._holds is None else float(self._holds.off[k, 2])
+            heading = about((0.0, 1.0, 0.0), yaw)
+            for slot, angle in ((joints[2], pitch), (self._toes[k], pitch + bend)):
+                if slot >= 0:
+                    turn = np.empty(4)
+                    multiply(heading, about((1.0, 0.0, 0.0), -angle), turn)
+                    self._chain.turn(pose, slot, turn, self._rest.turns[slot])
+                    self._chain.follow_slot(pose, slot) if slot == self._toes[k] else self._chain.follow(pose)
+
+    def _contacts(self) -> F8:
+        """Return the points of support in the frame of the model."""
+        contacts = np.full((2, 3), np.nan)
+        for k, joints in enumerate(self._feet):
+            if self._placed[k, 4]:
+                off = np.zeros(3) if self._holds is None else self._holds.off[k]
+                ankle, hip = self._rest.places[joints[2]], self._rest.places[joints[0]]
+                contacts[k] = (ankle[0] + off[0], 0.0, hip[2] + self._placed[k, 3] + off[1])
+        return contacts
+
+    def _touched(self, before: float, stance: float, backwards: bool) -> tuple[str, ...]:
+        """Return the sides with a heel strike, and send an event for each."""
+        sides = []
+        for k, side in enumerate(("left", "right")):
+            own, was = (self._phase + 0.5 * k) % 1.0, (before + 0.5 * k) % 1.0
+            if (was >= stance > own) if not backwards else (own <= stance < was):
+                sides.append(side)
+                if self._events is not None:
+                    self._events(ClipEvent(0.0, "step", self._rig.names[self._feet[k][2]]))
+        return tuple(sides)
+
+    def _measure(self) -> tuple[F8, F8, F8]:
+        """Return flexion of hips to the vertical, knees and ankles in the sagittal plane [rad]."""
+        hips, knees, ankles, places = np.empty(2), np.empty(2), np.empty(2), self._chain.places
+        for k, (hip, knee, foot) in enumerate(self._feet):
+            thigh, shank = places[knee] - places[hip], places[foot] - places[knee]
+            hips[k] = math.atan2(thigh[2], -thigh[1])
+            lean = math.atan2(shank[2], -shank[1])
+            knees[k] = hips[k] - lean
+            ankles[k] = self._placed[k, 2] - lean
+        return hips, knees, ankles
+
+
+def _knee_at(table: F8, phase: float) -> float:
+    """Return the knee flexion of a table at a phase [rad]."""
+    return float(np.interp(phase * SAMPLES, np.arange(SAMPLES + 1), np.append(table[:, 1], table[0, 1])))
+
+
+def _touch(table: F8, stance: float, stride: float, shape: F8) -> float:
+    """Return a flat foot's ankle position at heel strike with which stance legs lean as in the table."""
+    phase = np.arange(SAMPLES) / SAMPLES
+    stands = phase <= stance
+    thigh, knee = table[stands, 0], table[stands, 1]
+    lean = shape[4] * np.sin(thigh) + shape[5] * np.sin(thigh - knee)
+    rise = shape[2] * (1.0 - np.cos(table[stands, 2])) - (shape[0] - shape[7]) * np.sin(table[stands, 2])
+    return float(np.mean(lean + stride * phase[stands] - rise))
