@@ -51,6 +51,9 @@ class ByWarmth:
     def update_from_result(self, result):
         return self.state
 
+    def recalibrate(self):
+        pass
+
 
 CHANNEL = Warmth
 
