@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["STUB", "stub_text"]
+__all__ = ["STUB", "STUBS", "stub_text"]
 
 ROOT = Path(__file__).resolve().parents[2]
 STUB = ROOT / "mimics_app" / "rendering" / "haptic" / "record_types.pyi"
@@ -34,16 +34,43 @@ MODULES = (
     f"{_HAPTIC}.acting",
     f"{_HAPTIC}.state",
 )
-"""Where records are declared: every dtype with fields that a module of these names in capitals."""
+"""Where records of touch are declared: every dtype with fields that a module of these names in capitals."""
 
-_HEAD = '''"""Types of the records that compiled functions take, for type checkers: there is no module at run time.
+_DSP = "mimics_app.dsp.kernels"
+
+SIGNAL_STUB = ROOT / "mimics_app" / "dsp" / "record_types.pyi"
+SIGNAL_MODULES = (f"{_DSP}.rhythm", f"{_DSP}.ecg", f"{_DSP}.beat_path", f"{_DSP}.beats", f"{_DSP}.slow", f"{_DSP}.emg")
+"""The same for the processing of body signals."""
+
+_INTRO = '''"""Types of the records that compiled functions take, for type checkers: there is no module at run time.
 
 One class for each numpy record dtype, with the Python type of each field; what a field is stands at the dtype. It is
 written by `python -m tests.architecture.record_stub`, and a test holds it against the dtypes. Kernels import from here
 under `TYPE_CHECKING` only: the cache of machine code, which is keyed by the sources a kernel reaches, does not look
 at a stub, so no kernel is tied to every record.
 """
+'''
 
+_TABLE = '''
+class Table(Protocol[R]):
+    """An array of records."""
+
+    @property
+    def shape(self) -> tuple[int, ...]: ...
+    @property
+    def size(self) -> int: ...
+    def __len__(self) -> int: ...
+    def __getitem__(self, index: int, /) -> R: ...
+    def __setitem__(self, index: int, value: R, /) -> None: ...
+'''
+
+_SIGNAL_HEAD = f"""{_INTRO}
+from typing import Protocol, TypeVar
+
+R = TypeVar("R")
+{_TABLE}"""
+
+_HEAD = f"""{_INTRO}
 from collections.abc import Callable
 from typing import Protocol, TypeVar
 
@@ -66,16 +93,7 @@ Ints16 = NDArray[np.int16]
 
 R = TypeVar("R")
 
-class Table(Protocol[R]):
-    """An array of records."""
-
-    @property
-    def shape(self) -> tuple[int, ...]: ...
-    @property
-    def size(self) -> int: ...
-    def __len__(self) -> int: ...
-    def __getitem__(self, index: int, /) -> R: ...
-    def __setitem__(self, index: int, value: R, /) -> None: ...
+{_TABLE.strip()}
 
 Read = Callable[[Floats, Floats, Floats, int], int]
 Write = Callable[[Floats, Floats, int], int]
@@ -105,15 +123,19 @@ Tick = Callable[
 LoopTick = Callable[
     [Channels, Work, Tick, Read, Write, Floats, Simulate, Fields, Kin, int, int, float, int, float], int
 ]
-'''
+"""
 
 _ARRAYS = {"f8": "Floats", "f4": "Floats32", "i8": "Ints", "i4": "Ints32", "i2": "Ints16"}
 
 
-def _records() -> Iterator[tuple[str, str, np.dtype[Any]]]:
+STUBS = {STUB: (MODULES, _HEAD), SIGNAL_STUB: (SIGNAL_MODULES, _SIGNAL_HEAD)}
+"""Modules and head of each stub, by its file."""
+
+
+def _records(modules: tuple[str, ...]) -> Iterator[tuple[str, str, np.dtype[Any]]]:
     """(module, name, dtype) of every record, each once, where it is declared first."""
     seen: list[np.dtype[Any]] = []
-    for module in MODULES:
+    for module in modules:
         for name, dtype in vars(import_module(module)).items():
             if isinstance(dtype, np.dtype) and dtype.names and dtype not in seen:
                 seen.append(dtype)
@@ -131,11 +153,12 @@ def _annotation(dtype: np.dtype[Any], classes: dict[np.dtype[Any], str]) -> str:
     return classes[dtype] if dtype.names else "float" if dtype.kind == "f" else "int"
 
 
-def stub_text() -> str:
-    """The stub as the dtypes are now."""
-    records = list(_records())
+def stub_text(stub: Path) -> str:
+    """A stub as the dtypes are now."""
+    modules, head = STUBS[stub]
+    records = list(_records(modules))
     classes = {dtype: _class(name) for _, name, dtype in records}
-    parts = [_HEAD]
+    parts = [head]
     for module, name, dtype in records:
         fields = [f"    {field}: {_annotation(dtype[field], classes)}" for field in dtype.names or ()]
         parts.append("\n".join([f"class {classes[dtype]}:", f'    """`{module}.{name}`."""', "", *fields, ""]))
@@ -143,5 +166,6 @@ def stub_text() -> str:
 
 
 if __name__ == "__main__":
-    STUB.write_text(stub_text(), encoding="utf-8")
-    sys.stdout.write(f"{STUB.relative_to(ROOT)}\n")
+    for each in STUBS:
+        each.write_text(stub_text(each), encoding="utf-8")
+        sys.stdout.write(f"{each.relative_to(ROOT)}\n")

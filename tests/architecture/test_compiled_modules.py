@@ -32,6 +32,7 @@ KERNELS_MAY_IMPORT = (
     "mimics_app.contracts.loop.loop_ports",
     "mimics_app.compiled.record_copy",
     "mimics_app.rendering.haptic.record_types",  # a stub: no module at run time
+    "mimics_app.dsp.record_types",  # likewise
     "mimics_app.contracts.shared_memory.ring",
     "mimics_app.contracts.shared_memory.shared_words",
     "mimics_app.contracts.shared_memory.sound_scene",
@@ -256,7 +257,7 @@ def _untyped(tree: ast.Module) -> list[str]:
 
 
 def test_every_parameter_of_a_compiled_function_is_typed() -> None:
-    """Records by `rendering/haptic/record_types.pyi`, functions handed over by their signatures."""
+    """Records by the stubs `record_types.pyi`, functions handed over by their signatures."""
     untyped = {path: _untyped(tree) for path, tree in modules().items()}
     assert not {path: names for path, names in untyped.items() if names}
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import pytest
 
 from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS
-from tests.architecture.record_stub import STUB
+from tests.architecture.record_stub import STUBS
 from tests.architecture.sources import modules, nodes
 
 READ_ELSEWHERE = {
@@ -28,15 +28,15 @@ SET_FOR_OTHERS = {
 
 
 def _records() -> dict[str, dict[str, str]]:
-    """Fields of every record and their types, as the stub has them."""
-    tree = ast.parse(STUB.read_text(encoding="utf-8"))
+    """Fields of every record and their types, as the stubs have them."""
     return {
         node.name: {
             row.target.id: ast.unparse(row.annotation)
             for row in node.body
             if isinstance(row, ast.AnnAssign) and isinstance(row.target, ast.Name)
         }
-        for node in tree.body
+        for stub in STUBS
+        for node in ast.parse(stub.read_text(encoding="utf-8")).body
         if isinstance(node, ast.ClassDef)
     }
 

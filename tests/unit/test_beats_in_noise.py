@@ -11,7 +11,6 @@ from scipy.signal import sosfilt
 
 from mimics_app.dsp.channels.ecg import Ecg
 from mimics_app.dsp.filters import low_pass
-from mimics_app.dsp.kernels.beats import MATCHED
 from mimics_app.dsp.kernels.templates import COUNT, ENERGY, SIGNAL, WHITE, Bank, learn_beat, learn_noise, score, whiten
 from mimics_app.inputs.physio.simulated.signals import Disturbance
 from tests.support.body_signals import body, f1, feed
@@ -66,7 +65,7 @@ def test_blocks_and_a_restored_state_give_the_same_in_noise(moved: Any) -> None:
     ecg[45_000:45_900] = np.nan
     whole = Ecg(1000.0)
     events = feed(whole, ecg, 1000)
-    assert whole._forms.state[MATCHED] == 1.0, "this tests nothing unless templates decide"
+    assert whole._forms.state["matched"] == 1.0, "this tests nothing unless templates decide"
     for block in (7, 3333):
         assert feed(Ecg(1000.0), ecg, block) == events
     begun, continued = Ecg(1000.0), Ecg(1000.0)

@@ -7,8 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mimics_app.dsp.channels.ecg import Ecg
-from mimics_app.dsp.kernels.beat_path import BEATS, EVIDENCE, PATH, PERIOD, PathModel, find_form, find_path
-from mimics_app.dsp.kernels.beats import MATCHED, PROVISIONAL
+from mimics_app.dsp.kernels.beat_path import PATH, PathModel, find_form, find_path
 from mimics_app.dsp.kernels.form_tuning import TUNING
 from mimics_app.inputs.physio.simulated.signals import Disturbance
 from tests.support.body_signals import body, f1, feed
@@ -44,7 +43,7 @@ def buried(size: float, seed: int) -> tuple[Floats, Floats, list[int]]:
 
 def searched(signal: Floats, begin: int) -> tuple[Floats, Floats]:
     """Return the form that was found from the beat at a sample, and the description of its path."""
-    form, path = signal[begin : begin + 23].copy(), np.zeros(PATH)
+    form, path = signal[begin : begin + 23].copy(), np.zeros(1, PATH)[0]
     find_form(form, signal, signal, ERROR, MODEL, path)
     return form, path
 
@@ -55,7 +54,7 @@ def test_beats_are_found_where_the_signal_was_never_clear(size: float) -> None:
     signals, truth = body(60, 8, Disturbance())
     channel = Ecg(1000.0)
     found = [event.t_s for event in feed(channel, signals["ecg"] + coloured_noise(60, 1000.0, size, 8), 20)]
-    assert channel._forms.state[MATCHED] == channel._forms.state[PROVISIONAL] == 1.0
+    assert channel._forms.state["matched"] == channel._forms.state["provisional"] == 1.0
     assert f1([t for t in truth.beats if t > 12.0], [t for t in found if t > 12.0], 0.1) > 0.9
 
 
@@ -64,7 +63,7 @@ def test_blocks_and_a_restored_state_give_the_same_while_forms_are_searched() ->
     ecg[25_000:25_900] = np.nan
     whole = Ecg(1000.0)
     events = feed(whole, ecg, 1000)
-    assert whole._forms.state[PROVISIONAL] == 1.0, "this tests nothing unless forms are searched"
+    assert whole._forms.state["provisional"] == 1.0, "this tests nothing unless forms are searched"
     assert feed(Ecg(1000.0), ecg, 7) == events
     begun, continued = Ecg(1000.0), Ecg(1000.0)
     feed(begun, ecg[:21_234], 20)
@@ -83,7 +82,7 @@ def test_a_form_with_much_evidence_is_not_replaced_by_waves_that_begin_later() -
         ecg[at - 60 : at + 60] += wave
     channel = Ecg(1000.0)
     found = feed(channel, ecg[:30_000], 20)
-    assert channel._forms.state[PROVISIONAL] == 1.0, "this tests nothing unless forms are searched"
+    assert channel._forms.state["provisional"] == 1.0, "this tests nothing unless forms are searched"
     times = [event.t_s for event in found + feed(channel, ecg[30_000:52_000], 20)]
     assert f1([t for t in truth.beats if 32.0 < t < 51.0], [t for t in times if 32.0 < t < 51.0], 0.1) > 0.9
 
@@ -95,14 +94,14 @@ def test_one_beat_in_noise_leads_to_the_form_and_the_interval_of_all() -> None:
     guess = signal[begins[4] : begins[4] + 23]
     assert np.corrcoef(guess, form)[0, 1] < 0.85
     assert np.corrcoef(found, form)[0, 1] > 0.92
-    assert path[EVIDENCE] > TUNING.evidence
-    assert path[PERIOD] == pytest.approx(np.diff(begins).mean(), rel=0.01)
-    assert path[BEATS] == len(begins)
+    assert path["evidence"] > TUNING.evidence
+    assert path["period"] == pytest.approx(np.diff(begins).mean(), rel=0.01)
+    assert path["beats"] == len(begins)
 
 
 def test_noise_alone_is_no_evidence_of_beats() -> None:
     signal = np.random.default_rng(4).standard_normal(round(SECONDS * RATE))
-    assert max(searched(signal, begin)[1][EVIDENCE] for begin in range(100, 1700, 80)) < TUNING.evidence
+    assert max(searched(signal, begin)[1]["evidence"] for begin in range(100, 1700, 80)) < TUNING.evidence
 
 
 def test_a_path_passes_over_a_missing_beat_and_not_through_one_out_of_time() -> None:
@@ -110,7 +109,7 @@ def test_a_path_passes_over_a_missing_beat_and_not_through_one_out_of_time() -> 
     signal[begins[5] : begins[5] + 23] -= form
     extra = (begins[8] + begins[9]) // 2
     signal[extra : extra + 23] += form
-    whitened, path = form[None, 4:].copy(), np.zeros(PATH)
+    whitened, path = form[None, 4:].copy(), np.zeros(1, PATH)[0]
     find_path(whitened, np.zeros(1), signal, MODEL, path)
-    assert path[BEATS] == len(begins) - 1
-    assert path[PERIOD] == pytest.approx(np.diff(begins).mean(), rel=0.01)
+    assert path["beats"] == len(begins) - 1
+    assert path["period"] == pytest.approx(np.diff(begins).mean(), rel=0.01)

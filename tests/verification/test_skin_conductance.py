@@ -58,7 +58,9 @@ def test_responses_over_a_level_that_drifts(size: float, drift: float, noise: fl
 def test_the_onset_of_a_response() -> None:
     values, rate = skin(100), 100.0
     out, sos = np.zeros((16, 4)), low_pass(2, 2.0, rate)
-    count = find_responses(values, sos, np.zeros((1, 2)), np.zeros(TURN_STATE), rate, 0.02, out, np.zeros(len(values)))
+    count = find_responses(
+        values, sos, np.zeros((1, 2)), np.zeros(1, TURN_STATE)[0], rate, 0.02, out, np.zeros(len(values))
+    )
     assert out[:count, 3] / rate == pytest.approx(ONSETS, abs=0.5)
     assert (out[:count, 0] - out[:count, 3]) / rate == pytest.approx(PEAK, abs=0.5)
 

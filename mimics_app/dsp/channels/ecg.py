@@ -20,17 +20,10 @@ from mimics_app.contracts.messages.feature_names import (
 )
 from mimics_app.dsp.channel import Channel, Event, FeatureSet
 from mimics_app.dsp.filters import Floats, band_pass, delay_of
-from mimics_app.dsp.kernels.beats import BEATS_STATE, FITTED, PROVISIONAL, FormDetector, choose_beats
-from mimics_app.dsp.kernels.ecg import (
-    ECG_STATE,
-    NPK,
-    SPK,
-    EnergyDetector,
-    Filters,
-    find_beats,
-)
+from mimics_app.dsp.kernels.beat_path import PATH
+from mimics_app.dsp.kernels.beats import FORM_STATE, FormDetector, choose_beats
+from mimics_app.dsp.kernels.ecg import ENERGY_STATE, EnergyDetector, Filters, find_beats
 from mimics_app.dsp.kernels.form_tuning import TUNING
-from mimics_app.dsp.kernels.rhythm import LAST, UNSTEADY
 from mimics_app.dsp.kernels.templates import Bank
 from mimics_app.dsp.rhythm import Rhythm
 
@@ -66,15 +59,16 @@ class Ecg(Channel):
         sos = np.stack([band_pass(ORDER, *band, rate) for band in BANDS])
         delays = np.array([delay_of(each, qrs, rate) for each, qrs in zip(sos, _QRS, strict=True)])
         self._filters = Filters(sos, np.zeros((*sos.shape[:2], 2)), delays)
-        self._energy = EnergyDetector(
-            np.zeros(ECG_STATE), np.zeros(int(4 * rate)), np.zeros((64, 2)), np.zeros((64, 3)), rate
-        )
+        self._levels = np.zeros(1, ENERGY_STATE)
+        ring, kept, found = np.zeros(int(4 * rate)), np.zeros((64, 2)), np.zeros((64, 3))
+        self._energy = EnergyDetector(self._levels, ring, kept, found, rate)
         step = max(round(rate / _TEMPLATE_HZ), 1)
-        bank, out = _empty_bank(rate / step), np.zeros((64, 2))
-        self._forms = FormDetector(np.zeros(BEATS_STATE), bank, out, rate / step, step, delays[2])
-        for state in (self._energy.state, self._forms.state):
-            state[LAST], state[UNSTEADY] = -1.0, 0.5  # it takes a dozen beats until the rhythm counts as steady
-        self._forms.state[FITTED], self._forms.state[PROVISIONAL] = -np.inf, 1.0
+        bank, out, forms = _empty_bank(rate / step), np.zeros((64, 2)), np.zeros(1, FORM_STATE)
+        self._forms = FormDetector(forms, bank, out, rate / step, step, delays[2], np.zeros(1, PATH))
+        for state in (self._levels, forms):
+            state["rhythm"]["last"] = -1.0
+            state["rhythm"]["unsteady"] = 0.5  # it takes a dozen beats until the rhythm counts as steady
+        forms["fitted"], forms["provisional"] = -np.inf, 1.0
         self._wide, self._missing = np.zeros((2, self._length))
         self._unclear = False
         self._bad: deque[bool] = deque(maxlen=_DOUBTED_S)
@@ -99,9 +93,10 @@ class Ecg(Channel):
 
     def _look_back(self, raw: Floats) -> FeatureSet:
         now_s = self.samples / self.rate
-        features, state = self.rhythm.features(now_s), self._energy.state
-        silent = now_s - state[LAST] / self.rate if state[LAST] >= 0.0 else np.inf
-        clear = (state[SPK] / max(state[NPK], 1e-12) - _UNCLEAR) / (_CLEAR - _UNCLEAR)
+        features, state = self.rhythm.features(now_s), self._levels[0]
+        last = state["rhythm"]["last"]
+        silent = now_s - last / self.rate if last >= 0.0 else np.inf
+        clear = (state["signal_level"] / max(state["noise_level"], _TINY) - _UNCLEAR) / (_CLEAR - _UNCLEAR)
         quality = self._contact(raw) * float(np.clip(clear, 0.0, 1.0)) * (1.0 if silent < 3.0 else 0.0)
         self._bad.append(quality < _LEAST_QUALITY)
         self._unclear = self._bad[-1] and now_s > _FIRST_S  # what is found in noise gives no interval
@@ -115,6 +110,8 @@ _QRS = (13.0, 20.0, 13.0)
 _UNCLEAR, _CLEAR = 1.8, 4.0
 """Ratio of signal level to noise level at which the quality is 0, and at which it is 1."""
 
+_TINY = 1e-12
+"""Keeps the ratio finite [mV]."""
 _LEAST_QUALITY = 0.2
 """Quality below which the beats that are found make no intervals."""
 _DOUBTED_S, _MOSTLY = 10, 0.8

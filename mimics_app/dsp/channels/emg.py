@@ -17,7 +17,7 @@ from mimics_app.contracts.messages.feature_names import (
 )
 from mimics_app.dsp.channel import Channel, Event, FeatureSet
 from mimics_app.dsp.filters import Floats, band_pass
-from mimics_app.dsp.kernels.emg import ACTIVE, EMG_STATE, TOTAL, N, find_onsets
+from mimics_app.dsp.kernels.emg import EMG_STATE, find_onsets
 
 __all__ = ["CHANNEL", "Emg"]
 
@@ -47,7 +47,7 @@ class Emg(Channel):
         super().__init__(rate)
         self._sos = band_pass(2, *_BAND, rate)
         self._z = np.zeros((len(self._sos), 2))
-        self._state = np.zeros(EMG_STATE)
+        self._state = np.zeros(1, EMG_STATE)
         self._ring = np.zeros(self._length)
         self._out = np.zeros((16, 3))
         self._envelope = np.zeros(self._length)
@@ -57,7 +57,7 @@ class Emg(Channel):
     def _take(self, piece: Floats) -> list[Event]:
         at = self._place
         envelope = self._envelope[at : at + len(piece)]
-        count = find_onsets(piece, self._sos, self._z, self._state, self._ring, self.rate, self._out, envelope)
+        count = find_onsets(piece, self._sos, self._z, self._state[0], self._ring, self.rate, self._out, envelope)
         return [
             Event(max(onset, 0.0) / self.rate, (known + 1.0) / self.rate, "emg_onset", size, self.found.quality)
             for onset, known, size in self._out[:count].tolist()
@@ -65,18 +65,18 @@ class Emg(Channel):
 
     def _look_back(self, raw: Floats) -> FeatureSet:
         quality = self._contact(raw)
-        total = float(self._state[TOTAL])
+        total = float(self._state["total"][0])
         integrated, self._before = total - self._before, total
         if quality == 0.0:
             return FeatureSet({}, 0.0)
-        n = int(self._state[N]) % self._length
+        n = int(self._state["n"][0]) % self._length
         features = {
             EMG: float(np.mean(self._envelope)),
             EMG_INTEGRATED: integrated,
-            EMG_ACTIVE: float(self._state[ACTIVE]),
+            EMG_ACTIVE: float(self._state["active"][0]),
         }
         median = self._median_frequency(np.roll(self._ring, -n))
-        if self._state[ACTIVE] > 0.0 and median > 0.0:
+        if self._state["active"][0] > 0.0 and median > 0.0:
             features[EMG_MEDIAN_HZ] = median
             self._medians.append(median)
             if len(self._medians) >= 10:

@@ -67,7 +67,7 @@ class Gsr(Channel):
         self._sos = low_pass(2, _SMOOTH_HZ, rate)
         self._delay = delay_of(self._sos, 0.2, rate)
         self._z = np.zeros((len(self._sos), 2))
-        self._state = np.zeros(TURN_STATE)
+        self._state = np.zeros(1, TURN_STATE)
         self._out = np.zeros((16, 4))
         self._smooth = np.zeros(self._length)
         self._levels: deque[tuple[float, float]] = deque(maxlen=round(_WINDOW_S))
@@ -80,7 +80,7 @@ class Gsr(Channel):
     def _take(self, piece: Floats) -> list[Event]:
         at = self._place
         smooth = self._smooth[at : at + len(piece)]
-        count = find_responses(piece, self._sos, self._z, self._state, self.rate, self._least, self._out, smooth)
+        count = find_responses(piece, self._sos, self._z, self._state[0], self.rate, self._least, self._out, smooth)
         events = []
         for peak, known, size, _ in self._out[:count].tolist():
             t_s = max(peak - self._delay, 0.0) / self.rate

@@ -50,12 +50,12 @@ class Resp(Channel):
         self._sos = band_pass(1, *_BAND, rate)
         self._delay = delay_of(self._sos, 0.25, rate)
         self._z = np.zeros((len(self._sos), 2))
-        self._state = np.zeros(TURN_STATE)
+        self._state = np.zeros(1, TURN_STATE)
         self._out = np.zeros((8, 5))
         self.breaths: deque[tuple[float, float, float, float]] = deque()
 
     def _take(self, piece: Floats) -> list[Event]:
-        count = find_breaths(piece, self._sos, self._z, self._state, self.rate, self._out)
+        count = find_breaths(piece, self._sos, self._z, self._state[0], self.rate, self._out)
         events = []
         for trough, known, depth, rise, whole in self._out[:count].tolist():
             t_s = max(trough - self._delay, 0.0) / self.rate

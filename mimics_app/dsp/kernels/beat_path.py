@@ -9,7 +9,7 @@ turns: the best path for the form, then the average of the signal along the path
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -17,23 +17,28 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.dsp.kernels.sections import Floats
 from mimics_app.dsp.kernels.templates import log_ratio, whiten_form
 
+if TYPE_CHECKING:
+    from mimics_app.dsp.record_types import PathRecord
+
 __all__ = [
-    "BEATS",
-    "DEVIATION",
-    "EVIDENCE",
-    "LATEST",
     "PATH",
-    "PERIOD",
     "PathModel",
     "find_form",
     "find_path",
     "unroll",
 ]
 
-EVIDENCE, PERIOD, LATEST, BEATS, DEVIATION = range(5)
-PATH = 5
-"""Length of the description of a path: its evidence, mean interval [samples], end of the form at the latest beat
-[samples before the newest one, negative], beats, mean relative deviation of the intervals from the period."""
+PATH = np.dtype(
+    [
+        ("evidence", "f8"),  # logarithm of its probability over that of noise alone
+        ("period", "f8"),  # mean interval [samples]
+        ("latest", "f8"),  # end of the form at the latest beat [samples before the newest one, negative]
+        ("beats", "f8"),  # their number
+        ("deviation", "f8"),  # mean relative deviation of the intervals from the period
+    ],
+    align=True,
+)
+"""Description of a path."""
 
 _AT, _SCORE, _SUM, _FROM, _REST = range(5)
 _ROWS = 5
@@ -85,7 +90,7 @@ def unroll(n: int, ring: Floats, line: Floats) -> None:
 
 
 @kernel
-def find_form(form: Floats, signal: Floats, white: Floats, error: Floats, model: PathModel, path: Floats) -> None:
+def find_form(form: Floats, signal: Floats, white: Floats, error: Floats, model: PathModel, path: PathRecord) -> None:
     """Improve a form by the beats that resemble it, and describe the path of these beats.
 
     Args:
@@ -109,7 +114,7 @@ def find_form(form: Floats, signal: Floats, white: Floats, error: Floats, model:
 
 
 @kernel
-def find_path(whitened: Floats, shares: Floats, white: Floats, model: PathModel, path: Floats) -> None:
+def find_path(whitened: Floats, shares: Floats, white: Floats, model: PathModel, path: PathRecord) -> None:
     """Describe the most probable path for given forms.
 
     Args:
@@ -124,24 +129,24 @@ def find_path(whitened: Floats, shares: Floats, white: Floats, model: PathModel,
 
 @kernel
 def _follow(
-    whitened: Floats, shares: Floats, white: Floats, model: PathModel, largest: float, peaks: Floats, path: Floats
+    whitened: Floats, shares: Floats, white: Floats, model: PathModel, largest: float, peaks: Floats, path: PathRecord
 ) -> int:
     """List the peaks, find the best path of all periods, describe it; return the peak at its end, -1 without one."""
-    path[:] = 0.0
+    path.evidence = path.period = path.latest = path.beats = path.deviation = 0.0
     count = _list_peaks(whitened, shares, white, model, largest, peaks)
     if count == 0:
         return -1
     period, best = _SHORTEST * model.rate, 0.0
     while period < _LONGEST * model.rate:
         end = _link(count, peaks, period, model)
-        if peaks[_SUM, end] > path[EVIDENCE]:
-            path[EVIDENCE], best = peaks[_SUM, end], period
+        if peaks[_SUM, end] > path.evidence:
+            path.evidence, best = peaks[_SUM, end], period
         period *= 1.0 + model.spread
     if best == 0.0:
         return -1
     end = _link(count, peaks, best, model)
     _describe(end, peaks, best, path)
-    path[LATEST] = peaks[_AT, end] - (white.shape[0] - 1)
+    path.latest = peaks[_AT, end] - (white.shape[0] - 1)
     return end
 
 
@@ -208,19 +213,19 @@ def _link(count: int, peaks: Floats, period: float, model: PathModel) -> int:
 
 
 @kernel
-def _describe(end: int, peaks: Floats, period: float, path: Floats) -> None:
+def _describe(end: int, peaks: Floats, period: float, path: PathRecord) -> None:
     """Write the number of beats of a path, their mean interval and its mean relative deviation from the period."""
     j, i, periods = end, int(peaks[_FROM, end]), 0.0
-    path[BEATS] = 1.0
+    path.beats = 1.0
     while i >= 0:
         steps = (peaks[_AT, j] - peaks[_AT, i]) / period
         beats = max(np.floor(steps + 0.5), 1.0)
-        path[DEVIATION] += abs(steps / beats - 1.0)
-        path[BEATS] += 1.0
+        path.deviation += abs(steps / beats - 1.0)
+        path.beats += 1.0
         periods += beats
         j, i = i, int(peaks[_FROM, i])
-    path[DEVIATION] /= max(path[BEATS] - 1.0, 1.0)
-    path[PERIOD] = (peaks[_AT, end] - peaks[_AT, j]) / periods if periods > 0.0 else period
+    path.deviation /= max(path.beats - 1.0, 1.0)
+    path.period = (peaks[_AT, end] - peaks[_AT, j]) / periods if periods > 0.0 else period
 
 
 @kernel

@@ -12,18 +12,12 @@ About once a second a form is searched in the last seconds (`beat_path`), which 
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.dsp.kernels.beat_path import (
-    BEATS,
-    DEVIATION,
-    EVIDENCE,
-    LATEST,
-    PATH,
-    PERIOD,
     PathModel,
     find_form,
     find_path,
@@ -31,12 +25,8 @@ from mimics_app.dsp.kernels.beat_path import (
 )
 from mimics_app.dsp.kernels.form_tuning import TUNING
 from mimics_app.dsp.kernels.rhythm import (
-    LAST,
-    PHASE,
     RHYTHM,
-    RR,
     T_WAVE,
-    UNSTEADY,
     USUAL_RR,
     add_beat,
     off_beat,
@@ -58,36 +48,36 @@ from mimics_app.dsp.kernels.templates import (
     whiten,
 )
 
-__all__ = ["BEATS_STATE", "FITTED", "MATCHED", "PROVISIONAL", "FormDetector", "choose_beats"]
+if TYPE_CHECKING:
+    from mimics_app.dsp.record_types import FormStateRecord, PathRecord, Table
 
-(
-    MATCHED,
-    CAND_T,
-    CAND_V,
-    BACK_T,
-    BACK_V,
-    N,
-    SHARE,
-    ENERGY_T,
-    ENERGY_V,
-    VARIANCE,
-    HEARD,
-    FITTED,
-    PROVISIONAL,
-    SEARCHED,
-    PROVEN,
-    WRITTEN,
-    RELIABLE,
-    EARLY,
-) = range(RHYTHM, RHYTHM + 18)
-BEATS_STATE = RHYTHM + 18
-"""Length of the state vector: the rhythm, whether templates decide, candidate and its score, best rejected candidate
-and by how much its score exceeds the threshold, samples seen, share of beats found by templates, strongest beat found
-by energy since the last beat and its strength, variance of the whitened noise, samples of noise, last beat found by
-templates, whether the templates are provisional, last search of a form, evidence for the provisional templates, beats
-written from the newest samples, share of the beats found by energy that were beats, whether the last beat was one found
-by energy and taken early. Times are in samples of the ring buffer; the samples seen and the last beat found by
-templates are samples of the signal."""
+__all__ = ["FORM_STATE", "FormDetector", "choose_beats"]
+
+FORM_STATE = np.dtype(
+    [
+        ("rhythm", RHYTHM),
+        ("matched", "f8"),  # 1: templates decide
+        ("candidate_at", "f8"),  # sample at which the candidate's form ends
+        ("candidate", "f8"),  # its score
+        ("back_at", "f8"),  # best rejected candidate
+        ("back", "f8"),  # by how much its score exceeds the threshold
+        ("n", "f8"),  # samples of the signal seen
+        ("share", "f8"),  # of the beats found by templates
+        ("energy_at", "f8"),  # strongest beat found by energy since the last beat
+        ("energy", "f8"),  # its strength; 0: none
+        ("variance", "f8"),  # of the whitened noise
+        ("heard", "f8"),  # samples of noise
+        ("fitted", "f8"),  # last beat found by templates [samples of the signal]
+        ("provisional", "f8"),  # 1: the templates never stood out clearly
+        ("searched", "f8"),  # last search of a form
+        ("proven", "f8"),  # evidence for the provisional templates
+        ("written", "f8"),  # beats written from the newest samples
+        ("reliable", "f8"),  # share of the beats found by energy that were beats
+        ("early", "f8"),  # 1: the last beat was one found by energy and taken early
+    ],
+    align=True,
+)
+"""State of the detector by forms; times are in samples of the ring buffer where nothing else is said."""
 
 _LATER = 0.3
 """Time after which a sample is learnt as noise if no beat was found near it [s]."""
@@ -105,20 +95,22 @@ class FormDetector(NamedTuple):
     """The detector by forms.
 
     Attributes:
-        state: See BEATS_STATE.
+        state: See FORM_STATE, shape [1].
         bank: Templates and noise.
         out: Beats to report, shape [b, 2]: sample of the R peak and sample at which it is known.
         rate: Sampling rate of the ring buffer [Hz].
         step: Samples of the signal per sample of the ring buffer.
         delay: Group delay of the wide band-pass [samples of the signal].
+        path: Receives the description of a path that is searched, shape [1], see `beat_path.PATH`.
     """
 
-    state: Floats
+    state: Table[FormStateRecord]
     bank: Bank
     out: Floats
     rate: float
     step: int
     delay: float
+    path: Table[PathRecord]
 
 
 @kernel
@@ -133,11 +125,11 @@ def choose_beats(wide: Floats, found: Floats, detector: FormDetector) -> int:
     Returns:
         Number of beats written.
     """
-    state, step, rings, used = detector.state, detector.step, detector.bank.rings, 0
-    state[WRITTEN] = 0.0
+    state, step, rings, used = detector.state[0], detector.step, detector.bank.rings, 0
+    state.written = 0.0
     for i in range(wide.shape[0]):
-        now = int(state[N])
-        state[N] += 1.0
+        now = int(state.n)
+        state.n += 1.0
         n, new = now // step, now % step == 0
         if new:
             rings[SIGNAL, n % rings.shape[1]], rings[NEAR, n % rings.shape[1]] = wide[i], 0.0
@@ -146,25 +138,25 @@ def choose_beats(wide: Floats, found: Floats, detector: FormDetector) -> int:
             used += 1
         if new and _prepare(n, detector):
             _decide(n, detector)
-    return int(state[WRITTEN])
+    return int(state.written)
 
 
 @kernel
 def _hear(beat: Floats, n: int, detector: FormDetector) -> None:
     """Take a beat found by energy: report and learn it, or keep it for a gap."""
-    state, bank, rate = detector.state, detector.bank, detector.rate
+    state, bank, rate = detector.state[0], detector.bank, detector.rate
     rings = bank.rings
     at = int(np.round((beat[0] + detector.delay) / detector.step))
-    due = n > max(TUNING.search_from_s * rate, state[SEARCHED] + TUNING.search_every_s * rate)
-    if due and state[PROVISIONAL] > 0.0 and state[VARIANCE] > 0.0:
+    due = n > max(TUNING.search_from_s * rate, state.searched + TUNING.search_every_s * rate)
+    if due and state.provisional > 0.0 and state.variance > 0.0:
         _search(at, n, detector)
-    if state[MATCHED] > 0.0:
-        if abs(at - state[LAST]) < TUNING.near_s * rate:
+    if state.matched > 0.0:
+        if abs(at - state.rhythm.last) < TUNING.near_s * rate:
             _rate(1.0, state)
-        if beat[2] > max(state[ENERGY_V], TUNING.gap_strong) and at - state[LAST] > _APART * rate:
-            state[ENERGY_T], state[ENERGY_V] = at, beat[2]
+        if beat[2] > max(state.energy, TUNING.gap_strong) and at - state.rhythm.last > _APART * rate:
+            state.energy_at, state.energy = at, beat[2]
         return
-    if beat[0] - state[FITTED] > TUNING.refractory_s * rate * detector.step:
+    if beat[0] - state.fitted > TUNING.refractory_s * rate * detector.step:
         _write(beat[0], beat[1], detector)
     after = int(np.round(TUNING.after_s * rate))
     before = bank.templates.shape[1] - after
@@ -174,194 +166,195 @@ def _hear(beat: Floats, n: int, detector: FormDetector) -> None:
     if beat[2] > TUNING.strong and inside:
         fits = learn_beat(at, bank, before, TUNING.same, TUNING.weight)
     if fits or not known:
-        add_beat(at, state, 0.0, rate)
+        add_beat(at, state.rhythm, 0.0, rate)
         mark_beat(at, n, rings, int(TUNING.near_s * rate))
 
 
 @kernel
 def _search(at: int, n: int, detector: FormDetector) -> None:
     """Search a form that explains the last seconds better than the provisional templates, beginning with one beat."""
-    state, bank, rate = detector.state, detector.bank, detector.rate
+    state, bank, rate = detector.state[0], detector.bank, detector.rate
     rings, templates, sizes = bank.rings, bank.templates, bank.sizes
     hold = int(TUNING.hold_s * rate)
-    model = PathModel(state[VARIANCE], TUNING.freedom, rate, hold, TUNING.spread, TUNING.missed)
-    signal, white, path = np.empty(rings.shape[1]), np.empty(rings.shape[1]), np.zeros(PATH)
+    model = PathModel(state.variance, TUNING.freedom, rate, hold, TUNING.spread, TUNING.missed)
+    signal, white, path = np.empty(rings.shape[1]), np.empty(rings.shape[1]), detector.path[0]
     unroll(n, rings[SIGNAL], signal)
     unroll(n, rings[WHITE], white)
-    state[PROVEN] *= max(1.0 - (n - state[SEARCHED]) / (TUNING.fade_s * rate), 0.0)
-    state[SEARCHED] = n
+    state.proven *= max(1.0 - (n - state.searched) / (TUNING.fade_s * rate), 0.0)
+    state.searched = n
     if sizes[:, COUNT].max() >= TUNING.usable:
         shares = np.full(sizes.shape[0], -np.inf)
         for k in range(sizes.shape[0]):
             if sizes[k, COUNT] >= TUNING.usable:
                 shares[k] = np.log(sizes[k, COUNT] / sizes[:, COUNT].sum())
         find_path(bank.whitened, shares, white, model, path)
-        state[PROVEN] = max(state[PROVEN], path[EVIDENCE])
+        state.proven = max(state.proven, path.evidence)
     after = int(np.round(TUNING.after_s * rate))
     begin = signal.shape[0] - 1 - n + at + after - templates.shape[1]
     if begin < 0 or begin + templates.shape[1] > signal.shape[0]:
         return
     form = signal[begin : begin + templates.shape[1]].copy()
     find_form(form, signal, white, bank.error, model, path)
-    covered = path[BEATS] * path[PERIOD] > TUNING.covered * min(n, signal.shape[0])
-    if covered and path[EVIDENCE] > max(state[PROVEN], TUNING.evidence):
+    covered = path.beats * path.period > TUNING.covered * min(n, signal.shape[0])
+    if covered and path.evidence > max(state.proven, TUNING.evidence):
         templates[0], sizes[:, COUNT] = form, 0.0
-        sizes[0, COUNT], state[PROVEN] = path[BEATS], path[EVIDENCE]
-        state[RR], state[UNSTEADY] = path[PERIOD], path[DEVIATION]
-        state[PHASE] = n + path[LATEST] - after + 1
+        sizes[0, COUNT], state.proven = path.beats, path.evidence
+        state.rhythm.rr, state.rhythm.unsteady = path.period, path.deviation
+        state.rhythm.phase = n + path.latest - after + 1
 
 
 @kernel
 def _prepare(n: int, detector: FormDetector) -> bool:
     """Learn the noise, whiten the newest sample and choose the detector; return whether templates decide."""
-    state, bank, rate = detector.state, detector.bank, detector.rate
+    state, bank, rate = detector.state[0], detector.bank, detector.rate
     rings, error = bank.rings, bank.error
     m, p = rings.shape[1], error.shape[0] - 1
     at = n - int(_LATER * rate)
-    if at > p and state[LAST] >= 0.0 and rings[NEAR, at % m] == 0.0:
-        state[HEARD] += 1.0
-        learn_noise(at, bank, max(1.0 / state[HEARD], 1.0 / (TUNING.noise_s * rate)))
+    if at > p and state.rhythm.last >= 0.0 and rings[NEAR, at % m] == 0.0:
+        state.heard += 1.0
+        learn_noise(at, bank, max(1.0 / state.heard, 1.0 / (TUNING.noise_s * rate)))
     due = n % max(int(_EVERY * rate), 1) == 0
     if due:
-        state[VARIANCE] = whiten(bank)
+        state.variance = whiten(bank)
     value = 0.0
     for i in range(p + 1):
         value += error[i] * rings[SIGNAL, (n - i) % m]
     rings[WHITE, n % m] = value
     if due:
         _switch(state, bank.sizes)
-    return state[MATCHED] > 0.0
+    return state.matched > 0.0
 
 
 @kernel
-def _switch(state: Floats, sizes: Floats) -> None:
+def _switch(state: FormStateRecord, sizes: Floats) -> None:
     """Let templates decide in noise, and energy on a clear signal or where the templates do not fit any more."""
     largest = 0.0
     for k in range(sizes.shape[0]):
         if sizes[k, COUNT] >= TUNING.usable:
             largest = max(largest, sizes[k, ENERGY])
-    clear = np.sqrt(largest / state[VARIANCE])
-    if state[MATCHED] == 0.0:
+    clear = np.sqrt(largest / state.variance)
+    if state.matched == 0.0:
         if clear >= TUNING.noisy:
-            state[PROVISIONAL] = 0.0
+            state.provisional = 0.0
         elif clear > 0.0:
-            state[MATCHED], state[SHARE] = 1.0, 1.0
-            state[CAND_V] = state[BACK_V] = -np.inf
-            state[ENERGY_V] = 0.0
+            state.matched, state.share = 1.0, 1.0
+            state.candidate = state.back = -np.inf
+            state.energy = 0.0
     elif clear > TUNING.clear:
-        state[MATCHED] = state[PROVISIONAL] = 0.0
-    elif state[SHARE] < TUNING.fitting:
-        state[MATCHED], state[PROVISIONAL], state[PROVEN] = 0.0, 1.0, 0.0
+        state.matched = state.provisional = 0.0
+    elif state.share < TUNING.fitting:
+        state.matched, state.provisional, state.proven = 0.0, 1.0, 0.0
         sizes[:, COUNT] = 0.0
 
 
 @kernel
 def _decide(n: int, detector: FormDetector) -> None:
     """Track the score to its next peak and classify it; fill gaps."""
-    state, rate = detector.state, detector.rate
-    value = score(n, detector.bank, state[VARIANCE], TUNING.freedom, TUNING.usable)
+    state, rate = detector.state[0], detector.rate
+    value = score(n, detector.bank, state.variance, TUNING.freedom, TUNING.usable)
     t, fits = -1, 1.0
-    if value > state[CAND_V]:
-        state[CAND_V], state[CAND_T] = value, n
-    elif n - state[CAND_T] > TUNING.hold_s * rate:
+    if value > state.candidate:
+        state.candidate, state.candidate_at = value, n
+    elif n - state.candidate_at > TUNING.hold_s * rate:
         t = _judge(_peak(state, rate), state, rate)
     if t < 0:
         t = _search_back(n, state, rate)
     if t < 0:
         t, fits = _fill(n, state, rate), 0.0
-    elif state[ENERGY_V] > 0.0 and t - state[LAST] > TUNING.gap * state[RR] > 0.0:
-        if state[ENERGY_T] < t - _APART * rate:
-            _accept(int(state[ENERGY_T]), n, 0.0, detector)
+    elif state.energy > 0.0 and t - state.rhythm.last > TUNING.gap * state.rhythm.rr > 0.0:
+        if state.energy_at < t - _APART * rate:
+            _accept(int(state.energy_at), n, 0.0, detector)
     if t >= 0:
         _accept(t, n, fits, detector)
 
 
 @kernel
-def _fill(n: int, state: Floats, rate: float) -> int:
+def _fill(n: int, state: FormStateRecord, rate: float) -> int:
     """Return the beat found by energy that fills a gap, or is taken early where energy is reliable; -1 without one."""
-    t = int(state[ENERGY_T])
-    if state[RR] == 0.0 or state[ENERGY_V] == 0.0:
+    t = int(state.energy_at)
+    if state.rhythm.rr == 0.0 or state.energy == 0.0:
         return -1
-    if n - state[LAST] > TUNING.gap * state[RR] + _EVERY * rate:
+    if n - state.rhythm.last > TUNING.gap * state.rhythm.rr + _EVERY * rate:
         return t
-    early = state[RELIABLE] > TUNING.reliable and n - t > TUNING.wait_s * rate
-    return t if early and state[CAND_V] < _threshold(_peak(state, rate), state, rate) else -1
+    early = state.reliable > TUNING.reliable and n - t > TUNING.wait_s * rate
+    return t if early and state.candidate < _threshold(_peak(state, rate), state, rate) else -1
 
 
 @kernel
-def _judge(t: int, state: Floats, rate: float) -> int:
+def _judge(t: int, state: FormStateRecord, rate: float) -> int:
     """Return the sample of the candidate if it is a beat, else -1."""
-    over, since = state[CAND_V] - _threshold(t, state, rate), t - state[LAST]
-    state[CAND_V] = -np.inf
+    over, since = state.candidate - _threshold(t, state, rate), t - state.rhythm.last
+    state.candidate = -np.inf
     if since <= TUNING.refractory_s * rate:
         return -1
     if over > 0.0:
         return t
-    if over > state[BACK_V] and since > T_WAVE * rate:
-        state[BACK_V], state[BACK_T] = over, t
+    if over > state.back and since > T_WAVE * rate:
+        state.back, state.back_at = over, t
     return -1
 
 
 @kernel
-def _threshold(t: int, state: Floats, rate: float) -> float:
+def _threshold(t: int, state: FormStateRecord, rate: float) -> float:
     """Return the threshold of the score at sample `t`: lower when a beat is due, and near an expected one."""
-    share = min((t - state[LAST]) / (state[RR] if state[RR] > 0.0 else USUAL_RR * rate), 2.0)
-    in_time = np.exp(-((off_beat(t, share, state) / TUNING.width) ** 2))
+    share = min((t - state.rhythm.last) / (state.rhythm.rr if state.rhythm.rr > 0.0 else USUAL_RR * rate), 2.0)
+    in_time = np.exp(-((off_beat(t, share, state.rhythm) / TUNING.width) ** 2))
     threshold = TUNING.due + TUNING.higher * max(1.0 - share / TUNING.decay, 0.0)
-    return threshold + TUNING.range * steadiness(state, TUNING.unsteady) * (0.5 - in_time)
+    return threshold + TUNING.range * steadiness(state.rhythm, TUNING.unsteady) * (0.5 - in_time)
 
 
 @kernel
-def _search_back(n: int, state: Floats, rate: float) -> int:
+def _search_back(n: int, state: FormStateRecord, rate: float) -> int:
     """Return the best rejected candidate if it is good enough and has waited: for a better one, or too long, else -1.
 
     Near an expected beat the wait is short, so that the beat is known 0.25 s after its R peak.
     """
-    if state[RR] == 0.0 or state[BACK_V] == -np.inf:
+    if state.rhythm.rr == 0.0 or state.back == -np.inf:
         return -1
-    t, over = int(state[BACK_T]), state[BACK_V]
-    in_time = abs(off_beat(t, 1.0, state)) < TUNING.width and n - t > TUNING.wait_s * rate
-    if in_time and state[CAND_V] - _threshold(_peak(state, rate), state, rate) > over:
+    t, over = int(state.back_at), state.back
+    in_time = abs(off_beat(t, 1.0, state.rhythm)) < TUNING.width and n - t > TUNING.wait_s * rate
+    if in_time and state.candidate - _threshold(_peak(state, rate), state, rate) > over:
         return -1
-    if not in_time and n - state[LAST] <= TUNING.late * state[RR]:
+    if not in_time and n - state.rhythm.last <= TUNING.late * state.rhythm.rr:
         return -1
-    state[BACK_V] = -np.inf
+    state.back = -np.inf
     return t if over > TUNING.below else -1
 
 
 @kernel
-def _peak(state: Floats, rate: float) -> int:
+def _peak(state: FormStateRecord, rate: float) -> int:
     """Return the sample of the R peak of the candidate, whose form ends later."""
-    return int(state[CAND_T]) - int(np.round(TUNING.after_s * rate)) + 1
+    return int(state.candidate_at) - int(np.round(TUNING.after_s * rate)) + 1
 
 
 @kernel
 def _accept(t: int, n: int, fits: float, detector: FormDetector) -> None:
     """Write a beat in noise and update the rhythm."""
-    state, rate = detector.state, detector.rate
-    early = fits == 0.0 and n - state[LAST] <= TUNING.gap * state[RR]
-    if state[EARLY] > 0.0:  # it was a beat unless another one followed soon
-        _rate(1.0 if t - state[LAST] > _SOON * state[RR] else 0.0, state)
-    elif state[ENERGY_V] > 0.0 and not early:
-        _rate(1.0 if abs(t - state[ENERGY_T]) < TUNING.near_s * rate else 0.0, state)
-    state[EARLY] = early
-    state[SHARE] += _FOLLOW * (fits - state[SHARE])
-    add_beat(t, state, steadiness(state, TUNING.unsteady), rate)
+    state, rate = detector.state[0], detector.rate
+    early = fits == 0.0 and n - state.rhythm.last <= TUNING.gap * state.rhythm.rr
+    if state.early > 0.0:  # it was a beat unless another one followed soon
+        _rate(1.0 if t - state.rhythm.last > _SOON * state.rhythm.rr else 0.0, state)
+    elif state.energy > 0.0 and not early:
+        _rate(1.0 if abs(t - state.energy_at) < TUNING.near_s * rate else 0.0, state)
+    state.early = early
+    state.share += _FOLLOW * (fits - state.share)
+    add_beat(t, state.rhythm, steadiness(state.rhythm, TUNING.unsteady), rate)
     mark_beat(t, n, detector.bank.rings, int(TUNING.near_s * rate))
-    state[BACK_V], state[ENERGY_V] = -np.inf, 0.0
-    state[FITTED] = t * detector.step - detector.delay
-    _write(state[FITTED], n * detector.step, detector)
+    state.back, state.energy = -np.inf, 0.0
+    state.fitted = t * detector.step - detector.delay
+    _write(state.fitted, n * detector.step, detector)
 
 
 @kernel
-def _rate(right: float, state: Floats) -> None:
+def _rate(right: float, state: FormStateRecord) -> None:
     """Note whether a beat found by energy was a beat (1) or not (0)."""
-    state[RELIABLE] += _FOLLOW * (right - state[RELIABLE])
+    state.reliable += _FOLLOW * (right - state.reliable)
 
 
 @kernel
 def _write(at: float, known: float, detector: FormDetector) -> None:
-    out, count = detector.out, int(detector.state[WRITTEN])
+    state, out = detector.state[0], detector.out
+    count = int(state.written)
     if count < out.shape[0]:
         out[count, 0], out[count, 1] = at, known
-        detector.state[WRITTEN] += 1.0
+        state.written += 1.0

@@ -11,53 +11,53 @@ Computers in Cardiology, 1979.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from mimics_app.compiled.kernel import kernel
-from mimics_app.dsp.kernels.rhythm import LAST, RHYTHM, RR, T_WAVE, USUAL_RR, add_beat, off_beat, steadiness
+from mimics_app.dsp.kernels.rhythm import RHYTHM, T_WAVE, USUAL_RR, add_beat, off_beat, steadiness
 from mimics_app.dsp.kernels.sections import Floats, run_sections, settle_sections
 
-__all__ = ["ECG_STATE", "NPK", "SPK", "EnergyDetector", "Filters", "find_beats"]
+if TYPE_CHECKING:
+    from mimics_app.dsp.record_types import EnergyStateRecord, Table
 
-(
-    SPK,
-    NPK,
-    CAND_T,
-    CAND_V,
-    SUM,
-    BACK_T,
-    BACK_V,
-    N,
-    HELD,
-    MISSING,
-    LEARNT,
-    KEPT,
-    LOW2,
-    LOW4,
-    HIGH2,
-    HIGH4,
-    UPPER,
-    BEGIN,
-    FOUND,
-    SAME,
-    FAR,
-    FAR_T,
-    PAIRS,
-    PAIRED,
-    LAST_V,
-    HELD_T,
-    HELD_V,
-) = range(RHYTHM, RHYTHM + 27)
-ECG_STATE = RHYTHM + 27
-"""Length of the state vector: the rhythm, signal level and noise level, candidate and its energy, running sum of
-squares, best rejected candidate, samples seen, last valid input, consecutive missing samples, whether the levels are
-learnt, candidates kept until then, means of the second and fourth power of the lower and of the upper band, share of
-the upper band in the filtered signal, sample at which the learning phase began, beats found in the newest samples,
-consecutive samples of one value, peaks in succession that are far above a signal level that faded in noise, and sample
-of the last of them, share of the beats that a second peak follows, whether one followed the last beat, its energy, peak
-that waits for a second one and its energy (0: none)."""
+__all__ = ["ENERGY_STATE", "EnergyDetector", "Filters", "find_beats"]
+
+ENERGY_STATE = np.dtype(
+    [
+        ("rhythm", RHYTHM),
+        ("signal_level", "f8"),  # energy of a beat
+        ("noise_level", "f8"),  # energy of a rejected peak
+        ("candidate_at", "f8"),  # sample of the candidate
+        ("candidate", "f8"),  # its energy; 0: none
+        ("squares", "f8"),  # running sum of squares
+        ("back_at", "f8"),  # sample of the best rejected candidate
+        ("back", "f8"),  # its energy
+        ("n", "f8"),  # samples seen
+        ("held", "f8"),  # last valid input
+        ("missing", "f8"),  # consecutive missing samples
+        ("learnt", "f8"),  # 1: the levels are learnt
+        ("kept", "f8"),  # candidates kept until then
+        ("low2", "f8"),  # mean second power of the lower band
+        ("low4", "f8"),  # ... fourth power
+        ("high2", "f8"),  # mean second power of the upper band
+        ("high4", "f8"),  # ... fourth power
+        ("upper", "f8"),  # share of the upper band in the filtered signal
+        ("begin", "f8"),  # sample at which the learning phase began
+        ("found", "f8"),  # beats found in the newest samples
+        ("same", "f8"),  # consecutive samples of one value
+        ("far", "f8"),  # peaks in succession that are far above a signal level that faded in noise
+        ("far_at", "f8"),  # sample of the last of them
+        ("pairs", "f8"),  # share of the beats that a second peak follows
+        ("paired", "f8"),  # 1: one followed the last beat
+        ("last_beat", "f8"),  # energy of the last beat
+        ("waiting_at", "f8"),  # sample of a peak that waits for a second one
+        ("waiting", "f8"),  # its energy; 0: none
+    ],
+    align=True,
+)
+"""State of the detector by energy."""
 
 _FLAT_S = 2.0
 """Time after which samples of one value are as good as missing [s]: a flat line is no heart at rest."""
@@ -149,14 +149,14 @@ class EnergyDetector(NamedTuple):
     """The detector by energy.
 
     Attributes:
-        state: See ECG_STATE.
+        state: See ENERGY_STATE, shape [1].
         ring: Ring buffer of band-passed samples, shape [m].
         kept: Candidates of the learning phase, shape [k, 2]: sample and energy.
         out: Beats found, shape [b, 3]: sample of the R peak, sample at which it is known, its energy over the noise.
         rate: Sampling rate [Hz].
     """
 
-    state: Floats
+    state: Table[EnergyStateRecord]
     ring: Floats
     kept: Floats
     out: Floats
@@ -177,114 +177,118 @@ def find_beats(x: Floats, filters: Filters, detector: EnergyDetector, wide: Floa
     Returns:
         Number of beats written.
     """
-    state, ring, rate = detector.state, detector.ring, detector.rate
+    state, ring, rate = detector.state[0], detector.ring, detector.rate
     sos, z = filters.sos, filters.z
     w, m = int(_TUNING.window_s * rate), ring.shape[0]
-    state[FOUND] = 0.0
+    state.found = 0.0
     for i in range(x.shape[0]):
         value = _next_value(x[i], filters, state, rate)
-        missing[i] = state[MISSING]
+        missing[i] = state.missing
         wide[i] = run_sections(value, sos[2], z[2])
         value = _blend(run_sections(value, sos[0], z[0]), run_sections(value, sos[1], z[1]), state, rate)
-        n = int(state[N])
+        n = int(state.n)
         old = ring[(n - w) % m]
-        state[SUM] = max(state[SUM] + value * value - old * old, 0.0)
+        state.squares = max(state.squares + value * value - old * old, 0.0)
         ring[n % m] = value
-        state[N] += 1.0
+        state.n += 1.0
         if n >= w:
-            delay = filters.delays[0] + state[UPPER] * (filters.delays[1] - filters.delays[0])
-            _follow(n, np.sqrt(state[SUM] / w), delay, detector)
-    return int(state[FOUND])
+            delay = filters.delays[0] + state.upper * (filters.delays[1] - filters.delays[0])
+            _follow(n, np.sqrt(state.squares / w), delay, detector)
+    return int(state.found)
 
 
 @kernel
-def _next_value(value: float, filters: Filters, state: Floats, rate: float) -> float:
+def _next_value(value: float, filters: Filters, state: EnergyStateRecord, rate: float) -> float:
     """Return the sample, or the last valid one where it is missing; after a gap filters and rhythm begin anew."""
-    state[SAME] = state[SAME] + 1.0 if value == state[HELD] else 0.0
-    if np.isnan(value) or state[SAME] > _FLAT_S * rate:
-        state[MISSING] += 1.0
-        return state[HELD]
-    gap = state[MISSING]
-    if gap > 0.5 * rate or gap == state[N]:
+    state.same = state.same + 1.0 if value == state.held else 0.0
+    if np.isnan(value) or state.same > _FLAT_S * rate:
+        state.missing += 1.0
+        return state.held
+    gap = state.missing
+    if gap > 0.5 * rate or gap == state.n:
         for band in range(filters.sos.shape[0]):
             settle_sections(value, filters.sos[band], filters.z[band])
-        if state[LEARNT] == 0.0 or gap > _FORGET_S * rate:
-            state[LAST], state[BEGIN], state[KEPT], state[LEARNT] = -1.0, state[N], 0.0, 0.0
-            state[SPK], state[NPK], state[RR], state[BACK_V] = 0.0, 0.0, 0.0, 0.0
+        if state.learnt == 0.0 or gap > _FORGET_S * rate:
+            state.rhythm.last, state.begin, state.kept, state.learnt = -1.0, state.n, 0.0, 0.0
+            state.signal_level, state.noise_level, state.rhythm.rr, state.back = 0.0, 0.0, 0.0, 0.0
         else:
-            state[LAST] = state[N]
-    state[MISSING], state[HELD] = 0.0, value
+            state.rhythm.last = state.n
+    state.missing, state.held = 0.0, value
     return value
 
 
 @kernel
-def _blend(low: float, high: float, state: Floats, rate: float) -> float:
+def _blend(low: float, high: float, state: EnergyStateRecord, rate: float) -> float:
     """Return the filtered signal: a crossfade from the lower band to the upper one where beats stand out only there.
 
     Beats are rare and high, noise is not: the measure is the kurtosis, the mean fourth power over the squared second.
     """
     weight = 1.0 / (_TUNING.power_s * rate)
-    for power, value in ((LOW2, low), (HIGH2, high)):
-        square = value * value
-        state[power] += weight * (square - state[power])
-        state[power + 1] += weight * (square * square - state[power + 1])
-    below = state[LOW4] / max(state[LOW2] * state[LOW2], _TINY * _TINY)
-    above = state[HIGH4] / max(state[HIGH2] * state[HIGH2], _TINY * _TINY)
+    square = low * low
+    state.low2 += weight * (square - state.low2)
+    state.low4 += weight * (square * square - state.low4)
+    square = high * high
+    state.high2 += weight * (square - state.high2)
+    state.high4 += weight * (square * square - state.high4)
+    below = state.low4 / max(state.low2 * state.low2, _TINY * _TINY)
+    above = state.high4 / max(state.high2 * state.high2, _TINY * _TINY)
     share = min(max((_TUNING.peaky - below) / (_TUNING.peaky - _TUNING.flat), 0.0), 1.0)
     share *= min(max((above / max(below, _TINY) - _TUNING.better) / (_TUNING.best - _TUNING.better), 0.0), 1.0)
-    if state[N] - state[BEGIN] < _TUNING.learn_s * rate:
+    if state.n - state.begin < _TUNING.learn_s * rate:
         share = 0.0
-    state[UPPER] += (share - state[UPPER]) / (_TUNING.crossfade_s * rate)
-    gain = min(np.sqrt(state[LOW2] / max(state[HIGH2], _TINY * _TINY)), _MOST_GAIN)
-    return low + state[UPPER] * (gain * high - low)
+    state.upper += (share - state.upper) / (_TUNING.crossfade_s * rate)
+    gain = min(np.sqrt(state.low2 / max(state.high2, _TINY * _TINY)), _MOST_GAIN)
+    return low + state.upper * (gain * high - low)
 
 
 @kernel
 def _follow(n: int, energy: float, delay: float, detector: EnergyDetector) -> None:
     """Track the energy to its next peak and classify it."""
-    state, rate = detector.state, detector.rate
+    state, rate = detector.state[0], detector.rate
     learn = _TUNING.learn_s * rate
-    if energy > max(state[CAND_V], _STILL):
-        state[CAND_V], state[CAND_T] = energy, n
-    elif state[CAND_V] > 0.0 and (energy < _TUNING.falls * state[CAND_V] or n - state[CAND_T] > _TUNING.hold_s * rate):
-        t, v = int(state[CAND_T]), state[CAND_V]
-        state[CAND_V] = 0.0
-        if n - state[BEGIN] < learn:
+    if energy > max(state.candidate, _STILL):
+        state.candidate, state.candidate_at = energy, n
+    elif state.candidate > 0.0 and (
+        energy < _TUNING.falls * state.candidate or n - state.candidate_at > _TUNING.hold_s * rate
+    ):
+        t, v = int(state.candidate_at), state.candidate
+        state.candidate = 0.0
+        if n - state.begin < learn:
             _keep(t, v, state, detector.kept)
         else:
             _judge(t, v, n, delay, detector)
     _end_wait(n, delay, detector)
-    if n - state[BEGIN] >= learn and state[LEARNT] == 0.0:
+    if n - state.begin >= learn and state.learnt == 0.0:
         _learn(n, delay, detector)
-    if state[RR] > 0.0 and state[BACK_V] > 0.0 and n - state[LAST] > _TUNING.late * state[RR]:
-        threshold = state[NPK] + _TUNING.back * (state[SPK] - state[NPK])
-        if state[BACK_V] > threshold:
-            _accept(int(state[BACK_T]), state[BACK_V], n, delay, detector)
-        state[BACK_V] = 0.0
-    quiet = n - max(state[LAST], state[BEGIN] + learn) > 2.0 * rate
-    if quiet and state[MISSING] == 0.0:  # no beat for so long: the amplitude has dropped
-        state[SPK] *= 1.0 - _TUNING.fade_per_s / rate
+    if state.rhythm.rr > 0.0 and state.back > 0.0 and n - state.rhythm.last > _TUNING.late * state.rhythm.rr:
+        threshold = state.noise_level + _TUNING.back * (state.signal_level - state.noise_level)
+        if state.back > threshold:
+            _accept(int(state.back_at), state.back, n, delay, detector)
+        state.back = 0.0
+    quiet = n - max(state.rhythm.last, state.begin + learn) > 2.0 * rate
+    if quiet and state.missing == 0.0:  # no beat for so long: the amplitude has dropped
+        state.signal_level *= 1.0 - _TUNING.fade_per_s / rate
 
 
 @kernel
-def _keep(t: int, v: float, state: Floats, kept: Floats) -> None:
-    k = int(state[KEPT])
+def _keep(t: int, v: float, state: EnergyStateRecord, kept: Floats) -> None:
+    k = int(state.kept)
     if k < kept.shape[0]:
         kept[k, 0], kept[k, 1] = t, v
-        state[KEPT] += 1.0
+        state.kept += 1.0
 
 
 @kernel
 def _learn(n: int, delay: float, detector: EnergyDetector) -> None:
     """Set both levels from the candidates of the learning phase and classify these again; a flat line restarts it."""
-    state, kept = detector.state, detector.kept
-    k = int(state[KEPT])
+    state, kept = detector.state[0], detector.kept
+    k = int(state.kept)
     if k == 0:
-        state[BEGIN] = n
+        state.begin = n
         return
-    state[LEARNT] = 1.0
+    state.learnt = 1.0
     sizes = np.sort(kept[:k, 1])
-    state[SPK], state[NPK] = _TUNING.first * sizes[max(k - 2, 0)], 0.5 * sizes[k // 2]
+    state.signal_level, state.noise_level = _TUNING.first * sizes[max(k - 2, 0)], 0.5 * sizes[k // 2]
     for j in range(k):
         _judge(int(kept[j, 0]), kept[j, 1], n, delay, detector)
 
@@ -292,30 +296,30 @@ def _learn(n: int, delay: float, detector: EnergyDetector) -> None:
 @kernel
 def _judge(t: int, v: float, n: int, delay: float, detector: EnergyDetector) -> None:
     """Classify a peak of the energy as a beat or as noise."""
-    state, rate = detector.state, detector.rate
-    if state[HELD_V] > 0.0:
-        if _is_second(t - state[HELD_T], v, state[HELD_V], rate):
+    state, rate = detector.state[0], detector.rate
+    if state.waiting > 0.0:
+        if _is_second(t - state.waiting_at, v, state.waiting, rate):
             _note_pair(1.0, state)
-            state[HELD_V] = 0.0
+            state.waiting = 0.0
             _accept(t, v, n, delay, detector)
         return
-    since = t - state[LAST] if state[LAST] >= 0.0 else _NEVER * rate
-    if state[PAIRED] == 0.0 and _is_second(since, v, state[LAST_V], rate):
-        state[PAIRED] = 1.0
+    since = t - state.rhythm.last if state.rhythm.last >= 0.0 else _NEVER * rate
+    if state.paired == 0.0 and _is_second(since, v, state.last_beat, rate):
+        state.paired = 1.0
         _note_pair(1.0, state)
     if since < _TUNING.refractory_s * rate:
         return
-    expected = state[RR] if state[RR] > 0.0 else USUAL_RR * rate
+    expected = state.rhythm.rr if state.rhythm.rr > 0.0 else USUAL_RR * rate
     share = min(since / expected, 2.0)
     factor = _TUNING.due + (_TUNING.after - _TUNING.due) * max(1.0 - share / _TUNING.decay, 0.0)
-    factor = max(factor + _rhythm(off_beat(t, share, state), state), _LEAST_FACTOR)
-    if v > state[NPK] + factor * (state[SPK] - state[NPK]):
+    factor = max(factor + _rhythm(off_beat(t, share, state.rhythm), state), _LEAST_FACTOR)
+    if v > state.noise_level + factor * (state.signal_level - state.noise_level):
         _rise_from_noise(t, v, state, rate)
         _accept_or_wait(t, v, n, delay, detector)
         return
-    state[NPK] += _TUNING.noise_weight * (min(v, _NOISE_CAP * state[SPK]) - state[NPK])
-    if v > state[BACK_V] and since > T_WAVE * rate:
-        state[BACK_V], state[BACK_T] = v, t
+    state.noise_level += _TUNING.noise_weight * (min(v, _NOISE_CAP * state.signal_level) - state.noise_level)
+    if v > state.back and since > T_WAVE * rate:
+        state.back, state.back_at = v, t
 
 
 @kernel
@@ -325,56 +329,56 @@ def _is_second(since: float, v: float, first: float, rate: float) -> bool:
 
 
 @kernel
-def _note_pair(share: float, state: Floats) -> None:
-    state[PAIRS] += _PAIR_FOLLOW * (share - state[PAIRS])
+def _note_pair(share: float, state: EnergyStateRecord) -> None:
+    state.pairs += _PAIR_FOLLOW * (share - state.pairs)
 
 
 @kernel
 def _accept_or_wait(t: int, v: float, n: int, delay: float, detector: EnergyDetector) -> None:
     """Take a peak as a beat, or wait for the second one where most beats are pairs."""
-    state = detector.state
-    if state[PAIRED] == 0.0:
+    state = detector.state[0]
+    if state.paired == 0.0:
         _note_pair(0.0, state)
-    if state[PAIRS] > _MOSTLY_PAIRS:
-        state[HELD_T], state[HELD_V] = t, v
+    if state.pairs > _MOSTLY_PAIRS:
+        state.waiting_at, state.waiting = t, v
         return
     _accept(t, v, n, delay, detector)
-    state[PAIRED], state[LAST_V] = 0.0, v
+    state.paired, state.last_beat = 0.0, v
 
 
 @kernel
 def _end_wait(n: int, delay: float, detector: EnergyDetector) -> None:
     """Take the peak that waits as the beat when no second one came."""
-    state = detector.state
-    if state[HELD_V] > 0.0 and n - state[HELD_T] > (_TUNING.refractory_s + _TUNING.hold_s) * detector.rate:
+    state = detector.state[0]
+    if state.waiting > 0.0 and n - state.waiting_at > (_TUNING.refractory_s + _TUNING.hold_s) * detector.rate:
         _note_pair(0.0, state)
-        v, state[HELD_V] = state[HELD_V], 0.0
-        _accept(int(state[HELD_T]), v, n, delay, detector)
+        v, state.waiting = state.waiting, 0.0
+        _accept(int(state.waiting_at), v, n, delay, detector)
 
 
 @kernel
-def _rise_from_noise(t: int, v: float, state: Floats, rate: float) -> None:
+def _rise_from_noise(t: int, v: float, state: EnergyStateRecord, rate: float) -> None:
     """Set the signal level anew where an electrode is back after noise in which it had faded to nothing."""
-    again = state[FAR] > 0.0 and t - state[FAR_T] < _FAR_S * rate
-    faded = again or state[SPK] < _FAR_UNCLEAR * state[NPK]
-    if not faded or v < _FAR * state[SPK]:
+    again = state.far > 0.0 and t - state.far_at < _FAR_S * rate
+    faded = again or state.signal_level < _FAR_UNCLEAR * state.noise_level
+    if not faded or v < _FAR * state.signal_level:
         return
-    state[FAR] = state[FAR] + 1.0 if again else 1.0
-    state[FAR_T] = t
-    if state[FAR] >= _FAR_COUNT:
-        state[SPK], state[FAR] = v, 0.0
+    state.far = state.far + 1.0 if again else 1.0
+    state.far_at = t
+    if state.far >= _FAR_COUNT:
+        state.signal_level, state.far = v, 0.0
 
 
 @kernel
-def _trust(state: Floats) -> float:
+def _trust(state: EnergyStateRecord) -> float:
     """Return the weight of the rhythm, 0 to 1: 0 where beats stand out clearly or the intervals are irregular."""
-    clear = state[SPK] / max(state[NPK], _TINY)
+    clear = state.signal_level / max(state.noise_level, _TINY)
     noisy = min(max((_TUNING.clear - clear) / (_TUNING.clear - _TUNING.unclear), 0.0), 1.0)
-    return noisy * steadiness(state, _TUNING.unsteady)
+    return noisy * steadiness(state.rhythm, _TUNING.unsteady)
 
 
 @kernel
-def _rhythm(off: float, state: Floats) -> float:
+def _rhythm(off: float, state: EnergyStateRecord) -> float:
     """Return what the threshold is raised by for a peak at an offset from the expected beat; negative in time."""
     return _trust(state) * _TUNING.range * (0.5 - np.exp(-((off / _TUNING.width) ** 2)))
 
@@ -382,15 +386,15 @@ def _rhythm(off: float, state: Floats) -> float:
 @kernel
 def _accept(t: int, v: float, n: int, delay: float, detector: EnergyDetector) -> None:
     """Write a beat and update the levels; its R peak is the largest deflection in the window of its energy."""
-    state, ring, out = detector.state, detector.ring, detector.out
+    state, ring, out = detector.state[0], detector.ring, detector.out
     m, best, at = ring.shape[0], -1.0, t
     for j in range(max(t - int(_TUNING.window_s * detector.rate), 0, n - m + 1), t + 1):
         if abs(ring[j % m]) > best:
             best, at = abs(ring[j % m]), j
-    add_beat(t, state, _trust(state), detector.rate)
-    state[SPK] += _TUNING.signal_weight * (min(v, _TUNING.most * state[SPK]) - state[SPK])
-    state[BACK_V] = 0.0
-    count = int(state[FOUND])
+    add_beat(t, state.rhythm, _trust(state), detector.rate)
+    state.signal_level += _TUNING.signal_weight * (min(v, _TUNING.most * state.signal_level) - state.signal_level)
+    state.back = 0.0
+    count = int(state.found)
     if count < out.shape[0]:
-        out[count, 0], out[count, 1], out[count, 2] = at - delay, n, v / max(state[NPK], _TINY)
-        state[FOUND] += 1.0
+        out[count, 0], out[count, 1], out[count, 2] = at - delay, n, v / max(state.noise_level, _TINY)
+        state.found += 1.0

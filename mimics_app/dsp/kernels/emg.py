@@ -2,18 +2,35 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.dsp.kernels.sections import Floats, run_sections
 
+if TYPE_CHECKING:
+    from mimics_app.dsp.record_types import EmgStateRecord
+
 __all__ = ["EMG_STATE", "find_onsets"]
 
-N, SUM, BASE, SPREAD, ABOVE, ACTIVE, BELOW, HELD, SINCE, TOTAL, LEARNT = range(11)
-EMG_STATE = 11
-"""Samples seen, running sum of squares, mean and spread of the envelope at rest, consecutive samples above the
-threshold, whether active, consecutive samples below, last valid input, sample at which the envelope rose, sum of the
-envelope (integrated EMG), samples of signal from which the baseline was learnt."""
+EMG_STATE = np.dtype(
+    [
+        ("n", "f8"),  # samples seen
+        ("squares", "f8"),  # running sum of squares
+        ("base", "f8"),  # mean of the envelope at rest
+        ("spread", "f8"),  # its mean deviation
+        ("above", "f8"),  # consecutive samples above the threshold
+        ("active", "f8"),  # 1: the muscle is active
+        ("below", "f8"),  # consecutive samples below the threshold
+        ("held", "f8"),  # last valid input
+        ("since", "f8"),  # sample at which the envelope rose
+        ("total", "f8"),  # sum of the envelope (integrated EMG)
+        ("learnt", "f8"),  # samples of signal from which the baseline was learnt
+    ],
+    align=True,
+)
+"""State of the muscle."""
 
 _WINDOW, _ONSET, _SETTLES, _RELEASE, _LEARN = 0.05, 0.025, 0.2, 0.1, 1.0
 """Window of the envelope; time above the threshold before an onset counts; settling time of the filter at the start;
@@ -34,7 +51,7 @@ _STILL = 1e-9
 
 @kernel
 def find_onsets(
-    x: Floats, sos: Floats, z: Floats, state: Floats, ring: Floats, rate: float, out: Floats, envelope: Floats
+    x: Floats, sos: Floats, z: Floats, state: EmgStateRecord, ring: Floats, rate: float, out: Floats, envelope: Floats
 ) -> int:
     """Compute the envelope and write the onsets found.
 
@@ -56,23 +73,23 @@ def find_onsets(
     w, m, count = max(int(_WINDOW * rate), 2), ring.shape[0], 0
     for i in range(x.shape[0]):
         if not np.isnan(x[i]):
-            state[HELD] = x[i]
-        value = run_sections(state[HELD], sos, z)
-        n = int(state[N])
+            state.held = x[i]
+        value = run_sections(state.held, sos, z)
+        n = int(state.n)
         old = ring[(n - w) % m]
         ring[n % m] = value
-        state[SUM] = max(state[SUM] + value * value - old * old, 0.0)
+        state.squares = max(state.squares + value * value - old * old, 0.0)
         if n % w == 0:
-            state[SUM] = _sum_of_squares(n, w, ring)
-        state[N] += 1.0
-        rms = np.sqrt(state[SUM] / w)
+            state.squares = _sum_of_squares(n, w, ring)
+        state.n += 1.0
+        rms = np.sqrt(state.squares / w)
         envelope[i] = rms
-        state[TOTAL] += rms / rate
+        state.total += rms / rate
         signal = rms > _STILL and not np.isnan(x[i])
-        if state[LEARNT] < _LEARN * rate:
+        if state.learnt < _LEARN * rate:
             _learn(rms, signal, state, rate)
         elif _begins(rms, signal, n, state, rate) and count < out.shape[0]:
-            out[count, 0], out[count, 1], out[count, 2] = state[SINCE] - _LAG * w, n, rms
+            out[count, 0], out[count, 1], out[count, 2] = state.since - _LAG * w, n, rms
             count += 1
     return count
 
@@ -88,38 +105,38 @@ def _sum_of_squares(n: int, w: int, ring: Floats) -> float:
 
 
 @kernel
-def _begins(rms: float, signal: bool, n: int, state: Floats, rate: float) -> bool:
+def _begins(rms: float, signal: bool, n: int, state: EmgStateRecord, rate: float) -> bool:
     """Follow activity; return whether it begins: the envelope was above the threshold for long enough."""
-    if rms > state[BASE] + _SPREADS * state[SPREAD] + _RISE * state[BASE]:
-        state[BELOW] = 0.0
-        if state[ABOVE] == 0.0:
-            state[SINCE] = n
-        state[ABOVE] += 1.0
-        if state[ACTIVE] == 0.0 and state[ABOVE] >= _ONSET * rate:
-            state[ACTIVE] = 1.0
+    if rms > state.base + _SPREADS * state.spread + _RISE * state.base:
+        state.below = 0.0
+        if state.above == 0.0:
+            state.since = n
+        state.above += 1.0
+        if state.active == 0.0 and state.above >= _ONSET * rate:
+            state.active = 1.0
             return True
         return False
-    state[ABOVE] = 0.0
-    state[BELOW] += 1.0
-    if state[BELOW] > _RELEASE * rate:
-        state[ACTIVE] = 0.0
+    state.above = 0.0
+    state.below += 1.0
+    if state.below > _RELEASE * rate:
+        state.active = 0.0
         if signal:
             _adapt(rms, _FOLLOW / rate, state)
     return False
 
 
 @kernel
-def _learn(rms: float, signal: bool, state: Floats, rate: float) -> None:
+def _learn(rms: float, signal: bool, state: EmgStateRecord, rate: float) -> None:
     """Let the first baseline be the mean of the envelope, once the filter has settled."""
     if signal:
-        settled = state[LEARNT] - _SETTLES * rate
-        state[LEARNT] += 1.0
+        settled = state.learnt - _SETTLES * rate
+        state.learnt += 1.0
         if settled >= 0.0:
             _adapt(rms, 1.0 / (settled + 1.0), state)
 
 
 @kernel
-def _adapt(rms: float, share: float, state: Floats) -> None:
+def _adapt(rms: float, share: float, state: EmgStateRecord) -> None:
     """Move the baseline and its spread to the envelope by a share of the difference."""
-    state[BASE] += share * (rms - state[BASE])
-    state[SPREAD] += share * (abs(rms - state[BASE]) - state[SPREAD])
+    state.base += share * (rms - state.base)
+    state.spread += share * (abs(rms - state.base) - state.spread)

@@ -6,19 +6,27 @@ the heart's pacemaker is one that noise does not reset: beats near an expected o
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from mimics_app.compiled.kernel import kernel
-from mimics_app.dsp.kernels.sections import Floats
 
-__all__ = ["LAST", "PHASE", "RHYTHM", "RR", "T_WAVE", "UNSTEADY", "USUAL_RR", "add_beat", "off_beat", "steadiness"]
+if TYPE_CHECKING:
+    from mimics_app.dsp.record_types import RhythmRecord
 
-LAST, RR, PHASE, UNSTEADY = range(4)
-RHYTHM = 4
-"""Length of the state, with which a detector's state begins: sample of the last beat (-1: none yet), mean interval (0:
-unknown), sample of the oscillator's last beat, mean relative deviation of the intervals."""
+__all__ = ["RHYTHM", "T_WAVE", "USUAL_RR", "add_beat", "off_beat", "steadiness"]
+
+RHYTHM = np.dtype(
+    [
+        ("last", "f8"),  # sample of the last beat; -1: none yet
+        ("rr", "f8"),  # mean interval [samples]; 0: unknown
+        ("phase", "f8"),  # sample of the oscillator's last beat
+        ("unsteady", "f8"),  # mean relative deviation of the intervals
+    ],
+    align=True,
+)
+"""State of the rhythm, which a detector's state contains."""
 
 T_WAVE = 0.36
 """A peak within this time of a beat [s] is its T wave, not a missed beat (Pan & Tompkins)."""
@@ -55,56 +63,56 @@ _TUNING = _Tuning()
 
 
 @kernel
-def off_beat(t: float, share: float, state: Floats) -> float:
+def off_beat(t: float, share: float, state: RhythmRecord) -> float:
     """Return the offset of a sample from the nearest expected beat, as a share of the mean interval.
 
     `share` is the time since the last beat as a share of the expected interval; it decides while no interval is known.
     """
-    if state[RR] == 0.0:
+    if state.rr == 0.0:
         return share - 1.0
-    since = (t - state[PHASE]) / state[RR]
+    since = (t - state.phase) / state.rr
     return since - max(np.floor(since + 0.5), 1.0)
 
 
 @kernel
-def steadiness(state: Floats, limit: float) -> float:
+def steadiness(state: RhythmRecord, limit: float) -> float:
     """Return how regular the intervals are, from 0 at a mean relative deviation of `limit` and more to 1."""
-    return max(1.0 - state[UNSTEADY] / limit, 0.0)
+    return max(1.0 - state.unsteady / limit, 0.0)
 
 
 @kernel
-def add_beat(t: int, state: Floats, trust: float, rate: float) -> None:
+def add_beat(t: int, state: RhythmRecord, trust: float, rate: float) -> None:
     """Update the rhythm by a beat at sample `t`; from a `trust` of `_TUNING.trusted` on the oscillator runs on."""
-    if state[RR] > 0.0 and trust > _TUNING.trusted:
+    if state.rr > 0.0 and trust > _TUNING.trusted:
         _entrain(t, state)
     else:
-        state[PHASE] = t
-        if state[LAST] >= 0.0:
-            _measure(t - state[LAST], state, rate)
-    state[LAST] = t
+        state.phase = t
+        if state.last >= 0.0:
+            _measure(t - state.last, state, rate)
+    state.last = t
 
 
 @kernel
-def _measure(rr: float, state: Floats, rate: float) -> None:
+def _measure(rr: float, state: RhythmRecord, rate: float) -> None:
     """Update the mean interval and its deviation by an interval [samples]."""
-    if state[RR] == 0.0:
-        state[RR] = min(rr, _LONGEST_RR * rate)
+    if state.rr == 0.0:
+        state.rr = min(rr, _LONGEST_RR * rate)
         return
-    state[UNSTEADY] += _FOLLOW * (min(abs(rr / state[RR] - 1.0), _MOST_UNSTEADY) - state[UNSTEADY])
-    if _FASTEST_RR * rate < rr < _MISSED_RR * state[RR]:
-        state[RR] += _TUNING.weight * (rr - state[RR])
+    state.unsteady += _FOLLOW * (min(abs(rr / state.rr - 1.0), _MOST_UNSTEADY) - state.unsteady)
+    if _FASTEST_RR * rate < rr < _MISSED_RR * state.rr:
+        state.rr += _TUNING.weight * (rr - state.rr)
     else:
-        state[RR] += _DOUBTFUL_SHARE * (min(rr, _DOUBTFUL_RR * rate) - state[RR])
+        state.rr += _DOUBTFUL_SHARE * (min(rr, _DOUBTFUL_RR * rate) - state.rr)
 
 
 @kernel
-def _entrain(t: int, state: Floats) -> None:
+def _entrain(t: int, state: RhythmRecord) -> None:
     """Adjust the oscillator to a beat near an expected one; any other beat only counts as irregular."""
     off = off_beat(t, 1.0, state)
     if abs(off) < _TUNING.near:
-        near = max(np.floor((t - state[PHASE]) / state[RR] + 0.5), 1.0)
-        state[PHASE] = t - (1.0 - _TUNING.pull) * off * state[RR]
-        state[RR] *= 1.0 + _TUNING.weight * off / near
-        state[UNSTEADY] += _FOLLOW * (min(abs(off), _MOST_UNSTEADY) - state[UNSTEADY])
+        near = max(np.floor((t - state.phase) / state.rr + 0.5), 1.0)
+        state.phase = t - (1.0 - _TUNING.pull) * off * state.rr
+        state.rr *= 1.0 + _TUNING.weight * off / near
+        state.unsteady += _FOLLOW * (min(abs(off), _MOST_UNSTEADY) - state.unsteady)
         return
-    state[UNSTEADY] += _TUNING.doubt * (_MOST_UNSTEADY - state[UNSTEADY])
+    state.unsteady += _TUNING.doubt * (_MOST_UNSTEADY - state.unsteady)
