@@ -10,7 +10,7 @@ from mimics_app.learning.policy import LEVELS, REWARDS, TARGET, Choice, Outcome
 __all__ = ["LinUcb", "Thompson"]
 
 _CENTRES = np.linspace(0.0, 1.0, 9)
-"""Centres of the radial basis functions over the demand."""
+"""Centres of the radial basis functions over the demand, nearer than their width: no demand lies between them."""
 _WIDTH = 0.16
 """Width of a radial basis function [demand]: rewards farther apart are nearly independent."""
 _FEATURES = len(_CENTRES) + 1
@@ -18,6 +18,14 @@ _NOISE = 0.3
 """Standard deviation of a reward; the prior variance of each weight is 1."""
 _HOME = 0.35
 """Scale of the quadratic prior: distance from the first demand at which the expected reward is 1 lower [demand]."""
+
+
+_FIRST = 0.3
+"""Prior mean reward of the first demand: below what a good one earns, so that a found one is kept."""
+_LOAD = 0.3
+"""Success that full over-challenge by the body outweighs; it is noisier than success is."""
+_STEP, _ASKED = 0.2, 4.0
+"""Distance at which a step is a whole one [demand], and slope of what asks for it: success beyond the target by 1/4."""
 
 
 class _LinearBandit:
@@ -44,18 +52,18 @@ class _LinearBandit:
         left = outcome.reward - self._prior(outcome.demand[:, None])[:, 0]
         self._sums += row * np.where(known, left, 0.0)[:, None] / _NOISE**2
         self._place = np.where(np.isfinite(outcome.demand), outcome.demand, self._place)
-        load = 0.3 * np.nan_to_num(outcome.load)
+        load = _LOAD * np.nan_to_num(outcome.load)
         self._asked = np.nan_to_num(outcome.performance - TARGET) - load
 
     def _features(self, demand: F8) -> F8:
         """Return the features of demands [n, levels], shape [n, levels, f]."""
         bumps = np.exp(-0.5 * ((demand[:, :, None] - _CENTRES) / _WIDTH) ** 2)
-        step = np.tanh((demand - self._place[:, None]) / 0.2) * np.tanh(4.0 * self._asked)[:, None]
+        step = np.tanh((demand - self._place[:, None]) / _STEP) * np.tanh(_ASKED * self._asked)[:, None]
         return np.concatenate([bumps, step[:, :, None]], axis=2)
 
     def _prior(self, demand: F8) -> F8:
         """Return the prior mean reward of demands [n, levels]."""
-        return 0.3 - (demand - self._home[:, None]) ** 2 / _HOME**2
+        return _FIRST - (demand - self._home[:, None]) ** 2 / _HOME**2
 
     def _model(self) -> tuple[F8, F8, F8]:
         """Return features of all levels [n, levels, f], mean rewards [n, levels], weight covariance [n, f, f]."""
@@ -70,7 +78,7 @@ class LinUcb(_LinearBandit):
     """LinUCB: the level with the largest upper confidence bound of the reward (Li et al., WWW 2010).
 
     Args:
-        width: Confidence bound in standard deviations above the mean.
+        width: Confidence bound in standard deviations above the mean; tens of trials leave no time for more.
     """
 
     def __init__(self, width: float = 0.3) -> None:
@@ -88,8 +96,8 @@ class Thompson(_LinearBandit):
     """Thompson sampling: the best level of a model drawn from the posterior; propensity from further draws.
 
     Args:
-        draws: Number of draws for the propensity.
-        width: Factor on the standard deviation of the posterior.
+        draws: Number of draws for the propensity, which is then known to 6 % at most.
+        width: Factor on the standard deviation of the posterior; below 1 less is tried, as with `LinUcb`.
     """
 
     def __init__(self, draws: int = 64, width: float = 0.3) -> None:
