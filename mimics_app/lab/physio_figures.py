@@ -10,13 +10,13 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import process_seconds
+from mimics_app.estimation.load_people import shipped_people
 from mimics_app.lab.figure import Figure, write_figure
 from mimics_app.lab.panel import Label, Panel
 from mimics_app.lab.physio.cohort import play_cohort
 from mimics_app.lab.physio.detection import Annotated, annotated_records, detect, f1_of, matched, mixed_noise
-from mimics_app.lab.physio.load_sessions import draw_load_people
-from mimics_app.lab.physio.loop_study import SEEDS
-from mimics_app.lab.physio.state_study import StateScore, state_study
+from mimics_app.lab.physio.load_sessions import SHIPPED_GAP, draw_load_people
+from mimics_app.lab.physio.state_study import state_study
 from mimics_app.lab.physio_drawing import physio_figure, row_of
 from mimics_app.lab.physio_latency_figure import beat_latency
 from mimics_app.lab.physio_loop_figure import loop_regret
@@ -31,10 +31,10 @@ __all__ = ["FIGURES", "detectors", "draw_figures"]
 Detector = Callable[[F8, float], F8]
 
 _SHOWN = ("random", "staircase", "proportional", "kalman", "thompson", "q")
-_GAPS = (0.08, 0.11, 0.15, 0.22)
+_GAPS = (0.08, SHIPPED_GAP, 0.22)
 """Deviation of the demand from the best one in a trial that is too easy or too hard."""
 _EACH = 4
-"""Number of people of each family and seed."""
+"""Number of people of each kind; where the shipped ones were asked the same, these."""
 _RIVALS = ("adaptive", "adaptive, not asked", "fixed", "fusion", "success alone", "threshold per person", "majority")
 _MINUTES = 5.0
 """Length of a record for the detectors [min]."""
@@ -58,22 +58,23 @@ def _load_accuracy() -> Figure:
     rows: list[dict[str, Any]] = []
     lines: dict[str, list[tuple[float, float]]] = {name: [] for name in _RIVALS}
     for gap in _GAPS:
-        groups = [state_study(draw_load_people(_EACH, gap, seed)) for seed in SEEDS]
+        people = shipped_people() if gap == SHIPPED_GAP else draw_load_people(_EACH, gap)
+        scores = state_study(people)
         for k, name in enumerate(_RIVALS):
-            score, x = StateScore(np.concatenate([group[name].hits for group in groups])), gap + 0.0006 * (k - 3)
+            score, x = scores[name], gap + 0.0006 * (k - 3)
             low, high = score.share - score.half_width, min(score.share + score.half_width, 1.0)
             panel.line([(x, low), (x, high)], f"line s{k}")
             panel.dot(x, score.share, f"dot s{k}", f"{name}, {gap:g}: {score.share:.3f}")
             lines[name].append((x, score.share))
-            more = {"half_width": score.half_width, "by_seed": [1.0 - group[name].share for group in groups]}
+            more = {"half_width": score.half_width, "people": len(score.hits)}
             rows.append(row_of(name, gap, 1.0 - score.share) | more)
     for k, name in enumerate(_RIVALS):
         panel.line(lines[name], f"line s{k}", name)
     entries = [("line", f"line s{k}", name) for k, name in enumerate(_RIVALS)]
     parts = [legend(20.0, 52.0, entries), panel.svg()]
-    what = f"{5 * _EACH * len(SEEDS)} people, estimated by what was trained on the four other families; bars: 95 %"
+    what = f"20 people, 40 at {SHIPPED_GAP:g}, estimated by what was trained on the four other kinds; bars: 95 %"
     return physio_figure(
-        "physio load accuracy", "Load of unseen families by difficulty", (880.0, 530.0), parts, rows, what
+        "physio load accuracy", "Load of unseen kinds of people by difficulty", (880.0, 530.0), parts, rows, what
     )
 
 

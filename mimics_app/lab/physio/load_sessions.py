@@ -19,8 +19,11 @@ from mimics_app.inputs.physio.simulated.kinds import KINDS, Kind
 from mimics_app.lab.physio.simulated_task import POWER_W, REST_S, TRIAL_S, SignalSession, Success, draw_slope
 from mimics_app.learning.policy import logit
 
-__all__ = ["draw_load_people", "write_shipped_people"]
+__all__ = ["SHIPPED_GAP", "draw_load_people", "write_shipped_people"]
 
+
+SHIPPED_GAP = 0.15
+"""Deviation of the demand in a wrong trial of the shipped people: a fixed discriminant is right in nine of ten."""
 
 _ROUNDS = 4
 """Number of rounds of three trials."""
@@ -53,7 +56,7 @@ def write_shipped_people(path: Path) -> None:
     Raises:
         OSError: The file cannot be written.
     """
-    each, gap, seed = 8, 0.15, 1
+    each, gap, seed = 8, SHIPPED_GAP, 1
     what = f"simulated people, {each} of each kind, demand {gap:g} off in a wrong trial, seed {seed}"
     draw_load_people(each, gap, seed).write(path, f"{what}: mimics bench physio --people FILE")
 
