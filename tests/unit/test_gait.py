@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,8 @@ from mimics_app.world.content.motion.humanoid import find_humanoid
 from mimics_app.world.content.motion.reach import Chain
 from mimics_app.world.content.motion.reference_gait import NATURAL, SAMPLES, TILT, knee_by_speed
 from mimics_app.world.content.motion.rig import Rig
+from mimics_app.world.content.motion.skinned_body import SkinnedBody
+from mimics_app.world.content.motion.soles import outline_soles
 from mimics_app.world.files.scene.model_world import load_model_world
 from tests.support.person_maker import PLACES, REST_ARMS, resting, write_person
 
@@ -147,6 +150,64 @@ def test_a_knee_neither_snaps_nor_locks_at_any_speed(person: str, speed: float) 
     assert np.ptp(knee) > 40.0
     assert np.abs(np.diff(knee)).max() / seconds <= 550.0
     assert knee.min() >= 3.5 and missed.max() <= 1e-4
+
+
+SOLE = 0.06
+"""Height at rest below which a vertex of a foot may touch the ground [m]."""
+WALKERS = ("man_tom", "man_omar", "player_red", "player_white", "therapist", "twin_man", "twin_woman", "woman_anna")
+WALKERS += ("woman_mara",)
+
+
+def _bent_feet(rig: Rig, bodies: Iterable[SkinnedBody]) -> list[list]:
+    """For each foot and mesh the vertices of its sole: slots of the joints, inverse bind, weights and places."""
+    feet: list = [[], []]
+    rest = Chain(rig)
+    for body in bodies:
+        slots = [int(np.flatnonzero(rig.entities == joint)[0]) for joint in body.binding.joints]
+        for mesh in body.meshes.values():
+            weights = np.zeros((len(mesh.positions), len(slots)))
+            for k in range(mesh.weights.influences):
+                np.add.at(weights, (np.arange(len(weights)), mesh.weights.joints[:, k]), mesh.weights.weights[:, k])
+            for k, side in enumerate(("left", "right")):
+                own = [n for n, slot in enumerate(slots) if rig.names[slot] in (f"{side}Foot", f"{side}Toes")]
+                theirs = weights[:, own].sum(axis=1) > 0.5
+                used = np.flatnonzero(weights[theirs].any(axis=0))
+                part = ([slots[n] for n in used], body.binding.inverse_bind[used], weights[theirs][:, used])
+                places = mesh.positions[theirs].astype(float)
+                low = _carried(rest, *part, places)[:, 1] < SOLE
+                feet[k].append((*part[:2], part[2][low], places[low]))
+    return feet
+
+
+def _carried(chain: Chain, slots: list[int], bound: np.ndarray, weights: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Linear blend skinning in float64 (glTF 2.0, 3.7.3.3)."""
+    result = np.zeros((len(places), 3))
+    for n, slot in enumerate(slots):
+        axis, w = chain.turns[slot][:3], chain.turns[slot][3]
+        own = (places @ bound[n, :3, :3].T + bound[n, :3, 3]) * chain.scales[slot]
+        turn = 2.0 * np.cross(axis, own)
+        result += weights[:, n, None] * (own + w * turn + np.cross(axis, turn) + chain.places[slot])
+    return result
+
+
+@pytest.mark.parametrize("person", WALKERS)
+def test_the_soles_of_a_foot_that_stands_are_on_the_ground(person: str) -> None:
+    """The lowest vertex of a foot: within 0.1 mm of the ground while it stands, never below it (was: up to 7 mm)."""
+    motion = load_model_world(PEOPLE / f"{person}.glb").motion
+    rig = next(iter(motion.animators.values())).rig
+    bones, feet = find_humanoid(rig), _bent_feet(rig, motion.bodies.values())
+    soles, chain = outline_soles(rig, bones, motion.bodies.values()), Chain(rig)
+    for speed in (0.3, 0.8, 1.4):
+        pace = Pace(speed, natural_step(speed))
+        walk = Walk(rig, bones, lambda pace=pace: pace, soles=soles)
+        for _ in range(30):
+            pose = rig.rest.copy()
+            walk(pose, 1.0 / (30.0 * pace.cadence))
+            chain.follow(pose)
+            for foot, contact in zip(feet, walk.gait.contacts, strict=True):
+                low = min(float(_carried(chain, *part)[:, 1].min(initial=1.0)) for part in foot)
+                assert low >= -1e-4
+                assert low <= 1e-4 or np.isnan(contact[0])
 
 
 def test_arms_hang_whatever_the_model_rests_like(tmp_path: Path) -> None:

@@ -55,7 +55,7 @@ class AlleyFigure:
         self._yaw: float | None = None
         self.along, self.aside = -float(node.position[2]), float(node.position[0])
         self._speed, self._side_speed = 0.0, 0.0
-        add_walk(animator, self._pace, lambda: (self.aside, -self.along, self._yaw or 0.0))
+        add_walk(world.motion, animator, self._pace, lambda: (self.aside, -self.along, self._yaw or 0.0))
 
     def put(self, along: float, aside: float = 0.0) -> None:
         """Place the figure at a position [m, m]; call `face` next."""

@@ -30,7 +30,11 @@ class PathFigure:
         self._s = walker.start
         animator = below(node, world.motion.animators)
         add_walk(
-            animator, lambda: pace_at(self._speed), lambda: (self._x, self._z, self._yaw), lambda: path.ground(self._s)
+            world.motion,
+            animator,
+            lambda: pace_at(self._speed),
+            lambda: (self._x, self._z, self._yaw),
+            lambda: path.ground(self._s),
         )
         self.go(0.0, 0.0)
 

@@ -15,6 +15,7 @@ from mimics_app.world.graph.scene_node import SceneNode
 if TYPE_CHECKING:
     from mimics_app.world.content.motion.animator import Animator
     from mimics_app.world.content.motion.gait import Pace
+    from mimics_app.world.content.motion.motion import Motion
     from mimics_app.world.graph.camera import Camera
 
 __all__ = ["OWN_HEAD", "add_walk", "below", "follow_numbers", "pace_at", "see_past_head", "stand"]
@@ -74,6 +75,7 @@ def see_past_head(cameras: Iterable[Camera], person: SceneNode) -> None:
 
 
 def add_walk(
+    motion: Motion,
     animator: Animator | None,
     pace: Callable[[], Pace],
     ground: Callable[[], tuple[float, float, float]],
@@ -82,6 +84,7 @@ def add_walk(
     """Let the legs of a model walk with its node, each heel strike an event "step"; without a model nothing happens.
 
     Args:
+        motion: Motion of the model's world.
         animator: Animator of the model.
         pace: Returns speed and step length.
         ground: Returns the model's place and heading on the ground: x, z [m] and the angle about +y from +z [rad].
@@ -91,6 +94,7 @@ def add_walk(
         return
     from mimics_app.world.content.motion.gait import Walk
     from mimics_app.world.content.motion.humanoid import find_humanoid
+    from mimics_app.world.content.motion.soles import outline_soles
 
     bones = find_humanoid(animator.rig)
     if not bones.missing:
@@ -99,6 +103,7 @@ def add_walk(
             bones,
             pace,
             ground=ground,
+            soles=outline_soles(animator.rig, bones, motion.bodies.values()),
             events=lambda event: animator.events.append(replace(event, material=material())),
         )
         animator.steps.insert(0, walk)  # the head turns to a person after the trunk has

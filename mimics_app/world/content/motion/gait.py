@@ -121,6 +121,8 @@ class Walk:
         move: Called with the distance of each time step [m], to move the model's root.
         ground: Returns the model's pose on the ground, for foot lock while the model turns and changes its speed. None:
             stance feet move backwards at the pace.
+        soles: Outline of both feet (`outline_soles`), on which they stand and roll; None: heel, ball and tip of feet of
+            265 mm, flat on the ground at rest.
         events: Receives a "step" event at each heel strike.
 
     Attributes:
@@ -136,6 +138,7 @@ class Walk:
         angles: Callable[[float], F8] | None = None,
         move: Callable[[float], None] | None = None,
         ground: Ground | None = None,
+        soles: F8 | None = None,
         events: Callable[[ClipEvent], None] | None = None,
     ) -> None:
         self._rig, self._bones, self._pace, self._angles, self._move = rig, bones, pace, angles, move
@@ -151,6 +154,7 @@ class Walk:
         ]
         self._shape = self._leg_shape()
         self._leg = float(self._shape[4] + self._shape[5])
+        self._soles = _plain_soles(self._shape) if soles is None else soles
         self._holds = Footholds(ground) if ground is not None else None
         self._phase, self._sum, self._count = 0.0, 0.0, 0
         self._placed = np.zeros((2, 7))
@@ -210,7 +214,7 @@ class Walk:
         table = shape_gait(round(round_speed, 2), round(lively, 2))
         stance, stride = pace.stance, 2.0 * pace.step
         shape, placed = self._shape, self._placed
-        place_feet(self._phase, stance, stride, _touch(table, stance, stride, shape), shape, table, placed)
+        place_feet(self._phase, stance, stride, _touch(table, stance, stride, shape), shape, self._soles, table, placed)
         for k in range(2):
             ankle, hip = (self._rest.places[self._feet[k][j]] for j in (2, 0))
             x, z = ankle[0], hip[2] + placed[k, 0]
@@ -333,6 +337,12 @@ class Walk:
             knees[k] = hips[k] - lean
             ankles[k] = self._placed[k, 2] - lean
         return hips, knees, ankles
+
+
+def _plain_soles(shape: F8) -> F8:
+    """Return soles that are straight from the heel to the ball and from there to the tip of the toes."""
+    ankle, heel, ball, tip = (float(length) for length in shape[:4])
+    return np.array([[(0.0, -heel, -ankle), (1.0, ball, -ankle), (1.0, tip, -ankle)]] * 2)
 
 
 def _knee_at(table: F8, phase: float) -> float:

@@ -56,8 +56,22 @@ def _at(table: F8, phase: float, column: int) -> float:
 
 
 @kernel
-def _stand(phase: float, stance: float, stride: float, touch: float, shape: F8, table: F8, out: F8) -> None:
-    """Place a stance foot: heel, sole, ball or tip is fixed on the ground, the ankle rotates about it."""
+def _lowest(pitch: float, bend: float, shape: F8, sole: F8) -> float:
+    """Return the height of a sole's lowest point over the ankle at a pitch and a bend of the toes."""
+    s, c = math.sin(pitch), math.cos(pitch)
+    ahead, above = shape[2], shape[7] - shape[0]
+    toes_s, toes_c = math.sin(pitch + bend), math.cos(pitch + bend)
+    low = math.inf
+    for n in range(sole.shape[0]):
+        share, z, y = sole[n, 0], sole[n, 1], sole[n, 2]
+        front = ahead * s + above * c + (z - ahead) * toes_s + (y - above) * toes_c
+        low = min(low, (1.0 - share) * (z * s + y * c) + share * front)
+    return low
+
+
+@kernel
+def _stand(phase: float, stance: float, stride: float, touch: float, shape: F8, sole: F8, table: F8, out: F8) -> None:
+    """Place a stance foot: the ankle rotates about heel, ball or tip, and the lowest point of the sole is at 0."""
     base = touch - stride * phase
     pitch = _at(table, phase, 2)
     half = _HEEL_UNTIL * stance
@@ -71,15 +85,12 @@ def _stand(phase: float, stance: float, stride: float, touch: float, shape: F8, 
     over, ball = shape[0] - joint, base + pivot
     # Toes that bend no further lift with the foot, about their tip.
     lifted, toes = max(-pitch - shape[6], 0.0), shape[3] - shape[2]
-    ball, low = (
-        ball + toes * (1.0 - math.cos(lifted)) + joint * math.sin(lifted),
-        joint * math.cos(lifted) + toes * math.sin(lifted),
-    )
+    ball += toes * (1.0 - math.cos(lifted)) + joint * math.sin(lifted)
     out[0] = ball - pivot * math.cos(pitch) - over * math.sin(pitch)
-    out[1] = low - pivot * math.sin(pitch) + over * math.cos(pitch)
     out[2] = pitch
     out[3], out[4] = base + pivot, 1.0
     out[5] = min(max(-pitch, 0.0), shape[6])
+    out[1] = -_lowest(pitch, out[5], shape, sole)
 
 
 @kernel
@@ -96,7 +107,7 @@ def _hip_over(phase: float, shape: F8, table: F8, foot: F8) -> float:
 
 
 @kernel
-def _swing(phase: float, stance: float, ends: F8, hip: float, shape: F8, table: F8, out: F8) -> None:
+def _swing(phase: float, stance: float, ends: F8, hip: float, shape: F8, sole: F8, table: F8, out: F8) -> None:
     """Place a swing foot by the table's thigh and knee, blended between toe-off and heel strike."""
     x = (phase - stance) / (1.0 - stance)
     left, comes = 1.0 - _ease(2.0 * x), _ease(2.0 * x - 1.0)
@@ -107,10 +118,7 @@ def _swing(phase: float, stance: float, ends: F8, hip: float, shape: F8, table: 
     out[1] = up + left * ends[1] + comes * ends[3]
     out[2] = _at(table, phase, 2)
     out[5] = max(left * min(max(-ends[4], 0.0), shape[6]), min(shape[6], _TOES_UP) * math.sin(math.pi * x))
-    s, c = math.sin(out[2]), math.cos(out[2])
-    toes = shape[2] * s - (shape[0] - shape[7]) * c - shape[7] * math.cos(out[2] + out[5])
-    low = min(-shape[1] * s - shape[0] * c, toes, toes + (shape[3] - shape[2]) * math.sin(out[2] + out[5]))
-    least = _CLEARANCE * math.sin(math.pi * x) - low
+    least = _CLEARANCE * math.sin(math.pi * x) - _lowest(out[2], out[5], shape, sole)
     over = out[1] - least
     # Lifted smoothly where it would come nearer to the ground than that, to just that at either end.
     soft = _SOFT_LIFT * math.sin(math.pi * x)
@@ -119,7 +127,9 @@ def _swing(phase: float, stance: float, ends: F8, hip: float, shape: F8, table: 
 
 
 @kernel
-def place_feet(phase: float, stance: float, stride: float, touch: float, shape: F8, table: F8, out: F8) -> float:
+def place_feet(
+    phase: float, stance: float, stride: float, touch: float, shape: F8, soles: F8, table: F8, out: F8
+) -> float:
     """Compute positions of both ankles, pitch of the feet and points of support, relative to the hip.
 
     A sole touches with the heel, rolls down flat, and rolls off over the ball, by the table's pitch. The point that
@@ -134,6 +144,8 @@ def place_feet(phase: float, stance: float, stride: float, touch: float, shape: 
         shape: Ankle above the sole, heel behind the ankle, ball and tip of the toes before it, thigh, shank [m],
             farthest that toes bend [rad], joint of the toes above the
             sole [m]; [8].
+        soles: Points that each foot may stand on: share of the toes in carrying it, ahead of the ankle and above it at
+            rest [m]; [2, n, 3].
         table: Lean of the thigh, flexion of the knee, pitch of the foot over the cycle [rad], [n, 3].
         out: For each foot: ankle ahead of the hip [m], ankle above the ground [m], pitch (toes up) [rad], point of
             contact ahead of the hip [m], 1 while it stands, bend of the toes up [rad], share of the body that it
@@ -147,7 +159,7 @@ def place_feet(phase: float, stance: float, stride: float, touch: float, shape: 
         own = (phase + 0.5 * k) % 1.0
         if own >= stance:
             continue
-        _stand(own, stance, stride, touch, shape, table, out[k])
+        _stand(own, stance, stride, touch, shape, soles[k], table, out[k])
         both = stance - 0.5
         # The foot that comes down carries before the other one has left.
         load = _ease(own / (_HANDOVER * both)) * (1.0 - _ease((own - 0.5) / (_HANDOVER * both)))
@@ -159,17 +171,17 @@ def place_feet(phase: float, stance: float, stride: float, touch: float, shape: 
             continue
         out[k, 6] = 0.0
         ends = np.empty(_ENDS)
-        _ends(stance, stride, touch, hip, shape, table, ends)
-        _swing(own, stance, ends, hip, shape, table, out[k])
+        _ends(stance, stride, touch, hip, shape, soles[k], table, ends)
+        _swing(own, stance, ends, hip, shape, soles[k], table, out[k])
     return hip
 
 
 @kernel
-def _ends(stance: float, stride: float, touch: float, hip: float, shape: F8, table: F8, ends: F8) -> None:
+def _ends(stance: float, stride: float, touch: float, hip: float, shape: F8, sole: F8, table: F8, ends: F8) -> None:
     """Compute the offsets of the table from the positions at toe-off and heel strike, and the pitch at toe-off."""
     foot = np.empty(_FOOT)
     for k in range(2):
-        _stand(stance if k == 0 else 0.0, stance, stride, touch, shape, table, foot)
+        _stand(stance if k == 0 else 0.0, stance, stride, touch, shape, sole, table, foot)
         phase = stance if k == 0 else 1.0
         thigh, knee = _at(table, phase, 0), _at(table, phase, 1)
         ends[2 * k] = foot[0] - shape[4] * math.sin(thigh) - shape[5] * math.sin(thigh - knee)
