@@ -95,10 +95,9 @@ def test_the_walk_bends_hip_knee_and_ankle_as_published_at_natural_speed(animato
         assert _against(animator, 1.3, joint, np.roll(wanted, 5)) > 5.0, joint  # a tenth of a cycle late
 
 
-@pytest.mark.parametrize(("speed", "most"), [(0.3, 9.0), (0.5, 6.5), (0.7, 5.0), (0.85, 5.0), (1.0, 5.0)])
-def test_the_knee_bends_as_published_at_slower_speeds(animator: Animator, speed: float, most: float) -> None:
-    """Below 0.7 m/s it bends further in swing: toes that hang down by the scaled ankle are lifted over the ground."""
-    assert _against(animator, speed, "knee", knee_by_speed(speed)) <= most
+@pytest.mark.parametrize("speed", [0.3, 0.4, 0.5, 0.6, 0.7, 0.85, 1.0])
+def test_the_knee_bends_as_published_at_slower_speeds(animator: Animator, speed: float) -> None:
+    assert _against(animator, speed, "knee", knee_by_speed(speed)) <= 5.0
 
 
 def _joints(walk: Walk, rig: Rig, pace: Pace) -> np.ndarray:

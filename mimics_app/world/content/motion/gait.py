@@ -53,6 +53,9 @@ _HEEL, _TIP = 0.5, 1.75
 """Distances of heel behind and toe tip before the ankle, over that of the ball: feet of 265 mm."""
 _SETTLE = 0.9
 """Cadence while the feet of a standing person are brought under the body [1/s]."""
+_SLOW_BACK, _SLOW, _FASTER = 0.025, 0.5, 0.8
+"""How much farther back feet stand at slow speeds than hip and knee of the table say [m], fitted to the knee: the foot
+rolls off before toe-off; speeds up to which it is so, and from which they stand as the table says [m/s]."""
 _MIN_STRETCH = 0.12
 """Stretch of the step below which foot clearance does not decrease further."""
 
@@ -214,7 +217,10 @@ class Walk:
         table = shape_gait(round(round_speed, 2), round(lively, 2))
         stance, stride = pace.stance, 2.0 * pace.step
         shape, placed = self._shape, self._placed
-        place_feet(self._phase, stance, stride, _touch(table, stance, stride, shape), shape, self._soles, table, placed)
+        back = _SLOW_BACK * min(max((_FASTER - abs(pace.speed)) / (_FASTER - _SLOW), 0.0), 1.0)
+        # Who stands has the feet under the body.
+        touch = _touch(table, stance, stride, shape) - back * min(1.0, 2.0 * stretch)
+        place_feet(self._phase, stance, stride, touch, shape, self._soles, table, placed)
         for k in range(2):
             ankle, hip = (self._rest.places[self._feet[k][j]] for j in (2, 0))
             x, z = ankle[0], hip[2] + placed[k, 0]

@@ -13,9 +13,9 @@ Sources:
   coefficients were read from a public table of that regression, not from the paper itself.
 
 The two differ by 8 degrees (root mean square) in the knee at 1.2 m/s: in the zero of the joint, and by a later
-toe-off in the second. For hip and ankle at other speeds no data are available: they are the natural ones, scaled
-with the step. The walk is judged against the knee: 5 degrees root mean square from 0.7 m/s on, 6.3 at 0.5 and 8.6 at
-0.3 m/s, where it bends further in swing to clear the ground.
+toe-off in the second. For hip and ankle at other speeds no data are available (the regression is published for both,
+its coefficients are not public): the hip is the natural one scaled with the step, the ankle with its cube, which is
+fitted. The walk is judged against the knee: 5 degrees root mean square from 0.3 m/s on.
 """
 
 from __future__ import annotations
@@ -83,6 +83,9 @@ _SLOW, _NATURAL = 1.0, 1.3
 """Speeds up to which the knee is that of the regression, and from which it is the natural one [m/s]."""
 _MIN_KNEE = 4.5
 """Minimum knee flexion [degrees]: the zero of the tables is uncertain."""
+_ANKLE_EXPONENT = 3.0
+"""Exponent of the step in the range of the ankle, fitted: with 1 slow feet push off so far that knees bend 11 degrees
+beyond the regression."""
 _FLAT = (0.14, 0.28, 0.48, 0.70)
 """Shares of the stance: begin and end of foot-flat, begin and end of heel rise."""
 
@@ -149,7 +152,7 @@ def shape_gait(speed: float, stretch: float) -> F8:
     x = phase / stance
     down, flat, rises, high = _FLAT
     window = np.clip((flat - x) / (flat - down), 0.0, 1.0) + np.clip((x - rises) / (high - rises), 0.0, 1.0)
-    pitch = thigh - knee + min(stretch, 1.0) * ankle
+    pitch = thigh - knee + min(stretch, 1.0) ** _ANKLE_EXPONENT * ankle
     # Pitch is 0 in foot-flat, because the zero of the ankle differs between tables.
     pitch -= float(pitch[(x > flat) & (x < rises)].mean())
     pitch = np.where(standing, window * pitch, pitch)
