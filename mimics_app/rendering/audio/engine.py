@@ -244,6 +244,7 @@ def _warm_spectral(settings: AudioSettings, bank: SoundBank) -> None:
     mixer = SpectralMixer(bank, settings, Timing())
     for name in list(bank.sounds)[:1]:
         mixer.start(name, 0, (0.0, 0.0, -1.0), 0.0)
+    mixer.enter_room(1.0, 1.0)
     mixer.render(settings.block)
 
 

@@ -121,7 +121,7 @@ class SpectralMixer:
             head.position[:], head.moving[:] = state.head_position, state.head_velocity
         head.axes[0] = np.cross(state.head_forward, state.head_up)
         head.axes[1], head.axes[2] = state.head_up, -state.head_forward
-        self._room.set(state.room_level, state.room_time)
+        self.enter_room(state.room_level, state.room_time)
         known = self._store.rows_of(state.handles)
         playing = known >= 0
         rows = known[playing]
@@ -130,6 +130,10 @@ class SpectralMixer:
         rows = known[playing]
         places.position[rows], places.velocity[rows] = state.position[playing], state.velocity[playing]
         places.forward[rows] = state.forward[playing]
+
+    def enter_room(self, level: float, time: float) -> None:
+        """Set the linear level of the reverberation and its time RT60 [s] from the next block on."""
+        self._room.set(level, time)
 
     def stop(self, handle: int) -> None:
         """Fade a sound out over the next block; one that has not started is cancelled."""
