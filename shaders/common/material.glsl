@@ -37,7 +37,7 @@ vec4 material_colour(vec4 tint, vec2 uv) {
 
 // Metallic and roughness.
 vec2 material_finish(vec2 uv) {
-    vec2 figures = finish.xy;
+    vec2 figures = metallic_roughness.xy;
 #ifdef SURFACE_MAP
     figures *= texture(surface_texture, map_place(SURFACE, uv)).bg;
 #endif

@@ -41,9 +41,9 @@ void main() {
     vec2 sun = sun_and_tone(position_eye, n);
     // A twisted weave, which makes the motion of the surface visible.
     float weave = 0.5 + 0.5 * sin(3.0 * at.y + at.x / max(form.x, 1e-4) * 2.2);
-    vec3 base = paint.rgb * mix(0.82, 1.0, smoothstep(0.1, 0.6, weave));
-    Surface surface = make_surface(base, 0.0, paint.w, n, sight / -distance);
+    vec3 base = colour_roughness.rgb * mix(0.82, 1.0, smoothstep(0.1, 0.6, weave));
+    Surface surface = make_surface(base, 0.0, colour_roughness.w, n, sight / -distance);
     float open = beside_ball(n);
-    vec3 light = shine(surface, paint.w, position_eye, sun.x * past_ball(n), open);
+    vec3 light = shine(surface, colour_roughness.w, position_eye, sun.x * past_ball(n), open);
     colour = vec4(sun.y * encode_output(apply_fog(light, distance)), 1.0);
 }

@@ -21,11 +21,11 @@ void main() {
     rim *= rim;
 #ifdef GRID
     // Rings along the wall (v is in metres) show how it bends and narrows.
-    float ring = line_coverage(uv.y / finish.z, 1.2);
+    float ring = line_coverage(uv.y / metallic_roughness.z, 1.2);
 #else
     float ring = 0.0;
 #endif
-    Surface surface = make_surface(base.rgb, 0.0, finish.y, n, view);
+    Surface surface = make_surface(base.rgb, 0.0, metallic_roughness.y, n, view);
     float through = 0.35 + 0.65 * abs(dot(n, sun_direction.xyz));
     vec3 body = base.rgb * (sky_irradiance(n) + through * sun_colour.rgb) + emission.rgb;
     float incidence = clamp(dot(n, sun_direction.xyz), 0.0, 1.0);

@@ -40,12 +40,12 @@ void main() {
 #ifdef EMISSIVE
     emitted = emission.rgb;
 #endif
-    Surface surface = make_surface(tint.rgb, finish.x, finish.y, n, sight / -distance);
-    vec3 light = shine(surface, finish.y, position_eye, sun.x, 1.0);
+    Surface surface = make_surface(tint.rgb, metallic_roughness.x, metallic_roughness.y, n, sight / -distance);
+    vec3 light = shine(surface, metallic_roughness.y, position_eye, sun.x, 1.0);
 #ifdef TEXTURED
     // The light of a dielectric is linear in its base colour: what a black one reflects, and what the colour adds.
-    Surface black = make_surface(vec3(0.0), finish.x, finish.y, n, sight / -distance);
-    vec3 mirrored = shine(black, finish.y, position_eye, sun.x, 1.0);
+    Surface black = make_surface(vec3(0.0), metallic_roughness.x, metallic_roughness.y, n, sight / -distance);
+    vec3 mirrored = shine(black, metallic_roughness.y, position_eye, sun.x, 1.0);
     scattered = vec4(fog_share(distance) * (light - mirrored), tint.a);
     added = vec4(apply_fog(mirrored + emitted, distance), sun.y);
     uv = in_uv;

@@ -27,7 +27,7 @@ void main() {
     if (base.a < emission.w) discard;
 #endif
 #ifdef GRID
-    vec2 cells = (position_eye + eye_position_world()).xz / finish.z;
+    vec2 cells = (position_eye + eye_position_world()).xz / metallic_roughness.z;
     base.rgb = mix(base.rgb, sqrt(base.rgb), 0.5 * grid_coverage(cells));
 #endif
     vec2 figures = material_finish(uv);

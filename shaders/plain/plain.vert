@@ -6,7 +6,7 @@
 #include "common/sky.glsl"
 #include "common/output.glsl"
 
-in vec4 paint;                  // rgb: base colour, display values; w: layer + 1, negative for unlit
+in vec4 instance_params;                  // rgb: base colour, display values; w: layer + 1, negative for unlit
 #ifdef COLOURED
 in vec4 in_colour;
 #endif
@@ -25,7 +25,7 @@ void main() {
 #ifdef TONED
     light = encode_output(light);
 #endif
-    shade = paint.rgb * (paint.w < 0.0 ? vec3(1.0) : light);
+    shade = instance_params.rgb * (instance_params.w < 0.0 ? vec3(1.0) : light);
 #ifdef COLOURED
     shade *= encode_srgb(in_colour.rgb);
 #endif
@@ -41,5 +41,5 @@ void main() {
 #ifdef MIRROR_V
     scale.y = 0.5;
 #endif
-    at = vec3(in_uv * scale, abs(paint.w) - 1.0);
+    at = vec3(in_uv * scale, abs(instance_params.w) - 1.0);
 }

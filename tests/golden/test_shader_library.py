@@ -74,8 +74,13 @@ def test_plain_light_asks_a_pixel_and_a_corner_for_no_more_than_the_scene_has(to
     with create_surface("egl", (64, 36)) as surface:
         renderer = Renderer(surface, world, settings)
         renderer.draw(desktop_views(world.cameras[0], (64, 36)))
-        looks = [state.look for state in renderer._list.items.of_state]
-        shader = next(each.shader for look in looks for each in look.passes if each.shader.vertex == "plain/plain.vert")
+        instances = [state.material_instance for state in renderer._list.items.of_state]
+        shader = next(
+            each.shader
+            for instance in instances
+            for each in instance.passes
+            if each.shader.vertex == "plain/plain.vert"
+        )
         defines = shader.defines
         renderer.release()
     texts = [compiled((_SHADERS / name).read_text(), defines) for name in ("plain/plain.vert", "plain/plain.frag")]
@@ -236,4 +241,4 @@ def test_frame_statistics_count_what_is_drawn():
         without = renderer.draw(views)
     ball = world.meshes["ball"].triangle_count
     assert whole.triangles - without.triangles == 2 * ball, "once in the picture, once in the shadow map"
-    assert whole.draws - without.draws == 1, "its look's own; the shadow map has one for all that is solid"
+    assert whole.draws - without.draws == 1, "its material's own; the shadow map has one for all that is solid"

@@ -26,7 +26,7 @@ def box_items(rows: NDArray[np.int32], half: NDArray[np.float64]) -> DrawItems:
         small_states=zeros - 1,
         shadow_states=zeros,
         meshes=zeros,
-        paint=np.ones((count, 4), np.float32),
+        instance_params=np.ones((count, 4), np.float32),
         local=np.concatenate([np.zeros((count, 3)), np.linalg.norm(half, axis=1)[:, None]], axis=1),
         half=half,
         drawable=np.ones(count, np.uint8),

@@ -249,9 +249,9 @@ class Renderer:
         with self._timed("submit"):
             if latch is not None:
                 drawn = [each.latched(newer) for each, newer in zip(drawn, latch(), strict=True)]
-            paint = self._world.draw if parts is None else self._world.draw_parts
+            draw = self._world.draw if parts is None else self._world.draw_parts
             with self._threads.submitting(placed=self.settings.place_threads and not self._frame.few_pixels):
-                draws += paint(target, self._picture.samples, scene, drawn)
+                draws += draw(target, self._picture.samples, scene, drawn)
             self._picture.holds = self._picture.keep
         if self._overlay is not None and self._overlay.shows:
             with self._timed("overlay"):

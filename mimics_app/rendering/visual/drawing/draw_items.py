@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import B1, F4, F8, I4, U1
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena, is_rewritten
 from mimics_app.rendering.visual.kernels.bounds import follow_box
-from mimics_app.rendering.visual.materials.look import Look
+from mimics_app.rendering.visual.materials.material_instance import MaterialInstance
 from mimics_app.rendering.visual.materials.materials import MaterialStore
 from mimics_app.world.content.world import World
 
@@ -28,9 +28,9 @@ A = TypeVar("A", bound=NDArray[Any])
 
 @dataclass(frozen=True, eq=False)
 class DrawState:
-    """State that is bound before a run of draws: a look, and True where indices have 32 bits."""
+    """State that is bound before a run of draws: an instance of a material, and True where indices have 32 bits."""
 
-    look: Look
+    material_instance: MaterialInstance
     wide: bool
 
 
@@ -45,7 +45,7 @@ class DrawItems:
         small_states: The same on small triangles, -1 where that is no other, int32 [n].
         shadow_states: Number in `of_shadow`, int32 [n].
         meshes: Number in `ranges`, int32 [n].
-        paint: Instance parameters from the look, float32 [n, 4]; see `Look.paint`.
+        instance_params: Instance parameters of the material, float32 [n, 4]; see `MaterialInstance.instance_params`.
         local: Centre [m] and radius [m] of the sphere in the node's frame, float64 [n, 4].
         half: Half extents of the box around the same centre [m], float64 [n, 3].
         drawable: 1 where there is something to draw, uint8 [n].
@@ -69,7 +69,7 @@ class DrawItems:
     small_states: I4
     shadow_states: I4
     meshes: I4
-    paint: F4
+    instance_params: F4
     local: F8
     half: F8
     drawable: U1
@@ -135,19 +135,24 @@ def list_items(world: World, arena: MeshArena, materials: MaterialStore) -> Draw
     ranges = [arena.ranges.get(name) for name in names]
     places = [ranges[mesh_of[name]] for name, _ in kinds]
     coloured, wide = ([bool(place and getattr(place, what)) for place in places] for what in ("coloured", "wide"))
-    looks = [materials.look(material, coloured=each) for (_, material), each in zip(kinds, coloured, strict=True)]
+    instances = [
+        materials.instance(material, coloured=each) for (_, material), each in zip(kinds, coloured, strict=True)
+    ]
     states = _States()
     of_kind = np.array(
-        [states.number(look.state, look, flag) for look, flag in zip(looks, wide, strict=True)], np.int32
+        [states.number(instance.state, instance, flag) for instance, flag in zip(instances, wide, strict=True)],
+        np.int32,
     )
     bodies = world.motion.body_of
     small = np.full(len(kinds), -1, np.int32)
     for i, (name, material) in enumerate(kinds):
-        look = materials.small_look(material, coloured=coloured[i]) if name in bodies else None
-        if look is not None:
-            small[i] = states.number(look.state, look, wide[i])
+        instance = materials.small_instance(material, coloured=coloured[i]) if name in bodies else None
+        if instance is not None:
+            small[i] = states.number(instance.state, instance, wide[i])
     shadows = _States()
-    of_shadow = [shadows.number(look.shadow_state, look, flag) for look, flag in zip(looks, wide, strict=True)]
+    of_shadow = [
+        shadows.number(instance.shadow_state, instance, flag) for instance, flag in zip(instances, wide, strict=True)
+    ]
     local, half = _bounds(world, names)
     filled = np.array([place is not None and place.count > 0 for place in ranges], np.uint8)
     return DrawItems(
@@ -157,13 +162,15 @@ def list_items(world: World, arena: MeshArena, materials: MaterialStore) -> Draw
         small_states=_spread(small, kind),
         shadow_states=_spread(np.array(of_shadow, np.int32), kind),
         meshes=mesh,
-        paint=_spread(np.array([look.paint for look in looks], np.float32).reshape(-1, 4), kind),
+        instance_params=_spread(
+            np.array([instance.instance_params for instance in instances], np.float32).reshape(-1, 4), kind
+        ),
         local=_spread(local, mesh),
         half=_spread(half, mesh),
         drawable=_spread(filled, mesh),
-        transparent=_spread(np.array([look.transparent for look in looks], np.bool_), kind),
-        solid=_spread(np.array([look.solid for look in looks], np.bool_), kind),
-        one_sided=_spread(np.array([look.one_sided for look in looks], np.uint8), kind),
+        transparent=_spread(np.array([instance.transparent for instance in instances], np.bool_), kind),
+        solid=_spread(np.array([instance.solid for instance in instances], np.bool_), kind),
+        one_sided=_spread(np.array([instance.one_sided for instance in instances], np.uint8), kind),
         casting=np.asarray(listed.casts_shadow, np.bool_),
         levels=listed.level,
         families=_families(world),
@@ -199,10 +206,10 @@ class _States:
         self.found: list[DrawState] = []
         self._number: dict[object, int] = {}
 
-    def number(self, key: object, look: Look, wide: bool) -> int:
+    def number(self, key: object, instance: MaterialInstance, wide: bool) -> int:
         if (key, wide) not in self._number:
             self._number[key, wide] = len(self.found)
-            self.found.append(DrawState(look, wide))
+            self.found.append(DrawState(instance, wide))
         return self._number[key, wide]
 
 

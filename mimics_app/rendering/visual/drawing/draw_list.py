@@ -58,7 +58,7 @@ class DrawList:
         tally: Counts since the last update.
         moved: Items that moved or changed their shape since the update before, [n]; None where unknown.
         rewritten: Items whose mesh was rewritten in place since the structure changed, [n].
-        remade: True where looks, meshes, settings or the world changed in the last update.
+        remade: True where materials, meshes, settings or the world changed in the last update.
         drawn: Items drawn in a view since they were last set to False; all where the structure changed, [n].
         used: Items drawn in this frame, in any view or shadow map, [n].
         bent: The skinned meshes.

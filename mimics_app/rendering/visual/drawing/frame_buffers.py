@@ -11,7 +11,7 @@ from mimics_app.contracts.arrays import F8, I4, U1
 from mimics_app.rendering.visual.drawing.draw_feed import DrawFeed
 from mimics_app.rendering.visual.drawing.mesh_arena import COMMAND_WORDS, MeshArena
 from mimics_app.rendering.visual.kernels.commands import write_commands, write_instances
-from mimics_app.rendering.visual.materials.look import Look
+from mimics_app.rendering.visual.materials.material_instance import MaterialInstance
 from mimics_app.rendering.visual.surfaces.rasteriser import rasteriser_of
 from mimics_app.world.graph.entity_ids import grown
 
@@ -35,7 +35,7 @@ class DrawRun:
     Not frozen: a frame makes thousands, and constructing a frozen one takes three times as long.
 
     Attributes:
-        look: Material and shaders, one of those that share the state.
+        material_instance: Material and shaders, one of those that share the state.
         first: Number of the first command.
         count: Number of commands.
         triangles: Triangles of all commands.
@@ -44,7 +44,7 @@ class DrawRun:
         eyes: Number of eyes each instance is drawn for, in successive instances.
     """
 
-    look: Look
+    material_instance: MaterialInstance
     first: int
     count: int
     triangles: int
@@ -114,7 +114,7 @@ class FrameBuffers:
             return []
         self._reserve(self.instance_count + count, self.command_count + count, count)
         first, first_command = self.instance_count, self.command_count
-        write_instances(items, count, first, origin, listed.rows, world, listed.paint, self._instances)
+        write_instances(items, count, first, origin, listed.rows, world, listed.instance_params, self._instances)
         commands, runs = write_commands(
             items,
             count,
@@ -162,7 +162,7 @@ class FrameBuffers:
         self._feed.flush()
 
     def draw(self, run: DrawRun, shader: ShaderProgram) -> None:
-        """Draw one run with a shader of its look, which is bound already."""
+        """Draw one run with a shader of its material, which is bound already."""
         array = self._arena.arrays.of(shader, run.wide, run.eyes)
         if run.mirrored:
             self._ctx.front_face = "cw"
@@ -195,4 +195,4 @@ class FrameBuffers:
 def _run(row: list[int], of_state: list[DrawState]) -> DrawRun:
     state, first, count, triangles = row
     drawn = of_state[state // 2]
-    return DrawRun(drawn.look, first, count, triangles, bool(state % 2), drawn.wide)
+    return DrawRun(drawn.material_instance, first, count, triangles, bool(state % 2), drawn.wide)

@@ -30,7 +30,7 @@ __all__ = ["COMMAND_WORDS", "MeshArena", "MeshRange", "is_rewritten"]
 
 _VERTEX, _COLOUR = VERTEX_DECLARATION.dtype, COLOUR_DECLARATION.dtype
 _INSTANCE = np.dtype(
-    [("eye_row0", "f4", (4,)), ("eye_row1", "f4", (4,)), ("eye_row2", "f4", (4,)), ("paint", "f4", (4,))]
+    [("eye_row0", "f4", (4,)), ("eye_row1", "f4", (4,)), ("eye_row2", "f4", (4,)), ("instance_params", "f4", (4,))]
 )
 
 COMMAND_WORDS = 5

@@ -12,7 +12,9 @@ MAX_TRIANGLES = 6_000
 
 
 @kernel
-def write_instances(items: I4, count: int, first: int, origin: F8, rows: I4, world: F8, paint: F4, out: F4) -> None:
+def write_instances(
+    items: I4, count: int, first: int, origin: F8, rows: I4, world: F8, instance_params: F4, out: F4
+) -> None:
     """Write the instances: matrices relative to an origin, subtracted in float64, and instance parameters.
 
     Args:
@@ -22,7 +24,7 @@ def write_instances(items: I4, count: int, first: int, origin: F8, rows: I4, wor
         origin: Origin of the shaders' frame, world [m], [3].
         rows: Row of the node per item, [n].
         world: T_world_from_node per row, [rows, 4, 4].
-        paint: Instance parameters of each item, [n, 4].
+        instance_params: Instance parameters of each item, [n, 4].
         out: Written: three rows of a matrix and the instance parameters, [>= first + count, 4, 4].
     """
     for i in range(count):
@@ -32,8 +34,8 @@ def write_instances(items: I4, count: int, first: int, origin: F8, rows: I4, wor
             for column in range(3):
                 out[first + i, k, column] = world[row, k, column]
             out[first + i, k, 3] = world[row, k, 3] - origin[k]
-            out[first + i, 3, k] = paint[item, k]
-        out[first + i, 3, 3] = paint[item, 3]
+            out[first + i, 3, k] = instance_params[item, k]
+        out[first + i, 3, 3] = instance_params[item, 3]
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""Looks of the world's materials: the technique of each, with the variant of its shaders."""
+"""Instances of the world's materials: the technique of each, with the variant of its shaders."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.rendering.visual.materials.look import Look, make_pass, pack_material
+from mimics_app.rendering.visual.materials.material_instance import MaterialInstance, make_pass, pack_material
 from mimics_app.rendering.visual.materials.picture_arrays import PictureArrays, encode_srgb
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
 from mimics_app.rendering.visual.materials.techniques import SAFE, Choice, choose_technique, technique_chain
@@ -57,7 +57,7 @@ _Pictures = dict[str, TextureData]
 
 @dataclass(frozen=True)
 class _Variant:
-    """Frame settings that all looks depend on."""
+    """Frame settings that all instances depend on."""
 
     light_features: frozenset[str] = frozenset()
     shading: Shading = "full"
@@ -66,7 +66,7 @@ class _Variant:
 
 
 class MaterialStore:
-    """Looks by material, made on demand, and again when the world's material or one of its textures changes.
+    """Instances by material, made on demand, and again when the world's material or one of its textures changes.
 
     Attributes:
         issues: What could not be drawn as the world requires, each reported once; the caller removes what it reports.
@@ -77,8 +77,8 @@ class MaterialStore:
         self._ctx = ctx
         self._shaders = shaders
         self._has = has
-        self._looks: dict[tuple[str, bool], Look] = {}
-        self._small: dict[tuple[str, bool], Look | None] = {}
+        self._instances: dict[tuple[str, bool], MaterialInstance] = {}
+        self._small: dict[tuple[str, bool], MaterialInstance | None] = {}
         self._known: dict[str, tuple[Material, _Pictures]] = {}
         self._techniques: dict[str, TechniqueSpec] = dict(built_in_techniques())
         self._broken: dict[str, str] = {}
@@ -99,7 +99,7 @@ class MaterialStore:
         profile: Profile = "training",
         vertex_light: bool = False,
     ) -> bool:
-        """Discard the looks of materials that changed.
+        """Discard the instances of materials that changed.
 
         Args:
             world: The world.
@@ -118,15 +118,15 @@ class MaterialStore:
         known = {name: (material, _pictures(material, world)) for name, material in world.materials.items()}
         if variant != self._variant or techniques != self._techniques:
             self._variant, self._techniques = variant, techniques
-            stale = {name for name, _ in self._looks} | {""}
+            stale = {name for name, _ in self._instances} | {""}
         elif known == self._known:
             return False  # identical objects compare at once
         else:
             stale = {name for name, was in self._known.items() if not _same(was, known.get(name))}
         changed = bool(stale) or known.keys() != self._known.keys()
-        for looks in (self._looks, self._small):
-            for key in [key for key in looks if key[0] in stale]:
-                _release(looks.pop(key))
+        for instances in (self._instances, self._small):
+            for key in [key for key in instances if key[0] in stale]:
+                _release(instances.pop(key))
         self._known = known
         return changed
 
@@ -137,8 +137,8 @@ class MaterialStore:
             was[0] == now[0] and all(map(is_, was[1], now[1])) for was, now in zip(held, self._held, strict=True)
         )
 
-    def look(self, name: str, *, coloured: bool = False) -> Look:
-        """Return the look of a material; plain grey for an unknown name.
+    def instance(self, name: str, *, coloured: bool = False) -> MaterialInstance:
+        """Return the instance of a material; plain grey for an unknown name.
 
         Args:
             name: Name of the material.
@@ -146,12 +146,12 @@ class MaterialStore:
         """
         if name not in self._known:
             name = ""
-        if (name, coloured) not in self._looks:
-            self._looks[name, coloured] = self._make(name, *self._known.get(name, (_FALLBACK, {})), coloured)
-        return self._looks[name, coloured]
+        if (name, coloured) not in self._instances:
+            self._instances[name, coloured] = self._make(name, *self._known.get(name, (_FALLBACK, {})), coloured)
+        return self._instances[name, coloured]
 
-    def small_look(self, name: str, *, coloured: bool = False) -> Look | None:
-        """Return the look of a material on small triangles; None where it is that of large ones.
+    def small_instance(self, name: str, *, coloured: bool = False) -> MaterialInstance | None:
+        """Return the instance of a material on small triangles; None where it is that of large ones.
 
         Args:
             name: Name of the material.
@@ -178,14 +178,14 @@ class MaterialStore:
 
     def release(self) -> None:
         """Free all buffers and textures."""
-        for look in (*self._looks.values(), *self._small.values()):
-            _release(look)
+        for instance in (*self._instances.values(), *self._small.values()):
+            _release(instance)
         self._textures.release()
         self._arrays.release()
-        self._looks.clear()
+        self._instances.clear()
         self._small.clear()
 
-    def _make(self, name: str, material: Material, pictures: _Pictures, coloured: bool) -> Look:
+    def _make(self, name: str, material: Material, pictures: _Pictures, coloured: bool) -> MaterialInstance:
         self._report_textures(material, pictures)
         wanted = self._wanted(material)
         while True:
@@ -201,8 +201,10 @@ class MaterialStore:
                     raise
                 self._broken[choice.name] = f"does not compile ({error.issues[0]})"
 
-    def _make_own(self, name: str, material: Material, pictures: _Pictures, coloured: bool, choice: Choice) -> Look:
-        """Make a look with a state of its own."""
+    def _make_own(
+        self, name: str, material: Material, pictures: _Pictures, coloured: bool, choice: Choice
+    ) -> MaterialInstance:
+        """Make an instance with a state of its own."""
         features = self._features(material, pictures, coloured)
         passes = []
         for spec in choice.spec.passes:
@@ -217,18 +219,18 @@ class MaterialStore:
         block = self._ctx.buffer(pack_material(material, pictures).tobytes())
         shadow_shader = self._shadow_shader(material, pictures, blended=any(each.blend != "none" for each in passes))
         state = (name, coloured, choice.name)
-        look = Look(material, tuple(passes), shadow_shader, block, textures, state, state)
+        instance = MaterialInstance(material, tuple(passes), shadow_shader, block, textures, state, state)
         # The depth of an opaque surface does not depend on its material.
-        look.shadow_state = "solid" if look.solid else state
-        return look
+        instance.shadow_state = "solid" if instance.solid else state
+        return instance
 
     def _texture(self, key: str, picture: TextureData, *, linear: bool) -> moderngl.Texture | LivePicture:
         return self.live.get(key) or self._textures.get(key, picture, linear=linear)
 
     def _make_plain(
         self, name: str, material: Material, pictures: _Pictures, coloured: bool, spec: TechniqueSpec
-    ) -> Look:
-        """Make a look of the plain technique, which shares its state with all others of its kind."""
+    ) -> MaterialInstance:
+        """Make an instance of the plain technique, which shares its state with all others of its kind."""
         textures: tuple[tuple[int, object], ...] = ()
         layer, array, picture = 0, None, pictures.get("base")
         features = ["COLOURED"] if coloured else []
@@ -246,8 +248,8 @@ class MaterialStore:
         number = layer + 1.0 if SAFE not in self._chain(material) else -(layer + 1.0)
         block = self._ctx.buffer(pack_material(material, pictures).tobytes())
         shadow_shader = self._shadow_shader(material, {}, blended=False)  # it shows no holes, and its shadow has none
-        paint = (red, green, blue, number)
-        return Look(material, (drawn,), shadow_shader, block, textures, state, "solid", paint)  # type: ignore[arg-type]
+        instance_params = (red, green, blue, number)
+        return MaterialInstance(material, (drawn,), shadow_shader, block, textures, state, "solid", instance_params)  # type: ignore[arg-type]
 
     def _wanted(self, material: Material) -> str:
         """Return the material's own technique, or a simpler one of its chain that loses nothing visible."""
@@ -302,9 +304,9 @@ class MaterialStore:
             self.issues.append(issue)
 
 
-def _release(look: Look | None) -> None:
-    if look is not None:
-        look.block.release()
+def _release(instance: MaterialInstance | None) -> None:
+    if instance is not None:
+        instance.block.release()
 
 
 def _name_of(feature: str) -> str:

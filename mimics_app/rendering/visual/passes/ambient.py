@@ -73,10 +73,10 @@ class AmbientPass:
         if both:
             ctx.enable_direct(CLIP_DISTANCE_0)
         for run in opaque:
-            run.look.bind()
-            double = run.look.passes[0].cull == "none"
+            run.material_instance.bind()
+            double = run.material_instance.passes[0].cull == "none"
             ctx.enable_only(moderngl.DEPTH_TEST if double else moderngl.DEPTH_TEST | moderngl.CULL_FACE)
-            shader = self._shaders.also_with(run.look.shadow_shader, _BOTH_EYES if both else ())
+            shader = self._shaders.also_with(run.material_instance.shadow_shader, _BOTH_EYES if both else ())
             if not both:
                 shader.set_matrix("clip_from_eye", views[0].clip_from_eye)
             self._frame.draw(run, shader)

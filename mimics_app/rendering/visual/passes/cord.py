@@ -30,7 +30,7 @@ CORD_BLOCK = np.dtype(
         ("up", "f4", (4,)),
         ("form", "f4", (4,)),
         ("waves", "f4", (4,)),
-        ("paint", "f4", (4,)),
+        ("colour_roughness", "f4", (4,)),
         ("ball", "f4", (4,)),
         ("ball_light", "f4", (4,)),
         ("tap", "f4", (MAX_TAPS, 4)),
@@ -131,7 +131,7 @@ def fill_cord_block(data: NDArray[np.void], cord: Cord, eye: F8, sun: F8, time_s
     data["up"] = (*curve.up, curve.q)
     data["form"] = (radius, RINGS, SIDES, len(ripples))
     data["waves"] = (waves.speed, 2.0 * math.pi / waves.wavelength, waves.width**-2, waves.along)
-    data["paint"] = (*cord.colour, cord.roughness)
+    data["colour_roughness"] = (*cord.colour, cord.roughness)
     data["ball"] = (*(cord.ball[:3] - eye), cord.ball[3])
     data["ball_light"] = (*sun, _SOFTNESS)
     for number, ripple in enumerate(ripples):

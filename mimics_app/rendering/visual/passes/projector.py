@@ -10,7 +10,7 @@ import numpy as np
 
 from mimics_app.rendering.visual.drawing.frame_buffers import FrameBuffers
 from mimics_app.rendering.visual.effects.projectors import Beam, BeamRuns
-from mimics_app.rendering.visual.materials.look import Look
+from mimics_app.rendering.visual.materials.material_instance import MaterialInstance
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
 from mimics_app.rendering.visual.materials.texture_store import TextureStore
 from mimics_app.rendering.visual.view import Rect, View
@@ -71,9 +71,9 @@ class ProjectorPass:
             texture.repeat_x = texture.repeat_y = False
             texture.use(_BINDING)
             for run in each.runs:
-                run.look.bind()
-                self._set_state(run.look, each.beam)
-                shader = self._shaders.also_with(self._shader(run.look, each.beam, lights), eyes)
+                run.material_instance.bind()
+                self._set_state(run.material_instance, each.beam)
+                shader = self._shaders.also_with(self._shader(run.material_instance, each.beam, lights), eyes)
                 _describe(shader, each.beam, view)
                 frame.draw(run, shader)
                 draws += 1
@@ -88,11 +88,11 @@ class ProjectorPass:
         """Free the textures."""
         self._textures.release()
 
-    def _set_state(self, look: Look, beam: Beam) -> None:
+    def _set_state(self, instance: MaterialInstance, beam: Beam) -> None:
         import moderngl
 
         flags = moderngl.DEPTH_TEST | moderngl.BLEND
-        cull = look.passes[0].cull
+        cull = instance.passes[0].cull
         if cull != "none":
             flags |= moderngl.CULL_FACE
             self._ctx.cull_face = cull
@@ -103,10 +103,10 @@ class ProjectorPass:
             "light": (moderngl.ONE_MINUS_DST_COLOR, moderngl.ONE),
         }.get(beam.spec.blend, (moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA))
 
-    def _shader(self, look: Look, beam: Beam, lights: frozenset[str]) -> ShaderProgram:
+    def _shader(self, instance: MaterialInstance, beam: Beam, lights: frozenset[str]) -> ShaderProgram:
         defines = [*_DEFINES[beam.spec.blend], *(sorted(lights) if beam.spec.blend == "paint" else ())]
         if beam.spec.blend == "light":
-            drawn = look.passes[0].shader
+            drawn = instance.passes[0].shader
             # Textures of the plain technique are in arrays, which this shader does not read: tint only.
             readable = _OF_ALBEDO if drawn.fragment != "plain/plain.frag" else ("COLOURED",)
             defines += [name for name in readable if name in drawn.defines]

@@ -91,6 +91,6 @@ def draw_shadows(
 
 def _draw(frame: FrameBuffers, runs: Sequence[DrawRun], clip_from_origin: F8) -> None:
     for run in runs:
-        run.look.bind()
-        run.look.shadow_shader.set_matrix("clip_from_eye", clip_from_origin)
-        frame.draw(run, run.look.shadow_shader)
+        run.material_instance.bind()
+        run.material_instance.shadow_shader.set_matrix("clip_from_eye", clip_from_origin)
+        frame.draw(run, run.material_instance.shadow_shader)

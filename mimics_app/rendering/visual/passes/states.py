@@ -1,4 +1,4 @@
-"""Drawing of mesh runs: every pass of their looks, with render state set only where it changes."""
+"""Drawing of mesh runs: every pass of their materials, with render state set only where it changes."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
-from mimics_app.rendering.visual.materials.look import LookPass
+from mimics_app.rendering.visual.materials.material_instance import MaterialPass
 from mimics_app.rendering.visual.materials.shader_library import ShaderProgram
 
 if TYPE_CHECKING:
@@ -38,8 +38,8 @@ def draw_runs(
     """
     ctx, calls, last = target.ctx, 0, None
     for run in runs:
-        run.look.bind()
-        for each in run.look.passes:
+        run.material_instance.bind()
+        for each in run.material_instance.passes:
             state = (each.blend, each.cull, each.depth)
             if state != last:
                 _set_state(target, each)
@@ -51,7 +51,7 @@ def draw_runs(
     return calls
 
 
-def _set_state(target: moderngl.Framebuffer, wanted: LookPass) -> None:
+def _set_state(target: moderngl.Framebuffer, wanted: MaterialPass) -> None:
     import moderngl
 
     ctx = target.ctx

@@ -130,7 +130,7 @@ class MirrorParts:
         if not world.screens:
             self._seen = set()
             return np.zeros(len(items.rows), np.bool_)
-        names = np.array([state.look.material.name for state in items.of_state])
+        names = np.array([state.material_instance.material.name for state in items.of_state])
         self._seen = set(names[items.states[listed.drawn]].tolist())
         screens = ((live_key(name), screen) for name, screen in world.screens.items())
         due = [key for key, screen in screens if key in self._seen and self._pictures.due(key, screen.every)]

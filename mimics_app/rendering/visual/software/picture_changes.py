@@ -147,7 +147,7 @@ class PictureChanges:
 
 
 def _changed_items(before: _Before, seen: FrameInputs) -> B1 | None:
-    """Return the items that moved or changed their look; None where more changed, or it is unknown."""
+    """Return the items that moved or changed their material; None where more changed, or it is unknown."""
     listed, last = seen.listed, before.seen
     if last is None or listed.moved is None or listed.remade or last.fixed != seen.fixed:
         return None

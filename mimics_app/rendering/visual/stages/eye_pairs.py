@@ -52,7 +52,7 @@ def eye_passes(
         runs: All runs queued for both.
         places: The eyes' rectangles [px].
     """
-    if not {each.shader.vertex for run in runs for each in run.look.passes} <= _STEREO_SHADERS:
+    if not {each.shader.vertex for run in runs for each in run.material_instance.passes} <= _STEREO_SHADERS:
         return "alone"
     if _side_by_side(*places):
         return "halves_in_turn" if settings.stereo == "two_pass" else "halves"

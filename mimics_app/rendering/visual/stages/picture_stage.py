@@ -120,8 +120,8 @@ class PictureStage:
                 buffer = job.picture.begin_view(job.number, size, samples)
             else:
                 buffer = job.picture.begin(size, samples)
-            paint = stage.draw_parts if parts else stage.draw
-            draws += paint(buffer.framebuffer, samples, emitted if job.picture.decoded else scene, job.drawn)
+            draw = stage.draw_parts if parts else stage.draw
+            draws += draw(buffer.framebuffer, samples, emitted if job.picture.decoded else scene, job.drawn)
             if isinstance(job.picture, MirrorPicture):
                 buffer.finish([piece for part in parts for piece in part.pieces] if parts else None)
             else:

@@ -109,12 +109,14 @@ class ViewDraws:
     @property
     def tests_depth(self) -> bool:
         """Whether all meshes are drawn with a depth test."""
-        return all(each.depth != "off" for run in (*self.opaque, *self.blended) for each in run.look.passes)
+        return all(
+            each.depth != "off" for run in (*self.opaque, *self.blended) for each in run.material_instance.passes
+        )
 
     @property
     def materials(self) -> set[str]:
         """Names of all drawn materials."""
-        return {run.look.material.name for run in (*self.opaque, *self.blended)}
+        return {run.material_instance.material.name for run in (*self.opaque, *self.blended)}
 
     @property
     def triangles(self) -> int:

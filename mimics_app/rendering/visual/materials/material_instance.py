@@ -17,13 +17,13 @@ from mimics_app.world.content.materials.technique import Blend, Cull, Depth, Pas
 if TYPE_CHECKING:
     import moderngl
 
-__all__ = ["Look", "LookPass", "make_pass", "pack_material"]
+__all__ = ["MaterialInstance", "MaterialPass", "make_pass", "pack_material"]
 
 _BLOCK = np.dtype(
     [
         ("base_colour", "f4", (4,)),
         ("emission", "f4", (4,)),
-        ("finish", "f4", (4,)),
+        ("metallic_roughness", "f4", (4,)),
         ("map_strength", "f4", (4,)),
         ("uv_rows", "f4", (2 * len(MAPS), 4)),
     ]
@@ -34,7 +34,7 @@ _BLOCK_BINDING = 1
 
 
 @dataclass(frozen=True, eq=False)
-class LookPass:
+class MaterialPass:
     """A shader and its render state: blending, face culling, depth test and write."""
 
     shader: ShaderProgram
@@ -44,7 +44,7 @@ class LookPass:
 
 
 @dataclass(eq=False)
-class Look:
+class MaterialInstance:
     """One material ready to draw.
 
     Attributes:
@@ -52,20 +52,20 @@ class Look:
         passes: Passes that draw it to the picture, in order.
         shadow_shader: Shader of the depth pass.
         block: Uniform block of the material.
-        textures: Bindings and textures; `paint` selects the layer of a texture array.
-        state: Equal for looks that one draw call may draw together; only `paint` may differ between them.
+        textures: Bindings and textures; `instance_params` selects the layer of a texture array.
+        state: Equal for instances that one draw call may draw together; only `instance_params` may differ between them.
         shadow_state: The same for the shadow pass.
-        paint: Instance parameters, whose meaning depends on the shader.
+        instance_params: Instance parameters, whose meaning depends on the shader.
     """
 
     material: Material
-    passes: tuple[LookPass, ...]
+    passes: tuple[MaterialPass, ...]
     shadow_shader: ShaderProgram
     block: moderngl.Buffer
     textures: tuple[tuple[int, moderngl.Texture | PictureArray | LivePicture], ...]
     state: Hashable
     shadow_state: Hashable
-    paint: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
+    instance_params: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
 
     @property
     def transparent(self) -> bool:
@@ -90,7 +90,7 @@ class Look:
             texture.use(binding)
 
 
-def make_pass(spec: PassSpec, shader: ShaderProgram, material: Material) -> LookPass:
+def make_pass(spec: PassSpec, shader: ShaderProgram, material: Material) -> MaterialPass:
     """Return a pass whose state "material" is resolved by the material."""
     blend, cull, depth = spec.blend, spec.cull, spec.depth
     if blend == "material":
@@ -99,7 +99,7 @@ def make_pass(spec: PassSpec, shader: ShaderProgram, material: Material) -> Look
         cull = "none" if material.double_sided else "back"
     if depth == "material":
         depth = "write" if blend == "none" else "test"
-    return LookPass(shader, blend, cull, depth)
+    return MaterialPass(shader, blend, cull, depth)
 
 
 def pack_material(material: Material, pictures: Mapping[str, TextureData]) -> np.ndarray[tuple[()], np.dtype[np.void]]:
@@ -112,7 +112,7 @@ def pack_material(material: Material, pictures: Mapping[str, TextureData]) -> np
     block = np.zeros((), _BLOCK)
     block["base_colour"] = material.base_colour
     block["emission"] = (*material.emission, material.alpha_cutoff if material.alpha_mode == "mask" else -1.0)
-    block["finish"] = (material.metallic, material.roughness, material.grid, float(material.double_sided))
+    block["metallic_roughness"] = (material.metallic, material.roughness, material.grid, float(material.double_sided))
     rates = np.array([_rates(pictures.get(which)) for which in MAPS])
     block["map_strength"] = (material.normal_scale, material.occlusion_strength, material.softness, 0.0)
     rows = np.array(material.uv_transforms, np.float64).reshape(len(MAPS), 2, 3)
