@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.system.resources import root
-from mimics_app.rendering.visual.drawing.skinning import BentMeshes
+from mimics_app.rendering.visual.drawing.skinning import SkinnedMeshes
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.software.kernels.shadow_prisms import FIGURES, cut_prisms, slice_casters
@@ -52,7 +52,7 @@ def _scattered(mesh: MeshData, count: int) -> np.ndarray:
 def test_boxes_of_a_mesh_hold_its_triangles_in_less_space_than_one(mesh: MeshData, share: float):
     world = World()
     world.meshes["mesh"] = mesh
-    boxes = ShapeBoxes(world, BentMeshes()).of(["mesh"])
+    boxes = ShapeBoxes(world, SkinnedMeshes()).of(["mesh"])
     assert boxes is not None
     assert _outside(_scattered(mesh, 4000), boxes) == 0
     volume = np.prod(mesh.bounds[1] - mesh.bounds[0])
@@ -64,7 +64,7 @@ def test_what_is_written_beyond_the_bounds_of_a_mesh_counts_to_the_border_of_its
     mesh = world.meshes["mesh"] = box(0.3, 1.0, 0.2)
     assert mesh.bounds[0].max() < 0.0, "they are kept"
     mesh.positions[::3] *= 40.0
-    boxes = ShapeBoxes(world, BentMeshes()).of(["mesh"])
+    boxes = ShapeBoxes(world, SkinnedMeshes()).of(["mesh"])
     assert boxes is not None
     assert _outside(mesh.positions.astype(np.float64), boxes) == 0
 
@@ -90,7 +90,7 @@ def _bent_bar(folder: Path, skinning: str, at: float) -> World:
 def test_boxes_of_a_bent_body_hold_its_triangles(at, skinning, tmp_path):
     world = _bent_bar(tmp_path, skinning, at)
     (body,) = world.motion.bodies.values()
-    shapes = ShapeBoxes(world, BentMeshes())
+    shapes = ShapeBoxes(world, SkinnedMeshes())
     boxes = shapes.of(list(body.meshes))
     assert boxes is not None
     for mesh in body.meshes.values():
@@ -108,7 +108,7 @@ def test_boxes_of_a_bent_body_hold_its_triangles(at, skinning, tmp_path):
 def test_boxes_of_a_body_that_left_its_world_are_dropped(tmp_path):
     world = _bent_bar(tmp_path, "linear", 0.4)
     (body,) = world.motion.bodies.values()
-    shapes = ShapeBoxes(world, BentMeshes())
+    shapes = ShapeBoxes(world, SkinnedMeshes())
     assert shapes.of(list(body.meshes)) is not None
     gone = weakref.ref(body)
     world.motion.remove([body.entity])
@@ -125,7 +125,7 @@ def test_boxes_of_a_person_hold_all_levels_and_morphs_in_a_third_of_the_space():
     (animator,) = world.motion.animators.values()
     animator.play("kick", at=0.6, speed=0.0)
     world.update()
-    shapes = ShapeBoxes(world, BentMeshes())
+    shapes = ShapeBoxes(world, SkinnedMeshes())
     for body in world.motion.bodies.values():
         boxes = shapes.of(list(body.meshes))
         assert boxes is not None
@@ -190,8 +190,8 @@ def test_a_shape_that_changes_is_where_it_was_and_where_it_is():
         renderer = Renderer(surface, world, RenderSettings(msaa=0, shadow_size=0))
         renderer.draw([view])
         listed = renderer._list
-        shapes = PlacedShapes(listed.items, ShapeBoxes(world, BentMeshes()))
-        known = ShapeBoxes(world, BentMeshes()).of(["ring"])
+        shapes = PlacedShapes(listed.items, ShapeBoxes(world, SkinnedMeshes()))
+        known = ShapeBoxes(world, SkinnedMeshes()).of(["ring"])
         assert known is not None
         fine = len(known)
 
@@ -239,7 +239,7 @@ def test_boxes_of_a_body_are_those_of_its_drawn_levels():
         renderer = Renderer(surface, world, RenderSettings(msaa=0, shadow_size=0))
         renderer.draw([view])
         listed, sizes = renderer._list, []
-        items, shapes = listed.items, PlacedShapes(listed.items, ShapeBoxes(world, BentMeshes()))
+        items, shapes = listed.items, PlacedShapes(listed.items, ShapeBoxes(world, SkinnedMeshes()))
         levels = [items.levels == 0, items.levels == 1]
         assert levels[1].any()
         for step in range(8):

@@ -193,7 +193,7 @@ def _costs(steps: dict[str, Step], full_ms: float, saving: float) -> float:
 def test_a_run_starts_from_a_quality_it_can_hold():
     """40 ms, and three quarters of that with every level given up: three levels bring it to 16.9 ms, four have room."""
     play, steps, lines = _play()
-    play.governor.settle(lambda: _costs(steps, 40.0, 0.75))
+    play.governor.stabilise(lambda: _costs(steps, 40.0, 0.75))
     assert play.governor.lowered == list(play.governor.steps)
     assert [line["direction"] for line in lines] == ["start"] * 4
     play.run(60.0, lambda: _costs(steps, 40.0, 0.75))
@@ -202,7 +202,7 @@ def test_a_run_starts_from_a_quality_it_can_hold():
 
 def test_a_light_scene_starts_in_full():
     play, steps, lines = _play()
-    play.governor.settle(lambda: 15.0)
+    play.governor.stabilise(lambda: 15.0)
     assert not lines and play.governor.state == FULL and all(not step.raised for step in steps.values())
 
 
@@ -273,7 +273,7 @@ def test_a_last_level_that_buys_nothing_is_given_back_and_frozen_objects():
             return 60.0 * math.prod(cost[name][step.raised[-1] if step.raised else 0] for name, step in steps.items())
 
         if early:
-            play.governor.settle(frame_ms)
+            play.governor.stabilise(frame_ms)
         play.run(30.0, frame_ms)
         assert play.governor.lowered == ["shadow size 256", "resolution scale 0.75", "resolution scale 0.5"]
         assert steps["shadows"].raised == [1, 0]
@@ -285,7 +285,7 @@ def test_what_a_level_cost_whole_frames_is_tried_once_where_those_of_the_run_lea
     """Drawn as a whole it doubles a frame; frames of the run take 9 ms without it, and 12 or 20 with it."""
     play, steps, lines = _play(fixed=("shadow size",))
     whole = iter([60.0, 30.0, 14.0])
-    play.governor.settle(lambda: next(whole, 14.0))
+    play.governor.stabilise(lambda: next(whole, 14.0))
     assert play.governor.state == "resolution scale 0.5"
     play.run(30.0, lambda: 9.0 if steps["resolution scale"].raised[-1] > 1 else 12.0 if fits else 20.0)
     moves = [(line["level"], line["direction"]) for line in lines if line["direction"] != "start"]

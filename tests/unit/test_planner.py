@@ -13,7 +13,7 @@ import pytest
 
 from mimics_app.app.picture.methods import with_methods
 from mimics_app.app.planner.explain import OF_OBJECTS, TICK_GROUP, explain_plan
-from mimics_app.app.planner.plan import choose, load_table, plan_scene, settle
+from mimics_app.app.planner.plan import apply_plan, choose, load_table, plan_scene
 from mimics_app.app.planner.tolerances import BY_PROFILE, tolerances_of
 from mimics_app.app.planner.uses import USES
 from mimics_app.app.scenes.loading import load_checked_scene
@@ -166,7 +166,7 @@ def test_a_method_the_scene_names_runs_although_the_table_lacks_it(scene):
 def test_what_is_chosen_is_what_runs(scene, name, monkeypatch):
     table = planted(tunnel_projection=[projection(name, 1.0, 1e-12), projection("golden section", 2.0, 1e-12)])
     monkeypatch.setattr("mimics_app.app.planner.plan.load_table", lambda: (table, "planted"))
-    settle(scene, "study")
+    apply_plan(scene, "study")
     tunnel = objects_of_scene(scene).rows.tunnels[0]
     assert Projection(tunnel["projection"]) is PROJECTIONS[name]
 
@@ -195,7 +195,7 @@ def test_the_product_runs_the_same_under_other_names_of_the_methods(name, profil
 def test_a_renamed_projection_runs_as_its_settings_say(scene, word, monkeypatch):
     table = planted(tunnel_projection=[row("anything", 1.0, 1e-12, "m", projection=word)])
     monkeypatch.setattr("mimics_app.app.planner.plan.load_table", lambda: (table, "planted"))
-    settle(scene, "study")
+    apply_plan(scene, "study")
     tunnel = objects_of_scene(scene).rows.tunnels[0]
     assert Projection(tunnel["projection"]) is PROJECTIONS[word]
 
@@ -205,7 +205,7 @@ def test_the_form_that_is_chosen_is_what_runs(scene, word, form, monkeypatch):
     leave_open(scene)
     table = planted(admittance_form=[row("anything", 1.0, 1e-12, "N", form=word)])
     monkeypatch.setattr("mimics_app.app.planner.plan.load_table", lambda: (table, "planted"))
-    settle(scene, "study")
+    apply_plan(scene, "study")
     assert robot_block(scene)[0]["form"] == form
 
 

@@ -135,5 +135,5 @@ def _open(scene: Scene, world: World, move: Callable[[float], None], surface: Su
     steps = quality_steps(picture.renderer)
     fixed = [step.name for step in steps] if full else []
     governor = FrameGovernor(steps, tolerances_of(scene, _PROFILE)["frame_ms"], fixed=fixed)
-    governor.settle(partial(measure_frame_ms, picture))
+    governor.stabilise(partial(measure_frame_ms, picture))
     return _LookedAt(move, MonotonicClock(), picture, governor)

@@ -1,7 +1,7 @@
 """Governor of the frame time: it lowers the picture's quality level by level, and restores it when there is time again.
 
 It never changes the haptic loop, nor a step that a study has fixed. A run starts at the quality that an earlier run
-held (`start_from`), or at one that frames drawn before the first one fit into (`settle`). Then:
+held (`start_from`), or at one that frames drawn before the first one fit into (`stabilise`). Then:
 
 - A level is lowered when the median frame was over the budget for half a second.
 - It is restored when frames would have stayed within the budget for three seconds with it, and after one second where
@@ -166,7 +166,7 @@ class FrameGovernor:
             move.guessed = guessed
         return True
 
-    def settle(self, frame_ms: Callable[[], float]) -> None:
+    def stabilise(self, frame_ms: Callable[[], float]) -> None:
         """Before the first frame: lower levels until a frame drawn now, timed by `frame_ms` [ms], fits the budget."""
         now_ms = frame_ms()
         while now_ms > _ROOM * self._budget_ms and self._lowered < len(self._ladder):

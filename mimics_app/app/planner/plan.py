@@ -5,7 +5,7 @@ no accuracy for time.
 
 The planner reads a table of costs and errors and measures nothing, so a plan is the same on every machine and at every
 start: the shipped table (`assets/methods.json`), or the one saved on this machine with `mimics lab measure --save`. Its
-results are settings, which `settle` writes into the scene before anything is built from it.
+results are settings, which `apply_plan` writes into the scene before anything is built from it.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from mimics_app.world.components.tolerance_units import FIELD_OF_UNIT
 from mimics_app.world.files.scene.method_plugins import Use, method_plugins
 from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["ROOM", "Choice", "Costlier", "Plan", "choose", "load_table", "plan_scene", "settle"]
+__all__ = ["ROOM", "Choice", "Costlier", "Plan", "apply_plan", "choose", "load_table", "plan_scene"]
 
 
 ROOM = 0.5
@@ -216,7 +216,7 @@ def _row_of(named: Settings, rows: Sequence[Row]) -> Row:
     return next((row for row in rows if row.settings == named), unknown)
 
 
-def settle(scene: Scene, profile: Profile, plan: Plan | None = None) -> Plan:
+def apply_plan(scene: Scene, profile: Profile, plan: Plan | None = None) -> Plan:
     """Write a plan into the scene, so that everything built from it runs its methods; None: plan the scene first.
 
     Methods that depend on the frame time are chosen when a live picture is opened, because they depend on the driver.

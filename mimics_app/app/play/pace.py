@@ -129,7 +129,7 @@ def _start_lower(session: Session, governor: FrameGovernor) -> str:
     if known is not None and governor.start_from(known):
         governor.prove_last(frame_ms)
     else:
-        governor.settle(frame_ms)
+        governor.stabilise(frame_ms)
     return name
 
 

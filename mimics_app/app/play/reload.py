@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
-from mimics_app.app.planner.plan import settle
+from mimics_app.app.planner.plan import apply_plan
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.scenes.scenario_choice import open_scenario
 from mimics_app.app.session.session import Session
@@ -78,7 +78,7 @@ class SceneReload:
             session.recorder.journal("reload", {"taken": False, "issues": [str(issue) for issue in error.issues]})
             return
         scene.read |= session.scene.read
-        settle(scene, session.settings.profile)
+        apply_plan(scene, session.settings.profile)
         session.scene, session.scenario = scene, open_scenario(scene, session.world)
         if session.picture is not None:
             session.picture.show(scene, session.world)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import msgspec
 
-from mimics_app.app.planner.plan import Plan, settle
+from mimics_app.app.planner.plan import Plan, apply_plan
 from mimics_app.app.scenes.loading import check_scene
 from mimics_app.app.scenes.scenario_choice import open_scenario
 from mimics_app.app.session.body import Body, open_body
@@ -132,7 +132,7 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
         UsageError: A sound device is requested, but the virtual clock would be too fast for it; or the settings file of
             this machine's limits is damaged.
     """
-    plan = settle(scene, settings.profile, plan)
+    plan = apply_plan(scene, settings.profile, plan)
     world = build_world(scene)
     world.effects.seed = settings.seed
     scenario = open_scenario(scene, world)

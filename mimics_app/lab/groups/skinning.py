@@ -25,7 +25,7 @@ from mimics_app.lab.visual.skinned_figure import (
 )
 from mimics_app.rendering.visual.drawing.feedback import FeedbackSkinning
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
-from mimics_app.rendering.visual.drawing.skinning import BentMeshes, ProcessorSkinning
+from mimics_app.rendering.visual.drawing.skinning import ProcessorSkinning, SkinnedMeshes
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 from mimics_app.world.content.motion.posing import mix_duals, mix_matrices
@@ -52,7 +52,7 @@ def _by_driver(world: World, body: SkinnedBody) -> F4:
         arena = MeshArena(surface.ctx)
         arena.update(world)
         skinning = FeedbackSkinning(surface.ctx, ShaderLibrary(surface.ctx), arena)
-        skinning.bend(world, [KEY])
+        skinning.skin(world, [KEY])
         bent = np.frombuffer(arena.vertices.read(), np.float32).reshape(-1, 8)[:, :3].copy()
         skinning.release()
         arena.release()
@@ -93,17 +93,17 @@ def _cost_with_driver(by: type[ProcessorSkinning] | type[FeedbackSkinning], skin
         arena = MeshArena(ctx)
         arena.update(world)
         feedback = by is FeedbackSkinning
-        bender = (
-            FeedbackSkinning(ctx, ShaderLibrary(ctx), arena) if feedback else ProcessorSkinning(arena, BentMeshes())
+        skinner = (
+            FeedbackSkinning(ctx, ShaderLibrary(ctx), arena) if feedback else ProcessorSkinning(arena, SkinnedMeshes())
         )
 
         def work() -> None:
             body.revision += 1
-            bender.bend(world, [KEY])
+            skinner.skin(world, [KEY])
             ctx.finish()
 
         cost = shortest_us(work)
-        bender.release()
+        skinner.release()
         arena.release()
     return cost
 

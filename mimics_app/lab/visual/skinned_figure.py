@@ -9,7 +9,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F4, F8
 from mimics_app.lab.probe import shortest_us
 from mimics_app.maths.quat import from_matrix, multiply
-from mimics_app.rendering.visual.drawing.skinning import bend_mesh, make_source
+from mimics_app.rendering.visual.drawing.skinning import skin_mesh, make_source
 from mimics_app.world.content.meshes.deform import VertexWeights
 from mimics_app.world.content.meshes.mesh import MeshData
 from mimics_app.world.content.motion.skinned_body import SkinnedBody, Skinning, bind
@@ -81,7 +81,7 @@ def dual_quaternions(matrices: F8) -> F8:
 def bend_by_loops(world: World, body: SkinnedBody) -> F4:
     """Return the vertices by the product's compiled loops."""
     out = np.zeros((len(body.meshes[KEY].positions), 8), np.float32)
-    bend_mesh(make_source(body.meshes[KEY]), body, out)
+    skin_mesh(make_source(body.meshes[KEY]), body, out)
     return out[:, :3]
 
 

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Unpack
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import Issue, UsageError
 from mimics_app.rendering.visual.changed_part import ChangedPart
-from mimics_app.rendering.visual.drawing.bending import Bending
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.drawing.frame_buffers import FrameBuffers
 from mimics_app.rendering.visual.drawing.levels import fewer_pixels
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
+from mimics_app.rendering.visual.drawing.mesh_skinning import MeshSkinning
 from mimics_app.rendering.visual.figures.hud import Hud, LayOut
 from mimics_app.rendering.visual.frame_stats import FrameStats
 from mimics_app.rendering.visual.lighting import KeptLighting
@@ -96,7 +96,7 @@ class Renderer:
         self._materials = MaterialStore(ctx, self._shaders, self._has)
         self._list = DrawList(self._arena, self._materials, rasteriser_of(ctx))
         self._frame = FrameBuffers(ctx, self._arena)
-        self._bending = Bending(ctx, self._shaders, self._arena, self.settings.skinning)
+        self._skinning = MeshSkinning(ctx, self._shaders, self._arena, self.settings.skinning)
         self._picture = PictureTarget(surface, self._shaders, self.settings, board_within=self._sparse)
         self._shadows = ShadowStage(ctx, self.settings.shadow_size)
         self._world = WorldStage(ctx, self._shaders, self._frame, self.settings, self._has.texture_size)
@@ -193,7 +193,7 @@ class Renderer:
             self._overlay = None
         parts = (self._pictures, self._hud_pass, self._world, self._shadows, self._picture, self._frame)
         effects = () if self._effects is None else (self._effects,)
-        for part in (*parts, *effects, self._materials, self._arena, self._bending):
+        for part in (*parts, *effects, self._materials, self._arena, self._skinning):
             part.release()
 
     def _measure(
@@ -268,7 +268,7 @@ class Renderer:
 
     def _upload(self) -> None:
         """Skin and upload what was queued since the last call."""
-        self._bending.bend(self.world, self._list)
+        self._skinning.skin(self.world, self._list)
         self._frame.upload()
 
     def _draw_shadows(self) -> int:

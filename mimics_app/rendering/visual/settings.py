@@ -11,7 +11,6 @@ from mimics_app.contracts.errors import UsageError, require_choice
 from mimics_app.world.content.materials.technique import Profile
 
 __all__ = [
-    "BendBy",
     "Culling",
     "Occlusion",
     "ParticleLight",
@@ -19,6 +18,7 @@ __all__ = [
     "RenderSettings",
     "Shading",
     "ShadowKind",
+    "SkinBy",
     "StereoPasses",
 ]
 
@@ -27,7 +27,7 @@ Shading = Literal["full", "matt", "plain"]
 without point and spot lights, or the cheapest, lit per vertex in display values."""
 
 
-BendBy = Literal["processor", "feedback"]
+SkinBy = Literal["processor", "feedback"]
 """Where skinned meshes are deformed: in compiled loops on the processor, or on the GPU by transform feedback."""
 
 ParticleLight = Literal["pixel", "vertex"]
@@ -113,7 +113,7 @@ class RenderSettings:
     profile: Profile = "training"
     occlusion: Occlusion = "all"
     culling: Culling = "auto"
-    skinning: BendBy = "processor"
+    skinning: SkinBy = "processor"
     stereo: StereoPasses = "clip_distance"
     place_threads: bool = True
     timer: bool = False

@@ -9,7 +9,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.view_matrices import Tangents
 
-__all__ = ["Rectangle", "Sight", "look_through"]
+__all__ = ["EyeFrustum", "Rectangle", "look_through"]
 
 
 _NEAREST_EYE = 0.01
@@ -58,7 +58,7 @@ class Rectangle:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sight:
+class EyeFrustum:
     """An eye looking through a rectangle.
 
     Attributes:
@@ -72,7 +72,7 @@ class Sight:
     fault: str = ""
 
 
-def look_through(rectangle: Rectangle, eye: F8) -> Sight:
+def look_through(rectangle: Rectangle, eye: F8) -> EyeFrustum:
     """Return the frustum of an eye through a rectangle.
 
     An eye behind the plane or nearer than `_NEAREST_EYE` is moved in front of it, so that the picture never flips; this
@@ -97,4 +97,4 @@ def look_through(rectangle: Rectangle, eye: F8) -> Sight:
     left, bottom = float(right @ from_eye) / away, float(up @ from_eye) / away
     pose = np.eye(4)
     pose[:3, :3], pose[:3, 3] = axes, eye
-    return Sight(pose, (left, left + rectangle.width / away, bottom, bottom + rectangle.height / away), fault)
+    return EyeFrustum(pose, (left, left + rectangle.width / away, bottom, bottom + rectangle.height / away), fault)

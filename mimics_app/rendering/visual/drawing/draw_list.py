@@ -25,7 +25,7 @@ from mimics_app.rendering.visual.drawing.occlusion import (
     make_raster,
 )
 from mimics_app.rendering.visual.drawing.shadow_casters import Casters
-from mimics_app.rendering.visual.drawing.skinning import BentMeshes
+from mimics_app.rendering.visual.drawing.skinning import SkinnedMeshes
 from mimics_app.rendering.visual.drawing.state_choice import StateChoice
 from mimics_app.rendering.visual.kernels.bounds import gather_casters, update_bounds
 from mimics_app.rendering.visual.kernels.frustum import cull_flat
@@ -79,7 +79,7 @@ class DrawList:
         self._casters: dict[float, Casters] = {}
         self._coarser: dict[float, tuple[Casters, Casters]] = {}
         self._bent: dict[SkinnedBody, int] = {}
-        self.bent = BentMeshes()
+        self.bent = SkinnedMeshes()
         self.fates: U1 | None = None
 
     def update(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F4
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
-from mimics_app.rendering.visual.drawing.skinning import BendSource, bend_mesh, make_source
+from mimics_app.rendering.visual.drawing.skinning import SkinSource, make_source, skin_mesh
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
 from mimics_app.rendering.visual.materials.vertex_arrays import VertexArrays
 from mimics_app.world.content.meshes.mesh import MeshData
@@ -38,7 +38,7 @@ _MAX_MORPHS = 64
 class _Held:
     """GPU objects of a mesh: vertices with joints and weights, and deltas of morph targets."""
 
-    def __init__(self, ctx: moderngl.Context, source: BendSource) -> None:
+    def __init__(self, ctx: moderngl.Context, source: SkinSource) -> None:
         mesh = source.mesh
         assert mesh.weights is not None
         self.source = source
@@ -66,8 +66,8 @@ class FeedbackSkinning:
         # Without a complete framebuffer a driver writes no feedback, and reports no error.
         self._dummy = ctx.framebuffer([ctx.renderbuffer((1, 1))])
 
-    def bend(self, world: World, names: list[str]) -> int:
-        """Skin the drawn meshes that changed; see `ProcessorSkinning.bend`."""
+    def skin(self, world: World, names: list[str]) -> int:
+        """Skin the drawn meshes that changed; see `ProcessorSkinning.skin`."""
         bodies, vertices = world.motion.body_of, 0
         if self._rebuilt != self._arena.rebuilt:
             self._rebuilt, self._done = self._arena.rebuilt, {}
@@ -102,8 +102,8 @@ class FeedbackSkinning:
         stream = np.zeros((len(mesh.positions), 8), np.float32)
         if mesh.uvs is not None:
             stream[:, 6:] = mesh.uvs
-        bend_mesh(make_source(mesh), body, stream)
-        self._arena.write_bent(name, stream)
+        skin_mesh(make_source(mesh), body, stream)
+        self._arena.write_skinned(name, stream)
 
     def _send_palette(self, body: SkinnedBody) -> None:
         rows = body.duals if body.method == "dual" else body.rows
@@ -176,7 +176,7 @@ def _vertex_array(
     return ctx.vertex_array(shader.program, [content], mode=ctx.POINTS)
 
 
-def _upload_deltas(ctx: moderngl.Context, source: BendSource) -> moderngl.Texture:
+def _upload_deltas(ctx: moderngl.Context, source: SkinSource) -> moderngl.Texture:
     """Upload the deltas of positions and of normals alternately, target by target, in rows of a texture."""
     both = np.zeros((len(source.position_deltas), 2, len(source.mesh.positions), 4), np.float32)
     both[:, 0, :, :3] = source.position_deltas

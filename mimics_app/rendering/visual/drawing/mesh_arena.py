@@ -159,7 +159,7 @@ class MeshArena:
         if len(listed):
             self._indices[False].write(listed, offset=listed.itemsize * self.lists.first)
 
-    def write_bent(self, name: str, packed: F4) -> None:
+    def write_skinned(self, name: str, packed: F4) -> None:
         """Overwrite the vertices of a mesh with its skinned ones, float32 [n, 8]."""
         self._vertices.write(packed, offset=self.ranges[name].base_vertex * _VERTEX.itemsize)
         self.uploaded += packed.nbytes

@@ -14,7 +14,7 @@ from mimics_app.world.content.meshes.mesh import MeshData
 from mimics_app.world.content.motion.skinned_body import SkinnedBody
 from mimics_app.world.content.world import World
 
-__all__ = ["BendSource", "BentMeshes", "ProcessorSkinning", "bend_mesh", "make_source"]
+__all__ = ["ProcessorSkinning", "SkinSource", "SkinnedMeshes", "make_source", "skin_mesh"]
 
 
 _FLOATS = 8
@@ -22,7 +22,7 @@ _FLOATS = 8
 
 
 @dataclass(frozen=True, eq=False)
-class BendSource:
+class SkinSource:
     """Constant input of skinning a mesh.
 
     Attributes:
@@ -37,19 +37,19 @@ class BendSource:
 
 
 @dataclass(slots=True, eq=False)
-class _Bent:
+class _Skinned:
     """A mesh of a body: constant input, skinned vertices [n, 8], and the revision of the body they are of."""
 
-    source: BendSource
+    source: SkinSource
     stream: F4
     revision: int = -1
 
 
-class BentMeshes:
+class SkinnedMeshes:
     """Skinned meshes: each is skinned once a frame, for the first who asks."""
 
     def __init__(self) -> None:
-        self._bent = WeakKeyDictionary[SkinnedBody, dict[str, _Bent]]()
+        self._bent = WeakKeyDictionary[SkinnedBody, dict[str, _Skinned]]()
 
     def of(self, body: SkinnedBody, name: str) -> F4:
         """Return the vertices of a body's mesh, skinned as the body is now: float32 [n, 8], kept until it bends."""
@@ -61,10 +61,10 @@ class BentMeshes:
             stream = np.zeros((len(mesh.positions), _FLOATS), np.float32)
             if mesh.uvs is not None:
                 stream[:, 6:] = mesh.uvs
-            bent = meshes[name] = _Bent(make_source(mesh), stream)
+            bent = meshes[name] = _Skinned(make_source(mesh), stream)
         if bent.revision != body.revision:
             bent.revision = body.revision
-            bend_mesh(bent.source, body, bent.stream)
+            skin_mesh(bent.source, body, bent.stream)
         return bent.stream
 
 
@@ -76,12 +76,12 @@ class ProcessorSkinning:
         bent: The skinned meshes.
     """
 
-    def __init__(self, arena: MeshArena, bent: BentMeshes) -> None:
+    def __init__(self, arena: MeshArena, bent: SkinnedMeshes) -> None:
         self._arena, self._bent = arena, bent
         self._sent: dict[str, tuple[SkinnedBody, MeshData, int]] = {}
         self._rebuilt = -1
 
-    def bend(self, world: World, names: list[str]) -> int:
+    def skin(self, world: World, names: list[str]) -> int:
         """Skin the meshes whose pose changed since they were last drawn; return the number of their vertices.
 
         Args:
@@ -99,7 +99,7 @@ class ProcessorSkinning:
             if self._sent.get(name) != present:
                 self._sent[name] = present
                 stream = self._bent.of(body, name)
-                self._arena.write_bent(name, stream)
+                self._arena.write_skinned(name, stream)
                 vertices += len(stream)
         return vertices
 
@@ -107,18 +107,18 @@ class ProcessorSkinning:
         """Do nothing: no GPU object is owned."""
 
 
-def make_source(mesh: MeshData) -> BendSource:
+def make_source(mesh: MeshData) -> SkinSource:
     """Return the constant input of skinning a mesh."""
     morphs, shape = mesh.morphs, (len(mesh.morphs), *mesh.positions.shape)
     positions = np.array([morph.positions for morph in morphs], np.float32).reshape(shape)
     if all(morph.normals is None for morph in morphs):
-        return BendSource(mesh, positions, None)
+        return SkinSource(mesh, positions, None)
     nothing = np.zeros_like(mesh.normals)
     normals = [nothing if morph.normals is None else morph.normals for morph in morphs]
-    return BendSource(mesh, positions, np.array(normals, np.float32).reshape(shape))
+    return SkinSource(mesh, positions, np.array(normals, np.float32).reshape(shape))
 
 
-def bend_mesh(source: BendSource, body: SkinnedBody, out: F4) -> None:
+def skin_mesh(source: SkinSource, body: SkinnedBody, out: F4) -> None:
     """Write position and normal of a mesh's skinned vertices into float32 [n, 8]."""
     mesh = source.mesh
     positions, normals = mesh.positions, mesh.normals

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from mimics_app.rendering.visual.drawing.draw_items import DrawItems
     from mimics_app.rendering.visual.drawing.mesh_arena import MeshRange
     from mimics_app.rendering.visual.drawing.occlusion import Raster
-    from mimics_app.rendering.visual.drawing.skinning import BentMeshes
+    from mimics_app.rendering.visual.drawing.skinning import SkinnedMeshes
     from mimics_app.world.content.meshes.mesh import MeshData
 
 __all__ = ["TriangleLists"]
@@ -69,7 +69,7 @@ class TriangleLists:
         raster: Raster,
         samples: int,
         nearness: F8,
-        bent: BentMeshes | None,
+        bent: SkinnedMeshes | None,
         parts: I4,
     ) -> bool:
         """List the triangles of some items that a view may show.

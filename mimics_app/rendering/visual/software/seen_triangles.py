@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mimics_app.rendering.visual.drawing.draw_items import DrawItems
     from mimics_app.rendering.visual.drawing.mesh_arena import MeshRange
     from mimics_app.rendering.visual.drawing.occlusion import Raster
-    from mimics_app.rendering.visual.drawing.skinning import BentMeshes
+    from mimics_app.rendering.visual.drawing.skinning import SkinnedMeshes
     from mimics_app.world.content.meshes.mesh import MeshData
     from mimics_app.world.content.motion.skinned_body import SkinnedBody
 
@@ -84,7 +84,7 @@ class SeenTriangles(TriangleLists):
         raster: Raster,
         samples: int,
         nearness: F8,
-        bent: BentMeshes | None,
+        bent: SkinnedMeshes | None,
         parts: I4,
     ) -> bool:
         cells = _CELLS if samples > 1 else 1

@@ -8,7 +8,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from mimics_app.contracts.arrays import F4, F8, I4
-from mimics_app.rendering.visual.drawing.skinning import BentMeshes
+from mimics_app.rendering.visual.drawing.skinning import SkinnedMeshes
 from mimics_app.rendering.visual.software.kernels.voxels import bound_clusters, voxelise
 from mimics_app.world.content.meshes.mesh import MeshData
 from mimics_app.world.content.motion.skinned_body import SkinnedBody
@@ -31,7 +31,7 @@ class ShapeBoxes:
         bent: Its skinned meshes.
     """
 
-    def __init__(self, world: World, bent: BentMeshes) -> None:
+    def __init__(self, world: World, bent: SkinnedMeshes) -> None:
         self.world, self._bent = world, bent
         self._rigid: dict[tuple[str, ...], tuple[list[tuple[int, MeshData]], F8]] = {}
         self._clusters = WeakKeyDictionary[SkinnedBody, dict[tuple[str, ...], _Clusters]]()
