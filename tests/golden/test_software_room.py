@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
+from mimics_app.app.bench.software_bench import measure_software
 from mimics_app.app.cli import main
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.rasteriser import Rasteriser, rasteriser_of, without_software
@@ -69,6 +71,15 @@ def test_the_picture_is_the_same_without_it(assert_same):
         with without_software() if off else create_surface("egl", (8, 8)), create_surface("egl", (480, 270)) as surface:
             pictures.append(draw_tunnel(surface))
     assert_same(*pictures, "the tunnel")
+
+
+@pytest.mark.slow  # a picture for every part
+def test_what_each_part_saves_is_measured_with_and_without_it():
+    with create_surface("egl", (8, 8)) as surface:
+        parts = rasteriser_of(surface.ctx).parts
+    (measured,) = measure_software([Path("kicking")], (64, 36), 2, lambda _: None)["scenes"].values()
+    assert measured["ratios"].keys() == {part.__name__ for part in parts}
+    assert min(measured["ratios"].values()) > 0.0 and measured["ms"] > 0.0
 
 
 @pytest.mark.slow  # the whole suite of pictures once more

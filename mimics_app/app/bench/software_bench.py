@@ -67,7 +67,7 @@ def _measure_scene(scene: Scene, size: Size, count: int) -> dict[str, Any]:
             closing.callback(_close, picture)
         spent: dict[str, list[float]] = {name: [] for name in pictures}
         for number in range(_WARM_UP + count):
-            frames.play_to_start()
+            frames.advance_frame()
             for name, picture in pictures.items() if number % 2 else reversed(pictures.items()):
                 spent[name].append(_draw(frames, picture))
     whole = spent.pop("")[_WARM_UP:]
