@@ -9,7 +9,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F4, F8
 from mimics_app.lab.probe import shortest_us
 from mimics_app.maths.quat import from_matrix, multiply
-from mimics_app.rendering.visual.drawing.skinning import skin_mesh, make_source
+from mimics_app.rendering.visual.drawing.skinning import make_source, skin_mesh
 from mimics_app.world.content.meshes.deform import VertexWeights
 from mimics_app.world.content.meshes.mesh import MeshData
 from mimics_app.world.content.motion.skinned_body import SkinnedBody, Skinning, bind
