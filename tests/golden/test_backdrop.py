@@ -21,6 +21,8 @@ from mimics_app.world.content.meshes.primitives import plane
 from mimics_app.world.content.world import World
 from tests.golden.test_still_picture import PLAIN, SIZE, draw_whole, dress, make_world, view
 
+pytestmark = pytest.mark.software
+
 
 def make_cloudy_world() -> World:
     """The boxes, with trees behind and before them, and many particles between."""

@@ -28,6 +28,8 @@ from mimics_app.world.files.scene.model_world import load_model_world
 from tests.support.gltf_maker import write_gltf
 from tests.support.skin_maker import add_clip, bar, turn
 
+pytestmark = pytest.mark.software
+
 CHANCE = np.random.default_rng(5)
 
 

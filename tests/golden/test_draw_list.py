@@ -63,6 +63,7 @@ def make_crowd(count=300, seed=2) -> World:
     return world
 
 
+@pytest.mark.software
 @pytest.mark.parametrize(("size", "name"), [(SIZE, "FEW_PIXELS_TRIANGLES"), ((640, 360), "MAX_TRIANGLES")])
 def test_a_large_frame_is_sent_in_pieces_which_nothing_shows(monkeypatch, size, name):
     """Of one mesh and of many: no pixel says in how many pieces a frame was sent."""

@@ -17,6 +17,8 @@ from mimics_app.rendering.visual.view import View
 from mimics_app.world.content.meshes.primitives import icosphere
 from mimics_app.world.content.world import World
 
+pytestmark = pytest.mark.software
+
 SETTINGS = RenderSettings(msaa=0, shadow_size=0)
 LARGE, SMALL = (640, 480), (64, 36)
 

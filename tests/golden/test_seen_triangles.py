@@ -19,6 +19,8 @@ from mimics_app.world.content.materials.material import Material
 from mimics_app.world.content.meshes.primitives import box, icosphere, plane, torus
 from mimics_app.world.content.world import World
 
+pytestmark = pytest.mark.software
+
 SETTINGS = RenderSettings(msaa=0, shadow_size=0, fog_density=0.0, shading="plain")
 WHOLE = replace(SETTINGS, occlusion="off")
 

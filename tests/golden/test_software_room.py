@@ -54,6 +54,7 @@ def test_nobody_outside_the_room_imports_it():
     assert not found
 
 
+@pytest.mark.software
 def test_without_it_every_class_is_its_own_member():
     with create_surface("egl", (8, 8)) as surface:
         in_software = rasteriser_of(surface.ctx)
@@ -73,6 +74,7 @@ def test_the_picture_is_the_same_without_it(assert_same):
     assert_same(*pictures, "the tunnel")
 
 
+@pytest.mark.software
 @pytest.mark.slow  # a picture for every part
 def test_what_each_part_saves_is_measured_with_and_without_it():
     with create_surface("egl", (8, 8)) as surface:
@@ -82,6 +84,7 @@ def test_what_each_part_saves_is_measured_with_and_without_it():
     assert min(measured["ratios"].values()) > 0.0 and measured["ms"] > 0.0
 
 
+@pytest.mark.software
 @pytest.mark.slow  # the whole suite of pictures once more
 def test_the_golden_suite_passes_without_it():
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "not slow", "--nosoftware"]
@@ -89,6 +92,7 @@ def test_the_golden_suite_passes_without_it():
     assert done.returncode == 0, done.stdout[-4000:]
 
 
+@pytest.mark.software
 @pytest.mark.parametrize("opt", ["", "nosoftware"])
 def test_a_run_and_a_bench_take_the_option(opt, tmp_path, monkeypatch):
     seen = []

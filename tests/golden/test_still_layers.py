@@ -18,6 +18,8 @@ from mimics_app.world.content.materials.material import Material
 from mimics_app.world.content.meshes.primitives import box, icosphere, plane
 from mimics_app.world.content.world import World
 
+pytestmark = pytest.mark.software
+
 SIZE = (160, 120)
 BOX, BALL = 12, 80
 """Triangles of each."""

@@ -30,6 +30,8 @@ from mimics_app.world.content.materials.technique import PassSpec, TechniqueSpec
 from mimics_app.world.content.meshes.primitives import box, icosphere, plane
 from mimics_app.world.content.world import World
 
+pytestmark = pytest.mark.software
+
 SIZE = (320, 192)
 PLAIN = RenderSettings(msaa=0, shadow_size=256)
 

@@ -24,6 +24,8 @@ from mimics_app.world.files.scene.model_world import load_model_world
 from mimics_app.world.files.scene.technique_library import built_in_techniques
 from tests.golden.drawing import Picture, draw_offscreen
 
+pytestmark = pytest.mark.software
+
 SIZE = (320, 320)
 LIMIT = 8.0
 FAR, NEAR = 5.0, 1.2
