@@ -27,6 +27,7 @@ from mimics_app.rendering.visual.drawing.occlusion import (
 from mimics_app.rendering.visual.drawing.shadow_casters import Casters
 from mimics_app.rendering.visual.drawing.skinning import SkinnedMeshes
 from mimics_app.rendering.visual.drawing.state_choice import StateChoice
+from mimics_app.rendering.visual.drawing.triangle_lists import SeenItems
 from mimics_app.rendering.visual.kernels.bounds import gather_casters, update_bounds
 from mimics_app.rendering.visual.kernels.frustum import cull_flat
 from mimics_app.rendering.visual.kernels.levels import pick_levels
@@ -300,9 +301,10 @@ class DrawList:
         if not self._by_triangle or view.clip_plane is not None:
             return False
         nearness = NO_OCCLUDER if self._occlusion is None else self._occlusion.nearness
-        bodies = (self.items, self._world, self.centres, self.radii, self._mirrored)
+        placed = (self._world, self.centres, self.radii, self._mirrored)
+        seen = SeenItems(self._picked[:count], self.items, *placed)
         bent = self.bent if self._by_processor else None
-        return self._arena.lists.pick(self._picked[:count], *bodies, raster, samples, nearness, bent, self._parts)
+        return self._arena.lists.pick(seen, raster, samples, nearness, bent, self._parts)
 
     def _pick_also(self, views: Sequence[View], count: int, shown: U1, sizes: Sequence[Size], samples: int) -> int:
         """Add the items visible in other views to those picked already; return how many there are."""

@@ -11,8 +11,14 @@ import numpy as np
 from mimics_app.contracts.arrays import F8, I4
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
-from mimics_app.rendering.visual.kernels.occluders import draw_occluders, pick_occluders
-from mimics_app.rendering.visual.kernels.occlusion import MARGIN_PX, remove_hidden
+from mimics_app.rendering.visual.kernels.occluders import (
+    ItemPlaces,
+    Occluders,
+    OccluderView,
+    draw_occluders,
+    pick_occluders,
+)
+from mimics_app.rendering.visual.kernels.occlusion import MARGIN_PX, CoarseDepth, ItemBoxes, remove_hidden
 from mimics_app.rendering.visual.settings import Occlusion
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.content.world import World
@@ -34,29 +40,6 @@ _DEPTH_STEPS = 64.0 / 2.0**24
 """Depth difference that a 24-bit depth buffer resolves for certain."""
 
 _NEAR_MARGIN = 1.001
-
-
-@dataclass(frozen=True, eq=False)
-class Occluders:
-    """Occluder boxes, in the frames of their nodes [m].
-
-    Attributes:
-        of_item: Number of each item's box, -1: none; int32 [n].
-        inner_centre: Centres of the boxes, float64 [boxes, 3].
-        inner_half: Their half extents, [boxes, 3].
-        whole_centre: Centres of the bounding boxes of the whole bodies, [boxes, 3].
-        whole_half: Their half extents, [boxes, 3].
-        caps: Planes that the camera has to be behind, normal and offset, [.., 4].
-        caps_from: First plane of each box, and the end of the last, int32 [boxes + 1].
-    """
-
-    of_item: I4
-    inner_centre: F8
-    inner_half: F8
-    whole_centre: F8
-    whole_half: F8
-    caps: F8
-    caps_from: I4
 
 
 def gather_occluders(world: World, items: DrawItems, arena: MeshArena, wanted: Occlusion) -> Occluders:
@@ -134,16 +117,15 @@ class OcclusionPass:
             self.nearness = NO_OCCLUDER
             return count
         self._draw(chosen, raster, items, world)
-        camera = (raster.eye, raster.screen, raster.near, raster.step, raster.block, raster.reach, *raster.size)
-        bodies = (items.rows, world, items.local, items.half)
-        return remove_hidden(picked, count, *camera, *bodies, self.nearness)
+        depth = CoarseDepth(self.nearness, raster.block, *raster.size, raster.near, raster.step)
+        boxes = ItemBoxes(items.rows, world, items.local, items.half)
+        return remove_hidden(picked, count, raster.eye, raster.screen, depth, raster.reach, boxes)
 
     def _choose(self, able: I4, raster: Raster, items: DrawItems, world: F8, centres: F8) -> I4:
         """Return the items whose boxes are the best occluders, at most `_MAX_OCCLUDERS`."""
-        box = (self._occluders.of_item, self._occluders.inner_half)
         least = _LEAST_BLOCKS * raster.block / raster.focal
-        bodies = (*box, items.rows, world, centres)
-        found = pick_occluders(able, len(able), raster.eye, least, *bodies, self._chosen, self._score)
+        placed = ItemPlaces(items.rows, world, centres)
+        found = pick_occluders(able, raster.eye, least, self._occluders, placed, self._chosen, self._score)
         return self._chosen[:found]
 
     def _draw(self, chosen: I4, raster: Raster, items: DrawItems, world: F8) -> None:
@@ -151,11 +133,8 @@ class OcclusionPass:
         if self._blocks.shape != raster.shape:
             self._blocks = np.zeros(raster.shape)
         self.nearness = self._blocks
-        known = self._occluders
         camera = (raster.eye, raster.window, raster.screen, raster.rays, raster.near, raster.block, raster.reach)
-        boxes = (known.of_item, known.whole_centre, known.whole_half, known.inner_centre, known.inner_half)
-        caps = (known.caps, known.caps_from)
-        draw_occluders(chosen, len(chosen), *camera, items.rows, world, *boxes, *caps, self.nearness)
+        draw_occluders(chosen, OccluderView(*camera), self._occluders, items.rows, world, self.nearness)
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,9 +17,30 @@ if TYPE_CHECKING:
     from mimics_app.rendering.visual.drawing.skinning import SkinnedMeshes
     from mimics_app.world.content.meshes.mesh import MeshData
 
-__all__ = ["TriangleLists"]
+__all__ = ["SeenItems", "TriangleLists"]
 
 _NONE: U2 = np.zeros(0, np.uint16)
+
+
+@dataclass(frozen=True, eq=False)
+class SeenItems:
+    """Items that a view may show.
+
+    Attributes:
+        picked: Their numbers, [k].
+        items: All draw items.
+        world: T_world_from_node per row, [rows, 4, 4].
+        centres: Centres of all items' spheres, world [m], [n, 3].
+        radii: Their radii [m], [n].
+        mirrored: 1 where the winding of an item's faces is reversed, [n].
+    """
+
+    picked: I4
+    items: DrawItems
+    world: F8
+    centres: F8
+    radii: F8
+    mirrored: U1
 
 
 class TriangleLists:
@@ -59,28 +81,12 @@ class TriangleLists:
         return 0, 0
 
     def pick(
-        self,
-        picked: I4,
-        items: DrawItems,
-        world: F8,
-        centres: F8,
-        radii: F8,
-        mirrored: U1,
-        raster: Raster,
-        samples: int,
-        nearness: F8,
-        bent: SkinnedMeshes | None,
-        parts: I4,
+        self, seen: SeenItems, raster: Raster, samples: int, nearness: F8, bent: SkinnedMeshes | None, parts: I4
     ) -> bool:
         """List the triangles of some items that a view may show.
 
         Args:
-            picked: Numbers of the items, [k].
-            items: The draw items.
-            world: T_world_from_node per row, [rows, 4, 4].
-            centres: Centres of the items' spheres, world [m], [n, 3].
-            radii: Their radii [m], [n].
-            mirrored: 1 where the winding of an item's faces is reversed, [n].
+            seen: The items.
             raster: Projection of the view.
             samples: Samples per pixel.
             nearness: 1/w of its nearest occluder per block [1/m], [rows, columns].

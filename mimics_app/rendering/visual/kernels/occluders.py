@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, I4
 from mimics_app.rendering.visual.kernels.projection import TO_SCREEN, project_box, to_node, to_screen
 
-__all__ = ["draw_occluders", "pick_occluders"]
+__all__ = ["ItemPlaces", "OccluderView", "Occluders", "draw_occluders", "pick_occluders"]
 
 
 _POINTS = 24
@@ -26,28 +27,80 @@ _MAX_ROW_PX = 1e9
 """Largest row of a hull [px], so that it fits an integer."""
 
 
+class Occluders(NamedTuple):
+    """Occluder boxes, in the frames of their nodes [m].
+
+    Attributes:
+        of_item: Number of each item's box, -1: none; int32 [n].
+        inner_centre: Centres of the boxes, float64 [boxes, 3].
+        inner_half: Their half extents, [boxes, 3].
+        whole_centre: Centres of the bounding boxes of the whole bodies, [boxes, 3].
+        whole_half: Their half extents, [boxes, 3].
+        caps: Planes that the camera has to be behind, normal and offset, [.., 4].
+        caps_from: First plane of each box, and the end of the last, int32 [boxes + 1].
+    """
+
+    of_item: I4
+    inner_centre: F8
+    inner_half: F8
+    whole_centre: F8
+    whole_half: F8
+    caps: F8
+    caps_from: I4
+
+
+class OccluderView(NamedTuple):
+    """A camera and its picture.
+
+    Attributes:
+        eye: Position of the camera, world [m], [3].
+        window: Corners of the near plane's window relative to the camera [m], [4, 3].
+        screen: Matrix from world vectors relative to the camera to X w, Y w [px] and w [m], [3, 3].
+        rays: World directions of w = 1 per pixel to the right, per pixel up, and at pixel (0, 0); [3, 3].
+        near: Distance of the near plane [m].
+        block: Width of a square block [px].
+        reach: Largest offset of a sample from its pixel's centre, with the margin [px].
+    """
+
+    eye: F8
+    window: F8
+    screen: F8
+    rays: F8
+    near: float
+    block: int
+    reach: float
+
+
+class ItemPlaces(NamedTuple):
+    """Where items are.
+
+    Attributes:
+        rows: Row of the node per item, [n].
+        world: T_world_from_node per row.
+        centres: Centres of the items' spheres, world [m], [n, 3].
+    """
+
+    rows: I4
+    world: F8
+    centres: F8
+
+
 @kernel
-def _is_valid(
-    eye: F8, window: F8, world: F8, row: int, centre: F8, half: F8, box: int, caps: F8, first: int, last: int, out: F8
-) -> bool:
+def _is_valid(view: OccluderView, known: Occluders, box: int, world: F8, row: int, out: F8) -> bool:
     """Return True when an inner box is a valid occluder for a camera.
 
     Camera and near window have to be outside the bounding box of the whole body, on one side of it, so that the near
     plane removes no front face, and the camera behind every cap.
 
     Args:
-        eye: Position of the camera, world [m], [3].
-        window: Corners of the near plane's window relative to the camera [m], [4, 3].
+        view: The camera.
+        known: All boxes.
+        box: Number of the box.
         world: T_world_from_node per row.
         row: Row of the item's node.
-        centre: Centres of the whole bodies' boxes in their nodes' frames [m], [boxes, 3].
-        half: Their half extents [m], [boxes, 3].
-        box: Number of the box.
-        caps: Planes in the nodes' frames, [.., 4].
-        first: First cap of the box.
-        last: End of its caps.
         out: Written: camera and corners in the node's frame, [5, 3].
     """
+    eye, window, centre, half, caps = view.eye, view.window, known.whole_centre, known.whole_half, known.caps
     to_node(world, row, eye[0] - world[row, 0, 3], eye[1] - world[row, 1, 3], eye[2] - world[row, 2, 3], out, 0)
     for corner in range(_WINDOW):
         to_node(world, row, window[corner, 0], window[corner, 1], window[corner, 2], out, corner + 1)
@@ -62,7 +115,7 @@ def _is_valid(
         apart = apart or low > half[box, k] or high < -half[box, k]
     if not apart:
         return False
-    for cap in range(first, last):
+    for cap in range(known.caps_from[box], known.caps_from[box + 1]):
         depth = caps[cap, 0] * out[0, 0] + caps[cap, 1] * out[0, 1] + caps[cap, 2] * out[0, 2] + caps[cap, 3]
         if not depth < 0.0:
             return False
@@ -70,44 +123,29 @@ def _is_valid(
 
 
 @kernel
-def pick_occluders(
-    items: I4,
-    count: int,
-    eye: F8,
-    least: float,
-    solid: I4,
-    inner_half: F8,
-    rows: I4,
-    world: F8,
-    centres: F8,
-    out: I4,
-    score: F8,
-) -> int:
+def pick_occluders(items: I4, eye: F8, least: float, known: Occluders, placed: ItemPlaces, out: I4, score: F8) -> int:
     """Pick the items whose inner boxes have the largest solid angle.
 
     Args:
-        items: Items in the frustum, [>= count].
-        count: Number of items.
+        items: Items in the frustum, [k].
         eye: Position of the camera, world [m], [3].
         least: Half diagonal of a box over its distance up to which it hides too little to be picked.
-        solid: Number of each item's inner box, -1: none; [n].
-        inner_half: Half extents of the inner boxes in their nodes' frames [m], [boxes, 3].
-        rows: Row of the node per item, [n].
-        world: T_world_from_node per row.
-        centres: Centres of the items' spheres, world [m], [n, 3].
+        known: All boxes.
+        placed: Where the items are.
         out: Written: items, best first, [capacity].
         score: Scratch, [capacity].
 
     Returns:
         How many, at most the length of `out`.
     """
+    world, centres, inner_half = placed.world, placed.centres, known.inner_half
     kept, capacity = 0, out.shape[0]
-    for i in range(count):
+    for i in range(items.shape[0]):
         item = items[i]
-        box = solid[item]
+        box = known.of_item[item]
         if box < 0:
             continue
-        row, size, distance2 = rows[item], 0.0, 0.0
+        row, size, distance2 = placed.rows[item], 0.0, 0.0
         for k in range(3):
             for axis in range(3):
                 size += (world[row, k, axis] * inner_half[box, axis]) ** 2
@@ -248,48 +286,15 @@ def _fill(hull: F8, size: int, planes: F8, faces: int, block: int, reach: float,
 
 
 @kernel
-def draw_occluders(
-    chosen: I4,
-    count: int,
-    eye: F8,
-    window: F8,
-    screen: F8,
-    rays: F8,
-    near: float,
-    block: int,
-    reach: float,
-    rows: I4,
-    world: F8,
-    solid: I4,
-    whole_centre: F8,
-    whole_half: F8,
-    inner_centre: F8,
-    inner_half: F8,
-    caps: F8,
-    caps_from: I4,
-    nearness: F8,
-) -> int:
+def draw_occluders(chosen: I4, view: OccluderView, known: Occluders, rows: I4, world: F8, nearness: F8) -> int:
     """Rasterise inner boxes into the coarse depth buffer.
 
     Args:
-        chosen: Numbers of items that have one, [>= count].
-        count: Number of items.
-        eye: Position of the camera, world [m], [3].
-        window: Corners of the near plane's window relative to the camera [m], [4, 3].
-        screen: Matrix from world vectors relative to the camera to X w, Y w [px] and w [m], [3, 3].
-        rays: World directions of w = 1 per pixel to the right, per pixel up, and at pixel (0, 0); [3, 3].
-        near: Distance of the near plane [m].
-        block: Width of a square block [px].
-        reach: Largest offset of a sample from its pixel's centre, with the margin [px].
+        chosen: Numbers of items that have one, [k].
+        view: The camera.
+        known: All boxes.
         rows: Row of the node per item, [n].
         world: T_world_from_node per row.
-        solid: Number of each item's inner box, [n].
-        whole_centre: Centres of the whole bodies' boxes in their nodes' frames [m], [boxes, 3].
-        whole_half: Their half extents [m], [boxes, 3].
-        inner_centre: Centres of the inner boxes in their nodes' frames [m], [boxes, 3].
-        inner_half: Their half extents [m], [boxes, 3].
-        caps: Planes of all boxes, [.., 4].
-        caps_from: First plane of each box, and the end of the last, [boxes + 1].
         nearness: Written: 1/w of the nearest occluder, 0: none [1/m], [rows, columns].
 
     Returns:
@@ -299,20 +304,19 @@ def draw_occluders(
     corners, points, hull = np.empty((_CORNERS, 3)), np.empty((_POINTS, 2)), np.empty((2 * _POINTS, 2))
     spots, planes, matrix = np.empty((_WINDOW + 1, 3)), np.empty((3, 3)), np.empty(TO_SCREEN)
     used = 0
-    for i in range(count):
+    for i in range(chosen.shape[0]):
         item = chosen[i]
-        row, box = rows[item], solid[item]
-        first, last = caps_from[box], caps_from[box + 1]
-        if not _is_valid(eye, window, world, row, whole_centre, whole_half, box, caps, first, last, spots):
+        row, box = rows[item], known.of_item[item]
+        if not _is_valid(view, known, box, world, row, spots):
             continue
-        to_screen(screen, eye, world, row, matrix)
-        project_box(matrix, inner_centre, inner_half, box, corners)
-        size = _cut_near(corners, near, points)
+        to_screen(view.screen, view.eye, world, row, matrix)
+        project_box(matrix, known.inner_centre, known.inner_half, box, corners)
+        size = _cut_near(corners, view.near, points)
         if size < 3:
             continue
-        faces = _entry_planes(spots, inner_centre, inner_half, box, world, row, rays, planes)
+        faces = _entry_planes(spots, known.inner_centre, known.inner_half, box, world, row, view.rays, planes)
         sides = _hull(points, size, hull)
         if faces and sides >= 3:
-            _fill(hull, sides, planes, faces, block, reach, nearness)
+            _fill(hull, sides, planes, faces, view.block, view.reach, nearness)
             used += 1
     return used

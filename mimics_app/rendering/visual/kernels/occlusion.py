@@ -14,6 +14,7 @@ value above the item's own largest 1/w. All rounding is conservative:
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, I4
 from mimics_app.rendering.visual.kernels.projection import TO_SCREEN, project_box, to_screen
 
-__all__ = ["MARGIN_PX", "hides", "is_hidden", "remove_hidden"]
+__all__ = ["MARGIN_PX", "CoarseDepth", "ItemBoxes", "hides", "is_hidden", "remove_hidden"]
 
 
 MARGIN_PX = 0.0625
@@ -34,36 +35,63 @@ _CORNERS = 8
 """Corners of a box."""
 
 
+class CoarseDepth(NamedTuple):
+    """The coarse depth buffer of a picture; pixels may be finer cells than those of the picture.
+
+    Attributes:
+        nearness: 1/w of the nearest occluder per block [1/m], [rows, columns]; without any blocks nothing is hidden.
+        block: Width of a square block [px].
+        width: Width of the picture [px].
+        height: Height of the picture [px].
+        near: Distance of the near plane [m].
+        depth_step: Difference of 1/w that the depth buffer resolves for certain [1/m].
+    """
+
+    nearness: F8
+    block: int
+    width: int
+    height: int
+    near: float
+    depth_step: float
+
+
+class ItemBoxes(NamedTuple):
+    """Boxes around items.
+
+    Attributes:
+        rows: Row of the node per item, [n].
+        world: T_world_from_node per row.
+        centre: Centres of the boxes in their nodes' frames [m], [n, >= 3].
+        half: Half extents of those boxes [m], [n, 3].
+    """
+
+    rows: I4
+    world: F8
+    centre: F8
+    half: F8
+
+
 @kernel
 def hides(
-    nearness: F8,
-    left: float,
-    right: float,
-    bottom: float,
-    top: float,
-    block: int,
-    highest: float,
-    lowest: float,
-    depth_step: float,
+    depth: CoarseDepth, left: float, right: float, bottom: float, top: float, highest: float, lowest: float
 ) -> bool:
     """Return True where occluders are nearer than a body in every block of a rectangle.
 
     Args:
-        nearness: 1/w of the nearest occluder per block [1/m], [rows, columns]; without any blocks nothing is hidden.
+        depth: The coarse depth buffer.
         left: First column of pixels.
         right: Last column.
         bottom: First row.
         top: Last row.
-        block: Width of a square block [px].
         highest: Largest 1/w of the body [1/m].
         lowest: Its smallest.
-        depth_step: Difference of 1/w that the depth buffer resolves for certain [1/m].
     """
+    nearness = depth.nearness
     if nearness.size == 0:
         return False
-    wanted = highest + depth_step + _DEPTH_SHARE * (highest - lowest)
+    wanted = highest + depth.depth_step + _DEPTH_SHARE * (highest - lowest)
     # Half a pixel more, so that rounding leaves the block as it is; a division of integers takes longer.
-    of_pixel = 1.0 / block
+    of_pixel = 1.0 / depth.block
     first, last = int((left + 0.5) * of_pixel), int((right + 0.5) * of_pixel)
     for row in range(int((bottom + 0.5) * of_pixel), int((top + 0.5) * of_pixel) + 1):
         for column in range(first, last + 1):
@@ -73,54 +101,33 @@ def hides(
 
 
 @kernel
-def is_hidden(
-    corners: F8, near: float, depth_step: float, block: int, touch: float, width: int, height: int, nearness: F8
-) -> bool:
+def is_hidden(corners: F8, depth: CoarseDepth, touch: float) -> bool:
     """Return True where no sample of a picture shows a box.
 
     Args:
         corners: X w, Y w [px] and w [m] of its corners, [8, 3].
-        near: Distance of the near plane [m].
-        depth_step: Difference of 1/w that the depth buffer resolves for certain [1/m].
-        block: Width of a square block [px].
+        depth: The coarse depth buffer.
         touch: Largest distance of a sample from the outer side of its pixel, with the margin [px].
-        width: Width of the picture [px].
-        height: Height of the picture [px].
-        nearness: 1/w of the nearest occluder per block [1/m], [rows, columns].
     """
     x0, x1, y0, y1 = math.inf, -math.inf, math.inf, -math.inf
     nearest, farthest = math.inf, 0.0
     for corner in range(_CORNERS):
         w = corners[corner, 2]
-        if not w > near:
+        if not w > depth.near:
             return False
         x, y = corners[corner, 0] / w, corners[corner, 1] / w
         x0, x1, y0, y1 = min(x0, x), max(x1, x), min(y0, y), max(y1, y)
         nearest, farthest = min(nearest, w), max(farthest, w)
-    left, right = max(0.0, math.ceil(x0 - touch)), min(width - 1.0, math.floor(x1 + touch - 1.0))
-    bottom, top = max(0.0, math.ceil(y0 - touch)), min(height - 1.0, math.floor(y1 + touch - 1.0))
+    left, right = max(0.0, math.ceil(x0 - touch)), min(depth.width - 1.0, math.floor(x1 + touch - 1.0))
+    bottom, top = max(0.0, math.ceil(y0 - touch)), min(depth.height - 1.0, math.floor(y1 + touch - 1.0))
     if left > right or bottom > top:
         return True
-    return hides(nearness, left, right, bottom, top, block, 1.0 / nearest, 1.0 / farthest, depth_step)
+    return hides(depth, left, right, bottom, top, 1.0 / nearest, 1.0 / farthest)
 
 
 @kernel
 def remove_hidden(
-    items: I4,
-    count: int,
-    eye: F8,
-    screen: F8,
-    near: float,
-    depth_step: float,
-    block: int,
-    reach: float,
-    width: int,
-    height: int,
-    rows: I4,
-    world: F8,
-    centre: F8,
-    half: F8,
-    nearness: F8,
+    items: I4, count: int, eye: F8, screen: F8, depth: CoarseDepth, reach: float, boxes: ItemBoxes
 ) -> int:
     """Remove the occluded items; the rest keep their order.
 
@@ -129,17 +136,9 @@ def remove_hidden(
         count: Number of items.
         eye: Position of the camera, world [m], [3].
         screen: Matrix from world vectors relative to the camera to X w, Y w [px] and w [m], [3, 3].
-        near: Distance of the near plane [m].
-        depth_step: Difference of 1/w that the depth buffer resolves for certain [1/m].
-        block: Width of a square block [px].
+        depth: The coarse depth buffer.
         reach: Largest offset of a sample from its pixel's centre, with the margin [px].
-        width: Width of the picture [px].
-        height: Height of the picture [px].
-        rows: Row of the node per item, [n].
-        world: T_world_from_node per row.
-        centre: Centres of the items' boxes in their nodes' frames [m], [n, >= 3].
-        half: Half extents of those boxes [m], [n, 3].
-        nearness: 1/w of the nearest occluder per block [1/m], [rows, columns].
+        boxes: Boxes of all items.
 
     Returns:
         How many remain.
@@ -149,9 +148,9 @@ def remove_hidden(
     kept = 0
     for i in range(count):
         item = items[i]
-        to_screen(screen, eye, world, rows[item], matrix)
-        project_box(matrix, centre, half, item, corners)
-        if not is_hidden(corners, near, depth_step, block, touch, width, height, nearness):
+        to_screen(screen, eye, boxes.world, boxes.rows[item], matrix)
+        project_box(matrix, boxes.centre, boxes.half, item, corners)
+        if not is_hidden(corners, depth, touch):
             items[kept] = item
             kept += 1
     return kept

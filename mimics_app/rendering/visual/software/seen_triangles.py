@@ -7,12 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mimics_app.contracts.arrays import F4, F8, I4, U1, U2
-from mimics_app.rendering.visual.drawing.triangle_lists import TriangleLists
-from mimics_app.rendering.visual.kernels.occlusion import MARGIN_PX
+from mimics_app.contracts.arrays import F4, F8, I4, U2
+from mimics_app.rendering.visual.drawing.triangle_lists import SeenItems, TriangleLists
+from mimics_app.rendering.visual.kernels.occlusion import MARGIN_PX, CoarseDepth
 from mimics_app.rendering.visual.software.kernels.triangles import (
     BENT,
     GROUP,
+    DrawnItems,
+    Lists,
+    Meshes,
+    PictureCamera,
+    SkinnedMesh,
     find_planes,
     pick_bent_triangles,
     pick_triangles,
@@ -28,8 +33,8 @@ if TYPE_CHECKING:
 
 __all__ = ["SeenTriangles"]
 
-_OfBody = tuple["SkinnedBody", str, int, bool, int, int]
-"""Body, mesh, row, whether it is one-sided, first index and number of indices of an item of a deformable body."""
+_OfBody = tuple["SkinnedBody", str, bool, int, int]
+"""Body, mesh, whether it is one-sided, first index and number of indices of an item of a deformable body."""
 
 _CELLS = 4
 """Columns and rows of the grid of llvmpipe's samples in a pixel, where there are several."""
@@ -41,14 +46,14 @@ class SeenTriangles(TriangleLists):
     def __init__(self, meshes: Mapping[str, MeshData], ranges: Mapping[str, MeshRange]) -> None:
         narrow = [name for name in meshes if not ranges[name].wide]
         places = np.concatenate([np.zeros((0, 3), np.float32), *(each.positions for each in meshes.values())])
-        self._places: F4 = np.ascontiguousarray(places.T)
-        self._triangles: U2 = _joined(meshes[name].indices for name in narrow).reshape(-1, 3)
-        self._planes: F4 = np.zeros((len(self._triangles), 4), np.float32)
+        places = np.ascontiguousarray(places.T)
+        triangles: U2 = _joined(meshes[name].indices for name in narrow).reshape(-1, 3)
+        planes: F4 = np.zeros((len(triangles), 4), np.float32)
         for name in narrow:
             place = ranges[name]
             own = slice(place.first // 3, (place.first + place.count) // 3)
-            find_planes(self._places, self._triangles[own], place.base_vertex, self._planes[own])
-        self.first = self.room = self._triangles.size
+            find_planes(places, triangles[own], place.base_vertex, planes[own])
+        self.first = self.room = triangles.size
         self._out: U2 = np.zeros(self.first, np.uint16)
         self._used = 0
         boxes = [_boxes(meshes[name]) for name in narrow]
@@ -58,9 +63,9 @@ class SeenTriangles(TriangleLists):
         self._items: DrawItems | None = None
         self._bodies: dict[int, _OfBody] = {}
         lower, upper = np.concatenate([np.zeros((0, 2, 3)), *boxes]).transpose(1, 0, 2)
-        self._group_centre: F8 = 0.5 * (lower + upper)
-        self._group_half: F8 = 0.5 * (upper - lower)
-        self._scratch = np.zeros((3, max((ranges[name].vertices for name in narrow), default=0)))
+        self._meshes = Meshes(places, triangles, planes, 0.5 * (lower + upper), 0.5 * (upper - lower))
+        self._facing = np.zeros(GROUP, np.int64)
+        self._projected = np.zeros((3, max((ranges[name].vertices for name in narrow), default=0)))
 
     def begin(self) -> None:
         self._used = 0
@@ -74,42 +79,30 @@ class SeenTriangles(TriangleLists):
         return vertices, BENT if bent and vertices else group
 
     def pick(
-        self,
-        picked: I4,
-        items: DrawItems,
-        world: F8,
-        centres: F8,
-        radii: F8,
-        mirrored: U1,
-        raster: Raster,
-        samples: int,
-        nearness: F8,
-        bent: SkinnedMeshes | None,
-        parts: I4,
+        self, seen: SeenItems, raster: Raster, samples: int, nearness: F8, bent: SkinnedMeshes | None, parts: I4
     ) -> bool:
-        cells = _CELLS if samples > 1 else 1
+        items, picked, cells = seen.items, seen.picked, _CELLS if samples > 1 else 1
         screen: F8 = raster.screen * np.array([[cells], [cells], [1.0]])
+        camera = PictureCamera(raster.eye, screen, cells * MARGIN_PX, cells * raster.focal)
         width, height = raster.size
-        camera = (raster.eye, screen, raster.near, raster.step, cells * raster.block, cells * MARGIN_PX)
-        picture = (cells * width, cells * height, nearness)
-        self._used = pick_triangles(
-            picked, len(picked), *camera, *picture, cells * raster.focal, items.rows, world, centres, radii,
-            items.meshes, items.ranges, items.listed, items.one_sided, self._places, self._triangles, self._planes,
-            self._group_centre, self._group_half, self.first, self._used, self._out, parts, self._scratch,
-        )  # fmt: skip
+        size = (cells * raster.block, cells * width, cells * height)
+        depth = CoarseDepth(nearness, *size, raster.near, raster.step)
+        placed = (items.rows, seen.world, seen.centres, seen.radii)
+        drawn = DrawnItems(*placed, items.meshes, items.ranges, items.listed, items.one_sided)
+        lists = Lists(self.first, self._out, parts, self._projected, self._facing)
+        self._used = pick_triangles(picked, camera, depth, drawn, self._meshes, self._used, lists)
         if bent is None or not items.bodies:
             return True
         if items is not self._items:
             self._items, self._bodies = items, _list_bodies(items)
         for item in picked[items.listed[items.meshes[picked], 1] == BENT].tolist():
-            body, name, row, one_sided, start, count = self._bodies[item]
+            body, name, one_sided, start, count = self._bodies[item]
             if self._used + count > len(self._out):
                 continue
-            begun, own = self._used, self._triangles[start // 3 : (start + count) // 3]
-            winding = (-1.0 if mirrored[item] else 1.0) if one_sided else 0.0
-            self._used = pick_bent_triangles(
-                *camera, *picture, world, row, winding, bent.of(body, name), own, begun, self._out, self._scratch
-            )
+            begun = self._used
+            mesh = SkinnedMesh(bent.of(body, name), self._meshes.triangles[start // 3 : (start + count) // 3])
+            winding = (-1.0 if seen.mirrored[item] else 1.0) if one_sided else 0.0
+            self._used = pick_bent_triangles(item, winding, mesh, camera, depth, drawn, begun, lists)
             if self._used - begun < count:
                 parts[item] = self.first + begun, self._used - begun
             else:
@@ -124,7 +117,7 @@ def _list_bodies(items: DrawItems) -> dict[int, _OfBody]:
         if mesh in items.bodies:
             count, start, _ = items.ranges[mesh].tolist()
             of_mesh = items.bodies[mesh], items.mesh_names[mesh]
-            found[item] = (*of_mesh, int(items.rows[item]), bool(items.one_sided[item]), start, count)
+            found[item] = (*of_mesh, bool(items.one_sided[item]), start, count)
     return found
 
 

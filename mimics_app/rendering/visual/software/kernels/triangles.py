@@ -6,15 +6,27 @@ Conservative like `occlusion`, with the same margins: what is left out changes n
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F4, F8, I4, I8, U1, U2
-from mimics_app.rendering.visual.kernels.occlusion import hides, is_hidden
+from mimics_app.rendering.visual.kernels.occlusion import CoarseDepth, hides, is_hidden
 from mimics_app.rendering.visual.kernels.projection import TO_SCREEN, project_box, to_node, to_screen
 
-__all__ = ["BENT", "GROUP", "find_planes", "pick_bent_triangles", "pick_triangles"]
+__all__ = [
+    "BENT",
+    "GROUP",
+    "DrawnItems",
+    "Lists",
+    "Meshes",
+    "PictureCamera",
+    "SkinnedMesh",
+    "find_planes",
+    "pick_bent_triangles",
+    "pick_triangles",
+]
 
 
 GROUP = 32
@@ -38,6 +50,95 @@ _CORNERS = 8
 
 _MIN_TRIANGLES = 32
 """Number of triangles from which a mesh is worth a draw command of its own instead of one for many instances."""
+
+
+class PictureCamera(NamedTuple):
+    """A camera; lengths on the screen are in cells.
+
+    Attributes:
+        eye: Position of the camera, world [m], [3].
+        screen: Matrix from world vectors relative to the camera to X w, Y w [cells] and w [m], [3, 3].
+        margin: Largest assumed error of a drawn vertex [cells].
+        focal: Smaller number of cells per unit of a slope.
+    """
+
+    eye: F8
+    screen: F8
+    margin: float
+    focal: float
+
+
+class DrawnItems(NamedTuple):
+    """The draw items.
+
+    Attributes:
+        rows: Row of the node per item, [n].
+        world: T_world_from_node per row.
+        centres: Centres of the items' spheres, world [m], [n, 3].
+        radii: Their radii [m], [n].
+        meshes: Number of each item's mesh, [n].
+        ranges: Indices, first index and base vertex of each mesh, [meshes, 3].
+        listed: Number of vertices, 0 for a mesh that is drawn as a whole, and first group of each mesh or `BENT`,
+            [meshes, 2].
+        one_sided: 1 where the back faces of an item are not drawn, [n].
+    """
+
+    rows: I4
+    world: F8
+    centres: F8
+    radii: F8
+    meshes: I4
+    ranges: I4
+    listed: I4
+    one_sided: U1
+
+
+class Meshes(NamedTuple):
+    """Meshes at rest.
+
+    Attributes:
+        places: Positions of all vertices by axis, in their nodes' frames [m], [3, vertices].
+        triangles: Numbers of vertices within their meshes, [triangles, 3].
+        planes: See `find_planes`, [triangles, 4].
+        group_centre: Centres of the boxes around groups of `GROUP` consecutive triangles of a mesh [m], [groups, 3].
+        group_half: Their half extents [m], [groups, 3].
+    """
+
+    places: F4
+    triangles: U2
+    planes: F4
+    group_centre: F8
+    group_half: F8
+
+
+class SkinnedMesh(NamedTuple):
+    """A skinned mesh.
+
+    Attributes:
+        vertices: Skinned vertices in the node's frame, position first [m], [n, 8].
+        triangles: Numbers of vertices, [k, 3].
+    """
+
+    vertices: F4
+    triangles: U2
+
+
+class Lists(NamedTuple):
+    """Where triangles are listed.
+
+    Attributes:
+        first: Index in the buffer at which `out` begins.
+        out: Written: the indices.
+        parts: Written: first index and number of indices of each item's triangles, -1 for all of them; [n, 2].
+        projected: Scratch, X, Y [cells] and 1/w [1/m] of vertices, [3, vertices of the largest mesh].
+        facing: Scratch, [`GROUP`].
+    """
+
+    first: int
+    out: U2
+    parts: I4
+    projected: F8
+    facing: I8
 
 
 @kernel
@@ -86,19 +187,7 @@ def _project_vertices(matrix: F8, px: F4, py: F4, pz: F4, out: F8) -> None:
 
 @kernel
 def _list_seen(
-    listed: I8,
-    count: int,
-    triangles: U2,
-    projected: F8,
-    near: float,
-    depth_step: float,
-    block: int,
-    margin: float,
-    width: int,
-    height: int,
-    nearness: F8,
-    used: int,
-    out: U2,
+    listed: I8, count: int, triangles: U2, depth: CoarseDepth, margin: float, used: int, lists: Lists
 ) -> int:
     """List those of `triangles` with numbers in `listed` that the near plane may cut, or whose rectangle is seen.
 
@@ -108,9 +197,9 @@ def _list_seen(
     Returns:
         Indices in `out` that are in use.
     """
-    x, y, inverse = projected[0], projected[1], projected[2]
-    touch, nearest = 0.5 + margin, _NEAR_MARGIN / near
-    last_column, last_row, occluded = width - 1.0, height - 1.0, nearness.size > 0
+    x, y, inverse, out = lists.projected[0], lists.projected[1], lists.projected[2], lists.out
+    touch, nearest = 0.5 + margin, _NEAR_MARGIN / depth.near
+    last_column, last_row, occluded = depth.width - 1.0, depth.height - 1.0, depth.nearness.size > 0
     for n in range(count):
         t = listed[n]
         a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
@@ -123,7 +212,7 @@ def _list_seen(
         if not (lowest > 0.0 and highest < nearest):
             seen = highest > 0.0
         elif seen & occluded:
-            seen = not hides(nearness, left, right, bottom, top, block, highest, lowest, depth_step)
+            seen = not hides(depth, left, right, bottom, top, highest, lowest)
         out[used], out[used + 1], out[used + 2] = a, b, c
         used += 3 * seen
     return used
@@ -145,201 +234,118 @@ def _list_group(
     planes: F4,
     eye: F8,
     turned: float,
-    projected: F8,
-    near: float,
-    depth_step: float,
-    block: int,
+    depth: CoarseDepth,
     margin: float,
-    width: int,
-    height: int,
-    nearness: F8,
     used: int,
-    out: U2,
-    facing: I8,
+    lists: Lists,
 ) -> int:
     """List the triangles of a group that may be seen; `turned` is the value of a plane at the eye below which none is.
 
-    `facing` is scratch, [`GROUP`].
-
     Returns:
-        Indices in `out` that are in use.
+        Indices in the lists that are in use.
     """
+    facing = lists.facing
     kept = 0
     for t in range(triangles.shape[0]):
         facing[kept] = t
         at_eye = planes[t, 0] * eye[0] + planes[t, 1] * eye[1] + planes[t, 2] * eye[2] + planes[t, 3]
         kept += not at_eye < turned
-    return _list_seen(
-        facing, kept, triangles, projected, near, depth_step, block, margin, width, height, nearness, used, out
-    )
+    return _list_seen(facing, kept, triangles, depth, margin, used, lists)
 
 
 @kernel
 def pick_triangles(
-    items: I4,
-    count: int,
-    eye: F8,
-    screen: F8,
-    near: float,
-    depth_step: float,
-    block: int,
-    margin: float,
-    width: int,
-    height: int,
-    nearness: F8,
-    focal: float,
-    rows: I4,
-    world: F8,
-    centres: F8,
-    radii: F8,
-    meshes: I4,
-    ranges: I4,
-    still: I4,
-    one_sided: U1,
-    places: F4,
-    triangles: U2,
-    planes: F4,
-    group_centre: F8,
-    group_half: F8,
-    first: int,
-    used: int,
-    out: U2,
-    parts: I4,
-    scratch: F8,
+    items: I4, camera: PictureCamera, depth: CoarseDepth, drawn: DrawnItems, known: Meshes, used: int, lists: Lists
 ) -> int:
     """Write the indices of the triangles that a picture may show, for the items that are worth it.
 
     Lengths on the screen are in cells: pixels, or with several samples the cells of a grid in whose middles they are.
 
     Args:
-        items: Items that may be visible, [>= count].
-        count: Number of items.
-        eye: Position of the camera, world [m], [3].
-        screen: Matrix from world vectors relative to the camera to X w, Y w [cells] and w [m], [3, 3].
-        near: Distance of the near plane [m].
-        depth_step: Difference of 1/w that the depth buffer resolves for certain [1/m].
-        block: Width of a square block [cells].
-        margin: Largest assumed error of a drawn vertex [cells].
-        width: Width of the picture [cells].
-        height: Height of the picture [cells].
-        nearness: 1/w of the nearest occluder per block [1/m], [rows, columns].
-        focal: Smaller number of cells per unit of a slope.
-        rows: Row of the node per item, [n].
-        world: T_world_from_node per row.
-        centres: Centres of the items' spheres, world [m], [n, 3].
-        radii: Their radii [m], [n].
-        meshes: Number of each item's mesh, [n].
-        ranges: Indices, first index and base vertex of each mesh, [meshes, 3].
-        still: Number of vertices, 0 for a mesh that is drawn as a whole, and first group of each mesh or `BENT`,
-            [meshes, 2].
-        one_sided: 1 where the back faces of an item are not drawn, [n].
-        places: Positions of all vertices by axis, in their nodes' frames [m], [3, vertices].
-        triangles: Numbers of vertices within their meshes, [triangles, 3].
-        planes: See `find_planes`, [triangles, 4].
-        group_centre: Centres of the boxes around groups of `GROUP` consecutive triangles of a mesh [m], [groups, 3].
-        group_half: Their half extents [m], [groups, 3].
-        first: Index in the buffer at which `out` begins.
-        used: Indices in `out` that are in use.
-        out: Written from `used` on.
-        parts: Written: first index and number of indices of each item's triangles, -1 for all of them; [n, 2].
-        scratch: Scratch, [3, vertices of the largest mesh].
+        items: Items that may be visible, [k].
+        camera: The camera.
+        depth: The coarse depth buffer of the picture in cells.
+        drawn: The draw items.
+        known: Their meshes.
+        used: Indices in the lists that are in use.
+        lists: Written.
 
     Returns:
-        Indices in `out` that are in use; an item that does not fit is drawn as a whole.
+        Indices in the lists that are in use; an item that does not fit is drawn as a whole.
     """
+    eye, world, parts = camera.eye, drawn.world, lists.parts
     local, corners, matrix = np.empty((1, 3)), np.empty((_CORNERS, 3)), np.empty(TO_SCREEN)
-    facing = np.empty(GROUP, np.int64)
-    for n in range(count):
+    for n in range(items.shape[0]):
         item = items[n]
-        mesh, row = meshes[item], rows[item]
-        size, start, base, vertices = ranges[mesh, 0] // 3, ranges[mesh, 1] // 3, ranges[mesh, 2], still[mesh, 0]
+        mesh, row = drawn.meshes[item], drawn.rows[item]
+        size, start, base = drawn.ranges[mesh, 0] // 3, drawn.ranges[mesh, 1] // 3, drawn.ranges[mesh, 2]
+        vertices, first_group = drawn.listed[mesh, 0], drawn.listed[mesh, 1]
         parts[item, 0] = _WHOLE
-        if vertices == 0 or still[mesh, 1] == BENT or size < _MIN_TRIANGLES or used + 3 * size > out.shape[0]:
+        if vertices == 0 or first_group == BENT or size < _MIN_TRIANGLES or used + 3 * size > lists.out.shape[0]:
             continue
         dx, dy, dz = eye[0] - world[row, 0, 3], eye[1] - world[row, 1, 3], eye[2] - world[row, 2, 3]
         to_node(world, row, dx, dy, dz, local, 0)
         away2 = 0.0
         for k in range(3):
-            away2 += (centres[item, k] - eye[k]) ** 2
+            away2 += (drawn.centres[item, k] - eye[k]) ** 2
         # Turned away by less than rounding can turn it back.
-        turned = -margin * (math.sqrt(away2) + radii[item]) ** 2 / focal if one_sided[item] else -math.inf
+        error = camera.margin * (math.sqrt(away2) + drawn.radii[item]) ** 2 / camera.focal
+        turned = -error if drawn.one_sided[item] else -math.inf
         begun, projected = used, False
-        to_screen(screen, eye, world, row, matrix)
+        to_screen(camera.screen, eye, world, row, matrix)
         for group in range((size + GROUP - 1) // GROUP):
-            project_box(matrix, group_centre, group_half, still[mesh, 1] + group, corners)
-            if is_hidden(corners, near, depth_step, block, 0.5 + margin, width, height, nearness):
+            project_box(matrix, known.group_centre, known.group_half, first_group + group, corners)
+            if is_hidden(corners, depth, 0.5 + camera.margin):
                 continue
             if not projected:
                 projected = True
-                end = base + vertices
+                end, places = base + vertices, known.places
                 own = (places[0, base:end], places[1, base:end], places[2, base:end])
-                _project_vertices(matrix, *own, scratch)
+                _project_vertices(matrix, *own, lists.projected)
             first_of, end = start + group * GROUP, start + min((group + 1) * GROUP, size)
-            used = _list_group(
-                triangles[first_of:end], planes[first_of:end], local[0], turned, scratch, near, depth_step, block,
-                margin, width, height, nearness, used, out, facing,
-            )  # fmt: skip
+            triangles, planes = known.triangles[first_of:end], known.planes[first_of:end]
+            used = _list_group(triangles, planes, local[0], turned, depth, camera.margin, used, lists)
         if used - begun == 3 * size:
             used = begun
         else:
-            parts[item, 0], parts[item, 1] = first + begun, used - begun
+            parts[item, 0], parts[item, 1] = lists.first + begun, used - begun
     return used
 
 
 @kernel
 def pick_bent_triangles(
-    eye: F8,
-    screen: F8,
-    near: float,
-    depth_step: float,
-    block: int,
-    margin: float,
-    width: int,
-    height: int,
-    nearness: F8,
-    world: F8,
-    row: int,
+    item: int,
     winding: float,
-    vertices: F4,
-    triangles: U2,
+    mesh: SkinnedMesh,
+    camera: PictureCamera,
+    depth: CoarseDepth,
+    drawn: DrawnItems,
     used: int,
-    out: U2,
-    scratch: F8,
+    lists: Lists,
 ) -> int:
     """Write the indices of the triangles of a skinned mesh that a picture may show.
 
     Args:
-        eye: Position of the camera, world [m], [3].
-        screen: Matrix from world vectors relative to the camera to X w, Y w [cells] and w [m], [3, 3].
-        near: Distance of the near plane [m].
-        depth_step: Difference of 1/w that the depth buffer resolves for certain [1/m].
-        block: Width of a square block [cells].
-        margin: Largest assumed error of a drawn vertex [cells].
-        width: Width of the picture [cells].
-        height: Height of the picture [cells].
-        nearness: 1/w of the nearest occluder per block [1/m], [rows, columns].
-        world: T_world_from_node per row, [rows, 4, 4].
-        row: Row of the mesh's node.
+        item: Number of the item.
         winding: 1, -1 where the node reflects it, 0 where its back faces are drawn.
-        vertices: Skinned vertices in the node's frame, position first [m], [n, 8].
-        triangles: Numbers of vertices, [k, 3].
-        used: Indices in `out` that are in use.
-        out: Written from `used` on; all triangles fit.
-        scratch: Scratch, [3, >= n].
+        mesh: The mesh.
+        camera: The camera.
+        depth: The coarse depth buffer of the picture in cells.
+        drawn: The draw items.
+        used: Indices in the lists that are in use.
+        lists: Written; all triangles fit.
 
     Returns:
-        Indices in `out` that are in use.
+        Indices in the lists that are in use.
     """
-    matrix = np.empty(TO_SCREEN)
-    to_screen(screen, eye, world, row, matrix)
-    _project_vertices(matrix, vertices[:, 0], vertices[:, 1], vertices[:, 2], scratch)
-    x, y, inverse = scratch[0], scratch[1], scratch[2]
+    matrix, vertices, triangles = np.empty(TO_SCREEN), mesh.vertices, mesh.triangles
+    to_screen(camera.screen, camera.eye, drawn.world, drawn.rows[item], matrix)
+    _project_vertices(matrix, vertices[:, 0], vertices[:, 1], vertices[:, 2], lists.projected)
+    x, y, inverse = lists.projected[0], lists.projected[1], lists.projected[2]
     listed = np.empty(triangles.shape[0], np.int64)
     kept = 0
     for t in range(triangles.shape[0]):
         a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
         listed[kept] = t
-        kept += not _is_turned(a, b, c, x, y, inverse, winding, margin)
-    return _list_seen(
-        listed, kept, triangles, scratch, near, depth_step, block, margin, width, height, nearness, used, out
-    )
+        kept += not _is_turned(a, b, c, x, y, inverse, winding, camera.margin)
+    return _list_seen(listed, kept, triangles, depth, camera.margin, used, lists)
