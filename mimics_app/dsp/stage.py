@@ -3,16 +3,48 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
 
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.messages.feature_names import BREATH_RATE, RSA
 from mimics_app.contracts.messages.stage_messages import FeatureFrame, SignalBlock
 from mimics_app.dsp.channel import Channel, Event
 from mimics_app.dsp.channel_kinds import channel_kind, check_rate
-from mimics_app.dsp.cross_signal import cross_signal_features
+
+if TYPE_CHECKING:
+    from mimics_app.dsp.channels.ecg import Ecg
+    from mimics_app.dsp.channels.resp import Resp
 
 __all__ = ["PhysioDsp"]
+
+
+_WINDOW_S = 60.0
+"""Window of the intervals [s]."""
+_BREATHS, _LEAST_BREATHS, _LEAST_BEATS = 8, 3, 3
+"""Newest breaths that are averaged, fewest of them, and fewest beats within one."""
+
+
+def cross_signal_features(channels: Mapping[str, Channel], values: Mapping[str, float]) -> dict[str, float]:
+    """Return features of two signals: respiratory sinus arrhythmia (RSA, peak to trough) [ms].
+
+    Args:
+        channels: Channels of the signals received so far, by name.
+        values: Features of single signals.
+    """
+    if not {"ecg", "resp"} <= set(channels) or BREATH_RATE not in values:
+        return {}
+    ecg, resp = cast("Ecg", channels["ecg"]), cast("Resp", channels["resp"])
+    swings = []
+    times, lengths, _ = ecg.rhythm.intervals(ecg.seconds - _WINDOW_S)
+    for end, _, _, whole in list(resp.breaths)[-_BREATHS:]:
+        inside = lengths[(times > end - whole) & (times <= end)]
+        if len(inside) >= _LEAST_BEATS:
+            swings.append(float(np.ptp(inside)))
+    return {RSA: 1e3 * float(np.mean(swings))} if len(swings) >= _LEAST_BREATHS else {}
+
 
 _SECOND = 1_000_000_000
 _SILENT_NS = 3 * _SECOND

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +15,12 @@ from mimics_app.estimation.load_people import shipped_people
 from mimics_app.lab.figure import Figure, write_figure
 from mimics_app.lab.panel import Label, Panel
 from mimics_app.lab.physio.cohort import play_cohort
-from mimics_app.lab.physio.detection import Annotated, annotated_records, detect, f1_of, matched, mixed_noise
+from mimics_app.lab.physio.detection import NOISE_DB, Annotated, annotated_records, detect, f1_of, matched, mixed_noise
 from mimics_app.lab.physio.load_sessions import SHIPPED_GAP, draw_load_people
+from mimics_app.lab.physio.loop_study import PEOPLE, SEEDS, TRIALS, LoopScore, loop_study, pooled
+from mimics_app.lab.physio.noise_study import IN_TIME_S, lag_rows, noisy_records
 from mimics_app.lab.physio.state_study import state_study
 from mimics_app.lab.physio_drawing import physio_figure, row_of
-from mimics_app.lab.physio_latency_figure import beat_latency
-from mimics_app.lab.physio_loop_figure import loop_regret
 from mimics_app.lab.physio_maps import failure_map, loop_stability
 from mimics_app.learning.registry import POLICIES
 from mimics_app.plotting.axis import Axis
@@ -27,6 +28,89 @@ from mimics_app.plotting.drawing import legend
 from mimics_app.plotting.marks import element, path, word
 
 __all__ = ["FIGURES", "detectors", "draw_figures"]
+
+
+_POLICIES = ("random", "staircase", "kalman_performance", "kalman")
+_DRAWN = "drawn as they come"
+_CONTROLS: Mapping[str, dict[str, bool]] = {
+    "skin does not answer": {"silent": True},
+    "body ignores the task": {"blind": True},
+}
+_CONTROL_PEOPLE = 10
+"""Number of people of a control."""
+_WHO = (_DRAWN, *_CONTROLS)
+
+
+def _loop_scores() -> dict[tuple[str, str], list[LoopScore]]:
+    """Return the scores of every policy with every kind of people, one for each seed."""
+    drawn = {(_DRAWN, name): [loop_study(name, seed=seed) for seed in SEEDS] for name in _POLICIES}
+    controls = {
+        (who, name): [loop_study(name, _CONTROL_PEOPLE, **more)]
+        for who, more in _CONTROLS.items()
+        for name in _POLICIES
+    }
+    return drawn | controls
+
+
+def loop_regret(groups: Mapping[tuple[str, str], Sequence[LoopScore]] | None = None) -> Figure:
+    """Return the figure of the mean regret of a trial with its 95 % interval over the people of all groups.
+
+    Args:
+        groups: Result of `_loop_scores`; None: measured now, which takes six minutes of processor time.
+    """
+    groups = _loop_scores() if groups is None else groups
+    scores = {what: pooled(each) for what, each in groups.items()}
+    ends = [score.mean + side * score.half_width for score in scores.values() for side in (-1.0, 1.0)]
+    y = Axis.around("regret of a trial", [max(value, 0.02) for value in ends], log=True)
+    policies = Axis("policy", -0.6, 3.6, at=(0.0, 1.0, 2.0, 3.0), words=_POLICIES)
+    panel = Panel(6.0, 70.0, 880.0, 380.0, policies, y)
+    rows: list[dict[str, Any]] = []
+    for (who, name), score in scores.items():
+        k, policy = _WHO.index(who), _POLICIES.index(name)
+        x, low, high = policy + 0.2 * (k - 1), max(score.mean - score.half_width, 0.02), score.mean + score.half_width
+        panel.line([(x, low), (x, high)], f"line s{k}")
+        panel.dot(x, score.mean, f"dot s{k}", f"{name}, {who}: {score.mean:.3f}")
+        more = {"half_width": score.half_width, "by_seed": [group.mean for group in groups[who, name]]}
+        rows.append(row_of(f"{name}, {who}", float(policy), score.mean) | more)
+    parts = [legend(20.0, 52.0, [("line", f"line s{k}", who) for k, who in enumerate(_WHO)]), panel.svg()]
+    people = f"{len(SEEDS) * PEOPLE} people of all kinds, {_CONTROL_PEOPLE} of each control"
+    what = f"{people}, {TRIALS} trials; kalman goes by success and by the default load estimator"
+    return physio_figure("physio loop regret", "What the load is worth to the loop", (900.0, 510.0), parts, rows, what)
+
+
+_LEFT_OUT = ("noise stress test", "record 118")
+"""Kinds of records that are left out: one heart."""
+
+
+def beat_latency(folder: Path | None) -> Figure:
+    """Return the figure of F1 over the time within which a beat must be known; later beats count as missed."""
+    rows = list(lag_rows(_simulated() if folder is None else _recorded(folder)))
+    x = Axis("known after the R peak [s]", 0.1, 3.2, True)
+    panel = Panel(6.0, 90.0, 1060.0, 420.0, x, Axis.around("F1", [max(row.f1, 0.7) for row in rows]))
+    panel.line([(IN_TIME_S, panel.y.low), (IN_TIME_S, panel.y.high)], "line dashed")
+    kinds = {kind: list(each) for kind, each in groupby(rows, lambda row: row.kind)}
+    for k, (kind, each) in enumerate(kinds.items()):
+        panel.line([(row.lag_s, max(row.f1, panel.y.low)) for row in each], f"line s{k}", kind)
+    entries = [("line", f"line s{k}", kind) for k, kind in enumerate(kinds)]
+    rows_of_legend = [legend(20.0, 52.0 + 18.0 * i, entries[4 * i : 4 * i + 4]) for i in range(2)]
+    parts = [*rows_of_legend, panel.svg()]
+    numbers = [row_of(row.kind, row.lag_s, 1.0 - row.f1) for row in rows]
+    what = "One detector; beats that it reports later count as missed. The dashed line is 0.25 s"
+    title = "R peaks: F1 of the beats known within a time"
+    simulated, size = folder is None, (1080.0, 560.0)
+    return physio_figure("physio beat latency", title, size, parts, numbers, what, simulated=simulated)
+
+
+def _recorded(folder: Path) -> Iterator[tuple[str, Iterable[Annotated]]]:
+    return (kind for kind in noisy_records(folder) if not kind[0].startswith(_LEFT_OUT))
+
+
+def _simulated() -> Iterator[tuple[str, Iterable[Annotated]]]:
+    records = list(annotated_records(None))
+    yield "records as they are", records
+    for decibel in NOISE_DB:
+        yield f"synthetic noise, {decibel:g} dB", [mixed_noise(record, decibel, 1) for record in records]
+
 
 Detector = Callable[[F8, float], F8]
 

@@ -56,7 +56,7 @@ PARTS: dict[str, tuple[int, tuple[str, ...]]] = {
             "inputs/physio/*",
             "app/physio/*",
             "lab/physio/*",
-            "lab/:physio_drawing,physio_figures,physio_latency_figure,physio_loop_figure,physio_maps,groups/load_of_the_person",
+            "lab/:physio_drawing,physio_figures,physio_maps,groups/load_of_the_person",
             "app/:commands/physio,session/body,session/body_replay,play/value_picture",
             "recording/:signals,signal_rows",
             "tasks/kinds/guided_walk/*",

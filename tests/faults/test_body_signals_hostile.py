@@ -17,8 +17,7 @@ from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.system.read_budget import READ_BUDGET
 from mimics_app.inputs.physio import csv_file, edf_file, stored_samples, time_grid
-from mimics_app.inputs.physio.recording import FileSource, read_signal_file
-from mimics_app.inputs.physio.wfdb_header import check_wfdb_header
+from mimics_app.inputs.physio.recording import FileSource, check_wfdb_header, read_signal_file
 
 CHEAP = 24 << 20
 """Memory within which a file is refused [bytes]."""

@@ -8,14 +8,14 @@ from pathlib import Path
 from mimics_app.app.installation.display_files import find_display_files
 from mimics_app.app.installation.serial_ports import list_serial_ports
 from mimics_app.app.play.players import ADDRESSED, players, refusals
-from mimics_app.app.play.recent_card import recent_card
 from mimics_app.app.scenes.shipped import GROUPS, ShippedScene, find_shipped, shipped_scenes, thumbnail_of
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal.participant import canonical_code, why_no_code
 from mimics_app.app.terminal.user_files import read_config, write_config
+from mimics_app.contracts.errors import counted
 from mimics_app.contracts.ports.display_choice import display_names, kind_of_display
-from mimics_app.recording.history import EarlierRun, cut_off_runs, recent_runs
-from mimics_app.rendering.haptic.devices.device_names import BUILT_IN
+from mimics_app.recording.history import EarlierRun, cut_off_runs, local_time, recent_runs
+from mimics_app.rendering.haptic.devices.device_names import BUILT_IN, SIMULATED, load_built_in
 from mimics_app.rendering.visual.launcher.launcher import LauncherChoice, ScenarioCard
 from mimics_app.rendering.visual.launcher.setting import Choice, Setting
 
@@ -138,7 +138,7 @@ def launcher_cards(runs: Path) -> list[ScenarioCard]:
     recent = recent_runs(runs, _MOST_RECENT)
     newest = {run.scene: run for run in reversed(recent) if not run.simulated and run.score is not None}
     cards = [_card(scene, newest.get(scene.name)) for scene in shipped_scenes()]
-    return cards + [card for run in recent if (card := recent_card(run)) is not None]
+    return cards + [card for run in recent if (card := _recent_card(run)) is not None]
 
 
 def cut_off_notice(runs: Path) -> str:
@@ -183,3 +183,37 @@ def _card(scene: ShippedScene, last: EarlierRun | None) -> ScenarioCard:
 
 def _beyond(scene: ShippedScene) -> str:
     return f"beyond the usual limits: {scene.limits}" if scene.limits else ""
+
+
+def _recent_card(run: EarlierRun) -> ScenarioCard | None:
+    """Return the card of a session; None where its scene is not a shipped one."""
+    scene = find_shipped(run.scene)
+    if scene is None:
+        return None
+    return ScenarioCard(
+        title=scene.title,
+        description=_how_it_went(run),
+        picture=thumbnail_of(scene.name),
+        scene=scene.file,
+        group="Recent",
+        facts=" · ".join(part for part in (local_time(run.utc), _who(run)) if part),
+        badge="" if run.score is None else f"{run.score:.0f} of 100",
+        everywhere=False,
+        run=run.folder,
+    )
+
+
+def _how_it_went(run: EarlierRun) -> str:
+    if run.cut_off:
+        return "Cut off: its recording was not closed."
+    if not run.trials:
+        practised = f"Practice only: {counted(run.practised, 'trials')}." if run.practised else ""
+        return practised or "Broken off before a trial came to its end."
+    mean = "mean time" if run.trials > 1 else "time"
+    words = [f"{run.completed} of {counted(run.trials, 'trials')} finished"]
+    words += [f"{mean} {run.time_s:.1f} s"] if run.time_s is not None else []
+    return ", ".join(words) + "."
+
+
+def _who(run: EarlierRun) -> str:
+    return run.participant or (load_built_in(SIMULATED).caption if run.simulated else "")

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.ports.input_port import Ray
+from mimics_app.maths.triples import add_scaled, cross, dot, subtract
 
 __all__ = ["FrontalPlane"]
 
@@ -46,15 +47,15 @@ class FrontalPlane:
         length = math.hypot(*direction)
         if not _SHORTEST <= length < math.inf:
             return None
-        normal = _cross(self.right, self.up)
-        slope = _dot(direction, normal) / length
+        normal = cross(self.right, self.up)
+        slope = dot(direction, normal) / length
         if not abs(slope) >= _GRAZING:
             return None
-        distance = _dot(_minus(self.centre, origin), normal) / slope
+        distance = dot(subtract(self.centre, origin), normal) / slope
         if not 0.0 <= distance < math.inf:
             return None
-        offset = _minus(_plus(origin, direction, distance / length), self.centre)
-        return _dot(offset, self.right), _dot(offset, self.up)
+        offset = subtract(add_scaled(origin, direction, distance / length), self.centre)
+        return dot(offset, self.right), dot(offset, self.up)
 
     def meet(self, ray: Ray | None) -> Vec3 | None:
         """Return where a ray crosses the plane, clamped to the rectangle [m]; None where `crossing` has none."""
@@ -63,36 +64,20 @@ class FrontalPlane:
 
     def clamp(self, point: Vec3) -> Vec3:
         """Return the point of the rectangle nearest to a point [m]."""
-        offset = _minus(point, self.centre)
-        x = min(max(_dot(offset, self.right), -self.half_width), self.half_width)
-        y = min(max(_dot(offset, self.up), -self.half_height), self.half_height)
+        offset = subtract(point, self.centre)
+        x = min(max(dot(offset, self.right), -self.half_width), self.half_width)
+        y = min(max(dot(offset, self.up), -self.half_height), self.half_height)
         return self.at(x, y)
 
     def at(self, x: float, y: float) -> Vec3:
         """Return the point x [m] to the right and y [m] above the centre."""
-        return _plus(_plus(self.centre, self.right, x), self.up, y)
+        return add_scaled(add_scaled(self.centre, self.right, x), self.up, y)
 
     def through(self, point: Vec3) -> FrontalPlane:
         """Return the rectangle moved along its normal to the depth of a point."""
-        normal = _cross(self.right, self.up)
-        return replace(self, centre=_plus(self.centre, normal, _dot(_minus(point, self.centre), normal)))
+        normal = cross(self.right, self.up)
+        return replace(self, centre=add_scaled(self.centre, normal, dot(subtract(point, self.centre), normal)))
 
     def move(self, point: Vec3, x: float, y: float) -> Vec3:
         """Return a point moved by x [m] to the right and y [m] up, clamped to the rectangle."""
-        return self.clamp(_plus(_plus(point, self.right, x), self.up, y))
-
-
-def _dot(a: Vec3, b: Vec3) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def _cross(a: Vec3, b: Vec3) -> Vec3:
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-def _minus(a: Vec3, b: Vec3) -> Vec3:
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
-def _plus(a: Vec3, b: Vec3, factor: float) -> Vec3:
-    return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]
+        return self.clamp(add_scaled(add_scaled(point, self.right, x), self.up, y))

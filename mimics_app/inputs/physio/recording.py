@@ -16,6 +16,8 @@ from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.errors import Issue, SceneError, UsageError, first_line, short_text
 from mimics_app.contracts.messages.stage_messages import Experience, SignalBlock
 from mimics_app.contracts.ports.input_port import SignalSource
+from mimics_app.contracts.system.read_budget import afford
+from mimics_app.contracts.system.regular_file import open_regular, read_regular
 from mimics_app.inputs.physio.channel_names import (
     NAMES_HINT,
     columns_of,
@@ -29,9 +31,8 @@ from mimics_app.inputs.physio.edf_file import read_edf_channels
 from mimics_app.inputs.physio.integrity import Faults
 from mimics_app.inputs.physio.stored_samples import Samples, SamplesInFile
 from mimics_app.inputs.physio.time_grid import HIGHEST_RATE, LONGEST_S, find_grid, on_grid
-from mimics_app.inputs.physio.wfdb_header import check_wfdb_header
 
-__all__ = ["FileSource", "Recorded", "read_signal_file"]
+__all__ = ["FileSource", "Recorded", "check_wfdb_header", "read_signal_file"]
 
 _SECONDS = ("t_s", "time_s", "time", "t", "seconds", "timestamp", "zeit", "zeit_s")
 _MILLISECONDS = ("t_ms", "time_ms", "timestamp_ms", "milliseconds", "zeit_ms")
@@ -226,3 +227,50 @@ class FileSource(SignalSource):
         for signal in self._signals:
             if isinstance(signal.values, SamplesInFile):
                 signal.values.close()
+
+
+_LONGEST = 1 << 20
+_MOST_NESTED = 2
+"""Headers within headers: a record of segments, and each of these."""
+
+
+def check_wfdb_header(path: Path, depth: int = 1) -> None:
+    """Check a header before the library follows it.
+
+    Raises:
+        SceneError: It cannot be read, claims more than is read at once, or names a file that is not in its folder.
+    """
+    try:
+        text = read_regular(path, _LONGEST).decode("latin-1")
+    except OSError as error:
+        raise SceneError(Issue(str(path), "", f"cannot be read: {error.strerror}")) from error
+    lines = [line.split() for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    if not lines or len(lines[0]) < 2:
+        raise SceneError(Issue(str(path), "", "not a WFDB header"))
+    name, signals, *rest = lines[0]
+    try:
+        samples = int(rest[1]) if len(rest) > 1 else 0
+        afford(str(path), "", 8 * max(int(signals), 1) * max(samples, 0), "cut the record")
+    except ValueError:
+        raise SceneError(Issue(str(path), "", "states no numbers of signals and samples")) from None
+    for words in lines[1:]:
+        if "/" in name and words[0] != "~":
+            _check_segment(path, words[0], depth)
+        elif "/" not in name:
+            _check_beside(path, words[0])
+
+
+def _check_segment(path: Path, segment: str, depth: int) -> None:
+    _check_beside(path, f"{segment}.hea")
+    if depth >= _MOST_NESTED:
+        raise SceneError(Issue(str(path), "", "is a record of records of segments"))
+    check_wfdb_header(path.with_name(f"{segment}.hea"), depth + 1)
+
+
+def _check_beside(path: Path, name: str) -> None:
+    if Path(name).name != name or name in (".", ".."):
+        raise SceneError(Issue(str(path), "", f'"{name}" is not in its folder', "copy the files into one folder"))
+    try:
+        open_regular(path.with_name(name)).close()
+    except OSError as error:
+        raise SceneError(Issue(str(path), "", f'"{name}" cannot be read: {error.strerror}')) from error
