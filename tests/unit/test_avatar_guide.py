@@ -52,15 +52,13 @@ def test_the_python_of_the_guide_runs(tmp_path: Path, model: Path) -> None:
     heights = written_module(tmp_path, found["walk"]).poses(model)
     assert len(heights) == 30 and max(heights) > min(heights) + 0.2
     assert callable(written_module(tmp_path, found["capture"]).add_take)
-    module = written_module(tmp_path, found["twin"])
+    module = written_module(tmp_path, found["trackers"])
     from mimics_app.world.files.scene.model_world import load_model_world
 
-    worlds = [load_model_world(model) for _ in range(2)]
-    first, second = (next(iter(world.motion.animators.values())) for world in worlds)
-    module.follow(first, second, module.Trackers(np.array([0.0, 1.5, 0.1, 0, 0, 0, 1.0])))
-    first.step(0.1)
-    second.step(0.1)
-    assert not np.allclose(first.pose.rotations, first.rig.rest.rotations)
+    person = next(iter(load_model_world(model).motion.animators.values()))
+    module.follow(person, module.Trackers(np.array([0.0, 1.5, 0.1, 0, 0, 0, 1.0])))
+    person.step(0.1)
+    assert not np.allclose(person.pose.rotations, person.rig.rest.rotations)
 
 
 def test_the_example_draws_the_clip(tmp_path: Path, model: Path) -> None:

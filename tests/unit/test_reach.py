@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from mimics_app.lab.groups.limb_reach import arms, elbow_gain
+from mimics_app.lab.visual.iterative_reach import reach_by_descent, reach_by_fabrik
 from mimics_app.world.content.motion.animator import Animator
 from mimics_app.world.content.motion.humanoid import NEEDED, find_humanoid
-from mimics_app.world.content.motion.kernels.iterative import reach_by_descent, reach_by_fabrik
 from mimics_app.world.content.motion.kernels.two_bone import reach_two_bones
 from mimics_app.world.content.motion.looking import LookAt
 from mimics_app.world.content.motion.reach import Chain, LimbReach, ReachCase
-from mimics_app.world.content.motion.upper_body import DelayedTwin, Trackers, UpperBody, calibrate
+from mimics_app.world.content.motion.upper_body import Trackers, UpperBody
 from mimics_app.world.files.scene.model_world import load_model_world
 from tests.support.person_maker import PLACES, write_person
 from tests.support.skin_maker import turn
@@ -244,51 +244,6 @@ def test_head_and_hands_are_where_they_are_tracked(animator: Animator) -> None:
         if parent:
             length = np.linalg.norm(chain.places[rig.slot(bone)] - chain.places[rig.slot(parent)])
             assert length == pytest.approx(np.linalg.norm(np.array(place) - PLACES[parent][1]), abs=1e-9)
-
-
-def test_standing_as_calibrated_is_the_rest_pose_for_any_person(tmp_path: Path) -> None:
-    """A smaller person with trackers strapped on askew: what the model rests like is what standing gives."""
-    animator = _animator(tmp_path / "person.gltf", scale=1.1)
-    rig, bones = animator.rig, find_humanoid(animator.rig)
-    standing = _standing(head=(0.3, 1.5, 0.2, *turn("x", 15)), leftHand=(0.8, 0.9, 0.2, *turn("y", 80)))
-    fit = calibrate(rig, bones, standing)
-    UpperBody(rig, bones, lambda: standing, fit)(animator.pose, 0.0)
-    chain, rest = Chain(rig), Chain(rig)
-    chain.follow(animator.pose)
-    # Arms that hang straight lie in the zone in which a reach gives way: at most soft / e of their length.
-    for name, near in (("head", 1e-6), ("neck", 1e-6), ("hips", 1e-6), ("leftHand", 0.008), ("rightHand", 0.008)):
-        assert np.allclose(chain.places[rig.slot(name)], rest.places[rig.slot(name)], atol=near), name
-    with pytest.raises(ValueError, match="both hands"):
-        calibrate(rig, bones, Trackers(standing.head))
-
-
-def test_a_twin_mirrors_joints_later_whatever_its_bones_rest_like(tmp_path: Path) -> None:
-    first = _animator(tmp_path / "a.gltf")
-    second = _animator(
-        tmp_path / "b.gltf", scale=0.9, turns={"leftUpperArm": turn("z", 40), "rightUpperArm": turn("x", -70)}
-    )
-    reported = [_standing()]
-    maps = find_humanoid(first.rig), find_humanoid(second.rig)
-    first.steps.append(UpperBody(first.rig, maps[0], lambda: reported[0]))
-    second.steps.append(DelayedTwin(first, maps, second, mirrored=True, delay=0.5))
-    seen, done = [], []
-    a, b = Chain(first.rig), Chain(second.rig)
-    for number in range(120):
-        reported[0] = _standing(leftHand=(0.3, 1.2 + 0.2 * np.sin(0.1 * number), 0.4))
-        for animator in (first, second):
-            animator.step(1.0 / 60.0)
-        a.follow(first.pose)
-        b.follow(second.pose)
-        seen.append(_direction(a, "leftUpperArm", "leftLowerArm"))
-        done.append(_direction(b, "rightUpperArm", "rightLowerArm"))
-    mirrored = np.array(seen) * (-1, 1, 1)
-    assert np.abs(np.array(done)[40:] - mirrored[10:90]).max() < 1e-9
-    assert np.ptp(mirrored, axis=0).max() > 0.1
-
-
-def _direction(chain: Chain, start: str, end: str) -> np.ndarray:
-    way = chain.places[chain.rig.slot(end)] - chain.places[chain.rig.slot(start)]
-    return way / np.linalg.norm(way)
 
 
 def test_a_leg_goes_with_the_ball_of_its_foot_and_keeps_its_ankle(tmp_path: Path) -> None:

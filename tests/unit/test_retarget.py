@@ -141,25 +141,20 @@ def test_hips_move_as_the_sources_whatever_is_above_them(tmp_path: Path, armatur
     assert np.abs(moved[1] - 0.5 * moved[0]).max() < 1e-6
 
 
-@pytest.mark.parametrize("mirrored", [False, True])
-def test_who_looks_the_other_way_does_the_same_in_his_own_direction(tmp_path: Path, mirrored: bool) -> None:
+def test_who_looks_the_other_way_does_the_same_in_his_own_direction(tmp_path: Path) -> None:
     source, ahead = _rig(tmp_path / "a.gltf"), _rig(tmp_path / "b.gltf", places=resting(0.0))
     # As a BVH file may have it; a model is turned round when it is read.
     rest = ahead.rest.copy()
     rest.translations[:] *= (-1.0, 1.0, -1.0)
     target = replace(ahead, rest=rest)
-    retarget = Retarget(source, find_humanoid(source), target, find_humanoid(target), mirrored=mirrored)
+    retarget = Retarget(source, find_humanoid(source), target, find_humanoid(target))
     pose, rng = target.rest.copy(), np.random.default_rng(2)
     rotations, translations = _random_pose(source, rng)
     retarget.apply(rotations, translations, pose)
     theirs, _ = _places(source, rotations, translations)
     ours, _ = _places(target, pose.rotations, pose.translations)
     for start, end in LIMBS:
-        other = (start, end)
-        if mirrored:
-            swap = {"left": "right", "right": "left"}
-            other = tuple(next(swap[s] + bone[len(s) :] for s in swap if bone.startswith(s)) for bone in other)
-        wanted = _way(theirs, *other) * (-1.0 if mirrored else 1.0, 1.0, 1.0) * (-1.0, 1.0, -1.0)
+        wanted = _way(theirs, start, end) * (-1.0, 1.0, -1.0)
         assert np.abs(_way(ours, start, end) - wanted).max() < 1e-9
 
 

@@ -15,7 +15,7 @@ from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.ports.methods import Settings
 from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
-from mimics_app.world.content.motion.kernels.iterative import reach_by_descent, reach_by_fabrik
+from mimics_app.lab.visual.iterative_reach import reach_by_descent, reach_by_fabrik
 from mimics_app.world.content.motion.kernels.two_bone import reach_two_bones
 
 __all__ = ["arms", "elbow_gain"]

@@ -56,27 +56,19 @@ class Retarget:
     Args:
         source, source_bones: Rig of the given poses.
         target, target_bones: Rig of the resulting poses.
-        mirrored: True: left and right are exchanged.
 
     Attributes:
         report: Report of what is transferred and what is not, and of the angles between the rests.
         residuals: Angle between each bone and its counterpart at rest that alignment leaves, by bone [rad].
     """
 
-    def __init__(
-        self, source: Rig, source_bones: HumanoidMap, target: Rig, target_bones: HumanoidMap, *, mirrored: bool = False
-    ) -> None:
-        self._mirror = -1.0 if mirrored else 1.0
-        self._theirs = {
-            bone: source_bones.slots[other]
-            for bone in BONES
-            if (other := _other_side(bone) if mirrored else bone) in source_bones.slots and bone in target_bones.slots
-        }
+    def __init__(self, source: Rig, source_bones: HumanoidMap, target: Rig, target_bones: HumanoidMap) -> None:
+        shared = [bone for bone in BONES if bone in source_bones.slots and bone in target_bones.slots]
+        self._theirs = {bone: source_bones.slots[bone] for bone in shared}
         self._own = {bone: target_bones.slots[bone] for bone in self._theirs}
         self._source, self._target = source, target
         self._rest_from, self._rest, self._chain = Chain(source), Chain(target), Chain(source)
-        self._places = self._rest_from.places * (self._mirror, 1.0, 1.0)
-        yaws = facing(self._places, self._theirs), facing(self._rest.places, self._own)
+        yaws = facing(self._rest_from.places, self._theirs), facing(self._rest.places, self._own)
         quarters = 0.0 if None in yaws else round((yaws[1] - yaws[0]) / (0.5 * math.pi))  # type: ignore[operator]
         self._into = about_axis(_UP, 0.5 * math.pi * quarters)
         self.residuals: dict[str, float] = {}
@@ -123,7 +115,7 @@ class Retarget:
         if after not in self._own:
             return None
         own = self._rest.places[self._own[after]] - self._rest.places[self._own[bone]]
-        theirs = self._places[self._theirs[after]] - self._places[self._theirs[bone]]
+        theirs = self._rest_from.places[self._theirs[after]] - self._rest_from.places[self._theirs[bone]]
         return (own, theirs) if min(float(np.linalg.norm(own)), float(np.linalg.norm(theirs))) > 1e-9 else None
 
     def _find_scale(self) -> float:
@@ -133,7 +125,7 @@ class Retarget:
             ways = self._ways(bone, _NEXT[bone])
             lengths += np.zeros(2) if ways is None else [float(np.linalg.norm(way)) for way in ways]
         if not lengths.all():
-            lengths = np.array([self._rest.places[self._hips[1], 1], self._places[self._hips[0], 1]])
+            lengths = np.array([self._rest.places[self._hips[1], 1], self._rest_from.places[self._hips[0], 1]])
         return float(lengths[0] / lengths[1]) if lengths[1] > 1e-6 else 1.0
 
     def _report(self, source: HumanoidMap, target: HumanoidMap) -> list[str]:
@@ -160,9 +152,9 @@ class Retarget:
         chain, (source, target) = self._chain, self._hips
         chain.follow(Pose(translations, rotations, self._source.rest.scales, self._source.rest.morphs))
         parents, aligned = self._target.parents, self._aligned
-        turned = (self._mirror, self._pairs, self._into, aligned, parents, pose.rotations, self._turns)
+        turned = (self._pairs, self._into, aligned, parents, pose.rotations, self._turns)
         carry_over(chain.turns, self._back, *turned)
-        way = (chain.places[source] - self._rest_from.places[source]) * (self._mirror, 1.0, 1.0)
+        way = chain.places[source] - self._rest_from.places[source]
         way = self._scale * turn_vector(self._into, way)
         above = int(parents[target])
         if above >= 0:
@@ -173,9 +165,3 @@ class Retarget:
 def _angle(a: F8, b: F8) -> float:
     """Return the angle between two directions [rad]."""
     return math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
-
-
-def _other_side(bone: str) -> str:
-    if bone.startswith("left"):
-        return "right" + bone.removeprefix("left")
-    return "left" + bone.removeprefix("right") if bone.startswith("right") else bone

@@ -16,7 +16,6 @@ __all__ = ["carry_over"]
 def carry_over(
     turns: F8,
     back: F8,
-    mirror: float,
     pairs: I4,
     into: F8,
     aligned: F8,
@@ -29,7 +28,6 @@ def carry_over(
     Args:
         turns: Rotations of the source's slots in its frame, [source slots, 4].
         back: Inverse rotations of these slots at rest, [source slots, 4].
-        mirror: -1: left and right are exchanged, 1: not.
         pairs: Slot of the source for each slot of the target, -1: none, [slots].
         into: Rotation from the source's frame to the target's, [4].
         aligned: Rotation of each slot at rest, after its rest is aligned with the source's, in the source's frame;
@@ -48,7 +46,6 @@ def carry_over(
                 multiply(r[above], local_r[slot], r[slot])
             continue
         multiply(turns[source], back[source], turn)
-        turn[1], turn[2] = mirror * turn[1], mirror * turn[2]
         multiply(turn, aligned[slot], part)
         multiply(into, part, wanted)
         localise(slot, wanted, parents, r, local_r)

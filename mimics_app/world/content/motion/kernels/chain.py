@@ -14,10 +14,9 @@ from mimics_app.maths.quat import (
     multiply,
     normalise,
     rotate,
-    slerp,
 )
 
-__all__ = ["arc", "follow_chain", "follow_one", "localise", "multiply_rows", "slerp_rows", "wrap"]
+__all__ = ["arc", "follow_chain", "follow_one", "localise", "wrap"]
 
 
 _OPPOSED = 1e-12
@@ -95,17 +94,3 @@ def arc(a: F8, b: F8, out: F8) -> None:
 def wrap(angle: float) -> float:
     """Return an angle within -pi to pi [rad]."""
     return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
-
-
-@kernel
-def slerp_rows(a: F8, b: F8, share: float, out: F8) -> None:
-    """Set each row of out to the rotation a share of the way from that of a to that of b, [n, 4]."""
-    for row in range(a.shape[0]):
-        slerp(a[row], b[row], share, out[row])
-
-
-@kernel
-def multiply_rows(a: F8, b: F8, out: F8) -> None:
-    """Set each row of out to the product of those of a and b, [n, 4]."""
-    for row in range(a.shape[0]):
-        multiply(a[row], b[row], out[row])
