@@ -15,6 +15,7 @@ from mimics_app.rendering.visual.software.batched_feed import BatchedFeed
 from mimics_app.rendering.visual.software.carried_uniforms import CarriedUniforms
 from mimics_app.rendering.visual.software.kept_backdrop import KeptBackdrop
 from mimics_app.rendering.visual.software.kept_board import KeptBoard
+from mimics_app.rendering.visual.software.kept_memory import keep_freed_memory
 from mimics_app.rendering.visual.software.partial_redraw import PartialRedraw
 from mimics_app.rendering.visual.software.raster_threads import RasterThreads
 from mimics_app.rendering.visual.software.resting_sprites import RestingSprites
@@ -62,6 +63,7 @@ class SoftwareRasteriser(Rasteriser):
 
     def __init__(self, left_out: frozenset[type] = frozenset()) -> None:
         self._left_out = left_out
+        keep_freed_memory()
 
     def member(self, part: type[_Part]) -> type[_Part]:
         return part if part in self._left_out else cast("type[_Part]", _MEMBERS.get(part, part))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import sys
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.contracts.errors import DeviceError, UsageError, nearest
@@ -18,11 +17,6 @@ _GL_REQUIRED = 430
 """OpenGL 4.3 core: multi-draw-indirect and shader storage."""
 
 _BACKENDS = ("window", "egl", "osmesa")
-
-_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
-"""Parameters of glibc's mallopt."""
-_KEPT, _MMAP_FROM = 256 << 20, 32 << 20
-"""Freed memory that is kept, and size from which memory is mapped instead, glibc's maximum [bytes]."""
 
 _EGL = "libEGL.so.1"
 """Usual name of the library; the search for it by its short name would run a process."""
@@ -54,7 +48,6 @@ def create_surface(
         raise UsageError(f"a picture of {size[0]} x {size[1]} pixels is not possible", "give a size like 1280x720")
     if backend == "window":
         return create_window(size, title, vsync=vsync, stereo=stereo)
-    _keep_freed_memory()
     return _EglSurface(size) if backend == "egl" else _OSMesaSurface(_OSMesaLoader(), size)
 
 
@@ -82,19 +75,7 @@ def create_window(
     """
     from mimics_app.rendering.visual.surfaces.window import WindowSurface
 
-    _keep_freed_memory()
     return WindowSurface(size, title, vsync=vsync, stereo=stereo, scene=scene, visible=visible)
-
-
-def _keep_freed_memory() -> None:
-    """Let glibc keep freed memory: a software renderer allocates and frees megabytes with every draw.
-
-    Memory that the system maps again each time costs a page fault every 4 KiB. Other C libraries have no such call.
-    """
-    mallopt = getattr(ctypes.CDLL(None), "mallopt", None) if sys.platform == "linux" else None
-    if mallopt is not None:
-        mallopt(_TRIM_THRESHOLD, _KEPT)
-        mallopt(_MMAP_THRESHOLD, _MMAP_FROM)
 
 
 class _EglSurface(Surface):
