@@ -42,9 +42,10 @@ _WITHOUT = {
     "device_mass": 0.0,
     "device_lag": -1.0,
     "device_filter": 0.0,
+    "drive_speed": 0.3,
 }
 """Parameters that earlier versions lack, with the value of their behaviour: late ticks always latched, forces never,
-and the stability limit knew nothing of the device but its delay."""
+the stability limit knew nothing of the device but its delay, and a robot drove to a start at 0.3 m/s."""
 
 _WIDER = {"target", "kp", "kd", "joint_min", "joint_max"}
 """Vectors that had three joints, or one point."""

@@ -30,6 +30,7 @@ DANGEROUS = {
     "late_stop_s": 1.0, "missed_stop": 1000, "stale_warn_s": 0.9, "stale_stop_s": 1.0, "arm_damping": 1e5,
     "power_limit": 1e4, "position_jump": 10.0, "energy_limit": 100.0, "stiffness_cap": "warn", "passivity": False,
     "tank_size": 1000.0, "tank_refill": 1000.0, "tank_return": 1.0, "cap_margin": 0.0, "passivity_damping": 1e5,
+    "drive_speed": 0.25,
 }  # fmt: skip
 """The farthest that a scene may write of each."""
 
@@ -70,7 +71,7 @@ def test_a_scene_that_asks_for_everything_gets_the_ceiling_and_is_named_line_by_
         "force_limit": 80.0, "force_rate_limit": 2000.0, "velocity_limit": 2.5, "power_limit": 60.0, "passivity": 1,
         "cap": 1, "late_stop_ns": 50_000_000, "stale_stop_ns": 20_000_000, "missed_stop": 20, "ramp_time": 0.2,
         "position_jump": 0.001, "energy_limit": 1.0, "tank_size": 5.0, "max_velocity": 1.5, "max_acceleration": 50.0,
-        "arm_damping": 10.0, "cap_margin": 0.2,
+        "drive_speed": 0.1, "arm_damping": 10.0, "cap_margin": 0.2,
     }  # fmt: skip
     assert {name: block[name].item() for name in expected} == expected
     assert parts.held.names == set(CEILINGS)

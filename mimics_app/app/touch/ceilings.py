@@ -56,6 +56,7 @@ CEILINGS: Mapping[str, Bound] = {
     "power_limit": Bound(60.0, 1e4, "W", "power of that force"),
     "energy_limit": Bound(1.0, 100.0, "J", "energy that one contact may generate before a stop"),
     "velocity_limit": Bound(2.5, 10.0, "m/s", "measured velocity before a stop"),
+    "drive_speed": Bound(0.1, 0.25, "m/s", "velocity of the drive to a start"),
     "max_velocity": Bound(1.5, 100.0, "m/s", "velocity of the command"),
     "max_acceleration": Bound(50.0, 1e4, "m/s^2", "acceleration of the virtual mass"),
     "measured_force_limit": Bound(250.0, 1e4, "N", "measured force before a stop"),

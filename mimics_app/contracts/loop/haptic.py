@@ -147,6 +147,7 @@ LIMITS: list[tuple[Any, ...]] = [
     ("position_jump", "f8"),  # [m] a position may move more than velocity_limit allows before SAFE_STOP
     ("max_acceleration", "f8"),  # [m/s^2] of the virtual mass
     ("max_velocity", "f8"),  # [m/s] of the command
+    ("drive_speed", "f8"),  # [m/s] of the points of contact under a PD controller
     ("drive_force", "f8"),  # [N] largest force of drive_stiffness and drive_damping together
     ("joint_min", "f8", (MAX_JOINTS,)),
     ("joint_max", "f8", (MAX_JOINTS,)),

@@ -233,6 +233,7 @@ class SceneRecord:
     position_jump: float
     max_acceleration: float
     max_velocity: float
+    drive_speed: float
     drive_force: float
     joint_min: Floats
     joint_max: Floats

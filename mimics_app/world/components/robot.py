@@ -253,6 +253,10 @@ class Safety(Component, frozen=True):
     velocity_limit: Annotated[
         float, Meta(gt=0, le=10, description="Measured velocity beyond which SAFE_STOP follows [m/s]")
     ] = 1.2
+    drive_speed: Annotated[
+        float,
+        Meta(gt=0, le=0.25, description="Limit of the speed at which the robot drives to a start on its own [m/s]"),
+    ] = 0.1
     measured_force_limit: Annotated[
         float,
         Meta(gt=0, le=1e4, description="Measured force beyond which SAFE_STOP follows after stale_stop_s [N]"),

@@ -47,9 +47,6 @@ _EXTRA_DAMPING = 30.0
 _MOST_DAMPING = 0.5
 """Largest virtual damping [virtual masses per tick]; from 2 on the virtual mass would oscillate alone."""
 
-_DRIVE_SPEED = 0.3
-"""Largest speed of a PD controller [m/s]."""
-
 _ARRIVED_DISTANCE = 1e-3
 """Largest distance from the target of a point that has arrived [m]."""
 
@@ -114,7 +111,7 @@ def _drive_to_target(kin: Kin, scene: SceneRecord, states: Table[StateRecord], d
     """
     state, work = states[0], states[0].joint_work
     _wish(kin, scene, state)
-    speed = min(scene.max_velocity, _DRIVE_SPEED)
+    speed = min(scene.max_velocity, scene.drive_speed)
     gentle = 2.0 * speed * max(scene.kp[0], scene.kp[1], scene.kp[2])
     acceleration = min(scene.max_acceleration, gentle)
     if scene.polar == 1:
