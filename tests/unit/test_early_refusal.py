@@ -7,6 +7,7 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -63,7 +64,7 @@ from mimics_app.app import cli
 for line in json.load(sys.stdin):
     before = set(sys.modules)
     with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()) as said:
-        code = cli.main(line)
+        code = cli.main(line or [])
     print(json.dumps([code, sorted(set(sys.modules) - before), said.getvalue()]))
 """
 
@@ -76,6 +77,17 @@ class Refusal(NamedTuple):
     said: str
 
 
+def _answers(lines: Iterable[str | list[str]], **environment: str) -> list[Refusal]:
+    """What the lines of one process come to that has no display but one that is given."""
+    words = [line.split() if isinstance(line, str) else line for line in lines]
+    blind = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    command = [sys.executable, "-c", _SCRIPT]
+    done = subprocess.run(
+        command, input=json.dumps(words), capture_output=True, text=True, check=True, env=blind | environment
+    )
+    return [Refusal(*json.loads(answer)) for answer in done.stdout.splitlines()]
+
+
 @pytest.fixture(scope="module")
 def refusals(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Refusal]:
     """By line, or by the command alone, of one process that has no display: heavy modules would stay in it."""
@@ -84,12 +96,7 @@ def refusals(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Refusal]:
     asked = {line: line.split() for line, _, _ in REFUSED} | {
         command: [*command.split(), str(file)] for command in FAULTY
     }
-    blind = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
-    command = [sys.executable, "-c", _SCRIPT]
-    lines = json.dumps([*asked.values()])
-    done = subprocess.run(command, input=lines, capture_output=True, text=True, check=True, env=blind)
-    answers = [Refusal(*json.loads(answer)) for answer in done.stdout.splitlines()]
-    return dict(zip(asked, answers, strict=True))
+    return dict(zip(asked, _answers(asked.values()), strict=True))
 
 
 @pytest.mark.parametrize(("line", "code", "said"), REFUSED)
@@ -125,22 +132,14 @@ def test_a_scene_with_a_fault_is_refused_before_anything_heavy_is_imported(
 
 @pytest.mark.parametrize("line", ["run wavy_tunnel", ""], ids=["run", "launcher"])
 def test_a_screen_that_does_not_answer_is_said_before_a_picture_is_made(line: str) -> None:
-    dead = {**os.environ, "DISPLAY": ":9977"}
-    dead.pop("WAYLAND_DISPLAY", None)
-    script = _SCRIPT.replace("cli.main(line)", "cli.main(line or [])")
-    done = subprocess.run(
-        [sys.executable, "-c", script], input=json.dumps([line.split()]), capture_output=True, text=True, check=True,
-        env=dead,
-    )  # fmt: skip
-    refusal = Refusal(*json.loads(done.stdout))
+    (refusal,) = _answers([line], DISPLAY=":9977")
     assert "no screen answers at DISPLAY=:9977" in refusal.said and refusal.code == 4
     assert not {"numba", "moderngl"} & set(refusal.imported)
 
 
 def test_the_list_of_experiments_does_not_wait_for_the_loop() -> None:
-    script = "import sys, mimics_app.app.sweep.patient\nprint('mimics_app.app.session.core' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    assert done.stdout == "False\n"
+    (refusal,) = _answers(["sweep --list"])
+    assert refusal.code == 0 and not HEAVY & set(refusal.imported)
 
 
 def test_files_of_the_readme_are_found_from_any_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -153,9 +152,8 @@ def test_files_of_the_readme_are_found_from_any_folder(tmp_path: Path, monkeypat
     assert find_file(Path("nowhere.glb")) == Path("nowhere.glb")
 
 
-def test_a_misspelt_camera_is_refused_before_a_picture_is_made() -> None:
-    line = json.dumps([["render", "city_walk", "--camera", "crosing"]])
-    done = subprocess.run([sys.executable, "-c", _SCRIPT], input=line, capture_output=True, text=True, check=True)
-    refusal = Refusal(*json.loads(done.stdout))
+@pytest.mark.parametrize("command", ["render", "view --output x.png"])
+def test_a_misspelt_camera_is_refused_before_a_picture_is_made(command: str) -> None:
+    (refusal,) = _answers([f"{command} city_walk --camera crosing"])
     assert refusal.code == 3 and 'did you mean "crossing"' in refusal.said
-    assert not {"moderngl", "mimics_app.app.session.core"} & set(refusal.imported)
+    assert not HEAVY & set(refusal.imported)

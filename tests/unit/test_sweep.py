@@ -159,6 +159,8 @@ def test_every_stability_experiment_can_be_swept():
     for name in STABILITY:
         found = find_experiment(name)
         assert found is not None and found.name == name and "points" in found.parameters
+        experiment = load_experiment(name)
+        assert found.what == f"{experiment.title}: {experiment.claim}", "read from the source, without its import"
 
 
 def test_list_names_the_experiments_that_a_sweep_file_may_name(tmp_path, capsys):

@@ -79,7 +79,7 @@ def run(args: argparse.Namespace) -> int:
     """Draw, and print the driver and the files."""
     from mimics_app.app.scenes.scene_search import find_scene
     from mimics_app.app.terminal.first_start import say_if_cold
-    from mimics_app.app.terminal.named import check_files
+    from mimics_app.app.terminal.named import check_camera, check_files
 
     if args.sheet is not None:
         return _lay_out(args)
@@ -89,7 +89,7 @@ def run(args: argparse.Namespace) -> int:
 
     settings = RunSettings(args.scene, seed=args.seed, profile=args.profile, size=args.size, display=args.display)
     read = read_scene(args.scene)
-    _check_camera(args.camera, read)
+    check_camera(args.camera, read)
     say_if_cold()
     if args.audio is not None:
         return _hear(args, settings, read)
@@ -109,20 +109,6 @@ def run(args: argparse.Namespace) -> int:
     lines = [f"{drawn.backend}: {drawn.gl}, {drawn.ms_median:.1f} ms a frame", *map(str, drawn.files)]
     answer(args, {**asdict(drawn), "files": files, "folder": args.output}, lines)
     return 0
-
-
-def _check_camera(name: str, scene: Scene) -> None:
-    """Check that a scene has a camera of a name, before anything is built for it.
-
-    Raises:
-        SceneError: It has none.
-    """
-    from mimics_app.contracts.errors import SceneError, nearest
-    from mimics_app.world.components.visible import CameraComponent
-
-    cameras = [entity for entity, _, _ in scene.components(CameraComponent)]
-    if name and cameras and name not in cameras:
-        raise SceneError(scene.issue("/entities", f'has no camera "{name}"', nearest(name, cameras)))
 
 
 def _lay_out(args: argparse.Namespace) -> int:

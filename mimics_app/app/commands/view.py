@@ -106,6 +106,7 @@ def run(args: argparse.Namespace) -> int:
         return _draw_sheet(args)
     if args.file.suffix.lower() in (".json", ""):
         find_scene(args.file)
+        _check_camera(args)
     else:
         args.file = find_file(args.file)
         check_file(args.file)
@@ -130,6 +131,15 @@ def run(args: argparse.Namespace) -> int:
     if args.vertices is not None and args.output is None and not args.headless:
         return _write(args, shown)
     return _draw(args, shown) if headless else _look(args, shown)
+
+
+def _check_camera(args: argparse.Namespace) -> None:
+    """Refuse a camera that the scene does not have."""
+    if args.camera:
+        from mimics_app.app.scenes.loading import read_scene
+        from mimics_app.app.terminal.named import check_camera
+
+        check_camera(args.camera, read_scene(args.file))
 
 
 def _check_clip(args: argparse.Namespace) -> None:

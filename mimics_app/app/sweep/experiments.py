@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from mimics_app.lab.stability import catalogue
-from mimics_app.lab.stability.catalogue import load_experiment
+from mimics_app.lab.stability.catalogue import describe_experiment, load_experiment
 from mimics_app.lab.sweep.quantity import Columns, Quantity, SweepExperiment
 
 __all__ = ["NAMES", "find_experiment"]
@@ -39,9 +39,9 @@ def _stability_map(name: str) -> SweepExperiment:
     Args:
         name: One of `catalogue.NAMES`.
     """
-    experiment = load_experiment(name)
 
     def run(values: Columns, folder: Path) -> Columns:
+        experiment = load_experiment(name)
         outcomes = [experiment.run(points) for points in values["points"]]
         return {
             "rows": [len(outcome.rows) for outcome in outcomes],
@@ -51,7 +51,7 @@ def _stability_map(name: str) -> SweepExperiment:
 
     return SweepExperiment(
         name=name,
-        what=f"{experiment.title}: {experiment.claim}",
+        what=describe_experiment(name),
         parameters={"points": Quantity("int", "", 4, 2, _FINEST)},
         results={"rows": "int", "disagreement": "float", "passed": "bool"},
         chunk=1,

@@ -1,14 +1,18 @@
-"""Checks that the files, policies and estimators named on a command line exist, before compiled code is imported."""
+"""Checks that what a command line names exists, before compiled code is imported."""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from mimics_app.contracts.errors import Issue, SceneError, UsageError
+from mimics_app.contracts.errors import Issue, SceneError, UsageError, nearest
 from mimics_app.contracts.ports.display_choice import parse_display
 
-__all__ = ["check_adaptation", "check_file", "check_files"]
+if TYPE_CHECKING:
+    from mimics_app.world.scene.scene import Scene
+
+__all__ = ["check_adaptation", "check_camera", "check_file", "check_files"]
 
 
 def check_files(action: Path | None, display: str, commands: Path | None = None) -> None:
@@ -34,6 +38,19 @@ def check_file(file: Path, fix: str = "") -> None:
     """
     if not os.path.exists(file):  # False, without an error, for names that no file can have
         raise SceneError(Issue(str(file), "", "no such file", fix))
+
+
+def check_camera(name: str, scene: Scene) -> None:
+    """Check that a scene that has cameras has one of a name; "": any.
+
+    Raises:
+        SceneError: It has none of the name.
+    """
+    from mimics_app.world.components.visible import CameraComponent
+
+    cameras = [entity for entity, _, _ in scene.components(CameraComponent)]
+    if name and cameras and name not in cameras:
+        raise SceneError(scene.issue("/entities", f'has no camera "{name}"', nearest(name, cameras)))
 
 
 def check_adaptation(learn: str, goal: str, estimator: str) -> None:

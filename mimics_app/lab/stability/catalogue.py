@@ -5,15 +5,17 @@ Each holds one `EXPERIMENT`, named by the beginning of its file (`s03r_wall_rate
 
 from __future__ import annotations
 
+import ast
 import re
 from dataclasses import replace
+from pathlib import Path
 
 from mimics_app.contracts.errors import UsageError, nearest
 from mimics_app.contracts.ports.members import load_member, member_names
 from mimics_app.lab import stability
 from mimics_app.lab.experiment import Experiment
 
-__all__ = ["NAMES", "load_experiment", "load_experiments"]
+__all__ = ["NAMES", "describe_experiment", "load_experiment", "load_experiments"]
 
 _MODULES = {
     f"S{int(found[1])}{found[2].upper()}": name
@@ -23,6 +25,22 @@ _MODULES = {
 """Module of this package by the name of its experiment, in the order of their numbers."""
 
 NAMES = tuple(_MODULES)
+
+
+def describe_experiment(name: str) -> str:
+    """Return title and claim of an experiment, read from its source: its import compiles the functions of the loop.
+
+    Args:
+        name: One of `NAMES`.
+    """
+    tree = ast.parse((Path(stability.__path__[0]) / f"{_MODULES[name]}.py").read_text(encoding="utf-8"))
+    stated = (node.value for node in tree.body if isinstance(node, ast.Assign) and _is_experiment(node))
+    texts = {word.arg: word.value for call in stated if isinstance(call, ast.Call) for word in call.keywords}
+    return f"{ast.literal_eval(texts['title'])}: {ast.literal_eval(texts['claim'])}"
+
+
+def _is_experiment(node: ast.Assign) -> bool:
+    return any(isinstance(target, ast.Name) and target.id == "EXPERIMENT" for target in node.targets)
 
 
 def load_experiment(name: str) -> Experiment:
