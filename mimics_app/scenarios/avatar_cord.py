@@ -123,7 +123,7 @@ class AvatarCord(TouchScene):
     def facts(self) -> Mapping[str, Any]:
         return {**super().facts, "avatar_cord": {"length": self._spec.length, "radius": self._spec.radius}}
 
-    def see_body(self, where: BodyPose, shown_ns: int) -> None:
+    def set_tracked_body(self, where: BodyPose, shown_ns: int) -> None:
         """Set the poses of the subject at the time of display, and those of the avatar by the mode of mimicry."""
         self._shown_ns = shown_ns
         delay_ns = round(float(self._settings["avatar.delay_ms"]) * 1e6)
@@ -152,7 +152,7 @@ class AvatarCord(TouchScene):
         field[5] = self._cord.shown_radius + _TOUCH_BALL
         return {f"effects.{_TOUCH}.position": curve.start, f"effects.{_TOUCH}.parameters": field}
 
-    def stand_before_walls(self) -> None:
+    def hide_own_avatar(self) -> None:
         self._real_body_seen = True
         # At once: the display may open after the first frame was arranged.
         self.subject.show(self._settings["viewpoint"] != "first")

@@ -16,7 +16,7 @@ from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.contracts.ports.scenario_port import Scenario, TaskContext
 from mimics_app.rendering.haptic.scene_objects import SceneObjects, objects_of_scene
 from mimics_app.scenarios.parts.body_nodes import BodyNodes
-from mimics_app.scenarios.parts.pick_plan import Picker, Sight
+from mimics_app.scenarios.parts.pick_plan import Percept, Picker
 from mimics_app.scenarios.parts.robot_scene import robot_block, robot_facts, start_at, triple
 from mimics_app.tasks.kinds.carry.spec import CarrySpec
 from mimics_app.tasks.scene_section import section_of
@@ -108,7 +108,7 @@ class PickAndPlace(Scenario):
         if not snapshot.poses[self._row, 3:7].any():
             return None
         hand, body = triple(snapshot.hip_world), triple(snapshot.poses[self._row])
-        return self._picker.aim(Sight(snapshot.t_ns * 1e-9, hand, body, snapshot.held_body == self._row))
+        return self._picker.aim(Percept(snapshot.t_ns * 1e-9, hand, body, snapshot.held_body == self._row))
 
     def haptic_orders(self) -> Mapping[str, object]:
         return {} if self._guided_to is None else {f"effects.{_HELP}.position": triple(self._guided_to)}

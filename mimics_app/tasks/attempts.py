@@ -153,11 +153,11 @@ class Attempts:
         self._open = True
         return fresh
 
-    def let_go(self, seen: Observation) -> None:
+    def start_attempt(self, seen: Observation) -> None:
         """Begin the travel with this frame."""
         self.tally = Tally(seen, self._plays)
         for play in self._plays:
-            play.let_go(seen)
+            play.start_attempt(seen)
 
     def end(self, outcome: str, cause: str, parameters: Mapping[str, float], now_ns: int) -> None:
         """Write the row of the attempt under way, if any."""

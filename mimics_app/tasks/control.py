@@ -48,11 +48,11 @@ class RobotControl:
         self._controller, self._target = self._home.controller, self._home.target
 
     def pause(self, q: tuple[float, ...]) -> None:
-        """Hold the robot where it is, at the joints q [m or rad], until `go_on`."""
+        """Hold the robot where it is, at the joints q [m or rad], until `resume`."""
         self._before = self._controller, self._target
         self._controller, self._target = Controller.JOINT_PD, q
 
-    def go_on(self) -> None:
+    def resume(self) -> None:
         """Restore controller and target of before the pause."""
         self._controller, self._target = self._before
 

@@ -110,7 +110,7 @@ class Announcement:
         """Show a line until a time [ns]."""
         self._text, self._until_ns = text, until_ns
 
-    def put_off(self, paused_ns: int) -> None:
+    def postpone(self, paused_ns: int) -> None:
         """Extend its time [ns]."""
         self._until_ns += paused_ns
 

@@ -12,7 +12,7 @@ import msgspec
 from mimics_app.tasks.task import BlockSpec, ParameterSpec, TaskSpec, TrialSpec
 from mimics_app.tasks.trials import Trial, plan_trials, trial_blocks
 
-__all__ = ["Difficulty", "eased", "with_trials"]
+__all__ = ["Difficulty", "at_difficulty", "with_trials"]
 
 Difficulty = Literal["easier", "usual", "harder"]
 
@@ -20,7 +20,7 @@ _SHARE = 0.5
 """Share of the range from the scene's value to the easiest or hardest one [-]."""
 
 
-def eased(spec: TaskSpec, difficulty: Difficulty) -> TaskSpec:
+def at_difficulty(spec: TaskSpec, difficulty: Difficulty) -> TaskSpec:
     """Return the task with every parameter of known difficulty moved half-way to its easy or hard end.
 
     Args:

@@ -107,7 +107,7 @@ class TaskManager:
         self._countdown = Countdown(spec.start.countdown_s, introduced=context.introduced, waits=context.waits)
         self._seen: Observation | None = None
         self._haptic, self._visual, self._audio = Changes(), Changes(), Changes()
-        self._settings, self._settled = Settings(), dict[str, float]()
+        self._settings, self._settings_values = Settings(), dict[str, float]()
         messages = {**built_in_messages(by_pointer=context.by_pointer), **spec.messages}
         captions = kinds[-1] if kinds else TaskKind
         mark = (0.0, 0.0) if context.by_pointer and self.lever and not spec.passive else None
@@ -188,7 +188,7 @@ class TaskManager:
             if self._pause.on:
                 self._control.pause(seen.q)
             else:
-                self._control.go_on()
+                self._control.resume()
         return self._pause.on
 
     def _hold(self, now_ns: int) -> Observation:
@@ -199,7 +199,7 @@ class TaskManager:
         self._entered_ns += paused_ns
         self._goals.restart()
         self._approach.restart()
-        self._announcement.put_off(paused_ns)
+        self._announcement.postpone(paused_ns)
         if self._attempts.tally is not None:
             self._attempts.tally.pause(now_ns, paused_ns)
         for play in self._plays.values():
@@ -214,7 +214,7 @@ class TaskManager:
             return None, TrialState.APPROACH
         seconds = max(0, seen.now_ns - self._last_ns) / 1e9
         self._adaptation.step(seconds)
-        self._settle()
+        self._update_settings()
         if self.state is TrialState.TRAVEL:
             self._participation.see(seen, seconds)
         self._last_ns = seen.now_ns
@@ -278,7 +278,7 @@ class TaskManager:
             self._approach.drive(seen, 0.0)
         elif state is TrialState.TRAVEL:
             self._goals.restart()
-            self._attempts.let_go(seen)
+            self._attempts.start_attempt(seen)
             self._least_s = self._goals.way(seen) / self._fastest if self._fastest > 0.0 else 0.0
         trial = {"trial": self._attempts.number, "attempt": self._attempts.attempt}
         self._on_event("state", {"t_ns": seen.now_ns, "state": state.value, **trial})
@@ -297,17 +297,17 @@ class TaskManager:
             self._report_clipped(now_ns)
             for play in self._plays.values():
                 play.begin_trial(self._attempts.trial.label, self._attempts.number)
-        self._settle()
+        self._update_settings()
         self._participation.restart()
         self._triggers.restart()
         for play in self._plays.values():
             play.begin_attempt()
 
-    def _settle(self) -> None:
+    def _update_settings(self) -> None:
         """Set the settings to the present values, which are those of the last frame in most."""
-        if self._settled != self._adaptation.values:
-            self._settled = dict(self._adaptation.values)
-            self._settings = settings_for(self._spec, self._settled)
+        if self._settings_values != self._adaptation.values:
+            self._settings_values = dict(self._adaptation.values)
+            self._settings = settings_for(self._spec, self._settings_values)
 
     def _take(self, action: TaskAction, now_ns: int) -> None:
         """Carry out an action but for the parameters that a command has set in the same frame."""

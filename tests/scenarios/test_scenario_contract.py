@@ -95,7 +95,7 @@ class Skewed(Yard):
 
 
 class Blind(Yard):
-    def see_body(self, where, now_ns):
+    def set_tracked_body(self, where, now_ns):
         self.flag.set_position(where("head", now_ns)[:3, 3])
 
 

@@ -72,13 +72,13 @@ def _check_frame(play: CorePlay) -> None:
     core, scenario, snapshot, now_ns = play.core, play.core.scenario, play.frames.snapshot, play.core.clock.now_ns()
     given = _bytes_of(snapshot)
     for tracked in (False, True):
-        scenario.see_body(lambda role, at_ns, tracked=tracked: np.eye(4) if tracked else None, now_ns)
+        scenario.set_tracked_body(lambda role, at_ns, tracked=tracked: np.eye(4) if tracked else None, now_ns)
         scenario.apply(play.frames.orders, snapshot)
         core.parameter_store.change(scenario.haptic_orders())
         assert not core.parameter_store.change(scenario.haptic_orders()), "what was ordered is not ordered anew"
         _check_hand(scenario, scenario.aim(snapshot))
         core.world.update()
-        scenario.stand_before_walls()
+        scenario.hide_own_avatar()
     for name, value in _bytes_of(snapshot).items():
         assert value == given[name], f"a scenario changes nothing of the haptic state: {name}"
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mimics_app.scenarios.parts.pick_plan import Picker, Sight
+from mimics_app.scenarios.parts.pick_plan import Percept, Picker
 
 MARK, HALF = (0.14, 0.16, -0.04), 0.03
 APPLE = (-0.08, 0.03, 0.05)
@@ -19,7 +19,7 @@ class Person:
         self.heights: list[float] = []
 
     def step(self) -> None:
-        aim = self.picker.aim(Sight(self.time, self.hand, self.thing, self.held))
+        aim = self.picker.aim(Percept(self.time, self.hand, self.thing, self.held))
         self.time += 0.1
         step = [t - h for t, h in zip(aim.target_world, self.hand, strict=True)]
         size = max(1e-9, sum(s * s for s in step) ** 0.5)
@@ -49,7 +49,7 @@ def test_it_is_taken_from_above_lifted_over_and_set_down():
     run(person)
     assert min(person.heights) == pytest.approx(APPLE[1], abs=0.012)
     assert max(person.heights) > MARK[1] + HALF + 0.03, "carried above the table's edge"
-    aim = person.picker.aim(Sight(person.time, person.hand, person.thing, False))
+    aim = person.picker.aim(Percept(person.time, person.hand, person.thing, False))
     assert not aim.close and aim.target_world[1] > MARK[1] + HALF
 
 
@@ -59,7 +59,7 @@ def test_what_is_lost_on_the_way_is_taken_again():
         person.step()
     person.held, person.thing = False, (0.0, 0.03, 0.02)
     person.step()
-    assert not person.picker.aim(Sight(person.time, person.hand, person.thing, False)).close, (
+    assert not person.picker.aim(Percept(person.time, person.hand, person.thing, False)).close, (
         "opens before it goes back"
     )
     run(person)
@@ -71,7 +71,7 @@ def test_a_hand_that_holds_nothing_gives_up_and_opens():
     for _ in range(120):
         person.step()
         person.held = False
-        aim = person.picker.aim(Sight(person.time, person.hand, person.thing, False))
+        aim = person.picker.aim(Percept(person.time, person.hand, person.thing, False))
         closes.append(aim.close)
     assert True in closes
     first = closes.index(True)
@@ -80,7 +80,7 @@ def test_a_hand_that_holds_nothing_gives_up_and_opens():
 
 def test_it_rises_before_it_crosses_over():
     picker = Picker(MARK, HALF, 0.03)
-    aim = picker.aim(Sight(0.0, (0.15, 0.03, 0.1), APPLE, False))
+    aim = picker.aim(Percept(0.0, (0.15, 0.03, 0.1), APPLE, False))
     assert aim.target_world[0] == 0.15 and aim.target_world[2] == 0.1 and aim.target_world[1] > 0.12
 
 

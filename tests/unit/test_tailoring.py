@@ -5,7 +5,7 @@ from __future__ import annotations
 import msgspec
 import pytest
 
-from mimics_app.tasks.tailoring import eased, with_trials
+from mimics_app.tasks.tailoring import at_difficulty, with_trials
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.trials import plan_trials, trial_blocks
 
@@ -33,7 +33,7 @@ TASK = msgspec.convert(
 def test_what_is_harder_moves_half_way_on_its_grid(
     difficulty: str, radius: float, obstacles: float, trial: float
 ) -> None:
-    task = eased(TASK, difficulty)  # type: ignore[arg-type]
+    task = at_difficulty(TASK, difficulty)  # type: ignore[arg-type]
     defaults = {name: parameter.default for name, parameter in task.parameters.items()}
     assert defaults["radius"] == pytest.approx(radius) and defaults["sound"] == 1
     assert defaults["obstacles"] in (obstacles, obstacles + 1.0)  # 0.5 and 2.5 round to either
@@ -43,7 +43,8 @@ def test_what_is_harder_moves_half_way_on_its_grid(
 def test_the_grid_begins_at_the_least_value() -> None:
     speed = {"min": 0.5, "max": 4.5, "default": 2.5, "step": 1.0, "harder": 1, "maps": []}
     task = msgspec.convert({"parameters": {"speed": speed}, "trials": [{"trials": [{"label": "a"}]}]}, TaskSpec)
-    found = [eased(task, difficulty).parameters["speed"].default for difficulty in ("easier", "usual", "harder")]
+    levels = ("easier", "usual", "harder")
+    found = [at_difficulty(task, difficulty).parameters["speed"].default for difficulty in levels]
     assert found == [1.5, 2.5, 3.5]
 
 

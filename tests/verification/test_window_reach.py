@@ -133,7 +133,7 @@ def test_the_mouse_stops_and_leads_the_walk():
     for up, speed in ((-INSIDE, 0.0), (-0.3, 0.0), (0.0, 0.0), (INSIDE, spec.fastest)):
         play = CityWalkPlay(spec, 140.0)
         manager_sees = [make_seen(at, 0.0), make_seen(at, up)]
-        play.let_go(manager_sees[0])
+        play.start_attempt(manager_sees[0])
         for _ in range(300):
             play.travel(manager_sees[1], 1.0 / 60.0)
         assert play.visual["walk.speed"] == pytest.approx(speed)

@@ -166,7 +166,7 @@ class Frames:
         core.trackers.poll(now_ns)
         for problem in core.trackers.take_problems():
             core.report(problem)
-        core.scenario.see_body(core.part_of_body, shown_ns)
+        core.scenario.set_tracked_body(core.part_of_body, shown_ns)
 
     def _play(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         """Let the scenario move its entities, and pass on its parameters and the next action of the hand."""

@@ -33,7 +33,7 @@ from mimics_app.rendering.haptic.devices.device_names import POINTER, SIMULATED
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.tasks.actions import fill_defaults
 from mimics_app.tasks.scene_section import task_of
-from mimics_app.tasks.tailoring import eased
+from mimics_app.tasks.tailoring import at_difficulty
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.trial_file import resolve_files
 from mimics_app.world.components.robot import Patient, Robot
@@ -141,7 +141,7 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
     held = hold_limits(store.block, read_ceiling())
     store.fit(held.values)
     task = fill_defaults(resolve_files(task_of(scene), scene.path.parent, scene.root), store.value)
-    task = with_requested_trials(eased(task, settings.difficulty), settings)
+    task = with_requested_trials(at_difficulty(task, settings.difficulty), settings)
     robot, patient = _who_moves(settings, scene, live=live)
     body = open_body(settings, task, patient.preset)
     commands = () if settings.commands is None else read_command_file(settings.commands)

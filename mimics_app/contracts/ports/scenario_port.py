@@ -98,7 +98,7 @@ class Scenario(Protocol):
         """Update the world from the newest haptic state and the task's visual parameters."""
         ...
 
-    def see_body(self, where: BodyPose, shown_ns: int) -> None:
+    def set_tracked_body(self, where: BodyPose, shown_ns: int) -> None:
         """Set the poses of the person's head and hands, before `apply`; ignored by scenes without a body.
 
         Args:
@@ -106,7 +106,7 @@ class Scenario(Protocol):
             shown_ns: Predicted time at which this frame is displayed [ns].
         """
 
-    def stand_before_walls(self) -> None:
+    def hide_own_avatar(self) -> None:
         """Hide the avatar of the person, whose real body is visible before the screens."""
 
     def hand_frame(self) -> NDArray[np.float64] | None:

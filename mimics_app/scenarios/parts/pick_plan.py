@@ -10,7 +10,7 @@ from enum import Enum, auto
 from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.messages.stage_messages import Aim
 
-__all__ = ["Picker", "Sight"]
+__all__ = ["Percept", "Picker"]
 
 
 _HOVER = 0.10
@@ -34,7 +34,7 @@ _OPENING_S = 0.6
 
 
 @dataclass(frozen=True, slots=True)
-class Sight:
+class Percept:
     """What the simulated person perceives in one frame.
 
     Attributes:
@@ -79,7 +79,7 @@ class Picker:
         self._since = 0.0
         self._picked: Vec3 = mark
 
-    def aim(self, seen: Sight) -> Aim:
+    def aim(self, seen: Percept) -> Aim:
         """Return the target of the hand in this frame."""
         following = self._following(seen)
         if following is not self._step:
@@ -87,52 +87,52 @@ class Picker:
             self._picked = seen.hand
         return Aim(self._target(seen), self._step in _CLOSED)
 
-    def _following(self, seen: Sight) -> _Step:
+    def _following(self, seen: Percept) -> _Step:
         """The step of this frame."""
         if self._step in _CARRIES and not seen.held:
             return _Step.AGAIN
         return _RULES[self._step](self, seen)
 
-    def _after_above(self, seen: Sight) -> _Step:
+    def _after_above(self, seen: Percept) -> _Step:
         near = _level(seen.hand, seen.body) <= _ABOVE
         return _Step.DOWN if near and seen.hand[1] < seen.body[1] + 1.3 * _HOVER else _Step.ABOVE
 
-    def _after_down(self, seen: Sight) -> _Step:
+    def _after_down(self, seen: Percept) -> _Step:
         if math.dist(seen.hand, seen.body) <= _AROUND:
             return _Step.CLOSE
         return _Step.ABOVE if _level(seen.hand, seen.body) > 2.0 * _ABOVE else _Step.DOWN
 
-    def _after_close(self, seen: Sight) -> _Step:
+    def _after_close(self, seen: Percept) -> _Step:
         waited = seen.time - self._since
         if seen.held and waited >= _CLOSING_S:
             return _Step.LIFT
         return _Step.AGAIN if waited >= _GIVES_UP_S else _Step.CLOSE
 
-    def _after_lift(self, seen: Sight) -> _Step:
+    def _after_lift(self, seen: Percept) -> _Step:
         return _Step.OVER if seen.hand[1] >= self._carry_height - 0.02 else _Step.LIFT
 
-    def _after_over(self, seen: Sight) -> _Step:
+    def _after_over(self, seen: Percept) -> _Step:
         return _Step.LOWER if _level(seen.body, self._mark) <= 0.5 * self.within else _Step.OVER
 
-    def _after_lower(self, seen: Sight) -> _Step:
+    def _after_lower(self, seen: Percept) -> _Step:
         if _level(seen.body, self._mark) > 0.9 * self.within:
             return _Step.OVER
         return _Step.OPEN if seen.body[1] - self._lying <= _LANDED else _Step.LOWER
 
-    def _after_open(self, seen: Sight) -> _Step:
+    def _after_open(self, seen: Percept) -> _Step:
         return _Step.OPEN if seen.held else _Step.AWAY
 
-    def _after_away(self, seen: Sight) -> _Step:
+    def _after_away(self, seen: Percept) -> _Step:
         return _Step.AWAY if _level(seen.body, self._mark) <= self.within else _Step.ABOVE
 
-    def _after_again(self, seen: Sight) -> _Step:
+    def _after_again(self, seen: Percept) -> _Step:
         return _Step.ABOVE if seen.time - self._since >= _OPENING_S else _Step.AGAIN
 
     @property
     def _carry_height(self) -> float:
         return self._lying + _OVER_THE_MARK
 
-    def _target(self, seen: Sight) -> Vec3:
+    def _target(self, seen: Percept) -> Vec3:
         (x, y, z), mark = seen.body, self._mark
         if self._step is _Step.ABOVE:
             high = y + _HOVER
@@ -153,7 +153,7 @@ class Picker:
 _CLOSED = {_Step.CLOSE, _Step.LIFT, _Step.OVER, _Step.LOWER}
 _CARRIES = {_Step.LIFT, _Step.OVER, _Step.LOWER}
 
-_RULES: dict[_Step, Callable[[Picker, Sight], _Step]] = {
+_RULES: dict[_Step, Callable[[Picker, Percept], _Step]] = {
     _Step.ABOVE: Picker._after_above,
     _Step.DOWN: Picker._after_down,
     _Step.CLOSE: Picker._after_close,

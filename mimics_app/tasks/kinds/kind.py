@@ -143,7 +143,7 @@ class KindPlay:
     def begin_attempt(self) -> None:
         """Begin an attempt: the robot moves to the start."""
 
-    def let_go(self, seen: Observation) -> None:
+    def start_attempt(self, seen: Observation) -> None:
         """Begin the travel in this frame: the person may move the robot."""
 
     def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:

@@ -120,10 +120,10 @@ class Carried:
         if place is None:
             return None
         held = seen.held == self._spec.body
-        gripped, let_go = held and not self._held, self._held and not held
+        gripped, released = held and not self._held, self._held and not held
         self._held = held
         at_mark = self._is_at_mark(place)
-        dropped = let_go and not at_mark
+        dropped = released and not at_mark
         self._drops += int(dropped)
         crushed = seen.crushed == self._spec.body
         bruised, self._crushed = crushed and not self._crushed, crushed

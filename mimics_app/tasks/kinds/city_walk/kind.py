@@ -60,7 +60,7 @@ class CityWalkPlay(KindPlay):
     def begin_attempt(self) -> None:
         self._along, self._speed, self._seconds = 0.0, 0.0, 0.0
 
-    def let_go(self, seen: Observation) -> None:
+    def start_attempt(self, seen: Observation) -> None:
         self._hand_from = seen.ball_world[1]
 
     def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:

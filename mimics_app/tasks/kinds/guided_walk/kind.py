@@ -82,7 +82,7 @@ class GuidedWalkPlay(KindPlay):
         self._left = self._alley.left(self._walker.at)
         self._reached = False
 
-    def let_go(self, seen: Observation) -> None:
+    def start_attempt(self, seen: Observation) -> None:
         self._hand_from = _hand(seen)
 
     def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:
