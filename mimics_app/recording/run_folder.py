@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 import shutil
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from mimics_app.contracts.clock import wall_time
 from mimics_app.contracts.errors import OutputError
+from mimics_app.contracts.whole_file import why_not_writable
 
 __all__ = [
     "BYTES_PER_SECOND",
@@ -53,13 +53,9 @@ def check_parent(parent: Path) -> None:
     Raises:
         OutputError: It cannot.
     """
-    there = next((folder for folder in (parent, *parent.absolute().parents) if folder.exists()), parent)
-    if not there.is_dir():
-        raise _not_here(parent, f"{there} is no folder")
-    try:
-        os.rmdir(tempfile.mkdtemp(dir=there))  # what is asked of the system instead (access) is wrong for /proc
-    except OSError as error:
-        raise _not_here(parent, error.strerror or "it cannot be written to") from error
+    why = why_not_writable(parent)
+    if why:
+        raise _not_here(parent, why)
 
 
 def create_run_folder(parent: Path, expected_s: float = 0.0) -> Path:
@@ -88,7 +84,7 @@ def create_run_folder(parent: Path, expected_s: float = 0.0) -> Path:
 
 
 def _not_here(parent: Path, why: str) -> OutputError:
-    return OutputError(parent, f"no run folder can be made here: {why}", "give another folder with --runs DIR")
+    return OutputError(parent, f"a run folder cannot be created here: {why}", "give another folder with --runs DIR")
 
 
 def _new_folder(parent: Path) -> Path:
@@ -99,7 +95,7 @@ def _new_folder(parent: Path) -> Path:
         except FileExistsError:
             continue
         return folder
-    raise OutputError(parent, "no free name for a run folder", "give another folder with --runs DIR")
+    raise OutputError(parent, "every name tried for a run folder is in use", "give another folder with --runs DIR")
 
 
 @contextmanager

@@ -511,7 +511,7 @@ def test_run_folder_is_never_an_old_one(tmp_path: Path, monkeypatch: pytest.Monk
 
 def test_run_folder_refuses_a_file_and_a_full_disk(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(OutputError, match="no run folder can be made"):
+    with pytest.raises(OutputError, match="a run folder cannot be created"):
         create_run_folder(tmp_path / "file")
     with pytest.raises(OutputError, match="MB free"):
         create_run_folder(tmp_path, expected_s=1e12)

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mimics_app.app.terminal.arguments import picture_file, real_number, whole_number
+from mimics_app.app.terminal.arguments import folder_to_write, picture_file, real_number, whole_number
 from mimics_app.app.terminal.output import answer
 from mimics_app.contracts.errors import UsageError, counted
 from mimics_app.contracts.system.regular_file import read_regular
@@ -41,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="seed of build: the same seed gives the same bytes; on another processor the last digit of a sine may "
         "differ",
     )
-    parser.add_argument("--out", type=Path, default=Path("."), metavar="DIR", help="folder to write into")
+    parser.add_argument("--out", type=folder_to_write, default=Path("."), metavar="DIR", help="folder to write into")
     parser.add_argument(
         "--picture",
         type=picture_file,
@@ -88,12 +88,16 @@ def _levels(args: argparse.Namespace) -> int:
     import sys
     from dataclasses import asdict
 
+    from mimics_app.app.scenes.scene_search import find_file
+    from mimics_app.app.terminal.named import check_file
     from mimics_app.app.terminal.progress import ProgressBar
-    from mimics_app.world.files.simplify.level_writer import SHARES, write_levels
 
-    file = Path(args.name)
     if not args.name:
         raise UsageError("the model is missing", "mimics assets levels MODEL.glb")
+    file = find_file(Path(args.name))
+    check_file(file)
+    from mimics_app.world.files.simplify.level_writer import SHARES, write_levels
+
     out = args.out / f"{file.stem}_levels.glb"
     try:
         with ProgressBar(sys.stderr) as bar:

@@ -27,20 +27,23 @@ def run(args: argparse.Namespace) -> int:
     Raises:
         SceneError: The file is faulty, or has neither a skeleton nor an animation.
     """
+    from mimics_app.app.scenes.scene_search import find_file
+    from mimics_app.app.terminal.named import check_file
+
+    file = find_file(args.file)
+    check_file(file)
+    from mimics_app.world.files.scene.model_world import read_model
     from mimics_app.world.content.motion.humanoid import find_humanoid, report_lines
     from mimics_app.world.content.world import World
-    from mimics_app.world.files.scene.model_world import read_model
 
-    world, model = World(), read_model(args.file)
+    world, model = World(), read_model(file)
     model.instantiate(world, world.root)
     animators = list(world.motion.animators.values())
     if not animators:
-        raise SceneError(
-            Issue(str(args.file), "/skins", "nothing in the model moves: it has neither a skin nor a clip")
-        )
+        raise SceneError(Issue(str(file), "/skins", "nothing in the model moves: it has neither a skin nor a clip"))
     found = find_humanoid(animators[0].rig)
     clips, morphs = list(animators[0].clips), sorted(set(animators[0].rig.morph_names) - {""})
-    bones = {"file": str(args.file), "bones": found.names, "guessed": found.guesses, "missing": list(found.missing)}
+    bones = {"file": str(file), "bones": found.names, "guessed": found.guesses, "missing": list(found.missing)}
     notes = model.document.notes
     lines = report_lines(found, [*([f"clips: {', '.join(clips)}"] if clips else []), *notes])
     answer(args, {**bones, "clips": clips, "morphs": morphs, "notes": notes}, lines)

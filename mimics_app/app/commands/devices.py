@@ -103,8 +103,9 @@ def _check(args: argparse.Namespace) -> int:
 
 def _emulate(args: argparse.Namespace) -> int:
     """Emulate a robot or a tracker until it is stopped."""
-    from mimics_app.app.devices.emulated_trackers import TRACKERS, open_tracker, report_on
+    from mimics_app.app.devices.emulated_trackers import TRACKERS, check_emulated, open_tracker, report_on
 
+    check_emulated(args.device)
     if args.device in TRACKERS:
         with open_tracker(args.device, args.seed, args.port) as (address, report):
             _say_address(args, address)

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mimics_app.app.terminal.arguments import whole_number
+from mimics_app.app.terminal.arguments import folder_to_write, whole_number
 from mimics_app.app.terminal.output import answer, applicable
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=_POINTS,
         help="with stability: number of grid points along each axis",
     )
-    parser.add_argument("--out", type=Path, metavar="DIR", help="folder of the figures (default: charts)")
+    parser.add_argument("--out", type=folder_to_write, metavar="DIR", help="folder of the figures (default: charts)")
 
 
 def run(args: argparse.Namespace) -> int:

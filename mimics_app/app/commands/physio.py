@@ -14,6 +14,7 @@ from mimics_app.contracts.errors import counted
 if TYPE_CHECKING:
     from mimics_app.app.physio.watch import Watch
     from mimics_app.contracts.ports.input_port import SignalSource
+    from mimics_app.inputs.physio.guarded_source import CheckRate
 
 __all__ = ["add_arguments", "run"]
 
@@ -56,10 +57,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read the source to its end, and print its signals, their quality and the events found."""
-    from mimics_app.app.physio.watch import Watch
     from mimics_app.contracts.errors import PartialDataError
 
     source, start_s, seconds, live = _open(args)
+    from mimics_app.app.physio.watch import Watch
+
     watch = Watch()
     try:
         _watch(watch, source, args, seconds, live=live)
@@ -86,19 +88,30 @@ def _open(args: argparse.Namespace) -> tuple[SignalSource, float, float, bool]:
 
     The channels are compiled before a live source is opened, and after a file was found to be right.
     """
-    from mimics_app.app.physio.watch import compile_channels
-    from mimics_app.dsp.channel_kinds import check_rate
     from mimics_app.inputs.physio.sources import look_for_source, open_file, open_source, source_kinds
 
     kind, colon, _ = args.source.partition(":")
     misspelt = colon and kind != "file" and not Path(args.source).exists()
     if misspelt or kind in source_kinds() - {"file"}:
-        compile_channels()
         look_for_source(args.source, say)
+        check_rate = _compile()
         return open_source(args.source, args.seed, check_rate), 0.0, args.seconds or _CHECK_S, kind != "sim"
-    file = open_file(Path(args.source.removeprefix("file:")), check_rate)
-    compile_channels()
+    name = args.source.removeprefix("file:")
+    look_for_source(f"file:{name}", say)
+    from mimics_app.dsp.channel_kinds import check_rate
+
+    file = open_file(Path(name), check_rate)
+    _compile()
     return file, file.start_s, min(args.seconds or file.seconds, file.seconds), False
+
+
+def _compile() -> CheckRate:
+    """Compile the channels; return the check of a signal's rate."""
+    from mimics_app.app.physio.watch import compile_channels
+    from mimics_app.dsp.channel_kinds import check_rate
+
+    compile_channels()
+    return check_rate
 
 
 def _watch(watch: Watch, source: SignalSource, args: argparse.Namespace, seconds: float, *, live: bool) -> None:

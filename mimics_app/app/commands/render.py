@@ -12,6 +12,8 @@ from mimics_app.app.terminal.arguments import (
     add_display_argument,
     add_profile_argument,
     add_size_argument,
+    file_to_write,
+    folder_to_write,
     frame_count,
     picture_file,
     random_seed,
@@ -56,7 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_profile_argument(parser)
     parser.add_argument(
         "--video",
-        type=Path,
+        type=file_to_write,
         metavar="FILE",
         help="write a video of --seconds instead of pictures, e.g. out.mp4 (needs ffmpeg)",
     )
@@ -72,7 +74,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="draw every scene of a folder on one picture, e.g. scenes.jpg, and print shares of dark and bright pixels",
     )
-    parser.add_argument("--output", type=Path, default=Path("."), metavar="DIR", help="folder of the PNG files")
+    parser.add_argument(
+        "--output", type=folder_to_write, default=Path("."), metavar="DIR", help="folder of the pictures"
+    )
 
 
 def run(args: argparse.Namespace) -> int:

@@ -23,6 +23,7 @@ from mimics_app.app.terminal.arguments import (
     add_profile_argument,
     add_window_size_argument,
     participant_code,
+    path_to_write,
     positive_time,
     random_seed,
     whole_number,
@@ -153,7 +154,7 @@ def _add_outputs(group: Container) -> None:
     )
     group.add_argument(
         "--video",
-        type=Path,
+        type=path_to_write,
         metavar="FILE",
         help="write a video of the run, e.g. out.mp4 (needs ffmpeg); a folder: every frame as PNG",
     )

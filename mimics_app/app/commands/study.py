@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from mimics_app.app.terminal.arguments import positive_time, random_seed, whole_number
+from mimics_app.app.terminal.arguments import folder_to_write, positive_time, random_seed, whole_number
 from mimics_app.app.terminal.output import answer, say
 from mimics_app.contracts.errors import PartialDataError
 
@@ -31,7 +31,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seconds", type=positive_time, help="end each run after this much simulated time [s]")
     parser.add_argument("--of", type=Path, nargs="+", metavar="RUN", help="join these run folders instead of running")
     parser.add_argument(
-        "--out", type=Path, default=Path("study"), metavar="DIR", help="folder to write the tables and the page to"
+        "--out",
+        type=folder_to_write,
+        default=Path("study"),
+        metavar="DIR",
+        help="folder of the tables and the page",
     )
 
 

@@ -48,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--video",
-        type=Path,
+        type=file_to_write,
         metavar="FILE",
         help="with --headless: write a video of the turn, e.g. out.mp4 (needs ffmpeg)",
     )

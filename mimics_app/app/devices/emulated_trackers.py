@@ -6,10 +6,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from mimics_app.contracts.clock import SECOND_NS, MonotonicClock
-from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.errors import DeviceError, UsageError, nearest
 from mimics_app.inputs.trackers.scripted_person import PERSON_SENSORS, person_at, person_quaternion
 
-__all__ = ["TRACKERS", "open_tracker", "report_on"]
+__all__ = ["ROBOTS", "TRACKERS", "check_emulated", "open_tracker", "report_on"]
+
+ROBOTS = ("serial", "hapticmaster")
+"""Robots that can be emulated, see `app.devices.emulator`."""
 
 TRACKERS = ("fastrak", "flock", "vrpn", "osc")
 """Kinds of trackers that can be emulated: on a pseudo-terminal, as a VRPN server, as a sender of OSC."""
@@ -20,6 +23,17 @@ _OSC_PORT = 9000
 
 Report = Callable[[int], None]
 """Sends the poses of the person at a time [ns]."""
+
+
+def check_emulated(name: str) -> None:
+    """Check that a robot or tracker of a name can be emulated.
+
+    Raises:
+        UsageError: It cannot.
+    """
+    known = (*ROBOTS, *TRACKERS)
+    if name not in known:
+        raise UsageError(f'there is no emulator of "{name}"', nearest(name, known))
 
 
 @contextmanager

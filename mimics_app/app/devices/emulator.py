@@ -16,12 +16,12 @@ from typing import Protocol
 
 import msgspec
 
-from mimics_app.app.devices.emulated_trackers import TRACKERS
+from mimics_app.app.devices.emulated_trackers import check_emulated
 from mimics_app.app.play.collector import frozen_objects
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.scenes.scenario_choice import open_scenario
 from mimics_app.contracts.clock import TICK_NS, MonotonicClock
-from mimics_app.contracts.errors import DeviceError, UsageError, nearest
+from mimics_app.contracts.errors import DeviceError, UsageError
 from mimics_app.rendering.haptic import scheduler
 from mimics_app.rendering.haptic.devices.emulators.faults import Faults, apply_order
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
@@ -29,9 +29,7 @@ from mimics_app.rendering.haptic.scene_block import robot_from_world
 from mimics_app.world.components.robot import Patient, Robot
 from mimics_app.world.files.scene.file import build_world
 
-__all__ = ["EMULATED", "EmulatorSettings", "open_emulator", "serve"]
-
-EMULATED = ("serial", "hapticmaster")
+__all__ = ["EmulatorSettings", "open_emulator", "serve"]
 
 _LATEST_NS = 20_000_000
 """Largest delay that is caught up [ns]; beyond, the lost time is skipped."""
@@ -87,8 +85,7 @@ def open_emulator(name: str, settings: EmulatorSettings) -> Iterator[Emulator]:
         DeviceError: The port is in use, or the system has no pseudo-terminals.
         SceneError: The scene is faulty.
     """
-    if name not in EMULATED:
-        raise UsageError(f'there is no emulator of "{name}"', nearest(name, (*EMULATED, *TRACKERS)))
+    check_emulated(name)
     request = _request(settings)
     with tempfile.TemporaryDirectory(prefix="mimics-") as folder:
         emulator = _open(name, request, Path(folder), settings)

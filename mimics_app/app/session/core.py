@@ -142,7 +142,7 @@ class SessionCore:
         if self.live:  # on the virtual clock the simulation is independent of the display
             self.trackers.attach_display(presenter.tracked)
         if presenter.surrounds:
-            self.scenario.stand_before_walls()
+            self.scenario.hide_own_avatar()
             self.world.update()
 
     def begin(self) -> None:

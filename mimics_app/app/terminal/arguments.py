@@ -9,8 +9,9 @@ from pathlib import Path
 
 from mimics_app.app.settings import PROFILES
 from mimics_app.app.terminal.participant import canonical_code, why_no_code
-from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.errors import OutputError, UsageError
 from mimics_app.contracts.ports.display_choice import DISPLAY_KINDS, display_names, kind_of_display, parse_display
+from mimics_app.contracts.whole_file import why_not_writable
 
 __all__ = [
     "Container",
@@ -20,8 +21,10 @@ __all__ = [
     "add_window_size_argument",
     "display_forms",
     "file_to_write",
+    "folder_to_write",
     "frame_count",
     "participant_code",
+    "path_to_write",
     "picture_file",
     "positive_time",
     "random_seed",
@@ -48,17 +51,50 @@ def whole_number(what: str, allowed: range) -> Callable[[str], int]:
     def read(text: str) -> int:
         digits = text.removeprefix("-")
         if not (digits.isascii() and digits.isdigit() and len(digits) <= _MOST_DIGITS and int(text) in allowed):
-            raise ArgumentTypeError(f"{text} is no {what} from {allowed.start} to {allowed.stop - 1}")
+            raise ArgumentTypeError(f"{text} is not a {what} from {allowed.start} to {allowed.stop - 1}")
         return int(text)
 
     return read
 
 
 def file_to_write(text: str) -> Path:
-    """A file that a command writes: no folder, nor an empty name, which is the working folder's."""
+    """A file that a command writes: no folder, nor an empty name, which is the working folder's.
+
+    Raises:
+        OutputError: The folder of a new file cannot be written to, or created.
+    """
     if not text or os.path.isdir(text):
         raise ArgumentTypeError(f'"{text}" is a folder; name a file to write')
-    return Path(text)
+    return path_to_write(text)
+
+
+def path_to_write(text: str) -> Path:
+    """A file or folder that a command writes.
+
+    Raises:
+        OutputError: It is new, and the folder around it cannot be written to, or created.
+    """
+    path = Path(text)
+    if not os.path.exists(text):
+        _check_folder(path, path.parent)
+    return path
+
+
+def folder_to_write(text: str) -> Path:
+    """A folder that a command writes files into, and creates where it is missing.
+
+    Raises:
+        OutputError: It cannot be written to, or created.
+    """
+    folder = Path(text)
+    _check_folder(folder, folder)
+    return folder
+
+
+def _check_folder(output: Path, folder: Path) -> None:
+    why = why_not_writable(folder)
+    if why:
+        raise OutputError(output, f"cannot be written: {why}", "name another folder")
 
 
 def picture_file(text: str) -> Path:
@@ -101,7 +137,7 @@ def real_number(what: str, fits: Callable[[float], bool]) -> Callable[[str], flo
         except ValueError:
             value = float("nan")
         if not fits(value):
-            raise ArgumentTypeError(f"{text} is no {what}")
+            raise ArgumentTypeError(f"{text} is not a {what}")
         return value
 
     return read
@@ -121,7 +157,7 @@ def _picture_size(text: str) -> tuple[int, int]:
     """Return width and height [px] of a size such as 1280x720."""
     width, _, height = text.partition("x")
     if not (width.isdigit() and height.isdigit() and 1 <= int(width) <= 8192 and 1 <= int(height) <= 8192):
-        raise ArgumentTypeError(f"{text} is no picture size; write it like 1280x720")
+        raise ArgumentTypeError(f"invalid picture size {text}; write it like 1280x720")
     return int(width), int(height)
 
 

@@ -1,17 +1,30 @@
-"""Writing of files that are complete or absent."""
+"""Writing of files that are complete or absent, and whether a folder can be written to."""
 
 from __future__ import annotations
 
 import os
 import stat
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO
 
-__all__ = ["private_text", "whole_file"]
+__all__ = ["private_text", "whole_file", "why_not_writable"]
 
 _PRIVATE = 0o600
+
+
+def why_not_writable(folder: Path) -> str:
+    """Return why a folder cannot be written to, or created; "" where it can. Nothing is left in it."""
+    there = next((each for each in (folder, *folder.absolute().parents) if each.exists()), folder)
+    if not there.is_dir():
+        return f"{there} is not a folder"
+    try:
+        os.rmdir(tempfile.mkdtemp(dir=there))  # what is asked of the system instead (access) is wrong for /proc
+    except OSError as error:
+        return error.strerror or "it cannot be written to"
+    return ""
 
 
 @contextmanager

@@ -45,6 +45,6 @@ def decide(
     """Return for each point whether the wall is stable [N/m, N s/m, kg, N s/m, s, ticks]."""
     delay = np.array(delay_ticks, np.int64)
     stable = np.zeros(len(delay), np.uint8)
-    numbers = (np.array(each, np.float64) for each in (stiffness, wall_damping, mass, device_damping, period))
-    _decide(*numbers, delay, stable)
+    k, B, m, b, dt = (np.array(each, np.float64) for each in (stiffness, wall_damping, mass, device_damping, period))
+    _decide(k, B, m, b, dt, delay, stable)
     return stable.astype(bool).tolist()
