@@ -289,17 +289,17 @@ def test_reader_that_leaves_early_is_no_error() -> None:
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["run", "--seconds", "long"], "long is no time"),
-        (["run", "--seconds", "nan"], "nan is no time"),
-        (["run", "--pictures", "-1"], "-1 is no number of pictures"),
+        (["run", "--seconds", "long"], "long is not a time"),
+        (["run", "--seconds", "nan"], "nan is not a time"),
+        (["run", "--pictures", "-1"], "-1 is not a number of pictures"),
         (["run", "--recipe", "faster"], "invalid choice: 'faster'"),
-        (["render", "scene.json", "--frames", "few"], "few is no number of frames"),
-        (["render", "scene.json", "--seconds", "-2"], "-2 is no time"),
-        (["run", "--seed", "1" * 5000], "1 is no seed from"),
-        (["bench", "render", "--frames", "0"], "0 is no number of frames from 1 to 1000"),
-        (["devices", "emulate", "--seconds", "inf"], "inf is no time between 0 and 1e6 s"),
-        (["devices", "emulate", "--seed", "1e3"], "1e3 is no seed"),
-        (["lab", "chart", "--points", "many"], "many is no number of points from 2 to 2000"),
+        (["render", "scene.json", "--frames", "few"], "few is not a number of frames"),
+        (["render", "scene.json", "--seconds", "-2"], "-2 is not a time"),
+        (["run", "--seed", "1" * 5000], "1 is not a seed from"),
+        (["bench", "render", "--frames", "0"], "0 is not a number of frames from 1 to 1000"),
+        (["devices", "emulate", "--seconds", "inf"], "inf is not a time between 0 and 1e6 s"),
+        (["devices", "emulate", "--seed", "1e3"], "1e3 is not a seed"),
+        (["lab", "chart", "--points", "many"], "many is not a number of points from 2 to 2000"),
     ],
 )
 def test_value_that_cannot_be_is_named_without_names_of_the_code(

@@ -164,13 +164,13 @@ def test_nohup_is_respected() -> None:
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["run", "--seed", "9" * 30], "is no seed"),
-        (["run", "--seed", "1.5"], "1.5 is no seed"),
-        (["physio", "sim:healthy", "--seed", "-1"], "-1 is no seed from 0"),
-        (["render", "scene.json", "--seed", str(2**63)], "is no seed"),
-        (["bench", "realtime", "--seconds", "nan"], "nan is no time"),
-        (["bench", "realtime", "--seconds", "-1"], "-1 is no time"),
-        (["bench", "realtime", "--rounds", "0"], "0 is no number of rounds"),
+        (["run", "--seed", "9" * 30], "is not a seed"),
+        (["run", "--seed", "1.5"], "1.5 is not a seed"),
+        (["physio", "sim:healthy", "--seed", "-1"], "-1 is not a seed from 0"),
+        (["render", "scene.json", "--seed", str(2**63)], "is not a seed"),
+        (["bench", "realtime", "--seconds", "nan"], "nan is not a time"),
+        (["bench", "realtime", "--seconds", "-1"], "-1 is not a time"),
+        (["bench", "realtime", "--rounds", "0"], "0 is not a number of rounds"),
         (
             ["bench", "physio", "nonsense", "--charts", "."],
             "bench physio has no figure nonsense; it has noise, detectors",
