@@ -45,14 +45,25 @@ class Attempt:
     name: str = ""
 
     @property
+    def anchor(self) -> str:
+        """Name of its place in the report."""
+        return f"attempt-{self.number}"
+
+    @property
+    def heading(self) -> str:
+        """Its trial, and which attempt it is where it is not the first."""
+        if not self.row:
+            return f"Attempt {self.number} (not finished)" if self.number else "Whole run"
+        attempt = number(self.row.get("attempt"))
+        which = self.name if self.row.get("practice") else f"Trial {self.name}"
+        return f"{which} · attempt {attempt:.0f}" if attempt is not None and attempt > 1 else which
+
+    @property
     def title(self) -> str:
         """Title in the report."""
         if not self.row:
-            return f"Attempt {self.number} (not finished)" if self.number else "Whole run"
-        attempt, score = (number(self.row.get(name)) for name in ("attempt", "score"))
-        words = [self.name if self.row.get("practice") else f"Trial {self.name}"]
-        if attempt is not None and attempt > 1:
-            words.append(f"attempt {attempt:.0f}")
+            return self.heading
+        words, score = [self.heading], number(self.row.get("score"))
         if self.row.get("label"):
             words.append(str(self.row["label"]).replace("_", " "))
         words.append(outcome_word(self.row))

@@ -57,8 +57,19 @@ _UNREADABLE = (ArithmeticError, AttributeError, LookupError, TypeError, ValueErr
 
 @dataclass(frozen=True, slots=True)
 class Movement:
-    """One attempt: title, path in the frontal plane (None: the hand rested), traces over time, whether unfolded."""
+    """One attempt.
 
+    Attributes:
+        anchor: Its place on the page; a link to it unfolds it.
+        name: Its name in the list of attempts.
+        title: Name, condition and result.
+        path: Path in the frontal plane; None: the hand rested.
+        traces: Force and velocity over time.
+        open: Whether it is unfolded when the page is opened.
+    """
+
+    anchor: str
+    name: str
     title: str
     path: Plot | None
     traces: list[Plot]
@@ -110,6 +121,7 @@ class Page:
         cards: Figures of the run by name.
         counted: Trials these figures are over, as in the summary of the task; "" for none.
         front: Content of page one.
+        anchors: Place of the movement of each of its trials.
         trials: None where none ended.
         heading, colours: Of the movement.
         movement: Movement of each attempt.
@@ -128,6 +140,7 @@ class Page:
     cards: dict[str, str]
     counted: str
     front: Front
+    anchors: list[str]
     trials: Trials | None
     heading: str
     colours: str
@@ -179,6 +192,7 @@ def page_of(run: Run, sections: Sequence[ReportSection]) -> Page:
         cards={name: text for name, text in _cards(run, attempts, section).items() if text != NONE},
         counted=str(task.get("counted", COUNTED_TRIALS)) if (task := session_totals(run.summary, run.trials)) else "",
         front=front_of(run),
+        anchors=[attempt.anchor for attempt in attempts if attempt.row],
         trials=trials_of(run),
         heading=section.heading if attempts else "Movement",
         colours=section.colours if attempts else "",
@@ -312,7 +326,7 @@ def _movement(run: Run, attempt: Attempt, taken: tuple[ReportSection, Mapping[st
     except _UNREADABLE:
         plain = ReportSection()
         path, traces = draw_path(plain, attempt, facts, run.events), draw_traces(plain, attempt, facts)
-    return Movement(attempt.title, path, traces, opened)
+    return Movement(attempt.anchor, attempt.heading, attempt.title, path, traces, opened)
 
 
 def _person(run: Run) -> Person | None:

@@ -380,9 +380,9 @@ def test_pd_is_homed_on_the_way_and_ready_at_the_target():
 @pytest.mark.parametrize(("late_latches", "stops"), [(1, True), (0, False)], ids=["a real device", "a simulated one"])
 def test_a_position_that_sticks_on_the_way_to_a_target_ends_the_drive(late_latches: int, stops: bool):
     """A device whose position never changes never arrives: it would be driven on against its end, a person attached."""
-    bench = scripted(script(1000), straight=None)
+    bench = scripted(script(3000), straight=None)
     bench.publish(controller=Controller.WORLD_PD, target=[0.25, 0.0, 0.0], late_latches=late_latches)
-    samples = bench.advance(1000)
+    samples = bench.advance(3000)
     way = float(np.linalg.norm(samples["v_virtual"], axis=1).sum()) * 1e-3
     end = samples[-1]
     state, cause = (SafetyState.SAFE_STOP, TripCause.NOT_FOLLOWING) if stops else (SafetyState.HOMED, TripCause.NONE)
@@ -392,7 +392,7 @@ def test_a_position_that_sticks_on_the_way_to_a_target_ends_the_drive(late_latch
 
 
 def test_a_device_that_follows_its_drive_by_ten_milliseconds_goes_on():
-    ticks, speed, late = 900, 0.25, 10
+    ticks, speed, late = 2000, 0.1, 10
     rows = script(ticks)
     rows[late:, 0] = np.minimum(speed * 1e-3 * np.arange(ticks - late), 0.15)
     bench = scripted(rows, straight=None)

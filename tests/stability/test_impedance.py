@@ -167,7 +167,7 @@ def test_a_drive_to_the_start_keeps_the_limits_of_the_force_on_the_person(drive:
     bench = bench_of(build_device(Robot(device="simulated_impedance"), Patient(intent=False), seed=3), straight=None)
     values = impedance_values(Impedance(drive_stiffness=2e4, drive_damping=200.0, drive_force=drive))
     bench.publish(**values | {"controller": Controller.WORLD_PD, "target": (0.1, 0.08, -0.08)})
-    bench.publish(force_limit=limit, force_rate_limit=rate, power_limit=3.0)
+    bench.publish(force_limit=limit, force_rate_limit=rate, power_limit=3.0, drive_speed=0.25)
     rows = bench.advance(1500)
     sent, size = rows["f_command"], np.linalg.norm(rows["f_command"], axis=1)
     assert size.max() <= min(drive, limit) * (1.0 + 1e-12)

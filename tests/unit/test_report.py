@@ -75,7 +75,9 @@ def test_page_is_well_formed_and_offline(page: str) -> None:
     page = re.sub(r"data:image/jpeg;base64,[A-Za-z0-9+/=]+", "", page)  # a picture within the page
     reader.feed(page.replace('<meta charset="utf-8">', "").replace("<!doctype html>", ""))
     assert reader.open in ([], ["meta"])
-    assert set(reader.links) <= {""} and "script" not in reader.seen and "link" not in reader.seen
+    assert (
+        {link[:1] for link in reader.links} <= {"", "#"} and "script" not in reader.seen and "link" not in reader.seen
+    )
     assert not re.search(r"https?:|//[a-z]|@import|url\(", page)
     assert not any(ord(c) < 32 and c != "\n" for c in page)
     assert "nan" not in re.findall(r'd="([^"]*)"', page).__str__()
@@ -165,17 +167,61 @@ def test_what_is_for_an_operator_is_folded(page: str) -> None:
     assert behind.count("<details") == behind.count("</details>") - 1  # the one whose summary this is
 
 
-@pytest.mark.slow
-def test_it_prints_on_four_pages(folder: Path, page: str, tmp_path: Path) -> None:
+class _Places(HTMLParser):
+    """Where the links lead, and in how many foldable parts each place lies that they name."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.depth, self.places, self.links = 0, dict[str, int](), list[str]()
+        self.feed(page)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.depth += tag == "details"
+        found = dict(attrs)
+        self.places |= {str(found["id"]): self.depth} if "id" in found else {}
+        self.links += [str(found["href"])] if tag == "a" else []
+
+    def handle_endtag(self, tag: str) -> None:
+        self.depth -= tag == "details"
+
+
+def test_every_trial_is_reached_from_its_row_from_the_list_and_from_its_neighbours(folder: Path, page: str) -> None:
+    """A browser unfolds what a link leads into: the place lies inside the folded part, not on it."""
+    attempts, found = find_attempts(Run.open(folder)), _Places(page)
+    assert len(attempts) > 1
+    for i, attempt in enumerate(attempts):
+        assert found.places[attempt.anchor] == 1
+        neighbours = 2 if 0 < i < len(attempts) - 1 else 1
+        assert found.links.count(f"#{attempt.anchor}") == 1 + bool(attempt.row) + neighbours
+    assert {link[1:] for link in found.links} <= set(found.places)
+
+
+def _in_browser(folder: Path, tmp_path: Path, option: str, anchor: str = "") -> str:
+    """What Chromium prints about a report."""
     browser = shutil.which("chromium") or shutil.which("google-chrome")
     if browser is None:
-        pytest.skip("no Chromium to print with: apt-get install chromium")
-    file = tmp_path / "report.pdf"
+        pytest.skip("no Chromium: apt-get install chromium")
     words = ["--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path / 'profile'}"]
-    subprocess.run(
-        [browser, *words, f"--print-to-pdf={file}", (folder / "report.html").as_uri()],
-        check=True, timeout=120, capture_output=True,
+    done = subprocess.run(
+        [browser, *words, option, f"{(folder / 'report.html').as_uri()}{anchor}"],
+        check=True, timeout=120, capture_output=True, text=True,
     )  # fmt: skip
+    return done.stdout
+
+
+@pytest.mark.slow
+def test_a_browser_unfolds_the_trial_that_a_link_names(folder: Path, page: str, tmp_path: Path) -> None:
+    folded = next(each.anchor for each in page_of(Run.open(folder), report_sections()).movement if not each.open)
+    followed = _in_browser(folder, tmp_path, "--dump-dom", f"#{folded}")
+    for text, begins in ((page, "<details>"), (followed, "<details open")):
+        before = text[: text.index(f'id="{folded}"')]
+        assert before[before.rindex("<details") :].startswith(begins)
+
+
+@pytest.mark.slow
+def test_it_prints_on_four_pages(folder: Path, page: str, tmp_path: Path) -> None:
+    file = tmp_path / "report.pdf"
+    _in_browser(folder, tmp_path, f"--print-to-pdf={file}")
     assert 1 <= len(re.findall(rb"/Type\s*/Page[^s]", file.read_bytes())) <= 4
 
 
