@@ -37,7 +37,7 @@ trials finished"), {aborted} and {which} (practice, or which trial of how many).
 
 _AT_POINTER: Mapping[TrialState, str] = {
     TrialState.APPROACH: "Moving to the start",
-    TrialState.STOPPED: "Stopped: {cause}. R goes on",
+    TrialState.STOPPED: "Stopped: {cause}. Press R to resume",
     TrialState.REST: "Rest: {seconds} s",
 }
 """Lines that differ without a robot."""

@@ -21,7 +21,7 @@ _NEVER_IN = (TrialState.STOPPED, TrialState.DONE)
 UNDER_WAY = (TrialState.APPROACH, TrialState.READY, TrialState.TRAVEL)
 """States of a trial that can be skipped."""
 _SHOWS_RESULT = (TrialState.FINISHED, TrialState.TIMEOUT, TrialState.ABORTED)
-PAUSED = "Paused. Press P to go on"
+PAUSED = "Paused. Press P to resume"
 """Line shown during a pause."""
 
 

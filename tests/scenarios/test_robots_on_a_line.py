@@ -126,7 +126,7 @@ def test_pulled_plug_in_contact_is_no_force_within_5_ticks_and_a_reset_goes_on(t
     assert (samples["state"][back:] == SafetyState.ACTIVE).sum() > 100, "after a reset it goes on"
     assert samples["ramp"][back:].max() == 1.0 and samples["status"][back + 1] == DeviceStatus.FRESH
     printed = capsys.readouterr().err
-    assert "is gone: no force" in printed and "the device is back: press R to go on" in printed
+    assert "is gone: no force" in printed and "the device is back: press R to resume" in printed
     assert sum('"kind":"device"' in line for line in (session.folder / "events.jsonl").read_text().splitlines()) >= 2
 
 

@@ -73,7 +73,7 @@ def test_the_robot_is_held_where_it_is_and_then_given_back() -> None:
     held = player.step(pressed=("p",), q=np.array([0.03, -0.1, 0.04]))
     assert held.haptic["controller"] == Controller.JOINT_PD and held.haptic["target"] == (0.03, -0.1, 0.04)
     assert not held.person_may_act and held.view.paused and held.view.robot_leads
-    assert held.board.message == "Paused. Press P to go on"
+    assert held.board.message == "Paused. Press P to resume"
     on = player.step(pressed=("pad_start",))
     assert on.haptic["controller"] == Controller.ADMITTANCE and on.person_may_act and not on.view.paused
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from types import SimpleNamespace
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -19,7 +20,9 @@ from mimics_app.contracts.messages.trial_state import TaskView, TrialState
 from mimics_app.contracts.messages.window_input import InputEvent
 from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.figures.key_page import KeyPage
+from mimics_app.tasks.task import TaskSpec
 from mimics_app.world.files.scene.file import load_scene
+from tests.support.task_play import Player, make_manager
 
 
 class Picture:
@@ -103,6 +106,24 @@ def test_a_person_reads_what_to_do_until_the_first_trial_begins(tmp_path, device
         assert picture.page.foot.startswith(foot) if foot else picture.page is None
     keys.step(seen(TrialState.READY, 2))
     assert picture.page is None
+
+
+@pytest.mark.parametrize(
+    ("pressed", "line"), [(False, "The robot moves to the start. Space stops it"), (True, "Paused. Press P to resume")]
+)
+def test_a_drive_and_a_pause_are_announced_on_the_page_before_the_first_trial(tmp_path, pressed, line):
+    """What the task says of a robot that moves on its own must not be hidden by the page of what to do."""
+    player = Player(make_manager(msgspec.convert({}, TaskSpec), introduced=True, waits=True))
+    player.q = np.array([0.05, 0.1, 0.0])  # away from the start
+    session = make_session(tmp_path, picture := Picture())
+    session.settings.journey = tmp_path
+    keys = ViewKeys(session)
+    before = player.step()
+    if pressed:
+        before = player.step(pressed=("p",))
+    keys.step(SimpleNamespace(snapshot=None, events=(), orders=before))
+    assert player.scene["target"] == tuple(player.q), "it has not set out yet"
+    assert picture.page.foot == line
 
 
 def test_the_operators_keys_are_read_before_the_first_trial_too(tmp_path):

@@ -62,7 +62,7 @@ class BoardLayout:
         self._cards: dict[str, tuple[tuple[Any, ...], F4]] = {}
 
     def lay(self, hud: Hud, board: Board, show: Sequence[str], force_full: float, page: KeyPage | None = None) -> None:
-        """Replace the contents of a display by a board, and a page over it.
+        """Replace the contents of a display by a board, or by a page over its message and cards.
 
         Args:
             hud: The display.
@@ -83,7 +83,7 @@ class BoardLayout:
                 x, y = _MARGIN, y - _HEIGHT - _GAP
             rows.append(self._rows(name, hud, (_draw_card, card, (x, y), force_full)))
             x += card.width + _GAP
-        if rows:
+        if rows and page is None:
             hud.extend(_by_kind(np.concatenate(rows)))
         if board.neutral is not None:
             _draw_neutral(hud, board.neutral)

@@ -12,12 +12,12 @@ __all__ = ["OPERATORS_PAGE", "session_keys", "task_page"]
 _ALWAYS: Keys = (
     ("Space, gamepad B", "stop the force at once"),
     ("R", "allow force again after a stop"),
-    ("P, gamepad Start", "pause and go on"),
+    ("P, gamepad Start", "pause; once more: resume"),
     ("H", "this page; then the operator's keys"),
     ("Esc", "end the session"),
 )
 _OPERATORS: Keys = (
-    ("F1", "frames per second, times, and what was given up for them"),
+    ("F1", "frames per second, times, and lowered qualities"),
     ("F2", "wireframe"),
     ("F3", "bounds of what is drawn"),
     ("F4", "lights"),
@@ -26,7 +26,7 @@ _OPERATORS: Keys = (
     ("F11", "full screen"),
     ("F12", "keep a picture in the recording"),
 )
-OPERATORS_PAGE = KeyPage(_OPERATORS, "Keys of the operator", foot="H: go on")
+OPERATORS_PAGE = KeyPage(_OPERATORS, "Keys of the operator", foot="H: resume")
 """Keys for who operates or develops a session."""
 
 

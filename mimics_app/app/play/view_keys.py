@@ -37,7 +37,7 @@ _FIRST = (TrialState.APPROACH, TrialState.READY)
 _BEGIN = "Enter, click or gamepad A: begin"
 _BY_ITSELF = "Begins by itself in a moment; Enter or click: now"
 _COMES = "One moment, please"
-_GO_ON = "H: the operator's keys; once more: go on"
+_RESUME = "H: the operator's keys; once more: resume"
 
 
 _RATED = 31
@@ -92,12 +92,13 @@ class ViewKeys:
     def _next(self, page: KeyPage | None) -> KeyPage | None:
         """Return the page after one: of the task, of the operator, none."""
         if page is None:
-            return replace(self._page, foot=_GO_ON)
+            return replace(self._page, foot=_RESUME)
         return None if page is OPERATORS_PAGE else OPERATORS_PAGE
 
     def _introduction(self, orders: TaskOrders) -> KeyPage:
-        if not orders.view.reading:
-            return replace(self._page, foot=_COMES)
+        """Return the page of the task; its foot is the task's line where something else comes first, as a drive."""
+        if not orders.view.reading or orders.view.paused:
+            return replace(self._page, foot=orders.board.message or _COMES)
         return replace(self._page, foot=_BEGIN if self._waits else _BY_ITSELF)
 
     def end_without_picture(self, error: MimicsError) -> None:

@@ -104,5 +104,5 @@ class DeviceWatch:
         if trouble != self._known:
             self._known = trouble
             self._recorder.journal("device", {"trouble": trouble})
-            say(trouble or "the device is back: press R to go on")
+            say(trouble or "the device is back: press R to resume")
         return trouble

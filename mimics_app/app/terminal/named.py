@@ -10,7 +10,7 @@ from mimics_app.contracts.errors import Issue, SceneError, UsageError, nearest
 from mimics_app.contracts.ports.display_choice import parse_display
 
 if TYPE_CHECKING:
-    from mimics_app.world.scene.scene import Scene
+    from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["check_adaptation", "check_camera", "check_file", "check_files"]
 
