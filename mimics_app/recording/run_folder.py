@@ -10,7 +10,7 @@ from pathlib import Path
 
 from mimics_app.contracts.clock import wall_time
 from mimics_app.contracts.errors import OutputError
-from mimics_app.contracts.whole_file import why_not_writable
+from mimics_app.contracts.system.whole_file import why_not_writable
 
 __all__ = [
     "BYTES_PER_SECOND",

@@ -10,8 +10,8 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from mimics_app.contracts.haptic import Controller, SafetyState
 
+from mimics_app.contracts.loop.haptic import Controller, SafetyState
 from mimics_app.rendering.haptic.descriptors.leg import LEG
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.scene_block import impedance_values, kinematic_values

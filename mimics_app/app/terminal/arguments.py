@@ -11,7 +11,7 @@ from mimics_app.app.settings import PROFILES
 from mimics_app.app.terminal.participant import canonical_code, why_no_code
 from mimics_app.contracts.errors import OutputError, UsageError
 from mimics_app.contracts.ports.display_choice import DISPLAY_KINDS, display_names, kind_of_display, parse_display
-from mimics_app.contracts.whole_file import why_not_writable
+from mimics_app.contracts.system.whole_file import why_not_writable
 
 __all__ = [
     "Container",
