@@ -185,6 +185,7 @@ TRAVEL, PAUSED = TaskView(TrialState.TRAVEL), TaskView(TrialState.TRAVEL, paused
         ("enter", TaskView(TrialState.READY, reading=True), StartTrial()),
         ("mouse_left", TRAVEL, None),
         ("escape", TaskView(TrialState.REST), End()),
+        ("escape", TaskView(TrialState.READY, reading=True), End()),
         ("x", TRAVEL, None),
     ],
 )
