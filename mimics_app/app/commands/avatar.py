@@ -32,9 +32,9 @@ def run(args: argparse.Namespace) -> int:
 
     file = find_file(args.file)
     check_file(file)
-    from mimics_app.world.files.scene.model_world import read_model
     from mimics_app.world.content.motion.humanoid import find_humanoid, report_lines
     from mimics_app.world.content.world import World
+    from mimics_app.world.files.scene.model_world import read_model
 
     world, model = World(), read_model(file)
     model.instantiate(world, world.root)

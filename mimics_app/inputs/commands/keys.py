@@ -100,7 +100,7 @@ class KeyCommands:
         self._hold_stops(window)
 
     def _asks(self, view: TaskView, now_ns: int) -> bool:
-        """Whether this is the first Escape during a trial, which only asks for another one; a page to be read is before it."""
+        """Whether this is the first Escape during a trial, after the page of the task, which asks for another."""
         if self._asked_ns is not None or view.reading or view.state not in _UNDER_WAY:
             return False
         self._asked_ns = now_ns
