@@ -16,7 +16,7 @@ from mimics_app.contracts.system import read_budget
 from mimics_app.rendering.audio import sound_file
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.settings import SoundSpec
-from mimics_app.rendering.audio.sound_file import read_sound
+from mimics_app.rendering.audio.sound_file import check_sound_file, read_sound
 from mimics_app.rendering.audio.spectral.sofa import read_sofa
 from tests.support.heads import some_head, write_sofa
 
@@ -180,6 +180,15 @@ def test_a_sound_is_refused_by_what_it_decodes_to_and_not_only_by_its_seconds(
         assert tracemalloc.get_traced_memory()[1] < 1 << 20
     finally:
         tracemalloc.stop()
+
+
+def test_what_is_too_long_to_be_held_is_refused_by_the_check_as_by_the_session(tmp_path, monkeypatch):
+    """An hour of music at 16 kHz is read as three: the check saw the file's own size and let it pass."""
+    monkeypatch.setattr(read_budget, "READ_BUDGET", read_budget.READ_BUDGET // 256)
+    path = silence(tmp_path / "music.flac", 1, 16_000, 16)
+    for refuse in (lambda: read_sound(path, 48_000), lambda: check_sound_file(path, None, whole=False)):
+        with pytest.raises(SceneError, match=r"MB of memory.* min at most: cut or loop it"):
+            refuse()
 
 
 @pytest.mark.parametrize("rate", [44_100, 44_101, 96_000])

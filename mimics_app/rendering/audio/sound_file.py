@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.system.read_budget import afford
+from mimics_app.contracts.system.read_budget import READ_BUDGET, afford
 from mimics_app.contracts.system.regular_file import open_regular
 
 if TYPE_CHECKING:
@@ -25,6 +25,8 @@ _LONGEST_S = 1800.0
 """Longest sound that is read [s]."""
 
 _LARGEST_BYTES = 1 << 30
+_MIX_RATE = 48_000
+"""Rate at which a sound of a scene is held [Hz]."""
 _RATES = range(1000, 768_001)
 _BLOCK = 1 << 20
 """Frames that are resampled at once; a shorter sound in one piece."""
@@ -35,10 +37,13 @@ _FADE = 1 << 13
 def check_sound_file(path: Path, inside: int | None, whole: bool) -> None:
     """Check that a file, or sound number `inside` of a model, can be played, by its header or by all of its samples.
 
+    It must fit in memory as `read_sound` holds it for a mix of 48 kHz.
+
     Raises:
         SceneError: See `read_sound`.
     """
     with _opened(path, inside) as sound:
+        _afford(path, sound, _MIX_RATE)
         for _ in _resampled(path, sound, sound.samplerate) if whole else ():
             pass
 
@@ -50,8 +55,7 @@ def read_sound(path: Path, rate: int, inside: int | None = None) -> NDArray[np.f
         SceneError: The file is missing, damaged, too long, or of an unknown format.
     """
     with _opened(path, inside) as sound:
-        count = round(sound.frames * rate / sound.samplerate)
-        afford(str(path), "", 4 * sound.channels * count, "cut it, or save it with fewer channels")
+        count = _afford(path, sound, rate)
         samples, written = np.empty((count, sound.channels), np.float32), 0
         for block in _resampled(path, sound, rate):
             samples[written : written + len(block)] = block
@@ -76,6 +80,15 @@ def _opened(path: Path, inside: int | None) -> Iterator[soundfile.SoundFile]:
     except (MemoryError, OSError, RuntimeError, ValueError) as error:
         why = str(error).rpartition(": ")[2]
         raise _refused(path, f"cannot be read as a sound ({why[:80]})", "save it as WAV, FLAC or OGG") from error
+
+
+def _afford(path: Path, sound: soundfile.SoundFile, rate: int) -> int:
+    """Return the number of frames that a sound has at a rate, if they fit in memory."""
+    count = round(sound.frames * rate / sound.samplerate)
+    longest = READ_BUDGET // (4 * sound.channels * rate)
+    fix = f"sounds are held in memory, a {sound.channels}-channel one for {longest // 60} min at most: cut or loop it"
+    afford(str(path), "", 4 * sound.channels * count, fix)
+    return count
 
 
 def _stream(path: Path, inside: int | None) -> io.BufferedIOBase:

@@ -135,7 +135,13 @@ class Environment(Component, frozen=True):
 class Sound(Component, frozen=True):
     """A sound, named by the entity's id. Either an `asset` or a `synth` recipe."""
 
-    asset: Annotated[str | None, Meta(description="Sound file of the scene's `assets`: .wav, .ogg or .flac")] = None
+    asset: Annotated[
+        str | None,
+        Meta(
+            description="Sound file of the scene's `assets`: .wav, .ogg or .flac; held in memory, so at most 23 "
+            "minutes in one channel, 11 in two"
+        ),
+    ] = None
     synth: Annotated[str | None, Meta(description="Recipe of the built-in synthesiser")] = None
     parameters: Annotated[
         Figures, Meta(description="Numbers of the recipe: pitch (ratio, 1), arousal (of a crowd, 0 to 1, 0.6)")
