@@ -23,7 +23,7 @@ from mimics_app.rendering.audio.spectral.bins import add_moving, add_to_ears, mo
 from mimics_app.rendering.audio.spectral.computed_head import compute_head, sphere_response
 from mimics_app.rendering.audio.spectral.fourier import BINS, SIZE, WORK, real_block, real_spectrum, turns_of
 from mimics_app.rendering.audio.spectral.head import HeadResponses, delays_between_ears
-from mimics_app.rendering.audio.spectral.head_table import BASE_DELAY
+from mimics_app.rendering.audio.spectral.head_table import BASE_DELAY, build_head_table
 from mimics_app.rendering.audio.spectral.mixer import SpectralMixer
 from mimics_app.rendering.audio.spectral.sofa import read_sofa
 from tests.support.heads import some_head, write_sofa
@@ -248,3 +248,29 @@ def test_nothing_clicks(change):
     assert max(high_band_dbfs(mixed[:, ear].astype(np.float64)) for ear in range(2)) <= RESIDUAL_DBFS
     if change == "stop":
         assert np.abs(mixed[-3000:]).max() < 1e-6
+
+
+def test_a_turn_of_the_head_does_not_delay_a_live_block_and_sounds_reach_their_directions():
+    """It brings new directions to all sounds at once, each of which takes up to a sixth of a live block's time."""
+    tone = 0.1 * np.sin(2 * np.pi * 300 * np.arange(RATE) / RATE)
+    bank, count = SoundBank({}, RATE), 24
+    bank.sounds["tone"] = Sound(tone.astype(np.float32), SoundSpec(loop=True))
+    settings = AudioSettings(sounds={}, triggers={}, scrape="", mixer="spectral")
+    table = build_head_table(compute_head(settings.head_width, RATE), RATE)
+    most, heard = [], []
+    for live in (True, False):
+        table.cells.filled[3:] = 0  # the first three are those of sounds without a direction
+        mixer = SpectralMixer(bank, settings, Timing(), table, live=live)
+        handles = np.array([mixer.start("tone", 0, AHEAD, 1.0).handle for _ in range(count)])
+        new = []
+        for block in range(20 + count):
+            angle = 2.0 * np.pi * np.arange(count) / count + 0.03 * min(block, 20)
+            places = np.stack((np.sin(angle), 0.0 * angle, -np.cos(angle)), axis=1)
+            mixer.set_listener(listener_amid(handles, places))
+            before = table.cells.filled.sum()
+            mixer.render(80)
+            new.append(table.cells.filled.sum() - before)
+        most.append(max(new[1:]))
+        heard.append(mixer.render(480))
+    assert most[0] <= 2 < most[1]
+    np.testing.assert_allclose(heard[0], heard[1], atol=1e-6)

@@ -166,8 +166,10 @@ def open_engine_in_step(
     return Engine(_status(settings, mixer, "loopback", sink, latency_ms), bank, mixer, writer)
 
 
-def open_mixer(settings: AudioSettings, bank: SoundBank, clock: Clock, latency: int, origin_ns: int) -> OnDemandMixer:
-    """Open the mixer that the settings name, rendering on demand.
+def open_mixer(
+    settings: AudioSettings, bank: SoundBank, clock: Clock, latency: int, origin_ns: int, *, live: bool = False
+) -> OnDemandMixer:
+    """Open the mixer that the settings name, rendering on demand; `live`: every block for a device, in its time.
 
     Raises:
         DeviceError: Its library is missing.
@@ -176,7 +178,7 @@ def open_mixer(settings: AudioSettings, bank: SoundBank, clock: Clock, latency: 
     if settings.mixer == "spectral":
         from mimics_app.rendering.audio.spectral.mixer import SpectralMixer
 
-        return SpectralMixer(bank, settings, Timing(origin_ns, latency))
+        return SpectralMixer(bank, settings, Timing(origin_ns, latency), live=live)
     library = load_library(settings)
     pipeline = measure_pipeline(library, settings.rate, settings.hrtf)
     context = OpenALContext(library, settings.rate, settings.hrtf, settings.sources, loopback=True)
@@ -213,7 +215,7 @@ def open_device(settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engin
 def _play_on(stream: SoundStream, settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engine:
     """Open the mixer that the settings name and play its blocks on a stream, which is closed where that fails."""
     try:
-        mixer = open_mixer(settings, bank, clock, 0, 0)
+        mixer = open_mixer(settings, bank, clock, 0, 0, live=True)
         if mixer.channels != stream.channels:
             what = f"without a sound server (PulseAudio, PipeWire) a device has two channels, not {mixer.channels}"
             raise DeviceError(what)

@@ -58,6 +58,7 @@ class Head(NamedTuple):
         delays: Delay grid, see `HeadTable`.
         cells: Responses by direction, see `HeadTable`; computed on first use.
         steps: Rows of the table of delays per sample, and on each side of zero, shape [2].
+        new: Directions that may still be interpolated in this block; moving sounds keep theirs beyond, shape [1].
     """
 
     position: F8
@@ -66,6 +67,7 @@ class Head(NamedTuple):
     delays: F8
     cells: Cells
     steps: Words
+    new: Words
 
 
 class Places(NamedTuple):
@@ -142,7 +144,7 @@ def steer(order: Words, places: Places, buses: F8, voices: Voices, head: Head) -
             if distance >= _NEAREST and places.doppler[v] != 0.0:
                 towards, away = _along(places.velocity, v, x, y, z), _along(head.moving, 0, x, y, z)
                 shift = _pitch(-towards / distance, -away / distance, places.doppler[v])
-            cell, half = _find(x, y, z, distance, head, places.direction, v)
+            cell, half = _find(x, y, z, distance, head, places.direction, voices, v)
         voices.pitch[v, 1] = shift * places.pitch_set[v]
         _set(voices, v, cell, half, level, lower, upper)
 
@@ -195,7 +197,9 @@ def _pitch(towards: float, away: float, doppler: float) -> float:
 
 
 @kernel
-def _find(x: float, y: float, z: float, distance: float, head: Head, direction: F8, v: int) -> tuple[int, int]:
+def _find(
+    x: float, y: float, z: float, distance: float, head: Head, direction: F8, voices: Voices, v: int
+) -> tuple[int, int]:
     """Set the direction of an offset in the head's axes, ahead if inside the head; return cell and row of delays."""
     axes = head.axes
     if distance < _NEAREST:
@@ -207,6 +211,9 @@ def _find(x: float, y: float, z: float, distance: float, head: Head, direction: 
     elevation = np.arcsin(min(1.0, max(-1.0, direction[v, 1])))
     cell = cell_of(azimuth, elevation, head.cells.rows)
     if head.cells.filled[cell] == 0:
+        if head.new[0] <= 0 and voices.changed[v] != 2:
+            return voices.cell[v, 1], voices.half[v, 1]
+        head.new[0] -= 1
         fill_cell(cell, azimuth, elevation, head.cells)
     half = _half_delay(azimuth, elevation, head.delays) - head.cells.halves[cell]
     most = head.steps[1]
