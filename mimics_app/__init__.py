@@ -4,31 +4,35 @@
 
     with mimics.open("wavy_tunnel", seed=7, patient="moderate") as session:
         session.step(2.0)
+        session.command(mimics.Pause())
         force = session.state["f_user_world"]
     recording = mimics.load(session.run_dir)
 
 The package imports nothing heavy: numpy, numba, OpenGL and OpenAL come in when a part that needs them does.
 """
 
-__all__ = ["__version__", "errors", "load", "open"]
+from importlib import import_module
+
+_COMMANDS = (
+    "Calibrate", "Confirm", "End", "Fault", "Mark", "Mute", "Note", "Obstacle", "Pause", "Policy", "Recalibrate",
+    "Repeat", "Reset", "Resume", "SetAssistance", "SetParameter", "Skip", "StartTrial", "Stop", "View", "Volume",
+)  # fmt: skip
+_HOMES = {
+    "open": "app.api.opened",
+    "load": "app.api.loaded_run",
+    "__version__": "contracts.version",
+    "errors": "contracts",
+    **dict.fromkeys(_COMMANDS, "contracts.commands.vocabulary"),
+}
+"""Module of each name that the package offers."""
+
+__all__ = ["__version__", "errors", "load", "open", *_COMMANDS]
 
 
 def __getattr__(name: str) -> object:
     """Import what the package offers when it is used."""
-    if name == "open":
-        from mimics_app.app.api.opened import open
-
-        return open
-    if name == "load":
-        from mimics_app.app.api.loaded_run import load
-
-        return load
-    if name == "__version__":
-        from mimics_app.contracts.version import __version__
-
-        return __version__
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     if name == "errors":
-        from mimics_app.contracts import errors
-
-        return errors
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        return import_module("mimics_app.contracts.errors")
+    return getattr(import_module(f"mimics_app.{_HOMES[name]}"), name)

@@ -31,15 +31,15 @@ class Agent:
     which make nothing harder, each by its own rewards.
 
     Args:
-        policy: Name of a policy.
+        policy: Name of a policy, or one itself, which chooses no neutral parameters.
         space: Parameters to choose, without those the therapist has vetoed.
         seed: Seed of the session.
     """
 
-    def __init__(self, policy: str, space: ActionSpace, seed: int) -> None:
+    def __init__(self, policy: str | Policy, space: ActionSpace, seed: int) -> None:
         self._rng = np.random.default_rng([seed, 1604])
         self._space = space
-        self._policy: Policy = build_policy(policy)
+        self._policy: Policy = build_policy(policy) if isinstance(policy, str) else policy
         start = space.demand(space.defaults())
         self._demand = 0.5 if start is None else start
         self._policy.begin(np.array([self._demand]), self._rng)

@@ -7,10 +7,11 @@ from mimics_app.contracts.messages.action_space import ActionSpace, Parameter
 from mimics_app.contracts.ports.stages import Learning
 from mimics_app.learning.agent import Agent
 from mimics_app.learning.goals import STATES, is_among
+from mimics_app.learning.policy import Policy
 from mimics_app.learning.registry import check_goal, check_policy
 from mimics_app.learning.stepwise import STEP_POLICIES, StepAgent
 
-__all__ = ["build_learning", "check_learning"]
+__all__ = ["build_learning", "build_with", "check_learning"]
 
 
 def build_learning(policy: str, goal: str, space: ActionSpace, seed: int) -> Learning:
@@ -35,6 +36,22 @@ def build_learning(policy: str, goal: str, space: ActionSpace, seed: int) -> Lea
     check_policy(policy)
     what = f'the policy "{policy}" chooses demands between trials; "{stepped.name}" is chosen at every step of a trial'
     raise UsageError(what, f"these can: {', '.join(STEP_POLICIES)}")
+
+
+def build_with(policy: Policy, goal: str, space: ActionSpace, seed: int) -> Learning:
+    """Build the learning stage of a policy that is given itself; it chooses demands, no neutral parameters.
+
+    Raises:
+        UsageError: It cannot follow the goal, or the task wants a choice at every step.
+        ValueError: There is no such goal.
+    """
+    if (stepped := _stepped(space)) is not None:
+        raise UsageError(f'"{stepped.name}" is chosen at every step of a trial', "name a policy that does so")
+    follows = getattr(policy, "follows", ())
+    if not is_among(goal, follows):
+        what = f'the policy {type(policy).__name__} cannot follow the goal "{goal}"'
+        raise UsageError(what, f"its goals: {', '.join(follows)}" if follows else "give it an attribute follows")
+    return Agent(policy, space, seed)
 
 
 def check_learning(policy: str, goal: str, space: ActionSpace) -> None:

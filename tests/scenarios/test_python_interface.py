@@ -6,15 +6,22 @@ import json
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 
 import mimics_app as mimics
 from mimics_app.app.api.unit_array import Quantity, Table
+from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.contracts.system.resources import root
+from mimics_app.learning.policy import Choice
+from mimics_app.learning.rules import Staircase
 from mimics_app.recording.run import Run
+from mimics_app.rendering.haptic.devices.request import DeviceRequest
+from mimics_app.rendering.haptic.devices.simulated_hapticmaster import build_simulated_hapticmaster
 from tests.support.command import mimics as command
 
 TUNNEL = root() / "scenes" / "wavy_tunnel.json"
@@ -23,13 +30,15 @@ PAGE = root() / "docs" / "python.md"
 
 def test_the_examples_of_the_page_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     snippets = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
-    assert len(snippets) >= 7
+    assert len(snippets) >= 10
     assert all(snippet.count("\n") <= 10 for snippet in snippets)
     names: dict[str, object] = {"runs": tmp_path}
     for snippet in snippets:
         exec(compile(snippet, str(PAGE), "exec"), names)
     assert len(names["rows"]) >= 1  # type: ignore[arg-type]
     assert names["pixels"].std() > 5.0  # type: ignore[attr-defined]
+    assert (names["paused"].done, names["wide"].done, names["wrong"].done) == (True, True, False)  # type: ignore[attr-defined]
+    assert names["heard"].shape == pytest.approx((48_000, 2), abs=800)  # type: ignore[attr-defined]
     assert 'there is no setting "sed"; did you mean "seed"' in capsys.readouterr().out
 
 
@@ -42,6 +51,80 @@ def test_played_in_steps_it_is_the_run_of_the_command(tmp_path: Path) -> None:
         session.run()
     assert session.result["state_hash"] == json.loads(done.stdout)["state_hash"]
     assert session.run_dir.parent == tmp_path / "b"
+
+
+def test_an_edited_scene_is_another_scene(tmp_path: Path) -> None:
+    def played(**changes: float) -> dict[str, object]:
+        with mimics.open("wavy_tunnel", seed=3, runs=tmp_path) as session:
+            parts = session.scene.entity("tunnel").components
+            parts["tunnel"] = msgspec.structs.replace(parts["tunnel"], **changes)
+            session.step(3.0)
+        recorded = Run.open(session.run_dir).session["scene"]
+        entities = {each["id"]: each["components"] for each in recorded["document"]["entities"]}
+        assert all(entities["tunnel"]["tunnel"][name] == value for name, value in changes.items())
+        return {"hash": recorded["hash"], **session.result}
+
+    plain, soft, again = played(), played(stiffness=500.0), played(stiffness=500.0)
+    assert plain["hash"] != soft["hash"] == again["hash"]
+    assert plain["state_hash"] != soft["state_hash"] == again["state_hash"]
+
+
+def test_a_wrong_edit_is_told_with_its_place_and_begins_nothing(tmp_path: Path) -> None:
+    with mimics.open("wavy_tunnel", runs=tmp_path / "runs") as session:
+        parts = session.scene.entity("tunnel").components
+        parts["tunnel"] = msgspec.structs.replace(parts["tunnel"], stiffness=-1.0)
+        with pytest.raises(mimics.errors.SceneError, match="components/tunnel"):
+            session.step()
+    assert not (tmp_path / "runs").exists()
+
+
+def test_a_steered_session_replays(tmp_path: Path) -> None:
+    with mimics.open("wavy_tunnel", seed=3, runs=tmp_path) as session:
+        session.step(2.0)
+        stop = session.command(mimics.Stop())
+        session.step()
+        assert stop.done and session.done, "latched, and nobody is here to reset it"
+        reset = session.command(mimics.Reset())
+        session.step(1.0)
+        skipped = session.command(mimics.Skip())
+        session.step(6.0)
+        assert reset.done and skipped.done and session.trials[-1]["cause"] == "skipped"
+        with pytest.raises(mimics.errors.UsageError, match="set_assistance"):
+            session.command(mimics.SetAssistance(2.0))
+    assert command("replay", session.run_dir).returncode == 0
+
+
+def _build_own(request: DeviceRequest) -> DevicePlugin:
+    return replace(build_simulated_hapticmaster(request), name="own")
+
+
+def test_what_is_given_as_an_object_plays_and_is_asked(tmp_path: Path) -> None:
+    class Hardest(Staircase):
+        def act(self) -> Choice:
+            return Choice(np.array([1.0]), np.array([1.0]))
+
+    with mimics.open("wavy_tunnel", patient="healthy", learn=Hardest(), goal="success:0.7", device=_build_own,
+                     seconds=30, runs=tmp_path) as session:  # fmt: skip
+        while not session.trials and not session.done:
+            session.step()
+        session.step()
+    recording = mimics.load(session.run_dir)
+    assert recording.session["moved_by"]["device"] == "own"
+    (choice,) = recording.run.lines_of("app", "choice")
+    assert choice["at_trial"] == 1 and choice["values"], "asked for the demand of the next trial"
+    assert command("replay", session.run_dir).returncode == 0
+    with (
+        mimics.open("wavy_tunnel", learn=Hardest(), goal="arousal:0:1", runs=tmp_path) as other,
+        pytest.raises(mimics.errors.UsageError, match="cannot follow the goal"),
+    ):
+        other.step()
+
+
+def test_silence_says_so(tmp_path: Path) -> None:
+    with mimics.open("wavy_tunnel", runs=tmp_path) as session:
+        session.step()
+        with pytest.raises(mimics.errors.UsageError, match="no sound"):
+            session.sound()
 
 
 def test_a_script_without_a_guard_is_played_once(tmp_path: Path) -> None:

@@ -169,7 +169,7 @@ def test_what_no_part_of_the_session_can_do_is_refused_with_the_reason() -> None
             SetParameter("radios", 1.0), End(),
         )}  # fmt: skip
         assert answers["policy"] == (False, "this session has no policy")
-        assert answers["view"] == (False, "this scene has no views by name")
+        assert answers["view"] == (False, 'this scene has no view "above"; known: camera')
         assert answers["mute"] == (False, "this session has no sound")
         assert answers["note"] == (True, "")
         assert answers["set_parameter"] == (False, 'there is no adaptable parameter "radios"; did you mean "radius"')

@@ -1,7 +1,8 @@
-"""A scene played from Python: `mimics_app.open(SCENE)`, on the virtual clock, as fast as the machine allows."""
+"""A scene played from Python: `mimics_app.open(SCENE)`, on the virtual clock as fast as the machine allows, or live."""
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import fields, replace
@@ -13,82 +14,137 @@ from numpy.typing import NDArray
 
 from mimics_app.app.api.unit_array import Quantity, Table
 from mimics_app.app.play.result import summarise
+from mimics_app.app.scenes.loading import check_scene
 from mimics_app.app.scenes.scene_search import find_scene
-from mimics_app.app.session.assembly import build_session
+from mimics_app.app.session.assembly import build_session, start_loop
 from mimics_app.app.session.frame import Frames
+from mimics_app.app.session.preparation import Given
+from mimics_app.app.session.requested import read_requested
 from mimics_app.app.session.session import Session
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.clock import FRAMES_PER_SECOND, SECOND_NS, MonotonicClock
+from mimics_app.contracts.commands.command_records import CommandSource
+from mimics_app.contracts.commands.vocabulary import Command, Reset, SetParameter
 from mimics_app.contracts.errors import UsageError, nearest
 from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot
+from mimics_app.contracts.shared_memory.command_ring import Answer, CommandSender
 from mimics_app.recording.run_folder import private_files
+from mimics_app.world.scene.edits import SceneEdits
 from mimics_app.world.files.scene.scene import Scene
 
 if TYPE_CHECKING:
     from mimics_app.app.picture.picture import Picture
+    from mimics_app.app.play.pace import LiveFrames
 
-__all__ = ["Opened", "open"]
+__all__ = ["Opened", "Sent", "open"]
 
 _LATCHED = (SafetyState.SAFE_STOP, SafetyState.E_STOP)
-_NOT_HERE = {"scene", "headless", "journey", "video", "pictures", "display", "recipe", "size", "quality", "opt"}
-"""Settings of a run that have no meaning without a window, or are arguments of methods here."""
+_NOT_HERE = {"scene", "headless", "journey", "video", "pictures", "recipe"}
+"""Settings of a run that are arguments of methods here, or have no meaning."""
+_OF_WINDOW = {"display", "size", "quality"}
+_AS_OBJECTS = {"learn": "policy", "device": "device"}
+"""Settings that may be objects instead of names, and what `Given` calls them."""
+_HEARD_S = 60.0
+"""Time of sound that is kept for `sound` [s]."""
 _open: list[Path] = []
-"""Run folder of the scene that is open in this process; one at a time, since the loop's work is one per process."""
+"""Scene that is open in this process; one at a time, since the loop's work is one per process."""
 
 Trial = dict[str, Any]
 
 
-class Opened:
-    """One scene that is being played; a context, which closes the recording.
+class Sent:
+    """A command that was given.
 
-    Args:
-        session: The session, not yet begun to play.
+    Attributes:
+        command: The command.
+        answer: What became of it, with frame and tick; None until the next frame.
     """
 
-    def __init__(self, session: Session) -> None:
-        self._session = session
-        self._frames = Frames(session)
-        self._listeners: list[Callable[[Trial], None]] = []
-        self._told = 0
-        self._picture: Picture | None = None
-        self._size = (0, 0)
-        self._begun_ns = MonotonicClock().now_ns()
-        self._result: dict[str, Any] = {}
-        _open.append(session.folder)
+    def __init__(self, command: Command) -> None:
+        self.command = command
+        self.answer: Answer | None = None
 
     @property
-    def scene(self) -> Scene:
-        """The scene, as it was read and planned."""
-        return self._session.scene
+    def done(self) -> bool:
+        """Whether it was carried out."""
+        return self.answer is not None and self.answer.done
+
+    @property
+    def why(self) -> str:
+        """Why it was refused, or a remark; "" for none."""
+        return "" if self.answer is None else self.answer.why
+
+    def __repr__(self) -> str:
+        became = "waits" if self.answer is None else "done" if self.done else "refused"
+        return f"<{self.command}: {became}{f', {self.why}' if self.why else ''}>"
+
+
+class Opened:
+    """One scene that is played; a context, which closes the recording.
+
+    The session begins with the first step, picture or command: until then `scene` may be edited.
+
+    Args:
+        scene: The scene as it was read.
+        settings: Settings of the run.
+        given: Policy and device given as objects.
+        window: Whether a person plays at a window, in real time.
+    """
+
+    def __init__(self, scene: Scene, settings: RunSettings, given: Given, *, window: bool) -> None:
+        self.scene = scene
+        self._edits, self._settings, self._given, self._window = SceneEdits(scene), settings, given, window
+        self._session: Session | None = None
+        self._listeners: list[Callable[[Trial], None]] = []
+        self._told, self._reset_at = 0, -1
+        self._picture: Picture | None = None
+        self._size = (0, 0)
+        self._result: dict[str, Any] = {}
+        self._waiting: dict[int, Sent] = {}
+        self._heard: deque[NDArray[np.float32]] = deque()
+        self._live: LiveFrames | None = None
+        self._closed = False
+        _open.append(settings.scene)
 
     @property
     def run_dir(self) -> Path:
         """Folder of the recording; `mimics_app.load` reads it."""
-        return self._session.folder
+        return self._begun.folder
 
     @property
     def time_s(self) -> float:
-        """Simulated time since the start [s]."""
-        return self._session.clock.now_ns() / SECOND_NS
+        """Time since the start [s]: simulated, in a window real."""
+        return (self._begun.clock.now_ns() - self._start_ns) / SECOND_NS
 
     @property
     def done(self) -> bool:
-        """Whether the task has ended, or a stop is latched, which no person is here to reset."""
+        """Whether the session is over: its task, a command, the person, or a stop that no person is here to reset."""
+        session = self._begun
+        if self._live is not None:
+            return self._live.over
         seen = self._frames.snapshot
-        return self._session.tasks.done or (seen is not None and seen.state in _LATCHED)
+        resets = session.timed_commands.waiting or self._frames.number == self._reset_at
+        stopped = seen is not None and seen.state in _LATCHED and not resets
+        return session.tasks.done or self._frames.desk.ended or stopped
 
     @property
     def state(self) -> Table:
         """Newest state of touch: the fields of the snapshot, each of shape [1] or [1, k], in SI units."""
-        seen = self._frames.snapshot or self._session.haptics.snapshot()
+        session = self._begun
+        seen = self._frames.snapshot or session.haptics.snapshot()
         return Table({name: Quantity(values[np.newaxis], unit) for name, values, unit in _fields_of(seen)})
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Present values of the task's adaptable parameters."""
+        return dict(self._begun.tasks.values)
 
     @property
     def trials(self) -> list[Trial]:
         """Rows of the attempts at trials that have ended so far; columns of trials.csv."""
-        return [dict(row) for row in self._session.tasks.rows]
+        return [] if self._session is None else [dict(row) for row in self._session.tasks.rows]
 
     @property
     def result(self) -> dict[str, Any]:
@@ -96,27 +152,51 @@ class Opened:
         return self._result
 
     def step(self, seconds: float = 1.0 / FRAMES_PER_SECOND) -> None:
-        """Play on for a simulated time [s], in whole frames, at least one; less where the task ends before.
+        """Play on for a time [s], in whole frames, at least one; less where the session ends before.
 
         Raises:
             UsageError: `seconds` is not positive, or the scene is closed.
         """
         if not 0.0 < seconds < np.inf:
             raise UsageError(f"cannot play for {seconds} s", "give a positive number of seconds")
-        self._session.require_open()
+        session = self._begun
+        session.require_open()
+        if self._live is not None:
+            until = session.clock.now_ns() + round(seconds * SECOND_NS)
+            self._live.run(self._frames, lambda _: self._tell(), lambda: session.clock.now_ns() >= until)
+            return
         for _ in range(max(1, round(seconds * FRAMES_PER_SECOND))):
-            if self.done:
+            if self._may_not_go_on():
                 return
             self._frames.advance_frame()
             self._tell()
 
     def run(self) -> dict[str, Any]:
-        """Play until the task ends, or the scene's `seconds`; close, and return the result of `mimics run --json`."""
-        limit_s = self._session.settings.seconds
-        while not self.done and (limit_s is None or self.time_s < limit_s):
-            self.step()
+        """Play until the session is over, or for its `seconds`; close, and return the result of `mimics run --json`."""
+        limit_s = self._settings.seconds
+        while not self._may_not_go_on() and (limit_s is None or self.time_s < limit_s):
+            self.step(1.0 if self._live is not None else 1.0 / FRAMES_PER_SECOND)
         self.close()
         return self._result
+
+    def command(self, command: Command) -> Sent:
+        """Give a command: it takes effect with the next frame, a `Stop` within two ticks.
+
+        Returns:
+            The command, and its answer after the next frame. What is refused raises nothing.
+
+        Raises:
+            UsageError: A value is outside what the command takes, or 64 commands wait for the next frame.
+        """
+        session = self._begun
+        session.require_open()
+        sent = Sent(command)
+        self._waiting[self._sender.send(command, session.clock.now_ns())] = sent
+        return sent
+
+    def set(self, **values: float) -> list[Sent]:
+        """Set adaptable parameters of the task by name, within the limits that a policy has."""
+        return [self.command(SetParameter(name, float(value))) for name, value in values.items()]
 
     def on_trial(self, listener: Callable[[Trial], None]) -> None:
         """Call a function with the row of each attempt at a trial when it has ended."""
@@ -131,23 +211,37 @@ class Opened:
         """
         from mimics_app.rendering.visual.surfaces.headless import read_pixels
 
+        session = self._begun
+        session.require_open()
         if self._picture is None or self._size != (width, height):
             self._close_picture()
             self._picture, self._size = self._open_picture(width, height), (width, height)
-        self._picture.draw(self._frames.board, self._session.clock.now_ns())
+        if session.view:
+            self._picture.show_view(session.view)
+        self._picture.draw(self._frames.board, session.clock.now_ns())
         return np.ascontiguousarray(read_pixels(self._picture.surface)[:, :, :3])
+
+    def sound(self) -> NDArray[np.float32]:
+        """Return what was mixed since the last call, the last minute at most: 48 kHz, shape [samples, channels].
+
+        Raises:
+            UsageError: The scene is silent, its sound is off, or it plays in a window.
+        """
+        if not self._hears:
+            raise UsageError("there is no sound to return", 'open the scene with sound="auto", without a window')
+        blocks = list(self._heard)
+        self._heard.clear()
+        return np.concatenate(blocks) if blocks else np.zeros((0, 2), np.float32)
 
     def close(self) -> None:
         """End the session and close the recording; a second call does nothing."""
-        if self._result:
+        if self._closed:
             return
-        self._close_picture()
-        session = self._session
-        sound = session.end_stages()
-        summary = summarise(session, self._frames, sound, (MonotonicClock().now_ns() - self._begun_ns) * 1e-9)
-        manifest = session.finish(summary)
-        self._result = {**summary, "state_hash": manifest.state_hash}
-        _open.remove(session.folder)
+        self._closed = True
+        try:
+            self._end()
+        finally:
+            _open.remove(self._settings.scene)
 
     def __enter__(self) -> Self:
         return self
@@ -156,22 +250,91 @@ class Opened:
         self.close()
 
     def __repr__(self) -> str:
-        return f"<{self.scene.name} at {self.time_s:.1f} s, {'closed' if self._result else 'open'}>"
+        state = "closed" if self._closed else "not begun" if self._session is None else f"at {self.time_s:.1f} s"
+        return f"<{self.scene.name}, {state}>"
+
+    @property
+    def _begun(self) -> Session:
+        """The session, which begins now if it has not."""
+        if self._session is None:
+            if self._closed:
+                raise UsageError("session is closed", "open another one")
+            self._session = self._begin()
+        return self._session
+
+    def _begin(self) -> Session:
+        self._edits.apply()
+        self._begun_ns = MonotonicClock().now_ns()
+        with ExitStack() as stack:
+            stack.enter_context(private_files())
+            session = build_session(self._settings, live=self._window, read=self.scene, given=self._given)
+            stack.callback(session.__exit__)
+            if session.live and not self._window:
+                raise UsageError("the device runs in real time", "open the scene with window=True")
+            self._frames = Frames(session)
+            self._sender = CommandSender(session.memory, CommandSource.PYTHON, "python")
+            self._hears = self._listen(session)
+            if self._window:
+                self._live = _open_window(session)
+            self._start_ns = session.clock.now_ns()
+            stack.pop_all()
+        return session
+
+    def _end(self) -> None:
+        session = self._session
+        if session is None:
+            return
+        self._close_picture()
+        if self._live is not None:
+            self._live.end()
+        sound = session.end_stages()
+        summary = summarise(session, self._frames, sound, (MonotonicClock().now_ns() - self._begun_ns) * 1e-9)
+        manifest = session.finish(summary)
+        self._result = {**summary, "state_hash": manifest.state_hash}
+
+    def _may_not_go_on(self) -> bool:
+        """Whether the session is over: a stop may still be left by a command that waits."""
+        return self.done and not self._waiting
 
     def _tell(self) -> None:
-        rows = self._session.tasks.rows
+        for answer in self._sender.answers():
+            sent = self._waiting.pop(answer.sequence)
+            sent.answer = answer
+            if answer.done and isinstance(sent.command, Reset):
+                self._reset_at = self._frames.number
+        rows = self._begun.tasks.rows
         for row in rows[self._told :]:
             for listener in self._listeners:
                 listener(dict(row))
         self._told = len(rows)
+
+    def _listen(self, session: Session) -> bool:
+        """Keep what is mixed from now on; return whether anything is."""
+        if session.live or self._settings.sound == "off":
+            return False
+        from mimics_app.app.cues.sound_stage import SoundStage
+        from mimics_app.rendering.audio.offline import OfflineAudio
+
+        output = session.sound.output if isinstance(session.sound, SoundStage) else None
+        if not isinstance(output, OfflineAudio) or output.ready is None or not output.ready.rate:
+            return False
+        most = round(_HEARD_S * output.ready.rate)
+
+        def keep(block: NDArray[np.float32]) -> None:
+            self._heard.append(block.copy())
+            while sum(map(len, self._heard)) > most:
+                self._heard.popleft()
+
+        output.listener = keep
+        return True
 
     def _open_picture(self, width: int, height: int) -> Picture:
         from mimics_app.app.picture.picture import Picture, picture_quality
         from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 
         surface = open_offscreen("auto", (width, height))
-        quality = picture_quality(self.scene, self._session.settings.profile)
-        return Picture(surface, self.scene, self._session.world, quality, sparse=True)
+        quality = picture_quality(self.scene, self._settings.profile)
+        return Picture(surface, self.scene, self._begun.world, quality, sparse=True)
 
     def _close_picture(self) -> None:
         if self._picture is not None:
@@ -179,42 +342,54 @@ class Opened:
             self._picture = None
 
 
-def open(scene: Path | str, **settings: object) -> Opened:
-    """Open a scene for playing by the simulated person, without a window; every run is recorded.
+def _open_window(session: Session) -> LiveFrames:
+    from mimics_app.app.play.pace import LiveFrames
+    from mimics_app.app.play.play import open_live_window
+
+    start_loop(session)
+    open_live_window(session)
+    return LiveFrames(session)
+
+
+def open(scene: Path | str, *, window: bool = False, **settings: object) -> Opened:
+    """Open a scene for playing; every run is recorded.
 
     Args:
         scene: Scene file, or the name of a shipped scene.
+        window: True: a person plays at a window in real time; else the simulated person, as fast as possible.
         **settings: Options of `mimics run` by their names: `seed`, `patient`, `physio`, `learn`, `goal`, `profile`,
-            `device`, `difficulty`, `trials`, `seconds` [s], `sound` ("file" or "off"), `runs`, `participant` ...
+            `device`, `difficulty`, `trials`, `seconds` [s], `sound` ("auto", "file" or "off"), `commands`, `runs` ...
+            `learn` may be a policy itself, an object as `mimics_app.learning.policy.Policy`, and `device` a function
+            of a `DeviceRequest` that makes a `DevicePlugin` of the shape that the scene is made for.
 
     Returns:
-        The scene, at time 0.
+        The scene, at time 0; its `scene` may be edited before the first step.
 
     Raises:
         SceneError: The scene is faulty.
         UsageError: A setting is unknown, or another scene is open in this process.
-        DeviceError: The device is not available, or is not a simulated one.
+        DeviceError: The device is not available.
     """
     if _open:
         raise UsageError(f"another scene is open in this process ({_open[0]})", "close it first, or use a process each")
-    chosen = _settings(find_scene(Path(scene)), settings)
-    with ExitStack() as stack:
-        stack.enter_context(private_files())
-        session = build_session(chosen, live=False)
-        if session.live:
-            session.__exit__()
-            what = f'the device "{chosen.device or "of the scene"}" runs in real time'
-            raise UsageError(what, "play it with mimics run, or give device= a simulated one")
-        return Opened(session)
+    objects = {name for name in _AS_OBJECTS if settings.get(name) is not None and not isinstance(settings[name], str)}
+    given = Given(**{_AS_OBJECTS[name]: settings[name] for name in objects})  # type: ignore[arg-type]
+    named = {name: value for name, value in settings.items() if name not in objects}
+    chosen = _settings(find_scene(Path(scene)), named, window=window)
+    if chosen.device:
+        from mimics_app.rendering.haptic.devices.device_names import check_device_name
+
+        check_device_name(chosen.device)
+    return Opened(check_scene(read_requested(chosen)), chosen, given, window=window)
 
 
-def _settings(scene: Path, given: Mapping[str, object]) -> RunSettings:
+def _settings(scene: Path, given: Mapping[str, object], *, window: bool) -> RunSettings:
     """Return the settings of a run.
 
     Raises:
         UsageError: One is unknown, or of another type.
     """
-    known = {field.name for field in fields(RunSettings)} - _NOT_HERE
+    known = {field.name for field in fields(RunSettings)} - _NOT_HERE - (set() if window else _OF_WINDOW)
     for name in given:
         if name not in known:
             raise UsageError(f'there is no setting "{name}"', nearest(name, known))
@@ -222,7 +397,7 @@ def _settings(scene: Path, given: Mapping[str, object]) -> RunSettings:
     plain: dict[str, Any] = {
         name: Path(str(value)) if name in paths and value is not None else value for name, value in given.items()
     }
-    return replace(RunSettings(scene, headless=True, pictures=0, sound="off"), **plain)
+    return replace(RunSettings(scene, headless=not window, pictures=0, sound="auto" if window else "off"), **plain)
 
 
 def _fields_of(snapshot: HapticSnapshot) -> list[tuple[str, NDArray[Any], str]]:

@@ -20,7 +20,7 @@ from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.rendering.visual.quality_steps import quality_steps, rehearse_steps
 
-__all__ = ["run_live", "run_unseen", "run_virtual"]
+__all__ = ["LiveFrames", "run_live", "run_unseen", "run_virtual"]
 
 _FEWEST_FRAMES = 120
 """Smallest number of frames of a run whose quality is kept for the next one."""
@@ -55,12 +55,9 @@ def run_live(
     The end of the haptic loop ends the run too; the stop of the session then reports the reason. So does the loss of
     the picture.
     """
-    governor = session.governor = _govern(session)
-    name = _start_lower(session, governor) if governor is not None and governor.steps else ""
-    _draw_once(session)
-    _run_frames(session, frames, after_frame, until)
-    if name and governor is not None and governor.frames >= _FEWEST_FRAMES:
-        held_quality().keep(name, governor.held)
+    live = LiveFrames(session)
+    live.run(frames, after_frame, until)
+    live.end()
 
 
 def _draw_once(session: Session) -> None:
@@ -69,34 +66,72 @@ def _draw_once(session: Session) -> None:
         session.picture.renderer.draw_finished(session.picture.views)
 
 
-def _run_frames(session: Session, frames: Frames, after_frame: Progress, until: Callable[[], bool]) -> None:
-    picture, governor = session.picture, session.governor
-    keys, leaving = ViewKeys(session), _Leaving(session)
-    reload, watch = SceneReload(session), DeviceWatch(session.haptics.plugin, session.recorder)
-    limit = session.clock.now_ns() + _limit_ns(session)
-    due = session.clock.now_ns()
-    while session.clock.now_ns() < limit and session.haptics.running and not (until() or leaving.wanted(frames)):
+class LiveFrames:
+    """Frames of a session beside its live loop, with a picture or without.
+
+    Args:
+        session: The session; its loop runs.
+
+    Attributes:
+        over: Whether the session ends: by the person, its task, its time, the loss of its picture or its loop.
+    """
+
+    def __init__(self, session: Session) -> None:
+        governor = session.governor = _govern(session)
+        self._session, self._governor = session, governor
+        self._name = _start_lower(session, governor) if governor is not None and governor.steps else ""
+        _draw_once(session)
+        self._keys, self._leaving = ViewKeys(session), _Leaving(session)
+        self._reload, self._watch = SceneReload(session), DeviceWatch(session.haptics.plugin, session.recorder)
+        self._limit = session.clock.now_ns() + _limit_ns(session)
+        self.over = False
+
+    def run(self, frames: Frames, after_frame: Progress, until: Callable[[], bool] = lambda: False) -> None:
+        """Run frames at their times until `until`, or the session is over."""
+        session = self._session
+        due = session.clock.now_ns()
+        while not (self._is_over(frames) or until()):
+            if not self._frame(frames):
+                self.over = True
+                return
+            after_frame(frames)
+            due = max(due + _period_ns(session), session.clock.now_ns() - FRAME_NS)
+            session.clock.sleep_until_ns(due)
+
+    def end(self) -> None:
+        """Keep the quality that the picture held, for the next session."""
+        governor = self._governor
+        if self._name and governor is not None and governor.frames >= _FEWEST_FRAMES:
+            held_quality().keep(self._name, governor.held)
+
+    def _is_over(self, frames: Frames) -> bool:
+        session = self._session
+        ended = session.clock.now_ns() >= self._limit or not session.haptics.running
+        self.over = ended or self._leaving.wanted(frames)
+        return self.over
+
+    def _frame(self, frames: Frames) -> bool:
+        """Do a frame and show it; return False where the picture is lost for good."""
+        session, picture, governor = self._session, self._session.picture, self._governor
         begun_ns = session.clock.now_ns()
         if picture is not None:
             frames.timer = picture.begin_frame()
             frames.timing = picture.expect(begun_ns)
         with frames.timer.stage("reload"):
-            reload.look()
+            self._reload.look()
         frames.step()
-        trouble = watch.look()
+        trouble = self._watch.look()
         if picture is not None and governor is not None:
-            keys.step(frames, governor)
-            message = session.keys.message or _message(session, frames, reload, trouble)
+            self._keys.step(frames, governor)
+            message = session.keys.message or _message(session, frames, self._reload, trouble)
             try:
                 done_ns = picture.show_frame(frames.board.saying(message), session.clock)
             except DeviceError as error:
-                keys.end_without_picture(error)
-                return
+                self._keys.end_without_picture(error)
+                return False
             picture.shown(begun_ns, session.clock.now_ns())
             governor.note((done_ns - begun_ns) * 1e-6, done_ns)
-        after_frame(frames)
-        due = max(due + _period_ns(session), session.clock.now_ns() - FRAME_NS)
-        session.clock.sleep_until_ns(due)
+        return True
 
 
 def _period_ns(session: Session) -> int:

@@ -32,7 +32,7 @@ from mimics_app.rendering.visual.surfaces.surface import Place, Surface
 from mimics_app.tasks.kinds.registry import report_sections
 from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["open_picture", "play"]
+__all__ = ["open_live_window", "open_picture", "play"]
 
 _STOPS = (SafetyState.SAFE_STOP.name, SafetyState.E_STOP.name)
 
@@ -137,23 +137,14 @@ def _say_where_kept(session: Session) -> Iterator[None]:
 
 def _play_in_window(session: Session, frames: Frames, log: JourneyLog) -> None:
     """Play in a window, with the live loop and the sound output."""
-    from mimics_app.app.picture.shown_on import chosen_display
-    from mimics_app.app.picture.window_opening import open_window, remember_size
-    from mimics_app.app.session.person_input import person_inputs
+    from mimics_app.app.picture.window_opening import remember_size
 
     log.doing("Starting touch, sound and recording")
     start_loop(session)
     log.doing("Making the picture")
-    kind = chosen_display(session.scene, session.settings.display).kind
-    title = session.scene.title or session.scene.name
-    # A headset has its own frame rate: its mirror in the window must not wait for the monitor.
-    vsync = kind not in ("openxr", "sim-hmd")
-    surface = open_window(session.settings.size, title, vsync=vsync, stereo=kind == "quad", visible=not log.asked)
+    surface = open_live_window(session, visible=not log.asked)
     if place := log.place:
         surface.move_to(Place.of(place)._replace(width=0, height=0))
-    open_picture(session, surface)
-    session.inputs = person_inputs(session)
-
     values = ValuePicture(session)
 
     def after_frame(frames: Frames) -> None:
@@ -169,6 +160,26 @@ def _play_in_window(session: Session, frames: Frames, log: JourneyLog) -> None:
     with frozen_objects():
         run_live(session, frames, after_frame)
     remember_size(surface)
+
+
+def open_live_window(session: Session, *, visible: bool = True) -> Surface:
+    """Open the window of a session whose loop runs, with its picture and the inputs of the person at it.
+
+    Raises:
+        DeviceError: There is no display.
+    """
+    from mimics_app.app.picture.shown_on import chosen_display
+    from mimics_app.app.picture.window_opening import open_window
+    from mimics_app.app.session.person_input import person_inputs
+
+    kind = chosen_display(session.scene, session.settings.display).kind
+    title = session.scene.title or session.scene.name
+    # A headset has its own frame rate: its mirror in the window must not wait for the monitor.
+    vsync = kind not in ("openxr", "sim-hmd")
+    surface = open_window(session.settings.size, title, vsync=vsync, stereo=kind == "quad", visible=visible)
+    open_picture(session, surface)
+    session.inputs = person_inputs(session)
+    return surface
 
 
 def open_picture(session: Session, surface: Surface) -> None:

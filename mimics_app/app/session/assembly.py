@@ -10,7 +10,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from mimics_app.app.session.header import describe_session
-from mimics_app.app.session.preparation import SessionParts, prepare
+from mimics_app.app.session.preparation import Given, SessionParts, prepare
 from mimics_app.app.session.session import Session
 from mimics_app.app.session.sound import open_sound
 from mimics_app.app.settings import RunSettings
@@ -25,7 +25,9 @@ from mimics_app.world.files.scene.scene import Scene
 __all__ = ["build_session", "start_loop"]
 
 
-def build_session(settings: RunSettings, *, live: bool, read: Scene | None = None) -> Session:
+def build_session(
+    settings: RunSettings, *, live: bool, read: Scene | None = None, given: Given | None = None
+) -> Session:
     """Load the scene, build the loop and the stages, start the recorder and the sound. Nothing moves yet.
 
     A device that runs in real time makes the session live, even where `live` is False. Faults of files and devices are
@@ -35,13 +37,14 @@ def build_session(settings: RunSettings, *, live: bool, read: Scene | None = Non
         settings: Settings of the run.
         live: Whether the haptic loop is to run in real time.
         read: The scene, where it was read before; see `prepare`.
+        given: Parts that a program gives as objects.
 
     Raises:
         SceneError: The scene or the action file is faulty.
         DeviceError: The robot is not available.
         OutputError: The disk has no room for the recording.
     """
-    parts = prepare(settings, live=live, read=read)
+    parts = prepare(settings, live=live, read=read, given=given)
     with ExitStack() as stack:
         stack.callback(parts.plugin.close)
         parts.parameter_store.fit(device_values(parts.plugin, parts.scene))

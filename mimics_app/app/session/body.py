@@ -16,6 +16,7 @@ from mimics_app.contracts.ports.input_port import SignalSource
 from mimics_app.contracts.ports.stages import Dsp, Estimation, Goal, Learning
 from mimics_app.learning.action_sequence import ActionSequence, load_action_sequence
 from mimics_app.learning.goals import TaskGoal
+from mimics_app.learning.policy import Policy
 from mimics_app.tasks.actions import build_action_space, build_learning_space
 from mimics_app.tasks.task import TaskSpec
 
@@ -66,13 +67,14 @@ class Body:
     header: Mapping[str, object] = field(default_factory=dict)
 
 
-def open_body(settings: RunSettings, task: TaskSpec, preset: str = "") -> Body:
+def open_body(settings: RunSettings, task: TaskSpec, preset: str = "", policy: Policy | None = None) -> Body:
     """Return the stages that a run requests; null stages for the others.
 
     Args:
         settings: Settings of the run.
         task: The task; the defaults of its parameters have been filled in.
         preset: Preset of the simulated patient, which a simulated body without a preset takes.
+        policy: Policy given by a program instead of a name; a replay does not ask it again.
 
     Raises:
         SceneError: The action file, or a file of signals, is faulty.
@@ -81,11 +83,14 @@ def open_body(settings: RunSettings, task: TaskSpec, preset: str = "") -> Body:
     """
     body = Body()
     learn = "" if settings.action is not None else settings.learn or task.learn
-    if settings.physio or learn:
+    if settings.physio or learn or policy is not None:
+        learn = "" if policy is not None else learn
         header = _header(settings, task, learn)
         if learn:
             _check_learning(learn, str(header["goal"]), build_learning_space(task))
         body = replace(make_stages(header), sources=_sources(settings, preset))
+        if policy is not None:
+            body = replace(body, learning=_with(policy, str(header["goal"]), task, settings.seed))
     if settings.action is not None:
         body = replace(body, learning=load_action_sequence(settings.action, build_action_space(task)))
     return body
@@ -118,6 +123,15 @@ def make_stages(header: Mapping[str, object]) -> Body:
         goal=goal,
         header=msgspec.to_builtins(read),
     )
+
+
+def _with(policy: Policy, goal: str, task: TaskSpec, seed: int) -> Learning:
+    from mimics_app.learning.builder import build_with
+
+    try:
+        return build_with(policy, goal, build_learning_space(task), seed)
+    except ValueError as error:
+        raise UsageError(str(error)) from error
 
 
 def _check_learning(learn: str, goal: str, space: ActionSpace) -> None:

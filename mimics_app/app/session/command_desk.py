@@ -78,7 +78,7 @@ class CommandDesk:
             Note: lambda command: _DONE,
             Mark: lambda command: _DONE,
             Obstacle: lambda command: _refused("this scene has no obstacles"),
-            View: lambda command: _refused("this scene has no views by name"),
+            View: lambda command: core.show_view(command.name),
             Fault: lambda command: _refused("this device takes no faults while it runs"),
             Calibrate: lambda command: _refused("this device has no steps of calibration"),
         }

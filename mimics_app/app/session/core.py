@@ -23,7 +23,7 @@ from mimics_app.app.touch.haptic_scene_data import HapticSceneData
 from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.clock import Clock, MonotonicClock, VirtualClock
 from mimics_app.contracts.commands.vocabulary import Reply
-from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.errors import UsageError, nearest
 from mimics_app.contracts.ports.scenario_port import Scenario
 from mimics_app.contracts.ports.stages import Dsp, Estimation, Goal, Learning
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
@@ -31,6 +31,7 @@ from mimics_app.inputs.commands.command_file import TimedCommands
 from mimics_app.inputs.commands.keys import KeyCommands
 from mimics_app.inputs.interaction.simulated_patient import SimulatedPatient
 from mimics_app.inputs.stage import Inputs
+from mimics_app.learning.action_sequence import ActionSequence
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.tactile.vibrators import NoVibrators, Vibrators
 from mimics_app.tasks.task_manager import TaskManager
@@ -62,6 +63,7 @@ class SessionCore:
         live: True when the haptic loop runs in real time; False on the virtual clock.
         ended: Whether `stop` was called: it plays no further frame.
         has_policy: Whether a policy or a list of actions adapts the task.
+        view: The view that a command wants; "": as the scene says.
         keys: Keys and gamepad as sources of commands.
         timed_commands: Commands of a file, each at its time.
     """
@@ -101,9 +103,10 @@ class SessionCore:
         self.estimation: Estimation = body.estimation
         self.learning: Learning = body.learning
         self.goal: Goal = body.goal
-        self.has_policy = bool(body.header.get("learn")) or parts.settings.action is not None
+        self.has_policy = parts.settings.action is not None or not isinstance(body.learning, ActionSequence)
         self._has_signals = bool(parts.settings.physio)
-        self.keys = KeyCommands(memory, self._say)
+        self.view = ""
+        self.keys = KeyCommands(memory, self._say, self.views)
         self.timed_commands = TimedCommands(memory, parts.commands, self._say)
         self.recorder = recorder
         self.signal_recorder = SignalRecorder(recorder)
@@ -119,6 +122,19 @@ class SessionCore:
         """
         if self.ended:
             raise UsageError("session is closed", "open another one")
+
+    def show_view(self, name: str) -> Reply:
+        """Show the view of an entity's camera from the next frame on."""
+        names = self.views
+        if name not in names:
+            return Reply(done=False, why=f'this scene has no view "{name}"; {nearest(name, names)}')
+        self.view = name
+        return Reply(done=True)
+
+    @property
+    def views(self) -> list[str]:
+        """Names of the scene's views: entities with a camera."""
+        return [camera.node.name for camera in self.world.cameras]
 
     def recalibrate(self) -> Reply:
         """Measure the baseline of the body signals anew."""

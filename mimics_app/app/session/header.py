@@ -71,6 +71,8 @@ def _names(scene: Scene) -> dict[str, list[str]]:
 def _moved_by(parts: SessionParts) -> dict[str, Any]:
     """Return the device and the person who moved it; of a replayed recording, the person in its header."""
     device = parts.robot.device
+    if parts.device_given:
+        return {"device": parts.plugin.name, "kind": device, **_person(parts)}
     if parts.recorded is None:
         return {"device": device, **_person(parts)}
     kind, before = (parts.scene.first(Robot) or Robot()).device, mapping(parts.recorded.get("moved_by"))

@@ -26,11 +26,13 @@ from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.contracts.ports.scenario_port import Scenario, TaskContext
 from mimics_app.inputs.commands.command_file import TimedCommand, read_command_file
+from mimics_app.learning.policy import Policy
 from mimics_app.recording.run import Run
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.devices.device_names import POINTER, SIMULATED
 from mimics_app.rendering.haptic.devices.registry import build_device
+from mimics_app.rendering.haptic.devices.request import DeviceBuilder
 from mimics_app.tasks.actions import fill_defaults
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.tailoring import at_difficulty
@@ -41,7 +43,7 @@ from mimics_app.world.content.world import World
 from mimics_app.world.files.scene.file import build_world
 from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["SessionParts", "prepare", "prepare_scene"]
+__all__ = ["Given", "SessionParts", "prepare", "prepare_scene"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,6 +66,7 @@ class SessionParts:
         patient: The scene's simulated patient, with the preset of this run.
         plugin: The device, open; the owner of the parts closes it.
         commands: Commands of a file, each with its time.
+        device_given: Whether a program gave the device as an object.
         recorded: Header of the recording that the device replays; None: another device.
     """
 
@@ -82,6 +85,7 @@ class SessionParts:
     patient: Patient
     plugin: DevicePlugin
     commands: Sequence[TimedCommand] = ()
+    device_given: bool = False
     recorded: Mapping[str, object] | None = None
 
     @property
@@ -99,7 +103,22 @@ class SessionParts:
         )
 
 
-def prepare(settings: RunSettings, *, live: bool, read: Scene | None = None) -> SessionParts:
+@dataclass(frozen=True, slots=True)
+class Given:
+    """Parts that a program gives as objects instead of names.
+
+    Attributes:
+        policy: Policy that adapts the task.
+        device: Builder of the device, called with a `DeviceRequest` of the scene's robot.
+    """
+
+    policy: Policy | None = None
+    device: DeviceBuilder | None = None
+
+
+def prepare(
+    settings: RunSettings, *, live: bool, read: Scene | None = None, given: Given | None = None
+) -> SessionParts:
     """Read the scene, plan it, and open the device. Nothing moves, no process runs, and nothing is written.
 
     A device that runs in real time makes the session live, even where `live` is False.
@@ -108,16 +127,19 @@ def prepare(settings: RunSettings, *, live: bool, read: Scene | None = None) -> 
         settings: Settings of the run.
         live: Whether the haptic loop is to run in real time.
         read: Result of `read_requested` for these settings; None: the scene is read here.
+        given: Parts that a program gives as objects.
 
     Raises:
         SceneError: The scene, the file of actions, commands or the display is faulty.
         UsageError: The session has no such trial.
         DeviceError: The robot is not available.
     """
-    return prepare_scene(check_scene(read or read_requested(settings)), settings, live=live)
+    return prepare_scene(check_scene(read or read_requested(settings)), settings, live=live, given=given)
 
 
-def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, plan: Plan | None = None) -> SessionParts:
+def prepare_scene(
+    scene: Scene, settings: RunSettings, *, live: bool = False, plan: Plan | None = None, given: Given | None = None
+) -> SessionParts:
     """Do the same as `prepare` with a scene that is checked already.
 
     Args:
@@ -125,6 +147,7 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
         settings: Settings of the run.
         live: Whether the haptic loop is to run in real time.
         plan: The methods that run; None: those that the planner chooses for the profile.
+        given: Parts that a program gives as objects.
 
     Raises:
         SceneError: The action file is faulty.
@@ -143,7 +166,8 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
     task = fill_defaults(resolve_files(task_of(scene), scene.path.parent, scene.root), store.value)
     task = with_requested_trials(at_difficulty(task, settings.difficulty), settings)
     robot, patient = _who_moves(settings, scene, live=live)
-    body = open_body(settings, task, patient.preset)
+    given = given or Given()
+    body = open_body(settings, task, patient.preset, given.policy)
     commands = () if settings.commands is None else read_command_file(settings.commands)
     points, objects = scenario.via_points_world, side.for_robot(robot)
     recorded = None if settings.recording is None else Run.open(settings.recording)
@@ -152,7 +176,14 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
     descriptor = None if recorded is None else descriptor_of((scene.first(Robot) or Robot()).device)
     samples = None if recorded is None else recorded.haptic
     plugin = build_device(
-        robot, patient, points, settings.seed, samples=samples, descriptor=descriptor, objects=objects
+        robot,
+        patient,
+        points,
+        settings.seed,
+        samples=samples,
+        descriptor=descriptor,
+        objects=objects,
+        given=given.device,
     )
     live = live or plugin.real_time
     if settings.sound == "device" and not live:
@@ -173,6 +204,7 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
         patient=patient,
         plugin=plugin,
         commands=commands,
+        device_given=given.device is not None,
         recorded=None if recorded is None else recorded.session,
     )
 

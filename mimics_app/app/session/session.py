@@ -12,6 +12,7 @@ from mimics_app.app.session.preparation import SessionParts
 from mimics_app.app.session.switched_off import SoundPort
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal.output import say
+from mimics_app.contracts.commands.vocabulary import Reply
 from mimics_app.contracts.ports.audio_port import AudioReport
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.recording.manifest import Manifest
@@ -63,6 +64,13 @@ class Session(SessionCore):
         self.shown_by(picture.presenter)
         if self.settings.video is not None:
             self.on_close.callback(picture.start_film(self.settings.video, live=self.live).finish)
+
+    def show_view(self, name: str) -> Reply:
+        """Show the view of an entity's camera from the next frame on."""
+        reply = super().show_view(name)
+        if reply.done and self.picture is not None:
+            self.picture.show_view(name)
+        return reply
 
     def end_stages(self) -> AudioReport | None:
         """Stop the haptic loop, the picture and the sound, in this order; the recorder still runs."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from mimics_app.contracts.commands.command_records import CommandSource
-from mimics_app.contracts.commands.vocabulary import Command, End, Pause, Reset, Resume, StartTrial, Stop, name_of
+from mimics_app.contracts.commands.vocabulary import Command, End, Pause, Reset, Resume, StartTrial, Stop, View, name_of
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.messages.trial_state import TaskView, TrialState
 from mimics_app.contracts.ports.input_port import WindowFrame
@@ -67,15 +67,19 @@ class KeyCommands:
     Args:
         memory: Memory of the session.
         report: Shows a line to the person.
+        views: Views of the scene, for the keys 1 to 9 where there are several.
 
     Attributes:
         message: Line for the person after Escape during a trial; "" otherwise.
     """
 
-    def __init__(self, memory: SessionMemory, report: Callable[[str], None]) -> None:
+    def __init__(self, memory: SessionMemory, report: Callable[[str], None], views: Sequence[str] = ()) -> None:
         self._keys = CommandSender(memory, CommandSource.KEYS, "keyboard")
         self._pad = CommandSender(memory, CommandSource.GAMEPAD, "gamepad")
         self._report = report
+        self._views = (
+            {str(number): View(name) for number, name in enumerate(views[:9], start=1)} if len(views) > 1 else {}
+        )
         self._space_held = False
         self._asked_ns: int | None = None
         self._waiting: dict[tuple[CommandSender, int], Command] = {}
@@ -94,7 +98,7 @@ class KeyCommands:
         if self._asked_ns is not None and now_ns - self._asked_ns > _ASK_NS:
             self._asked_ns, self.message = None, ""
         for name in pressed:
-            command = command_of_key(name, view)
+            command = self._views.get(name) or command_of_key(name, view)
             if command is not None and not (isinstance(command, End) and self._asks(view, now_ns)):
                 self._give(self._pad if name.startswith(_PAD) else self._keys, command, now_ns)
         self._hold_stops(window)

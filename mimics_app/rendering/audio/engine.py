@@ -14,6 +14,9 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import DeviceError, SceneError
 from mimics_app.contracts.ports.audio_port import AudioStatus, Mixer, OnDemandMixer, Timing
@@ -46,6 +49,7 @@ class Engine:
         bank: Sound bank, None where there is none.
         mixer: None where sound is dropped.
         writer: None where no file is written.
+        listener: Called with each block that is mixed on demand; None: nobody listens.
     """
 
     def __init__(
@@ -55,6 +59,7 @@ class Engine:
         self.bank = bank
         self.mixer = mixer
         self.writer = writer
+        self.listener: Callable[[NDArray[np.float32]], None] | None = None
 
     @property
     def live(self) -> bool:
@@ -72,6 +77,8 @@ class Engine:
         blocks = 0
         while self.mixer.position < frame:
             samples = self.mixer.render(min(block, frame - self.mixer.position))
+            if self.listener is not None:
+                self.listener(samples)
             if self.writer is not None:
                 try:
                     self.writer.append(samples)

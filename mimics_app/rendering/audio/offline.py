@@ -33,6 +33,9 @@ class OfflineAudio:
 
     It is written to a wave file where the settings name one; else only the report says which sounds play when.
     Frame n of the file is session time n / rate; a sound starts at round(t * rate) plus the constant pipeline.
+
+    Attributes:
+        listener: Called with each block that was mixed, shape [n, channels]; None: nobody listens.
     """
 
     def __init__(self, memory: SessionMemory, settings: AudioSettings) -> None:
@@ -45,6 +48,7 @@ class OfflineAudio:
         self._report: AudioReport | None = None
         self._blocks = 0
         self._lost = False
+        self.listener: Callable[[NDArray[np.float32]], None] | None = None
 
     def start(self) -> None:
         """Open the loopback and the file, if any; without the library the session continues silently, with a notice."""
@@ -56,6 +60,7 @@ class OfflineAudio:
             notice = f"{error}: sound is dropped; picture and touch run on"
             self._status = AudioStatus("none", "null", hrtf=False, rate=0, latency_ms=0.0, notice=notice)
             return
+        engine.listener = self._hear
         self._engine, self._status = engine, engine.status
         if engine.mixer is not None:
             self._director = SoundDirector(self._memory, engine.mixer, bank, settings, self._clock)
@@ -91,6 +96,10 @@ class OfflineAudio:
         if self._report is None:
             self._report = self._close()
         return self._report
+
+    def _hear(self, block: NDArray[np.float32]) -> None:
+        if self.listener is not None:
+            self.listener(block)
 
     @property
     def _mixer(self) -> Mixer | None:

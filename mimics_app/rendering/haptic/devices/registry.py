@@ -49,6 +49,7 @@ def build_device(
     samples: NDArray[np.void] | None = None,
     descriptor: DeviceDescriptor | None = None,
     objects: tuple[DeviceObject, ...] = (),
+    given: DeviceBuilder | None = None,
 ) -> DevicePlugin:
     """Build the device of a scene.
 
@@ -61,6 +62,7 @@ def build_device(
         samples: SAMPLE rows, for the replay device.
         descriptor: Descriptor of the device whose samples are replayed; None: that of the name.
         objects: Objects for a robot that renders objects itself, robot frame.
+        given: Builder that a program gives, of a device with the joints of the robot's; None: the one of the name.
 
     Raises:
         DeviceError: No such device, it is not available, or its plug-in fails.
@@ -78,8 +80,22 @@ def build_device(
         objects=objects,
         descriptor=descriptor or descriptor_of(name),
     )
-    plugin = _made(name, request)
+    plugin = _made(name, request) if given is None else _made_by_own(given, request)
     return plugin if plugin.descriptor is not None else replace(plugin, descriptor=request.descriptor)
+
+
+def _made_by_own(builder: DeviceBuilder, request: DeviceRequest) -> DevicePlugin:
+    """Return the device of a builder that a program gives; it has the shape of the one that the scene is made for."""
+    try:
+        plugin = cast("DevicePlugin", made_by(builder, DevicePlugin, request))
+    except PluginError as error:
+        raise DeviceError(f"the device that was given cannot be opened: {error}") from error
+    own, wanted = plugin.descriptor or request.descriptor, request.descriptor
+    if own.extent.joints != wanted.extent.joints or own.contacts != wanted.contacts:
+        plugin.close()
+        what = f'"{plugin.name}" has other joints or points of contact than "{request.robot.device}"'
+        raise DeviceError(what, "give a device of the shape that the scene is made for")
+    return plugin
 
 
 def _made(name: str, request: DeviceRequest) -> DevicePlugin:

@@ -75,7 +75,7 @@ def load_scene(path: Path | str, root: Path | None = None, before: Scene | None 
         known = set(unusable)
         listed = [issue for issue in issues if issue in known or (issue.file, issue.pointer) not in places]
         raise FaultyScene(dict.fromkeys(listed), scene if readable else None)
-    scene.hash = _hash(scene)
+    scene.hash = scene_hash(scene)
     return scene
 
 
@@ -103,7 +103,7 @@ def _with_all_above(unusable: list[Issue]) -> set[tuple[str, str]]:
     return places
 
 
-def _hash(scene: Scene) -> str:
+def scene_hash(scene: Scene) -> str:
     """SHA-256 of the resolved document, comments left out, and of the bytes of every file it names.
 
     The scene files themselves do not count: layout and distribution over files do not change the hash.

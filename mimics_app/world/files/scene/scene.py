@@ -185,6 +185,11 @@ class Scene:
             used, self.read = self.read, before | self.read
         return _Derived(made, source, used)
 
+    def discard_derived(self) -> None:
+        """Forget what was derived, after an edit; what has an equal source is taken again."""
+        self.take_over(self)
+        self._derived.clear()
+
     def take_over(self, before: Scene) -> None:
         """Allow `derive` to reuse values of the scene that this one replaces."""
         self._before = dict(before._derived)
