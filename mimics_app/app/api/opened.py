@@ -31,7 +31,7 @@ from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot
 from mimics_app.contracts.shared_memory.command_ring import Answer, CommandSender
 from mimics_app.recording.run_folder import private_files
-from mimics_app.world.scene.edits import SceneEdits
+from mimics_app.world.files.scene.edits import SceneEdits
 from mimics_app.world.files.scene.scene import Scene
 
 if TYPE_CHECKING:

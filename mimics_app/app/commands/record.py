@@ -1,4 +1,4 @@
-"""`mimics record info|recover|verify RUN`: show the contents of a run folder, repair an unclosed one, or verify one."""
+"""`mimics record info|recover|verify|export RUN`: show, repair, verify or export a run folder."""
 
 from __future__ import annotations
 
@@ -18,14 +18,22 @@ if TYPE_CHECKING:
 __all__ = ["add_arguments", "run"]
 
 _HELP = (
-    "info: show the contents; recover: repair and close a run that was cut off; verify: check it against its checksums"
+    "info: show the contents; recover: repair and close a run that was cut off; "
+    "verify: check it against its checksums; export: write it in another format"
 )
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("action", choices=("info", "recover", "verify"), help=_HELP)
+    parser.add_argument("action", choices=("info", "recover", "verify", "export"), help=_HELP)
     parser.add_argument("folder", type=Path, metavar="RUN", help="run folder")
+    parser.add_argument("--to", default="csv", metavar="NAME", help="with export: csv, or an installed exporter")
+    parser.add_argument(
+        "--output",
+        type=Path,
+        metavar="DIR",
+        help="with export: new or empty folder (default: RUN_csv)",
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -33,6 +41,8 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.recording.run import Run
     from mimics_app.recording.verdict import judge
 
+    if args.action == "export":
+        return _export(args, Run.open(args.folder))
     repaired: dict[str, Any] = {}
     if args.action == "recover":
         from mimics_app.recording.recover import recover
@@ -53,6 +63,17 @@ def run(args: argparse.Namespace) -> int:
     lines += [("note", note) for note in found["notes"]]
     answer(args, {"action": args.action, **found}, (f"{name:14} {text}" for name, text in lines))
     return 0 if verdict.whole else PartialDataError.exit_code
+
+
+def _export(args: argparse.Namespace, opened: Run) -> int:
+    from mimics_app.recording.exporter_kinds import export_run
+
+    folder = args.output or args.folder.resolve().with_name(f"{args.folder.resolve().name}_{args.to}")
+    files = export_run(opened, args.to, folder)
+    problems = opened.problems()
+    found = {"action": "export", "files": [str(file) for file in files], "problems": problems}
+    answer(args, found, [*map(str, files), *(f"problem        {problem}" for problem in problems)])
+    return PartialDataError.exit_code if opened.losses() else 0
 
 
 def _describe(opened: Run) -> dict[str, Any]:

@@ -20,6 +20,7 @@ def plugin_groups() -> tuple[PluginGroup, ...]:
     from mimics_app.estimation import registry as estimators
     from mimics_app.inputs.physio import sources
     from mimics_app.learning import registry as policies
+    from mimics_app.recording import exporter_kinds
     from mimics_app.rendering.haptic import force_fields
     from mimics_app.rendering.haptic.devices import device_names
     from mimics_app.tasks.kinds import registry as kinds
@@ -28,7 +29,7 @@ def plugin_groups() -> tuple[PluginGroup, ...]:
 
     contracts = (scenario_port, display_choice, tracker_port)
     signals = (sources, channel_kinds, estimators, policies)
-    stages = (device_names, components, kinds, force_fields, *signals, method_plugins)
+    stages = (device_names, components, kinds, force_fields, *signals, method_plugins, exporter_kinds)
     return tuple(owner.PLUGINS for owner in (*contracts, *stages))
 
 
