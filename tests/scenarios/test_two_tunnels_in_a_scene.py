@@ -80,7 +80,7 @@ def test_one_tunnel_is_adapted_without_the_other(play: CorePlay):
     assert (store.value("tunnels.tunnel.stiffness"), store.value("tunnels.upper.stiffness")) == (900.0, 777.0)
     assert store.change({"tunnel.stiffness": 800.0}), "the task's own"
     assert (store.value("tunnels.tunnel.stiffness"), store.value("tunnels.upper.stiffness")) == (900.0, 800.0)
-    with pytest.raises(UsageError, match="no parameter of the haptic scene"):
+    with pytest.raises(UsageError, match="unknown haptic parameter"):
         store.change({"tunnels.lower.stiffness": 1.0})
 
 

@@ -13,6 +13,7 @@ _ALWAYS: Keys = (
     ("Space, gamepad B", "stop the force at once"),
     ("R", "allow force again after a stop"),
     ("P, gamepad Start", "pause; once more: resume"),
+    ("1 to 9", "the views of the scene, where it has several"),
     ("H", "this page; then the operator's keys"),
     ("Esc", "end the session"),
 )

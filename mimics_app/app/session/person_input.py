@@ -41,7 +41,7 @@ def person_inputs(session: Session) -> Inputs:
     """
     picture = session.picture
     if picture is None:
-        raise RuntimeError("a person needs a window")
+        raise RuntimeError("user input requires a window")
     ball, lever = session.scene.first(Ball), session.tasks.lever
     plane = pointer_plane(session.scene, session.scenario, lever=lever)
     settings = PointerSettings() if ball is None else PointerSettings(grasp_full=ball.grasp_force_full)

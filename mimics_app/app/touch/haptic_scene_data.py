@@ -59,7 +59,7 @@ class HapticSceneData:
         inertia = float(robot.settings.get("inertia", DEFAULT_INERTIA))
         objects, left_out = device_objects_of(shapes, self._objects.shape_entities, robot, inertia)
         for entity, reason in left_out.items():
-            sys.stderr.write(f'mimics: "{entity}" cannot be felt: the robot does not make it, {reason}\n')
+            sys.stderr.write(f'mimics: "{entity}" is not rendered to the robot: {reason}\n')
         return objects
 
     def memory(self, plugin: DevicePlugin) -> SessionMemory:

@@ -249,13 +249,13 @@ class ParameterStore:
         else:
             records, dtype = [] if groups else [self._block[0]], SCENE
         if not records or field not in (dtype.names or ()):
-            raise UsageError(f'"{name}" is no parameter of the haptic scene', nearest(field, dtype.names or ()))
+            raise UsageError(f'unknown haptic parameter "{name}"', nearest(field, dtype.names or ()))
         return records, field
 
     def _named(self, table: NDArray[Any], group: str, who: str, name: str) -> list[Record]:
         known = self._names.get(group, {})
         if who not in known:
-            raise UsageError(f'"{name}" is no parameter of the haptic scene', nearest(who, known))
+            raise UsageError(f'unknown haptic parameter "{name}"', nearest(who, known))
         return [table[row] for row in known[who]]
 
 

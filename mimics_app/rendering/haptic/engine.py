@@ -203,7 +203,7 @@ class HapticEngine:
         if self._thread is not None:
             self._thread.join(_JOIN_S)
             if self._thread.is_alive():
-                raise DeviceError("the haptic loop does not end", "switch the robot off at its own switch")
+                raise DeviceError("the haptic loop did not stop", "switch the robot off at its own switch")
         if not self._closed:
             self._closed = True
             self._release_device()
