@@ -23,7 +23,7 @@ from mimics_app.contracts.errors import Issue
         (["run", "--profile", ""], ["draft", "study", "training"]),
         (["run", "--profile", "draft", "wavy"], ["wavy_tunnel"]),
         (["run", "--headless", "wavy"], ["wavy_tunnel"]),
-        (["record", ""], ["info", "recover", "verify"]),
+        (["record", ""], ["export", "info", "recover", "verify"]),
         (["record", "info", "x"], []),
         (["nonsense", "x"], []),
     ],
