@@ -8,8 +8,11 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.lab.peer_harness import run_harness
+from mimics_app.lab.physio.arousal_study import arousal_study
 from mimics_app.lab.physio.cohort import play_cohort
 from mimics_app.lab.physio.detection import (
     NOISE_DB,
@@ -30,6 +33,8 @@ __all__ = ["measure_noise", "measure_physio"]
 _SIMULATED = "simulated people; a simulation is no clinical evidence"
 _NOISY_MINUTES = 5.0
 """Length of a record to which noise is added, from its beginning [min]."""
+_AROUSED = range(40, 80)
+"""Seeds of the people of the arousal: none of them was looked at when its variance was set."""
 _GAPS = (0.08, 0.15, 0.22)
 """Deviation of the demand from the best one in a trial that is too easy or too hard."""
 
@@ -56,8 +61,20 @@ def measure_physio(folder: Path | None, peers: Path | None) -> dict[str, Any]:
         **measure_cost(),
         "policies": {"what": _SIMULATED, "regret": {name: _regret(name) for name in POLICIES}},
         "state": {"what": _SIMULATED, "gaps": {f"{gap:g}": _load(gap) for gap in _GAPS}},
+        "arousal": {"what": _SIMULATED, "kinds": _arousal()},
         "guided_walk": list(_walks()),
         "peers": _peers(folder, peers),
+    }
+
+
+def _arousal() -> dict[str, dict[str, float]]:
+    """Return by kind of heart how much of the truth the interval of arousal holds, its deviation and correlation."""
+    rows: dict[str, list[tuple[float, float, float]]] = {}
+    for score in arousal_study(_AROUSED):
+        rows.setdefault(score.heart, []).append((score.covered, score.deviation, score.correlation))
+    means = {heart: np.mean(each, axis=0).tolist() for heart, each in rows.items()}
+    return {
+        heart: dict(zip(("covered", "deviation", "correlation"), each, strict=True)) for heart, each in means.items()
     }
 
 
