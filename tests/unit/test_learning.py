@@ -222,7 +222,7 @@ def test_a_state_as_a_goal() -> None:
 
 @pytest.mark.parametrize("words", ["", "success:2", "success:", "success:0.7x", "arousal", "arousal:1:0", "joy:0:1"])
 def test_a_goal_that_cannot_be_is_refused(words: str) -> None:
-    with pytest.raises(ValueError, match="no goal"):
+    with pytest.raises(ValueError, match="unknown goal"):
         build_goal(words)
 
 
