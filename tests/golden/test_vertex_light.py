@@ -14,7 +14,7 @@ from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.quality_steps import rehearse_steps
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.software.kernels.sides import choose_states, measure_sides
+from mimics_app.rendering.visual.software.kernels.sides import Spheres, StatesBySize, choose_states, measure_sides
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
@@ -153,7 +153,8 @@ def test_near_the_limit_the_state_stays_what_it_was():
     seen = []
     for distance in (9.0, 10.2, 10.6, 9.8, 9.6, 9.5, 10.2, math.inf):
         centres = np.array([[0.0, 0.0, distance]])
-        arrays = (np.zeros(1, np.int32), 1, centres, np.ones(1), np.ones((1, 4)), np.ones(1))
-        choose_states(*arrays, np.array([3], np.int32), np.array([7], np.int32), np.zeros(3), 0.1, small, chosen)
+        spheres = Spheres(centres, np.ones(1), np.ones((1, 4)))
+        states = StatesBySize(np.ones(1), np.array([3], np.int32), np.array([7], np.int32))
+        choose_states(np.zeros(1, np.int32), spheres, states, np.zeros(3), 0.1, small, chosen)
         seen.append(int(chosen[0]))
     assert seen == [3, 3, 7, 7, 7, 3, 3, 7]

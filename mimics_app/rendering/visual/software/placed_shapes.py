@@ -9,7 +9,14 @@ import numpy as np
 from mimics_app.contracts.arrays import B1, F8, I4
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
-from mimics_app.rendering.visual.software.kernels.shape_places import KNOWN, MISSED, place_shapes
+from mimics_app.rendering.visual.software.kernels.shape_places import (
+    KNOWN,
+    MISSED,
+    FoundShapes,
+    ItemsOfFrame,
+    ShapeTable,
+    place_shapes,
+)
 from mimics_app.rendering.visual.software.shape_boxes import ShapeBoxes
 from mimics_app.world.content.motion.skinned_body import SkinnedBody
 
@@ -37,6 +44,11 @@ class PlacedItems:
     shown: B1
     boxes: F8
     world: F8
+
+    @property
+    def compiled(self) -> ItemsOfFrame:
+        """The same for compiled code."""
+        return ItemsOfFrame(self.shown, self.boxes, self.world)
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,26 +148,17 @@ class PlacedShapes:
             for shape in np.unique(self.shapes[rewritten]).tolist():
                 self._discard(shape)
 
+    @property
+    def table(self) -> ShapeTable:
+        """The shapes, for compiled code."""
+        by_shape = (self._order, self._firsts, self.spans, self.boxes, self._corners)
+        return ShapeTable(self.items.rows, self.shapes, *by_shape, self._placed, self.missed)
+
     def place(self, was: PlacedItems, now: PlacedItems, changed: B1, hulls: F8) -> Shapes | None:
         """Return the shapes of changed items, in some memory for corners [m, 8, 3]; None: it is too small."""
-        count, boxes = place_shapes(
-            changed,
-            (was.shown, was.boxes, was.world),
-            (now.shown, now.boxes, now.world),
-            was.items.casting | now.items.casting,
-            self.items.rows,
-            self._order,
-            self._firsts,
-            self.spans,
-            self.boxes,
-            _MAX_SHAPES,
-            self._placed,
-            self.missed,
-            self._corners,
-            hulls,
-            self._starts,
-            self._casts,
-        )
+        casting = was.items.casting | now.items.casting
+        out = FoundShapes(hulls, self._starts, self._casts)
+        count, boxes = place_shapes(changed, was.compiled, now.compiled, casting, self.table, _MAX_SHAPES, out)
         if boxes > len(hulls):
             self._placed[:] = 0
             return None

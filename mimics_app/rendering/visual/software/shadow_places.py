@@ -52,21 +52,8 @@ def find_shadow_places(
     casters = np.empty((len(cast.casting) * _MAX_SLICES, FIGURES))
     slices = slice_casters(cast.corners, cast.starts, cast.casting, rays, eye, least, _MAX_SLICES, casters)
     casters = casters[:slices]
-    reach, items = _REACH_TEXELS * max(each.texel for each in seen.maps), placed.items
-    count = cut_prisms_on_items(
-        casters,
-        rays,
-        reach,
-        receiving,
-        placed.boxes,
-        items.rows,
-        placed.world,
-        shapes.shapes,
-        shapes.spans,
-        shapes.boxes,
-        shapes.missed,
-        hulls,
-    )
+    reach = _REACH_TEXELS * max(each.texel for each in seen.maps)
+    count = cut_prisms_on_items(casters, rays, reach, receiving, placed.compiled, shapes.table, hulls)
     apart = _boxes_apart(seen)
     if len(apart):
         still, fallen = np.zeros(len(apart), np.int32), np.zeros(len(apart), np.uint8)

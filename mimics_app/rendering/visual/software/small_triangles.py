@@ -10,7 +10,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F8, I4, U1
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.state_choice import StateChoice
-from mimics_app.rendering.visual.software.kernels.sides import choose_states, measure_sides
+from mimics_app.rendering.visual.software.kernels.sides import Spheres, StatesBySize, choose_states, measure_sides
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.content.world import World
 
@@ -36,9 +36,9 @@ class SmallTriangles(StateChoice):
             small = self._small.setdefault(key, np.zeros(len(items.rows), np.uint8))
             near = self.limit * math.sqrt(view.window / (size[0] * size[1] * view.parts))
             eye = np.ascontiguousarray(view.eye_world)
-            spheres = (centres, radii, items.local)
-            kinds = (self._sides, items.states, items.small_states)
-            choose_states(picked, count, *spheres, *kinds, eye, near, small, self.states)
+            spheres = Spheres(centres, radii, items.local)
+            states = StatesBySize(self._sides, items.states, items.small_states)
+            choose_states(picked[:count], spheres, states, eye, near, small, self.states)
 
 
 def _sides_of(items: DrawItems, world: World) -> F8:

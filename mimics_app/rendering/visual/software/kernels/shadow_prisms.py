@@ -9,7 +9,7 @@ import numpy as np
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import B1, F8, I4, U1
 from mimics_app.maths.mat import affine_inverse
-from mimics_app.rendering.visual.software.kernels.shape_places import MISSED
+from mimics_app.rendering.visual.software.kernels.shape_places import MISSED, ItemsOfFrame, ShapeTable
 
 __all__ = ["FIGURES", "cut_prisms", "cut_prisms_on_items", "slice_casters"]
 
@@ -244,18 +244,7 @@ def cut_prisms(casters: F8, rays: F8, reach: float, boxes: F8, nodes: I4, world:
 
 @kernel
 def cut_prisms_on_items(
-    casters: F8,
-    rays: F8,
-    reach: float,
-    receiving: B1,
-    boxes: F8,
-    rows: I4,
-    world: F8,
-    shapes: I4,
-    spans: I4,
-    parts: F8,
-    missed: U1,
-    prisms: F8,
+    casters: F8, rays: F8, reach: float, receiving: B1, items: ItemsOfFrame, table: ShapeTable, prisms: F8
 ) -> int:
     """Compute the prisms in which the shadows of casters may fall on items: on the boxes of their shapes, if known.
 
@@ -264,31 +253,27 @@ def cut_prisms_on_items(
         rays: Axes of the frame of the rays in the world, [3, 3].
         reach: Margin around a shadow [m].
         receiving: The items, [items].
-        boxes: Box around each in the frame of its node [m], [items, 2, 3].
-        rows: Row of each node, int32 [items].
-        world: T_world_from_node per row, [rows, 4, 4].
-        shapes: Shape of each item, all items of a node together, int32 [items].
-        spans: First and end of each shape in `parts`; equal where they are not known, int32 [shapes, 2].
-        parts: Boxes of the shapes in the frame of the node [m], [parts, 2, 3].
-        missed: See `place_shapes`, [shapes].
+        items: Where they are.
+        table: Their shapes; `missed` is written, see `ShapeTable`.
         prisms: Written: corners, world [m], [capacity, 8, 3].
 
     Returns:
         Number of prisms; more than the capacity where they did not fit.
     """
+    world, spans = items.world, table.spans
     count, turned, inverse = 0, np.empty((3, _ROWS)), np.empty((_ROWS, _ROWS))
     seen = np.zeros(spans.shape[0], np.bool_)
     for item in range(receiving.shape[0]):
-        shape, box = shapes[item], boxes[item : item + 1]
+        shape, box = table.shapes[item], items.boxes[item : item + 1]
         if not receiving[item] or seen[shape]:
             continue
-        _turn_node(world[rows[item]], rays, turned, inverse)
+        _turn_node(world[table.rows[item]], rays, turned, inverse)
         if _cut_by_boxes(casters, rays, reach, box, turned, inverse, prisms[:0], 0) == 0:
             continue
         first, end = spans[shape]
         if first < end:
-            seen[shape], box = True, parts[first:end]
+            seen[shape], box = True, table.boxes[first:end]
         else:
-            missed[shape] = max(missed[shape], MISSED)
+            table.missed[shape] = max(table.missed[shape], MISSED)
         count = _cut_by_boxes(casters, rays, reach, box, turned, inverse, prisms, count)
     return count

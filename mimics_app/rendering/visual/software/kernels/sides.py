@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F4, F8, I4, U1, U4
 
-__all__ = ["choose_states", "measure_sides"]
+__all__ = ["Spheres", "StatesBySize", "choose_states", "measure_sides"]
 
 _CORNERS = 3
 _HYSTERESIS = 0.05
@@ -38,46 +39,58 @@ def measure_sides(positions: F4, indices: U4) -> float:
     return total / area if area > 0.0 else 0.0
 
 
+class Spheres(NamedTuple):
+    """Bounding spheres of items.
+
+    Attributes:
+        centres: Their centres, world [m], [n, 3].
+        radii: Their radii [m], [n].
+        local: Centres and radii in the nodes' frames [m], [n, 4].
+    """
+
+    centres: F8
+    radii: F8
+    local: F8
+
+
+class StatesBySize(NamedTuple):
+    """States of items by the size of their triangles.
+
+    Attributes:
+        sides: Sides of an item's triangles in its node's frame [m], [n]; 0: it has one state only.
+        large: State on large triangles, [n].
+        small: State on small triangles, [n].
+    """
+
+    sides: F8
+    large: I4
+    small: I4
+
+
 @kernel
 def choose_states(
-    items: I4,
-    count: int,
-    centres: F8,
-    radii: F8,
-    local: F8,
-    sides: F8,
-    states: I4,
-    small_states: I4,
-    eye: F8,
-    limit: float,
-    small: U1,
-    chosen: I4,
+    items: I4, spheres: Spheres, states: StatesBySize, eye: F8, limit: float, small: U1, chosen: I4
 ) -> None:
     """Choose the state of each item by the size of its triangles on the picture, at the distance of its centre.
 
     Args:
-        items: Numbers of items, [>= count].
-        count: Number of items.
-        centres: Centres of the items' spheres, world [m], [n, 3].
-        radii: Their radii [m], [n].
-        local: Centres and radii of the spheres in the nodes' frames [m], [n, 4].
-        sides: Sides of an item's triangles in its node's frame [m], [n]; 0: it has one state only.
-        states: State on large triangles, [n].
-        small_states: State on small triangles, [n].
+        items: Numbers of items, [k].
+        spheres: The spheres of all.
+        states: Their states.
         eye: Position of the camera, world [m], [3].
         limit: Length of a side at distance 1 up to which triangles are small [m].
         small: 1 where an item's triangles counted as small before; written, [n].
         chosen: Written: the states, [n].
     """
-    for i in range(count):
-        item = items[i]
-        chosen[item] = states[item]
-        if sides[item] <= 0.0 or local[item, 3] <= 0.0:
+    for item in items:
+        chosen[item] = states.large[item]
+        side, radius = states.sides[item], spheres.local[item, 3]
+        if side <= 0.0 or radius <= 0.0:
             continue
         away2 = 0.0
         for k in range(3):
-            away2 += (centres[item, k] - eye[k]) ** 2
-        wide = sides[item] * radii[item] / local[item, 3]
+            away2 += (spheres.centres[item, k] - eye[k]) ** 2
+        wide = side * spheres.radii[item] / radius
         small[item] = wide <= math.sqrt(away2) * limit * (1.0 + _HYSTERESIS if small[item] else 1.0 - _HYSTERESIS)
         if small[item]:
-            chosen[item] = small_states[item]
+            chosen[item] = states.small[item]
