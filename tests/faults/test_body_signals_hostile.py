@@ -99,7 +99,7 @@ def test_a_long_edf_is_opened_without_being_read(tmp_path: Path) -> None:
     [
         (236, b"99999999", "are stated"),
         (236, b"-1      ", "are stated"),
-        (236, b"nan     ", "no number"),
+        (236, b"nan     ", "not a number"),
         (236, b"1e30    ", "are stated"),
         (244, b"99999999", "samples at"),
         (244, b"1e-30   ", "samples at"),
