@@ -19,7 +19,14 @@ layout(binding = 8) uniform sampler2D emission_texture;
 
 const int BASE = 0, NORMAL = 1, SURFACE = 2, OCCLUSION = 3, EMISSION = 4;
 
+#ifdef SECOND_UV
+in vec2 second_uv;              // texture coordinates of the maps whose bits are set in SECOND_UV
+#endif
+
 vec2 map_place(int map, vec2 uv) {
+#ifdef SECOND_UV
+    if ((SECOND_UV >> map & 1) != 0) uv = second_uv;
+#endif
 #ifdef UV_TRANSFORMS
     vec3 at = vec3(uv, 1.0);
     uv = vec2(dot(uv_rows[2 * map].xyz, at), dot(uv_rows[2 * map + 1].xyz, at));

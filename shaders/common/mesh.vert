@@ -7,6 +7,10 @@
 #ifdef COLOURED
 in vec4 in_colour;
 #endif
+#ifdef SECOND_UV
+in vec2 in_second_uv;
+out vec2 second_uv;
+#endif
 
 out vec3 position_eye;
 out vec3 normal;
@@ -21,6 +25,9 @@ void main() {
     position_eye = instance_position();
     normal = instance_normal();
     uv = in_uv;
+#ifdef SECOND_UV
+    second_uv = in_second_uv;
+#endif
     // Per vertex, not per pixel: software renderers pay for each uniform that is read.
     tint = base_colour;
 #ifdef COLOURED

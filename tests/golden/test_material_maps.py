@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -104,6 +106,25 @@ def test_each_map_lies_where_its_own_transform_says():
     row = draw_offscreen(world, [top_view()], (32, 32), PLAIN)[16].astype(int)
     assert row[4, 1] > 100 and row[4, 0] == 0
     assert row[28, 0] == 255 and row[28, 1] == 0
+
+
+@pytest.mark.parametrize("second", [("occlusion",), ()])
+def test_occlusion_lies_on_the_second_coordinates_of_the_mesh(second):
+    """As exporters bake it: sky x map + sun in four columns; on the first coordinates all is the map's first texel."""
+    columns = np.array([0, 64, 128, 255], np.uint8)
+    shade = np.full((1, 4, 4), 255, np.uint8)
+    shade[0, :, 0] = columns
+    material = Material("m", "pbr", (0.5, 0.5, 0.5, 1.0), roughness=1.0, occlusion_texture="o", base_texture="b")
+    world = floor(replace(material, second_uv=second))
+    mesh = world.meshes["floor"]
+    over = (0.5 * mesh.positions[:, [0, 2]] + 0.5).astype(np.float32)  # the view shows 2 m
+    world.meshes["floor"] = replace(mesh, uvs=np.zeros_like(over), second_uvs=over)
+    world.textures["b"] = flat(255, 255, 255)
+    world.textures["o"] = TextureData(shade, srgb=False, wrap=("clamp", "clamp"), filter="nearest")
+    row = draw_offscreen(world, [top_view()], (32, 32), PLAIN)[16, :, 0].astype(int)
+    texels = columns[np.arange(32) // 8] if second else np.repeat(columns[:1], 32)
+    expected = encode(0.5 * (0.6 * texels / 255.0 + 0.4))
+    assert np.abs(row - expected).max() <= 2
 
 
 def floor(material: Material, sky: float = 0.6, towards: tuple[float, float, float] = (0.0, 1.0, 0.0)) -> World:

@@ -236,15 +236,30 @@ def test_all_maps_of_a_material_are_read_each_with_its_place(tmp_path):
     model = load_gltf(write_gltf(tmp_path / "m.gltf", document))
     material = model.materials[0]
     assert material.technique == "pbr"
-    assert material.textures == {which: "texture0" for which in ("base", "normal", "surface", "emission")}
+    assert material.textures == {which: "texture0" for which in ("base", "normal", "surface", "occlusion", "emission")}
+    assert material.second_uv == ("occlusion",) and material.uv_transforms[3] == (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
     assert (material.normal_scale, material.occlusion_strength) == (0.5, 0.25)
-    assert model.notes == [
-        'material "material0": not used: occlusionTexture; their texture coordinates are not those of the first'
-    ]
+    assert model.notes == []
     # The mesh's coordinates are 2 uv + (1/2, 0) already; from there to 2 u + 1/4, 4 v + 1/2, and back to u, v.
     assert material.uv_transforms[0] == material.uv_transforms[2] == (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
     assert material.uv_transforms[1] == pytest.approx((1.0, 0.0, -0.25, 0.0, 2.0, 0.5), abs=1e-15)
     assert material.uv_transforms[4] == pytest.approx((0.5, 0.0, -0.25, 0.0, 0.5, 0.0), abs=1e-15)
+
+
+def test_a_map_on_a_second_set_has_these_coordinates_without_the_transform_of_the_first(tmp_path):
+    maker = GltfMaker()
+    others = {"occlusionTexture": {"index": 0, "texCoord": 1}, "emissiveTexture": {"index": 0, "texCoord": 2}}
+    textured(maker, {"extensions": {"KHR_texture_transform": {"scale": [2, 4]}}}, **others)
+    corners = np.float32([[0, 0], [1, 0], [0, 1], [1, 1]])
+    attributes = {"POSITION": maker.array(POSITIONS), "TEXCOORD_0": maker.array(corners)}
+    attributes |= {"TEXCOORD_1": maker.array(corners[::-1].copy()), "TEXCOORD_2": maker.array(corners)}
+    document = one_primitive(maker, attributes=attributes, indices=maker.array(INDICES), material=0)
+    model = load_gltf(write_gltf(tmp_path / "m.gltf", document))
+    mesh = model.meshes[0].primitives[0].mesh
+    np.testing.assert_allclose(mesh.second_uvs, 1.0 - mesh.uvs / [2.0, 4.0], atol=1e-7)
+    assert model.materials[0].second_uv == ("occlusion",)
+    (note,) = model.notes
+    assert "not used: emissiveTexture; their texture coordinates are a third set" in note
 
 
 def test_a_node_matrix_is_taken_apart_column_by_column_also_mirrored(tmp_path):

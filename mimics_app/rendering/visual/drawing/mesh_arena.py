@@ -18,7 +18,11 @@ from mimics_app.rendering.visual.surfaces.rasteriser import rasteriser_of
 from mimics_app.rendering.visual.surfaces.raw_gl import RawGL
 from mimics_app.world.content.meshes.mesh import MeshData
 from mimics_app.world.content.meshes.mesh_buffer import MeshChange
-from mimics_app.world.content.meshes.vertex_declaration import COLOUR_DECLARATION, VERTEX_DECLARATION
+from mimics_app.world.content.meshes.vertex_declaration import (
+    COLOUR_DECLARATION,
+    SECOND_UV_DECLARATION,
+    VERTEX_DECLARATION,
+)
 from mimics_app.world.content.world import World
 
 if TYPE_CHECKING:
@@ -29,6 +33,7 @@ if TYPE_CHECKING:
 __all__ = ["COMMAND_WORDS", "MeshArena", "MeshRange", "is_rewritten"]
 
 _VERTEX, _COLOUR = VERTEX_DECLARATION.dtype, COLOUR_DECLARATION.dtype
+_SECOND_UV = SECOND_UV_DECLARATION.dtype
 _INSTANCE = np.dtype(
     [("eye_row0", "f4", (4,)), ("eye_row1", "f4", (4,)), ("eye_row2", "f4", (4,)), ("instance_params", "f4", (4,))]
 )
@@ -56,6 +61,7 @@ class MeshRange:
         vertices: Number of vertices.
         wide: True where its indices have 32 bits.
         coloured: True where its vertices have colours.
+        twice: True where they have second texture coordinates.
     """
 
     first: int
@@ -64,6 +70,7 @@ class MeshRange:
     vertices: int
     wide: bool
     coloured: bool
+    twice: bool
 
 
 class MeshArena:
@@ -94,6 +101,7 @@ class MeshArena:
         self._held: tuple[int, list[str], list[MeshData]] = (0, [], [])
         self._vertices = ctx.buffer(reserve=_VERTEX.itemsize)
         self._colours = ctx.buffer(reserve=_COLOUR.itemsize)
+        self._second_uvs = ctx.buffer(reserve=_SECOND_UV.itemsize)
         self._indices = {wide: ctx.buffer(reserve=4) for wide in (False, True)}
         self._instances = ctx.buffer(reserve=_INSTANCE.itemsize)
         self._raw: RawGL | None = None
@@ -177,6 +185,8 @@ class MeshArena:
         ]
         if "in_colour" in program:
             content.append(_describe(self._colours, _COLOUR, program, ""))
+        if "in_second_uv" in program:
+            content.append(_describe(self._second_uvs, _SECOND_UV, program, ""))
         size = 4 if wide else 2
         array = self._ctx.vertex_array(program, content, self._indices[wide], index_element_size=size)
         if eyes > 1:
@@ -192,7 +202,7 @@ class MeshArena:
     def release(self) -> None:
         """Free all buffers."""
         self.arrays.release()
-        for buffer in (self._vertices, self._colours, *self._indices.values(), self._instances):
+        for buffer in (self._vertices, self._colours, self._second_uvs, *self._indices.values(), self._instances):
             buffer.release()
 
     def _fits(self, name: str, mesh: MeshData) -> bool:
@@ -200,7 +210,8 @@ class MeshArena:
         if name in self.solids:
             return False
         same = known.count == mesh.indices.size and known.vertices == len(mesh.positions)
-        return same and known.coloured == (mesh.colours is not None)
+        kinds = (mesh.colours is not None, mesh.second_uvs is not None)
+        return same and (known.coloured, known.twice) == kinds
 
     def _rewrite(self, name: str, world: World) -> None:
         """Upload the changed ranges of a mesh, or all of it where they are unknown."""
@@ -222,6 +233,10 @@ class MeshArena:
             colours = np.ascontiguousarray(mesh.colours[first : first + count], np.float32)
             self._colours.write(colours, offset=at * _COLOUR.itemsize)
             self.uploaded += colours.nbytes
+        if mesh.second_uvs is not None:
+            second = np.ascontiguousarray(mesh.second_uvs[first : first + count], np.float32)
+            self._second_uvs.write(second, offset=at * _SECOND_UV.itemsize)
+            self.uploaded += second.nbytes
 
     def _write_indices(self, name: str, mesh: MeshData, first: int, count: int) -> None:
         known = self.ranges[name]
@@ -235,13 +250,15 @@ class MeshArena:
         first = {False: 0, True: 0}
         for name, mesh in meshes.items():
             wide, count = len(mesh.positions) > _SHORT_VERTICES, mesh.indices.size
-            coloured = mesh.colours is not None
-            self.ranges[name] = MeshRange(first[wide], count, base_vertex, len(mesh.positions), wide, coloured)
+            kinds = (mesh.colours is not None, mesh.second_uvs is not None)
+            self.ranges[name] = MeshRange(first[wide], count, base_vertex, len(mesh.positions), wide, *kinds)
             first[wide], base_vertex = first[wide] + count, base_vertex + len(mesh.positions)
         self.arrays.release()
         self.lists = self._lists(meshes, self.ranges)
         self._vertices = self._upload(self._vertices, [_pack(mesh) for mesh in meshes.values()], _VERTEX.itemsize)
         self._colours = self._upload(self._colours, self._all_colours(meshes), _COLOUR.itemsize)
+        second = self._all_second_uvs(meshes)
+        self._second_uvs = self._upload(self._second_uvs, second, base_vertex * _SECOND_UV.itemsize)
         for wide in (False, True):
             parts = [_indices(mesh) for name, mesh in meshes.items() if self.ranges[name].wide == wide]
             spare = [np.zeros(self.lists.room, np.uint16)] if not wide else []
@@ -255,6 +272,17 @@ class MeshArena:
             np.ones((len(mesh.positions), 4), np.float32)
             if mesh.colours is None
             else np.ascontiguousarray(mesh.colours, np.float32)
+            for mesh in meshes.values()
+        ]
+
+    def _all_second_uvs(self, meshes: dict[str, MeshData]) -> Iterable[F4]:
+        """Return second texture coordinates for every vertex of the arena; empty where no mesh has any."""
+        if not any(known.twice for known in self.ranges.values()):
+            return []
+        return [
+            np.zeros((len(mesh.positions), 2), np.float32)
+            if mesh.second_uvs is None
+            else np.ascontiguousarray(mesh.second_uvs, np.float32)
             for mesh in meshes.values()
         ]
 

@@ -96,7 +96,9 @@ class _Splitter:
 
     def __init__(self, mesh: MeshData, positions: F4, points: I8, found: F8, edges: I4) -> None:
         self._source = mesh
-        self._parts = [[array] for array in (positions, mesh.normals, mesh.uvs, mesh.colours) if array is not None]
+        self._parts = [
+            [array] for array in (positions, mesh.normals, mesh.uvs, mesh.colours, mesh.second_uvs) if array is not None
+        ]
         self._place = {int(point): number for number, point in reversed(list(enumerate(points)))}
         self._known = positions
         self.points = points
@@ -126,7 +128,8 @@ class _Splitter:
         positions, normals = next(arrays), next(arrays)
         uvs = next(arrays) if self._source.uvs is not None else None
         colours = next(arrays) if self._source.colours is not None else None
-        return MeshData(positions, normals, triangles.reshape(-1).astype(np.uint32), uvs, colours)
+        second = next(arrays) if self._source.second_uvs is not None else None
+        return MeshData(positions, normals, triangles.reshape(-1).astype(np.uint32), uvs, colours, second_uvs=second)
 
     def _split_one(self, triangle: list[int], made: list[tuple[int, int, int]]) -> None:
         """Split a triangle along lines from the vertex opposite an edge with points, until no edge has any."""

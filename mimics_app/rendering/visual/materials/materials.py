@@ -274,7 +274,8 @@ class MaterialStore:
             "EMISSIVE": any(material.emission),
             "UV_TRANSFORMS": any(_is_placed(material, which, picture) for which, picture in pictures.items()),
         }
-        return [feature for feature, wanted in has.items() if wanted]
+        second = sum(1 << MAPS.index(which) for which in pictures if which in material.second_uv)
+        return [*(feature for feature, wanted in has.items() if wanted), *([f"SECOND_UV={second}"] if second else [])]
 
     def _shadow_shader(self, material: Material, pictures: _Pictures, *, blended: bool) -> ShaderProgram:
         defines = []

@@ -42,6 +42,7 @@ class Material:
         normal_scale: Factor on x and y of the normal map.
         occlusion_strength: Strength of the occlusion map, 0-1.
         uv_transforms: Transform of the mesh's texture coordinates for each of the `MAPS`.
+        second_uv: Those of the `MAPS` that lie on the mesh's second texture coordinates.
         alpha_mode: "opaque", "mask" (cut out below `alpha_cutoff`) or "blend".
         alpha_cutoff: Opacity below which "mask" draws nothing, 0-1.
         double_sided: True when back faces are drawn too.
@@ -64,6 +65,7 @@ class Material:
     normal_scale: float = 1.0
     occlusion_strength: float = 1.0
     uv_transforms: tuple[Affine, ...] = (IDENTITY,) * len(MAPS)
+    second_uv: tuple[str, ...] = ()
     alpha_mode: AlphaMode = "opaque"
     alpha_cutoff: float = 0.5
     double_sided: bool = False

@@ -33,6 +33,7 @@ class MeshData:
         colours: Linear RGBA per vertex, multiplied with the material's base colour, float32 [n, 4], or None.
         weights: Joints and weights of its vertices, or None.
         morphs: Its morph targets.
+        second_uvs: Texture coordinates of the maps in `Material.second_uv`, float32 [n, 2], or None.
     """
 
     positions: F4
@@ -42,6 +43,7 @@ class MeshData:
     colours: F4 | None = None
     weights: VertexWeights | None = None
     morphs: tuple[MorphTarget, ...] = ()
+    second_uvs: F4 | None = None
 
     def validated(self) -> MeshData:
         """Return the mesh with contiguous arrays of the exact types.
@@ -65,6 +67,7 @@ class MeshData:
             None if self.colours is None else _attribute("colours", self.colours, (count, 4)),
             self.weights,
             self.morphs,
+            None if self.second_uvs is None else _attribute("second_uvs", self.second_uvs, (count, 2)),
         )
 
     @property

@@ -11,7 +11,12 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F4, U4
 from mimics_app.world.content.meshes.mesh import MeshData
-from mimics_app.world.content.meshes.vertex_declaration import COLOUR_DECLARATION, VERTEX_DECLARATION, VertexDeclaration
+from mimics_app.world.content.meshes.vertex_declaration import (
+    COLOUR_DECLARATION,
+    SECOND_UV_DECLARATION,
+    VERTEX_DECLARATION,
+    VertexDeclaration,
+)
 
 __all__ = ["MeshBuffer", "MeshChange"]
 
@@ -38,6 +43,7 @@ class MeshBuffer:
         positions, normals: Object frame [m] and unit, float32 [n, 3].
         uvs: Texture coordinates, float32 [n, 2], or None where the mesh has none.
         colours: Linear RGBA, float32 [n, 4], or None.
+        second_uvs: Second texture coordinates, float32 [n, 2], or None.
         indices: Three per triangle, uint32 [m].
     """
 
@@ -47,16 +53,22 @@ class MeshBuffer:
         self.normals: F4 = own.normals.copy()
         self.uvs: F4 | None = None if own.uvs is None else own.uvs.copy()
         self.colours: F4 | None = None if own.colours is None else own.colours.copy()
+        self.second_uvs: F4 | None = None if own.second_uvs is None else own.second_uvs.copy()
         self.indices: U4 = own.indices.copy()
         self._publish = publish
         self._changes: deque[MeshChange] = deque(maxlen=_REMEMBERED)
-        self.mesh = MeshData(self.positions, self.normals, self.indices, self.uvs, self.colours)
+        self.mesh = self._as_mesh()
         self._first = revision
 
     @property
     def declarations(self) -> tuple[VertexDeclaration, ...]:
         """Layout of the vertex buffers."""
-        return (VERTEX_DECLARATION,) if self.colours is None else (VERTEX_DECLARATION, COLOUR_DECLARATION)
+        more = ((self.colours, COLOUR_DECLARATION), (self.second_uvs, SECOND_UV_DECLARATION))
+        return (VERTEX_DECLARATION, *(each for array, each in more if array is not None))
+
+    def _as_mesh(self) -> MeshData:
+        arrays = (self.positions, self.normals, self.indices, self.uvs, self.colours)
+        return MeshData(*arrays, second_uvs=self.second_uvs)
 
     def update(self, first: int = 0, count: int | None = None) -> None:
         """Publish written vertices; the mesh's bounds are recomputed.
@@ -69,7 +81,7 @@ class MeshBuffer:
             ValueError: the range is not inside, or a number in it is not finite.
         """
         end = self._end(first, count, len(self.positions), "vertices")
-        for array in (self.positions, self.normals, self.uvs, self.colours):
+        for array in (self.positions, self.normals, self.uvs, self.colours, self.second_uvs):
             if array is not None and not np.isfinite(array[first:end]).all():
                 raise ValueError(f"vertices {first} to {end - 1}: not all numbers are finite")
         self._note_change("vertices", first, end - first)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["COLOUR_DECLARATION", "VERTEX_DECLARATION", "VertexDeclaration", "VertexElement"]
+__all__ = ["COLOUR_DECLARATION", "SECOND_UV_DECLARATION", "VERTEX_DECLARATION", "VertexDeclaration", "VertexElement"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,7 +14,7 @@ class VertexElement:
     """One attribute of a vertex.
 
     Attributes:
-        name: Array of `MeshData` and `MeshBuffer`: "positions", "normals", "uvs" or "colours".
+        name: Array of `MeshData` and `MeshBuffer`: "positions", "normals", "uvs", "colours" or "second_uvs".
         attribute: Name in shaders.
         format: Type of one component in numpy's notation: "f4".
         components: Number of components.
@@ -60,3 +60,6 @@ VERTEX_DECLARATION = _declare(("positions", "in_position", 3), ("normals", "in_n
 
 COLOUR_DECLARATION = _declare(("colours", "in_colour", 4))
 """Layout of the second vertex buffer of a mesh with colours."""
+
+SECOND_UV_DECLARATION = _declare(("second_uvs", "in_second_uv", 2))
+"""Layout of a further vertex buffer of a mesh with second texture coordinates."""

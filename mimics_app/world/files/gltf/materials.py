@@ -29,6 +29,8 @@ _IN_SHADING = ("base", "surface")
 _MIN_AREA = 1e-12
 """Minimum area of the transformed unit square for an invertible texture transform."""
 _PLAIN = np.eye(3)[:2]
+_SETS = 2
+"""Sets of texture coordinates that a material may use."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,11 +41,13 @@ class GltfMaterial:
         material: The material; its textures are keys of the file's textures, on coordinates after `uv_transform`.
         uv_set: Number n of the TEXCOORD_n that its first texture uses.
         uv_transform: Rows of the 2 x 3 matrix applied to those coordinates (KHR_texture_transform), [2, 3].
+        second_set: Number of the set that the maps in `Material.second_uv` use; None: there are none.
     """
 
     material: Material
     uv_set: int
     uv_transform: NDArray[np.float64]
+    second_set: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +79,8 @@ class GltfMaterials:
         mode = source.choice(item, "alphaMode", place, _ALPHA_MODES, "OPAQUE")
         name = self._unique(source.text(item, "name", place) or f"material{place.rpartition('/')[2]}")
         maps, uv_set, first = self._maps(item, place, name)
+        second = next((used.uv_set for used in maps.values() if used.uv_set != uv_set), None)
+        aside = tuple(which for which in MAPS if which in maps and maps[which].uv_set == second)
         unlit = "KHR_materials_unlit" in source.object(item, "extensions", place)
         keys: dict[str, Any] = {f"{which}_texture": used.key for which, used in maps.items()}
         material = Material(
@@ -86,14 +92,18 @@ class GltfMaterials:
             emission=self._emission(item, place),
             normal_scale=self._figure(item, place, "normal", "scale"),
             occlusion_strength=min(self._figure(item, place, "occlusion", "strength"), 1.0),
-            uv_transforms=tuple(_beyond(first, maps[which].transform if which in maps else first) for which in MAPS),
+            uv_transforms=tuple(
+                _beyond(_PLAIN if which in aside else first, maps[which].transform if which in maps else first)
+                for which in MAPS
+            ),
+            second_uv=aside,
             alpha_mode=_ALPHA_MODES[mode],
             alpha_cutoff=source.number(item, "alphaCutoff", place, 0.5, 0.0),
             double_sided=item.get("doubleSided") is True,
             softness=self._softness(item, place),
             **keys,
         )
-        return GltfMaterial(material, uv_set, first)
+        return GltfMaterial(material, uv_set, first, second)
 
     def _maps(self, item: dict[str, Any], place: str, name: str) -> tuple[dict[str, _Placed], int, NDArray[np.float64]]:
         """Return the usable maps, the set of coordinates of the first, and its transform."""
@@ -108,14 +118,16 @@ class GltfMaterials:
             return {}, 0, _PLAIN
         first = next(iter(maps.values()))
         flat = abs(np.linalg.det(first.transform[:, :2])) < _MIN_AREA
+        sets = list(dict.fromkeys(used.uv_set for used in maps.values()))[:_SETS]
         usable = {
             which: used
             for which, used in maps.items()
-            if used.uv_set == first.uv_set and (not flat or np.array_equal(used.transform, first.transform))
+            if used.uv_set in sets[1:]
+            or (used.uv_set == first.uv_set and (not flat or np.array_equal(used.transform, first.transform)))
         }
         unused = [_PLACES[which] for which in maps.keys() - usable.keys()]
         if unused:
-            why = "their texture coordinates are not those of the first"
+            why = "their texture coordinates are a third set, or cannot be computed from those of the first"
             source.note(f'material "{name}": not used: {", ".join(sorted(unused))}; {why}')
         return usable, first.uv_set, first.transform
 

@@ -114,6 +114,7 @@ class GltfMeshes:
         indices = self._triangles(primitive, len(positions), mode, place)
         normals = self._accessors.of_vertices(attributes, "NORMAL", here, len(positions), "VEC3")
         uvs = self._uvs(attributes, here, len(positions), material)
+        second = self._second_uvs(attributes, here, len(positions), material)
         colours = self._accessors.of_vertices(attributes, "COLOR_0", here, len(positions), "VEC3", "VEC4")
         if colours is not None and colours.shape[1] == 3:
             source.take(16 * len(colours), place)
@@ -124,6 +125,7 @@ class GltfMeshes:
             source.take(indices.size * _FLAT_VERTEX_BYTES, place)
             positions = positions[indices]
             uvs = None if uvs is None else uvs[indices]
+            second = None if second is None else second[indices]
             colours = None if colours is None else colours[indices]
             weights = None if weights is None else weights.taken(indices)
             morphs = tuple(morph.taken(indices) for morph in morphs)
@@ -131,7 +133,7 @@ class GltfMeshes:
             normals = _flat_normals(positions)
         else:
             normals = self._unit(normals, place)
-        return MeshData(positions, normals, indices, uvs, colours, weights, morphs).validated()
+        return MeshData(positions, normals, indices, uvs, colours, weights, morphs, second).validated()
 
     def _triangles(self, primitive: dict[str, Any], vertices: int, mode: int, place: str) -> U4:
         source = self._source
@@ -167,6 +169,18 @@ class GltfMeshes:
         if not np.isfinite(transformed).all():
             self._source.fail(f"{place}/{name}", "the material's texture transform takes it beyond single precision")
         return transformed
+
+    def _second_uvs(self, attributes: dict[str, Any], place: str, vertices: int, material: int | None) -> F4 | None:
+        """Return the coordinates of the maps that lie on a second set, before their transforms."""
+        number = None if material is None else self._materials[material].second_set
+        if number is None:
+            return None
+        name = f"TEXCOORD_{number}"
+        second = self._accessors.of_vertices(attributes, name, place, vertices, "VEC2")
+        if second is None:
+            self._source.note(f"{place}: its material has a texture on {name}, which is not there")
+            return np.zeros((vertices, 2), np.float32)
+        return second
 
     def _unit(self, normals: F4, place: str) -> F4:
         self._source.take(normals.nbytes + 8 * len(normals), place)
