@@ -10,7 +10,7 @@ import pytest
 from tests.architecture.sources import modules, nodes
 
 ASSEMBLY = "app/session/"
-PARTS = {"TaskManager", "PersonInbox", "EffectCues", "NullDsp", "NullEstimation"}
+PARTS = {"TaskManager", "EffectCues", "NullDsp", "NullEstimation"}
 """What only a whole session has: whoever makes one of these makes a frame of his own."""
 
 

@@ -14,7 +14,6 @@ from mimics_app.app.session.core import SessionCore, open_core
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
-from mimics_app.app.touch.person_inbox import PersonInbox
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.ports.method_table import Row, Table
 from mimics_app.contracts.system.resources import root
@@ -47,7 +46,7 @@ def cores() -> dict[str, SessionCore]:
         scene = load_checked_scene(root() / "scenes" / f"{name}.json")
         started[name] = core = open_core(prepare_scene(scene, RunSettings(scene.path)))
         Frames(core).play_to_start()
-        PersonInbox(core.haptics).send(None, trial=0, may_act=False)  # the hand rests, and so do the bodies
+        core.haptics.send_pointer(None, trial=0, may_act=False)  # the hand rests, and so do the bodies
         for _ in range(SETTLED // TICKS):
             tick_us(core)
     return started

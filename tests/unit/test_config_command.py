@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import fields
 
 import pytest
@@ -47,6 +48,11 @@ def test_every_value_names_what_set_it(tmp_path):
     hidden = {"journey"}
     assert {name for section, name in shown if section == "run"} == {f.name for f in fields(RunSettings)} - hidden
     assert {name for section, name in shown if section == "safety"} >= set(Safety.__struct_fields__)
+    limits = [row for (section, _), row in shown.items() if section == "safety"]
+    for row in [shown["run", name] for name in ("seconds", "size", "baseline_s")] + limits:
+        told = re.search(r"\[([^\]]+)\]", str(row["meaning"]))
+        assert row["unit"] == ("" if told is None or told[1] == "-" else told[1]), "a unit is that of the description"
+    assert shown["run", "display"]["unit"] == "", "KIND[:FILE] is no unit"
 
 
 @pytest.mark.parametrize(("display", "device"), [("", "simulated_hapticmaster"), (":99", "pointer")])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -23,6 +22,22 @@ __all__ = ["EffectiveSetting", "effective_settings"]
 
 _DEFAULT = "default"
 _CEILING = "ceiling of this machine, see mimics limits"
+
+_OPTION_UNITS = {"seconds": "s", "size": "px", "baseline_s": "s"}
+"""Units of the options that have one, by field of `RunSettings`."""
+
+_SAFETY_UNITS = {
+    **dict.fromkeys(("force_limit", "measured_force_limit", "ramp_force"), "N"),
+    "force_rate_limit": "N/s",
+    **dict.fromkeys(("velocity_limit", "drive_speed"), "m/s"),
+    "workspace_margin": "m, rad",
+    "position_jump": "m",
+    **dict.fromkeys(("ramp_time_s", "late_hold_s", "late_damp_s", "late_stop_s", "stale_warn_s", "stale_stop_s"), "s"),
+    **dict.fromkeys(("arm_damping", "passivity_damping"), "N s/m"),
+    **dict.fromkeys(("power_limit", "tank_refill"), "W"),
+    **dict.fromkeys(("energy_limit", "tank_size"), "J"),
+}
+"""Units of the fields of `Safety` that have one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +79,7 @@ def _options(settings: RunSettings, meanings: Mapping[str, str]) -> Iterator[Eff
         value = getattr(settings, name)
         origin = _DEFAULT if value == getattr(defaults, name) and name != "scene" else "command line"
         meaning = meanings[name]
-        yield EffectiveSetting("run", name, _plain(value), _unit(meaning), origin, meaning)
+        yield EffectiveSetting("run", name, _plain(value), _OPTION_UNITS.get(name, ""), origin, meaning)
 
 
 def _limits(parts: SessionParts) -> Iterator[EffectiveSetting]:
@@ -76,10 +91,9 @@ def _limits(parts: SessionParts) -> Iterator[EffectiveSetting]:
     written = _written_at(scene, pointer) if pointer else {}
     for name, value in msgspec.structs.asdict(safety_of(block)).items():
         origin = scene.place(f"{pointer}/{name}") if name in written else _DEFAULT
-        meaning = _description(name)
         origin = device if value != getattr(stated, name) else origin
         origin = _CEILING if name in parts.held.names else origin
-        yield EffectiveSetting("safety", name, value, _unit(meaning), origin, meaning)
+        yield EffectiveSetting("safety", name, value, _SAFETY_UNITS.get(name, ""), origin, _description(name))
     latches = "Whether late ticks latch SAFE_STOP; of a simulated device they hold it"
     yield EffectiveSetting("safety", "late_latches", bool(block["late_latches"][0]), "", device, latches)
 
@@ -104,12 +118,6 @@ def _tolerances(parts: SessionParts) -> Iterator[EffectiveSetting]:
         given = getattr(stated, name)
         origin = f"profile {parts.plan.profile}" if given is None else parts.scene.place(f"/systems/tolerances/{name}")
         yield EffectiveSetting("tolerances", name, parts.plan.tolerances[name], unit, origin, "Largest accepted error")
-
-
-def _unit(meaning: str) -> str:
-    """Return the unit that a text states in brackets, "" where it states none."""
-    found = re.search(r"\[([^\]]+)\]", meaning)
-    return "" if found is None or found[1] == "-" else found[1]
 
 
 def _plain(value: object) -> bool | float | str | None:

@@ -18,7 +18,6 @@ from mimics_app.app.session.safety_watch import SafetyWatch
 from mimics_app.app.session.watches import RecorderWatch, SignalWatch, TactileWatch
 from mimics_app.app.stage_timer import UNTIMED
 from mimics_app.app.touch.loss_watch import LossWatch
-from mimics_app.app.touch.person_inbox import PersonInbox
 from mimics_app.contracts.clock import FRAMES_PER_SECOND, TICK_NS, ticks_until_frame
 from mimics_app.contracts.loop.haptic import EVENT
 from mimics_app.contracts.messages.board import Board
@@ -60,7 +59,6 @@ class Frames:
 
     def __init__(self, core: SessionCore) -> None:
         self._core = core
-        self._inbox = PersonInbox(core.haptics)
         self._effects = EffectCues(core.world)
         self._motion = MotionCues(core.world, _levels_from(core.scene))
         self._action: TaskAction | None = None
@@ -226,7 +224,7 @@ class Frames:
             x, y, z = snapshot.hip_world
             core.inputs.hold_at((float(x), float(y), float(z)))
         trial = int(core.parameter_store.block["trial"][0])
-        self._inbox.send(vr.pointer, trial=trial, may_act=orders.person_may_act)
+        self._core.haptics.send_pointer(vr.pointer, trial=trial, may_act=orders.person_may_act)
 
 
 def _levels_from(scene: Scene) -> str:

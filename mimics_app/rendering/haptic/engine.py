@@ -15,10 +15,10 @@ from mimics_app.compiled.function_pointers import pointers_to
 from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.loop.haptic import EVENT
+from mimics_app.contracts.loop.haptic import EVENT, INBOX
 from mimics_app.contracts.loop.loop_ports import COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH, DevicePlugin
 from mimics_app.contracts.loop.object_rows import Rows, slot_of
-from mimics_app.contracts.messages.stage_messages import HapticSnapshot
+from mimics_app.contracts.messages.stage_messages import HapticSnapshot, PointerState
 from mimics_app.contracts.shared_memory import ring, triple_buffer
 from mimics_app.contracts.shared_memory.session_memory import ControlWord, SessionMemory
 from mimics_app.rendering.haptic import scheduler
@@ -81,6 +81,7 @@ class HapticEngine:
         self._channels = channels_of(memory)
         self._work = new_work(objects or new_object_work(memory.capacities.objects))
         self._drained, self._no_events = np.zeros(memory.main_events.shape[0], EVENT), np.zeros(0, EVENT)
+        self._inbox: Records = np.zeros(1, INBOX)
         self._resets = 0
         self._closed = self._released = False
         self._granted: scheduler.Granted | None = None
@@ -143,6 +144,21 @@ class HapticEngine:
         memory = self._memory
         memory.inboxes[triple_buffer.back_slot(memory.inbox_words)] = inbox[0]
         triple_buffer.publish(memory.inbox_words)
+
+    def send_pointer(self, pointer: PointerState | None, *, trial: int, may_act: bool) -> None:
+        """Pass the pointing device of a frame to the device plug-in.
+
+        Args:
+            pointer: Its state; None keeps the last target and marks the person as inactive.
+            trial: Number of the present trial.
+            may_act: False while the robot leads.
+        """
+        record = self._inbox[0]
+        record["active"] = int(may_act and pointer is not None and pointer.active)
+        record["trial"] = trial
+        if pointer is not None:
+            record["target_world"], record["grasp"] = pointer.target_world, pointer.grasp
+        self.send(self._inbox)
 
     def snapshot(self) -> HapticSnapshot:
         """Return the newest state of the loop; its arrays are copies."""
