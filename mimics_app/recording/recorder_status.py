@@ -40,7 +40,7 @@ class Problem(IntEnum):
 
 PROBLEMS = {
     Problem.NONE: "",
-    Problem.DISK_FULL: "the disk is full: the recording has stopped; free some space and it goes on",
+    Problem.DISK_FULL: "the disk is full: the recording has stopped; free some space to resume it",
     Problem.DISK_ERROR: "the disk refuses to be written: the recording has stopped",
     Problem.RING_FULL: "the recorder is too slow: samples were lost",
     Problem.NOT_RUNNING: "the recorder process does not stay alive: nothing is recorded",

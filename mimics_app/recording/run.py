@@ -84,7 +84,7 @@ class Run:
         folder = Path(folder)
         if not any(os.path.lexists(folder / FILES[key]) for key in _MARKS):
             fix = "give a folder that holds session.json and haptic.arrows"
-            raise SceneError(Issue(str(folder), "", "this is no run folder", fix))
+            raise SceneError(Issue(str(folder), "", "this is not a run folder", fix))
         return cls(folder)
 
     @property

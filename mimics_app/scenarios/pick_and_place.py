@@ -138,7 +138,7 @@ class PickAndPlace(Scenario):
 
     def _row_of_body(self) -> int:
         if self._carry.body not in self._objects.body_entities:
-            what = f'"{self._carry.body}" is no haptic object that moves'
+            what = f'"{self._carry.body}" is not a movable haptic object'
             raise SceneError(self._scene.issue("/task/carry/body", what, 'give it a "haptic_object" with grip'))
         return self._objects.body_entities.index(self._carry.body)
 

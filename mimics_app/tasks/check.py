@@ -114,7 +114,7 @@ def _check_map(target: MapSpec, parameter: ParameterSpec, pointer: str) -> Itera
         what = f'"{name}" is a limit of the haptic loop; no task and no adaptation may change it'
         yield f"{pointer}/to", what, f"set it once in the scene; a parameter may change {may}, and numbers of objects"
     elif group == "haptic" and _range_of_target(name) is None:
-        what = f'"{name}" is no number of the haptic scene that a task may change'
+        what = f'a task cannot change "{name}" of the haptic scene'
         yield f"{pointer}/to", what, nearest(name, haptic_targets())
     elif group == "task" and name not in task_targets():
         yield f"{pointer}/to", f'"{name}" is nothing a task can change', nearest(name, task_targets())

@@ -34,12 +34,12 @@ ESCAPES = "\x1b[31mred\x1b]0;title\x07\r\x9b2Jclear\x08\u202eturned\nmimics: ver
 def test_a_header_with_any_seed_is_a_run_or_a_problem(tmp_path: Path, seed: str) -> None:
     header = '{"scene": {"name": "walk"}, "settings": {}, "moved_by": {}, "seed": '
     (tmp_path / "session.json").write_text(header + seed + "}")
-    assert "no run folder" in find_run(1, tmp_path, "walk").problem
+    assert "not a run folder" in find_run(1, tmp_path, "walk").problem
 
 
 def test_a_pipe_in_a_run_folder_is_a_problem(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "session.json")
-    assert "no run folder" in find_run(1, tmp_path, "walk").problem
+    assert "not a run folder" in find_run(1, tmp_path, "walk").problem
 
 
 FORMULAS = [

@@ -50,7 +50,7 @@ def test_losses_are_reported_once_counted_and_in_the_report(run, capsys):
     answer = json.loads(printed.out)
     assert answer["losses"] == {
         "pairs_left_out": BALLS * (BALLS - 1) // 2 - ROOM,
-        "fields_put_away": ["gust", "pull"],
+        "fields_disabled": ["gust", "pull"],
     }
     lines = printed.err.splitlines()
     assert sum("do not collide" in line for line in lines) == 1
@@ -68,7 +68,7 @@ def test_most_pairs_at_once_are_counted_and_only_the_first_are_reported(capsys):
     events["kind"] = [EventKind.LEFT_OUT, EventKind.LEFT_OUT, EventKind.IMPACT, EventKind.QUARANTINE]
     events["force"] = [1, 7, 3, 0]
     watch.see(events)
-    assert watch.summary() == {"pairs_left_out": 7, "fields_put_away": ["gust"]}
+    assert watch.summary() == {"pairs_left_out": 7, "fields_disabled": ["gust"]}
     assert capsys.readouterr().err.count("\n") == 2
 
 

@@ -177,7 +177,7 @@ def test_nohup_is_respected() -> None:
         ),
         (["bench", "physio", "detectors"], "no folder for the figure detectors"),
         (["run", "wavy_tunnel", "--learn", "\x1b]0;title\x07"], '"\\x1b]0;title\\x07"'),
-        (["run", "wavy_tunnel", "--runs=--"], '"--" is no value of --runs'),
+        (["run", "wavy_tunnel", "--runs=--"], "--runs needs a value"),
         (["physio", "sim:healthy", "--page", ""], 'argument --page: "" is a folder; name a file to write'),
         (["render", "wavy_tunnel", "--audio", "."], 'argument --audio: "." is a folder; name a file to write'),
         (["render", "wavy_tunnel", "--audio", "a.mp3"], 'argument --audio: "a.mp3" does not end in .wav'),

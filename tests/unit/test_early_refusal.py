@@ -44,7 +44,7 @@ REFUSED = (
     ("--versoin", 2, 'did you mean "--version"'),
     ("run wavy_tunnel --headless --from-trial 99", 2, "the session has no trial 99; it has 3"),
     ("run wavy_tunnel --headless --from-trial 8 --trials 6", 2, "the session has no trial 8; it has 7"),
-    ("run --device replay --recording nowhere", 3, "is no run folder"),
+    ("run --device replay --recording nowhere", 3, "is not a run folder"),
     ("run --action nowhere.json", 3, "nowhere.json: no such file"),
     ("run --display cave:nowhere.json", 3, "nowhere.json: no such file"),
     ("run --learn stair", 2, 'did you mean "staircase"'),
@@ -59,9 +59,9 @@ REFUSED = (
     ("view scenes/pick_and_place.json --motion nowhere.bvh", 3, "nowhere.bvh: no such file"),
     ("view scenes/pick_and_place.json", 4, "the viewer needs a display"),
     ("devices check nowhere", 4, 'there is no device "nowhere"'),
-    ("replay nowhere", 3, "is no run folder"),
-    ("report nowhere", 3, "is no run folder"),
-    ("record info nowhere", 3, "is no run folder"),
+    ("replay nowhere", 3, "is not a run folder"),
+    ("report nowhere", 3, "is not a run folder"),
+    ("record info nowhere", 3, "is not a run folder"),
     ("sweep nowhere.json", 3, "nowhere.json"),
 )
 """Line, exit code, and words of what is said."""

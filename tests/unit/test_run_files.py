@@ -244,7 +244,7 @@ def test_stream_without_our_columns_is_named(tmp_path: Path) -> None:
     with pa.ipc.new_stream(tmp_path / "haptic.arrows", schema) as writer:
         writer.write_batch(pa.record_batch([pa.array([1.0])], schema=schema))
     assert any("its description of the columns cannot be read" in problem for problem in Run.open(tmp_path).problems())
-    with pytest.raises(SceneError, match="no run folder"):
+    with pytest.raises(SceneError, match="not a run folder"):
         Run.open(tmp_path.parent / "nothing")
 
 

@@ -111,7 +111,7 @@ def test_a_recorder_that_died_and_is_back_is_reported_on_the_terminal(capsys):
     watch.look()
     assert (
         capsys.readouterr().err
-        == "mimics: the disk is full\nmimics: the disk can be written again: the recording goes on, with a gap\n"
+        == "mimics: the disk is full\nmimics: the disk can be written again: the recording resumes, with a gap\n"
     )
 
 

@@ -147,7 +147,7 @@ def _check_clip(args: argparse.Namespace) -> None:
     if args.at is not None and not (args.clip or args.motion):
         raise UsageError("--at is the time within a clip", "name the clip with --clip NAME")
     if args.at is not None and not 0.0 <= args.at < float("inf"):
-        raise UsageError(f"--at {args.at:g} is no time within a clip", "give seconds, 0 or more")
+        raise UsageError(f"invalid time within a clip: --at {args.at:g}", "give seconds, 0 or more")
     if args.sheet is not None and (args.clip or args.motion or args.vertices is not None):
         raise UsageError("--clip, --motion and --vertices need one file", "name it instead of --sheet")
 

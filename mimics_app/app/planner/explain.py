@@ -148,7 +148,7 @@ def _cascade_note(scene: Scene) -> str:
     """Return the distance of the cascades, and the reason for it."""
     visual, distance = visual_of(scene), shadow_distance_of(scene)
     reason = (
-        "bodies are spread over more than one map holds" if visual.shadow_distance == "auto" else "as the scene says"
+        "bodies are spread over more than one map holds" if visual.shadow_distance == "auto" else "set by the scene"
     )
     maps = "1 map" if visual.cascades == 1 else f"{visual.cascades} maps"
     return f"to {distance:.3g} m from the camera in {maps}: {reason}"

@@ -179,7 +179,7 @@ def _check_widest_tunnel(scene: Scene) -> list[Issue]:
             limit = tunnel_of_scene(scene, entity)[0].max_radius_scale
             widest = max(target.offset + target.scale * value for value in (parameter.min, parameter.max))
             if widest >= limit:
-                what = f"makes the tunnel {widest:g} times as wide: its walls fold over in the tightest bend"
+                what = f"makes the tunnel {widest:g} times as wide: wider than its tightest bend allows"
                 issues.append(scene.issue(f"/task/parameters/{name}/max", what, f"stay below {limit:.3f}"))
     return issues
 

@@ -61,7 +61,7 @@ class SessionCore:
         limit_notes: A line for each limit that the scene sets beyond its usual value.
         report: Shows a line to the person; discards it unless the session is a run.
         live: True when the haptic loop runs in real time; False on the virtual clock.
-        ended: Whether `stop` was called: it plays no further frame.
+        ended: Whether `stop` was called: no frame follows.
         has_policy: Whether a policy or a list of actions adapts the task.
         view: The view that a command wants; "": as the scene says.
         keys: Keys and gamepad as sources of commands.

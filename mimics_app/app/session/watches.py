@@ -39,7 +39,7 @@ class RecorderWatch:
             self._report("the recorder is back")
         if recorder.problem != self._problem:
             self._problem = recorder.problem
-            self._report(self._problem or "the disk can be written again: the recording goes on, with a gap")
+            self._report(self._problem or "the disk can be written again: the recording resumes, with a gap")
 
 
 class SignalWatch:

@@ -58,7 +58,7 @@ def find_run(subject: int, folder: Path, scene: str) -> SubjectRun:
             return SubjectRun(subject, seed, None, f"{folder} is a run of {name or 'no scene'}, not of {scene}")
         return SubjectRun(subject, seed, folder, participant=participant, simulated=bool(preset))
     except (ArithmeticError, OSError, ValueError, KeyError, TypeError, RecursionError):
-        return SubjectRun(subject, 0, None, f"{folder} is no run folder: it has no readable session.json")
+        return SubjectRun(subject, 0, None, f"{folder} is not a run folder: it has no readable session.json")
 
 
 def run_subject(

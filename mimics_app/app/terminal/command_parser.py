@@ -71,7 +71,7 @@ class CommandParser(argparse.ArgumentParser):
         known = self._option_string_actions
         option, _, value = word.partition("=")
         if value == "--":  # argparse would give its command an empty list
-            raise UsageError(f'"--" is no value of {option}', f"see {self.prog} --help")
+            raise UsageError(f"{option} needs a value", f"see {self.prog} --help")
         if option.startswith("--") and " " not in option and option not in known:
             close = get_close_matches(option, known, n=1)
             hint = f'did you mean "{close[0]}"' if close else f"see {self.prog} --help"

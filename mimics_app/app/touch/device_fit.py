@@ -55,10 +55,10 @@ def check_shape(device: str, scene: Scene) -> None:
     there, wanted = descriptor_of(device), descriptor_of(planned)
     if there.extent.joints != wanted.extent.joints or there.contacts != wanted.contacts:
         raise DeviceError(
-            f'"{device}" has {_describe(there)}; the scene is made for {_describe(wanted)}',
-            f'choose a device like the scene\'s own, "{planned}"',
+            f'this scene is played with {_describe(wanted)}; "{device}" has {_describe(there)}',
+            f'choose "{planned}", or a device like it',
         )
 
 
 def _describe(descriptor: DeviceDescriptor) -> str:
-    return f"{counted(len(descriptor.joints), 'joints')} and touches with {', '.join(descriptor.contacts)}"
+    return f"{', '.join(descriptor.contacts)} ({counted(len(descriptor.joints), 'joints')})"

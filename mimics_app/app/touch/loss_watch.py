@@ -38,7 +38,7 @@ class LossWatch:
 
     def summary(self) -> dict[str, Any]:
         """Return the largest number of pairs left out at once, and the ids of the force fields switched off."""
-        return {"pairs_left_out": self._pairs, "fields_put_away": list(self._fields)}
+        return {"pairs_left_out": self._pairs, "fields_disabled": list(self._fields)}
 
     def _leave_out(self, pairs: int) -> None:
         if self._pairs == 0:

@@ -73,7 +73,7 @@ def _models_in(folder: Path) -> list[Path]:
         SceneError: The path is no folder, or has no model.
     """
     if not folder.is_dir():
-        raise SceneError(Issue(str(folder), "", "is no folder"))
+        raise SceneError(Issue(str(folder), "", "is not a folder"))
     found = sorted(file for file in folder.rglob("*") if file.suffix.lower() in MODEL_SUFFIXES and file.is_file())
     if not found:
         raise SceneError(Issue(str(folder), "", "holds no model", f"known: {', '.join(MODEL_SUFFIXES)}"))
@@ -104,7 +104,7 @@ def draw_models(models: Sequence[Path], output: Path, *, sides: int = 1, backend
         DeviceError: The OpenGL context is not available.
     """
     if len(models) * sides > _MOST_TILES:
-        raise UsageError(f"{len(models)} models do not go on a sheet of {_MOST_TILES}", "give a folder below it")
+        raise UsageError(f"too many models: {len(models)}; at most {_MOST_TILES}", "name a folder below it")
     output.parent.mkdir(parents=True, exist_ok=True)
     surface = open_offscreen(backend, TILE)
     renderer = _TileRenderer(surface)

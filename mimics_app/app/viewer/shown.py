@@ -104,7 +104,7 @@ def open_shown(path: Path, up: Up = "y") -> Shown:
         return _open_scene(path)
     if suffix not in MODEL_SUFFIXES:
         known = ", ".join((".json", *MODEL_SUFFIXES))
-        raise SceneError(Issue(str(path), "", f'a file "{suffix}" is of no kind that is shown', f"known: {known}"))
+        raise SceneError(Issue(str(path), "", f'unsupported file type "{suffix}"', f"known: {known}"))
     world = World()
     stand = world.root.create_child("model")
     if up == "z":

@@ -179,7 +179,7 @@ class ViewerSession:
         for layer in layers:
             layer.speed = 0.0 if held else 1.0
         if layers:
-            self._say("held" if held else "goes on")
+            self._say("paused" if held else "playing")
 
     def _toggle_keys(self) -> None:
         self._keys_shown = not self._keys_shown
@@ -220,7 +220,7 @@ class ViewerSession:
 
     def _save(self) -> None:
         if self._viewport.shown.scene is None:
-            self._say("a model is changed in its modeller; what is saved here are scene files", alarm=True)
+            self._say("models cannot be edited here; scene files can", alarm=True)
             return
         try:
             files = self._selection.save()

@@ -42,7 +42,7 @@ def compute_in_processes(chunks: Sequence[Chunk], compute: Compute, workers: int
         for future in concurrent.futures.as_completed(futures):
             yield futures[future], future.result()
     except concurrent.futures.process.BrokenProcessPool as error:
-        raise DeviceError("a process of the sweep died", "the same command goes on where it stopped") from error
+        raise DeviceError("a process of the sweep died", "run the same command again to resume") from error
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
 

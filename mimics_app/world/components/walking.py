@@ -31,7 +31,8 @@ class WalkingPath(Component, frozen=True):
     grounds: Annotated[
         tuple[Ground, ...],
         Meta(
-            max_length=200, description="Material of the ground of each leg: asphalt, grass, ..; the last one goes on"
+            max_length=200,
+            description="Material of the ground of each leg: asphalt, grass, ..; the last one for all further legs",
         ),
     ] = ()
     closed: Annotated[bool, Meta(description="The last corner is joined to the first, and walks go round")] = False

@@ -49,7 +49,7 @@ class ScenarioCard:
         scene: The scene file.
         group: Group that it is listed in.
         facts: Devices and duration, or when it was played, in a few words.
-        badge: Emphasised text beside the title, such as the last score.
+        badge: Emphasised text in the corner of the picture, such as the last score.
         everywhere: True to list it in searches and under "All" too; False for its group alone, as a played scene.
         run: Folder of the earlier session that it stands for; None: it stands for the scene.
         refuses: Why the scene cannot be played, in words, by (setting, value).
@@ -263,14 +263,22 @@ class LauncherPage:
         hud.box(*box, PANEL_LIT if chosen or focused else PANEL, radius=14.0)
         picture = (width - 20.0) / _PICTURE_SHAPE
         hud.image((x + 10.0, y + height - 10.0 - picture, width - 20.0, picture), layer, radius=8.0)
+        if card.badge:
+            self._draw_badge(card.badge, (x + width - 18.0, y + height - 18.0))
         text_y, room = y + height - picture - 36.0, width - 28.0
-        free = room - hud.text(x + width - 14.0, text_y, card.badge, 16.0, ACCENT, bold=True, align="right") - 8.0
-        self._fitted(x + 14.0, text_y, card.title, (14.5, 17.5), free, bold=True)
+        self._fitted(x + 14.0, text_y, card.title, (14.5, 17.5), room, bold=True)
         for number, line in enumerate(hud.wrap(card.description, 13.0, room, 3)):
             hud.text(x + 14.0, text_y - 20.0 - 16.5 * number, line, 13.0, FAINT)
         self._fitted(x + 14.0, y + 13.0, card.facts, (10.5, 12.5), room)
         if focused:
             hud.box(*box, ACCENT, radius=14.0, border=3.0)
+
+    def _draw_badge(self, text: str, corner: tuple[float, float]) -> None:
+        """Write a badge below and left of a corner."""
+        hud, (right, top) = self._hud, corner
+        width = hud.measure(text, 14.0, bold=True) + 20.0
+        hud.box(right - width, top - 26.0, width, 26.0, PANEL, radius=13.0)
+        hud.text(right - 10.0, top - 18.0, text, 14.0, ACCENT, bold=True, align="right")
 
     def _fitted(
         self, x: float, y: float, text: str, sizes: tuple[float, float], room: float, *, bold: bool = False

@@ -40,7 +40,7 @@ def check_questionnaire(questions: QuestionnaireSpec) -> list[tuple[str, str, st
     """Return the faults of a questionnaire: pointer within it, what is wrong, what to do."""
     faults = []
     if questions.least >= questions.most:
-        faults.append(("/most", "is no more than least", "give the scale's upper end"))
+        faults.append(("/most", "is not above least", "give the scale's upper end"))
     ids = [item.id for item in questions.items]
     for number, name in enumerate(ids):
         if name in ids[:number]:

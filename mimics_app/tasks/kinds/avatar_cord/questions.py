@@ -105,7 +105,7 @@ class Asking:
             return ""
         asked = self._left[0]
         if isinstance(asked, ProbeSpec):
-            return "Where do you feel you are?\nMove the mark with left and right, then press Enter"
+            return "Where do you feel you are?\nMove the green post there with left and right, then press Enter"
         questionnaire = self._questionnaire
         span = range(questionnaire.least, questionnaire.most + 1)
         scale = "  ".join(f"[{value:+d}]" if value == self._value else f"{value:+d}" for value in span)

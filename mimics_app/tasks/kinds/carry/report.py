@@ -38,7 +38,7 @@ class CarrySection(ReportSection):
             "drops": (task.get("drops"), ""),
             "bruises": (task.get("bruises"), ""),
             "path of the hand": (task.get("path_m"), "m"),
-            "grasp error": (task.get("grasp_error_n"), "N"),
+            "grip force off its target": (task.get("grasp_error_n"), "N"),
         }
 
     def behind(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Curve]:

@@ -6,7 +6,7 @@ import itertools
 import math
 from dataclasses import dataclass, field
 from types import NoneType
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -16,7 +16,9 @@ from mimics_app.world.content.meshes.mesh import FARTHEST
 from mimics_app.world.files.gltf.gltf_document import GltfSource
 from mimics_app.world.files.reading.json_text import escape
 from mimics_app.world.graph.levels import MAX_LEVELS
-from mimics_app.world.graph.node_tables import LightKind
+
+if TYPE_CHECKING:  # the tables are compiled, and a file is checked before
+    from mimics_app.world.graph.node_tables import LightKind
 
 __all__ = ["MAX_DEPTH", "GltfCamera", "GltfLight", "GltfNode", "GltfNodes"]
 
@@ -295,7 +297,7 @@ class GltfNodes:
 
     def _light(self, item: dict[str, Any], place: str) -> GltfLight:
         source = self._source
-        kind = cast(LightKind, source.choice(item, "type", place, _LIGHT_KINDS))
+        kind = cast("LightKind", source.choice(item, "type", place, _LIGHT_KINDS))
         spot = source.object(item, "spot", place)
         inner = source.number(spot, "innerConeAngle", f"{place}/spot", 0.0, 0.0)
         outer = source.number(spot, "outerConeAngle", f"{place}/spot", math.pi / 4, 0.0)
