@@ -12,15 +12,8 @@ from mimics_app.contracts.loop.object_rows import ROW_DTYPES
 from mimics_app.tasks.actions import TARGET_GROUPS, haptic_field, task_targets
 from mimics_app.tasks.kinds.kind import Fault
 from mimics_app.tasks.kinds.registry import task_kinds
-from mimics_app.tasks.task import (
-    ActionDeed,
-    BlockSpec,
-    MapSpec,
-    ParameterSpec,
-    ScorePartSpec,
-    ScoreSpec,
-    TaskSpec,
-)
+from mimics_app.tasks.task import ActionDeed, MapSpec, ParameterSpec, ScorePartSpec, ScoreSpec, TaskSpec
+from mimics_app.tasks.trial_specs import BlockSpec
 from mimics_app.world.files.reading.json_text import escape
 
 __all__ = ["check_blocks", "check_task", "haptic_targets", "object_of_target"]

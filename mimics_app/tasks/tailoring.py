@@ -9,7 +9,8 @@ from typing import Literal
 
 import msgspec
 
-from mimics_app.tasks.task import BlockSpec, ParameterSpec, TaskSpec, TrialSpec
+from mimics_app.tasks.task import ParameterSpec, TaskSpec
+from mimics_app.tasks.trial_specs import BlockSpec, TrialSpec
 from mimics_app.tasks.trials import Trial, plan_trials, trial_blocks
 
 __all__ = ["Difficulty", "at_difficulty", "with_trials"]

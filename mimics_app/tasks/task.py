@@ -13,6 +13,7 @@ from msgspec import Meta, defstruct, field
 from mimics_app.tasks.kinds.kind import Measure, ScorePartSpec
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.kinds.tunnel.kind import ProgressGoal
+from mimics_app.tasks.trial_specs import BlockSpec
 from mimics_app.world.components.bounds import Factor, Figure, Force, Length, Point, PositiveSeconds, Seconds, Share
 from mimics_app.world.components.registry import Component
 
@@ -20,7 +21,6 @@ __all__ = [
     "MEASURES",
     "ActionDeed",
     "ActionKind",
-    "BlockSpec",
     "ContactCondition",
     "Deed",
     "DurationGoal",
@@ -30,7 +30,6 @@ __all__ = [
     "KeyCondition",
     "MapSpec",
     "MessageDeed",
-    "Order",
     "ParameterSpec",
     "PointGoal",
     "ProgressCondition",
@@ -40,7 +39,6 @@ __all__ = [
     "StartSpec",
     "StateName",
     "TaskSpec",
-    "TrialSpec",
     "TriggerCondition",
     "TriggerSpec",
 ]
@@ -85,7 +83,6 @@ _Steps = Annotated[float, Meta(ge=0.0, le=1e12)]
 _Values = Annotated[dict[str, Figure], Meta(max_length=1000)]
 _Table = Annotated[list[Figure | str], Meta(max_length=10_000)]
 
-Order = Literal["listed", "shuffled", "latin"]
 ActionKind = Literal["avatar", "complexity", "appearance", "flow", "sound", "difficulty", "duration"]
 StateName = Literal["approach", "ready", "travel", "finished", "timeout", "aborted", "stopped", "rest", "done"]
 
@@ -229,42 +226,6 @@ class TriggerSpec(Component, frozen=True):
 
     when: Annotated[TriggerCondition, Meta(description="The condition.")]
     do: Annotated[list[Deed], Meta(max_length=100, description="Actions in order.")]
-
-
-class TrialSpec(Component, frozen=True):
-    """One trial of a block."""
-
-    label: Annotated[str, Meta(description="Name of the condition, for the results.")] = ""
-    values: Annotated[
-        _Values,
-        Meta(
-            description="Parameter values set before the trial; others keep their default, or the value of an action."
-        ),
-    ] = field(default_factory=dict)
-    time_limit_s: Annotated[PositiveSeconds | None, Meta(description="Longest travel, instead of the task's [s].")] = (
-        None
-    )
-    rest_s: Annotated[Seconds | None, Meta(description="Rest after this trial, instead of the task's [s].")] = None
-
-
-class BlockSpec(Component, frozen=True):
-    """A block of trials."""
-
-    name: Annotated[str, Meta(description="Name of the block, for the results.")] = ""
-    trials: Annotated[
-        Annotated[list[TrialSpec], Meta(min_length=1, max_length=1000)], Meta(description="The conditions.")
-    ] = field(default_factory=lambda: [TrialSpec()])
-    repetitions: Annotated[Annotated[int, Meta(ge=1, le=1000)], Meta(description="How often the trials are done.")] = 1
-    order: Annotated[
-        Order,
-        Meta(
-            description="'listed', 'shuffled' (separately in each repetition, by the session's seed) or 'latin' "
-            "(repetition r takes row r of a Williams square: every condition follows every other equally often)."
-        ),
-    ] = "listed"
-    practice: Annotated[
-        bool, Meta(description="True: recorded, shown and learned from by a policy, but in neither score nor goal.")
-    ] = False
 
 
 _OWN_MEASURES = (

@@ -10,7 +10,8 @@ import msgspec
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.tasks.check import check_blocks
 from mimics_app.tasks.kinds.registry import task_kinds
-from mimics_app.tasks.task import BlockSpec, TaskSpec
+from mimics_app.tasks.task import TaskSpec
+from mimics_app.tasks.trial_specs import BlockSpec
 from mimics_app.world.files.reading.paths import PathFault, find_file
 from mimics_app.world.files.reading.struct_file import read_struct_file
 

@@ -10,7 +10,8 @@ from dataclasses import dataclass, field
 import msgspec
 
 from mimics_app.contracts.errors import UsageError
-from mimics_app.tasks.task import BlockSpec, Order, TaskSpec
+from mimics_app.tasks.task import TaskSpec
+from mimics_app.tasks.trial_specs import BlockSpec, Order
 
 __all__ = [
     "Trial",

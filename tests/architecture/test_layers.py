@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import copy
 import os
 import re
 import shutil
 import subprocess
 import sys
+import tomllib
+from functools import cache
 from pathlib import Path
+from typing import Any
 
+import grimp
 import pytest
+from importlinter.contracts.layers import LayersContract
 
 from tests.architecture.sources import BUILDERS, PACKAGE, ROOT
 
@@ -65,6 +71,11 @@ PLANTED = {
         "import mimics_app.world.files.scene.scene\n",
         "Floors of the world",
     ),
+    "a table of the world knows the world, for a type only": (
+        "world/graph/levels.py",
+        "from typing import TYPE_CHECKING\n\nif TYPE_CHECKING:\n    import mimics_app.world.content.world\n",
+        "Floors of the world",
+    ),
     "a probe knows the chart it is drawn in": (
         "lab/haptic/planted_probe.py",
         "import mimics_app.lab.chart\n",
@@ -92,6 +103,57 @@ PLANTED = {
 
 TARGETS = {"learning/planted_target.py": "", "maths/planted_json.py": "import json\n"}
 """What planted modules import and nobody else has."""
+
+
+Place = tuple[str, str]
+"""A module below the package, and the module that it is made to import, both with dots."""
+
+
+def _members(layer: str) -> list[str]:
+    """Names in a layer of a contract, which may be in brackets where a container need not have them."""
+    return [name.strip(" ()") for name in re.split("[|:]", layer)]
+
+
+def _is_closed(layer: str) -> bool:
+    """Whether the members of a layer may not import each other."""
+    return "|" in layer
+
+
+def _faults_of(contract: dict[str, Any], package: Path) -> dict[str, Place]:
+    """An import up, one sideways and one up for a type, each of which breaks this contract of layers."""
+    (container,) = contract["containers"]
+    folder = package.joinpath(*container.split(".")[1:])
+    layers = [[name for name in _members(layer) if _modules_of(folder / name)] for layer in contract["layers"]]
+    lowest, highest = layers[-1][0], layers[0][0]
+    sideways = next((row for row, layer in zip(layers, contract["layers"], strict=True) if _is_closed(layer)), [])
+    faults = {"up": (lowest, highest), "for a type": (layers[-1][-1], highest)}
+    if len(sideways) > 1:
+        faults["sideways"] = sideways[0], sideways[1]
+    return {
+        what: (f"{container}.{_modules_of(folder / low)[-1]}", f"{container}.{_modules_of(folder / high)[0]}")
+        for what, (low, high) in faults.items()
+    }
+
+
+def _modules_of(place: Path) -> list[str]:
+    """Modules at a place that are no package, relative to the folder above it, with dots."""
+    if place.with_suffix(".py").is_file():
+        return [place.name]
+    files = sorted(file for file in place.rglob("*.py") if file.name != "__init__.py")
+    return [".".join(file.relative_to(place.parent).with_suffix("").parts) for file in files]
+
+
+LAYERED = {
+    contract["name"]: contract
+    for contract in tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"][
+        "contracts"
+    ]
+    if contract["type"] == "layers"
+}
+"""Contracts of layers, by name."""
+
+FAULTS = [(name, what) for name, contract in LAYERED.items() for what in _faults_of(contract, PACKAGE)]
+"""Every contract of layers with every kind of fault that it can have."""
 
 
 def _lint(folder: Path) -> subprocess.CompletedProcess[str]:
@@ -138,3 +200,29 @@ def test_planted_violation_is_caught(complaints: dict[str, str], what: str) -> N
     (said,) = [text for name, text in complaints.items() if name.startswith(contract)]
     module = re.escape("mimics_app." + place.removesuffix(".py").removesuffix("/__init__").replace("/", "."))
     assert re.search(rf"^ *-? *{module}(?: ->|$)", said, re.MULTILINE), said
+
+
+@cache
+def _graph(package: str = "mimics_app") -> grimp.ImportGraph:
+    """Every import of the package, those for types too."""
+    return grimp.build_graph(package, include_external_packages=True, exclude_type_checking_imports=False)
+
+
+def _is_kept(contract: dict[str, Any], graph: grimp.ImportGraph) -> bool:
+    options = {key: str(value) if value is True else value for key, value in contract.items()}
+    session = {"root_packages": ["mimics_app"]}
+    return LayersContract(contract["name"], session, options).check(graph, verbose=False).kept
+
+
+@pytest.mark.parametrize(("name", "what"), FAULTS)
+def test_a_fault_planted_into_each_contract_is_caught(name: str, what: str) -> None:
+    """In the graph an import for a type is like any other; `PLANTED` has one as it is written."""
+    low, high = _faults_of(LAYERED[name], PACKAGE)[what]
+    graph = copy.deepcopy(_graph())
+    graph.add_import(importer=low, imported=high)
+    assert not _is_kept(LAYERED[name], graph)
+
+
+def test_every_contract_of_layers_is_given_an_import_up_and_one_for_a_type() -> None:
+    assert {name for name, _ in FAULTS} == set(LAYERED)
+    assert sum(what == "sideways" for _, what in FAULTS) > len(LAYERED) // 2

@@ -11,8 +11,9 @@ import pytest
 
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.tasks.scene_section import check_section
-from mimics_app.tasks.task import BlockSpec, TaskSpec
+from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.trial_file import load_blocks, resolve_trials
+from mimics_app.tasks.trial_specs import BlockSpec
 from mimics_app.tasks.trials import order_conditions, plan_trials, trial_blocks, williams_square
 from mimics_app.world.components.visible import Sound
 from mimics_app.world.files.scene.scene import Scene

@@ -25,7 +25,8 @@ from mimics_app.contracts.messages.stage_messages import TaskAction
 from mimics_app.lab.sweep.quantity import Columns, Quantity, SweepExperiment
 from mimics_app.learning.action_sequence import ActionSequence, TimedAction
 from mimics_app.tasks.actions import build_action_space
-from mimics_app.tasks.task import MEASURES, BlockSpec, TaskSpec
+from mimics_app.tasks.task import MEASURES, TaskSpec
+from mimics_app.tasks.trial_specs import BlockSpec
 from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["EXPERIMENT", "travel"]

@@ -76,7 +76,7 @@ class VRInput:
     Attributes:
         signals: Blocks received since the last frame.
         pointer: The pointing device, or None.
-        pressed: Names of keys and buttons pressed since the last frame (see contracts.window_input), in order.
+        pressed: Names of keys and buttons pressed since the last frame (see contracts.messages.window_input), in order.
         commands: Commands for the task, in the order in which they were given.
     """
 

@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar, Protocol, TypeVar
 
 from msgspec import Meta
 
@@ -21,20 +21,49 @@ from mimics_app.contracts.messages.report_section import ReportSection
 from mimics_app.contracts.messages.stage_messages import TactileEvent
 from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.observation import Observation
+from mimics_app.tasks.trial_specs import BlockSpec
 from mimics_app.world.components.bounds import Factor, Figure
 from mimics_app.world.components.registry import Component
 
 if TYPE_CHECKING:
-    from mimics_app.tasks.task import TaskSpec
     from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["Fault", "KindPlay", "Measure", "ScorePartSpec", "StepResult", "TaskKind", "Values"]
+__all__ = ["Fault", "KindPlay", "Measure", "ScorePartSpec", "StepResult", "TaskBlock", "TaskKind", "Values"]
 
 Fault = tuple[str, str, str]
 """(JSON pointer, what is wrong, what to do)"""
 
+S = TypeVar("S", bound=Component)
+
 Values = Mapping[str, float | None]
 """Measures of one travel by the name of their column; None where one cannot be judged."""
+
+
+class TaskBlock(Protocol):
+    """What a kind asks of the task block of a scene; `tasks.task.TaskSpec` answers."""
+
+    @property
+    def goals(self) -> Sequence[Component]:
+        """Goals of a trial."""
+        ...
+
+    @property
+    def passive(self) -> bool:
+        """True where the robot leads a person who need not act."""
+        ...
+
+    @property
+    def trials(self) -> Sequence[BlockSpec] | str:
+        """Blocks of trials, or the name of the file that holds them."""
+        ...
+
+    def section(self, kind: str) -> Component | None:
+        """Return the section of a kind of task, None where the task has none."""
+        ...
+
+    def find(self, section: type[S]) -> S | None:
+        """Return the section of a type, None where the task has none."""
+        ...
 
 
 class ScorePartSpec(Component, frozen=True):
@@ -239,7 +268,7 @@ class TaskKind(ABC):
         """
         return section
 
-    def takes(self, spec: TaskSpec, offers: frozenset[str]) -> bool:
+    def takes(self, spec: TaskBlock, offers: frozenset[str]) -> bool:
         """Whether a task is (also) of this kind: by default where it has this kind's section or one of its goals.
 
         Args:
@@ -248,7 +277,7 @@ class TaskKind(ABC):
         """
         return spec.section(self.name) is not None or any(isinstance(goal, self.goals) for goal in spec.goals)
 
-    def check(self, spec: TaskSpec, pointer: str) -> Iterator[Fault]:
+    def check(self, spec: TaskBlock, pointer: str) -> Iterator[Fault]:
         """Yield the faults of a task of this kind beyond its types; `pointer` is the task's. Called for every task.
 
         By default: a goal of this kind in a task without its section.
@@ -262,12 +291,12 @@ class TaskKind(ABC):
                         f'write "{self.name}": {{...}}',
                     )
 
-    def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
+    def check_scene(self, spec: TaskBlock, scene: Scene) -> list[Issue]:
         """Return the faults of a task in its scene. Called for every task."""
         return []
 
     @abstractmethod
-    def open(self, spec: TaskSpec, context: TaskContext, seed: int) -> KindPlay:
+    def open(self, spec: TaskBlock, context: TaskContext, seed: int) -> KindPlay:
         """Begin a session.
 
         Args:

@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mimics_app.contracts.arrays import F4, F8, I4, U2
-from mimics_app.rendering.visual.drawing.triangle_lists import SeenItems, TriangleLists
+from mimics_app.rendering.visual.drawing.triangle_lists import (
+    ListedItems,
+    MeshPlace,
+    Projection,
+    SeenItems,
+    SkinnedVertices,
+    TriangleLists,
+)
 from mimics_app.rendering.visual.kernels.occlusion import MARGIN_PX, CoarseDepth
 from mimics_app.rendering.visual.software.kernels.triangles import (
     BENT,
@@ -24,10 +31,6 @@ from mimics_app.rendering.visual.software.kernels.triangles import (
 )
 
 if TYPE_CHECKING:
-    from mimics_app.rendering.visual.drawing.draw_items import DrawItems
-    from mimics_app.rendering.visual.drawing.mesh_arena import MeshRange
-    from mimics_app.rendering.visual.drawing.occlusion import Raster
-    from mimics_app.rendering.visual.drawing.skinning import SkinnedMeshes
     from mimics_app.world.content.meshes.mesh import MeshData
     from mimics_app.world.content.motion.skinned_body import SkinnedBody
 
@@ -43,7 +46,7 @@ _CELLS = 4
 class SeenTriangles(TriangleLists):
     """Vertices and triangles of the meshes with 16-bit indices, and the lists of a frame."""
 
-    def __init__(self, meshes: Mapping[str, MeshData], ranges: Mapping[str, MeshRange]) -> None:
+    def __init__(self, meshes: Mapping[str, MeshData], ranges: Mapping[str, MeshPlace]) -> None:
         narrow = [name for name in meshes if not ranges[name].wide]
         places = np.concatenate([np.zeros((0, 3), np.float32), *(each.positions for each in meshes.values())])
         places = np.ascontiguousarray(places.T)
@@ -60,7 +63,7 @@ class SeenTriangles(TriangleLists):
         counts = [len(each) for each in boxes]
         groups = np.cumsum([0, *counts]).tolist()
         self._lines = {name: (ranges[name].vertices, group) for name, group in zip(narrow, groups, strict=False)}
-        self._items: DrawItems | None = None
+        self._items: ListedItems | None = None
         self._bodies: dict[int, _OfBody] = {}
         lower, upper = np.concatenate([np.zeros((0, 2, 3)), *boxes]).transpose(1, 0, 2)
         self._meshes = Meshes(places, triangles, planes, 0.5 * (lower + upper), 0.5 * (upper - lower))
@@ -79,7 +82,7 @@ class SeenTriangles(TriangleLists):
         return vertices, BENT if bent and vertices else group
 
     def pick(
-        self, seen: SeenItems, raster: Raster, samples: int, nearness: F8, bent: SkinnedMeshes | None, parts: I4
+        self, seen: SeenItems, raster: Projection, samples: int, nearness: F8, bent: SkinnedVertices | None, parts: I4
     ) -> bool:
         items, picked, cells = seen.items, seen.picked, _CELLS if samples > 1 else 1
         screen: F8 = raster.screen * np.array([[cells], [cells], [1.0]])
@@ -110,7 +113,7 @@ class SeenTriangles(TriangleLists):
         return True
 
 
-def _list_bodies(items: DrawItems) -> dict[int, _OfBody]:
+def _list_bodies(items: ListedItems) -> dict[int, _OfBody]:
     """Return where the triangles of each item of a deformable body are."""
     found = {}
     for item, mesh in enumerate(items.meshes.tolist()):

@@ -22,14 +22,13 @@ from mimics_app.tasks.kinds.avatar_cord.questionnaire_file import check_question
 from mimics_app.tasks.kinds.avatar_cord.questions import Asking
 from mimics_app.tasks.kinds.avatar_cord.spec import AvatarCordSpec, ExperimentGoal, QuestionnaireSpec
 from mimics_app.tasks.kinds.avatar_cord.tap_schedule import Tap, plan_taps
-from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, TaskKind
+from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, TaskBlock, TaskKind
 from mimics_app.tasks.observation import Observation
 from mimics_app.world.components.cord import CordComponent
 from mimics_app.world.components.registry import Component
 from mimics_app.world.files.reading.json_text import escape
 
 if TYPE_CHECKING:
-    from mimics_app.tasks.task import TaskSpec
     from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["KIND", "AvatarCordKind"]
@@ -272,7 +271,7 @@ class AvatarCordKind(TaskKind):
         _column("control", "Mean answer to control statements."),
     )
 
-    def check(self, spec: TaskSpec, pointer: str) -> Iterator[Fault]:
+    def check(self, spec: TaskBlock, pointer: str) -> Iterator[Fault]:
         yield from super().check(spec, pointer)
         section = spec.find(AvatarCordSpec)
         if section is None:
@@ -288,7 +287,7 @@ class AvatarCordKind(TaskKind):
                 where = f"{pointer}/{self.name}/conditions/{escape(label)}"
                 yield where, "taps a cord that is hidden", 'give it "places", such as ["back"]'
 
-    def _check_labels(self, spec: TaskSpec, section: AvatarCordSpec, pointer: str) -> Iterator[Fault]:
+    def _check_labels(self, spec: TaskBlock, section: AvatarCordSpec, pointer: str) -> Iterator[Fault]:
         blocks = spec.trials if not isinstance(spec.trials, str) else []
         for b, block in enumerate(blocks):
             for t, trial in enumerate(block.trials):
@@ -296,7 +295,7 @@ class AvatarCordKind(TaskKind):
                     what = f'there is no condition "{trial.label}"'
                     yield f"{pointer}/trials/{b}/trials/{t}/label", what, f"known: {', '.join(section.conditions)}"
 
-    def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
+    def check_scene(self, spec: TaskBlock, scene: Scene) -> list[Issue]:
         """Check the questionnaire file, and that a scene with a condition that shows the cord has one."""
         section = spec.find(AvatarCordSpec)
         if section is None:
@@ -324,7 +323,7 @@ class AvatarCordKind(TaskKind):
             return section
         return structs.replace(section, questionnaire=read_questionnaire(section.questionnaire, folder, root))
 
-    def open(self, spec: TaskSpec, context: TaskContext, seed: int) -> KindPlay:
+    def open(self, spec: TaskBlock, context: TaskContext, seed: int) -> KindPlay:
         section = spec.find(AvatarCordSpec)
         assert section is not None
         blocks = spec.trials if not isinstance(spec.trials, str) else []

@@ -15,13 +15,12 @@ from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.kinds.carry.carried import Carried, CarriedFrame, Stage
 from mimics_app.tasks.kinds.carry.report import CarrySection
 from mimics_app.tasks.kinds.carry.spec import CarrySpec, GripSpec
-from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, TaskKind, Values
+from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, TaskBlock, TaskKind, Values
 from mimics_app.tasks.observation import Observation
 from mimics_app.world.components.bounds import Seconds
 from mimics_app.world.components.registry import Component
 
 if TYPE_CHECKING:
-    from mimics_app.tasks.task import TaskSpec
     from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["KIND", "PROMPTS", "CarryCondition", "CarryTask", "PlacedGoal"]
@@ -163,7 +162,7 @@ class CarryTask(TaskKind):
     cards: ClassVar[tuple[str, ...]] = ("grasp", "placed", "drops")
     report = CarrySection()
 
-    def check(self, spec: TaskSpec, pointer: str) -> Iterator[Fault]:
+    def check(self, spec: TaskBlock, pointer: str) -> Iterator[Fault]:
         yield from super().check(spec, pointer)
         carry = spec.find(CarrySpec)
         if carry is None:
@@ -176,7 +175,7 @@ class CarryTask(TaskKind):
             what = f"{carry.grip.least:g} is not below most, {carry.grip.most:g}"
             yield f"{pointer}/carry/grip/least", what, "lower it"
 
-    def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
+    def check_scene(self, spec: TaskBlock, scene: Scene) -> list[Issue]:
         """Check that the entities named in the section exist."""
         carry = spec.find(CarrySpec)
         if carry is None:
@@ -184,7 +183,7 @@ class CarryTask(TaskKind):
         named = {"/task/carry/body": carry.body, "/task/carry/to": carry.to}
         return scene.check_names(named, "no entity", scene.by_id)
 
-    def open(self, spec: TaskSpec, context: TaskContext, seed: int) -> KindPlay:
+    def open(self, spec: TaskBlock, context: TaskContext, seed: int) -> KindPlay:
         carry = spec.find(CarrySpec)
         assert carry is not None
         carried = Carried(carry, context.places[carry.to], seed)

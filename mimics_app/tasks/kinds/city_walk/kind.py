@@ -12,13 +12,12 @@ from mimics_app.contracts.messages.board import Bar, Card
 from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.deflection import DEAD_ZONE, deflection
-from mimics_app.tasks.kinds.kind import KindPlay, Measure, TaskKind, Values
+from mimics_app.tasks.kinds.kind import KindPlay, Measure, TaskBlock, TaskKind, Values
 from mimics_app.tasks.observation import Observation
 from mimics_app.world.components.registry import Component
 from mimics_app.world.components.walking import PathWalker
 
 if TYPE_CHECKING:
-    from mimics_app.tasks.task import TaskSpec
     from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["KIND", "CityWalkPlay", "CityWalkSpec"]
@@ -128,11 +127,11 @@ class CityWalkKind(TaskKind):
     touches = False
     report = CityWalkSection()
 
-    def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
+    def check_scene(self, spec: TaskBlock, scene: Scene) -> list[Issue]:
         walk = spec.find(CityWalkSpec)
         return [] if walk is None else scene.check_entity_with(PathWalker, "/task/city_walk/person", walk.person)
 
-    def open(self, spec: TaskSpec, context: TaskContext, seed: int) -> CityWalkPlay:
+    def open(self, spec: TaskBlock, context: TaskContext, seed: int) -> CityWalkPlay:
         section = spec.find(CityWalkSpec)
         assert section is not None
         metres = [goal.metres for goal in spec.goals if isinstance(goal, Walked)]

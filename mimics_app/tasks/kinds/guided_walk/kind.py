@@ -15,12 +15,11 @@ from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.deflection import deflection
 from mimics_app.tasks.kinds.guided_walk.walk_people import STEP_S, Alley, Deed, Guide, Walker
-from mimics_app.tasks.kinds.kind import KindPlay, Measure, StepResult, TaskKind, Values
+from mimics_app.tasks.kinds.kind import KindPlay, Measure, StepResult, TaskBlock, TaskKind, Values
 from mimics_app.tasks.observation import Observation
 from mimics_app.world.components.registry import Component
 
 if TYPE_CHECKING:
-    from mimics_app.tasks.task import TaskSpec
     from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["KIND", "NEAREST", "PLACES", "GuidedWalkPlay", "GuidedWalkSpec"]
@@ -198,14 +197,14 @@ class GuidedWalkKind(TaskKind):
     touches = False
     report = GuidedWalkSection()
 
-    def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
+    def check_scene(self, spec: TaskBlock, scene: Scene) -> list[Issue]:
         walk = spec.find(GuidedWalkSpec)
         if walk is None:
             return []
         named = {f"/task/guided_walk/{field}": getattr(walk, field) for field in ("avatar", "person", "place")}
         return scene.check_names(named, "no entity", scene.by_id)
 
-    def open(self, spec: TaskSpec, context: TaskContext, seed: int) -> GuidedWalkPlay:
+    def open(self, spec: TaskBlock, context: TaskContext, seed: int) -> GuidedWalkPlay:
         section = spec.find(GuidedWalkSpec)
         assert section is not None
         return GuidedWalkPlay(section, seed)

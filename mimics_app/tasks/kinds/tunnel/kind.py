@@ -9,7 +9,7 @@ from msgspec import Meta, structs
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.ports.scenario_port import TaskContext
-from mimics_app.tasks.kinds.kind import KindPlay, TaskKind
+from mimics_app.tasks.kinds.kind import KindPlay, TaskBlock, TaskKind
 from mimics_app.tasks.kinds.tunnel.report import TunnelSection
 from mimics_app.tasks.observation import Observation
 from mimics_app.world.components.bounds import Seconds, Share
@@ -17,7 +17,6 @@ from mimics_app.world.components.registry import Component
 from mimics_app.world.components.robot import Robot, Tunnel
 
 if TYPE_CHECKING:
-    from mimics_app.tasks.task import TaskSpec
     from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["KIND", "ProgressGoal", "TunnelTask", "has_tunnel", "own_tunnel"]
@@ -78,10 +77,10 @@ class TunnelTask(TaskKind):
     implied = True
     report = TunnelSection()
 
-    def takes(self, spec: TaskSpec, offers: frozenset[str]) -> bool:
+    def takes(self, spec: TaskBlock, offers: frozenset[str]) -> bool:
         return "tunnel" in offers or super().takes(spec, offers)
 
-    def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
+    def check_scene(self, spec: TaskBlock, scene: Scene) -> list[Issue]:
         """Check that progress goals name one existing tunnel."""
         named = {f"/task/goals/{i}/tunnel": goal.tunnel for i, goal in self._own_goals(spec)}
         known = [entity for entity, _, _ in scene.components(Tunnel)]
@@ -100,7 +99,7 @@ class TunnelTask(TaskKind):
         places = (f"/task/goals/{i}" if written else "/task" for i, _ in self._own_goals(spec))
         return [scene.issue(place, what, "goals: duration, point") for place in places]
 
-    def _check_leading(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
+    def _check_leading(self, spec: TaskBlock, scene: Scene) -> list[Issue]:
         """Check that a tunnel that leads the hand all the time is of a passive task."""
         what = "leads every hand to the end, also one that does nothing"
         fix = 'make it a parameter of the task, which waits for the hand, or write "passive": true in the task'
@@ -110,10 +109,10 @@ class TunnelTask(TaskKind):
             if tunnel.advance > 0.0 and not spec.passive
         ]
 
-    def _own_goals(self, spec: TaskSpec) -> Iterator[tuple[int, ProgressGoal]]:
+    def _own_goals(self, spec: TaskBlock) -> Iterator[tuple[int, ProgressGoal]]:
         return ((i, goal) for i, goal in enumerate(spec.goals) if isinstance(goal, ProgressGoal))
 
-    def open(self, spec: TaskSpec, context: TaskContext, seed: int) -> KindPlay:
+    def open(self, spec: TaskBlock, context: TaskContext, seed: int) -> KindPlay:
         return _TunnelPlay(context.path_m)
 
 
