@@ -43,6 +43,9 @@ _COLUMNS: tuple[tuple[str, str, Callable[[float], str]], ...] = (
 )
 """Measures of a trial that the table shows where a trial has them: column of trials.csv, caption, text."""
 
+_NOT_OF_WALKS = "path_m"
+"""Column that says nothing about a walk, which the hand only steers."""
+
 _OF_FINISHED = frozenset({"score"})
 """Columns that say something about trials that reached their goal only."""
 
@@ -98,7 +101,9 @@ def trial_lines(rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[tupl
     """Return captions, and the texts of each row of trials.csv; without measures that no row has."""
     if not rows:
         return [], []
-    shown = [column for column in _COLUMNS if any(_has(row, column[0]) for row in rows)]
+    walks = any(_has(row, "walked_m") for row in rows)
+    columns = [column for column in _COLUMNS if not (walks and column[0] == _NOT_OF_WALKS)]
+    shown = [column for column in columns if any(_has(row, column[0]) for row in rows)]
     head = ["Trial", "Result", *(caption for _, caption, _ in shown)]
     return head, [(name, _outcome(row), *_cells(row, shown)) for name, row in zip(trial_names(rows), rows, strict=True)]
 
