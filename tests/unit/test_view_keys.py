@@ -90,6 +90,16 @@ def test_h_shows_what_to_do_then_the_operators_keys_then_nothing(tmp_path):
     assert not {key for key, _ in shown[0].keys} & {"F1", "F2", "F3", "F4", "F5", "F6", "F12"}, "not for the person"
 
 
+def test_escape_closes_a_page_so_that_what_it_asks_is_seen(tmp_path):
+    session = make_session(tmp_path, picture := Picture(), press("h"))
+    keys = ViewKeys(session)
+    keys.step(seen(TrialState.TRAVEL, 1))
+    assert picture.page is not None
+    session.inputs.frame.events = (press("escape"),)
+    keys.step(seen(TrialState.TRAVEL, 1))
+    assert picture.page is None
+
+
 @pytest.mark.parametrize(
     ("device", "waits"), [("pointer", "Enter, click"), ("simulated_hapticmaster", "Begins by itself")]
 )

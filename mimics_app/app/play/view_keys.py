@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ViewKeys", "rate_note"]
 
-_KEEP, _KEYS = "f12", "h"
+_KEEP, _KEYS, _LEAVE = "f12", "h", "escape"
 _FIRST = (TrialState.APPROACH, TrialState.READY)
 """States of the first trial in which the page of the task is shown."""
 
@@ -68,6 +68,8 @@ class ViewKeys:
         pressed = {event.name for event in events if event.kind == "key" and event.pressed and not event.repeat}
         if _KEEP in pressed:
             self._keep()
+        if _LEAVE in pressed:
+            picture.page = None  # what Escape asks would be hidden by it
         self._show_pages(picture, frames.orders, asked=_KEYS in pressed)
         self._seen.append(self._session.clock.now_ns())
         if picture.renderer.shows("graph"):
