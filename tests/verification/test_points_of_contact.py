@@ -15,6 +15,8 @@ from mimics_app.contracts.loop.haptic import SAMPLE, Controller, SafetyState, Tr
 from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, Extent
 from mimics_app.contracts.loop.loop_ports import (
+    COMMAND_ENABLED,
+    COMMAND_FORCE,
     COMMAND_LENGTH,
     COMMAND_VIBRATION,
     DATA_DQ,
@@ -175,6 +177,27 @@ def test_a_stop_takes_the_force_off_every_foot():
     after = bench.advance(2)[-1]
     assert after["state"] == SafetyState.E_STOP
     assert not _felt(after).any() and not after["torque_command"].any()
+
+
+@pytest.mark.parametrize("follows", ["torque", "vibration"])
+@pytest.mark.parametrize(("descriptor", "point"), [(LEGS, 0), (LEGS, 1), *((CHAIN, point) for point in range(4))])
+def test_a_number_lost_at_one_point_takes_the_force_off_all_in_the_same_tick(descriptor, point: int, follows: str):
+    """What no input can be blamed for: memory of one point is not a number, while the others press on."""
+    rows = _rows(1500)
+    if descriptor is CHAIN:
+        rows = data_rows(1500)
+        rows[:, DATA_Q : DATA_Q + 8] = -0.1 * np.clip((np.arange(1500) - QUIET) / 400.0, 0.0, 1.0)[:, None]
+    floor = -0.05 if descriptor is CHAIN else _heights((*LEFT, *RIGHT)).min() + 0.08
+    bench = _bench(rows, descriptor, height=floor, follows=follows)
+    pressed = bench.advance(1300)[-1]
+    assert pressed["state"] == SafetyState.ACTIVE
+    assert np.abs([*pressed["f_user_world"], *pressed["others_f_user_world"]]).max() > 1.0
+    bench.engine._work.state[point]["swing"]["calm"] = np.nan
+    lost = bench.advance(1)[-1]
+    assert (lost["state"], lost["cause"]) == (SafetyState.SAFE_STOP, TripCause.NOT_FINITE)
+    command = bench.engine.plugin.memory[-COMMAND_LENGTH:]
+    for what in (lost["f_user_world"], lost["others_f_user_world"], lost["torque_command"], command[COMMAND_FORCE:COMMAND_ENABLED]):
+        assert not what.any(), what
 
 
 def test_what_can_only_vibrate_is_reported_how_strongly_at_each_foot():

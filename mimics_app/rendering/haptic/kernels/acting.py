@@ -38,6 +38,7 @@ __all__ = [
     "acting_contact",
     "delay_ticks",
     "device_delay",
+    "drop_force",
     "payable_share",
     "settle_account",
 ]
@@ -161,6 +162,21 @@ def _store_shares(state: StateRecord) -> None:
     copy(acting.contact, acting.contacts[slot])
     copy(acting.active, acting.actives[slot])
     copy(acting.rest, acting.rests[slot])
+
+
+@kernel
+def drop_force(state: StateRecord) -> None:
+    """Take the whole force off the user in this tick, after it was set: from the accounts and the delay line too."""
+    acting = state.acting
+    fill(state.f_user_world, 0.0)
+    fill(state.f_user, 0.0)
+    fill(acting.limited, 0.0)
+    fill(acting.contact, 0.0)
+    fill(acting.active, 0.0)
+    fill(acting.rest, 0.0)
+    acting.felt_share = 0.0
+    acting.credit = 0.0
+    _store_shares(state)
 
 
 @kernel

@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.loop.haptic import SafetyState
-from mimics_app.rendering.haptic.kernels.safety import latch
+from mimics_app.rendering.haptic.kernels.acting import drop_force
+from mimics_app.rendering.haptic.kernels.safety import is_stopped, latch
 from mimics_app.rendering.haptic.kernels.vectors import copy
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import SceneRecord, StateRecord, Table, TotalsRecord
 
-__all__ = ["collect_events", "publish_others", "set_virtual_forces", "share_device_state"]
+__all__ = ["collect_events", "publish_others", "set_virtual_forces", "share_device_state", "stop_together"]
 
 
 @kernel
@@ -56,8 +56,22 @@ def set_virtual_forces(
 
 
 @kernel
+def stop_together(scene: SceneRecord, states: Table[StateRecord]) -> None:
+    """Take the force off every point in the tick in which one of them, whichever, latched a stop."""
+    state = states[0]
+    for c in range(1, scene.contacts):
+        if is_stopped(states[c]):
+            latch(state, states[c].safety, states[c].cause)
+    if not is_stopped(state):
+        return
+    share_device_state(scene, states)
+    for c in range(max(1, scene.contacts)):
+        drop_force(states[c])
+
+
+@kernel
 def collect_events(scene: SceneRecord, states: Table[StateRecord]) -> None:
-    """Take over the events of the other points: a stop, a margin below 0, a cap or a fading force that began."""
+    """Take over the events of the other points: a margin below 0, a cap or a fading force that began."""
     state = states[0]
     state.reported_margin = state.margin
     state.reported_share = state.stiffness_share
@@ -66,8 +80,6 @@ def collect_events(scene: SceneRecord, states: Table[StateRecord]) -> None:
     state.calm = state.swing.calm
     for c in range(1, scene.contacts):
         other = states[c]
-        if other.safety >= SafetyState.SAFE_STOP and state.safety < SafetyState.SAFE_STOP:
-            latch(state, SafetyState.SAFE_STOP, other.cause)
         if other.margin_lost == 1 and state.margin_lost == 0:
             state.margin_lost = 1
             state.reported_margin = other.margin

@@ -17,6 +17,7 @@ from mimics_app.rendering.haptic.control.impedance import draw_along, draw_joint
 from mimics_app.rendering.haptic.control.joint_admittance import admit_joints
 from mimics_app.rendering.haptic.control.joint_pd import joint_pd
 from mimics_app.rendering.haptic.control.world_pd import world_pd_straight, world_pd_through_joints
+from mimics_app.rendering.haptic.kernels.acting import drop_force
 from mimics_app.rendering.haptic.kernels.joints import (
     find_jacobian,
     points_of,
@@ -200,8 +201,7 @@ def _stop_not_finite(scene: SceneRecord, states: Table[StateRecord], dt: float) 
     latch(state, SafetyState.SAFE_STOP, TripCause.NOT_FINITE)
     state.state_changed = 1
     for c in range(scene.contacts):
-        fill(states[c].f_user_world, 0.0)
-        fill(states[c].f_user, 0.0)
+        drop_force(states[c])
         fill(states[c].f_command, 0.0)
         fill(states[c].v_virtual, 0.0)
     fill(state.dq_virtual, 0.0)

@@ -20,6 +20,7 @@ from mimics_app.rendering.haptic.kernels.contacts import (
     publish_others,
     set_virtual_forces,
     share_device_state,
+    stop_together,
 )
 from mimics_app.rendering.haptic.kernels.drive import control, note_arrival
 from mimics_app.rendering.haptic.kernels.extremes import follow_extremes, forget_extremes
@@ -103,6 +104,7 @@ def _act_on_user(scene: SceneRecord, objects: ObjectWork, states: Table[StateRec
     share_device_state(scene, states)
     for c in range(max(1, scene.contacts)):
         act(scene, states[c], objects.totals[c], objects.touched[c], held, dt)
+    stop_together(scene, states)
     state = states[0]
     felt = is_felt(state)
     state.contact_change = follow_touch(state, felt and state.tunnel.wall_force > 0.0, felt, dt)
