@@ -43,6 +43,7 @@ _WITHOUT = {
     "device_lag": -1.0,
     "device_filter": 0.0,
     "drive_speed": 0.3,
+    "device_quantum": 0.0,
 }
 """Parameters that earlier versions lack, with the value of their behaviour: late ticks always latched, forces never,
 the stability limit knew nothing of the device but its delay, and a robot drove to a start at 0.3 m/s."""

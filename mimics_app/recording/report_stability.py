@@ -76,6 +76,7 @@ def stability_tables(run: Run) -> dict[str, Table]:
         ("times the margin was lost", len(lost)),
         ("contacts with reduced stiffness", len(capped)),
         ("oscillations that were calmed", len(shaken)),
+        ("times a force was cut at its limit", int((run.events["kind"] == EventKind.FORCE_LIMIT).sum())),
         ("ticks in which the passivity controller acted", int((samples["passivity"] > 0.0).sum())),
         ("smallest level of the energy tank [J]", float(samples["tank"].min())),
         ("smallest share of active forces it allowed [%]", 100.0 * float(samples["tank_share"].min())),

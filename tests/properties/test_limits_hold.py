@@ -323,7 +323,8 @@ def _check(seed: int, ticks: int, among: bool = False) -> None:
     habits = dict(zip(HABITS, met.tolist()[:-1], strict=True))
     assert all(count >= 2e-4 * ticks for count in habits.values()), habits
     edges = dict(zip(EDGES, at.tolist(), strict=True))
-    assert all(count >= 1e-3 * ticks for count in edges.values()), edges
+    debts = edges.pop("contact in debt")  # of a device that does not follow: the controller leaves few
+    assert debts >= 1e-4 * ticks and all(count >= 1e-3 * ticks for count in edges.values()), (debts, edges)
     assert not among or met[-1] > 0.05 * ticks, met[-1]
 
 

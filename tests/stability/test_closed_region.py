@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from scipy.signal import butter, lfilter, sosfilt
 
 from mimics_app.rendering.haptic.kernels.closed_region import (
     contact_share,
@@ -136,3 +137,28 @@ def test_damping_rendered_with_every_force_is_part_of_the_contacts():
 def test_unknown_mass_leaves_the_linear_condition():
     region = region_of(1e-3, T, force_driven=1, device_damping=2.0)
     assert stiffness_limit(region, 30.0) == pytest.approx(32.0 / 1.5e-3, rel=1e-12)
+
+
+def _ripple(filtering: float, period: float) -> float:
+    """Largest root mean square within 20 to 300 Hz of the velocity of a moving encoder, over all speeds [quanta/T]."""
+    keep, ticks = math.exp(-period / filtering) if filtering > 0.0 else 0.0, np.arange(3000)
+    band = butter(2, [20.0, 300.0], "band", fs=1.0 / period, output="sos")
+    largest = 0.0
+    for speed in np.linspace(0.03, 1.0, 80):
+        steps = np.diff(np.floor(speed * ticks), prepend=0.0)
+        velocity = lfilter([1.0 - keep], [1.0, -keep], steps)
+        largest = max(largest, float(np.sqrt(np.mean(sosfilt(band, velocity)[500:] ** 2))))
+    return largest
+
+
+@pytest.mark.parametrize("filtering", [0.0, 0.5 * T, 1.06 * T, 2.0 * T, 5.0 * T])
+def test_damping_ends_where_the_steps_of_an_encoder_are_felt(filtering: float):
+    """0.5 N at the hand; the loop answers with up to a quarter more. An unknown, or fine, encoder limits nothing."""
+    quantum = 1e-4
+    region = region_of(T, T, force_driven=1, device_mass=50.0, device_filter=filtering, device_quantum=quantum)
+    fine = region_of(T, T, force_driven=1, device_mass=50.0, device_filter=filtering)
+    noise = _ripple(filtering, T) * quantum / T
+    most = 0.5 / noise
+    assert region_margin(region, 100.0, 0.65 * most) > 0.0 > region_margin(region, 100.0, most)
+    assert region_margin(fine, 100.0, most) > 0.0
+    assert contact_share(region, 100.0, 2.0 * most, 0.0) == pytest.approx(0.4, abs=0.08)

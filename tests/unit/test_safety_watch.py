@@ -63,6 +63,16 @@ def test_a_stop_is_reported_with_time_cause_and_advice(capsys):
     )
 
 
+def test_a_force_cut_at_its_limit_is_reported_once(capsys):
+    events = np.zeros(2, EVENT)
+    events["kind"], events["tick"], events["force"] = EventKind.FORCE_LIMIT, (1500, 1900), (94.7, 120.0)
+    watch = SafetyWatch()
+    watch.see(events)
+    watch.see(events)
+    line = "mimics: 1.500 s: a virtual force of 95 N was cut at force_limit, which a hand may feel\n"
+    assert capsys.readouterr().err == line
+
+
 def test_holds_one_after_the_other_are_reported_once_and_counted(capsys):
     watch = SafetyWatch()
     for tick in range(1000, 9000, 400):

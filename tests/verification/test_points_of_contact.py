@@ -196,7 +196,12 @@ def test_a_number_lost_at_one_point_takes_the_force_off_all_in_the_same_tick(des
     lost = bench.advance(1)[-1]
     assert (lost["state"], lost["cause"]) == (SafetyState.SAFE_STOP, TripCause.NOT_FINITE)
     command = bench.engine.plugin.memory[-COMMAND_LENGTH:]
-    for what in (lost["f_user_world"], lost["others_f_user_world"], lost["torque_command"], command[COMMAND_FORCE:COMMAND_ENABLED]):
+    for what in (
+        lost["f_user_world"],
+        lost["others_f_user_world"],
+        lost["torque_command"],
+        command[COMMAND_FORCE:COMMAND_ENABLED],
+    ):
         assert not what.any(), what
 
 

@@ -41,11 +41,13 @@ class SafetyWatch:
         self._report = report
         self._reader = TripReader()
         self._holds = 0
+        self._limited = False
         self.stop: Trip | None = None
         self.hold: Trip | None = None
 
     def see(self, events: NDArray[Any]) -> None:
-        """Take the EVENT records of a frame, oldest first, and report the trips among them on the terminal."""
+        """Take the EVENT records of a frame, oldest first, and report what of them a person should know."""
+        self._see_limit(events)
         for event in events[events["kind"] == EventKind.OSCILLATION] if len(events) else ():
             seconds = int(event["tick"]) / TICKS_PER_SECOND
             self._report(
@@ -58,6 +60,19 @@ class SafetyWatch:
                 self._say(trip, "safety stop")
             else:
                 self._note_hold(trip)
+
+    def _see_limit(self, events: NDArray[Any]) -> None:
+        """Report once that a force was cut at its limit; the report of the run counts all of them."""
+        if self._limited or not len(events):
+            return
+        cut = events[events["kind"] == EventKind.FORCE_LIMIT]
+        if not len(cut):
+            return
+        self._limited = True
+        seconds, wanted = int(cut[0]["tick"]) / TICKS_PER_SECOND, float(cut[0]["force"])
+        self._report(
+            f"{seconds:.3f} s: a virtual force of {wanted:.0f} N was cut at force_limit, which a hand may feel"
+        )
 
     def _note_hold(self, trip: Trip) -> None:
         self._holds += 1

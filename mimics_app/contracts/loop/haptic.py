@@ -135,6 +135,7 @@ class EventKind(IntEnum):
     LEFT_OUT = 10
     QUARANTINE = 11
     OSCILLATION = 12
+    FORCE_LIMIT = 13
 
 
 LIMITS: list[tuple[Any, ...]] = [
@@ -163,6 +164,7 @@ LIMITS: list[tuple[Any, ...]] = [
     ("device_mass", "f8"),  # [kg] of a force driven device at its points of contact; 0: not known
     ("device_lag", "f8"),  # [s] part of device_delay that is the first-order lag of a velocity servo
     ("device_filter", "f8"),  # [s] time constant of the filter of the measured velocity
+    ("device_quantum", "f8"),  # [m] resolution of the measured position; 0: fine
     ("arm_damping", "f8"),  # of the person's arm [N s/m], assumed in the stability limit
     ("passivity", "i8"),  # 1: energy that a contact generates is dissipated; 0: only counted
     ("passivity_damping", "f8"),  # [N s/m] largest damping of that dissipation
@@ -258,7 +260,7 @@ EVENT = np.dtype(
         ("force", "f4"),  # [N]; STATE, TRIP, PARAMETERS, MARGIN: the new state, cause, sequence or margin;
         # CAP: remaining share of the stiffness; OSCILLATION: its root mean square [N]; STALE: age of the device's data
         # [s]; LEFT_OUT: number of pairs of close shapes beyond the capacity, which do not collide; QUARANTINE: row of
-        # the effect of the force field
+        # the effect of the force field; FORCE_LIMIT: the virtual force that it cuts [N]
         ("value", "f4"),  # kind-specific: tunnel parameter s of a contact
     ]
 )

@@ -159,6 +159,7 @@ class DevicePlugin:
         delay: Delay from command to motion [s], for the stability limit: transport and servo lag.
         lag: Part of `delay` that is the first-order lag of a velocity servo [s].
         filtering: Time constant of the filter of the measured velocity [s].
+        quantum: Resolution of the measured position at a point of contact [m]; 0: far below a micrometre, or not known.
         mass: Smallest mass at a point of contact of a device that takes forces [kg], without a hand; 0: not known, then
             the stability limit assumes LIGHTEST_DEVICE.
         follows: Part of the command that moves the device: joint velocities (admittance), force or torque (impedance),
@@ -178,6 +179,7 @@ class DevicePlugin:
     delay: float = 0.0
     lag: float = 0.0
     filtering: float = 0.0
+    quantum: float = 0.0
     mass: float = 0.0
     follows: Literal["velocity", "force", "torque", "vibration", "nothing"] = "velocity"
     real_time: bool = False

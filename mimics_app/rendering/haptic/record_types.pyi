@@ -249,6 +249,7 @@ class SceneRecord:
     device_mass: float
     device_lag: float
     device_filter: float
+    device_quantum: float
     arm_damping: float
     passivity: int
     passivity_damping: float
@@ -720,6 +721,7 @@ class RegionRecord:
     delay: float
     mass: float
     damping: float
+    quantum: float
     driven: int
     most_damping: float
     best_damping: float
@@ -810,6 +812,7 @@ class ActingRecord:
     touching: int
     tank_share: float
     felt_share: float
+    at_limit: int
     passivity: float
     least_share: float
     least_tank: float
@@ -915,12 +918,14 @@ class StateRecord:
     tripped: int
     jumped: int
     cap_began: int
+    limit_began: int
     stale_began: int
     parameters_taken: int
     contact_change: int
     margin_lost: int
     reported_margin: float
     reported_share: float
+    reported_force: float
     dq: Floats
     f_meas: Floats
     buttons: int

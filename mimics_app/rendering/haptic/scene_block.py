@@ -129,6 +129,7 @@ def dynamics_of(plugin: DevicePlugin) -> dict[str, float]:
         "device_delay": plugin.delay,
         "device_lag": min(plugin.lag, plugin.delay),
         "device_filter": plugin.filtering,
+        "device_quantum": plugin.quantum,
         "device_mass": plugin.mass or LIGHTEST_DEVICE if takes_forces else 0.0,
     }
 

@@ -29,7 +29,13 @@ _MOST_VIRTUAL = 0.5
 
 _STEPS = 64
 
-_FIELDS = {"delay": "device_delay", "lag": "device_lag", "filtering": "device_filter", "mass": "device_mass"}
+_FIELDS = {
+    "delay": "device_delay",
+    "lag": "device_lag",
+    "filtering": "device_filter",
+    "quantum": "device_quantum",
+    "mass": "device_mass",
+}
 """Field of SCENE of each number of the dynamics."""
 
 

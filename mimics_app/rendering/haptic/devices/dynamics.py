@@ -11,21 +11,36 @@ from mimics_app.rendering.haptic.kernels import robot as servo_robot
 if TYPE_CHECKING:
     from mimics_app.world.components.robot import Robot
 
-__all__ = ["LIGHT_MASS", "Dynamics", "force_dynamics", "servo_dynamics", "simulated_dynamics"]
+__all__ = [
+    "ENCODER_QUANTUM",
+    "LIGHT_ENCODER",
+    "LIGHT_MASS",
+    "Dynamics",
+    "force_dynamics",
+    "servo_dynamics",
+    "simulated_dynamics",
+]
 
 LIGHT_MASS = 0.2
 """Mass of the simulated light robot at its handle, unless the scene sets one [kg]."""
+
+ENCODER_QUANTUM = 4e-6
+"""Resolution of the simulated HapticMaster's position [m]; the vendor says 4-12 um (not verified)."""
+
+LIGHT_ENCODER = 2e-5
+"""The same of the simulated light robot, unless the scene sets one [m]."""
 
 _SERVO_DEVICES = ("simulated_hapticmaster", "pointer")
 _FORCE_DEVICES = ("simulated_impedance",)
 
 
 class Dynamics(TypedDict):
-    """Fields of a `DevicePlugin`: delay, lag and filtering [s], mass [kg]."""
+    """Fields of a `DevicePlugin`: delay, lag and filtering [s], quantum [m], mass [kg]."""
 
     delay: float
     lag: float
     filtering: float
+    quantum: float
     mass: float
 
 
@@ -33,15 +48,22 @@ def servo_dynamics(robot: Robot, rate: int) -> Dynamics:
     """Return those of the simulated HapticMaster: the delay line and the lag of its velocity servo."""
     servo = 1.0 / (2.0 * math.pi * robot.servo_bandwidth_hz)
     filtering = 1.0 / (2.0 * math.pi * servo_robot.SPEED_FILTER_HZ)
-    return {"delay": robot.delay_ticks / rate + servo, "lag": servo, "filtering": filtering, "mass": 0.0}
+    delay = robot.delay_ticks / rate + servo
+    return {"delay": delay, "lag": servo, "filtering": filtering, "quantum": ENCODER_QUANTUM, "mass": 0.0}
 
 
 def force_dynamics(robot: Robot, rate: int) -> Dynamics:
     """Return those of the simulated light robot, which takes forces."""
-    given = robot.settings.get("mass", LIGHT_MASS)
-    mass = float(given) if isinstance(given, int | float) and given > 0.0 else LIGHT_MASS
+    mass, quantum = _setting(robot, "mass", LIGHT_MASS), _setting(robot, "encoder", LIGHT_ENCODER)
     filtering = 1.0 / (2.0 * math.pi * light_robot.SPEED_FILTER_HZ)
-    return {"delay": robot.delay_ticks / rate, "lag": 0.0, "filtering": filtering, "mass": mass}
+    delay = robot.delay_ticks / rate
+    return {"delay": delay, "lag": 0.0, "filtering": filtering, "quantum": quantum, "mass": mass}
+
+
+def _setting(robot: Robot, name: str, default: float) -> float:
+    """Return a setting of the scene's device if it is a positive number."""
+    given = robot.settings.get(name, default)
+    return float(given) if isinstance(given, int | float) and given > 0.0 else default
 
 
 def simulated_dynamics(robot: Robot, rate: int = 1000) -> Dynamics | None:

@@ -16,7 +16,7 @@ from mimics_app.contracts.loop.loop_ports import (
     DevicePlugin,
 )
 from mimics_app.rendering.haptic.descriptors.hapticmaster import axis_offset
-from mimics_app.rendering.haptic.devices.dynamics import servo_dynamics
+from mimics_app.rendering.haptic.devices.dynamics import ENCODER_QUANTUM, servo_dynamics
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_person import move_person, write_person
 from mimics_app.rendering.haptic.kernels import robot
@@ -34,10 +34,6 @@ from mimics_app.rendering.haptic.kernels.robot import (
 from mimics_app.rendering.haptic.kernels.vectors import all_finite
 
 __all__ = ["build_simulated_hapticmaster", "read_patient", "write_robot", "write_robot_memory"]
-
-
-_ENCODER_QUANTUM = 4e-6
-"""Resolution of the position at the handle [m]; the vendor says 4-12 um (not verified)."""
 
 
 @typed_kernel(READ)
@@ -78,7 +74,7 @@ def write_robot_memory(memory: Vec, request: DeviceRequest) -> None:
     memory[robot.MASSES : robot.MASSES + 3] = wanted.masses
     memory[robot.DRIVE_FORCE] = wanted.force_limit
     memory[robot.VELOCITY_LIMIT : robot.VELOCITY_LIMIT + 3] = limits.velocity
-    memory[robot.ENCODER : robot.ENCODER + 3] = (_ENCODER_QUANTUM, _ENCODER_QUANTUM / d1, _ENCODER_QUANTUM)
+    memory[robot.ENCODER : robot.ENCODER + 3] = (ENCODER_QUANTUM, ENCODER_QUANTUM / d1, ENCODER_QUANTUM)
     memory[robot.SENSOR_NOISE] = wanted.sensor_noise
     memory[robot.SENSOR_QUANTUM] = wanted.sensor_quantum
     memory[robot.SENSOR_GAIN] = 1.0

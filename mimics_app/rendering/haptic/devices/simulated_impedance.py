@@ -15,7 +15,7 @@ from mimics_app.contracts.loop.loop_ports import (
 )
 from mimics_app.rendering.haptic.descriptors.hapticmaster import axis_offset
 from mimics_app.rendering.haptic.devices.device_settings import write_settings
-from mimics_app.rendering.haptic.devices.dynamics import LIGHT_MASS, force_dynamics
+from mimics_app.rendering.haptic.devices.dynamics import LIGHT_ENCODER, LIGHT_MASS, force_dynamics
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_person import move_person, write_person
 from mimics_app.rendering.haptic.kernels import light_robot
@@ -38,7 +38,7 @@ _SETTINGS = {
     "mass": (light_robot.MASS, LIGHT_MASS),  # felt at the handle [kg]
     "friction": (light_robot.DAMPING, 0.5),  # [N s/m]
     "motor_force": (light_robot.MOTOR_FORCE, 30.0),  # [N]
-    "encoder": (light_robot.ENCODER, 2e-5),  # [m]
+    "encoder": (light_robot.ENCODER, LIGHT_ENCODER),  # [m]
 }
 
 

@@ -22,7 +22,7 @@ from mimics_app.rendering.haptic.kernels.closed_region import contact_share
 from mimics_app.rendering.haptic.kernels.contact_limits import common_share, is_pressed
 from mimics_app.rendering.haptic.kernels.limiter import limit_force, limit_held
 from mimics_app.rendering.haptic.kernels.oscillation import begin_swing
-from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, middle_velocity
+from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, middle_velocity, stored_share
 from mimics_app.rendering.haptic.kernels.safety import HOLD, is_felt, is_stopped, latch
 from mimics_app.rendering.haptic.kernels.tunnels import share_in_touch
 from mimics_app.rendering.haptic.kernels.vectors import copy, fill, norm, rotate, rotate_back, scale
@@ -73,6 +73,7 @@ ACTING = np.dtype(
         ("touching", "i8"),  # 1: a shape was touched in the last tick
         ("tank_share", "f8"),  # share of the active forces that the tank pays
         ("felt_share", "f8"),  # share of the wanted force that limiter and detector of oscillation left
+        ("at_limit", "i8"),  # 1 from a force at force_limit until one below half of it
         ("passivity", "f8"),  # magnitude removed by the passivity controller [N]
         ("least_share", "f8"),  # smallest stiffness share felt in a contact; 0: none yet
         ("least_tank", "f8"),  # lowest level of the tank [J]
@@ -89,6 +90,9 @@ FREE_TIME = 0.02
 _STABLE_DAMPER = 0.5
 """Largest damper of the passivity controller [virtual masses per tick]; from 2 on it would oscillate."""
 
+
+_AT_LIMIT = 1.0 - 1e-9
+"""Share of its limit from which a force is at it [-]: three components are rounded."""
 
 _EMPTYING_TIME = 0.1
 """Shortest time in which active forces may empty the tank [s], so that they fade instead of breaking off."""
@@ -287,11 +291,28 @@ def _limit_credit(state: StateRecord, totals: TotalsRecord, dt: float) -> None:
 
 
 @kernel
-def _passivity_factor(scene: SceneRecord, state: StateRecord, dt: float) -> float:
+def _stored_share(state: StateRecord, totals: TotalsRecord, energy: float, v: Vec, dt: float) -> float:
+    """Share 0-1 of the contacts' force whose springs could have stored their energy [J].
+
+    The springs are soft while the force comes up and while it is calmed; several count as one at the largest depth.
+    """
+    acting, f = state.acting, state.f_contact
+    spring, depth = acting.wall_share * state.tunnel.stiffness * state.tunnel.penetration, state.tunnel.penetration
+    if totals.touching > 0:
+        spring += acting.shape_share * totals.stiffness * totals.depth
+        depth = max(depth, totals.depth)
+    size, felt = norm(f), state.ramp * state.swing.calm
+    step = (f[0] * v[0] + f[1] * v[1] + f[2] * v[2]) * dt / size
+    return stored_share(energy, felt * spring, felt * size, depth, step)
+
+
+@kernel
+def _passivity_factor(scene: SceneRecord, state: StateRecord, totals: TotalsRecord, dt: float) -> float:
     """Factor 0-1 of the passivity controller on the contacts' force."""
     acting = state.acting
     acting.passivity = 0.0
-    if scene.passivity == 0 or not is_felt(state):
+    size = norm(state.f_contact)
+    if scene.passivity == 0 or not is_felt(state) or size == 0.0:
         return 1.0
     most, v = scene.passivity_damping, acting.v
     if scene.controller == Controller.ADMITTANCE:
@@ -301,8 +322,8 @@ def _passivity_factor(scene: SceneRecord, state: StateRecord, dt: float) -> floa
             state.work_a[i] = state.f_contact[i] + state.f_active[i]
         middle_velocity(acting.v, state.work_a, state.f_meas_world, scene.virtual_mass, dt, v)
     credit = acting.credit - _energy_in_flight(scene, state, dt)
-    factor = contact_scale(credit, state.f_contact, v, dt, most)
-    acting.passivity = (1.0 - factor) * norm(state.f_contact)
+    factor = min(_stored_share(state, totals, credit, v, dt), contact_scale(credit, state.f_contact, v, dt, most))
+    acting.passivity = max(0.0, min(size, scene.force_limit) - factor * size)
     acting.passivity_ticks += 1 if acting.passivity > 0.0 else 0
     return factor
 
@@ -334,7 +355,7 @@ def _compose(
     _cap_shapes(scene, state, totals, touched)
     _split_forces(state, totals)
     _limit_credit(state, totals, dt)
-    scale(state.f_contact, _passivity_factor(scene, state, dt))
+    scale(state.f_contact, _passivity_factor(scene, state, totals, dt))
     _pay(state)
     scale(state.f_contact, state.swing.calm)
     scale(state.f_active, state.swing.calm)
@@ -356,6 +377,19 @@ def _book(state: StateRecord) -> None:
             acting.contact[i] += new * state.f_contact[i]
             acting.active[i] += new * state.f_active[i]
             acting.rest[i] += new * state.f_rest[i]
+
+
+@kernel
+def _note_limit(scene: SceneRecord, state: StateRecord) -> None:
+    """Note whether the force is at `force_limit`, cut there; again only once it was below half of it."""
+    force = norm(state.f_user_world)
+    cut = state.ramp * norm(state.f_wanted) > scene.force_limit
+    reached = is_felt(state) and cut and force >= _AT_LIMIT * scene.force_limit
+    state.limit_began = 1 if reached and state.acting.at_limit == 0 else 0
+    if reached:
+        state.acting.at_limit = 1
+    elif force < 0.5 * scene.force_limit:
+        state.acting.at_limit = 0
 
 
 @kernel
@@ -393,6 +427,7 @@ def act(
         ):
             latch(state, SafetyState.SAFE_STOP, TripCause.NOT_FINITE)
         acting.felt_share = acting.limited[1] * state.swing.calm
+    _note_limit(scene, state)
     _book(state)
     if is_stopped(state):
         acting.credit = 0.0

@@ -16,6 +16,8 @@ peak, and returns to K = 0 at a finite damping: beyond it no contact is stable, 
 The device is alone or has a limp hand with damping b: that is the worst hand but for the end of the region, where an
 arm takes less than the margin of the cap (lab/stability, S17). The region is kept as half-planes a K + c B <= d: the
 first is the linear condition, the others join points of the curve, which is concave: the polygon lies inside.
+
+The last one is no limit of stability: a damper multiplies the steps of an encoder by B / T, which is felt as noise.
 """
 
 from __future__ import annotations
@@ -47,8 +49,15 @@ __all__ = [
 _PLACES = (0.03, 0.07, 0.15, 0.25, 0.4, 0.55, 0.7, 0.85, 1.0)
 """Corners of the polygon, as shares of the frequency at which the curve ends."""
 
-SIDES = len(_PLACES)
-"""Half-planes of a region: the linear condition and one less than corners."""
+SIDES = len(_PLACES) + 1
+"""Half-planes of a region: the linear condition, one less than corners, and the noise of the encoders."""
+
+_RIPPLE = 0.4
+"""Largest root mean square, within 20 to 300 Hz and over all speeds, of the velocity of a moving encoder, in quanta per
+period and shares of them that the filter closes in one: 0.32 alone, and a quarter for what the loop answers [-]."""
+
+_FELT = 0.5
+"""Root mean square of a force that nobody minds [N]."""
 
 REGION = np.dtype(
     [
@@ -57,6 +66,7 @@ REGION = np.dtype(
         ("delay", "f8"),  # delay [s],
         ("mass", "f8"),  # mass [kg],
         ("damping", "f8"),  # damping b [N s/m],
+        ("quantum", "f8"),  # resolution of its position [m]
         ("driven", "i8"),  # and kind of device: 1 takes velocities
         ("most_damping", "f8"),  # B at which the curve ends [N s/m]
         ("best_damping", "f8"),  # B at its peak [N s/m]
@@ -172,7 +182,7 @@ def _follow_curve(region: RegionRecord, lag: float, filtering: float) -> None:
     end = curve_end(m, b, driven, T, delay, lag, filtering)
     K, B = curve_point(_PLACES[0] * end, m, b, driven, T, delay, lag, filtering)
     peak = 0.0
-    for i in range(1, SIDES):
+    for i in range(1, len(_PLACES)):
         k, damping = curve_point(_PLACES[i] * end, m, b, driven, T, delay, lag, filtering)
         turns_back = damping <= B  # where much own damping makes the linear condition the stricter one
         region.stiffness_factor[i] = _NOTHING if turns_back else damping - B
@@ -183,6 +193,15 @@ def _follow_curve(region: RegionRecord, lag: float, filtering: float) -> None:
             region.best_damping = max(0.0, damping)
         K, B = k, damping
     region.most_damping = max(0.0, B)
+
+
+@kernel
+def _bound_noise(region: RegionRecord, filtering: float) -> None:
+    """Set the last side: the damping at which the steps of the encoder are felt."""
+    noise = _RIPPLE * _pole(filtering, region.period) * region.quantum / region.period  # [m/s]
+    region.stiffness_factor[SIDES - 1] = _NOTHING
+    region.damping_factor[SIDES - 1] = 1.0 if noise > 0.0 else 0.0
+    region.edge[SIDES - 1] = _FELT / noise if noise > 0.0 else 1.0
 
 
 @kernel
@@ -210,12 +229,15 @@ def find_region(scene: SceneRecord, delay: float, period: float, region: RegionR
     rendered = scene.virtual_damping if scene.controller == Controller.IMPEDANCE else 0.0
     own = scene.virtual_damping + scene.device_damping + scene.arm_damping
     same = region.known == 1 and region.mass == mass and region.damping == own - rendered and region.driven == driven
+    same = same and region.quantum == scene.device_quantum
     if not same or _has_changed(region.period, period) or _has_changed(region.delay, delay):
         region.known, region.period, region.delay = 1, period, delay
         region.mass, region.damping, region.driven = mass, own - rendered, driven
+        region.quantum = scene.device_quantum
         region.most_damping = region.best_damping = math.inf
         if mass > 0.0:
             _follow_curve(region, scene.device_lag, scene.device_filter)
+            _bound_noise(region, scene.device_filter)
     region.viscosity = rendered
     if scene.cap == 1:
         region.viscosity = min(rendered, region.most_damping / (1.0 + scene.cap_margin))

@@ -13,7 +13,7 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.rendering.haptic.kernels.acting import drop_force
 from mimics_app.rendering.haptic.kernels.safety import is_stopped, latch
-from mimics_app.rendering.haptic.kernels.vectors import copy
+from mimics_app.rendering.haptic.kernels.vectors import copy, norm
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import SceneRecord, StateRecord, Table, TotalsRecord
@@ -75,6 +75,7 @@ def collect_events(scene: SceneRecord, states: Table[StateRecord]) -> None:
     state = states[0]
     state.reported_margin = state.margin
     state.reported_share = state.stiffness_share
+    state.reported_force = norm(state.f_wanted)
     state.swing_told = state.swing.told
     state.reported_swing = math.sqrt(state.swing.force)
     state.calm = state.swing.calm
@@ -86,6 +87,9 @@ def collect_events(scene: SceneRecord, states: Table[StateRecord]) -> None:
         if other.cap_began == 1 and state.cap_began == 0:
             state.cap_began = 1
             state.reported_share = other.stiffness_share
+        if other.limit_began == 1 and state.limit_began == 0:
+            state.limit_began = 1
+            state.reported_force = norm(other.f_wanted)
         if other.swing.told == 1 and state.swing_told == 0:
             state.swing_told = 1
             state.reported_swing = math.sqrt(other.swing.force)

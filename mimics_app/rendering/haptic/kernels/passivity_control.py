@@ -1,15 +1,17 @@
-"""Passivity controller: dissipates the energy that a rendered contact has generated (after Hannaford & Ryu 2002).
+"""Passivity controller: a rendered contact returns no more energy than it took, from its begin to its end.
 
-A contact may return no more energy than it took, from its begin to its end. Its credit counts the exact work of held
-forces:
+Its credit counts the exact work of held forces:
 
     impedance    a device that takes forces: the device itself, E -= F_{k-1}.(x_k - x_{k-1})
     admittance   a device that takes velocities: the virtual mass, which the force moves before the device follows
 
-When the coming tick would overdraw the credit, a damper -E / (T v^2) along the contact's force, in parallel with the
-contact, dissipates the difference. It takes from the force and never adds: the factor is within 0 and 1, so that the
-contact neither pulls nor pushes harder than the virtual one. A debt could be paid by more force only, so none may
-arise: the tick is predicted with the velocity at its midpoint (`middle_velocity`).
+The force is bounded to that of a spring which stores the credit, F^2 <= 2 k E (`stored_share`; in the manner of Kim &
+Ryu 2010): what is missing is spread over the way out. When the coming tick would still overdraw the credit, a damper
+-E / (T v^2) along the contact's force (Hannaford & Ryu 2002) dissipates the difference (`contact_scale`).
+
+Both take from the force and never add: the factor is within 0 and 1, so that the contact neither pulls nor pushes
+harder than the virtual one. A debt could be paid by more force only, so none may arise: the tick is predicted with the
+velocity at its midpoint (`middle_velocity`).
 
 Hannaford and Ryu put a mobility -E / (T f^2) in series under admittance. It would act only after the lag of the servo,
 and cannot be observed at the measured position: a wall far beyond its limit becomes unstable by the energy that the lag
@@ -18,11 +20,32 @@ feeds into the virtual mass, while it takes energy from the device that follows.
 
 from __future__ import annotations
 
+import math
+
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.rendering.haptic.kernels.vectors import norm
 
-__all__ = ["contact_scale", "middle_velocity"]
+__all__ = ["contact_scale", "middle_velocity", "stored_share"]
+
+
+@kernel
+def stored_share(energy: float, spring: float, force: float, depth: float, step: float) -> float:
+    """Share 0-1 of a contact's force with which it returns its energy with the slope of its spring, without a step.
+
+    A spring of k stores F^2 / (2 k), so that F^2 <= 2 k E bounds the force. What the damper will take at the present
+    speed need not be stored, nor what the force held over half a tick takes on the way in; on the way out it gives it.
+
+    Args:
+        energy: The contact may still give [J].
+        spring: Force of its springs [N].
+        force: Its whole virtual force, with the damper's [N].
+        depth: Of the contact [m].
+        step: Motion out of it in the coming tick [m].
+    """
+    pushed = min(spring, force)
+    needed = depth * (pushed - 0.5 * spring) + 0.5 * pushed * step
+    return math.sqrt(max(0.0, energy) / needed) if energy < needed else 1.0
 
 
 @kernel

@@ -43,12 +43,14 @@ STATE = np.dtype(
         ("tripped", "i8"),
         ("jumped", "i8"),  # 1: the position moved farther than a hand can
         ("cap_began", "i8"),  # 1: the stiffness cap began to act
+        ("limit_began", "i8"),  # 1: the force reached force_limit
         ("stale_began", "i8"),  # 1: the data became older than stale_warn
         ("parameters_taken", "i8"),
         ("contact_change", "i8"),  # CONTACT_... with the tunnel
         ("margin_lost", "i8"),  # 1: a margin fell below 0
         ("reported_margin", "f8"),  # that margin
         ("reported_share", "f8"),  # rendered share of the stiffness where cap_began
+        ("reported_force", "f8"),  # wanted where limit_began [N]
         # motion, last good data
         ("dq", "f8", (MAX_JOINTS,)),
         ("f_meas", "f8", (3,)),  # frame of the sensor [N]
