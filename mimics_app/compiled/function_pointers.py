@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from numba import types
 from numba.core import cgutils
-from numba.experimental.function_type import _get_jit_address, _get_wrapper_address
 from numba.extending import lower_builtin, type_callable
 from numpy.typing import NDArray
 
@@ -37,9 +36,18 @@ def pointers_to(functions: Sequence[Any], kind: Any) -> NDArray[np.int64]:
         if isinstance(its, types.BaseTuple):
             words += pointers_to(function, its).tolist()
         else:
-            signature = its.signature
-            words += (_get_wrapper_address(function, signature), id(function), _get_jit_address(function, signature))
+            words += _addresses(function, its.signature)
     return np.array(words, np.int64)
+
+
+def _addresses(function: Any, signature: Any) -> tuple[int, int, int]:
+    """Return the addresses of a compiled function's wrapper for C, of itself as an object, and of its machine code."""
+    made = function.get_compile_result(signature)
+    wrapper, code = (
+        made.library.get_pointer_to_function(name)
+        for name in (made.fndesc.llvm_cfunc_wrapper_name, made.fndesc.llvm_func_name)
+    )
+    return wrapper, id(function), code
 
 
 def functions_at(pointers: NDArray[np.int64], kind: Any) -> Any:
