@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -23,6 +24,7 @@ from mimics_app.recording.run import Run
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_hapticmaster import build_simulated_hapticmaster
 from tests.support.command import mimics as command
+from tests.support.xvfb import display
 
 TUNNEL = root() / "scenes" / "wavy_tunnel.json"
 PAGE = root() / "docs" / "python.md"
@@ -118,6 +120,27 @@ def test_what_is_given_as_an_object_plays_and_is_asked(tmp_path: Path) -> None:
         pytest.raises(mimics.errors.UsageError, match="cannot follow the goal"),
     ):
         other.step()
+
+
+def test_a_window_is_played_in_steps_and_ended_by_a_command(tmp_path: Path) -> None:
+    script = tmp_path / "play.py"
+    script.write_text(
+        "import mimics_app as mimics\n"
+        f"runs = {str(tmp_path / 'runs')!r}\n"
+        "with mimics.open('wavy_tunnel', window=True, size=(320, 180), sound='off', runs=runs) as s:\n"
+        "    s.step(0.5)\n"
+        "    paused = s.command(mimics.Pause())\n"
+        "    s.step(0.5)\n"
+        "    s.command(mimics.End())\n"
+        "    result = s.run()\n"
+        "print(paused.done, s.done, result['safety']['state'] != 'OFF', result['task']['completed'])\n"
+    )
+    with display("320x180x24") as screen:
+        done = subprocess.run(
+            [sys.executable, script], capture_output=True, text=True, check=False, cwd=root(),
+            env={**os.environ, "DISPLAY": screen, "PYTHONPATH": str(root())},
+        )  # fmt: skip
+    assert done.stdout == "True True True 0\n", done.stderr
 
 
 def test_silence_says_so(tmp_path: Path) -> None:
