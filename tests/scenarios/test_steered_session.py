@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import random
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,9 @@ from mimics_app.contracts.commands.vocabulary import (
     Note,
     Policy,
     Reset,
+    SetAssistance,
     SetParameter,
+    StartTrial,
     Stop,
     View,
     command_values,
@@ -160,6 +163,19 @@ def test_a_proposal_waits_for_its_confirmation() -> None:
         assert gate.passed(proposed) is None and gate.proposal is None
 
 
+def test_a_real_robot_obeys_what_moves_a_person_only_from_who_sees_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    play = Steered(seed=2)
+    with play.core:
+        play.step()
+        real = replace(play.core.haptics.plugin, simulated=False)
+        monkeypatch.setattr(type(play.core.haptics), "plugin", property(lambda _: real))
+        moving = (Reset(), StartTrial(), SetAssistance(0.5))
+        for line in play.give(*moving, source=CommandSource.PYTHON):
+            assert not line["done"] and "on a real device" in line["why"] and not line["of_task"]
+        assert [line["done"] for line in play.give(*moving, source=CommandSource.OPERATOR)] == [False, False, True]
+        assert play.give(Stop(), source=CommandSource.PYTHON)[0]["done"], "a stop from everywhere"
+
+
 def test_what_no_part_of_the_session_can_do_is_refused_with_the_reason() -> None:
     play = Steered(seed=2)
     with play.core:
@@ -169,7 +185,7 @@ def test_what_no_part_of_the_session_can_do_is_refused_with_the_reason() -> None
             SetParameter("radios", 1.0), End(),
         )}  # fmt: skip
         assert answers["policy"] == (False, "this session has no policy")
-        assert answers["view"] == (False, 'this scene has no view "above"; known: camera')
+        assert answers["view"] == (False, 'this scene has no view "above"; known: patient_eye')
         assert answers["mute"] == (False, "this session has no sound")
         assert answers["note"] == (True, "")
         assert answers["set_parameter"] == (False, 'there is no adaptable parameter "radios"; did you mean "radius"')

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -104,6 +105,12 @@ def test_the_same_frames_give_the_same_events_and_rows(kept: Kept) -> None:
     assert {line["kind"] for line in kept.lines} == set(TASK_KINDS)
     assert [row["parameter.radius"] for row in kept.rows] == [1.0, 2.0]
     assert kept.differing(kept.again()) == "None"
+
+
+def test_a_recording_of_before_there_were_commands_is_steered_by_its_keys(kept: Kept) -> None:
+    older = [replace(frame, commands=None) for frame in kept.frames]
+    assert kept.differing(kept.again(older)) == "None"
+    assert "pause" in kept.differing(kept.again([replace(frame, commands=()) for frame in kept.frames]))
 
 
 def _changed(kept: Kept, number: int, **values: Any) -> list[TaskFrame]:
