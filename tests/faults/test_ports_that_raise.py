@@ -34,7 +34,8 @@ PRIVATE = "_"
 
 def calls_of(port: type) -> list[str]:
     """The public members of a port, methods and properties alike."""
-    return [name for name in vars(port) if not name.startswith(PRIVATE)]
+    called = (name for name, member in vars(port).items() if callable(member) or isinstance(member, property))
+    return [name for name in called if not name.startswith(PRIVATE)]
 
 
 def raising(base: type, call: str, error: Exception) -> type:

@@ -12,8 +12,9 @@ import pytest
 from mimics_app.app.bench import display_bench
 from mimics_app.app.bench.display_bench import MotionTimes, one_frame
 from mimics_app.contracts.ports.display_port import MAX_PREDICTION_NS
-from mimics_app.contracts.ports.tracker_port import TrackerSample
+from mimics_app.contracts.ports.tracker_port import TrackerSample, TrackerSink
 from mimics_app.inputs.trackers.hub import MountedTracker, TrackerHub
+from mimics_app.inputs.trackers.polled_tracker import PolledTracker
 from mimics_app.lab.groups.stereo import WORKLOADS
 from mimics_app.rendering.visual.displays.headset import RawHeadset
 from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec, PoseSpec
@@ -84,26 +85,19 @@ def test_a_headset_is_given_the_pose_of_after_queueing_and_the_frame_before_its_
     assert display_ns == located_ns  # predicted for when it is seen, not for when it was asked
 
 
-class Reports:
-    """A tracker of a head that goes 1 m/s, heard once a millisecond of the test's clock."""
+class Reports(PolledTracker):
+    """A tracker of a head that goes 1 m/s, which reports once a millisecond of the test's clock."""
 
-    name = "head"
-    problem = ""
+    _reported = -1
 
-    def start(self, take) -> None:
-        self._take, self._reported = take, -1
-
-    def poll(self, now_ns: int) -> None:
+    def _report(self, now_ns: int, sink: TrackerSink) -> None:
         for t in range(self._reported + 1, now_ns // MS + 1):
-            self._take(TrackerSample("1", t * MS, (1e-3 * t, 1.7, 0.0), (0.0, 0.0, 0.0, 1.0)))
+            sink(TrackerSample("1", t * MS, (1e-3 * t, 1.7, 0.0), (0.0, 0.0, 0.0, 1.0)))
         self._reported = now_ns // MS
-
-    def stop(self) -> None:
-        return
 
 
 def test_a_tracked_head_is_that_of_the_newest_report_at_the_last_moment() -> None:
-    clock, source = Hand(100 * MS), Reports()
+    clock, source = Hand(100 * MS), Reports("head")
     hub = TrackerHub([MountedTracker(source, {"1": "head"})])
     hub.start()
     with create_surface("egl", SIZE) as surface:
@@ -127,7 +121,7 @@ def test_a_tracked_head_is_that_of_the_newest_report_at_the_last_moment() -> Non
 
 
 def test_a_head_is_predicted_50_ms_ahead_and_no_farther() -> None:
-    source = Reports()
+    source = Reports("head")
     hub = TrackerHub([MountedTracker(source, {"1": "head"})])
     hub.start()
     source.poll(100 * MS)

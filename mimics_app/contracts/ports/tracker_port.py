@@ -87,7 +87,7 @@ class TrackerSource(Protocol):
     name: str
     problem: str
     rejected: int
-    simulated: bool
+    simulated: bool = False
 
     def start(self, sink: TrackerSink) -> None:
         """Begin to report.

@@ -17,7 +17,7 @@ class PolledTracker(TrackerSource):
     """
 
     def __init__(self, name: str) -> None:
-        self.name, self.problem, self.rejected, self.simulated = name, "", 0, False
+        self.name, self.problem, self.rejected = name, "", 0
         self._sink: TrackerSink | None = None
 
     @abstractmethod

@@ -32,7 +32,7 @@ class ThreadedTracker(TrackerSource):
     """
 
     def __init__(self, name: str, clock: Clock | None = None) -> None:
-        self.name, self.problem, self.rejected, self.simulated = name, "", 0, False
+        self.name, self.problem, self.rejected = name, "", 0
         self._clock = clock or MonotonicClock()
         self._believed = BelievedSensors()
         self._stopping = threading.Event()
