@@ -21,6 +21,8 @@ from assets.builders.sounds.spectrogram import draw_spectrograms
 from mimics_app.app import cli
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.system.resources import root
+from mimics_app.rendering.audio.sound_file import read_sound
+from mimics_app.rendering.audio.synth import synthesise_tick
 from mimics_app.rendering.audio.wav_file import WavWriter
 
 
@@ -36,6 +38,8 @@ def test_sounds_are_built(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
     rows = json.loads(capsys.readouterr().out)["files"]
     assert len(rows) > 5
     assert all(Path(row["file"]).stat().st_size == row["bytes"] for row in rows)
+    heard = read_sound(tmp_path / "new" / "tick.wav", 48_000).mean(axis=1)
+    assert np.abs(heard - synthesise_tick()).max() <= 1.01 / 32767, "16 bit: half a step of rounding"
 
 
 @pytest.mark.parametrize(

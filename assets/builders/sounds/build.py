@@ -5,15 +5,27 @@ from __future__ import annotations
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from mimics_app.rendering.audio.bank import FAMILIES, RECIPES, TAKES, write_sounds
+import numpy as np
+
+from mimics_app.rendering.audio.bank import FAMILIES, RECIPES, TAKES, SoundBank
 from mimics_app.rendering.audio.settings import SoundSpec
+from mimics_app.rendering.audio.wav_file import WavWriter
 
 __all__ = ["compose"]
+
+_RATE = 48_000
 
 
 def compose(seed: int) -> dict[str, bytes]:
     """Every recipe, every speed step of a contact and every take of a step; recipes bring their own seeds."""
     del seed
-    specs = {name: SoundSpec(recipe=name) for name in (*RECIPES, *FAMILIES, *TAKES)}
+    bank = SoundBank({name: SoundSpec(recipe=name) for name in (*RECIPES, *FAMILIES, *TAKES)}, _RATE)
+    files = {}
     with TemporaryDirectory() as folder:
-        return {file.name: file.read_bytes() for file in write_sounds(Path(folder), specs)}
+        for name, sound in bank.sounds.items():
+            path = Path(folder, f"{name.replace(':', '_')}.wav")
+            writer = WavWriter(path, _RATE)
+            writer.append(np.repeat(sound.samples[:, None], 2, axis=1))
+            writer.close()
+            files[path.name] = path.read_bytes()
+    return files

@@ -17,9 +17,8 @@ from mimics_app.rendering.audio import synth, synth_crowd, synth_scene
 from mimics_app.rendering.audio.modal import Modes
 from mimics_app.rendering.audio.settings import SoundSpec
 from mimics_app.rendering.audio.sound_file import read_sound
-from mimics_app.rendering.audio.wav_file import WavWriter
 
-__all__ = ["FAMILIES", "LIVE_VOICES", "RECIPES", "TAKES", "Sound", "SoundBank", "write_sounds"]
+__all__ = ["FAMILIES", "LIVE_VOICES", "RECIPES", "TAKES", "Sound", "SoundBank"]
 
 CONTACT_TAKES = 3
 """Variants of a contact sound, one per strike point; they alternate, so that no sound is played twice in a row."""
@@ -197,16 +196,3 @@ class SoundBank:
 
     def _put(self, name: str, samples: NDArray[np.float32], spec: SoundSpec) -> None:
         self.sounds[name] = Sound(samples, spec)
-
-
-def write_sounds(folder: Path, specs: Mapping[str, SoundSpec], rate: int = 48_000) -> list[Path]:
-    """Write every sound with all its variants as wave files for listening; return the paths."""
-    bank = SoundBank(specs, rate)
-    paths = []
-    for name, sound in bank.sounds.items():
-        path = folder / f"{name.replace(':', '_')}.wav"
-        writer = WavWriter(path, rate)
-        writer.append(np.repeat(sound.samples[:, None], 2, axis=1))
-        writer.close()
-        paths.append(path)
-    return paths
