@@ -7,7 +7,8 @@ import numpy as np
 from mimics_app.compiled.kernel import kernel
 from mimics_app.world.content.motion.humanoid import find_humanoid
 from mimics_app.world.content.motion.kernels.chain import follow_chain
-from mimics_app.world.content.motion.kernels.upper_body import STATE, solve_upper_body
+from mimics_app.world.content.motion.kernels.posed_model import PosedModel
+from mimics_app.world.content.motion.kernels.upper_body import STATE, TrackedPoints, solve_upper_body
 from mimics_app.world.content.motion.reach import SWIVEL_RATE, Chain
 from mimics_app.world.content.motion.rig import Rig
 from mimics_app.world.content.motion.upper_body import UpperBody
@@ -31,10 +32,9 @@ def _pose_all(
         local_t[:], local_r[:] = t0, r0
         if fresh:
             state[:] = 0.0
-        solve_upper_body(
-            bones, heads[k], hands[k], tracked, seconds, swivel, parents, between, rest_t, rest_r,
-            local_t, local_r, s0, t, r, s, state,
-        )  # fmt: skip
+        points = TrackedPoints(heads[k], hands[k], tracked)
+        model = PosedModel(parents, between, rest_r, local_t, local_r, s0, t, r, s)
+        solve_upper_body(bones, points, seconds, swivel, model, rest_t, state)
         follow_chain(parents, local_t, local_r, s0, own_t, own_r, own_s)
         for side in range(2):
             for joint in range(3):

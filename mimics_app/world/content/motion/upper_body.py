@@ -10,7 +10,8 @@ import numpy as np
 from mimics_app.contracts.arrays import F8, I4
 from mimics_app.maths.quat import slerp
 from mimics_app.world.content.motion.humanoid import HumanoidMap
-from mimics_app.world.content.motion.kernels.upper_body import STATE, solve_upper_body
+from mimics_app.world.content.motion.kernels.posed_model import PosedModel
+from mimics_app.world.content.motion.kernels.upper_body import STATE, TrackedPoints, solve_upper_body
 from mimics_app.world.content.motion.pose import Pose
 from mimics_app.world.content.motion.reach import SWIVEL_RATE, Chain
 from mimics_app.world.content.motion.rig import Rig
@@ -67,7 +68,7 @@ class UpperBody:
         self._between = _slots_between(rig, self._bones)
         self._rest, self._work = Chain(rig), Chain(rig)
         self._state = np.zeros(STATE)
-        self._head, self._hands, self._tracked = np.zeros(7), np.zeros((2, 7)), np.zeros(2, np.int32)
+        self._points = TrackedPoints(np.zeros(7), np.zeros((2, 7)), np.zeros(2, np.int32))
         self.weight = 1.0
 
     def __call__(self, pose: Pose, seconds: float) -> None:
@@ -75,29 +76,16 @@ class UpperBody:
         if tracked is None or self.weight <= 0.0 or not np.isfinite(tracked.head).all():
             return
         before = pose.copy() if self.weight < 1.0 else None
-        self._head[:] = tracked.head
+        points = self._points
+        points.head[:] = tracked.head
         for side, hand in enumerate((tracked.left, tracked.right)):
-            self._tracked[side] = hand is not None and bool(np.isfinite(hand).all())
-            if hand is not None and self._tracked[side]:
-                self._hands[side] = hand
+            points.tracked[side] = hand is not None and bool(np.isfinite(hand).all())
+            if hand is not None and points.tracked[side]:
+                points.hands[side] = hand
         work, rest = self._work, self._rest
-        solve_upper_body(
-            self._bones,
-            self._head,
-            self._hands,
-            self._tracked,
-            abs(seconds),
-            SWIVEL_RATE,
-            self._rig.parents,
-            self._between,
-            rest.places,
-            rest.turns,
-            *pose.arrays[:3],
-            work.places,
-            work.turns,
-            work.scales,
-            self._state,
-        )
+        places = work.places, work.turns, work.scales
+        model = PosedModel(self._rig.parents, self._between, rest.turns, *pose.arrays[:3], *places)
+        solve_upper_body(self._bones, self._points, abs(seconds), SWIVEL_RATE, model, rest.places, self._state)
         if before is not None:
             self._blend(before, pose)
 

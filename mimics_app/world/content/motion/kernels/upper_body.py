@@ -8,6 +8,7 @@ arms in closed form, and the roll of each wrist spread along its forearm.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,7 +26,7 @@ from mimics_app.world.content.motion.kernels.chain import arc, wrap
 from mimics_app.world.content.motion.kernels.posed_model import PosedModel, follow, turn_to
 from mimics_app.world.content.motion.kernels.tracked_arm import ARM, ARM_STATE, reach_tracked
 
-__all__ = ["BONES", "STATE", "solve_upper_body"]
+__all__ = ["BONES", "STATE", "TrackedPoints", "solve_upper_body"]
 
 
 BONES = 14
@@ -163,25 +164,23 @@ def _sink_hips(model: PosedModel, bones: I4, place: F8) -> None:
         model.local_t[hips, i] += place[i] / (model.s[above, i] if above >= 0 else 1.0)
 
 
+class TrackedPoints(NamedTuple):
+    """What trackers say, in the frame of the model.
+
+    Attributes:
+        head: Place of the head joint [m] and rotation xyzw, [7].
+        hands: The same of the left and the right wrist, [2, 7].
+        tracked: 1 where a hand is, int32 [2]; an arm that is not stays as the pose has it.
+    """
+
+    head: F8
+    hands: F8
+    tracked: I4
+
+
 @kernel
 def solve_upper_body(
-    bones: I4,
-    head: F8,
-    hands: F8,
-    tracked: I4,
-    seconds: float,
-    swivel_rate: float,
-    parents: I4,
-    between: I4,
-    rest_t: F8,
-    rest_r: F8,
-    local_t: F8,
-    local_r: F8,
-    local_s: F8,
-    t: F8,
-    r: F8,
-    s: F8,
-    state: F8,
+    bones: I4, points: TrackedPoints, seconds: float, swivel_rate: float, model: PosedModel, rest_t: F8, state: F8
 ) -> None:
     """Pose hips, spine, neck, head and both arms after the trackers.
 
@@ -189,24 +188,14 @@ def solve_upper_body(
 
     Args:
         bones: Slots, see `BONES`; int32 [14].
-        head: Place of the head joint [m] and rotation xyzw in the model's frame, [7].
-        hands: The same of the left and the right wrist, [2, 7].
-        tracked: 1 where a hand is, int32 [2]; an arm that is not stays as the pose has it.
+        points: The trackers; the rotation of the head is normalised.
         seconds: Since the last step [s].
         swivel_rate: Fastest an elbow swings [rad/s].
-        parents: Slot each slot hangs on, [slots].
-        between: 1 for slots between those of bones that are none of them, [slots].
+        model: The model: translations of the hips and rotations are changed, its places are working space.
         rest_t: Places at rest in the model's frame [m], [slots, 3].
-        rest_r: Rotations at rest there, [slots, 4].
-        local_t: The pose: local translations [m], the hips' changed, [slots, 3].
-        local_r: Local rotations, changed, [slots, 4].
-        local_s: Local scales, [slots, 3].
-        t: Working space, [slots, 3].
-        r: Working space, [slots, 4].
-        s: Working space, [slots, 3].
         state: Kept from step to step, [STATE].
     """
-    model = PosedModel(parents, between, rest_r, local_t, local_r, local_s, t, r, s)
+    head, hands, tracked = points.head, points.hands, points.tracked
     yaw = _chest_yaw(head, hands, tracked, head[:3], seconds, state)
     chest_turn, neck_turn, bend = np.empty(QUATERNION), np.empty(QUATERNION), np.empty(QUATERNION)
     place = np.empty(3)
