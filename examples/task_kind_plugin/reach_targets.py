@@ -50,20 +50,17 @@ class ReachPlay(KindPlay):
         return {"reached": self.reached, "detour_m": self.extra}
 
     def see(self, seen, settings):
-        if (
-            self.reached < len(self.places)
-            and math.dist(seen.ball_world, self.places[self.reached]) <= self.spec.within
-        ):
+        if self.reached < len(self.places) and math.dist(seen.hip_world, self.places[self.reached]) <= self.spec.within:
             self.reached, self.before = self.reached + 1, None
         return structs.replace(seen, progress=self.reached / len(self.places))
 
     def travel(self, seen, seconds):
         """Sum up how much longer the path is than the straight lines between the targets."""
         if self.reached < len(self.places):
-            gap = math.dist(seen.ball_world, self.places[self.reached])
+            gap = math.dist(seen.hip_world, self.places[self.reached])
             if self.before is not None:
-                self.extra += math.dist(seen.ball_world, self.before[0]) - (self.before[1] - gap)
-            self.before = seen.ball_world, gap
+                self.extra += math.dist(seen.hip_world, self.before[0]) - (self.before[1] - gap)
+            self.before = seen.hip_world, gap
 
     def holds(self, goal, seen):
         return self.reached == len(self.places)

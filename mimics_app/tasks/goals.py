@@ -40,7 +40,7 @@ class Goals:
 
     def _way(self, i: int, goal: GoalSpec, seen: Observation) -> float:
         if isinstance(goal, PointGoal):
-            return max(0.0, math.dist(seen.ball_world, goal.position_world) - goal.within)
+            return max(0.0, math.dist(seen.hip_world, goal.position_world) - goal.within)
         play = self._plays[i]
         return 0.0 if play is None else play.way(goal, seen)
 
@@ -58,6 +58,6 @@ class Goals:
         if isinstance(goal, DurationGoal):
             return travelled_s >= goal.seconds
         if isinstance(goal, PointGoal):
-            return math.dist(seen.ball_world, goal.position_world) <= goal.within
+            return math.dist(seen.hip_world, goal.position_world) <= goal.within
         play = self._plays[i]
         return play is not None and play.holds(goal, seen)

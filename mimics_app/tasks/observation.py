@@ -50,8 +50,8 @@ class Observation(msgspec.Struct, frozen=True):
         quiet: The virtual force has been small enough to begin with it for a tenth of a second.
         cause: TripCause.
         q: Joints [m, rad, m].
-        ball_world: Its centre [m].
-        speed: Speed of the ball [m/s].
+        hip_world: The HIP [m].
+        speed: Its speed [m/s].
         force: Felt by the user [N].
         progress: Share of the trial's path that is done, 0-1, as the kind of task means it.
         distance: From the path that the task gives [m]; None where it gives none.
@@ -77,7 +77,7 @@ class Observation(msgspec.Struct, frozen=True):
     quiet: bool
     cause: int
     q: tuple[float, ...]
-    ball_world: Vec3
+    hip_world: Vec3
     speed: float
     force: float
     progress: float
@@ -124,7 +124,7 @@ def observe(
         quiet=snapshot.quiet_ticks >= _QUIET_TICKS,
         cause=snapshot.cause,
         q=tuple(snapshot.q.tolist()),
-        ball_world=_vector(snapshot.hip_world),
+        hip_world=_vector(snapshot.hip_world),
         speed=length(snapshot.v_world),
         force=length(snapshot.f_user_world),
         progress=0.0,

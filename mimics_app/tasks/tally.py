@@ -96,7 +96,7 @@ class Tally:
         self._add_distance(seen, seconds)
         self._force_s += 0.5 * seconds * (seen.force + self._last.force)
         self._farthest = max(self._farthest, seen.progress, seen.progress_peak or 0.0)
-        self._path += math.dist(seen.ball_world, self._last.ball_world)
+        self._path += math.dist(seen.hip_world, self._last.hip_world)
         for play in self._plays:
             play.travel(seen, seconds)
         self._times_s.append((seen.now_ns - self.begin_ns - self._paused_ns) / 1e9)

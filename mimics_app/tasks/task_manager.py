@@ -329,7 +329,7 @@ class TaskManager:
         elif isinstance(deed, ActionDeed):
             self._take(TaskAction(deed.values), seen.now_ns)
         elif isinstance(deed, SoundDeed):
-            place = seen.ball_world if deed.at_ball else None
+            place = seen.hip_world if deed.at_ball else None
             return [SoundEvent(deed.sound, seen.now_ns, place, deed.gain)]
         return []
 

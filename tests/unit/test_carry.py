@@ -24,7 +24,7 @@ SPEC = CarrySpec(
 
 def frame(place=(-0.05, 0.03, 0.0), held=False, t=0.0, grasp=0.0, hand=(0.0, 0.3, 0.0)) -> Observation:
     seen = observe(make_snapshot(round(t * 1e9), grasp=grasp), make_events(), round(t * 1e9))
-    return replace(seen, bodies={"apple": place}, held="apple" if held else "", ball_world=hand)
+    return replace(seen, bodies={"apple": place}, held="apple" if held else "", hip_world=hand)
 
 
 def started(seed: int = 1) -> Carried:

@@ -15,6 +15,7 @@ from mimics_app.contracts.system.whole_file import private_text
 from mimics_app.recording.event_log import read_lines
 from mimics_app.recording.run_folder import FILES
 from mimics_app.recording.trial_table import read_trials
+from mimics_app.tasks.kinds.avatar_cord.tap_schedule import tap_of_number
 
 __all__ = ["ANSWER_COLUMNS", "TAP_COLUMNS", "read_study", "summarise_conditions", "write_table"]
 
@@ -23,8 +24,6 @@ Row = dict[str, Any]
 TAP_COLUMNS = ["subject", "trial", "condition", "tap", "place", "felt_at", "seen_scheduled_ns", "seen_submitted_ns"]
 TAP_COLUMNS += ["seen_display_ns", "felt_scheduled_ns", "felt_commanded_ns", "felt_ns", "offset_ms"]
 ANSWER_COLUMNS = ["subject", "trial", "condition", "item", "scale", "value", "seconds", "t_ns"]
-_TAPS_A_TRIAL = 10_000
-"""Offset between the tap numbers of two trials: number = trial x offset + tap."""
 _FORMULA = re.compile("^[ \u00a0]*[=+\\-@\t\r\n\uff1d\uff0b\uff0d\uff20]")
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
@@ -91,7 +90,7 @@ def _taps(subject: int, events: Sequence[Row]) -> list[Row]:
             felt = {"felt_scheduled_ns": event["scheduled_ns"], "offset_ms": event["offset_ms"]}
             rows.setdefault(key, {}).update(condition=event["condition"], felt_at=event["at"], **felt)
         elif kind == "tactile" and "number" in event:
-            key = divmod(event["number"], _TAPS_A_TRIAL)
+            key = tap_of_number(event["number"])
             times = {"felt_commanded_ns": event["commanded_ns"], "felt_ns": event["felt_ns"]}
             rows.setdefault(key, {}).update(times)
     return [{"subject": subject, "trial": trial, "tap": tap, **row} for (trial, tap), row in sorted(rows.items())]

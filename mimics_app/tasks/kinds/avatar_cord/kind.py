@@ -21,7 +21,7 @@ from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.kinds.avatar_cord.questionnaire_file import check_questionnaire, read_questionnaire
 from mimics_app.tasks.kinds.avatar_cord.questions import Asking
 from mimics_app.tasks.kinds.avatar_cord.spec import AvatarCordSpec, ExperimentGoal, QuestionnaireSpec
-from mimics_app.tasks.kinds.avatar_cord.tap_schedule import Tap, plan_taps
+from mimics_app.tasks.kinds.avatar_cord.tap_schedule import Tap, plan_taps, tap_number
 from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, TaskBlock, TaskKind
 from mimics_app.tasks.observation import Observation
 from mimics_app.world.components.cord import CordComponent
@@ -196,7 +196,7 @@ class AvatarCordPlay(KindPlay):
     def _order(self, tap: Tap, now_ns: int) -> None:
         assert self._begin_ns is not None
         due, taps = self._begin_ns + tap.felt_ns, self._spec.taps
-        number = self._number * 10_000 + tap.number
+        number = tap_number(self._number, tap.number)
         self._touches.append(TactileEvent(tap.felt_at, due, taps.strength, taps.lasts_s, number))
         offset_ms = (tap.felt_ns - tap.seen_ns) * 1e-6
         data = {"tap": tap.number, "at": tap.felt_at, "scheduled_ns": due, "ordered_ns": now_ns, "offset_ms": offset_ms}

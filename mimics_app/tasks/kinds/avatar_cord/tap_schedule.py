@@ -8,11 +8,23 @@ from dataclasses import dataclass
 from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.tasks.kinds.avatar_cord.spec import ConditionSpec, TapsSpec
 
-__all__ = ["Tap", "plan_taps"]
+__all__ = ["Tap", "plan_taps", "tap_number", "tap_of_number"]
 
 _CORD_ENDS = (0.15, 0.85)
 """Shares of the cord's length between which it is tapped."""
+_TAPS_A_TRIAL = 10_000
+"""More taps than a trial has: numbers of taps in a session are counted from its multiples."""
 _ELSEWHERE = {"back": "stomach", "stomach": "back"}
+
+
+def tap_number(trial: int, tap: int) -> int:
+    """Return the number of a trial's tap in the session, by which the vibrator's journal names it."""
+    return trial * _TAPS_A_TRIAL + tap
+
+
+def tap_of_number(number: int) -> tuple[int, int]:
+    """Return trial and tap of a number."""
+    return divmod(number, _TAPS_A_TRIAL)
 
 
 @dataclass(frozen=True, slots=True)

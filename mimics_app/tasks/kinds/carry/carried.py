@@ -111,7 +111,7 @@ class Carried:
         place = seen.bodies.get(self._spec.body)
         if place is None:
             return 0.0
-        reach = max(0.0, math.dist(seen.ball_world, place) - _FROM_OUTSIDE)
+        reach = max(0.0, math.dist(seen.hip_world, place) - _FROM_OUTSIDE)
         return reach + max(0.0, _level(place, self._target) - self.within)
 
     def see(self, seen: Observation) -> CarriedFrame | None:
@@ -140,9 +140,9 @@ class Carried:
             dropped=dropped,
             held=held,
             grasp_error=self._grasp_error(seen.grasp) if held else 0.0,
-            progress=self._progress(seen.ball_world, place, held=held, at_mark=at_mark),
+            progress=self._progress(seen.hip_world, place, held=held, at_mark=at_mark),
             distance=self._off_line(place) if held else None,
-            stage=self._stage(seen.ball_world, place, held=held, at_mark=at_mark),
+            stage=self._stage(seen.hip_world, place, held=held, at_mark=at_mark),
         )
 
     def _is_at_mark(self, place: Vec3) -> bool:

@@ -60,14 +60,14 @@ class CityWalkPlay(KindPlay):
         self._along, self._speed, self._seconds = 0.0, 0.0, 0.0
 
     def start_attempt(self, seen: Observation) -> None:
-        self._hand_from = seen.ball_world[1]
+        self._hand_from = seen.hip_world[1]
 
     def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:
         return structs.replace(seen, progress=min(self._along / self._metres, 1.0))
 
     def travel(self, seen: Observation, seconds: float) -> None:
         """Walk for a frame."""
-        raised = deflection(seen.ball_world[1] - self._hand_from, self._spec.deflection)
+        raised = deflection(seen.hip_world[1] - self._hand_from, self._spec.deflection)
         change = self._spec.fastest * max(raised, 0.0) - self._speed
         self._speed += min(max(change, -_PUSH * seconds), _PUSH * seconds)
         self._along += self._speed * seconds

@@ -165,7 +165,7 @@ class GuidedWalkPlay(KindPlay):
 
 def _hand(seen: Observation) -> complex:
     """Return where the hand is: forwards or up, plus i times to the right [m]."""
-    right, up, back = seen.ball_world
+    right, up, back = seen.hip_world
     return complex(up - back, right)
 
 
