@@ -377,17 +377,22 @@ def test_pd_is_homed_on_the_way_and_ready_at_the_target():
     assert bench.advance(10)["state"][-1] == SafetyState.HOMED
 
 
+@pytest.mark.parametrize("speed", [0.25, 0.1, 0.02])
 @pytest.mark.parametrize(("late_latches", "stops"), [(1, True), (0, False)], ids=["a real device", "a simulated one"])
-def test_a_position_that_sticks_on_the_way_to_a_target_ends_the_drive(late_latches: int, stops: bool):
-    """A device whose position never changes never arrives: it would be driven on against its end, a person attached."""
+def test_a_position_that_sticks_on_the_way_to_a_target_ends_the_drive(late_latches: int, stops: bool, speed: float):
+    """A device whose position never changes never arrives: it would be driven on against its end, a person attached.
+
+    Forgotten in 1 s, the way v (1 - exp(-t)) comes to half of v after ln 2 seconds, however slow the drive is.
+    """
     bench = scripted(script(3000), straight=None)
-    bench.publish(controller=Controller.WORLD_PD, target=[0.25, 0.0, 0.0], late_latches=late_latches)
+    target = {"target": [0.25, 0.0, 0.0], "late_latches": late_latches, "drive_speed": speed}
+    bench.publish(controller=Controller.WORLD_PD, **target)
     samples = bench.advance(3000)
     way = float(np.linalg.norm(samples["v_virtual"], axis=1).sum()) * 1e-3
     end = samples[-1]
     state, cause = (SafetyState.SAFE_STOP, TripCause.NOT_FOLLOWING) if stops else (SafetyState.HOMED, TripCause.NONE)
     assert (end["state"], end["cause"]) == (state, cause)
-    assert way < 0.06 if stops else way > 0.2
+    assert way < (np.log(2.0) * speed if speed < 0.2 else 0.06) + 0.001 if stops else way > 2.5 * speed
     assert bool(np.all(end["command"] == 0.0)) is stops
 
 

@@ -14,7 +14,11 @@ if TYPE_CHECKING:
 __all__ = ["lags_too_far", "note_jump", "note_lag"]
 
 _FARTHEST = 0.05
-"""Way by which a driven device may stay behind [m]: 0.17 s at the largest speed of a PD controller."""
+"""Way by which a driven device may stay behind [m]."""
+
+_BEHIND = 0.5
+"""Time at the speed of a drive by which it may stay behind [s]: half of what is not yet forgotten, else a slow drive of
+a position that sticks would never get there."""
 
 _FORGOTTEN = 1.0
 """Time constant with which the way is forgotten [s], so that a servo with a small error never adds up to the limit."""
@@ -42,9 +46,9 @@ def note_lag(scene: SceneRecord, state: StateRecord, dt: float) -> None:
 
 
 @kernel
-def lags_too_far(state: StateRecord) -> bool:
+def lags_too_far(scene: SceneRecord, state: StateRecord) -> bool:
     """Whether the device stayed behind farther than one that follows; NaN counts as farther."""
-    return not norm(state.lag) <= _FARTHEST
+    return not norm(state.lag) <= min(_FARTHEST, _BEHIND * min(scene.drive_speed, scene.max_velocity))
 
 
 @kernel

@@ -137,7 +137,7 @@ def _point_trips(scene: SceneRecord, states: Table[StateRecord], cause: int) -> 
             return True
         if cause == TripCause.JUMP and state.jumped == 1:
             return True
-        if cause == TripCause.NOT_FOLLOWING and lags_too_far(state):
+        if cause == TripCause.NOT_FOLLOWING and lags_too_far(scene, state):
             return True
         if cause == TripCause.ENERGY and _gave_too_much(scene, state):
             return True
