@@ -5,16 +5,22 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from mimics_app.app.bench.software_bench import measure_software
 from mimics_app.app.cli import main
+from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.surfaces.rasteriser import Rasteriser, rasteriser_of, without_software
+from mimics_app.rendering.visual.surfaces.surface import Surface
 from tests.architecture.sources import ROOT, imports, modules
 from tests.golden.drawing import draw_tunnel
+from tests.golden.test_still_picture import PLAIN, SIZE, make_world, view
 
 ROOM = "mimics_app.rendering.visual.software"
 
@@ -27,7 +33,9 @@ def _imported_by(code: str) -> set[str]:
 
 _OPEN = """
 import mimics_app.rendering.visual.renderer as renderer
+from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.surfaces.rasteriser import without_software
 from mimics_app.world.content.world import World
 """
@@ -68,10 +76,39 @@ def test_without_it_every_class_is_its_own_member():
 
 def test_the_picture_is_the_same_without_it(assert_same):
     pictures = []
-    for off in (False, True):
-        with without_software() if off else create_surface("egl", (8, 8)), create_surface("egl", (480, 270)) as surface:
+    for driver in (nullcontext(), without_software()):
+        with driver, create_surface("egl", (480, 270)) as surface:
             pictures.append(draw_tunnel(surface))
     assert_same(*pictures, "the tunnel")
+
+
+def test_a_session_of_frames_is_the_same_without_it():
+    """A ball moves with its shadow, a word of the display changes, one box goes: no pixel of any frame differs."""
+    seen = []
+    for driver in (nullcontext(), without_software()):
+        with driver, create_surface("egl", SIZE) as surface:
+            seen.append(_play(surface))
+    assert len(seen[0]) == len(seen[1]) == _FRAMES
+    for step, (in_software, as_on_a_card) in enumerate(zip(*seen, strict=True)):
+        assert np.array_equal(in_software, as_on_a_card), step
+    assert not np.array_equal(seen[0][4], seen[0][-1])
+
+
+_FRAMES = 9
+
+
+def _play(surface: Surface) -> list[np.ndarray]:
+    world, pictures = make_world(), []
+    renderer = Renderer(surface, world, PLAIN)
+    for step in range(_FRAMES):
+        world.find("ball").set_position((0.05 * step, 0.9, 0.3))
+        world.find("box6").visible = step < 6
+        world.update()
+        renderer.hud.clear()
+        renderer.hud.text(20.0, 60.0, f"frame {step}", 40.0)
+        renderer.draw([view()])
+        pictures.append(read_pixels(surface).copy())
+    return pictures
 
 
 @pytest.mark.software
