@@ -36,6 +36,10 @@ def _box(size: tuple[float, float, float] = (0.1, 0.3, 0.3), **surface: float) -
         ("simulated_impedance", 40000.0, 60.0, "stiffness"),
         ("simulated_hapticmaster", 500.0, 4000.0, "damping"),
         ("simulated_hapticmaster", 500000.0, 100.0, "stiffness"),
+        ("simulated_leg", 500.0, 2000.0, "damping"),
+        ("simulated_legs", 500000.0, 100.0, "stiffness"),
+        ("hapticmaster", 500.0, 50000.0, "damping"),
+        ("hapticmaster:10.0.0.5:7654", 900000.0, 30000.0, "damping"),
     ],
 )
 def test_contact_that_no_cap_can_render_is_refused(
@@ -46,9 +50,9 @@ def test_contact_that_no_cap_can_render_is_refused(
     assert device in issues[0].what and issues[0].fix
 
 
-@pytest.mark.parametrize("device", ["simulated_impedance", "simulated_hapticmaster", "hapticmaster"])
+@pytest.mark.parametrize("device", ["simulated_impedance", "simulated_hapticmaster", "hapticmaster", "serial"])
 def test_contact_that_can_be_held_or_capped_is_right(tmp_path: Path, device: str):
-    """Of a real device the delay is measured, and the live limit alone counts."""
+    """Of a real device what it could not hold without any delay is refused; the rest is for the live limit."""
     assert check_stability(_scene(tmp_path, _box(stiffness=10000.0, damping=60.0), device)) == []
 
 

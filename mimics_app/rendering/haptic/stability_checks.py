@@ -11,7 +11,7 @@ import numpy as np
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.loop.haptic import Controller
 from mimics_app.contracts.loop.haptic_objects import STATIC, EffectKind, ForceLaw, ShapeKind
-from mimics_app.rendering.haptic.devices.dynamics import Dynamics, simulated_dynamics
+from mimics_app.rendering.haptic.devices.dynamics import Dynamics, known_dynamics
 from mimics_app.rendering.haptic.kernels.closed_region import REGION, find_region, stiffness_limit
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.scene_objects import SceneObjects, objects_of_scene
@@ -80,9 +80,9 @@ class _Stable:
 
 
 def check_stability(scene: Scene) -> list[Issue]:
-    """Return the contacts that the scene's simulated device cannot hold, and the thin ones that a hand goes through.
+    """Return the contacts that the scene's device cannot hold, and the thin ones that a hand goes through.
 
-    Of a real device the delay is measured, and the live limit alone counts.
+    Of a real device only what is known before it runs counts: see `known_dynamics`.
     """
     robot = scene.first(Robot) or Robot()
     try:
@@ -90,7 +90,7 @@ def check_stability(scene: Scene) -> list[Issue]:
     except SceneError as error:
         return error.issues
     thin = _check_thin(scene, objects)
-    dynamics = simulated_dynamics(robot)
+    dynamics = known_dynamics(robot)
     if dynamics is None:
         return thin
     stable = _Stable(scene, robot, dynamics)

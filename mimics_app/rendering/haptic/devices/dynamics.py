@@ -5,20 +5,25 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, TypedDict
 
-from mimics_app.rendering.haptic.kernels import light_robot
+from mimics_app.rendering.haptic.kernels import leg_machine, light_robot
 from mimics_app.rendering.haptic.kernels import robot as servo_robot
 
 if TYPE_CHECKING:
     from mimics_app.world.components.robot import Robot
 
 __all__ = [
+    "COM_SHARE",
     "ENCODER_QUANTUM",
+    "GYRATION_SHARE",
+    "LEG_SERVO_HZ",
     "LIGHT_ENCODER",
     "LIGHT_MASS",
+    "SHANK_MASS",
     "Dynamics",
     "force_dynamics",
+    "known_dynamics",
+    "leg_dynamics",
     "servo_dynamics",
-    "simulated_dynamics",
 ]
 
 LIGHT_MASS = 0.2
@@ -30,8 +35,22 @@ ENCODER_QUANTUM = 4e-6
 LIGHT_ENCODER = 2e-5
 """The same of the simulated light robot, unless the scene sets one [m]."""
 
+COM_SHARE, GYRATION_SHARE = 0.433, 0.32
+"""Centre of mass and radius of gyration of a segment of the leg as shares of its length (Winter)."""
+
+_END_SHARE = 1.0 / (1.0 + ((1.0 - COM_SHARE) / GYRATION_SHARE) ** 2)
+"""Share of a free segment's mass that is felt at its end: less than that of a shank on its thigh."""
+
+SHANK_MASS, LEG_SERVO_HZ = 5.0, 15.0
+"""Shank and foot (0.061 of a person of 75 kg) with their part of the orthosis, and bandwidth of the simulated leg's
+servo, unless the scene sets them [kg, Hz]."""
+
 _SERVO_DEVICES = ("simulated_hapticmaster", "pointer")
 _FORCE_DEVICES = ("simulated_impedance",)
+_LEGS = ("simulated_leg", "simulated_legs")
+
+_REAL_SERVO_DEVICES = ("hapticmaster",)
+"""Devices that take velocities and are not simulated."""
 
 
 class Dynamics(TypedDict):
@@ -60,14 +79,32 @@ def force_dynamics(robot: Robot, rate: int) -> Dynamics:
     return {"delay": delay, "lag": 0.0, "filtering": filtering, "quantum": quantum, "mass": mass}
 
 
+def leg_dynamics(robot: Robot, rate: int) -> Dynamics:
+    """Return those of the simulated legs, which take velocities, or torques."""
+    moves = robot.settings.get("mode", "motion") == "motion"
+    lag = 1.0 / (2.0 * math.pi * _setting(robot, "servo_bandwidth_hz", LEG_SERVO_HZ)) if moves else 0.0
+    mass = 0.0 if moves else _setting(robot, "shank_mass", SHANK_MASS) * _END_SHARE
+    filtering = 1.0 / (2.0 * math.pi * leg_machine.SPEED_FILTER_HZ)
+    return {"delay": robot.delay_ticks / rate + lag, "lag": lag, "filtering": filtering, "quantum": 0.0, "mass": mass}
+
+
 def _setting(robot: Robot, name: str, default: float) -> float:
     """Return a setting of the scene's device if it is a positive number."""
     given = robot.settings.get(name, default)
     return float(given) if isinstance(given, int | float) and given > 0.0 else default
 
 
-def simulated_dynamics(robot: Robot, rate: int = 1000) -> Dynamics | None:
-    """Return the dynamics of a scene's robot; None for one that is not simulated, whose delay is measured."""
-    if robot.device in _SERVO_DEVICES:
+def known_dynamics(robot: Robot, rate: int = 1000) -> Dynamics | None:
+    """Return what is known of a scene's robot before it runs; None: nothing, the live limit alone counts.
+
+    Of a real device that takes velocities the virtual mass is known. Its delay is measured: what it cannot hold without
+    any, it never can. Of one that takes forces the mass is known to its plug-in only.
+    """
+    name = robot.device.partition(":")[0]
+    if name in _SERVO_DEVICES:
         return servo_dynamics(robot, rate)
-    return force_dynamics(robot, rate) if robot.device in _FORCE_DEVICES else None
+    if name in _LEGS:
+        return leg_dynamics(robot, rate)
+    if name in _REAL_SERVO_DEVICES:
+        return {"delay": 0.0, "lag": 0.0, "filtering": 0.0, "quantum": 0.0, "mass": 0.0}
+    return force_dynamics(robot, rate) if name in _FORCE_DEVICES else None

@@ -23,6 +23,13 @@ from mimics_app.contracts.loop.loop_ports import (
 )
 from mimics_app.rendering.haptic.descriptors.leg import LENGTHS
 from mimics_app.rendering.haptic.devices.device_settings import write_settings
+from mimics_app.rendering.haptic.devices.dynamics import (
+    COM_SHARE,
+    GYRATION_SHARE,
+    LEG_SERVO_HZ,
+    SHANK_MASS,
+    leg_dynamics,
+)
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_person import move_person, write_person
 from mimics_app.rendering.haptic.kernels import leg_machine as machine
@@ -47,9 +54,9 @@ _LEGS = _FOOT + 6
 
 _SETTINGS = {
     "thigh_mass": (machine.THIGH_MASS, 9.0),  # [kg] thigh of a person of 75 kg (0.100) with its part of the orthosis
-    "shank_mass": (machine.SHANK_MASS, 5.0),  # [kg] shank and foot (0.061) likewise
+    "shank_mass": (machine.SHANK_MASS, SHANK_MASS),  # [kg]
     "drive_damping": (machine.DRIVE_DAMPING, 1.0),  # [N m s/rad]
-    "servo_bandwidth_hz": (machine.SERVO, 15.0),  # [Hz]
+    "servo_bandwidth_hz": (machine.SERVO, LEG_SERVO_HZ),  # [Hz]
     "torque_noise": (machine.SENSOR_NOISE, 0.05),  # [N m]
     "torque_quantum": (machine.SENSOR_QUANTUM, 0.02),  # [N m]
     "torque_range": (machine.SENSOR_RANGE, 150.0),  # [N m]
@@ -62,13 +69,6 @@ _MODES = ("motion", "torque")
 
 _DRIVE_INERTIA = (0.15, 0.08)
 """Inertia of hip and knee drive at the joint [kg m^2]."""
-
-_COM_SHARE = 0.433
-_GYRATION_SHARE = 0.32
-"""Centre of mass and radius of gyration of a segment as shares of its length (Winter)."""
-
-_END_SHARE = 1.0 / (1.0 + ((1.0 - _COM_SHARE) / _GYRATION_SHARE) ** 2)
-"""Share of a free segment's mass that is felt at its end: less than that of a shank on its thigh."""
 
 
 @typed_kernel(READ)
@@ -107,8 +107,8 @@ def write_legs(memory: Vec, command: Vec, tick: int) -> int:
 
 def _segment(leg: Vec, mass: int, com: int, inertia: int, length: float) -> None:
     """Write centre of mass and inertia of a segment of this length [m]."""
-    leg[com] = _COM_SHARE * length
-    leg[inertia] = leg[mass] * (_GYRATION_SHARE * length) ** 2
+    leg[com] = COM_SHARE * length
+    leg[inertia] = leg[mass] * (GYRATION_SHARE * length) ** 2
 
 
 def _write_leg(leg: Vec, request: DeviceRequest, number: int, geometry: Vec, mode: str) -> None:
@@ -153,16 +153,12 @@ def build_simulated_leg(request: DeviceRequest) -> DevicePlugin:
     for number in range(len(request.descriptor.contacts)):
         leg = memory[_LEGS + number * LENGTH : _LEGS + (number + 1) * LENGTH]
         _write_leg(leg, request, number, geometry, mode)
-    lag = 1.0 / memory[_LEGS + machine.SERVO] if mode == "motion" else 0.0
     return DevicePlugin(
         "simulated_leg" if len(request.descriptor.contacts) == 1 else "simulated_legs",
         read_legs,
         write_legs,
         memory,
-        delay=request.robot.delay_ticks / request.rate + lag,
-        lag=lag,
-        filtering=1.0 / (2.0 * math.pi * machine.SPEED_FILTER_HZ),
-        mass=memory[_LEGS + machine.SHANK_MASS] * _END_SHARE,
+        **leg_dynamics(request.robot, request.rate),
         follows="velocity" if mode == "motion" else "torque",
         simulated=True,
     )
