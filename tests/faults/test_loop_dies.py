@@ -104,7 +104,7 @@ def test_a_fault_in_the_plugin_ends_the_run_and_is_reported():
     session = _session(bench)
     begun = session.clock.now_ns()
     bench.engine.start()
-    frames = SimpleNamespace(step=lambda: None, figures={}, timer=UNTIMED)
+    frames = SimpleNamespace(step=lambda: None, figures={}, timer=UNTIMED, desk=SimpleNamespace(ended=False))
     run_live(session, frames, lambda _: None)  # type: ignore[arg-type]
     assert session.clock.now_ns() - begun < PATIENCE_S * 1e9
     assert not bench.engine.running
