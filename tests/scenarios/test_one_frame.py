@@ -142,7 +142,7 @@ def test_a_session_that_has_ended_plays_no_further_frame() -> None:
         frames.advance_frame()
         core.stop()  # once more at the end of the block: nothing happens
         for play in (frames.step, frames.advance_frame, frames.play_to_start, Frames(core).step):
-            with pytest.raises(UsageError, match="this session has ended"):
+            with pytest.raises(UsageError, match="session is closed"):
                 play()
         assert frames.number == 1
 
