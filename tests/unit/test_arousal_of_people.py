@@ -37,16 +37,16 @@ def test_the_interval_covers_what_it_says() -> None:
     assert np.mean(widths) < 0.5
 
 
-def covered(people: range, stretch_s: int = 66) -> tuple[float, float]:
+def covered(people: range) -> tuple[float, float]:
     """Share of the truth in the interval, over people in all and in the kind with the lowest one, from raw signals."""
-    scores = arousal_study(people, stretch_s)
+    scores = arousal_study(people)
     of_kind = [[score.covered for score in scores if score.heart == kind.heart] for kind in SIMULATED]
     return float(np.mean([score.covered for score in scores])), min(float(np.mean(each)) for each in of_kind)
 
 
 def test_the_interval_holds_for_kinds_that_differ_in_heart_skin_and_breath() -> None:
     assert len({kind.response for kind in SIMULATED}) == len({kind.breath for kind in SIMULATED}) == 3
-    assert covered(PEOPLE, 30)[0] >= 0.95
+    assert covered(PEOPLE)[0] >= 0.95
 
 
 @pytest.mark.slow

@@ -19,8 +19,8 @@ __all__ = ["ArousalScore", "arousal_study"]
 
 _BASELINE_S = 60.0
 """Length of the calibration [s]."""
-_GAPS = (0.3, 0.0, -0.3, 0.15, 0.3)
-"""Deviation of the demand from the best one in each stretch."""
+_GAPS, _STRETCH_S = (0.3, 0.0, -0.3, 0.15, 0.3), 66
+"""Deviation of the demand from the best one in each stretch, and its length [s]: the features look back a minute."""
 _Z = 1.96
 """Standard deviations of the half width of a 95 % interval."""
 
@@ -42,31 +42,30 @@ class ArousalScore:
     correlation: float
 
 
-def arousal_study(people: Sequence[int], stretch_s: int = 66) -> list[ArousalScore]:
+def arousal_study(people: Sequence[int]) -> list[ArousalScore]:
     """Return the scores of simulated people.
 
     Args:
         people: Seed of each; the kind follows from it in turn.
-        stretch_s: Length of a stretch [s].
     """
-    return [_score(KINDS[seed % len(KINDS)], np.random.default_rng([seed, 292]), stretch_s) for seed in people]
+    return [_score(KINDS[seed % len(KINDS)], np.random.default_rng([seed, 292])) for seed in people]
 
 
-def _score(kind: Kind, rng: np.random.Generator, stretch_s: int) -> ArousalScore:
-    mean, variance, truth = _play(kind, rng, stretch_s).T
+def _score(kind: Kind, rng: np.random.Generator) -> ArousalScore:
+    mean, variance, truth = _play(kind, rng).T
     covered = np.abs(mean - truth) < _Z * np.sqrt(variance)
     agrees = float(np.corrcoef(mean, truth)[0, 1])
     return ArousalScore(kind.heart, float(covered.mean()), float(np.sqrt(variance).mean()), agrees)
 
 
-def _play(kind: Kind, rng: np.random.Generator, stretch_s: int) -> F8:
+def _play(kind: Kind, rng: np.random.Generator) -> F8:
     """Return mean, variance and true arousal of each second in which arousal is known, shape [s, 3]."""
     who, body = rng.spawn(2)
     people, rows = kind.people(who), []
     session, estimation = SignalSession(people, kind.signals(body)), FusionEstimation(_BASELINE_S)
-    for second in range(REST_S + len(_GAPS) * stretch_s):
+    for second in range(REST_S + len(_GAPS) * _STRETCH_S):
         playing = second >= REST_S
-        gap = _GAPS[(second - REST_S) // stretch_s] if playing else np.nan
+        gap = _GAPS[(second - REST_S) // _STRETCH_S] if playing else np.nan
         for frame in session.live(1, float(people.best[0]) + gap, POWER_W if playing else 0.0):
             arousal = estimation.update(frame).arousal
             if arousal is not None:
