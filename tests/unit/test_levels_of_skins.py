@@ -11,8 +11,7 @@ from mimics_app.world.content.meshes.deform import MorphTarget, VertexWeights
 from mimics_app.world.files.gltf.file import load_gltf
 from mimics_app.world.files.gltf.writer import GltfWriter, MeshPart
 from mimics_app.world.files.simplify.decimation import decimate
-from mimics_app.world.files.simplify.error_poses import bent_joints, bent_places, morphed_places
-from mimics_app.world.files.simplify.level_vertices import Bending, lighter
+from mimics_app.world.files.simplify.level_vertices import Bending, bent_joints, bent_places, lighter, morphed_places
 from mimics_app.world.files.simplify.level_writer import write_levels
 
 ROWS, AROUND, LONG, THICK = 33, 24, 1.0, 0.08

@@ -15,7 +15,7 @@ from mimics_app.app.play.journey import Pages, play_through, run_words
 from mimics_app.app.play.journey_log import JourneyLog, read_journey
 from mimics_app.app.play.launching import launcher_cards, launcher_settings
 from mimics_app.app.play.outcome import result_content
-from mimics_app.app.play.played_run import played_run
+from mimics_app.app.play.result_screen import played_run
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.errors import UsageError
 from mimics_app.recording.history import EarlierRun, earlier_runs, local_time, recent_runs
