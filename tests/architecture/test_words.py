@@ -1,0 +1,105 @@
+"""Words that are no names: docs/glossary.md lists them with the rooms that are free of them, and the field's word."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator, Mapping
+
+import pytest
+
+from tests.architecture.sources import ROOT, modules, nodes
+
+EVERYWHERE = "everywhere"
+
+
+def _table(title: str) -> dict[str, tuple[str, ...]]:
+    """First column of a table of the glossary -> the rooms in its second."""
+    page = (ROOT / "docs" / "glossary.md").read_text(encoding="utf-8")
+    section = page.split(f"## {title}\n")[1].split("\n## ")[0]
+    rows = re.findall(r"^\| ([^|]+?) \| ([^|]+?) \| [^|]+\|$", section, flags=re.MULTILINE)[1:]
+    return {word: tuple(rooms.split(", ")) for word, rooms in rows}
+
+
+def identifiers(tree: ast.Module) -> set[str]:
+    """Names that a module defines or uses."""
+    return {
+        str(getattr(node, key))
+        for node in nodes(tree)
+        for kinds, key in (
+            ((ast.FunctionDef, ast.ClassDef), "name"),
+            (ast.Name, "id"),
+            (ast.arg, "arg"),
+            (ast.Attribute, "attr"),
+        )
+        if isinstance(node, kinds)
+    }
+
+
+def is_in(words: str, name: str) -> bool:
+    """Whether one of some words is a part of an identifier, in either way of writing it."""
+    parts = f"_{re.sub(r'(?<=[a-z0-9])(?=[A-Z])', '_', name).lower()}_"
+    return any(f"_{word}_" in parts for word in words.split(", "))
+
+
+def messages(tree: ast.Module) -> Iterator[str]:
+    """Strings of a module that are no docstrings."""
+    docstrings = {
+        id(line.value)
+        for node in nodes(tree)
+        if isinstance(node, ast.Module | ast.FunctionDef | ast.ClassDef)
+        for line in node.body
+        if isinstance(line, ast.Expr)
+    }
+    for node in nodes(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in docstrings:
+            yield node.value
+
+
+def _of_rooms(rooms: tuple[str, ...], trees: Mapping[str, ast.Module]) -> Iterator[tuple[str, ast.Module]]:
+    for path, tree in trees.items():
+        if rooms == (EVERYWHERE,) or any(path.startswith(f"{room}/") for room in rooms):
+            yield path, tree
+
+
+NAMES = _table("Words that are no names")
+PHRASES = _table("Phrases that no message has")
+
+
+@pytest.mark.parametrize("words", NAMES)
+def test_a_word_of_the_list_is_no_part_of_a_name(words: str) -> None:
+    found = {
+        f"{path}: {name}"
+        for path, tree in _of_rooms(NAMES[words], modules())
+        for name in identifiers(tree)
+        if is_in(words, name)
+    }
+    assert not found, "docs/glossary.md has the field's word"
+
+
+@pytest.mark.parametrize("phrase", PHRASES)
+def test_a_phrase_of_the_list_is_in_no_message(phrase: str) -> None:
+    found = {
+        f"{path}: {text}"
+        for path, tree in _of_rooms(PHRASES[phrase], modules())
+        for text in messages(tree)
+        if phrase in text
+    }
+    assert not found, "docs/glossary.md has the words to use"
+
+
+@pytest.mark.parametrize("table", [NAMES, PHRASES], ids=["names", "phrases"])
+def test_every_room_of_the_list_is_one(table: dict[str, tuple[str, ...]]) -> None:
+    rooms = {"/".join(path.split("/")[:depth]) for path in modules() for depth in (1, 2)}
+    assert table and not {room for places in table.values() for room in places} - {*rooms, EVERYWHERE}
+
+
+def test_planted_words_are_found() -> None:
+    tree = ast.parse('class FarSight:\n    """goes on"""\n    def put_off(self, x): x.let_go = "it goes on"\n')
+    assert {name for name in identifiers(tree) if is_in("sight, put_off, let_go", name)} == {
+        "FarSight",
+        "put_off",
+        "let_go",
+    }
+    assert not is_in("sight", "insight")
+    assert list(messages(tree)) == ["it goes on"]
