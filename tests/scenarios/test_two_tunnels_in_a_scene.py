@@ -107,7 +107,7 @@ def test_one_tunnel_is_adapted_without_the_other(play: CorePlay):
                 "trials": [{}],
             },
             "/task/parameters/a/max",
-            "radius of curvature",
+            "wider than its tightest bend",
         ),
     ],
 )
