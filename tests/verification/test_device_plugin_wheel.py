@@ -99,11 +99,15 @@ def test_one_device_more_touches_no_existing_file_and_plays_records_and_replays(
     assert gone.returncode == 4 and "elbow_arm" in gone.stderr
 
 
-def test_its_guide_runs(installed: Path) -> None:
-    snippet = re.findall(r"```python\n(.*?)```", (EXAMPLE / "README.md").read_text(encoding="utf-8"), re.DOTALL)[0]
+@pytest.mark.parametrize("number", [0, 1])
+def test_its_guide_runs(installed: Path, number: int, tmp_path: Path) -> None:
+    snippet = re.findall(r"```python\n(.*?)```", (EXAMPLE / "README.md").read_text(encoding="utf-8"), re.DOTALL)[number]
     environment = os.environ | {"PYTHONPATH": f"{installed}{os.pathsep}{ROOT}"}
-    done = subprocess.run([sys.executable, "-c", snippet], env=environment, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", snippet], env=environment, capture_output=True, text=True, check=False, cwd=tmp_path
+    )
     assert done.returncode == 0, done.stderr
+    assert len(list(tmp_path.glob("runs/*"))) == number, "the second one plays a scene"
 
 
 def test_without_the_wheel_its_name_is_unknown() -> None:
