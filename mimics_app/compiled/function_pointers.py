@@ -36,18 +36,10 @@ def pointers_to(functions: Sequence[Any], kind: Any) -> NDArray[np.int64]:
         if isinstance(its, types.BaseTuple):
             words += pointers_to(function, its).tolist()
         else:
-            words += _addresses(function, its.signature)
+            made = function.get_compile_result(its.signature)
+            address = made.library.get_pointer_to_function
+            words += (address(made.fndesc.llvm_cfunc_wrapper_name), id(function), address(made.fndesc.llvm_func_name))
     return np.array(words, np.int64)
-
-
-def _addresses(function: Any, signature: Any) -> tuple[int, int, int]:
-    """Return the addresses of a compiled function's wrapper for C, of itself as an object, and of its machine code."""
-    made = function.get_compile_result(signature)
-    wrapper, code = (
-        made.library.get_pointer_to_function(name)
-        for name in (made.fndesc.llvm_cfunc_wrapper_name, made.fndesc.llvm_func_name)
-    )
-    return wrapper, id(function), code
 
 
 def functions_at(pointers: NDArray[np.int64], kind: Any) -> Any:
