@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mimics_app.compiled.kernel import kernel
-from mimics_app.rendering.haptic.kernels.limiter import brake_at_limits, limit_force, settle
+from mimics_app.rendering.haptic.kernels.limiter import brake_at_limits, decay, limit_force
 from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
 from mimics_app.rendering.haptic.kernels.vectors import norm
 
@@ -217,5 +217,5 @@ def test_a_joint_beyond_its_limit_may_come_back():
 def test_settling_ends_at_exactly_zero():
     command = np.array([0.8, -2.0, math.nan])
     for _ in range(400):
-        settle(command, 1e-3)
+        decay(command, 1e-3)
     assert np.all(command == 0.0)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from mimics_app.contracts.loop.haptic import EventKind, SafetyState, TripCause
 from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.lab.stability.s05b_energy_dissipated import UNLIMITED, given_by_taps
-from mimics_app.rendering.haptic.kernels.acting import payable_share, settle_account
+from mimics_app.rendering.haptic.kernels.acting import payable_share, tank_level
 from mimics_app.rendering.haptic.kernels.closed_region import contact_share
 from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, middle_velocity
 from mimics_app.rendering.haptic.kernels.stability import spring_share
@@ -204,7 +204,7 @@ def test_no_tick_overdraws_the_tank(level: float, power: float, inflow: float, s
     share = payable_share(level, power, inflow)
     assert 0.0 <= share <= 1.0 and (power > 0.0 or share == 1.0)
     assert level - share * power * T + inflow * T >= -1e-12
-    assert 0.0 <= settle_account(level, share * power * T, inflow, size, T) <= size
+    assert 0.0 <= tank_level(level, share * power * T, inflow, size, T) <= size
 
 
 # what stops the loop

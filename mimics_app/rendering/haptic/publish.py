@@ -84,7 +84,7 @@ def _publish_monitor(channels: Channels, work: Work, state: StateRecord) -> None
         _publish(channels, work, EventKind.CAP, state.reported_share)
     if state.limit_began == 1:
         _publish(channels, work, EventKind.FORCE_LIMIT, state.reported_force)
-    if state.swing_told == 1:
+    if state.swing_reported == 1:
         _publish(channels, work, EventKind.OSCILLATION, state.reported_swing)
     if state.stale_began == 1:
         _publish(channels, work, EventKind.STALE, state.age)
@@ -94,7 +94,7 @@ def _publish_monitor(channels: Channels, work: Work, state: StateRecord) -> None
 def _publish_tick(channels: Channels, work: Work, t_ns: int) -> None:
     state, event = work.state[0], work.event[0]
     news = state.parameters_taken + state.state_changed + state.tripped + state.contact_change
-    news += state.margin_lost + state.cap_began + state.limit_began + state.swing_told + state.stale_began
+    news += state.margin_lost + state.cap_began + state.limit_began + state.swing_reported + state.stale_began
     if news == 0:
         return
     _begin(work, t_ns, 0, -1, state.tunnel.approach_speed, state.tunnel.s)

@@ -445,7 +445,7 @@ class TunnelStateRecord:
     force_world: Floats
     assist_world: Floats
     softening: float
-    easing: float
+    damping_softening: float
     most_drag: float
     most_centring: float
     share: float
@@ -769,7 +769,7 @@ class SwingRecord:
     free: float
     settling: float
     begun: int
-    told: int
+    reported: int
     lost: int
     calm: float
     least_calm: float
@@ -952,7 +952,7 @@ class StateRecord:
     wall_touched: int
     least_wall_margin: float
     swing: SwingRecord
-    swing_told: int
+    swing_reported: int
     reported_swing: float
     region: RegionRecord
     span: SpanRecord

@@ -139,11 +139,11 @@ def _at_force(row: np.void, force: float) -> tuple[float, float]:
 
 
 def _check_contacts(scene: Scene, objects: SceneObjects, stable: _Stable) -> Iterator[Issue]:
-    told = set()
+    reported = set()
     for pointer, stiffness, damping in _contacts_of(scene, objects):
         found = stable.fault(stiffness, damping)
-        if found is not None and (pointer, found[0]) not in told:
-            told.add((pointer, found[0]))
+        if found is not None and (pointer, found[0]) not in reported:
+            reported.add((pointer, found[0]))
             yield scene.issue(f"{pointer}/{found[0]}", found[1], found[2])
 
 

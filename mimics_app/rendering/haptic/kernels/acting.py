@@ -6,7 +6,7 @@
 
 Every part of the force on the user is in one of these accounts: the rest is what the others leave of the whole.
 
-`account` runs before the safety state machine, `act` after it.
+`update_energy` runs before the safety state machine, `set_user_force` after it.
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ if TYPE_CHECKING:
 __all__ = [
     "ACTING",
     "FREE_TIME",
-    "account",
-    "act",
     "acting_contact",
     "delay_ticks",
     "device_delay",
     "drop_force",
     "payable_share",
-    "settle_account",
+    "set_user_force",
+    "tank_level",
+    "update_energy",
 ]
 
 
@@ -99,7 +99,7 @@ _EMPTYING_TIME = 0.1
 
 
 @kernel
-def settle_account(level: float, given: float, inflow: float, size: float, dt: float) -> float:
+def tank_level(level: float, given: float, inflow: float, size: float, dt: float) -> float:
     """Level of the tank [J] after a tick.
 
     Args:
@@ -185,7 +185,7 @@ def drop_force(state: StateRecord) -> None:
 
 @kernel
 def acting_contact(scene: SceneRecord, state: StateRecord, dt: float, f: Vec) -> None:
-    """Write to f the contacts' share of the force that acts from this tick on, world [N]; call after `act`."""
+    """Write to f the contacts' share of the force that acts from now on, world [N]; after `set_user_force`."""
     late = delay_ticks(scene, state, dt)
     slot = (state.tick - late) % _LINE
     for i in range(3):
@@ -205,7 +205,7 @@ def _energy_in_flight(scene: SceneRecord, state: StateRecord, dt: float) -> floa
 
 
 @kernel
-def account(scene: SceneRecord, state: StateRecord, dt: float) -> None:
+def update_energy(scene: SceneRecord, state: StateRecord, dt: float) -> None:
     """Book the exact work of the forces held since the last tick to the contacts' credit and the energy tank."""
     acting = state.acting
     if acting.filled == 0 and scene.sequence > 0:
@@ -229,7 +229,7 @@ def account(scene: SceneRecord, state: StateRecord, dt: float) -> None:
             rest += acting.rests[slot, i] * acting.displacement[i]
     speed = norm(acting.v)
     acting.inflow = scene.tank_refill + scene.tank_return * scene.virtual_damping * speed * speed
-    acting.tank = settle_account(acting.tank, active + max(0.0, rest), acting.inflow, scene.tank_size, dt)
+    acting.tank = tank_level(acting.tank, active + max(0.0, rest), acting.inflow, scene.tank_size, dt)
     acting.least_tank = min(acting.least_tank, acting.tank)
 
 
@@ -393,7 +393,7 @@ def _note_limit(scene: SceneRecord, state: StateRecord) -> None:
 
 
 @kernel
-def act(
+def set_user_force(
     scene: SceneRecord,
     state: StateRecord,
     totals: TotalsRecord,

@@ -76,7 +76,7 @@ def collect_events(scene: SceneRecord, states: Table[StateRecord]) -> None:
     state.reported_margin = state.margin
     state.reported_share = state.stiffness_share
     state.reported_force = norm(state.f_wanted)
-    state.swing_told = state.swing.told
+    state.swing_reported = state.swing.reported
     state.reported_swing = math.sqrt(state.swing.force)
     state.calm = state.swing.calm
     for c in range(1, scene.contacts):
@@ -90,8 +90,8 @@ def collect_events(scene: SceneRecord, states: Table[StateRecord]) -> None:
         if other.limit_began == 1 and state.limit_began == 0:
             state.limit_began = 1
             state.reported_force = norm(other.f_wanted)
-        if other.swing.told == 1 and state.swing_told == 0:
-            state.swing_told = 1
+        if other.swing.reported == 1 and state.swing_reported == 0:
+            state.swing_reported = 1
             state.reported_swing = math.sqrt(other.swing.force)
         state.calm = min(state.calm, other.swing.calm)
 

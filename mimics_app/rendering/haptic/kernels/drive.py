@@ -28,10 +28,10 @@ from mimics_app.rendering.haptic.kernels.joints import (
 )
 from mimics_app.rendering.haptic.kernels.limiter import (
     brake_at_limits,
+    decay,
     limit_force,
     limit_joints,
     limit_torques,
-    settle,
 )
 from mimics_app.rendering.haptic.kernels.safety import HOLD, is_stopped, latch, lets_feel
 from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill, norm, scale
@@ -182,7 +182,7 @@ def _follow_hand(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: f
 
 @kernel
 def _hold_command(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> None:
-    """Repeat the last command within the limits at the present pose, and the force on the user as limited by `act`."""
+    """Repeat the last command within the limits at the present pose, and the force on the user as limited before."""
     state, work = states[0], states[0].joint_work
     if lets_feel(scene.controller):
         for c in range(scene.contacts):
@@ -205,7 +205,7 @@ def _stop_not_finite(scene: SceneRecord, states: Table[StateRecord], dt: float) 
         fill(states[c].f_command, 0.0)
         fill(states[c].v_virtual, 0.0)
     fill(state.dq_virtual, 0.0)
-    settle(state.command, dt)
+    decay(state.command, dt)
 
 
 @kernel
@@ -236,7 +236,7 @@ def _control_motion(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt
     elif scene.controller == Controller.JOINT_PD or scene.controller == Controller.WORLD_PD:
         _drive_to_target(kin, scene, states, dt)
     else:
-        settle(state.command, dt)
+        decay(state.command, dt)
         copy(state.command, state.dq_virtual)
         _find_velocities(kin, scene, states, state.dq_virtual)
     each = scene.polar == 1 and scene.form == AdmittanceForm.SEED and scene.controller == Controller.ADMITTANCE
@@ -348,7 +348,7 @@ def control(kin: Kin, scene: SceneRecord, states: Table[StateRecord], held: int,
     state = states[0]
     if is_stopped(state) or state.safety < SafetyState.HOMED:
         copy(state.q, state.joint_reference)
-        settle(state.command, dt)
+        decay(state.command, dt)
         brake_at_limits(state.q, scene.joint_min, scene.joint_max, state.command)
         fill(state.dq_virtual, 0.0)
         for c in range(scene.contacts):

@@ -11,7 +11,7 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill, scale
 
-__all__ = ["brake_at_limits", "lever_of", "limit_force", "limit_held", "limit_joints", "limit_torques", "settle"]
+__all__ = ["brake_at_limits", "decay", "lever_of", "limit_force", "limit_held", "limit_joints", "limit_torques"]
 
 Limits = NDArray[np.float64] | NDArray[np.float32]
 
@@ -237,7 +237,7 @@ def limit_joints(last: Vec, velocity: Limits, acceleration: Limits, each: bool, 
 
 
 @kernel
-def settle(command: Vec, dt: float) -> None:
+def decay(command: Vec, dt: float) -> None:
     """Let the command decay for one tick, in the end to exactly zero: the motion of every stop state."""
     for i in range(command.shape[0]):
         command[i] /= 1.0 + dt / _SETTLE_TIME

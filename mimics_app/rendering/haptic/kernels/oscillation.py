@@ -80,7 +80,7 @@ SWING = np.dtype(
         ("free", "f8"),  # without any virtual force [s]
         ("settling", "f8"),  # time that is left to a contact that began [s]
         ("begun", "i8"),  # 1 since `calm` was 1
-        ("told", "i8"),  # 1 in the tick in which the force begins to fade
+        ("reported", "i8"),  # 1 in the tick in which the force begins to fade
         ("lost", "i8"),  # 1 in the tick in which fading has not helped: the next one stops
         ("calm", "f8"),  # share of the virtual force that is rendered
         ("least_calm", "f8"),  # smallest so far
@@ -144,11 +144,11 @@ def _is_fed(swing: SwingRecord) -> bool:
 @kernel
 def _fade(swing: SwingRecord, fed: bool, dt: float) -> None:
     """Lower the share of the force while an oscillation is fed; let it rise in free motion."""
-    swing.told = 0
+    swing.reported = 0
     swing.time = swing.time + dt if fed else max(0.0, swing.time - dt)
     if fed and swing.time >= _WINDOW:
         if swing.calm == 1.0:
-            swing.told = 1
+            swing.reported = 1
             swing.count += 1
         swing.worst = max(swing.worst, math.sqrt(swing.force))
         swing.calm *= 1.0 - min(1.0, dt / _WINDOW)

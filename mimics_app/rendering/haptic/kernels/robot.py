@@ -13,7 +13,7 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.loop_ports import DATA_AGE, DATA_DQ, DATA_FORCE, DATA_Q
 from mimics_app.rendering.haptic.kernels.kinematics import apply_jacobian, forward, robot_to_tool
-from mimics_app.rendering.haptic.kernels.limiter import settle
+from mimics_app.rendering.haptic.kernels.limiter import decay
 from mimics_app.rendering.haptic.kernels.noise import gauss, quantised
 
 __all__ = [
@@ -95,7 +95,7 @@ def coast_robot(robot: Vec) -> None:
     slot = LINE + 3 * (written % (MAX_DELAY + 1))
     for i in range(3):
         robot[slot + i] = robot[last + i] if written > 0 else 0.0
-    settle(robot[slot : slot + 3], robot[TICK])
+    decay(robot[slot : slot + 3], robot[TICK])
     robot[WRITTEN] += 1.0
 
 

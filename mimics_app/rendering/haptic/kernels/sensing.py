@@ -25,7 +25,7 @@ from mimics_app.rendering.haptic.kernels.vectors import copy, fill, rotate
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import SceneRecord, StateRecord, Table
 
-__all__ = ["find_motion", "size_ball", "take_data"]
+__all__ = ["find_motion", "read_sample", "size_ball"]
 
 
 _BALL_TIME = 0.05
@@ -52,7 +52,7 @@ def _take_forces(states: Table[StateRecord], contacts: int, data: Vec) -> None:
 
 
 @kernel
-def take_data(scene: SceneRecord, states: Table[StateRecord], data: Vec, status: int, dt: float) -> None:
+def read_sample(scene: SceneRecord, states: Table[StateRecord], data: Vec, status: int, dt: float) -> None:
     """Take fresh, finite device data into the states; other data leaves the last valid positions unchanged."""
     state = states[0]
     state.readable = 1

@@ -81,7 +81,7 @@ STATE = np.dtype(
         ("wall_touched", "i8"),  # 1 once the wall pushed: least_wall_margin is valid
         ("least_wall_margin", "f8"),  # smallest so far [-]
         ("swing", SWING),  # of an oscillation that the force feeds
-        ("swing_told", "i8"),  # 1: the force began to fade at some point of contact
+        ("swing_reported", "i8"),  # 1: the force began to fade at some point of contact
         ("reported_swing", "f8"),  # its root mean square there [N]
         ("region", REGION),  # of stable contacts, at present
         ("span", SPAN),  # sum of all contacts of this tick

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.device_descriptor import Kin
-from mimics_app.rendering.haptic.kernels.acting import account, act, delay_ticks, device_delay
+from mimics_app.rendering.haptic.kernels.acting import delay_ticks, device_delay, set_user_force, update_energy
 from mimics_app.rendering.haptic.kernels.closed_region import find_region
 from mimics_app.rendering.haptic.kernels.contacts import (
     collect_events,
@@ -31,8 +31,8 @@ from mimics_app.rendering.haptic.kernels.objects.touches import follow_touch, fo
 from mimics_app.rendering.haptic.kernels.oscillation import watch_swing
 from mimics_app.rendering.haptic.kernels.rows import write_command, write_inputs, write_outputs
 from mimics_app.rendering.haptic.kernels.safety import is_felt, step_safety
-from mimics_app.rendering.haptic.kernels.sensing import find_motion, size_ball, take_data
-from mimics_app.rendering.haptic.kernels.tunnels import follow_tunnels, forget_tunnels
+from mimics_app.rendering.haptic.kernels.sensing import find_motion, read_sample, size_ball
+from mimics_app.rendering.haptic.kernels.tunnels import follow_tunnels, reset_tunnel_tracking
 from mimics_app.rendering.haptic.kernels.watch import watch_contact, watch_margin
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def _begin_tick(scene: SceneRecord, objects: ObjectWork, state: StateRecord) -> 
     state.sequence = scene.sequence
     if scene.trial != state.trial:
         state.trial = scene.trial
-        forget_tunnels(objects.tunnels, state)
+        reset_tunnel_tracking(objects.tunnels, state)
         forget_extremes(state)
 
 
@@ -66,13 +66,13 @@ def _begin_tick(scene: SceneRecord, objects: ObjectWork, state: StateRecord) -> 
 def _read_motion(kin: Kin, scene: SceneRecord, states: Table[StateRecord], data: Vec, status: int, dt: float) -> None:
     """Motion of every point of contact from the device's data, its energy account, and the size of the ball."""
     last_age = states[0].age
-    take_data(scene, states, data, status, dt)
+    read_sample(scene, states, data, status, dt)
     find_motion(kin, scene, states)
     share_device_state(scene, states)
     for c in range(max(1, scene.contacts)):
         note_lag(scene, states[c], dt)
         note_jump(scene, states[c], status, last_age, dt)
-        account(scene, states[c], dt)
+        update_energy(scene, states[c], dt)
     size_ball(scene, states[0], dt)
 
 
@@ -103,7 +103,7 @@ def _act_on_user(scene: SceneRecord, objects: ObjectWork, states: Table[StateRec
     """Force on the user at every point of contact, and the contacts that begin or end with it."""
     share_device_state(scene, states)
     for c in range(max(1, scene.contacts)):
-        act(scene, states[c], objects.totals[c], objects.touched[c], held, dt)
+        set_user_force(scene, states[c], objects.totals[c], objects.touched[c], held, dt)
     stop_together(scene, states)
     state = states[0]
     felt = is_felt(state)

@@ -131,7 +131,7 @@ def tunnel_force(tunnel: TunnelRecord, p: Vec, v: Vec, ball_radius: float, state
 def _push(tunnel: TunnelRecord, state: TunnelStateRecord, depth: float, rate: float) -> float:
     """Spring-damper of wall and caps [N], for a depth > 0 [m] that grows at `rate` [m/s]; it never pulls."""
     spring = tunnel.stiffness * (1.0 - state.softening) * depth
-    return max(0.0, spring + tunnel.damping * (1.0 - state.easing) * rate)
+    return max(0.0, spring + tunnel.damping * (1.0 - state.damping_softening) * rate)
 
 
 @kernel

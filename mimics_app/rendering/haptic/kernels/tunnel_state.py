@@ -45,7 +45,7 @@ TUNNEL_STATE = np.dtype(
         ("force_world", "f8", (3,)),  # total force of the tunnel on the user [N]
         ("assist_world", "f8", (3,)),  # its assistance [N]
         ("softening", "f8"),  # set by the caller: removed share of the wall's stiffness, 0-1
-        ("easing", "f8"),  # likewise of the wall's damping
+        ("damping_softening", "f8"),  # likewise of the wall's damping
         ("most_drag", "f8"),  # set by the caller: largest drag [N s/m]; 0: no limit
         ("most_centring", "f8"),  # likewise of the centring [N/m]
         ("share", "f8"),  # set by the caller: rendered share, 1 - softening before rounding

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
         TunnelStateRecord,
     )
 
-__all__ = ["HOLDING", "OWN_TUNNEL", "follow_tunnels", "forget_tunnels", "share_in_touch"]
+__all__ = ["HOLDING", "OWN_TUNNEL", "follow_tunnels", "reset_tunnel_tracking", "share_in_touch"]
 
 
 HOLDING = np.dtype(
@@ -83,7 +83,7 @@ def share_in_touch(last: float, now: float, touching: bool) -> float:
 
 
 @kernel
-def forget_tunnels(tunnels: Table[TunnelStateRecord], state: StateRecord) -> None:
+def reset_tunnel_tracking(tunnels: Table[TunnelStateRecord], state: StateRecord) -> None:
     """Restart the tracking of every tunnel and the choice of the one that holds the ball."""
     state.tunnel.chosen = 0
     for k in range(len(tunnels)):
@@ -100,16 +100,16 @@ def _ease(scene: SceneRecord, tunnel: TunnelRecord, region: RegionRecord, memory
     memory.most_drag = region.most_damping / keep
     memory.most_centring = stiffness_limit(region, 0.0) / keep
     best, damping = region.best_damping, tunnel.damping
-    eased = damping > best and stiffness_limit(region, damping) < keep * (tunnel.stiffness + tunnel.centring)
-    memory.easing = 1.0 - best / damping if eased else 0.0
-    return best if eased else damping
+    softened = damping > best and stiffness_limit(region, damping) < keep * (tunnel.stiffness + tunnel.centring)
+    memory.damping_softening = 1.0 - best / damping if softened else 0.0
+    return best if softened else damping
 
 
 @kernel
 def _stable_share(scene: SceneRecord, tunnel: TunnelRecord, state: StateRecord, memory: TunnelStateRecord) -> float:
-    """Stable share 0-1 of the wall's stiffness for the measured period and delay; its damping is eased."""
+    """Stable share 0-1 of the wall's stiffness for the measured period and delay; its damping is softened."""
     if scene.cap != 1 or tunnel.pieces <= 0:
-        memory.easing, memory.most_drag, memory.most_centring = 0.0, math.inf, math.inf
+        memory.damping_softening, memory.most_drag, memory.most_centring = 0.0, math.inf, math.inf
         return 1.0
     damping = _ease(scene, tunnel, state.region, memory)
     limit = stiffness_limit(state.region, damping)
@@ -163,7 +163,7 @@ def _hold(tunnel: TunnelRecord, memory: TunnelStateRecord, holding: HoldingRecor
     copy(memory.assist_world, holding.assist_world)
     copy(memory.normal_world, holding.normal_world)
     holding.stiffness = tunnel.stiffness
-    holding.damping = tunnel.damping * (1.0 - memory.easing)
+    holding.damping = tunnel.damping * (1.0 - memory.damping_softening)
     holding.centring = min(tunnel.centring, memory.most_centring)
 
 
