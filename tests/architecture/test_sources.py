@@ -149,17 +149,20 @@ def test_every_home_of_the_platform_is_a_module(what: str) -> None:
 
 
 @cache
-def _classes() -> dict[str, ast.ClassDef]:
-    every = [node for tree in modules().values() for node in nodes(tree)]
-    return {node.name: node for node in every if isinstance(node, ast.ClassDef)}
+def _classes() -> dict[str, list[ast.ClassDef]]:
+    """Classes by name; a few names are those of two classes in rooms that do not meet."""
+    found: dict[str, list[ast.ClassDef]] = {}
+    for tree in modules().values():
+        for node in nodes(tree):
+            if isinstance(node, ast.ClassDef):
+                found.setdefault(node.name, []).append(node)
+    return found
 
 
 def _inherits_docstring(owner: ast.ClassDef, method: str) -> bool:
     """Whether a base class of ours, at any height, documents this method."""
-    for base in owner.bases:
-        above = _classes().get(ast.unparse(base).split("[")[0].rsplit(".", 1)[-1])
-        if above is None:
-            continue
+    names = (ast.unparse(base).split("[")[0].rsplit(".", 1)[-1] for base in owner.bases)
+    for above in (each for name in names for each in _classes().get(name, ()) if each is not owner):
         if any(getattr(node, "name", "") == method and ast.get_docstring(node) for node in above.body):  # type: ignore[arg-type]
             return True
         if _inherits_docstring(above, method):
