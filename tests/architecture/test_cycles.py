@@ -68,7 +68,7 @@ def test_a_planted_circle_is_found_also_one_for_a_type_and_one_inside_a_function
 
 def test_the_graph_is_that_of_import_linter() -> None:
     """The same as grimp finds, but for stubs, which are no modules."""
-    graph = grimp.build_graph("mimics_app", exclude_type_checking_imports=False)
+    graph = grimp.build_graph("mimics_app", exclude_type_checking_imports=False, cache_dir=None)
     own = imported_modules(modules())
     for place, targets in own.items():
         name = ".".join(["mimics_app", *place.split("/")])

@@ -203,9 +203,10 @@ def test_planted_violation_is_caught(complaints: dict[str, str], what: str) -> N
 
 
 @cache
-def _graph(package: str = "mimics_app") -> grimp.ImportGraph:
-    """Every import of the package, those for types too."""
-    return grimp.build_graph(package, include_external_packages=True, exclude_type_checking_imports=False)
+def _graph() -> grimp.ImportGraph:
+    """Every import of the package, those for types too, read anew: a kept graph may be that of another checkout."""
+    options = {"include_external_packages": True, "exclude_type_checking_imports": False, "cache_dir": None}
+    return grimp.build_graph("mimics_app", **options)
 
 
 def _is_kept(contract: dict[str, Any], graph: grimp.ImportGraph) -> bool:
