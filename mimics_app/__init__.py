@@ -11,28 +11,55 @@
 The package imports nothing heavy: numpy, numba, OpenGL and OpenAL come in when a part that needs them does.
 """
 
-from importlib import import_module
-
-_COMMANDS = (
-    "Calibrate", "Confirm", "End", "Fault", "Mark", "Mute", "Note", "Obstacle", "Pause", "Policy", "Recalibrate",
-    "Repeat", "Reset", "Resume", "SetAssistance", "SetParameter", "Skip", "StartTrial", "Stop", "View", "Volume",
-)  # fmt: skip
-_HOMES = {
-    "open": "app.api.opened",
-    "load": "app.api.loaded_run",
-    "__version__": "contracts.version",
-    "errors": "contracts",
-    **dict.fromkeys(_COMMANDS, "contracts.commands.vocabulary"),
-}
-"""Module of each name that the package offers."""
-
-__all__ = ["__version__", "errors", "load", "open", *_COMMANDS]
+__all__ = [
+    "Calibrate",
+    "Confirm",
+    "End",
+    "Fault",
+    "Mark",
+    "Mute",
+    "Note",
+    "Obstacle",
+    "Pause",
+    "Policy",
+    "Recalibrate",
+    "Repeat",
+    "Reset",
+    "Resume",
+    "SetAssistance",
+    "SetParameter",
+    "Skip",
+    "StartTrial",
+    "Stop",
+    "View",
+    "Volume",
+    "__version__",
+    "errors",
+    "load",
+    "open",
+]  # fmt: skip
 
 
 def __getattr__(name: str) -> object:
     """Import what the package offers when it is used."""
-    if name not in _HOMES:
+    if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if name == "open":
+        from mimics_app.app.api.opened import open
+
+        return open
+    if name == "load":
+        from mimics_app.app.api.loaded_run import load
+
+        return load
+    if name == "__version__":
+        from mimics_app.contracts.version import __version__
+
+        return __version__
     if name == "errors":
-        return import_module("mimics_app.contracts.errors")
-    return getattr(import_module(f"mimics_app.{_HOMES[name]}"), name)
+        from mimics_app.contracts import errors
+
+        return errors
+    from mimics_app.contracts.commands import vocabulary
+
+    return getattr(vocabulary, name)

@@ -29,6 +29,7 @@ OWN_DATA = {
     "lab/groups/loop_scheduling.py": "/proc",
     "lab/peer_harness.py": "written by the harness that it starts",
     "lab/physio/detection.py": "written by itself",
+    "lab/stability/catalogue.py": "package sources",
     "lab/sweep/store.py": "package sources, and a table of its own",
     "plotting/drawing.py": "package data",
     "rendering/audio/openal_library.py": "package data",

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.ports.methods import registry
+from mimics_app.lab.audio.spherical_head import HEAD_RADIUS, add_at_sphere, sphere_delay_s
 from mimics_app.lab.groups import spatialiser as methods
-from mimics_app.lab.groups.spatialiser import HEAD_RADIUS, add_at_sphere, sphere_delay_s
 
 RATE = 48_000
 

@@ -52,6 +52,9 @@ _GIVEN = 1e-4  # [J]
 _BEYOND = 1e-6  # [N]
 _SHAKING = 0.1  # [N]
 _CALLS = 20_000
+_TIMED_STIFFNESS, _TIMED_DEPTH, _TIMED_STEP = 600.0, 1e-3, 1e-6  # of the contact whose ticks are timed [N/m, m, m]
+_TIMED_TICKS = 100  # after which it begins anew
+_TIMED_ENERGY = 0.25e-3  # at that depth: below the spring's 0.3 mJ, so that a controller has work to do [J]
 
 _FORCE, _VIRTUAL, _DEPTH, _WORK = 0, 1, 2, 3
 """Columns of a press: felt and virtual force [N], depth [m], work taken from the hand in the tick [J]."""
@@ -203,9 +206,10 @@ def _drive(number: int, ticks: int, sums: Vec, vectors: F8, line: Vec) -> float:
     """Run ticks of a contact that moves out, near the limit of its energy; return the sum of the forces [N]."""
     total = 0.0
     for k in range(ticks):
-        depth = 1e-3 + 1e-6 * (k % 100)
-        sums[0], line[k] = 0.25e-3 * depth / 1e-3, 600.0 * depth
-        total += _controlled(number, 600.0 * depth, sums, -1e-6, depth, vectors, line, k)
+        depth = _TIMED_DEPTH + _TIMED_STEP * (k % _TIMED_TICKS)
+        force = _TIMED_STIFFNESS * depth
+        sums[0], line[k] = _TIMED_ENERGY * depth / _TIMED_DEPTH, force
+        total += _controlled(number, force, sums, -_TIMED_STEP, depth, vectors, line, k)
     return total
 
 

@@ -10,13 +10,13 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.clock import MonotonicClock, VirtualClock
 from mimics_app.contracts.messages.stage_messages import SoundEvent
 from mimics_app.contracts.ports.audio_port import ListenerState
-from mimics_app.contracts.shared_memory.sound_scene import BANDS, SOUND_SPEED
+from mimics_app.contracts.shared_memory.sound_scene import BANDS
 from mimics_app.lab.audio.hearing import HearingErrors, hearing_errors
 from mimics_app.lab.audio.rendered import render_clicks
+from mimics_app.lab.audio.spherical_head import add_at_sphere
 from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.audio.bank import SoundBank
@@ -28,62 +28,12 @@ from mimics_app.rendering.audio.spectral.head import HeadResponses
 from mimics_app.rendering.audio.spectral.head_table import TAPS, build_head_table
 
 __all__ = [
-    "HEAD_RADIUS",
     "KEMAR_DELAYS_US",
-    "add_at_sphere",
     "interaural_delay_us",
     "listener_amid",
     "measure_block_us",
     "own_head_errors",
-    "sphere_delay_s",
 ]
-
-
-HEAD_RADIUS = 0.0875
-"""Radius of the sphere [m] (Woodworth & Schlosberg 1954)."""
-
-_SHADOW = 0.9
-"""Panning depth: the power ratio of the ears is (1 + 0.9) / (1 - 0.9), 13 dB, for a source at the side."""
-
-
-@kernel
-def sphere_delay_s(azimuth: float) -> float:
-    """Return the high-frequency interaural time difference [s]: a / c (theta + sin theta), -90 to 90 degrees.
-
-    Args:
-        azimuth: Azimuth of a far source, clockwise from ahead [rad]; a source behind is mirrored to the front.
-    """
-    side = math.asin(math.sin(azimuth))
-    return HEAD_RADIUS / SOUND_SPEED * (side + math.sin(side))
-
-
-@kernel
-def add_at_sphere(
-    samples: NDArray[np.float32], start: float, azimuth: float, rate: int, gain: float, mix: NDArray[np.float32]
-) -> None:
-    """Add a block of a sound from a direction to a mix: delayed by linear interpolation, panned at constant power.
-
-    Args:
-        samples: Samples of the sound, shape [n]; silence before and after.
-        start: Fractional index of the sample at the block's first frame.
-        azimuth: Azimuth, clockwise from ahead [rad].
-        rate: Samples per second.
-        gain: Linear gain.
-        mix: Mix to add to, left and right, shape [frames, 2].
-    """
-    delay = 0.5 * rate * sphere_delay_s(azimuth)
-    sine = math.sin(azimuth)
-    for ear in range(2):
-        side = 1.0 if ear == 1 else -1.0
-        level = gain * math.sqrt(0.5 * (1.0 + side * _SHADOW * sine))
-        first = start + side * delay
-        whole = math.floor(first)
-        share = first - whole
-        for i in range(mix.shape[0]):
-            k = int(whole) + i
-            if 0 <= k < samples.shape[0] - 1:
-                mix[i, ear] += level * ((1.0 - share) * samples[k] + share * samples[k + 1])
-
 
 KEMAR_DELAYS_US = {5: 47.0, 15: 139.0, 30: 275.0, 45: 396.0, 60: 528.0, 90: 706.0}
 """Interaural time difference of the KEMAR dummy head by azimuth [degrees to us], below 1.5 kHz, from the responses of
