@@ -28,7 +28,9 @@ _STARTED = file_time_s()
 _PACKAGE = "__init__.py"
 """Source file of a package itself."""
 
-_KEEPERS = frozenset(Path(__file__).resolve().with_name(f"kernel_{name}.py") for name in ("cache", "sources", "sweep"))
+_CACHE_MODULES = frozenset(
+    Path(__file__).resolve().with_name(f"kernel_{name}.py") for name in ("cache", "sources", "sweep")
+)
 """Modules that store machine code but do not affect it; not part of any key."""
 
 _IMPORT = re.compile(rb"\n[ \t]*(?:from[ \t]+(\.*[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n]*)|import[ \t]+([^\n]*))")
@@ -139,13 +141,13 @@ def sources_reached(source: Path) -> tuple[Path, ...]:
     own = source.parent
     while (own.parent / _PACKAGE).is_file():
         own = own.parent
-    reached, waiting = {source, *_KEEPERS}, [source]
+    reached, waiting = {source, *_CACHE_MODULES}, [source]
     while waiting:
         for file in _imports(waiting.pop()):
             if file not in reached and not _is_fixed(file, own):
                 reached.add(file)
                 waiting.append(file)
-    return tuple(sorted(reached - _KEEPERS | {source}))
+    return tuple(sorted(reached - _CACHE_MODULES | {source}))
 
 
 @cache

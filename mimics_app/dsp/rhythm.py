@@ -69,7 +69,7 @@ class Rhythm:
         if self._pending is None:
             self._pending = (t_s, interval)
         else:
-            self._pending = self._judge(self._pending, (t_s, interval))
+            self._pending = self._evaluate(self._pending, (t_s, interval))
         return interval
 
     def pause(self) -> None:
@@ -85,7 +85,7 @@ class Rhythm:
         self._recent.clear()
         self._jumps.clear()
 
-    def _judge(self, first: tuple[float, float], second: tuple[float, float]) -> tuple[float, float] | None:
+    def _evaluate(self, first: tuple[float, float], second: tuple[float, float]) -> tuple[float, float] | None:
         """Classify an interval now that the next one is known, and return the one to be classified next."""
         usual = float(np.median(self._recent)) if len(self._recent) >= 3 else first[1]
         limit = max(5.2 * float(np.median(self._jumps)) if len(self._jumps) >= 5 else 0.3 * usual, 0.1 * usual)

@@ -65,7 +65,7 @@ class PhysioDsp:
         self._on_event = on_event
         self.channels: dict[str, Channel] = {}
         self._only_recorded: set[str] = set()
-        self._heard: dict[str, int] = {}
+        self._received_ns: dict[str, int] = {}
         self._frame = FeatureFrame(0)
         self._second = -1
 
@@ -84,7 +84,7 @@ class PhysioDsp:
 
     def save(self) -> dict[str, Any]:
         """Return the whole state."""
-        rest = {"heard": dict(self._heard), "frame": self._frame, "second": self._second}
+        rest = {"heard": dict(self._received_ns), "frame": self._frame, "second": self._second}
         channels = {name: (channel.rate, channel.save()) for name, channel in self.channels.items()}
         return copy.deepcopy({"channels": channels, **rest})
 
@@ -96,7 +96,7 @@ class PhysioDsp:
             assert channel is not None  # it was processed when it was saved
             channel.restore(state)
             self.channels[name] = channel
-        self._heard, self._frame, self._second = dict(saved["heard"]), saved["frame"], saved["second"]
+        self._received_ns, self._frame, self._second = dict(saved["heard"]), saved["frame"], saved["second"]
 
     def _take(self, block: SignalBlock, now_ns: int) -> None:
         if block.name in self._only_recorded or not len(block.values):
@@ -111,7 +111,7 @@ class PhysioDsp:
                 f'the rate of the signal "{block.name}" changed from {channel.rate:g} Hz to {block.rate:g} Hz',
                 "set the amplifier to one rate",
             )
-        self._heard[block.name] = now_ns
+        self._received_ns[block.name] = now_ns
         for event in channel.push(block.values):
             self._on_event(block.name, event)
 
@@ -119,7 +119,7 @@ class PhysioDsp:
         values: dict[str, float] = {}
         quality: dict[str, float] = {}
         for name, channel in self.channels.items():
-            silent = now_ns - self._heard[name] > _SILENT_NS
+            silent = now_ns - self._received_ns[name] > _SILENT_NS
             quality[name] = 0.0 if silent else channel.found.quality
             if quality[name] > 0.0:
                 values |= channel.found.features

@@ -55,18 +55,19 @@ def errors_around_the_head() -> Figure:
     level = np.abs(head.directions[:, 1]) < _LEVEL
     plane = HeadResponses(head.directions[level], head.responses[level], head.rate, head.name)
     azimuth = np.degrees(np.arctan2(plane.directions[:, 0], -plane.directions[:, 2]))
-    heard = {
+    interaural = {
         f"the head itself: {head.name}": _differences(plane.responses, plane.rate),
         "spectral, given this head": _differences(render_clicks(plane.directions, sofa=path), _RATE),
         "OpenAL, its own head": _differences(render_clicks(plane.directions, "openal"), _RATE),
     }
     order = np.argsort(azimuth)
     delays, levels = (
-        {name: list(zip(azimuth[order], pair[k][order], strict=True)) for name, pair in heard.items()} for k in range(2)
+        {name: list(zip(azimuth[order], pair[k][order], strict=True)) for name, pair in interaural.items()}
+        for k in range(2)
     )
     rows = [
         {"method": name, "x": x, "delay_us": delay, "level_db": decibel, "cost_ns": None, "error": None}
-        for name in heard
+        for name in interaural
         for (x, delay), (_, decibel) in zip(delays[name], levels[name], strict=True)
     ]
     x = Axis.around("azimuth to the right [degrees]", azimuth.tolist())
@@ -74,7 +75,7 @@ def errors_around_the_head() -> Figure:
         _panel(0, x, "right ear before the left [us]", delays),
         _panel(1, x, f"right ear over the left at {_BAND // 1000} kHz [dB]", levels),
     ]
-    return _figure("hearing around the head", "Delay and level between the ears", panels, list(heard), rows)
+    return _figure("hearing around the head", "Delay and level between the ears", panels, list(interaural), rows)
 
 
 def _cost_of_voices() -> Figure:

@@ -86,8 +86,8 @@ class Agent:
         values, propensity = self._wanted(float(choice.demand[0])), float(choice.propensity[0])
         for arms in self._arms:
             if self._is_free(arms.name, now_ns):
-                value, chance = arms.act()
-                values[arms.name], propensity = value, propensity * chance
+                value, probability = arms.act()
+                values[arms.name], propensity = value, propensity * probability
         changed = {n: value for n, value in values.items() if value != self._values[n] and self._is_free(n, now_ns)}
         return propensity, changed
 

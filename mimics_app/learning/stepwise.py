@@ -133,6 +133,6 @@ class StepAgent:
         if self._last is not None and self._rewards:
             self.table.learn(*self._last, sum(self._rewards) / len(self._rewards), here)
         self._rewards.clear()
-        deed, chance = self.table.choose(here)
+        deed, probability = self.table.choose(here)
         self._last = (here, deed)
-        return TaskAction({self._parameter.name: self._parameter.low + deed * self._parameter.step}, None, chance)
+        return TaskAction({self._parameter.name: self._parameter.low + deed * self._parameter.step}, None, probability)

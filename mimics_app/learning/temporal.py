@@ -15,9 +15,9 @@ _BINS = np.array([0.2, 0.45, 0.62, 0.78, 0.92])
 """Borders of the bins of success."""
 _THIRDS = np.array([1.0, 2.0]) / 3.0
 """Borders of the bins of the demand."""
-_JUDGED = (len(_BINS) + 1) * 3
+_EVALUATED = (len(_BINS) + 1) * 3
 """Number of states after a trial: bins of success times three of load."""
-STATES = _JUDGED + len(_THIRDS) + 1
+STATES = _EVALUATED + len(_THIRDS) + 1
 """Number of states: those after a trial, and the bins of the demand where a reward came without a trial."""
 _BEST = 2.0
 """Rewards of 1 for ever, discounted by half: first value where no success is known, so that each action is tried."""
@@ -69,7 +69,7 @@ class _Table:
         self._demand = np.where(np.isfinite(outcome.demand), outcome.demand, self._demand)
         success = np.searchsorted(_BINS, np.nan_to_num(outcome.performance, nan=TARGET))
         load = np.searchsorted([-0.4, 0.4], np.nan_to_num(outcome.load))
-        place = _JUDGED + np.searchsorted(_THIRDS, self._demand)
+        place = _EVALUATED + np.searchsorted(_THIRDS, self._demand)
         return np.where(np.isfinite(outcome.performance), success * 3 + load, place)
 
 
@@ -81,8 +81,8 @@ def _first_values() -> F8:
     """
     middle = np.array([0.1, 0.33, 0.53, 0.7, 0.85, 0.96])
     wanted = 0.5 * (middle - TARGET)
-    judged = np.repeat(-2.0 * np.abs(MOVES[None, :] - wanted[:, None]), 3, axis=0)
-    values: F8 = np.concatenate([judged, np.full((len(_THIRDS) + 1, len(MOVES)), _BEST)])
+    evaluated = np.repeat(-2.0 * np.abs(MOVES[None, :] - wanted[:, None]), 3, axis=0)
+    values: F8 = np.concatenate([evaluated, np.full((len(_THIRDS) + 1, len(MOVES)), _BEST)])
     return values
 
 
@@ -135,7 +135,7 @@ class ActorCritic(_Table):
         super().begin(start, rng)
         self._table *= 10.0  # preferences: a difference of 0.25 in value is a factor of twelve in probability
         self._values = np.zeros((len(start), STATES))
-        self._values[:, _JUDGED:] = _BEST
+        self._values[:, _EVALUATED:] = _BEST
 
     def _chances(self, state: np.ndarray) -> F8:
         preferences = self._table[self._rows, state]

@@ -36,7 +36,7 @@ __all__ = [
 
 _SCALARS = ("t_ns", "tick", "body_a", "body_b", "material_a", "material_b", "speed", "force", "value")
 _VECTORS = ("position_world", "normal_world")
-_TOLD = {
+_VALUE_NAMES = {
     "state": "state",
     "trip": "cause",
     "parameters": "sequence",
@@ -99,7 +99,7 @@ def encode_event(event: NDArray[Any], n: int) -> bytes:
 
 def _name(kind: str, field: str) -> str:
     """Return the name of a field in the lines of a kind."""
-    return _TOLD.get(kind, field) if field == "force" else field
+    return _VALUE_NAMES.get(kind, field) if field == "force" else field
 
 
 def events_of(lines: list[dict[str, Any]]) -> NDArray[Any]:

@@ -50,7 +50,7 @@ RESERVE = ".reserve"
 """A file that is deleted when the disk is full, to leave room for trials and the manifest."""
 
 _RESERVE_BYTES = 512 * 1024
-_ROOM_TO_GO_ON = 4 * 1024 * 1024
+_RESUME_BYTES = 4 * 1024 * 1024
 """Free space at which recording resumes after a full disk [bytes]."""
 _PASS_NS = 20_000_000
 _BUSY_PASS_NS = 500_000
@@ -258,7 +258,7 @@ class _Session:
 
     def _room_again(self) -> bool:
         self._retry_at = self._now + _SYNC_NS
-        if shutil.disk_usage(self._folder).free < _ROOM_TO_GO_ON:
+        if shutil.disk_usage(self._folder).free < _RESUME_BYTES:
             return False
         self._end_of_loss()
         self._retry_at = 0

@@ -39,7 +39,7 @@ from mimics_app.recording.run_folder import FILES, write_atomically
 from mimics_app.recording.signals import decode_signals, signals_schema
 from mimics_app.recording.trial_table import read_table, table_text
 from mimics_app.recording.trip_log import complete_trips
-from mimics_app.recording.verdict import Verdict, judge
+from mimics_app.recording.verdict import Verdict, evaluate
 
 __all__ = ["Recovery", "recover"]
 
@@ -78,7 +78,7 @@ def recover(folder: Path) -> Recovery:
         _attempt(
             FILES["manifest"], lambda where: _seal(where, before, [*losses, *unwritten]), folder, repaired, unwritten
         )
-    verdict = judge(Run.open(folder))
+    verdict = evaluate(Run.open(folder))
     verdict = replace(
         verdict,
         problems=tuple(dict.fromkeys([*verdict.problems, *unwritten])),

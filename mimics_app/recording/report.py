@@ -43,7 +43,7 @@ from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import FILES, write_atomically
 from mimics_app.recording.session_totals import session_totals
 from mimics_app.recording.trips import TripReader
-from mimics_app.recording.verdict import judge
+from mimics_app.recording.verdict import evaluate
 
 __all__ = ["Page", "page_of", "write_report"]
 
@@ -188,7 +188,7 @@ def page_of(run: Run, sections: Sequence[ReportSection]) -> Page:
         status=_BADGES.get(run.status, f"recording {run.status}"),
         tone={"clean": "good", "open": "bad"}.get(run.status, "warn"),
         line=_head_line(run),
-        problems=list(judge(run).problems),
+        problems=list(evaluate(run).problems),
         cards={name: text for name, text in _cards(run, attempts, section).items() if text != NONE},
         counted=str(task.get("counted", COUNTED_TRIALS)) if (task := session_totals(run.summary, run.trials)) else "",
         front=front_of(run),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from mimics_app.recording.run import Run, ending
 
-__all__ = ["Verdict", "judge"]
+__all__ = ["Verdict", "evaluate"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +41,7 @@ class Verdict:
         return tuple(sentence for sentence in self.problems if sentence != ending(self.status))
 
 
-def judge(run: Run) -> Verdict:
+def evaluate(run: Run) -> Verdict:
     """Return the verdict on the present files of a run."""
     found = [*run.problems(), *run.disagreements()]
     trouble = run.manifest.problem if run.manifest else ""

@@ -294,13 +294,13 @@ def ball_motion(since_s: float, until_s: float) -> tuple[float, float]:
     """
     whole = max(since_s + until_s, 1e-9)
     fall_s = min(_FALL_S, _QUICK * whole)
-    gap = _HOVER * _eased(min(abs(since_s), abs(until_s)) / fall_s)
+    gap = _HOVER * _smoothed(min(abs(since_s), abs(until_s)) / fall_s)
     if math.isinf(since_s):
         return 1.0, gap
-    return _eased((since_s - fall_s) / (whole - 2.0 * fall_s)), gap
+    return _smoothed((since_s - fall_s) / (whole - 2.0 * fall_s)), gap
 
 
-def _eased(share: float) -> float:
+def _smoothed(share: float) -> float:
     """Return a smooth step from 0 to 1, with zero slope at both ends."""
     share = min(max(share, 0.0), 1.0)
     return share * share * (3.0 - 2.0 * share)

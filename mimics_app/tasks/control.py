@@ -106,9 +106,9 @@ class Approach:
         self.announced_s = 0.0
         self._set_out = False
 
-    def begin(self, *, told: bool) -> None:
-        """Begin an approach; `told`: its drive was announced before."""
-        self.announced_s = 0.0 if told else self._announce_s
+    def begin(self, *, announced: bool) -> None:
+        """Begin an approach; `announced`: its drive was announced before."""
+        self.announced_s = 0.0 if announced else self._announce_s
         self._set_out = False
         self._arrival.restart()
 

@@ -39,14 +39,14 @@ def what_happened(
         limb: Name of the first point of contact, e.g. "hand".
     """
     finished = row["outcome"] == FINISHED
-    told = next((words for play in reversed(plays) if (words := play.told(row, finished=finished))), "")
+    outcome = next((words for play in reversed(plays) if (words := play.outcome_words(row, finished=finished))), "")
     if not finished:
-        told = told if acted else f"the {limb} did nothing"
-        return f"Time is over: {told}" if told else "Time is over"
+        outcome = outcome if acted else f"the {limb} did nothing"
+        return f"Time is over: {outcome}" if outcome else "Time is over"
     if any(isinstance(goal, DurationGoal) for goal in goals):
-        return f"Time is over: {told or _moved(row, limb)}"
+        return f"Time is over: {outcome or _moved(row, limb)}"
     aim = "Point" if all(isinstance(goal, PointGoal) for goal in goals) else "Goal"
-    return told or f"{aim} reached in {_number(row, 'time_s'):.1f} s"
+    return outcome or f"{aim} reached in {_number(row, 'time_s'):.1f} s"
 
 
 def _moved(row: Mapping[str, object], limb: str) -> str:

@@ -147,7 +147,7 @@ class Steering:
             hint = nearest(name, self._space.names) if len(self._space) else "this task has none"
             return _refused(f'there is no adaptable parameter "{name}"; {hint}')
         if not math.isfinite(command.value):
-            return _refused(f"{command.value} is no value")
+            return _refused(f'the value of "{name}" must be finite, not {command.value}')
         return self._override({name: command.value})
 
     def _set_assistance(self, command: SetAssistance) -> Reply:

@@ -269,12 +269,12 @@ class TaskManager:
             self._result = self._attempts.trial_result(values, seen.now_ns)
 
     def _enter(self, state: TrialState, seen: Observation) -> None:
-        told = self.state is TrialState.REST  # that the robot will move, for some seconds
+        announced = self.state is TrialState.REST  # that the robot will move, for some seconds
         self.state, self._entered_ns = state, seen.now_ns
         self._control.enter(state, seen.q)
         if state is TrialState.APPROACH:
             self._begin_attempt(seen.now_ns)
-            self._approach.begin(told=told)
+            self._approach.begin(announced=announced)
             self._approach.drive(seen, 0.0)
         elif state is TrialState.TRAVEL:
             self._goals.restart()

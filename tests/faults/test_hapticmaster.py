@@ -194,7 +194,7 @@ def test_the_end_of_the_program_stops_a_machine_that_would_keep_its_bias_force()
     with hapticmaster_rig() as rig:
         bench = _bench(rig)
         assert _force(_in_contact(rig, bench))[-1] > 4.0
-        rig.emulator.model.let_go = lambda: None
+        rig.emulator.model.release = lambda: None
         with rig.attended():
             bench.engine.stop()
         assert rig.emulator.model.state == "stop"

@@ -347,5 +347,5 @@ def pipe(tmp_path):
 )
 def test_pipe_instead_of_a_file_is_refused_at_once(pipe, name, read):
     os.mkfifo(pipe / name)
-    with pytest.raises(SceneError, match=r"not a regular file|there is no such scene"):
+    with pytest.raises(SceneError, match=r"not a regular file|scene not found"):
         read(pipe / name)

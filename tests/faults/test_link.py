@@ -1,14 +1,14 @@
-"""The link of a device: the keeper leaves a descriptor alone that the loop is taking at the same moment."""
+"""The link of a device: the supervisor leaves a descriptor alone that the loop is taking at the same moment."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.rendering.haptic.devices.link import LINK_LENGTH, LinkKeeper, drop_link, link_words, take_link
+from mimics_app.rendering.haptic.devices.link import LINK_LENGTH, LinkSupervisor, drop_link, link_words, take_link
 
 
 class Racing:
-    """Words of a link that the loop takes right after the keeper has read one of them."""
+    """Words of a link that the loop takes right after the supervisor has read one of them."""
 
     def __init__(self, words: np.ndarray) -> None:
         self._words = words
@@ -31,19 +31,19 @@ def test_a_failure_of_the_system_is_reported_and_tried_again():
         return 7, lambda: None
 
     memory = np.zeros(LINK_LENGTH)
-    keeper = LinkKeeper(memory, open_line, "a device")
-    keeper._ended.set()
-    keeper._thread.join()
+    supervisor = LinkSupervisor(memory, open_line, "a device")
+    supervisor._ended.set()
+    supervisor._thread.join()
     words = link_words(memory)
     take_link(words)
     drop_link(words)
-    keeper.look()
-    assert "is gone: no force" in keeper.trouble() and "out of descriptors" in keeper.trouble()
-    keeper.look()
-    assert keeper.trouble() == "" and take_link(words) == (7, True)
+    supervisor.look()
+    assert "is gone: no force" in supervisor.trouble() and "out of descriptors" in supervisor.trouble()
+    supervisor.look()
+    assert supervisor.trouble() == "" and take_link(words) == (7, True)
 
 
-def test_a_descriptor_taken_while_the_keeper_looks_stays_open():
+def test_a_descriptor_taken_while_the_supervisor_looks_stays_open():
     opened: list[int] = []
     closed: list[int] = []
 
@@ -52,11 +52,11 @@ def test_a_descriptor_taken_while_the_keeper_looks_stays_open():
         return 7, lambda: closed.append(7)
 
     memory = np.zeros(LINK_LENGTH)
-    keeper = LinkKeeper(memory, open_line, "a device")
-    keeper._ended.set()
-    keeper._thread.join()
+    supervisor = LinkSupervisor(memory, open_line, "a device")
+    supervisor._ended.set()
+    supervisor._thread.join()
     words = link_words(memory)
-    keeper._words = Racing(words)  # type: ignore[assignment]
-    keeper.look()
+    supervisor._words = Racing(words)  # type: ignore[assignment]
+    supervisor.look()
     assert take_link(words) == (7, False)
     assert (opened, closed) == ([7], [])

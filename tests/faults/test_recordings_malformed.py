@@ -22,7 +22,7 @@ from mimics_app.recording.replay import gather
 from mimics_app.recording.report import page_of, write_report
 from mimics_app.recording.run import Run
 from mimics_app.recording.statics import Statics, read_statics, write_statics
-from mimics_app.recording.verdict import Verdict, judge
+from mimics_app.recording.verdict import Verdict, evaluate
 from mimics_app.tasks.kinds.registry import report_sections
 from tests.support.full_disk import largest_file
 from tests.support.recording_mutations import FILES, SEALED, copy_run, mutate
@@ -51,7 +51,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     summary = {"recipe": "fifo", "task": {"completed": 1, "trials": 2, "score": 66.2, "path_error_m": 0.0081},
                "governor": {"moves": 2, "frame_ms": {"p50": 4.0}, "shares": {"full": 0.9}}}  # fmt: skip
     (folder / "manifest.json").write_text(json.dumps({**manifest, "status": "clean", "lost": [], "summary": summary}))
-    assert judge(Run.open(folder)).whole
+    assert evaluate(Run.open(folder)).whole
     return folder
 
 
@@ -119,7 +119,7 @@ def _check(whole: Path, folder: Path, seed: int) -> bool:
 
 
 def _judged(folder: Path, *, report: bool) -> Verdict:
-    verdict = judge(Run.open(folder))
+    verdict = evaluate(Run.open(folder))
     if report:
         assert tuple(page_of(Run.open(folder), report_sections()).problems) == verdict.problems
         write_report(folder, report_sections())
@@ -130,7 +130,7 @@ def _recovered(folder: Path, *, again: bool) -> None:
     losses = Run.open(folder).losses()
     verdict = recover(folder).verdict
     assert set(losses) <= set(verdict.problems), "recover forgot a loss"
-    assert judge(Run.open(folder)) == verdict, "verify and recover say the same"
+    assert evaluate(Run.open(folder)) == verdict, "verify and recover say the same"
     if again:
         assert recover(folder) == Recovery((), verdict), "nothing is left to repair"
 
@@ -243,7 +243,7 @@ def test_rows_cut_off_a_closed_run_are_counted_and_stay_counted(whole: Path, tmp
     os.truncate(folder / "haptic.arrows", offset)
     with (folder / "trials.csv").open("a") as file:
         file.write("torn")
-    assert "the last 150 ticks are missing" in judge(Run.open(folder)).problems
+    assert "the last 150 ticks are missing" in evaluate(Run.open(folder)).problems
     assert "the last 150 ticks are missing" in recover(folder).verdict.problems
 
 
@@ -259,7 +259,7 @@ def test_cut_end_of_an_open_run_is_counted_in_ticks_and_seconds(whole: Path, tmp
     assert "at least 1300 ticks (1.300 s) after tick 199 are missing" in losses
     assert f"haptic.arrows: {length // 2} bytes at {offset} are no good block: it is cut off or overwritten" in losses
     assert len(losses) == 3, "the third: the run is recovered"
-    assert judge(Run.open(folder)).problems == losses
+    assert evaluate(Run.open(folder)).problems == losses
 
 
 def _lines(capsys: pytest.CaptureFixture[str], *arguments: str) -> list[list[str]]:
@@ -309,7 +309,7 @@ def test_pipe_in_the_place_of_a_file_is_not_missing_too(whole: Path, tmp_path: P
         (folder / name).unlink()
         os.mkfifo(folder / name)
     with _patience():
-        problems = judge(Run.open(folder)).problems
+        problems = evaluate(Run.open(folder)).problems
     for name in ("haptic.arrows", "haptic.arrows.idx"):
         assert [problem for problem in problems if problem.startswith(f"{name} ")] == [
             f"{name} cannot be read: not a regular file (a pipe, a socket or a device)"

@@ -20,7 +20,7 @@ from tests.support.device_rig import Rig, pushed_serial_rig, serial_rig
 from tests.support.haptic_bench import PUSH, Bench, bench_of
 
 PATIENCE = 20_000
-"""Steps in which the keeper thread, which looks ten times a second, must have opened the line again."""
+"""Steps in which the supervisor thread, which looks ten times a second, must have opened the line again."""
 
 
 ROWS = 256

@@ -34,5 +34,5 @@ def test_a_scene_is_shown_as_it_was_written(name):
 
 def test_a_shipped_scene_is_found_by_its_name_and_a_wrong_name_is_reported():
     assert open_shown(Path("wavy_tunnel")).scene.name == "wavy_tunnel"
-    with pytest.raises(SceneError, match="there is no such scene"):
+    with pytest.raises(SceneError, match="scene not found"):
         open_shown(Path("wavy_tunel"))

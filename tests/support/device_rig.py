@@ -43,7 +43,7 @@ class Rig:
 
     def step(self) -> None:
         self.emulator.step()
-        if self._plug_wanted:  # the keeper's greeting may come at any moment
+        if self._plug_wanted:  # the supervisor's greeting may come at any moment
             self.emulator.greet()
 
     def spoil(self, what: str) -> None:

@@ -156,5 +156,5 @@ def test_what_ogre_does_not_say_is_not_measured(harness, program):
 
 
 def test_a_scene_that_is_not_there_is_refused():
-    with pytest.raises(SceneError, match="no such scene"):
+    with pytest.raises(SceneError, match="scene not found"):
         frame_bench.measure_frames([Path("nowhere")], (64, 36), "egl", 1.0, lambda _: None)

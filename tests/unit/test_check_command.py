@@ -116,7 +116,7 @@ def test_what_is_likely_not_meant_is_pointed_at(tmp_path, capsys):
     assert main(["check", str(write(tmp_path, {**scene(robot, wide, far, heard), **room}))]) == 0
     told = capsys.readouterr().out
     assert '"wide" is 80 m wide; lengths are metres (line 1, ' in told
-    assert '"far" is 100.0 m' in told and "it cannot be felt" in told
+    assert '"far" is 100.0 m' in told and "out of its reach" in told
     assert 'did you mean "contact"' in told
     assert told.count("components/haptic_object") == 2
 

@@ -315,7 +315,7 @@ def test_value_that_cannot_be_is_named_without_names_of_the_code(
 def test_scene_that_is_not_there_is_a_fault_of_the_file(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main([name, "nowhere/none.json"]) == 3
     said = capsys.readouterr().err
-    assert "there is no such scene; mimics scenes lists those that are shipped" in said
+    assert "scene not found; mimics scenes lists those that are shipped" in said
 
 
 def test_recipes_offered_are_those_the_scheduler_knows() -> None:

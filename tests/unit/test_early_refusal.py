@@ -19,13 +19,13 @@ from mimics_app.contracts.system.resources import root
 
 HEAVY = {"numba", "moderngl", "glfw"}
 REFUSED = (
-    ("run scenes/nowhere.json", 3, "there is no such scene"),
+    ("run scenes/nowhere.json", 3, "scene not found"),
     ("run --device simulated_haptcmaster", 4, 'did you mean "simulated_hapticmaster"'),
     ("run --device pointer:COM3", 4, "has no address"),
     ("run --device serial:/dev/nowhere@9600", 4, "/dev/nowhere cannot be opened: nothing is there"),
     ("run --device hapticmaster:127.0.0.1:1", 4, "no HapticMaster at 127.0.0.1:1"),
     ("run --physio serial:/dev/nowhere", 4, '"/dev/nowhere" cannot be opened: nothing is there'),
-    ("run --physio file:nowhere.csv", 3, "nowhere.csv: there is no such file"),
+    ("run --physio file:nowhere.csv", 3, "nowhere.csv: no such file"),
     ("run --runs /dev/null/runs", 3, "a run folder cannot be created here: /dev/null is not a folder"),
     ("run --runs /proc/nope", 3, "a run folder cannot be created here"),
     ("run --video /proc/nope/x.mp4", 3, "/proc/nope/x.mp4: cannot be written"),
@@ -37,7 +37,7 @@ REFUSED = (
     ("assets levels assets/models/touch/bowl.glb --out /proc/nope", 3, "/proc/nope: cannot be written"),
     ("avatar import nowhere.glb", 3, "nowhere.glb: no such file"),
     ("physio sim:severre", 2, 'did you mean "severe"'),
-    ("physio nowhere.csv", 3, "nowhere.csv: there is no such file"),
+    ("physio nowhere.csv", 3, "nowhere.csv: no such file"),
     ("physio sim --page /proc/nope/x.html", 3, "/proc/nope/x.html: cannot be written"),
     ("devices emulate nowhere", 2, 'there is no emulator of "nowhere"'),
     ("run --participant Anna", 2, "this looks like a name"),
@@ -51,10 +51,10 @@ REFUSED = (
     ("run --learn kalman --goal succes", 2, 'unknown goal "succes"'),
     ("run --learn kalman --goal arousal:-0.2:0.3", 2, "these can: linucb, thompson"),
     ("run --physio sim --estimator ldaa", 2, 'did you mean "lda"'),
-    ("render nowhere", 3, "there is no such scene"),
-    ("explain nowhere", 3, "there is no such scene"),
-    ("check nowhere.json", 3, "there is no such scene"),
-    ("view nowhere.json --headless", 3, "there is no such scene"),
+    ("render nowhere", 3, "scene not found"),
+    ("explain nowhere", 3, "scene not found"),
+    ("check nowhere.json", 3, "scene not found"),
+    ("view nowhere.json --headless", 3, "scene not found"),
     ("view nowhere.glb", 3, "nowhere.glb: no such file"),
     ("view scenes/pick_and_place.json --motion nowhere.bvh", 3, "nowhere.bvh: no such file"),
     ("view scenes/pick_and_place.json", 4, "the viewer needs a display"),
@@ -130,7 +130,7 @@ def test_a_run_says_on_a_terminal_at_once_what_it_loads(monkeypatch: pytest.Monk
     monkeypatch.setattr(sys, "stderr", stream)
     assert main(["run", "scenes/nowhere.json"]) == 3
     assert stream.getvalue().startswith("mimics: loading nowhere: touch, sound, picture\n") == stream.isatty()
-    assert "there is no such scene" in stream.getvalue()
+    assert "scene not found" in stream.getvalue()
 
 
 @pytest.mark.parametrize("command", FAULTY)

@@ -23,7 +23,7 @@ from mimics_app.recording.recover import recover
 from mimics_app.recording.replay import compare, gather
 from mimics_app.recording.report import page_of, write_report
 from mimics_app.recording.run import Run
-from mimics_app.recording.verdict import judge
+from mimics_app.recording.verdict import evaluate
 from mimics_app.rendering.haptic.object_statics import ObjectStatics
 from mimics_app.rendering.haptic.replay import replay_run
 from mimics_app.tasks.kinds.registry import report_sections
@@ -43,7 +43,7 @@ def test_there_are_four_and_all_are_small() -> None:
 @pytest.mark.parametrize("folder", FROZEN, ids=lambda folder: folder.name)
 def test_frozen_recording_is_whole(folder: Path) -> None:
     run = Run.open(folder)
-    assert judge(run).whole
+    assert evaluate(run).whole
     assert "of another version" in " ".join(run.notes())
     assert run.status == "clean" and not COLUMNS & set(run.layout.absent)
     assert np.array_equal(run.haptic["tick"], np.arange(300)) and run.haptic["t"][-1] == pytest.approx(0.299)

@@ -66,7 +66,7 @@ def test_the_task_says_what_happened():
 
 
 class Told(KindPlay):
-    def told(self, row: Any, *, finished: bool) -> str:
+    def outcome_words(self, row: Any, *, finished: bool) -> str:
         return "It is there" if finished else "it is not there"
 
 
@@ -111,4 +111,4 @@ def test_every_kind_has_words_for_both_ends():
             continue  # its goal is a goal, and its own words are of the time that is over
         module = __import__(type(kind).__module__, fromlist=["x"])
         plays = [part for part in vars(module).values() if isinstance(part, type) and issubclass(part, KindPlay)]
-        assert any("told" in vars(play) for play in plays), kind.name
+        assert any("outcome_words" in vars(play) for play in plays), kind.name

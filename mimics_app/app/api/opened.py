@@ -46,7 +46,7 @@ _NOT_HERE = {"scene", "headless", "journey", "video", "pictures", "recipe"}
 _OF_WINDOW = {"display", "size", "quality"}
 _AS_OBJECTS = {"learn": "policy", "device": "device"}
 """Settings that may be objects instead of names, and what `Given` calls them."""
-_HEARD_S = 60.0
+_MIXED_S = 60.0
 """Time of sound that is kept for `sound` [s]."""
 _open: list[Path] = []
 """Scene that is open in this process; one at a time, since the loop's work is one per process."""
@@ -98,12 +98,12 @@ class Opened:
         self._edits, self._settings, self._given, self._window = SceneEdits(scene), settings, given, window
         self._session: Session | None = None
         self._listeners: list[Callable[[Trial], None]] = []
-        self._told, self._reset_at = 0, -1
+        self._reported, self._reset_at = 0, -1
         self._picture: Picture | None = None
         self._size = (0, 0)
         self._result: dict[str, Any] = {}
         self._waiting: dict[int, Sent] = {}
-        self._heard: deque[NDArray[np.float32]] = deque()
+        self._mixed: deque[NDArray[np.float32]] = deque()
         self._live: LiveFrames | None = None
         self._closed = False
         _open.append(settings.scene)
@@ -166,7 +166,7 @@ class Opened:
             self._live.run(self._frames, lambda _: self._tell(), lambda: session.clock.now_ns() >= until)
             return
         for _ in range(max(1, round(seconds * FRAMES_PER_SECOND))):
-            if self._may_not_go_on():
+            if self._is_over():
                 return
             self._frames.advance_frame()
             self._tell()
@@ -174,7 +174,7 @@ class Opened:
     def run(self) -> dict[str, Any]:
         """Play until the session is over, or for its `seconds`; close, and return the result of `mimics run --json`."""
         limit_s = self._settings.seconds
-        while not self._may_not_go_on() and (limit_s is None or self.time_s < limit_s):
+        while not self._is_over() and (limit_s is None or self.time_s < limit_s):
             self.step(1.0 if self._live is not None else 1.0 / FRAMES_PER_SECOND)
         self.close()
         return self._result
@@ -229,8 +229,8 @@ class Opened:
         """
         if not self._hears:
             raise UsageError("there is no sound to return", 'open the scene with sound="auto", without a window')
-        blocks = list(self._heard)
-        self._heard.clear()
+        blocks = list(self._mixed)
+        self._mixed.clear()
         return np.concatenate(blocks) if blocks else np.zeros((0, 2), np.float32)
 
     def close(self) -> None:
@@ -292,7 +292,7 @@ class Opened:
         manifest = session.finish(summary)
         self._result = {**summary, "state_hash": manifest.state_hash}
 
-    def _may_not_go_on(self) -> bool:
+    def _is_over(self) -> bool:
         """Whether the session is over: a stop may still be left by a command that waits."""
         return self.done and not self._waiting
 
@@ -303,10 +303,10 @@ class Opened:
             if answer.done and isinstance(sent.command, Reset):
                 self._reset_at = self._frames.number
         rows = self._begun.tasks.rows
-        for row in rows[self._told :]:
+        for row in rows[self._reported :]:
             for listener in self._listeners:
                 listener(dict(row))
-        self._told = len(rows)
+        self._reported = len(rows)
 
     def _listen(self, session: Session) -> bool:
         """Keep what is mixed from now on; return whether anything is."""
@@ -318,12 +318,12 @@ class Opened:
         output = session.sound.output if isinstance(session.sound, SoundStage) else None
         if not isinstance(output, OfflineAudio) or output.ready is None or not output.ready.rate:
             return False
-        most = round(_HEARD_S * output.ready.rate)
+        most = round(_MIXED_S * output.ready.rate)
 
         def keep(block: NDArray[np.float32]) -> None:
-            self._heard.append(block.copy())
-            while sum(map(len, self._heard)) > most:
-                self._heard.popleft()
+            self._mixed.append(block.copy())
+            while sum(map(len, self._mixed)) > most:
+                self._mixed.popleft()
 
         output.listener = keep
         return True

@@ -125,7 +125,7 @@ def _measure(scene: Path, fault: Fault, seed: int) -> _Outcome:
         fault.begin(core, device)
         samples = np.concatenate([_samples_of_frame(frames, reader) for _ in range(_AFTER_FRAMES)])
         limit = float(core.parameter_store.block["force_limit"][0])
-    return _judge(samples, limit, messages)
+    return _evaluate(samples, limit, messages)
 
 
 def _press(frames: Frames, scene: Path) -> None:
@@ -146,7 +146,7 @@ def _samples_of_frame(frames: Frames, reader: RingReader) -> Records:
     return samples
 
 
-def _judge(samples: Records, limit: float, messages: list[str]) -> _Outcome:
+def _evaluate(samples: Records, limit: float, messages: list[str]) -> _Outcome:
     force = np.linalg.norm(samples["f_user_world"].reshape(len(samples), -1), axis=1)
     felt = np.flatnonzero(force)
     latched = samples["state"][-1] in (SafetyState.SAFE_STOP, SafetyState.E_STOP)

@@ -118,10 +118,10 @@ def _walk() -> tuple[Scene, World, Callable[[float], None]]:
     start = np.array(Walk.start)
 
     def move(time_s: float) -> None:
-        glance = _GAZE_ANGLE * math.sin(2.0 * math.pi * time_s / _GAZE_PERIOD_S)
+        gaze = _GAZE_ANGLE * math.sin(2.0 * math.pi * time_s / _GAZE_PERIOD_S)
         place = start - (0.0, 0.0, _SPEED * time_s % _STREET)
         camera.set_position(place)
-        camera.look_at(place + _DISTANCE * np.array([math.sin(glance), 0.02, -math.cos(glance)]))
+        camera.look_at(place + _DISTANCE * np.array([math.sin(gaze), 0.02, -math.cos(gaze)]))
         walk.world.update()
 
     return walk.scene, walk.world, move

@@ -45,17 +45,17 @@ class People(Walk):
         self._full = full
         folder = root() / "assets" / "models" / "avatars"
         prefabs = [load_person(file, full=full) for file in sorted(folder.glob("*.glb"))]
-        world, chance = self.world, np.random.default_rng(1)
+        world, rng = self.world, np.random.default_rng(1)
         self._people, self._starts, self._directions = [], [], []
         for number, prefab in zip(range(count), cycle(prefabs), strict=False):
             side = _SIDES[number % 2]
-            place = np.array([side + chance.uniform(-0.9, 0.9), _KERB, _FIRST - _APART * (number // 2)])
+            place = np.array([side + rng.uniform(-0.9, 0.9), _KERB, _FIRST - _APART * (number // 2)])
             direction = -1.0 if number % 3 else 1.0  # most move in the direction of the camera
             person = world.root.create_child(f"person {number}", place)
             person.set_orientation(quat.about_axis((0.0, 1.0, 0.0), math.pi if direction < 0.0 else 0.0))
             prefab.instantiate(world, person)
             animator = world.motion.animators[person.index]
-            animator.play(_CLIP, at=float(chance.uniform(0.0, animator.clips[_CLIP].duration)))
+            animator.play(_CLIP, at=float(rng.uniform(0.0, animator.clips[_CLIP].duration)))
             self._people.append(person)
             self._starts.append(place)
             self._directions.append(direction)

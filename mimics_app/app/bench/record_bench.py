@@ -71,13 +71,13 @@ def measure_record(scene: Path, kills: int, report: Callable[[str], None]) -> di
     """
     if not Path("/proc/self/fd").is_dir():
         raise UsageError("the memory of a killed session is readable on Linux only", "run it on Linux")
-    chance = random.Random(1)
+    rng = random.Random(1)
     rows: dict[str, list[_Killed]] = {}
     for kind in _KINDS:
         rows[kind] = []
         for number in range(kills):
             report(f"record: {kind} killed, {number + 1} of {kills}")
-            rows[kind].append(_kill_one(scene, kind, chance.uniform(_FIRST_S, _LAST_S)))
+            rows[kind].append(_kill_one(scene, kind, rng.uniform(_FIRST_S, _LAST_S)))
     together = _summary([row for kind in _KINDS for row in rows[kind]])
     return {**together, "rows": [{"killed": kind, **_summary(rows[kind])} for kind in _KINDS]}
 

@@ -39,7 +39,7 @@ _SIZE = (640, 360)
 """Size of the picture [px]."""
 
 
-class _Keeper(NullRecorder):
+class _MemoryRecorder(NullRecorder):
     """Recorder in memory: parameter blocks with their tables by sequence number, and the samples of each frame."""
 
     def __init__(self, memory: SessionMemory) -> None:
@@ -81,7 +81,7 @@ class WholePlay:
         self._frames.play_to_start()
         for _ in range(frames):
             self._frames.advance_frame()
-        self._samples = np.concatenate([*self._keeper.batches, self._keeper.samples()])
+        self._samples = np.concatenate([*self._recorder.batches, self._recorder.samples()])
         statics = self._core.side.statics
         self._statics = ObjectStatics.from_arrays(statics.arrays, statics.fields)
 
@@ -95,7 +95,7 @@ class WholePlay:
         """Return the cost of a tick [us], simulated robot and person included: the smallest mean of long calls."""
         means = []
         for _ in range(_CALLS):
-            self._keeper.samples()
+            self._recorder.samples()
             started = self._clock.now_ns()
             self._core.haptics.advance(_TICKS)
             means.append((self._clock.now_ns() - started) * 1e-3 / _TICKS)
@@ -130,7 +130,7 @@ class WholePlay:
         The values that the methods set are those that differ between the two first parameter blocks and tables: they
         replace this play's own, and its ticks are simulated again.
         """
-        ours, theirs = self._keeper, other._keeper
+        ours, theirs = self._recorder, other._recorder
         first, changed = min(ours.blocks), min(theirs.blocks)
         blocks = {
             number: _laid_over(block, ours.blocks[first], theirs.blocks[changed])
@@ -141,13 +141,13 @@ class WholePlay:
         apart = np.linalg.norm(again["f_user_world"] - self._samples["f_user_world"], axis=1)
         return float(np.sqrt(np.mean(apart**2)))
 
-    def _rows_under(self, tables: Rows, theirs: _Keeper, first: int, changed: int) -> Rows:
-        pairs = zip(tables, self._keeper.rows[first], theirs.rows[changed], strict=True)
+    def _rows_under(self, tables: Rows, theirs: _MemoryRecorder, first: int, changed: int) -> Rows:
+        pairs = zip(tables, self._recorder.rows[first], theirs.rows[changed], strict=True)
         return Rows(*(_laid_over(*each) for each in pairs))
 
-    def _keep(self, memory: SessionMemory) -> _Keeper:
-        self._keeper = _Keeper(memory)
-        return self._keeper
+    def _keep(self, memory: SessionMemory) -> _MemoryRecorder:
+        self._recorder = _MemoryRecorder(memory)
+        return self._recorder
 
 
 def _laid_over(records: NDArray[Any], first: NDArray[Any], changed: NDArray[Any]) -> NDArray[Any]:

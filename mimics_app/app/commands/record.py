@@ -39,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Show, repair or verify; exit code 6 when parts of the recording are missing, damaged or changed."""
     from mimics_app.recording.run import Run
-    from mimics_app.recording.verdict import judge
+    from mimics_app.recording.verdict import evaluate
 
     if args.action == "export":
         return _export(args, Run.open(args.folder))
@@ -52,7 +52,7 @@ def run(args: argparse.Namespace) -> int:
         repaired = {"repaired": list(recovery.repaired)}
     else:
         opened = Run.open(args.folder)
-        verdict = judge(opened)
+        verdict = evaluate(opened)
     found = {**_describe(opened), **repaired}
     if args.action == "verify":
         found["verified"] = opened.manifest is not None and verdict.whole

@@ -96,7 +96,7 @@ def run(args: argparse.Namespace) -> int:
     check_camera(args.camera, read)
     say_if_cold()
     if args.audio is not None:
-        return _hear(args, settings, read)
+        return _render_sound(args, settings, read)
     from mimics_app.app.play.stills import draw_stills
 
     drawn = draw_stills(
@@ -130,7 +130,7 @@ def _light_line(light: SceneLight) -> str:
     return f"{light.scene}: {light.dark:.1%} dark, {light.bright:.1%} bright, shade keeps {shade}{kind}"
 
 
-def _hear(args: argparse.Namespace, settings: RunSettings, read: Scene) -> int:
+def _render_sound(args: argparse.Namespace, settings: RunSettings, read: Scene) -> int:
     """Write the sound of the play."""
     from mimics_app.app.play.heard import write_sound
 

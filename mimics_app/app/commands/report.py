@@ -19,14 +19,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Write RUN/report.html; 0, or 6 when parts of the recording are missing."""
     from mimics_app.recording.run import Run
-    from mimics_app.recording.verdict import judge
+    from mimics_app.recording.verdict import evaluate
 
     opened = Run.open(args.folder)
     from mimics_app.recording.report import write_report
     from mimics_app.tasks.kinds.registry import report_sections
 
     report = write_report(args.folder, report_sections())
-    problems = list(judge(opened).problems)
+    problems = list(evaluate(opened).problems)
     counts = {"status": opened.status, "trials": len(opened.trials), "problems": problems}
     answer(args, {"report": report, **counts}, [str(report)])
     for problem in () if args.json else problems:

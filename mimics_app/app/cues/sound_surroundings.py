@@ -69,8 +69,8 @@ class SoundSurroundings:
 
     def room(self, world: World, head: F8) -> tuple[float, float]:
         """Return level and decay time [s] of the reverberation at the listener, those of the loudest room."""
-        heard = [(_inside(world, name, room, head) * room.level, room.time) for name, room in self._rooms]
-        return max(heard, default=(0.0, 1.0))
+        reverbs = [(_inside(world, name, room, head) * room.level, room.time) for name, room in self._rooms]
+        return max(reverbs, default=(0.0, 1.0))
 
 
 def _inside(world: World, name: str, room: SoundRoom, head: F8) -> float:

@@ -86,7 +86,7 @@ def _out_of_reach(scene: Scene) -> list[Issue]:
         place = pose_of(scene, name)[0]
         away = float(np.linalg.norm(reach.from_world(place) - centre)) - _radius(scene, name, body)
         if away > _FARTHEST:
-            what = f'"{name}" is {away:.1f} m from where the robot is: it cannot be felt'
+            what = f'"{name}" is {away:.1f} m from where the robot is, out of its reach'
             found.append(scene.issue(pointer, what, "move it or the robot (robot_to_world)"))
     return found
 

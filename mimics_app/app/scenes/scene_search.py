@@ -33,9 +33,7 @@ def find_scene(path: Path) -> Path:
     names = [scene.name for scene in shipped_scenes()]
     close = get_close_matches(path.stem, names, n=1)
     hint = f'did you mean "{close[0]}"? ' if close else ""
-    raise SceneError(
-        Issue(str(path), "", "there is no such scene", f"{hint}mimics scenes lists those that are shipped")
-    )
+    raise SceneError(Issue(str(path), "", "scene not found", f"{hint}mimics scenes lists those that are shipped"))
 
 
 def find_file(path: Path) -> Path:

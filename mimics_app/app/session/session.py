@@ -86,8 +86,8 @@ class Session(SessionCore):
         status = report.status
         self.recorder.journal("audio", {"device": status.device, "sink": status.sink, "hrtf": status.hrtf})
         for row in report.rows:
-            heard = {"sample": row.onset_sample, "latency_ms": row.latency_ms}
-            self.recorder.journal("sound", {"sound": row.sound, "tick": row.tick, "t_ns": row.t_ns, **heard})
+            played = {"sample": row.onset_sample, "latency_ms": row.latency_ms}
+            self.recorder.journal("sound", {"sound": row.sound, "tick": row.tick, "t_ns": row.t_ns, **played})
         return report
 
     def finish(self, summary: dict[str, Any]) -> Manifest:

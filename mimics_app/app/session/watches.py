@@ -74,15 +74,15 @@ class TactileWatch:
 
     def __init__(self, recorder: RecorderPort, report: Callable[[str], None]) -> None:
         self._recorder, self._report = recorder, report
-        self._told: set[str] = set()
+        self._reported: set[str] = set()
 
     def take(self, lines: Sequence[Mapping[str, object]], now_ns: int) -> None:
         """Take the lines of a frame, see `Vibrators.step`."""
         for line in lines:
             self._recorder.journal("tactile", {"t_ns": now_ns, **line})
             problem = str(line.get("problem", ""))
-            if problem and problem not in self._told:
-                self._told.add(problem)
+            if problem and problem not in self._reported:
+                self._reported.add(problem)
                 self._report(problem)
 
 

@@ -53,18 +53,18 @@ class CompileLine:
         self._clock = clock
         self._tell = tell
         self._done = 0
-        self._begun_ns = self._said_ns = self._told_ns = clock.now_ns()
+        self._begun_ns = self._said_ns = self._reported_ns = clock.now_ns()
 
     def count(self) -> None:
         """Count a compiled function."""
         now_ns = self._clock.now_ns()
         if self._done == 0:
-            self._begun_ns = self._said_ns = self._told_ns = now_ns
+            self._begun_ns = self._said_ns = self._reported_ns = now_ns
         self._done += 1
         if now_ns - self._begun_ns < _SOON_NS:
             return
-        if self._tell is not None and now_ns - self._told_ns >= _NS:
-            self._told_ns = now_ns
+        if self._tell is not None and now_ns - self._reported_ns >= _NS:
+            self._reported_ns = now_ns
             self._tell(f"Compiling, once for this version: {self._text}")
         self._write(now_ns)
 

@@ -70,7 +70,7 @@ class BoardSource(LiveSignals):
     def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
         """Return the samples received since the last read; their times count from the first read."""
         rows = np.asarray(self._board.get_board_data(), float)
-        self._listen(now_ns, heard=rows.size > 0, source=f'the board "{self._name}"')
+        self._listen(now_ns, received=rows.size > 0, source=f'the board "{self._name}"')
         if rows.size == 0:
             return ()
         if self._start_ns is None:

@@ -168,7 +168,7 @@ class LiveSignals:
 
     def __init__(self) -> None:
         self.lost = ""
-        self._heard_ns = 0
+        self._received_ns = 0
         self._grids: dict[str, Grid] = {}
 
     @property
@@ -184,9 +184,9 @@ class LiveSignals:
     def feel(self, experience: Experience) -> None:
         """Do nothing: only simulated bodies react to the movement."""
 
-    def _listen(self, now_ns: int, *, heard: bool, source: str) -> None:
+    def _listen(self, now_ns: int, *, received: bool, source: str) -> None:
         """Note at a read whether there were samples: the source is lost where it is silent for too long."""
-        if heard:
-            self._heard_ns, self.lost = now_ns, ""
-        elif self._heard_ns and now_ns - self._heard_ns > _SILENT_NS:
+        if received:
+            self._received_ns, self.lost = now_ns, ""
+        elif self._received_ns and now_ns - self._received_ns > _SILENT_NS:
             self.lost = f"{source} is silent"

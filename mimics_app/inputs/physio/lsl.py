@@ -36,7 +36,7 @@ _AT_ONCE_S = 0.3
 
 _MOST = 4096
 """Samples taken in one read."""
-_GLANCE_S = 0.002
+_OFFSET_TIMEOUT_S = 0.002
 """Time-out of a clock offset within a session [s]."""
 _JUMP_S = 0.05
 """Step of the time stamps within samples that were taken together, beyond which they do not belong together [s]."""
@@ -87,7 +87,7 @@ class LslSource(LiveSignals):
         """Return the samples received since the last read."""
         if now_ns >= self._ask_ns:
             self._ask_ns = now_ns + _ASK_OFFSET_NS
-            self._measure_offset(_GLANCE_S)
+            self._measure_offset(_OFFSET_TIMEOUT_S)
         try:
             samples, times = self._inlet.pull_chunk(timeout=0.0, max_samples=_MOST)
         except self._pylsl.util.LostError:
@@ -95,7 +95,7 @@ class LslSource(LiveSignals):
             self._ended = True
         if self._ended:
             return ()
-        self._listen(now_ns, heard=bool(times), source=f'the LSL stream "{self._name}"')
+        self._listen(now_ns, received=bool(times), source=f'the LSL stream "{self._name}"')
         if not times:
             return ()
         return self._blocks(np.asarray(samples, float), np.asarray(times), now_ns)

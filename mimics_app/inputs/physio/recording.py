@@ -91,7 +91,7 @@ def reader_of(path: Path) -> Callable[[Path], list[Recorded]]:
         SceneError: The file is missing, or its format is not one of body signals.
     """
     if not path.exists():
-        raise SceneError(Issue(str(path), "", "there is no such file"))
+        raise SceneError(Issue(str(path), "", "no such file"))
     suffixes = [suffix.lower() for suffix in path.suffixes]
     if ".csv" in suffixes[-2:]:
         return _read_csv

@@ -62,7 +62,7 @@ class SerialAmplifier(LiveSignals):
         if (self._reader.rate, self._reader.channels) != self._header:
             self.lost = "the amplifier now states another rate or other channels; start the session again"
             return ()
-        self._listen(now_ns, heard=bool(pieces), source="the amplifier")
+        self._listen(now_ns, received=bool(pieces), source="the amplifier")
         # One piece after the other: whether the next one is accepted depends on the count of the last.
         return tuple(block for piece in pieces for good in self._accept(piece) for block in self._blocks(good, now_ns))
 

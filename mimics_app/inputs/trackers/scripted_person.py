@@ -35,8 +35,8 @@ def person_at(sensor: str, t_s: float, seed: int) -> tuple[tuple[float, float, f
     Returns:
         Position [m]; rotations about up, across and forward [deg].
     """
-    chance = np.random.default_rng((seed, PERSON_SENSORS.index(sensor)))
-    phase, rate = chance.uniform(0.0, 2.0 * math.pi, 6), chance.uniform(0.15, 0.45, 6)
+    rng = np.random.default_rng((seed, PERSON_SENSORS.index(sensor)))
+    phase, rate = rng.uniform(0.0, 2.0 * math.pi, 6), rng.uniform(0.15, 0.45, 6)
     wave = [math.sin(2.0 * math.pi * rate[i] * t_s + phase[i]) for i in range(6)]
     rest, sway, turn = _REST[sensor], _SWAY[sensor], _TURN_DEG[sensor]
     place = (rest[0] + sway * wave[0], rest[1] + 0.5 * sway * wave[1], rest[2] + sway * wave[2])

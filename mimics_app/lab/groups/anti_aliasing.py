@@ -85,10 +85,10 @@ def _card(angle: float, place: float = 0.0) -> World:
 def _boxes() -> World:
     """Return boxes at random positions, with a fixed seed."""
     world = World()
-    chance = np.random.default_rng(5)
+    rng = np.random.default_rng(5)
     world.set_material(Material("paint", "lit", (0.6, 0.3, 0.2, 1.0)))
     world.meshes["box"] = box(0.1, 0.1, 0.1)
-    for place, turn in zip(chance.uniform(-0.9, 0.9, (300, 3)), chance.normal(size=(300, 4)), strict=True):
+    for place, turn in zip(rng.uniform(-0.9, 0.9, (300, 3)), rng.normal(size=(300, 4)), strict=True):
         body = world.root.create_child("", place * (1.0, 0.55, 0.5), turn / np.linalg.norm(turn))
         body.create_entity("box", "paint")
     sun = world.root.create_child("sun", (0.4, 1.0, 0.8))

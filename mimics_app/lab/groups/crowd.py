@@ -79,15 +79,15 @@ class Crowd:
     def start(self) -> tuple[World, Callable[[int], View]]:
         """Return a new crowd, and a function that advances it by a frame and returns the view."""
         world = _plain()
-        chance = np.random.default_rng(3)
+        rng = np.random.default_rng(3)
         for number, prefab in zip(range(_PEOPLE), cycle(_prefabs(full=not self.levels)), strict=False):
             away = _NEAREST * (_FARTHEST / _NEAREST) ** (number / (_PEOPLE - 1))
-            place = np.array([chance.uniform(-0.6, 0.6) * away, 0.0, -away])
-            turn = 0.5 * chance.uniform(-math.pi, math.pi)
+            place = np.array([rng.uniform(-0.6, 0.6) * away, 0.0, -away])
+            turn = 0.5 * rng.uniform(-math.pi, math.pi)
             person = world.root.create_child(f"person {number}", place, (0.0, math.sin(turn), 0.0, math.cos(turn)))
             prefab.instantiate(world, person)
             animator = world.motion.animators[person.index]
-            animator.play(_CLIP, at=float(chance.uniform(0.0, animator.clips[_CLIP].duration)))
+            animator.play(_CLIP, at=float(rng.uniform(0.0, animator.clips[_CLIP].duration)))
         eye = np.array(_EYE)
         view = View(compose_look_at(eye, eye - (0, 0, 1.0)), (-_SIDE, _SIDE, -_UP, _UP), (0, 0, *_SIZE), 0.5, 200.0)
 

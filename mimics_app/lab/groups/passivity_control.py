@@ -171,10 +171,10 @@ def _shaking(force: F8, runs: list[tuple[int, int]]) -> float:
     frequency = np.fft.rfftfreq(len(force), _DT)
     spectrum[(frequency < _BAND[0]) | (frequency > _BAND[1])] = 0.0
     square = np.convolve(np.fft.irfft(spectrum, len(force)) ** 2, np.full(_WINDOW, 1.0 / _WINDOW))
-    heard = np.zeros(len(square), bool)
+    counted = np.zeros(len(square), bool)
     for begin, end in runs:
-        heard[begin + 2 * _WINDOW : end] = True
-    return float(np.sqrt(square[heard].max(initial=0.0)))
+        counted[begin + 2 * _WINDOW : end] = True
+    return float(np.sqrt(square[counted].max(initial=0.0)))
 
 
 def press(controller: str, stiffness: float) -> Press:

@@ -70,8 +70,8 @@ def _slope(state: F8, bend: float) -> F8:
 
 
 def _cost_us(distance: Distance, bend: float) -> float:
-    chance = np.random.default_rng(1)
-    ds, dt = chance.uniform(-20.0, 20.0, _VERTICES), chance.uniform(-np.pi, np.pi, _VERTICES)
+    rng = np.random.default_rng(1)
+    ds, dt = rng.uniform(-20.0, 20.0, _VERTICES), rng.uniform(-np.pi, np.pi, _VERTICES)
     return shortest_us(lambda: distance(ds, dt, bend, 0.0))
 
 

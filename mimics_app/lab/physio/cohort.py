@@ -79,12 +79,12 @@ def play_cohort(
         family: Family of the people.
         blind: Their bodies respond to a random quantity instead of the demand, as a control.
     """
-    people_rng, noise, chance = np.random.default_rng([seed, 160]).spawn(3)
+    people_rng, noise, choice_rng = np.random.default_rng([seed, 160]).spawn(3)
     traits = draw_traits(people_rng, n, family)
     people, policy = LatentPeople(traits, family), build()
     success = draw_success(people_rng, n)
     drift = people_rng.normal(0.0, _DRIFT, (2, n))
-    policy.begin(np.full(n, 0.5), chance)
+    policy.begin(np.full(n, 0.5), choice_rng)
     regret, demands = np.empty((trials, n)), np.empty((trials, n))
     for t in range(trials):
         demand = np.clip(policy.act().demand, 0.0, 1.0)

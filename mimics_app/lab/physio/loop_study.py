@@ -91,7 +91,7 @@ class _Person:
     """Session of one person."""
 
     def __init__(self, rng: np.random.Generator, kind: Kind, *, silent: bool, blind: bool) -> None:
-        who, self._chance, body, self._choice, self._felt = rng.spawn(5)
+        who, self._success_rng, body, self._choice_rng, self._blind_rng = rng.spawn(5)
         self._latent, self._blind = kind.people(who), blind
         while silent and self._latent.traits.more_responses[0] > 0.0:
             self._latent = kind.people(who)
@@ -100,26 +100,26 @@ class _Person:
     def play(self, policy: Policy, trials: int, *, sees: bool) -> F8:
         """Return the regret of each trial, shape [trials]; `sees`: signals are simulated and the load is estimated."""
         estimation = build_estimation(DEFAULT, _BASELINE_S) if sees else None
-        policy.begin(np.full(1, 0.5), self._choice)
+        policy.begin(np.full(1, 0.5), self._choice_rng)
         self._live(REST_S, np.nan, 0.0, estimation)
         regret = np.empty(trials)
         for t in range(trials):
             demand = np.clip(policy.act().demand, 0.0, 1.0)
             gap = self._latent.gap(demand)
             regret[t] = regret_of(gap)[0]
-            self._live(TRIAL_S, self._felt.uniform() if self._blind else float(demand[0]), POWER_W, estimation)
-            share = float(self._success.share(gap, self._chance)[0])
+            self._live(TRIAL_S, self._blind_rng.uniform() if self._blind else float(demand[0]), POWER_W, estimation)
+            share = float(self._success.share(gap, self._success_rng)[0])
             state = UserState(-1) if estimation is None else self._state_after(estimation, share)
             policy.learn(Outcome.of_one(float(demand[0]), share, state, float(success_reward(share))))
         return regret
 
-    def _live(self, seconds: int, felt: float, power: float, estimation: Estimation | None) -> None:
+    def _live(self, seconds: int, demand: float, power: float, estimation: Estimation | None) -> None:
         if estimation is not None:
-            for frame in self._session.live(seconds, felt, power):
+            for frame in self._session.live(seconds, demand, power):
                 estimation.update(frame)
             return
         for _ in range(seconds):
-            self._latent.step(1.0, np.array([felt]), np.array([power]), np.isfinite([felt]).astype(float))
+            self._latent.step(1.0, np.array([demand]), np.array([power]), np.isfinite([demand]).astype(float))
 
     def _state_after(self, estimation: Estimation, share: float) -> UserState:
         return estimation.update_from_result(TrialResult(0, self._session.now_ns + 1, "finished", share, share, False))

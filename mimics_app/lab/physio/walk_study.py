@@ -57,13 +57,13 @@ def walk_study(condition: str, people: int = 300, seed: int = 1, guide: Lesson |
 
 def _walk(condition: str, seed: list[int], lesson: Lesson | Deed) -> float:
     """Return the time to the goal [s], infinite where it was not reached."""
-    begins, steps, chance = np.random.default_rng(seed).spawn(3)
+    begins, steps, rng = np.random.default_rng(seed).spawn(3)
     alley = Alley()
     walker, guide = Walker(steps, alley), Guide(begins, alley, NEAREST[condition])
     always = int(lesson) if isinstance(lesson, Deed) else 0
     method: StepMethod = "fixed" if isinstance(lesson, Deed) else "random" if condition == "random" else "q"
-    table = StepValues(len(Deed), chance, method, always)
-    deeds = chance.permutation(len(Deed)) if lesson == "permuted" else np.arange(len(Deed))
+    table = StepValues(len(Deed), rng, method, always)
+    deeds = rng.permutation(len(Deed)) if lesson == "permuted" else np.arange(len(Deed))
     left, state = alley.left(walker.at), place_of(alley.observe(walker.at, guide.at))
     for step in range(1, round(_LIMIT_S / STEP_S) + 1):
         chosen, _ = table.choose(state)

@@ -28,8 +28,8 @@ _SEED = 15
 
 def dropping(share: float, seed: int = _SEED) -> Wakes:
     """Return the ticks of a loop that drops each with probability `share`."""
-    chance = np.random.default_rng(seed).random(round(_STROKE.seconds / PERIOD) + 1)
-    return wakes_without(chance < share, _STROKE.seconds)
+    draws = np.random.default_rng(seed).random(round(_STROKE.seconds / PERIOD) + 1)
+    return wakes_without(draws < share, _STROKE.seconds)
 
 
 def expected_needed(share: float) -> float:

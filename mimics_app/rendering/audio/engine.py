@@ -210,16 +210,16 @@ def open_device(settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engin
             from mimics_app.rendering.audio.pulse_stream import PulseStream
 
             stream = PulseStream(settings.rate, settings.period, clock, settings.channels)
-            return _play_on(stream, settings, bank, clock)
+            return _open_streamed(stream, settings, bank, clock)
     if settings.mixer == "spectral":
         from mimics_app.rendering.audio.openal_stream import OpenALStream
 
         context = OpenALContext(load_library(settings), settings.rate, False, 1, loopback=False)
-        return _play_on(OpenALStream(context), settings, bank, clock)
+        return _open_streamed(OpenALStream(context), settings, bank, clock)
     return _open_openal(settings, bank, clock)
 
 
-def _play_on(stream: SoundStream, settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engine:
+def _open_streamed(stream: SoundStream, settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engine:
     """Open the mixer that the settings name and play its blocks on a stream, which is closed where that fails."""
     try:
         mixer = open_mixer(settings, bank, clock, 0, 0, live=True)

@@ -60,7 +60,7 @@ class OfflineAudio:
             notice = f"{error}: sound is dropped; picture and touch run on"
             self._status = AudioStatus("none", "null", hrtf=False, rate=0, latency_ms=0.0, notice=notice)
             return
-        engine.listener = self._hear
+        engine.listener = self._keep_block
         self._engine, self._status = engine, engine.status
         if engine.mixer is not None:
             self._director = SoundDirector(self._memory, engine.mixer, bank, settings, self._clock)
@@ -97,7 +97,7 @@ class OfflineAudio:
             self._report = self._close()
         return self._report
 
-    def _hear(self, block: NDArray[np.float32]) -> None:
+    def _keep_block(self, block: NDArray[np.float32]) -> None:
         if self.listener is not None:
             self.listener(block)
 

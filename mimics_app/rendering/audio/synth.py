@@ -116,11 +116,11 @@ def synthesise_slip(rate: int = 48_000) -> F4:
     frequency = np.fft.rfftfreq(length, 1.0 / rate)
     spectrum *= frequency**2 / (frequency**2 + 300.0**2) / (1.0 + (frequency / 1400.0) ** 2)
     spectrum[0] = 0.0
-    rub = np.fft.irfft(spectrum, length)
-    rub /= np.abs(rub).max()
+    friction = np.fft.irfft(spectrum, length)
+    friction /= np.abs(friction).max()
     tone = np.sin(2.0 * np.pi * (520.0 * time - 900.0 * time * time))
     shape = np.sin(np.pi * np.minimum(time / 0.22, 1.0)) ** 1.5
-    sound = (0.7 * rub + 0.35 * tone) * shape
+    sound = (0.7 * friction + 0.35 * tone) * shape
     return _finish(sound - sound.mean() * shape / shape.mean(), peak=0.4)
 
 
@@ -177,8 +177,8 @@ def synthesise_scrape(rate: int = 48_000, seconds: float = 4.0, seed: int = 5) -
     hits = random.poisson(density) * random.exponential(1.0, length) * random.choice((-1.0, 1.0), length)
     rough = np.fft.irfft(np.fft.rfft(hits) * shape, length)
     rush = np.fft.irfft(shape * np.exp(1j * random.uniform(0.0, 2.0 * np.pi, len(frequency))), length)
-    rub = rough / rough.std() + _RUSH * rush / rush.std()
-    bounded = np.fft.rfft(np.tanh(rub / (_GIVES * rub.std()))) * rise
+    friction = rough / rough.std() + _RUSH * rush / rush.std()
+    bounded = np.fft.rfft(np.tanh(friction / (_GIVES * friction.std()))) * rise
     bounded[0] = 0.0
     return _finish(np.fft.irfft(bounded, length), peak=0.65)
 

@@ -300,7 +300,7 @@ class _LiveSession:
         self.engine.close()
         self._lost, self.engine = None, engine
         self._settings = replace(self._settings, file=unused_name(self._settings.file))
-        self._go_on()
+        self._resume()
 
     def _replace_output(self, why: str) -> None:
         """Close the failed output and continue with the file, or without sound if the file failed."""
@@ -311,9 +311,9 @@ class _LiveSession:
             self._lost = failed.bank if failed.live else None
             settings = self._settings if failed.live else replace(self._settings, sink="device", file=None)
             self.engine = fall_back(settings, failed.bank, self._clock, why)
-        self._go_on()
+        self._resume()
 
-    def _go_on(self) -> None:
+    def _resume(self) -> None:
         """Continue on a new output with the same master gain, and report its status."""
         if self.engine.mixer is not None:
             self.engine.mixer.master(self._gain)

@@ -202,7 +202,7 @@ class KindPlay:
         """Whether the condition of a trigger of this kind begins in this frame."""
         raise TypeError(f"{type(self).__name__} has no conditions")
 
-    def told(self, row: Mapping[str, object], *, finished: bool) -> str:
+    def outcome_words(self, row: Mapping[str, object], *, finished: bool) -> str:
         """Return in words how a travel ended, "" for the task's own words.
 
         Args:

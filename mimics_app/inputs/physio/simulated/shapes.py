@@ -91,11 +91,11 @@ _LETS_GO = 3.5
 """Time constants of the lung in an out-breath that is let go."""
 
 
-def _let_go(phase: F8) -> F8:
+def _released(phase: F8) -> F8:
     """Return a straight in-breath and a passive out-breath: the lung empties exponentially."""
     share = np.clip((phase - _IN) / (1.0 - _IN), 0.0, 1.0)
     out = (np.exp(-_LETS_GO * share) - np.exp(-_LETS_GO)) / (1.0 - np.exp(-_LETS_GO))
     return np.asarray(2.0 * np.where(phase < _IN, phase / _IN, out) - 1.0)
 
 
-BREATHS: Mapping[str, Breath] = {"rounded": _rounded, "paused": _paused, "let go": _let_go}
+BREATHS: Mapping[str, Breath] = {"rounded": _rounded, "paused": _paused, "let go": _released}

@@ -30,7 +30,7 @@ _ECTOPIC_AT, _PAUSE = 0.62, 1.35
 """An early beat comes after this share of the interval, the next one after this multiple: the two make a whole pair."""
 _SHORTEST_RR = 0.28
 """Refractory time of the heart [s]: no two beats are nearer."""
-_SLOW_BACK, _SLOW_KICK, _BY_BREATH, _BY_CHANCE = 0.12, 0.35, 0.75, 0.4
+_SLOW_BACK, _SLOW_KICK, _BY_BREATH, _BY_NOISE = 0.12, 0.35, 0.75, 0.4
 """Variation of the intervals, in RMSSD: return and kick of its slow part a beat, swing by the breath (respiratory sinus
 arrhythmia, most of the fast part), and chance."""
 _LUNG = 0.06
@@ -188,7 +188,7 @@ class SignalGenerator:
         rr = 60.0 / float(drive.heart_rate[0])
         rmssd = 1e-3 * float(drive.variability[0])
         self._slow += _SLOW_KICK * rmssd * self._rng.standard_normal() - _SLOW_BACK * self._slow
-        step = rr - _BY_BREATH * rmssd * breath + self._slow + _BY_CHANCE * rmssd * self._rng.standard_normal()
+        step = rr - _BY_BREATH * rmssd * breath + self._slow + _BY_NOISE * rmssd * self._rng.standard_normal()
         last, early = self._beats[-1]
         step = max(step * _PAUSE if early else step, _SHORTEST_RR)
         if not early and self._rng.random() < self._bad.ectopic:

@@ -53,7 +53,7 @@ _JUMP = 2e-3
 _SHORT_NS = 500_000.0
 """Largest typical duration of read and write together [ns]."""
 
-_ABSURD = 1e6
+_LARGEST_PLAUSIBLE = 1e6
 """Bound of every number of valid data."""
 
 _FAULT_TICKS = 5
@@ -129,7 +129,7 @@ def _reports_a_known_status(bench: DeviceBench, robot: Robot) -> None:
 def _gives_finite_data(bench: DeviceBench, robot: Robot) -> None:
     fresh = bench.run(200).fresh
     must(len(fresh) > 0, "no fresh data")
-    must(bool(np.all(np.abs(fresh) < _ABSURD)), "a number is not finite")
+    must(bool(np.all(np.abs(fresh) < _LARGEST_PLAUSIBLE)), "a number is not finite")
 
 
 def _stays_in_its_limits(bench: DeviceBench, robot: Robot) -> None:
@@ -213,7 +213,7 @@ def _comes_to_rest(bench: DeviceBench, robot: Robot) -> None:
     # A device that takes torques keeps swinging until its drives brake.
     at_rest = bench.command(enabled=bench.plugin.follows != "torque")
     bench.run(_REST_TICKS, at_rest)
-    must(float(np.abs(bench.run(20, at_rest).dq[-1]).max()) < _AT_REST, "it goes on moving without a command")
+    must(float(np.abs(bench.run(20, at_rest).dq[-1]).max()) < _AT_REST, "it continues to move without a command")
 
 
 def _lets_go_when_not_enabled(bench: DeviceBench, robot: Robot) -> None:
@@ -240,7 +240,7 @@ def _bears_a_poisoned_command(bench: DeviceBench, robot: Robot) -> None:
     bench.run(_REST_TICKS)
     track = bench.run(50)
     must(float(np.abs(track.q[-1] - before).max()) < _JUMP, "a command that is not finite moves it")
-    finite = len(track.fresh) > 0 and bool(np.all(np.abs(track.fresh) < _ABSURD))
+    finite = len(track.fresh) > 0 and bool(np.all(np.abs(track.fresh) < _LARGEST_PLAUSIBLE))
     must(finite, "it does not recover from a command that is not finite")
 
 
@@ -251,7 +251,7 @@ def _bears_a_poisoned_inbox(bench: DeviceBench, robot: Robot) -> None:
     bench.inbox[:] = kept
     bench.run(_REST_TICKS)
     track = bench.run(50)
-    finite = len(track.fresh) > 0 and bool(np.all(np.abs(track.fresh) < _ABSURD))
+    finite = len(track.fresh) > 0 and bool(np.all(np.abs(track.fresh) < _LARGEST_PLAUSIBLE))
     must(finite, "it does not recover from an inbox that is not finite")
 
 

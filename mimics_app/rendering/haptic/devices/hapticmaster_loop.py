@@ -110,8 +110,8 @@ _Q = TICK + 15  # last joints
 _X = _Q + 3  # last position, velocity and force, robot frame
 _WORK = _X + 9
 _NOW = _WORK + 6
-_TOLD = _NOW + INBOX_LENGTH
-_OUT = _TOLD + INBOX_LENGTH
+_SENT = _NOW + INBOX_LENGTH
+_OUT = _SENT + INBOX_LENGTH
 _OUT_PLACES = 48
 _IN = _OUT + _OUT_PLACES
 _IN_PLACES = 512
@@ -225,7 +225,7 @@ def read_hapticmaster(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
     if is_new:
         reset_trips(trips)
         memory[_ANSWERED] = memory[_FILL] = memory[_PENDING] = memory[_ENABLED] = 0.0
-        memory[_TOLD] = math.nan
+        memory[_SENT] = math.nan
     for i in range(INBOX_LENGTH):
         memory[_NOW + i] = inbox[i] if math.isfinite(inbox[i]) else 0.0
     status = _take_frames(memory, tick) if _fill_buffer(memory, fd) else -1
@@ -259,7 +259,7 @@ def _screen_is_due(memory: Vec, tick: int) -> bool:
     if memory[EMULATED] == 0.0 or float(tick) - memory[_SHOWN] < _SCREEN_EVERY:
         return False
     for i in range(INBOX_LENGTH):
-        if memory[_NOW + i] != memory[_TOLD + i]:
+        if memory[_NOW + i] != memory[_SENT + i]:
             return True
     return False
 
@@ -268,7 +268,7 @@ def _screen_is_due(memory: Vec, tick: int) -> bool:
 def _show_screen(memory: Vec, text: U1, at: int, tick: int) -> int:
     """Append set person [active,trial,x,y,z,grasp], the inputs of a simulated person; return the end of the text."""
     memory[_SHOWN] = float(tick)
-    memory[_TOLD : _TOLD + INBOX_LENGTH] = memory[_NOW : _NOW + INBOX_LENGTH]
+    memory[_SENT : _SENT + INBOX_LENGTH] = memory[_NOW : _NOW + INBOX_LENGTH]
     seen = memory[_WORK : _WORK + 6]
     seen[0], seen[1] = memory[_NOW + INBOX_ACTIVE], memory[_NOW + INBOX_TRIAL]
     seen[2:5] = memory[_NOW + INBOX_TARGET : _NOW + INBOX_TARGET + 3]

@@ -15,7 +15,7 @@ from mimics_app.rendering.haptic.descriptors.hapticmaster import axis_offset
 from mimics_app.rendering.haptic.devices import hapticmaster_loop as loop
 from mimics_app.rendering.haptic.devices.address import host_and_port
 from mimics_app.rendering.haptic.devices.device_objects import DEFAULT_INERTIA, DeviceObject, hapticmaster_commands
-from mimics_app.rendering.haptic.devices.link import LinkKeeper
+from mimics_app.rendering.haptic.devices.link import LinkSupervisor
 from mimics_app.rendering.haptic.devices.looked_for import CONNECT_S, no_hapticmaster
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 
@@ -128,16 +128,16 @@ def build_hapticmaster(request: DeviceRequest) -> DevicePlugin:
         line = talk.hand_over()
         return line.fileno(), line.close
 
-    keeper = LinkKeeper(memory, open_line, f"the HapticMaster at {host}:{port}")
+    supervisor = LinkSupervisor(memory, open_line, f"the HapticMaster at {host}:{port}")
     return DevicePlugin(
         "hapticmaster",
         loop.read_hapticmaster,
         loop.write_hapticmaster,
         memory,
-        keeper.close,
+        supervisor.close,
         delay=_INNER_PERIOD,
         real_time=True,
-        trouble=keeper.trouble,
+        trouble=supervisor.trouble,
     )
 
 

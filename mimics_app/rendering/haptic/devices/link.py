@@ -1,14 +1,14 @@
-"""Link of a device to an open descriptor: its use by the loop, and its reopening by a keeper thread.
+"""Link of a device to an open descriptor: its use by the loop, and the supervisor thread that reopens it.
 
-Only the loop reads and writes the descriptor; only the keeper, a Python thread, opens and closes it. They synchronise
-through eight words at the head of the plug-in's memory:
+Only the loop reads and writes the descriptor; only the supervisor, a Python thread, opens and closes it. They
+synchronise through eight words at the head of the plug-in's memory:
 
-    OFFER   descriptor + 1 that the keeper has opened and the loop has not taken yet; 0: none
+    OFFER   descriptor + 1 that the supervisor has opened and the loop has not taken yet; 0: none
     UP      1 while the loop uses the descriptor
     FD      descriptor in use, written by the loop
 
-The loop sets UP before it clears OFFER, and the keeper reads OFFER before UP: "nothing offered and down" always means
-that the loop has let go.
+The loop sets UP before it clears OFFER, and the supervisor reads OFFER before UP: "nothing offered and down" always
+means that the loop has released it.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec, Words
 from mimics_app.contracts.errors import DeviceError
 
-__all__ = ["LINK_LENGTH", "LinkKeeper", "drop_link", "link_words", "take_link"]
+__all__ = ["LINK_LENGTH", "LinkSupervisor", "drop_link", "link_words", "take_link"]
 
 LINK_LENGTH = 8
 """Number of words, one per float64 place at the head of the memory."""
@@ -33,7 +33,7 @@ _OFFER, _UP, _FD = 0, 1, 2
 
 _LOOK_EVERY_S = 0.1
 _PATIENCE_S = 0.8
-"""Time that `close` waits for the keeper [s], which may hang in the driver of a port."""
+"""Time that `close` waits for the supervisor [s], which may hang in the driver of a port."""
 
 
 @kernel
@@ -58,12 +58,12 @@ def take_link(words: Words) -> tuple[int, bool]:
 
 @kernel
 def drop_link(words: Words) -> None:
-    """Release a descriptor whose other end is gone, for the keeper to close."""
+    """Release a descriptor whose other end is gone, for the supervisor to close."""
     words[_FD] = -1
     store_release(words, _UP, 0)
 
 
-class LinkKeeper:
+class LinkSupervisor:
     """Opens the descriptor, and reopens it after the loop released it.
 
     Motion does not resume with the line: a lost line latches SAFE_STOP, which only a reset by a person leaves.
@@ -87,7 +87,7 @@ class LinkKeeper:
         self._ended = threading.Event()
         self._close_line: Callable[[], None] | None = None
         self._offer()
-        self._thread = threading.Thread(target=self._watch, name=f"keeper of {name}", daemon=True)
+        self._thread = threading.Thread(target=self._watch, name=f"supervisor of {name}", daemon=True)
         self._thread.start()
 
     def trouble(self) -> str:
@@ -107,7 +107,7 @@ class LinkKeeper:
                 self._trouble = f"{gone} ({failure.what})"
 
     def close(self) -> None:
-        """End the keeper and close the line; the loop must have ended. A second call does nothing."""
+        """End the supervisor and close the line; the loop must have ended. A second call does nothing."""
         self._ended.set()
         if self._thread is not threading.current_thread():
             self._thread.join(_PATIENCE_S)

@@ -16,7 +16,7 @@ from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic.devices import serial_robot
 from mimics_app.rendering.haptic.devices.address import port_and_baud
-from mimics_app.rendering.haptic.devices.link import LinkKeeper
+from mimics_app.rendering.haptic.devices.link import LinkSupervisor
 from mimics_app.rendering.haptic.devices.looked_for import no_port
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.serial_frames import (
@@ -101,16 +101,16 @@ def build_serial(request: DeviceRequest) -> DevicePlugin:
         memory[serial_robot.SCREEN_WANTED] = float(info.wants_screen)
         return line.fileno(), line.close
 
-    keeper = LinkKeeper(memory, open_line, f"the robot at {port}")
+    supervisor = LinkSupervisor(memory, open_line, f"the robot at {port}")
     return DevicePlugin(
         "serial",
         serial_robot.read_serial,
         serial_robot.write_serial,
         memory,
-        keeper.close,
+        supervisor.close,
         delay=float(memory[serial_robot.OWN_DELAY]),
         real_time=True,
-        trouble=keeper.trouble,
+        trouble=supervisor.trouble,
     )
 
 
@@ -136,7 +136,7 @@ def _greet(fd: int, port: str) -> RobotInfo:
     question, line = np.zeros(OVERHEAD, np.uint8), np.zeros(LINE_LENGTH)
     end = clock.now_ns() + _PATIENCE_NS
     asked = 0
-    heard = b""
+    received = b""
     try:
         while clock.now_ns() < end:
             if clock.now_ns() - asked > _ASK_AGAIN_NS:
@@ -144,20 +144,20 @@ def _greet(fd: int, port: str) -> RobotInfo:
                 length = seal_frame(question, ASK, 0, 0, 0)
                 os.write(fd, question[:length].tobytes())
             readable, _, _ = select.select([fd], [], [], 0.02)
-            heard = (heard + os.read(fd, 4096))[-4096:] if readable else heard
-            if (payload := _find_info(heard, line)) is not None:
+            received = (received + os.read(fd, 4096))[-4096:] if readable else received
+            if (payload := _find_info(received, line)) is not None:
                 return _parse_info(payload)
     except OSError as failure:
         raise DeviceError(f"{port} is gone: {failure.strerror}") from failure
     raise DeviceError(f"nothing at {port} answers as a robot", "is it on, and is the speed right? serial:PORT@BAUD")
 
 
-def _find_info(heard: bytes, line: np.ndarray[Any, Any]) -> bytes | None:
+def _find_info(received: bytes, line: np.ndarray[Any, Any]) -> bytes | None:
     """Return the payload of the first INFO frame among the bytes."""
-    buffer = np.frombuffer(heard, np.uint8).copy()
+    buffer = np.frombuffer(received, np.uint8).copy()
     line[:] = 0.0
-    line[1] = len(heard)
-    while len(heard) >= OVERHEAD and (frame := next_frame(line, buffer)) >= 0:
+    line[1] = len(received)
+    while len(received) >= OVERHEAD and (frame := next_frame(line, buffer)) >= 0:
         if buffer[frame + 3] == INFO and INFO_PAYLOAD <= buffer[frame + 2] <= MAX_PAYLOAD:
             return buffer[frame + HEADER : frame + HEADER + int(buffer[frame + 2])].tobytes()
     return None

@@ -92,8 +92,8 @@ TAKEN = TICK + 8  # bytes of it that were written
 SHOWN = TICK + 9  # tick of the last SCREEN frame
 SCREENS = TICK + 10  # SCREEN frames sent
 _NOW = TICK + 11  # inbox as last read
-_TOLD = _NOW + INBOX_LENGTH  # inbox as last sent
-_OUT = _TOLD + INBOX_LENGTH  # outgoing frame
+_SENT = _NOW + INBOX_LENGTH  # inbox as last sent
+_OUT = _SENT + INBOX_LENGTH  # outgoing frame
 _PAYLOAD = _OUT + FRAME_PLACES  # payload of the received frame
 _IN = _PAYLOAD + PAYLOAD_PLACES
 _IN_PLACES = 128
@@ -166,7 +166,7 @@ def read_serial(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
         reset_line(memory[LINE : LINE + LINE_LENGTH])
         reset_trips(trips)
         memory[CREDIT] = memory[PENDING] = 0.0
-        memory[_TOLD] = math.nan
+        memory[_SENT] = math.nan
     memory[_NOW : _NOW + INBOX_LENGTH] = inbox
     if not _fill_buffer(memory, fd):
         drop_link(words)
@@ -198,7 +198,7 @@ def _send_rest(memory: Vec, fd: int) -> bool:
 @kernel
 def _screen_changed(memory: Vec) -> bool:
     for i in range(INBOX_LENGTH):
-        if memory[_NOW + i] != memory[_TOLD + i]:
+        if memory[_NOW + i] != memory[_SENT + i]:
             return True
     return False
 
@@ -210,7 +210,7 @@ def _show_screen(memory: Vec, fd: int, tick: int) -> None:
     due = memory[SCREEN_WANTED] == 1.0 and float(tick) - memory[SHOWN] >= _SCREEN_EVERY
     if not due or memory[PENDING] > 0.0 or memory[CREDIT] < length or not _screen_changed(memory):
         return
-    memory[_TOLD : _TOLD + INBOX_LENGTH] = memory[_NOW : _NOW + INBOX_LENGTH]
+    memory[_SENT : _SENT + INBOX_LENGTH] = memory[_NOW : _NOW + INBOX_LENGTH]
     pack_screen(memory[_NOW : _NOW + INBOX_LENGTH], memory[_OUT + 1 : _OUT + 1 + PAYLOAD_PLACES])
     memory[SHOWN] = float(tick)
     memory[SCREENS] += 1.0

@@ -63,13 +63,13 @@ class WallDisplay(PlainDisplay):
 
     def _look(self, number: int, side: str, eye: F8, rectangle: Rect, world_from_room: F8) -> Eye:
         wall, place = self._walls[number]
-        sight = look_through(place, eye)
-        if sight.fault:
-            self.note(f'wall "{wall.name}": {sight.fault}')
+        frustum = look_through(place, eye)
+        if frustum.fault:
+            self.note(f'wall "{wall.name}": {frustum.fault}')
         # Only the first wall has a heads-up display: it would be overlooked on the floor.
         screen = 0 if number == 0 else -1
         pair = number if self.spec.stereo else -1
-        return Eye(f"wall_{wall.name}{side}", world_from_room @ sight.pose, sight.tangents, rectangle, screen, pair)
+        return Eye(f"wall_{wall.name}{side}", world_from_room @ frustum.pose, frustum.tangents, rectangle, screen, pair)
 
     def _rectangles(self, drawn: Size, row: int) -> list[Rect]:
         """Return the rectangles of a row of pictures in the drawn picture [px]."""

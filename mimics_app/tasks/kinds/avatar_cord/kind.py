@@ -60,9 +60,9 @@ class AvatarCordPlay(KindPlay):
         self.begin_attempt()
 
     def begin_attempt(self) -> None:
-        chance = random.Random(f"answers {self._seed} {self._number}")
+        rng = random.Random(f"answers {self._seed} {self._number}")
         self._taps = plan_taps(self._spec.taps, self._condition, self._seed, self._number)
-        self._asking = Asking(self._spec, self._condition, chance, self._simulated, self._condition.distance_m)
+        self._asking = Asking(self._spec, self._condition, rng, self._simulated, self._condition.distance_m)
         self._phase = _Phase.BASELINE
         self._begin_ns: int | None = None
         self._shown = self._ordered = 0
@@ -147,7 +147,7 @@ class AvatarCordPlay(KindPlay):
             if self._asking.done:
                 self._enter(_Phase.OVER, seen.now_ns)
 
-    def told(self, row: Mapping[str, object], *, finished: bool) -> str:
+    def outcome_words(self, row: Mapping[str, object], *, finished: bool) -> str:
         return "All questions are answered" if finished else "the questions are not all answered"
 
     def holds(self, goal: Component, seen: Observation) -> bool:

@@ -61,7 +61,7 @@ class Asking:
     Args:
         spec: The experiment.
         condition: Condition of the trial.
-        chance: Random numbers of the trial, for orders, initial values and simulated answers.
+        rng: Random numbers of the trial, for orders, initial values and simulated answers.
         simulated: Whether the model answers.
         distance: Distance of the avatar [m].
 
@@ -71,7 +71,7 @@ class Asking:
 
     spec: AvatarCordSpec
     condition: ConditionSpec
-    chance: random.Random
+    rng: random.Random
     simulated: bool
     distance: float
     answers: list[Answer] = field(default_factory=list)
@@ -80,11 +80,11 @@ class Asking:
         asked = self.spec.asked
         items = list(asked.items) if asked else []
         if asked and asked.order == "shuffled":
-            self.chance.shuffle(items)
+            self.rng.shuffle(items)
         self._left: list[ProbeSpec | ItemSpec] = [*([self.spec.probe] if self.spec.probe else []), *items]
         # One level for the trial, so that a subject's answers to it belong together.
         model = self.spec.simulated
-        self._felt = felt_ownership(model, self.condition) + self.chance.gauss(0.0, 0.3 * model.spread)
+        self._felt = felt_ownership(model, self.condition) + self.rng.gauss(0.0, 0.3 * model.spread)
         self._since = 0.0
         self._value = self._first_value()
 
@@ -150,7 +150,7 @@ class Asking:
     def _first_value(self) -> float:
         if self._left and isinstance(self._left[0], ProbeSpec):
             starts = self._left[0].starts
-            return {"self": 0.0, "avatar": self.distance}.get(starts, self.chance.uniform(0.0, self.distance))
+            return {"self": 0.0, "avatar": self.distance}.get(starts, self.rng.uniform(0.0, self.distance))
         asked = self.spec.asked
         return float((asked.least + asked.most) // 2) if asked else 0.0
 
@@ -158,12 +158,12 @@ class Asking:
         """Return the model's answer, with noise for every statement."""
         asked, model = self._left[0], self.spec.simulated
         if isinstance(asked, ProbeSpec):
-            drift = 0.35 * self._felt * self.distance + self.chance.gauss(0.0, 0.05)
+            drift = 0.35 * self._felt * self.distance + self.rng.gauss(0.0, 0.05)
             return min(max(drift, 0.0), self.distance)
         weight, span = _WEIGHTS[asked.scale], self._questionnaire
         level = 0.5 + (self._felt - 0.5) * weight if weight >= 0.0 else 0.25
         middle, half = 0.5 * (span.least + span.most), 0.5 * (span.most - span.least)
-        value = middle + half * (2.0 * level - 1.0 + self.chance.gauss(0.0, model.spread))
+        value = middle + half * (2.0 * level - 1.0 + self.rng.gauss(0.0, model.spread))
         return float(min(max(round(value), span.least), span.most))
 
 

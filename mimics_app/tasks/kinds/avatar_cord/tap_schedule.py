@@ -59,9 +59,9 @@ def plan_taps(taps: TapsSpec, condition: ConditionSpec, seed: int, trial: int) -
         seed: Seed of the session.
         trial: Number of the trial.
     """
-    chance = random.Random(f"taps {seed} {trial}")
-    gaps = _gaps(taps, condition, chance)
-    felt_gaps = gaps[:1] + chance.sample(gaps[1:], len(gaps) - 1) if condition.mode == "shuffled" else gaps
+    rng = random.Random(f"taps {seed} {trial}")
+    gaps = _gaps(taps, condition, rng)
+    felt_gaps = gaps[:1] + rng.sample(gaps[1:], len(gaps) - 1) if condition.mode == "shuffled" else gaps
     planned, seen, felt = [], 0.0, 0.0
     places = condition.places or taps.places
     for number, (gap, felt_gap) in enumerate(zip(gaps, felt_gaps, strict=True)):
@@ -72,13 +72,13 @@ def plan_taps(taps: TapsSpec, condition: ConditionSpec, seed: int, trial: int) -
             at = _ELSEWHERE.get(at, "back")
         low, high = _CORD_ENDS
         along = low + (high - low) * (number / max(1, len(gaps) - 1))
-        offset = _offset_s(condition, chance)
+        offset = _offset_s(condition, rng)
         times = round(seen * SECOND_NS), max(0, round((felt + offset) * SECOND_NS))
-        planned.append(Tap(number, *times, place, at, along, chance.uniform(-0.9, 0.9)))
+        planned.append(Tap(number, *times, place, at, along, rng.uniform(-0.9, 0.9)))
     return planned
 
 
-def _gaps(taps: TapsSpec, condition: ConditionSpec, chance: random.Random) -> list[float]:
+def _gaps(taps: TapsSpec, condition: ConditionSpec, rng: random.Random) -> list[float]:
     """Return the intervals between the taps within the condition's duration [s]; the first from the beginning."""
     if condition.mode == "none":
         return []
@@ -86,16 +86,16 @@ def _gaps(taps: TapsSpec, condition: ConditionSpec, chance: random.Random) -> li
     most = max(taps.least_s, taps.most_s)
     while True:
         # What is felt before it is seen must not come before the taps' beginning.
-        gap = chance.uniform(taps.least_s, most) + (max(0.0, -condition.visuo_tactile_ms) * 1e-3 if not gaps else 0.0)
+        gap = rng.uniform(taps.least_s, most) + (max(0.0, -condition.visuo_tactile_ms) * 1e-3 if not gaps else 0.0)
         left -= gap
         if left < 0.0:
             return gaps
         gaps.append(gap)
 
 
-def _offset_s(condition: ConditionSpec, chance: random.Random) -> float:
+def _offset_s(condition: ConditionSpec, rng: random.Random) -> float:
     if condition.mode == "delayed":
         return condition.visuo_tactile_ms * 1e-3
     if condition.mode == "jittered":
-        return chance.uniform(-1.0, 1.0) * abs(condition.visuo_tactile_ms) * 1e-3
+        return rng.uniform(-1.0, 1.0) * abs(condition.visuo_tactile_ms) * 1e-3
     return 0.0

@@ -108,7 +108,7 @@ class _CarryPlay(KindPlay):
             self._held_s += seconds
             self._squared_error_s += seconds * self._now.grasp_error**2
 
-    def told(self, row: Mapping[str, object], *, finished: bool) -> str:
+    def outcome_words(self, row: Mapping[str, object], *, finished: bool) -> str:
         body = self._spec.body.replace("_", " ")
         if finished:
             return f"The {body} is at its mark, in {row['time_s']:.1f} s"

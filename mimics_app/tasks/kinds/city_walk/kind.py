@@ -89,7 +89,7 @@ class CityWalkPlay(KindPlay):
     def measures(self) -> Values:
         return {"walked_m": self._along, "walk_speed_mps": self._along / self._seconds if self._seconds else None}
 
-    def told(self, row: Mapping[str, object], *, finished: bool) -> str:
+    def outcome_words(self, row: Mapping[str, object], *, finished: bool) -> str:
         if finished:
             return f"{self._along:.0f} m walked in {row['time_s']:.0f} s"
         return f"{self._along:.0f} of {self._metres:.0f} m walked"

@@ -128,7 +128,7 @@ class GuidedWalkPlay(KindPlay):
     def measures(self) -> Values:
         return {"walk_steps": self._steps, "walk_left_m": self._alley.left(self._walker.at)}
 
-    def told(self, row: Mapping[str, object], *, finished: bool) -> str:
+    def outcome_words(self, row: Mapping[str, object], *, finished: bool) -> str:
         if finished:
             return f"The place is reached, in {row['time_s']:.0f} s"
         return f"{self._alley.left(self._walker.at):.1f} m left to the place"

@@ -57,7 +57,7 @@ class _TunnelPlay(KindPlay):
             distance_peak=snapshot.distance_peak,
         )
 
-    def told(self, row: Mapping[str, object], *, finished: bool) -> str:
+    def outcome_words(self, row: Mapping[str, object], *, finished: bool) -> str:
         return "" if finished else f"{100.0 * self._progress:.0f} % of the tunnel done"
 
     def way(self, goal: Component, seen: Observation) -> float:

@@ -1,4 +1,4 @@
-"""Where a person looks at rest, told from the places of the joints."""
+"""Where a person looks at rest, estimated from the places of the joints."""
 
 from __future__ import annotations
 

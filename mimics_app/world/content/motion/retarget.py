@@ -41,7 +41,7 @@ _ABOVE = {"LowerArm": "UpperArm", "Hand": "LowerArm", "LowerLeg": "UpperLeg", "T
 """Bone whose alignment one takes before its own."""
 
 _UP = np.array([0.0, 1.0, 0.0])
-_TOLD = math.radians(0.5)
+_LEAST_REPORTED = math.radians(0.5)
 """Angle from which the report names a bone [rad]."""
 
 
@@ -134,9 +134,9 @@ class Retarget:
             ("rests differed and were aligned", self._moved),
             ("rests differ and were not aligned", self.residuals),
         ):
-            told = [f"{bone} {math.degrees(angle):.1f}" for bone, angle in angles.items() if angle >= _TOLD]
-            if told:
-                report.append(f"{words}, in degrees: {', '.join(told)}")
+            large = [f"{bone} {math.degrees(angle):.1f}" for bone, angle in angles.items() if angle >= _LEAST_REPORTED]
+            if large:
+                report.append(f"{words}, in degrees: {', '.join(large)}")
         return report + [
             f"left out: {bone}, which the target lacks" for bone in source.slots if bone not in target.slots
         ]

@@ -155,14 +155,14 @@ class _Reader:
         if kind == "global" and "positional" in item:
             source.fail(f"{place}/positional", "a global emitter has no position")
         shape = self._shape(item, f"{place}/positional") if kind == "positional" else {}
-        heard = shape | {"gain": self._gain(item, place)}
+        radiated = shape | {"gain": self._gain(item, place)}
         numbers = [
             source.index(value, len(played), "sources", f"{place}/sources/{k}")
             for k, value in enumerate(source.list(item, "sources", place))
         ]
         spatial = {"spatial": kind == "positional"}
         each = [found for found in map(played.__getitem__, numbers) if found is not None]
-        return [replace(found, sound=found.sound | spatial, emitter=found.emitter | heard) for found in each]
+        return [replace(found, sound=found.sound | spatial, emitter=found.emitter | radiated) for found in each]
 
     def _shape(self, item: dict[str, Any], place: str) -> dict[str, Any]:
         """Return the values of `sound_emitter` for distance and direction."""

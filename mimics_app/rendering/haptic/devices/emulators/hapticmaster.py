@@ -42,7 +42,7 @@ class HapticMasterEmulator:
         self._delay = delay_steps
         self._random = np.random.default_rng(seed)
         self._waiting: list[tuple[int, bytes]] = []
-        self._heard = b""
+        self._received = b""
         self._step = 0
         self._client: socket.socket | None = None
         self._listener: socket.socket | None = None
@@ -57,7 +57,7 @@ class HapticMasterEmulator:
     def step(self) -> None:
         """Advance by one millisecond: receive, move, answer."""
         self._follow_plug()
-        self._hear()
+        self._receive()
         self.model.step()
         self._step += 1
         self._send_waiting()
@@ -69,7 +69,7 @@ class HapticMasterEmulator:
     def greet(self) -> None:
         """Answer without motion, while a program starts."""
         self._follow_plug()
-        self._hear()
+        self._receive()
         if self.model.state == "init":
             self.model.step()
         self._send_waiting(at_once=True)
@@ -99,11 +99,11 @@ class HapticMasterEmulator:
         if self._client is not None:
             self._client.close()
             self._client = None
-            self.model.let_go()
-        self._heard = b""
+            self.model.release()
+        self._received = b""
         self._waiting.clear()
 
-    def _hear(self) -> None:
+    def _receive(self) -> None:
         if self._client is None and self._listener is not None:
             with suppress(BlockingIOError):
                 self._client, _ = self._listener.accept()
@@ -121,16 +121,16 @@ class HapticMasterEmulator:
             self._hang_up()
             return
         if not self.faults.deaf:
-            self._heard += got
+            self._received += got
             self._obey()
 
     def _obey(self) -> None:
-        while len(self._heard) >= _HEADER:
-            length = int.from_bytes(self._heard[:4], "big")
-            if len(self._heard) < _HEADER + length:
+        while len(self._received) >= _HEADER:
+            length = int.from_bytes(self._received[:4], "big")
+            if len(self._received) < _HEADER + length:
                 return
-            text = self._heard[_HEADER : _HEADER + length].decode("ascii", "replace")
-            self._heard = self._heard[_HEADER + length :]
+            text = self._received[_HEADER : _HEADER + length].decode("ascii", "replace")
+            self._received = self._received[_HEADER + length :]
             self.commands += 1
             answer = self.model.answer(text).encode("ascii", "replace")
             frame = len(answer).to_bytes(4, "big") + bytes(4) + answer

@@ -142,7 +142,7 @@ class HapticMasterModel:
             if self._init_left <= 0:
                 self.state, self._calibrated = "stop", True
 
-    def let_go(self) -> None:
+    def release(self) -> None:
         """Stop after the client is gone; the behaviour of a real machine is not known."""
         self.state = "stop" if self._calibrated else "off"
         self._remove("all")

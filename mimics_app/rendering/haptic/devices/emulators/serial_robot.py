@@ -111,7 +111,7 @@ class SerialRobotEmulator:
         self._leaving = b""
         self._credit_in = self._credit_out = 0.0
         self._sequence = 0
-        self._heard = -WATCHDOG
+        self._received_at = -WATCHDOG
         self._master = self._slave = -1
         self._plug()
 
@@ -131,8 +131,8 @@ class SerialRobotEmulator:
             self._plug() if self.faults.plugged else self._unplug()
         rate = self._bytes_per_step()
         if self._master >= 0:
-            self._hear(rate)
-        silent = self.tick - self._heard > WATCHDOG
+            self._receive(rate)
+        silent = self.tick - self._received_at > WATCHDOG
         if silent:
             self.command[:] = 0.0
         status = self.plugin.read(self.plugin.memory, self._inbox, self._data, self.tick)
@@ -152,12 +152,12 @@ class SerialRobotEmulator:
         pack_state(self._data, ROBOT_READY, self._payload)
         for memory in (self._line, self._screens, self._inbox, self.command):
             memory[:] = 0.0
-        self.commands, self._heard = 0, -WATCHDOG
+        self.commands, self._received_at = 0, -WATCHDOG
 
     def greet(self) -> None:
         """Answer without motion, while a program starts."""
         if self._master >= 0:
-            self._hear(float(_BUFFER))
+            self._receive(float(_BUFFER))
             self._flush(float(_BUFFER))
 
     def close(self) -> None:
@@ -191,7 +191,7 @@ class SerialRobotEmulator:
             return 0.0
         return _speed_of(self._master) / 10 * _STEP_S
 
-    def _hear(self, rate: float) -> None:
+    def _receive(self, rate: float) -> None:
         self._credit_in = min(self._credit_in + rate, max(rate, 1.0) + 1.0)
         start = make_room(self._line, self._buffer)
         count = min(int(self._credit_in), _BUFFER - start)
@@ -211,7 +211,7 @@ class SerialRobotEmulator:
         fetch_payload(self._buffer, frame, self._payload)
         if kind == COMMAND and length == COMMAND_PAYLOAD and accept_sequence(self._line, sequence, self.tick):
             unpack_command(self._payload, self.command)
-            self._heard = self.tick
+            self._received_at = self.tick
             self.commands += 1
         elif kind == SCREEN and length == SCREEN_PAYLOAD and accept_sequence(self._screens, sequence, self.tick):
             unpack_screen(self._payload, self._inbox)
