@@ -13,9 +13,7 @@ __all__ = ["add_arguments", "run"]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.epilog = (
-        "A scene may narrow every limit; beyond the ceiling its own value is without effect, and a run says so."
-    )
+    parser.epilog = "A scene may narrow every limit. The ceiling replaces a value beyond it, and a run says so."
     parser.add_argument("name", nargs="?", help="limit to set, as in a scene's safety; absent: print all")
     parser.add_argument("value", nargs="?", type=float, help="its new ceiling")
     parser.add_argument(

@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "source",
         metavar="SOURCE",
-        help="file (.csv, .edf, .hea), sim:PRESET, lsl:NAME, serial:PORT, board:NAME, or an installed one",
+        help="file (.csv, .edf, .bdf, .hea), sim:PRESET, lsl:NAME, serial:PORT, board:NAME, or an installed one",
     )
     parser.add_argument(
         "--seconds", type=positive_time, help="time to read [s] (default: the whole file; 60 of other sources)"

@@ -182,7 +182,7 @@ def _add_adaptation(group: Container) -> None:
         "--estimator",
         default="",
         metavar="NAME",
-        help="estimator of the person's load: fusion, lda or adaptive_lda (default: the task's)",
+        help="estimator of the person's load: fusion, lda, adaptive_lda, or an installed one (default: the task's)",
     )
     group.add_argument(
         "--learn",

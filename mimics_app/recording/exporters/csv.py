@@ -20,7 +20,7 @@ __all__ = ["EXPORTER"]
 class _Csv(Exporter):
     """One table a file; the first row names each column and its unit: "f_user_world[0] [N]"."""
 
-    about = "CSV: haptic.csv, attempts.csv, events_KIND.csv, signal_NAME.csv"
+    about = "CSV: haptic.csv, attempts.csv, events_SOURCE_KIND.csv, signal_NAME.csv"
 
     def open(self, run: Run, folder: Path) -> Iterator[Path]:
         """See `Exporter.open`."""
