@@ -52,10 +52,10 @@ class Inputs:
         for source in self._pointers:
             source.aim(aim)
 
-    def feel(self, experience: Experience) -> None:
+    def take_experience(self, experience: Experience) -> None:
         """Pass what the person experienced in this frame to every source of body signals."""
         for source in self.signals:
-            source.feel(experience)
+            source.take_experience(experience)
 
     def close(self) -> None:
         """Close the sources of body signals, each also where another one fails."""
@@ -111,7 +111,7 @@ class Movement(SignalSource):
             pairs.append(("head", self._turning))
         return tuple(SignalBlock(name, _RATE, last.t_ns, np.array([value])) for name, value in pairs)
 
-    def feel(self, experience: Experience) -> None:
+    def take_experience(self, experience: Experience) -> None:
         """Keep the movement of this frame."""
         if experience.head is not None or self._turning is not None:
             self._turning = _turning(self._head, experience)

@@ -26,7 +26,7 @@ Build = Callable[[str, int, F8, ExitStack], tuple[str, Step]]
 ROUNDS = 20
 """Rounds of each measurement, of which the shortest counts."""
 
-_SETTLE = 200
+_SETTLING_TICKS = 200
 """Ticks before the first round, in which the bodies come to rest."""
 
 _TRIED = 10
@@ -43,7 +43,7 @@ _PROBE_HEIGHT = 0.0495
 
 def best_us(run: Callable[[int], object]) -> float:
     """Return the cost of a tick [us] in the shortest of `ROUNDS` rounds, at rest; `run` does a number of ticks."""
-    run(_SETTLE)
+    run(_SETTLING_TICKS)
     clock = MonotonicClock()
     started = clock.now_ns()
     run(_TRIED)

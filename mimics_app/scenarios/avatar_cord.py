@@ -167,13 +167,13 @@ class AvatarCord(TouchScene):
         self.subject.pose(np.eye(4), self._parts["subject"], self._shown_ns)
         self.subject.show(not first or (bool(settings["own_body"]) and not self._real_body_seen))
         self.avatar.pose(front, self._parts["avatar"], self._shown_ns)
-        self._look(first, 0.5 * front[2, 3])
+        self._place_camera(first, 0.5 * front[2, 3])
         self._hang_cord(shown_s)
         self._tap(settings["tap"])
         self._drop_threat(settings["threat_ns"])
         self._show_probe(settings["probe_m"])
 
-    def _look(self, first: bool, middle: float) -> None:
+    def _place_camera(self, first: bool, middle: float) -> None:
         """Look from the subject's eyes, past its own head, or from aside at the place half-way to the avatar [m]."""
         near, orientation = self._seen_from
         node = self._camera.node

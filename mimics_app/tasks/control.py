@@ -23,9 +23,9 @@ class RobotControl:
     Otherwise, or paused: hold. Holding between trials supports the arm without moving it.
     """
 
-    def __init__(self, home: Home, feel: Controller = Controller.ADMITTANCE) -> None:
+    def __init__(self, home: Home, travel: Controller = Controller.ADMITTANCE) -> None:
         self._home = home
-        self._feel = feel
+        self._travel = travel
         self._controller = Controller.OFF
         self._target = home.target
         self._holding = False
@@ -38,7 +38,7 @@ class RobotControl:
         if state is TrialState.STOPPED:
             self._controller = Controller.OFF
         elif state is TrialState.TRAVEL:
-            self._controller = self._feel
+            self._controller = self._travel
         elif state is not TrialState.READY:
             self._controller = Controller.JOINT_PD
             self._target = self._target if held_before else q

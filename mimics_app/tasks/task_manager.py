@@ -218,14 +218,14 @@ class TaskManager:
         if self.state is TrialState.TRAVEL:
             self._participation.see(seen, seconds)
         self._last_ns = seen.now_ns
-        left, following = self.state, next_state(self.state, self._look(seen))
+        left, following = self.state, next_state(self.state, self._conditions(seen))
         if following is left:
             return None, None
         self._leave(left, following, seen)
         self._enter(following, seen)
         return left, following
 
-    def _look(self, seen: Observation) -> Conditions:
+    def _conditions(self, seen: Observation) -> Conditions:
         """Observe the robot in the present state and return the conditions of the next one."""
         elapsed, start = self._elapsed_s(seen.now_ns), self._spec.start
         goal = arrived = False

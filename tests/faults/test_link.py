@@ -37,9 +37,9 @@ def test_a_failure_of_the_system_is_reported_and_tried_again():
     words = link_words(memory)
     take_link(words)
     drop_link(words)
-    supervisor.look()
+    supervisor.poll()
     assert "is gone: no force" in supervisor.trouble() and "out of descriptors" in supervisor.trouble()
-    supervisor.look()
+    supervisor.poll()
     assert supervisor.trouble() == "" and take_link(words) == (7, True)
 
 
@@ -57,6 +57,6 @@ def test_a_descriptor_taken_while_the_supervisor_looks_stays_open():
     supervisor._thread.join()
     words = link_words(memory)
     supervisor._words = Racing(words)  # type: ignore[assignment]
-    supervisor.look()
+    supervisor.poll()
     assert take_link(words) == (7, False)
     assert (opened, closed) == ([7], [])

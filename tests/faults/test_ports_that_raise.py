@@ -58,7 +58,7 @@ class _Sender(SignalSource):
     def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
         return (SignalBlock("gsr", 100.0, now_ns, np.ones(1)),)
 
-    def feel(self, experience: Experience) -> None:
+    def take_experience(self, experience: Experience) -> None:
         pass
 
     def close(self) -> None:
@@ -85,8 +85,8 @@ def test_a_source(call: str, error: Exception, monkeypatch: pytest.MonkeyPatch) 
     watch = SignalWatch(inputs.signals, notes, told.append)  # type: ignore[arg-type]
     for frame in range(3):
         assert inputs.poll(frame).signals, "the other one is heard"
-        inputs.feel(Experience(frame))
-        watch.look(frame)
+        inputs.take_experience(Experience(frame))
+        watch.check(frame)
     inputs.close()
     assert good.closed
     if call != "close":

@@ -107,9 +107,9 @@ def test_pulled_plug_in_contact_is_no_force_within_5_ticks_and_a_reset_goes_on(t
         ), "the apple is in the hand"
         rig.spoil("unplug")
         pulled = session.haptics.ticks
-        assert run_until(lambda: watch.look() != "", session, frames), "the person is informed"
+        assert run_until(lambda: watch.check() != "", session, frames), "the person is informed"
         rig.spoil("plug")
-        assert run_until(lambda: watch.look() == "", session, frames), "the line is back"
+        assert run_until(lambda: watch.check() == "", session, frames), "the line is back"
         back = session.haptics.ticks
         keys.press("r")
         assert run_until(lambda: seen().ramp == 1.0, session, frames), "after a reset the task goes on"

@@ -46,7 +46,7 @@ def check_signal_source(source: SignalSource, frame_at: Callable[[int], int] = o
                 _check_block(block, heard.setdefault(block.name, []), now_ns)
                 copies.append((block, block.values.copy()))
         _check_lost(source)
-        source.feel(Experience(now_ns, speed=0.1, power=0.2, demand=0.5, acting=True))
+        source.take_experience(Experience(now_ns, speed=0.1, power=0.2, demand=0.5, acting=True))
     assert heard, "it delivers signals"
     for name, blocks in heard.items():
         seconds = sum(len(block.values) for block in blocks) / blocks[0].rate

@@ -28,7 +28,7 @@ from mimics_app.lab.audio.live_latency import (
 )
 from mimics_app.rendering.audio.process import AudioProcess
 from mimics_app.rendering.audio.pulse_stream import PulseStream
-from mimics_app.rendering.audio.queue_length import SETTLE_S
+from mimics_app.rendering.audio.queue_length import SETTLING_S
 from mimics_app.rendering.audio.settings import AudioSettings, MixerName, SoundSpec
 
 needs_pulse = pytest.mark.skipif(bool(pulse_missing()), reason=pulse_missing() or "PulseAudio is here")
@@ -154,7 +154,7 @@ def stop_and_go(mixer: MixerName) -> AudioReport:
         audio = AudioProcess(memory, settings)
         audio.start()
         assert audio.wait_ready(60.0).sink == "device"
-        clock.sleep_until_ns(clock.now_ns() + round((SETTLE_S + 0.5) * 1e9))
+        clock.sleep_until_ns(clock.now_ns() + round((SETTLING_S + 0.5) * 1e9))
         os.kill(audio.pid, signal.SIGSTOP)
         clock.sleep_until_ns(clock.now_ns() + 60 * MS)
         os.kill(audio.pid, signal.SIGCONT)

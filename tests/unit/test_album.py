@@ -29,7 +29,7 @@ def kept(views: list[TaskView], wanted: int, seconds: float | None = None) -> li
 
     album._draw = draw
     for number, view in enumerate(views):
-        album.look(SimpleNamespace(number=number, orders=SimpleNamespace(view=view)))
+        album.update(SimpleNamespace(number=number, orders=SimpleNamespace(view=view)))
     return numbers
 
 

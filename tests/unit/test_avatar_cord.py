@@ -25,7 +25,7 @@ from mimics_app.rendering.tactile.vibrators import NoVibrators, SerialVibrators
 from mimics_app.rendering.tactile.wire import FRAME_BYTES, Command, command_bytes
 from mimics_app.scenarios.avatar_cord import _EYES, ball_motion
 from mimics_app.tasks.kinds.avatar_cord.kind import KIND, AvatarCordPlay
-from mimics_app.tasks.kinds.avatar_cord.questions import Asking, felt_ownership
+from mimics_app.tasks.kinds.avatar_cord.questions import Asking, ownership_of
 from mimics_app.tasks.kinds.avatar_cord.spec import (
     AvatarCordSpec,
     ConditionSpec,
@@ -166,8 +166,8 @@ def test_a_simulated_subject_answers_by_the_condition_and_always_the_same() -> N
     assert together > apart + 1.0
     assert mean(condition()) == together
     model = SubjectModel()
-    assert felt_ownership(model, condition(cord=False)) < felt_ownership(model, condition())
-    assert felt_ownership(model, condition(distance_m=4.0)) < felt_ownership(model, condition())
+    assert ownership_of(model, condition(cord=False)) < ownership_of(model, condition())
+    assert ownership_of(model, condition(distance_m=4.0)) < ownership_of(model, condition())
 
 
 def test_the_shipped_experiment_orders_its_conditions_anew_for_every_subject() -> None:

@@ -103,22 +103,22 @@ def test_the_picture_says_that_a_busy_machine_pauses():
 def test_a_recorder_that_died_and_is_back_is_reported_on_the_terminal(capsys):
     recorder: Any = SimpleNamespace(restarts=0, ready=True, problem="", holds_s=16.4)
     watch = RecorderWatch(recorder)
-    watch.look()
+    watch.check()
     assert capsys.readouterr().err == ""
     recorder.restarts, recorder.ready = 1, False
-    watch.look()
-    watch.look()
+    watch.check()
+    watch.check()
     assert capsys.readouterr().err == (
         "mimics: the recorder died and is replaced (number 1); meanwhile data are buffered for 16 s\n"
     )
     recorder.ready = True
-    watch.look()
-    watch.look()
+    watch.check()
+    watch.check()
     assert capsys.readouterr().err == "mimics: the recorder is back\n"
     recorder.problem = "the disk is full"
-    watch.look()
+    watch.check()
     recorder.problem = ""
-    watch.look()
+    watch.check()
     assert (
         capsys.readouterr().err
         == "mimics: the disk is full\nmimics: the disk can be written again: the recording resumes, with a gap\n"
@@ -133,7 +133,7 @@ def test_a_recorder_that_dies_each_time_is_given_up_in_one_line(tmp_path, monkey
     watch = RecorderWatch(recorder)
     for _ in range(10):
         recorder.supervise()
-        watch.look()
+        watch.check()
     lines = capsys.readouterr().err.splitlines()
     assert recorder.restarts == sum("is replaced" in line for line in lines) == 5
     assert lines[-1] == "mimics: the recorder process does not stay alive: nothing is recorded"

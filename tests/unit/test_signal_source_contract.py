@@ -44,7 +44,7 @@ class Box:
     def block(self, t_ns, values):
         return SignalBlock("ecg", RATE, t_ns, values)
 
-    def feel(self, experience):
+    def take_experience(self, experience):
         pass
 
     def close(self):

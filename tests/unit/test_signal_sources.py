@@ -390,7 +390,7 @@ def test_a_simulated_body_is_the_same_for_the_same_seed_whatever_the_frames() ->
 def test_the_movement_is_a_signal() -> None:
     movement = Movement()
     assert movement.read(0) == ()
-    movement.feel(Experience(0, speed=0.2, power=0.5))
+    movement.take_experience(Experience(0, speed=0.2, power=0.5))
     speed, power = movement.read(16_000_000)
     assert (speed.name, speed.values.tolist(), power.name, power.values.tolist()) == ("speed", [0.2], "power", [0.5])
 
@@ -402,7 +402,7 @@ def test_a_turning_head_becomes_features_and_a_lost_one_is_not_still(turn: float
     for frame in range(780):
         t_ns, pose = round(frame * SECOND / 60), np.eye(4)
         pose[:3, :3] = rotation_from_vector(turn * frame / 60 * np.array([0.36, 0.48, 0.8]))
-        movement.feel(Experience(t_ns, head=pose if frame < 600 else None))
+        movement.take_experience(Experience(t_ns, head=pose if frame < 600 else None))
         frames.append(dsp.process(movement.read(t_ns), t_ns))
     tracked, lost = frames[599], frames[-1]
     assert tracked.values["head_speed"] == pytest.approx(turn, rel=1e-6)
@@ -504,7 +504,8 @@ def box(monkeypatch: pytest.MonkeyPatch) -> None:
         ("mybox:torn", r"raised ValueError: no port \(test_signal_sources.py, line"),
         (
             "mybox:none",
-            "made an object of the type object, which lacks lost, read, feel, close; see mimics_app.contracts.ports",
+            "made an object of the type object, which lacks lost, read, take_experience, close; see "
+            "mimics_app.contracts.ports",
         ),
     ],
 )
@@ -520,7 +521,7 @@ def test_a_source_of_a_package_that_fails_is_lost_and_ends_nothing(box: None, se
     source = open_source("mybox:healthy", seed)
     for frame in range(6):
         source.read(frame * 16_666_667)
-        source.feel(Experience(frame * 16_666_667, speed=0.1, power=0.2, demand=0.5, acting=True))
+        source.take_experience(Experience(frame * 16_666_667, speed=0.1, power=0.2, demand=0.5, acting=True))
     assert source.lost and re.search(why, source.lost)
     assert source.read(10**9) == ()
     source.close()

@@ -22,7 +22,7 @@ LOOP = {"tone": SoundSpec(loop=True, spatial=False), "click": SoundSpec(spatial=
 
 @pytest.fixture(autouse=True)
 def short_start(monkeypatch):
-    monkeypatch.setattr(queue_length, "SETTLE_S", 0.4)
+    monkeypatch.setattr(queue_length, "SETTLING_S", 0.4)
 
 
 class Device:
@@ -76,7 +76,7 @@ class Stage:
         self.streamed = StreamedMixer(self.mixer, self.device, self.clock, needed_ms)
         self.queue = self.streamed.queue
         if settled:
-            self.play(queue_length.SETTLE_S + 0.1)
+            self.play(queue_length.SETTLING_S + 0.1)
 
     def play(self, seconds: float, stall_ms: float = 0.0) -> None:
         """Stall once, and play on."""
@@ -114,7 +114,7 @@ def test_a_session_starts_with_the_longest_queue():
     """A stall of 9 ms in the first seconds is not heard, and afterwards the queue has what outlasts another."""
     stage = Stage(settled=False)
     stage.play(0.1)
-    stage.play(queue_length.SETTLE_S - 0.15, stall_ms=9.0)
+    stage.play(queue_length.SETTLING_S - 0.15, stall_ms=9.0)
     assert (stage.queue.frames, stage.queue.underruns) == (LONGEST, 0)
     stage.play(0.1)
     stage.play(0.5, stall_ms=9.0)
@@ -149,7 +149,7 @@ def test_a_calm_machine_keeps_the_short_queue():
 
 def test_a_long_calm_takes_half_of_what_is_spare():
     queue = queue_length.QueueLength(shortest=96, longest=960, step=48, margin=24, rate=RATE)
-    settled = round(queue_length.SETTLE_S * RATE)
+    settled = round(queue_length.SETTLING_S * RATE)
     for left, position in ((480, 0), (480, settled)):
         queue.read(left, position, 0, ran_empty=False, steady=False)
     assert queue.frames == 960 - 9 * 48, "the start takes all nine spare steps"
@@ -220,7 +220,7 @@ def test_a_device_that_begins_late_delays_no_later_sound():
     stage.play(1.5)
     pause = stage.clock.now_ns() * RATE // 1_000_000_000 // 64 * 64
     stage.device._taken = lambda: taken() - pause  # type: ignore[method-assign]
-    stage.play(queue_length.SETTLE_S - 0.1)
+    stage.play(queue_length.SETTLING_S - 0.1)
     assert stage.queue.frames == LONGEST
     stage.play(0.2)
     assert np.median(stage.delays()) + pause == pytest.approx(288 + 48, abs=12.0)

@@ -20,7 +20,7 @@ _PIXELS = 4.0
 """Largest error of a level [px], at the worst vertex with every joint bent."""
 _VISIBLE = 8
 """Difference of a pixel above which it counts [levels of 255]."""
-_LOOK = 10
+_SAMPLED = 10
 """Period of the comparisons of pictures [frames]."""
 
 
@@ -56,7 +56,7 @@ def compare_levels(
             if frame:  # the first one loads what is drawn
                 walls[side].append(wall)
                 costs[side].append(cost)
-            if frame % _LOOK == 1:
+            if frame % _SAMPLED == 1:
                 pictures.append(read_pixels(surface)[..., :3])
         if pictures:
             differing.append(differing_pixels(pictures[0], pictures[1], level=_VISIBLE))

@@ -39,7 +39,7 @@ _GOAL_MS = 3.0
 """Largest time from a pose to the submission of its frame, without drawing [ms]."""
 _QUEUE_GOAL = 1.15
 """Largest ratio of the time of simulation, animation and culling for two eyes to that for one."""
-_SETTLE = 10
+_SETTLING_FRAMES = 10
 """Number of first frames that do not count, in which buffers grow and the driver compiles."""
 
 
@@ -105,10 +105,10 @@ def _measure_motion(scene: Path, size: Size, frames: int) -> Row:
     runtime = MotionTimes(HeadsetSpec(), clock)
     latched, queued = [], []
     with _played(scene, size, HeadsetDisplay("sim-hmd", runtime)) as (play, [(renderer, presenter)], _):
-        for number in range(frames + _SETTLE):
+        for number in range(frames + _SETTLING_FRAMES):
             play.advance_frame()
             times = one_frame(renderer, presenter, runtime, clock)
-            if number >= _SETTLE:
+            if number >= _SETTLING_FRAMES:
                 latched.append(times[0])
                 queued.append(times[1])
     return {"goal": _GOAL_MS, "frames": frames, "latched": _spread(latched), "queued": _spread(queued)}
@@ -137,14 +137,14 @@ def _measure_undrawn(scene: Path, size: Size, frames: int) -> Row:
             pass
         unseen = nothing.crender
         assert unseen is not None
-        for number in range(frames + _SETTLE):
+        for number in range(frames + _SETTLING_FRAMES):
             play.advance_frame()
             runtime.asked_ns.clear()
             presenter.begin(number * FRAME_NS)
             with unseen:
                 renderer.draw(presenter.views(camera), partial(presenter.views, camera))
                 presenter.present()
-            if number >= _SETTLE:
+            if number >= _SETTLING_FRAMES:
                 queued.append(1e-6 * (runtime.given_ns - runtime.asked_ns[0][0]))
                 latched.append(1e-6 * (runtime.given_ns - runtime.asked_ns[-1][0]))
     return {"latched": _spread(latched), "queued": _spread(queued)}
@@ -157,12 +157,12 @@ def _measure_queueing(scene: Path, size: Size, frames: int) -> Row:
     queued: tuple[list[float], list[float]] = ([], [])
     displays = DesktopDisplay(), StereoDisplay("sbs")
     with _played(scene, size, *displays) as (play, drawn, _):
-        for number in range(frames + _SETTLE):
+        for number in range(frames + _SETTLING_FRAMES):
             started = clock.now_ns()
             play.advance_frame()
             ended = clock.now_ns()
             times = [_queueing_ms(renderer, presenter) for renderer, presenter in drawn]
-            if number >= _SETTLE:
+            if number >= _SETTLING_FRAMES:
                 played.append(1e-6 * (ended - started))
                 for each, time_ms in zip(queued, times, strict=True):
                     each.append(time_ms)

@@ -148,10 +148,10 @@ def _samples_of_frame(frames: Frames, reader: RingReader) -> Records:
 
 def _evaluate(samples: Records, limit: float, messages: list[str]) -> _Outcome:
     force = np.linalg.norm(samples["f_user_world"].reshape(len(samples), -1), axis=1)
-    felt = np.flatnonzero(force)
+    acting = np.flatnonzero(force)
     latched = samples["state"][-1] in (SafetyState.SAFE_STOP, SafetyState.E_STOP)
     return _Outcome(
-        t_safe_ms=float(felt[-1] + 1) if len(felt) else 0.0,
+        t_safe_ms=float(acting[-1] + 1) if len(acting) else 0.0,
         force_n=float(force.max()),
         latched=TripCause(int(samples["cause"][-1])) if latched else TripCause.NONE,
         reported=any("stop" in text for text in messages),

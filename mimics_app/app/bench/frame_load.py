@@ -76,7 +76,7 @@ def _measure(session: Session, surface: str, seconds: float, scale: float) -> Ro
     watch = FrameWatch(session, seconds)
     late, ticks = session.haptics.histogram(), session.haptics.ticks
     with frozen_objects():
-        run_live(session, Frames(session), watch.look, until=lambda: watch.done)
+        run_live(session, Frames(session), watch.measure, until=lambda: watch.done)
     missed, done = session.haptics.histogram().missed - late.missed, session.haptics.ticks - ticks
     return watch.row() | {
         "scene": session.scene.path.stem,

@@ -52,7 +52,7 @@ class FrameWatch:
     Attributes:
         watched: Source of the frames.
         seconds: Length of the measurement [s].
-        settled: Number of frames at the beginning that did not count.
+        skipped: Number of frames at the beginning that did not count.
         from_ns, stages_ns, end_ns: Times from which frames count, from which stages are timed, and at which the
             measurement ends [ns]; set at the last frame that does not count.
         frames_ms: Times of whole frames [ms].
@@ -66,7 +66,7 @@ class FrameWatch:
 
     watched: _Watched
     seconds: float
-    settled: int = 0
+    skipped: int = 0
     from_ns: float = 0.0
     stages_ns: float = 0.0
     end_ns: float = 0.0
@@ -83,7 +83,7 @@ class FrameWatch:
         timed = max(map(len, self.stages.values()), default=0)
         return timed >= _MIN_FRAMES and self.watched.clock.now_ns() >= self.end_ns
 
-    def look(self, _: object = None) -> None:
+    def measure(self, _: object = None) -> None:
         """Measure after a frame."""
         picture, governor, now_ns = self.watched.picture, self.watched.governor, self.watched.clock.now_ns()
         if picture is None or governor is None or not self._counts(now_ns):
@@ -98,7 +98,7 @@ class FrameWatch:
         self.seen.append(((now_ns - self.begun[1]) / _NS, governor.last_ms, *_longest(spent, governor.last_ms)))
         if now_ns < self.stages_ns or len(self.frames_ms) < _MIN_FRAMES:
             self.frames_ms.append(governor.last_ms)
-            self._settle(now_ns)
+            self._update_rates(now_ns)
         elif not times.waits:
             times.waits = True
         else:
@@ -107,12 +107,12 @@ class FrameWatch:
 
     def _counts(self, now_ns: int) -> bool:
         """Whether a frame counts that is done now."""
-        if self.settled < _SETTLING_FRAMES:
-            self.settled += 1
+        if self.skipped < _SETTLING_FRAMES:
+            self.skipped += 1
             self.from_ns = now_ns + _SETTLING_S * _NS
             self.stages_ns = self.from_ns + (1.0 - _TIMED_SHARE) * self.seconds * _NS
             self.end_ns = self.from_ns + self.seconds * _NS
-        return now_ns >= self.from_ns and self.settled == _SETTLING_FRAMES
+        return now_ns >= self.from_ns and self.skipped == _SETTLING_FRAMES
 
     def row(self) -> Row:
         """Return the figures under the keys of `mimics bench frame --json`.
@@ -146,7 +146,7 @@ class FrameWatch:
         late = [dict(zip(names, each, strict=True)) for each in self.seen if each[1] > limit_ms]
         return {"share": len(late) / max(1, len(self.seen)), "frames": late}
 
-    def _settle(self, now_ns: int) -> None:
+    def _update_rates(self, now_ns: int) -> None:
         """Update the processor time per frame and the frames per second."""
         if self.begun is not None:
             cpu, since_ns = self.begun

@@ -90,7 +90,7 @@ def measure_looked_at(
         watch = FrameWatch(looked_at, seconds)
         while not watch.done:
             looked_at.draw()
-            watch.look()
+            watch.measure()
         return watch.row() | {"scene": file.stem, "size": list(size), "missed_share": None}
 
 

@@ -31,7 +31,7 @@ def main(folder: str, size: str, frames: int, warmup: int) -> None:
     with open(os.path.join(folder, "particles.json"), encoding="utf-8") as file:
         numbers = json.load(file)
     root, window, manager = _open(folder, width, height)
-    _look(numbers, window, manager, width / height)
+    _place_camera(numbers, window, manager, width / height)
     system = _fill(numbers, manager)
     system.fastForward(numbers["life_s"], numbers["step_s"])
     clock, times, processor = MonotonicClock(), list[float](), 0.0
@@ -79,7 +79,7 @@ def _open(folder, width, height):
     return root, window, manager
 
 
-def _look(numbers, window, manager, aspect):
+def _place_camera(numbers, window, manager, aspect):
     """Create the camera and the background."""
     import Ogre
 

@@ -39,7 +39,7 @@ _FIRST_S, _LAST_S = 0.5, 8.0
 _TICK_MS = 1.0
 _PATIENCE_NS = 30_000_000_000
 """Time in which a recorder whose application was killed must have closed the recording."""
-_LOOK_S = 0.01
+_POLL_S = 0.01
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +133,7 @@ def _compare(folder: Path, ticks: int, trials: int) -> _Killed:
     clock = MonotonicClock()
     end = clock.now_ns() + _PATIENCE_NS
     while Run.open(folder).being_recorded and clock.now_ns() < end:
-        clock.sleep_until_ns(clock.now_ns() + round(_LOOK_S * 1e9))
+        clock.sleep_until_ns(clock.now_ns() + round(_POLL_S * 1e9))
     try:
         recover(folder)
         run = Run.open(folder)

@@ -102,7 +102,7 @@ def measure_render(wanted: RenderBench) -> dict[str, Any]:
     driver = without_software() if "nosoftware" in wanted.options else nullcontext()
     with driver, open_offscreen(backend, wanted.size) as surface:
         renderer = Renderer(surface, workload.world, replace(workload.quality(surface), **changes))
-        lowered = _settle(wanted.fps, wanted, workload, renderer) if wanted.fps else {}
+        lowered = _lowered_quality(wanted.fps, wanted, workload, renderer) if wanted.fps else {}
         answer = {**_time_frames(wanted, workload, renderer, surface), **lowered, **_quality(renderer)}
         if isinstance(workload, Nodes):
             answer.update(_time_poses(workload, wanted.frames))
@@ -113,7 +113,7 @@ def measure_render(wanted: RenderBench) -> dict[str, Any]:
     return answer
 
 
-def _settle(fps: float, wanted: RenderBench, workload: Workload, renderer: Renderer) -> dict[str, Any]:
+def _lowered_quality(fps: float, wanted: RenderBench, workload: Workload, renderer: Renderer) -> dict[str, Any]:
     """Let the governor settle at the quality that holds a frame rate."""
     clock = MonotonicClock()
     governor = FrameGovernor(quality_steps(renderer), 1e3 / fps)

@@ -209,7 +209,7 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.app.scenes.shipped import is_only_looked_at
 
     if is_only_looked_at(args.scene) and not args.headless:
-        return _look(args)
+        return _view(args)
     settings = RunSettings(**{field.name: getattr(args, field.name) for field in fields(RunSettings)})
     if _is_for_a_person(settings) and not args.json:
         return _play_with_pages(settings)
@@ -254,7 +254,7 @@ def _play(settings: RunSettings, *, as_json: bool) -> int:
         return play(settings, as_json=as_json, read=read)
 
 
-def _look(args: argparse.Namespace) -> int:
+def _view(args: argparse.Namespace) -> int:
     """Open the viewer on a scene without a task."""
     from mimics_app.app.play.journey_log import JourneyLog
     from mimics_app.app.terminal.display import has_display

@@ -130,7 +130,7 @@ def run(args: argparse.Namespace) -> int:
         play_clip(shown, args.clip, args.at or 0.0, speed=1.0 if args.at is None else 0.0)
     if args.vertices is not None and args.output is None and not args.headless:
         return _write(args, shown)
-    return _draw(args, shown) if headless else _look(args, shown)
+    return _draw(args, shown) if headless else _open_window(args, shown)
 
 
 def _check_camera(args: argparse.Namespace) -> None:
@@ -162,7 +162,7 @@ def _write(args: argparse.Namespace, shown: Shown) -> int:
     return 0
 
 
-def _look(args: argparse.Namespace, shown: Shown) -> int:
+def _open_window(args: argparse.Namespace, shown: Shown) -> int:
     from mimics_app.app.viewer.viewer_window import ViewerSession
 
     with ViewerSession(shown, args.size, args.profile, args.camera, args.up) as session:

@@ -28,7 +28,7 @@ class CueWatch:
     def __init__(self) -> None:
         self._state: TrialState | None = None
 
-    def look(self, orders: TaskOrders) -> Trigger | None:
+    def poll(self, orders: TaskOrders) -> Trigger | None:
         """Return the trigger that begins in this frame, or None; call once per frame."""
         state = orders.view.state
         begins, self._state = state is not self._state, state

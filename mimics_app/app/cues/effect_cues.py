@@ -31,7 +31,7 @@ class EffectCues:
         """
         effects = self._world.effects
         effects.time = shown_ns * 1e-9
-        cue = self._watch.look(orders)
+        cue = self._watch.poll(orders)
         if not effects.emitters:
             return
         if cue is not None:

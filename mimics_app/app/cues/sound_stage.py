@@ -82,7 +82,7 @@ class SoundStage:
         if isinstance(gain, int | float):
             self._of_task = float(gain)
             self._set_master()
-        cue = self._watch.look(orders)
+        cue = self._watch.poll(orders)
         own = [SoundTrigger(cue, now_ns)] if cue else []
         moved = (*_motion_triggers(world, now_ns), *self._surroundings.steps(world, now_ns))
         for trigger in (*triggers, *own, *moved):

@@ -41,7 +41,7 @@ class Album:
         self._writer: ThreadPoolExecutor | None = None
         self._writing: Future[None] | None = None
 
-    def look(self, frames: Frames) -> None:
+    def update(self, frames: Frames) -> None:
         """Draw this frame if it is due or a video is made."""
         due = self._kept < self._wanted and self._is_due(frames)
         if due or self._session.settings.video is not None:

@@ -118,9 +118,9 @@ class LiveFrames:
             frames.timer = picture.begin_frame()
             frames.timing = picture.expect(begun_ns)
         with frames.timer.stage("reload"):
-            self._reload.look()
+            self._reload.check()
         frames.step()
-        trouble = self._watch.look()
+        trouble = self._watch.check()
         if picture is not None and governor is not None:
             self._keys.step(frames, governor)
             message = session.keys.message or _message(session, frames, self._reload, trouble)
@@ -179,7 +179,7 @@ def run_unseen(session: Session, frames: Frames, after_frame: Progress) -> None:
     while session.clock.now_ns() < limit and session.haptics.running and not (session.tasks.done or frames.desk.ended):
         frames.step()
         after_frame(frames)
-        watch.look()
+        watch.check()
         latched = frames.snapshot is not None and frames.snapshot.state in _LATCHED
         if latched and session.settings.seconds is None:
             return

@@ -148,7 +148,7 @@ def _play_in_window(session: Session, frames: Frames, log: JourneyLog) -> None:
     values = ValuePicture(session)
 
     def after_frame(frames: Frames) -> None:
-        values.look(frames)
+        values.update(frames)
         if frames.number == 1 and log.asked:  # the page before it stays until there is a picture
             surface.show()
             log.shown()
@@ -203,8 +203,8 @@ def _play_headless(session: Session, frames: Frames, log: JourneyLog) -> Album:
     progress = ProgressLine(sys.stderr, session, log)
 
     def after_frame(frames: Frames) -> None:
-        album.look(frames)
-        values.look(frames)
+        album.update(frames)
+        values.update(frames)
         progress.show(frames)
 
     run_virtual(session, frames, after_frame)
@@ -218,6 +218,6 @@ def _play_unseen(session: Session, frames: Frames) -> Album:
     album = Album(session)
     start_loop(session)
     with frozen_objects():
-        run_unseen(session, frames, album.look)
+        run_unseen(session, frames, album.update)
     album.finish(frames)
     return album

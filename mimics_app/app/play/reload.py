@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["SceneReload"]
 
-_LOOK_NS = 500_000_000
+_POLL_NS = 500_000_000
 """Period of the checks of the files [ns]; each check costs a `stat` per file."""
 _SHOW_NS = 6_000_000_000
 """Time for which a message is shown [ns]."""
@@ -42,14 +42,14 @@ class SceneReload:
         self._shown_until_ns = 0
         self.message = ""
 
-    def look(self) -> None:
+    def check(self) -> None:
         """Reload changed files, twice a second."""
         now_ns = self._session.clock.now_ns()
         if now_ns > self._shown_until_ns:
             self.message = ""
         if now_ns < self._next_ns:
             return
-        self._next_ns = now_ns + _LOOK_NS
+        self._next_ns = now_ns + _POLL_NS
         if self._session.picture is not None:
             self._take_shaders(self._session.picture, now_ns)
         if self._watcher.changed():

@@ -40,7 +40,7 @@ class ValuePicture:
         self._agent = session.learning if isinstance(session.learning, StepAgent) else None
         self._path = session.folder / _NAME
 
-    def look(self, frames: Frames) -> None:
+    def update(self, frames: Frames) -> None:
         """Draw after a frame where the picture is due."""
         if self._agent is not None and frames.number % _EVERY == 0:
             draw_values(self._agent.table.values, self._path)

@@ -46,7 +46,7 @@ def check_parameters(scene: Scene) -> list[Issue]:
 
 
 def _faults_of_parameters(task: TaskSpec, store: ParameterStore, scene: Scene) -> Iterator[Issue]:
-    ends = {name: _ends(parameter) for name, parameter in task.parameters.items() if _is_felt(parameter)}
+    ends = {name: _ends(parameter) for name, parameter in task.parameters.items() if _is_haptic(parameter)}
     before = {name: store.value(name) for name in _settings(task, {name: each[0] for name, each in ends.items()})}
     for name, values in ends.items():
         for value in values:
@@ -66,7 +66,7 @@ def _faults_of_parameters(task: TaskSpec, store: ParameterStore, scene: Scene) -
             return
 
 
-def _is_felt(parameter: ParameterSpec) -> bool:
+def _is_haptic(parameter: ParameterSpec) -> bool:
     return any(target.to.startswith("haptic.") for target in parameter.maps)
 
 

@@ -128,8 +128,8 @@ class Frames:
             snapshot, events = core.haptics.snapshot(), core.haptics.events()
             self.losses.see(events)
             self.safety.see(events)
-            self._recorder.look()
-            self._signals.look(now_ns)
+            self._recorder.check()
+            self._signals.check(now_ns)
         with stage("tasks"):
             vr = replace(vr, commands=self.desk.take(snapshot))
             taken = self.desk.gate.take_confirmed() or self._action
@@ -140,7 +140,7 @@ class Frames:
             self.desk.answer(orders.replies, self.number, now_ns)
             self._choose(state, orders.result, now_ns)
             self._touch(vr, orders, snapshot)
-            self._feel(orders, now_ns)
+            self._drive_vibrators(orders, now_ns)
         with stage("scenario"):
             self._track(now_ns, timing.display_ns)
             self._play(orders, snapshot)
@@ -152,7 +152,7 @@ class Frames:
             self._effects.step(orders, events, timing.display_ns)
             core.sound.step(orders, core.world, now_ns)
         with stage("record"):
-            core.inputs.feel(_experience_of(orders, snapshot, core.trackers.pose("head", now_ns), now_ns))
+            core.inputs.take_experience(_experience_of(orders, snapshot, core.trackers.pose("head", now_ns), now_ns))
             core.signal_recorder.step(self.number, vr.signals, features, state)
             self._journal(vr, taken, snapshot, len(events), now_ns)
         self.number, self.orders, self.snapshot, self.events = self.number + 1, orders, snapshot, events
@@ -186,7 +186,7 @@ class Frames:
             for fault in cord.take_faults():
                 self._core.report(f'cord "{name}": {fault}')
 
-    def _feel(self, orders: TaskOrders, now_ns: int) -> None:
+    def _drive_vibrators(self, orders: TaskOrders, now_ns: int) -> None:
         """Send the task's taps to the vibrators, and journal the time of each."""
         self._taps.take(self._core.tactile.step(orders.touches, now_ns), now_ns)
 

@@ -27,7 +27,7 @@ class RecorderWatch:
         self._away = False
         self._problem = ""
 
-    def look(self) -> None:
+    def check(self) -> None:
         """Report what changed since the last frame."""
         recorder = self._recorder
         if recorder.restarts != self._restarts:
@@ -55,7 +55,7 @@ class SignalWatch:
         self._known: list[tuple[SignalSource, str]] = [(source, "") for source in sources]
         self._recorder, self._report = recorder, report
 
-    def look(self, now_ns: int) -> None:
+    def check(self, now_ns: int) -> None:
         """Report what changed since the last frame."""
         for i, (source, known) in enumerate(self._known):
             if (lost := source.lost) != known:
@@ -98,7 +98,7 @@ class DeviceWatch:
         self._device, self._recorder = device, recorder
         self._known = ""
 
-    def look(self) -> str:
+    def check(self) -> str:
         """Return the fault to show over the picture; "" without one."""
         trouble = self._device.trouble()
         if trouble != self._known:

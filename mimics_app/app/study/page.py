@@ -69,14 +69,14 @@ def _cell(row: Row, measure: str) -> str:
 def _tap_line(label: str, taps: Sequence[Row]) -> dict[str, Any]:
     rows = [row for row in taps if row.get("condition") == label]
     seen = [row["seen_display_ns"] - row["seen_scheduled_ns"] for row in rows if "seen_display_ns" in row]
-    felt = [abs(row["felt_ns"] - row["felt_scheduled_ns"]) for row in rows if "felt_ns" in row]
+    errors = [abs(row["felt_ns"] - row["felt_scheduled_ns"]) for row in rows if "felt_ns" in row]
     both = [row["felt_ns"] - row["seen_display_ns"] for row in rows if "felt_ns" in row and "seen_display_ns" in row]
     return {
         "condition": label,
         "n": len(rows),
         "seen": f"{max(map(abs, seen)) * 1e-6:.2f}" if seen else "",
         "bias": f"{fmean(seen) * 1e-6:.2f}" if seen else "",
-        "felt": f"{max(felt) * 1e-6:.3f}" if felt else "",
+        "felt": f"{max(errors) * 1e-6:.3f}" if errors else "",
         "offset": f"{fmean(both) * 1e-6:.1f}" if both else "",
     }
 

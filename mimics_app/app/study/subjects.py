@@ -18,7 +18,7 @@ __all__ = ["SubjectRun", "find_run", "run_subject"]
 
 _LARGEST = 64 << 20
 """Largest header of a run [bytes]; usual are some ten thousand."""
-_LOOK_EVERY_S = 0.3
+_POLL_S = 0.3
 """Interval at which the current trial is read [s]."""
 
 
@@ -96,7 +96,7 @@ def _run_reporting(command: list[str], before: str, report: Callable[[str], None
         ) as child:
             while True:
                 try:
-                    stdout, stderr = child.communicate(timeout=_LOOK_EVERY_S)
+                    stdout, stderr = child.communicate(timeout=_POLL_S)
                 except subprocess.TimeoutExpired:
                     stdout = None
                 trial = str(read_journey(log).get("trial", ""))

@@ -87,8 +87,8 @@ def _taps(subject: int, events: Sequence[Row]) -> list[Row]:
             rows.setdefault(key, {}).update(condition=event["condition"], place=event["place"], **seen)
         elif kind == "tap_felt":
             key = event["trial"], event["tap"]
-            felt = {"felt_scheduled_ns": event["scheduled_ns"], "offset_ms": event["offset_ms"]}
-            rows.setdefault(key, {}).update(condition=event["condition"], felt_at=event["at"], **felt)
+            scheduled = {"felt_scheduled_ns": event["scheduled_ns"], "offset_ms": event["offset_ms"]}
+            rows.setdefault(key, {}).update(condition=event["condition"], felt_at=event["at"], **scheduled)
         elif kind == "tactile" and "number" in event:
             key = tap_of_number(event["number"])
             times = {"felt_commanded_ns": event["commanded_ns"], "felt_ns": event["felt_ns"]}

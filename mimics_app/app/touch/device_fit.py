@@ -14,7 +14,7 @@ from mimics_app.rendering.haptic.scene_block import dynamics_of, impedance_value
 from mimics_app.world.components.robot import Admittance, Impedance, Robot
 from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["check_shape", "device_values", "feel_of"]
+__all__ = ["check_shape", "device_values", "travel_controller"]
 
 _TAKES_FORCES = ("force", "torque")
 
@@ -30,7 +30,7 @@ def device_values(plugin: DevicePlugin, scene: Scene) -> Mapping[str, object]:
     return values
 
 
-def feel_of(plugin: DevicePlugin) -> Controller:
+def travel_controller(plugin: DevicePlugin) -> Controller:
     """Return the controller with which the person moves the device."""
     return Controller.IMPEDANCE if plugin.follows in _TAKES_FORCES else Controller.ADMITTANCE
 

@@ -24,7 +24,7 @@ from mimics_app.world.files.scene.watcher import SceneWatcher
 
 __all__ = ["ViewerSession"]
 
-_LOOK_NS = SECOND_NS // 4
+_POLL_NS = SECOND_NS // 4
 """Period of the checks of the files [ns]."""
 _SHOW_NS = 5 * SECOND_NS
 """Time for which a message is shown [ns]."""
@@ -82,9 +82,9 @@ class ViewerSession:
             self._controls.fly(min((now - before) / SECOND_NS, _LONGEST_STEP_S))
             before = now
             self._pass_time((now - begun) / SECOND_NS)
-            if now - looked >= _LOOK_NS:
+            if now - looked >= _POLL_NS:
                 looked = now
-                self._look(now)
+                self._check_files(now)
             if self._controls.dirty or self._viewport.renderer.shows("graph"):
                 self._controls.dirty, drawn, rested = False, now, not self._viewport.pays_for_pixels
                 self._draw(smooth=rested)
@@ -233,7 +233,7 @@ class ViewerSession:
             self._take_over()
         self._say(f"saved {', '.join(str(file) for file in files)}" if files else "nothing was moved")
 
-    def _look(self, now_ns: int) -> None:
+    def _check_files(self, now_ns: int) -> None:
         """Remove an old message, and reload changed files."""
         if self._message and now_ns > self._message_until_ns:
             self._message, self._controls.dirty = "", True

@@ -73,7 +73,7 @@ class SignalSource(Protocol):
         """Return the blocks since the last call; () for none."""
         ...
 
-    def feel(self, experience: Experience) -> None:
+    def take_experience(self, experience: Experience) -> None:
         """Process the experience of this frame, from which simulated signals and movement signals are derived."""
 
     def close(self) -> None:

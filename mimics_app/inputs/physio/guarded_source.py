@@ -69,9 +69,9 @@ class GuardedSource(SignalSource):
             return none
         return blocks
 
-    def feel(self, experience: Experience) -> None:
+    def take_experience(self, experience: Experience) -> None:
         """Pass the experience of this frame."""
-        self._call(lambda: self._source.feel(experience), None)
+        self._call(lambda: self._source.take_experience(experience), None)
 
     def close(self) -> None:
         """Close the source, also after a fault, so that its port is free."""

@@ -28,9 +28,9 @@ _LONGEST_GAP_S = 60.0
 """Deviation beyond which the grid restarts: a long gap [s]."""
 _FOLLOW = 0.02
 """Share of a block's lateness by which the grid follows it: at 100 ppm it stays less than a millisecond behind."""
-_SETTLED_S = 5.0
+_SETTLING_S = 5.0
 """Time after which the drift is reported [s]."""
-_RATE_SETTLED_S = 30.0
+_RATE_SETTLING_S = 30.0
 """Time after which the rate is checked [s]."""
 _SILENT_NS = 2 * SECOND_NS
 """Time without samples after which a source is taken as lost [ns]."""
@@ -153,10 +153,10 @@ class Grid:
             self._start_ns = (self._start_ns or 0.0) + step * SECOND_NS
             self._followed += step
         elapsed = (t_ns - self._first_ns) / SECOND_NS
-        if elapsed > _SETTLED_S:
+        if elapsed > _SETTLING_S:
             self.faults.drift_ppm = -1e6 * self._followed / elapsed
             off = abs(self._received / elapsed / self.rate - 1.0)
-            self.faults.wrong_rate = off > _RATE_OFF and elapsed > _RATE_SETTLED_S
+            self.faults.wrong_rate = off > _RATE_OFF and elapsed > _RATE_SETTLING_S
 
 
 class LiveSignals:
@@ -181,7 +181,7 @@ class LiveSignals:
         """Faults of each signal so far, by its name."""
         return {name: grid.faults for name, grid in self._grids.items()}
 
-    def feel(self, experience: Experience) -> None:
+    def take_experience(self, experience: Experience) -> None:
         """Do nothing: only simulated bodies react to the movement."""
 
     def _listen(self, now_ns: int, *, received: bool, source: str) -> None:

@@ -219,7 +219,7 @@ class FileSource(SignalSource):
                 self._taken[signal.name] = due
         return tuple(blocks)
 
-    def feel(self, experience: Experience) -> None:
+    def take_experience(self, experience: Experience) -> None:
         """Do nothing: a recorded body does not react to the movement."""
 
     def close(self) -> None:

@@ -12,7 +12,7 @@ from mimics_app.inputs.trackers.threaded_tracker import POSE_NUMBERS, ThreadedTr
 __all__ = ["LslTracker"]
 
 _PATIENCE_S = 5.0
-_LOOK_S = 0.05
+_POLL_S = 0.05
 _SILENCE_NS = 1_000_000_000
 """Time without a sample after which a stream counts as lost [ns]; the library waits for its sender for ever."""
 
@@ -50,7 +50,7 @@ class LslTracker(ThreadedTracker):
         received_ns = self._clock.now_ns()
         while not self._stopping.is_set():
             try:
-                values, stamp = self._inlet.pull_sample(_LOOK_S)
+                values, stamp = self._inlet.pull_sample(_POLL_S)
             except Exception as error:  # noqa: BLE001  pylsl's own errors, of a stream that is lost
                 self.problem = f"the stream is lost: {error}"
                 return

@@ -14,7 +14,7 @@ from mimics_app.inputs.trackers.threaded_tracker import POSE_NUMBERS, ThreadedTr
 __all__ = ["OscTracker"]
 
 _PREFIX = "/pose/"
-_LOOK_S = 0.05
+_POLL_S = 0.05
 """Period in which a waiting thread checks whether to end [s]."""
 _LARGEST = 1 << 16
 """Largest datagram [bytes]."""
@@ -46,7 +46,7 @@ class OscTracker(ThreadedTracker):
             self._line.close()
             why = error.strerror or error if isinstance(error, OSError) else error
             raise DeviceError(f"OSC cannot be received at {self._address}: {why}", "give another port") from None
-        self._line.settimeout(_LOOK_S)
+        self._line.settimeout(_POLL_S)
         host, self.port = self._line.getsockname()
         if hears_the_network(host):
             self.problem = f"whoever is on the network can send it poses: it listens at {host}, not at 127.0.0.1"

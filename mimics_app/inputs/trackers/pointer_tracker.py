@@ -11,7 +11,7 @@ from mimics_app.inputs.trackers.scripted_person import person_quaternion
 
 __all__ = ["PointerTracker"]
 
-_LOOK_RAD = 0.6
+_HEAD_RAD = 0.6
 """Rotation of the head with the pointer at the window's edge [rad]."""
 _STICK_M = 0.25
 """Displacement of a hand with the stick at its end [m]."""
@@ -27,18 +27,18 @@ class PointerTracker(PolledTracker):
 
     def __init__(self, name: str) -> None:
         super().__init__(name)
-        self._look = (0.0, 0.0)
+        self._pointer = (0.0, 0.0)
         self._sticks: dict[str, float] = {}
 
     def take_window(self, frame: WindowFrame) -> None:
         for event in frame.events:
             if event.kind == "move":
-                self._look = (event.x, event.y)
+                self._pointer = (event.x, event.y)
         self._sticks = dict(frame.gamepad.axes) if frame.gamepad.connected else {}
 
     def _report(self, now_ns: int, sink: TrackerSink) -> None:
-        right, up = self._look
-        rotation = person_quaternion(-math.degrees(_LOOK_RAD * right), math.degrees(_LOOK_RAD * up), 0.0)
+        right, up = self._pointer
+        rotation = person_quaternion(-math.degrees(_HEAD_RAD * right), math.degrees(_HEAD_RAD * up), 0.0)
         sink(TrackerSample("head", now_ns, (0.0, 1.70, 0.0), rotation))
         for sensor, (across, along, side) in _HANDS.items():
             place = (

@@ -25,7 +25,7 @@ from mimics_app.inputs.trackers.vrpn_wire import (
 
 __all__ = ["OscSender", "VrpnServer"]
 
-_LOOK_S = 0.05
+_POLL_S = 0.05
 _HERE = "127.0.0.1"
 _LAST_PORT = 65_535
 _POSE, _PONG = 0, 1
@@ -147,7 +147,7 @@ class VrpnServer:
         while not self._closing.is_set():
             clients = {client.line.fileno(): client for client in self._clients.values()}
             waiting = [self._listening.fileno(), self._requests.fileno(), *clients]
-            for ready in select.select(waiting, [], [], _LOOK_S)[0]:
+            for ready in select.select(waiting, [], [], _POLL_S)[0]:
                 if ready in clients:
                     self._answer(clients[ready])
                 elif ready == self._requests.fileno():

@@ -25,7 +25,7 @@ __all__ = ["VrpnTracker"]
 _PATIENCE_S = 3.0
 _TCP = "tcp://"
 """What VRPN's own clients take to connect by TCP alone, without a first datagram."""
-_LOOK_S = 0.05
+_POLL_S = 0.05
 """Period in which a waiting thread checks whether to end [s]."""
 
 
@@ -54,7 +54,7 @@ class VrpnTracker(ThreadedTracker):
         except OSError as error:
             what = f"no VRPN server at {self._place[0]}:{self._place[1]}: {error.strerror or error}"
             raise DeviceError(what, "start it, or correct the tracker's address") from None
-        self._line.settimeout(_LOOK_S)
+        self._line.settimeout(_POLL_S)
 
     def _close(self) -> None:
         self._line.close()

@@ -30,7 +30,7 @@ from mimics_app.contracts.ports.audio_port import AudioReport, percentiles_ms
 from mimics_app.contracts.shared_memory import ring
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.rendering.audio.process import AudioProcess
-from mimics_app.rendering.audio.queue_length import SETTLE_S
+from mimics_app.rendering.audio.queue_length import SETTLING_S
 from mimics_app.rendering.audio.settings import AudioSettings, MixerName, SoundSpec
 from mimics_app.rendering.audio.worker import FIFO_PRIORITY, ask_for_fifo
 
@@ -43,8 +43,8 @@ _SINK = "mimics"
 _STEREO = ("front-left", "front-right")
 _THRESHOLD = 0.02
 _QUIET_FRAMES = 1500
-_SETTLE_NS = 2_500_000_000  # the monitor's stream drops sound at first; the player's does not
-_OPENING_NS = round((SETTLE_S + 0.7) * 1e9)
+_SETTLING_NS = 2_500_000_000  # the monitor's stream drops sound at first; the player's does not
+_OPENING_NS = round((SETTLING_S + 0.7) * 1e9)
 """Time until the stream has settled, and the queue ahead of it is as short as the machine allows [ns]."""
 
 _PAUSE_NS = (200_000_000, 240_000_000)
@@ -219,7 +219,7 @@ class Monitor:
         self._thread = threading.Thread(target=self._read, name="monitor", daemon=True)
         self._thread.start()
         clock = MonotonicClock()
-        clock.sleep_until_ns(clock.now_ns() + _SETTLE_NS)
+        clock.sleep_until_ns(clock.now_ns() + _SETTLING_NS)
         return self
 
     def __exit__(self, *exception: object) -> None:

@@ -26,7 +26,7 @@ __all__: list[str] = []
 
 _MASS, _STIFFNESS, _ZETA, _SPEED = 0.2, 2000.0, 0.3, 0.3
 _PHASES = 8
-_SETTLE = 500
+_SETTLING_TICKS = 500
 _TICKS = 20_000
 
 _METHODS: dict[str, tuple[ObjectIntegrator, int]] = {
@@ -71,7 +71,7 @@ def _step_us(method: str, bodies: int) -> float:
     integrator, steps = _METHODS[method]
     world = rest_on_floor(bodies, integrator=integrator)
     world.dt /= steps
-    world.run(_SETTLE)
+    world.run(_SETTLING_TICKS)
     ticks = max(20, _TICKS // bodies)
     return shortest_us(lambda: world.run(ticks * steps), ticks)
 

@@ -54,9 +54,9 @@ _HAND = 5.0  # [N s/m]
 _SPEED = 0.5  # [m/s]
 _DT = 1e-3
 _LOADED = 500  # tick from which the load acts
-_SETTLED = 2500  # tick from which drift is counted, two seconds later
+_SETTLING_TICKS = 2500  # tick from which drift is counted, two seconds later
 _HELD = 60_000  # ticks: whole periods of the shaking load
-_TICKS = _SETTLED + _HELD + 1
+_TICKS = _SETTLING_TICKS + _HELD + 1
 _CALLS = 20_000
 _FAILED = 1.01  # of the cone: what has left it by more holds nothing
 
@@ -162,7 +162,7 @@ def hold(law: str) -> Hold:
     states, vectors = _fresh()
     path = np.empty(_TICKS)
     greatest = _hold(NUMBERS[law], _TICKS, states, vectors, path)
-    drift = abs(path[_SETTLED + _HELD] - path[_SETTLED])
+    drift = abs(path[_SETTLING_TICKS + _HELD] - path[_SETTLING_TICKS])
     return Hold(float(drift), float(greatest / (_MU * _NORMAL)), float(path[_LOADED]))
 
 

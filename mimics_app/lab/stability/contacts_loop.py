@@ -112,7 +112,7 @@ def _stiffer(contacts: Contacts, first: float) -> Contacts:
 
 
 @kernel
-def _feel(normals: Mat, k: Vec, B: Vec, x: Vec, last: Vec, dt: float, force: Vec) -> None:
+def _contact_force(normals: Mat, k: Vec, B: Vec, x: Vec, last: Vec, dt: float, force: Vec) -> None:
     """Compute the force of all contacts on the device, less the force at rest at DEPTH in each [N]."""
     force[:] = 0.0
     for c in range(k.shape[0]):
@@ -150,7 +150,7 @@ def _press_contacts(
             last[j] = x[j]
     peaks[:] = 0.0
     for i in range(ticks):
-        _feel(normals, k, B, x, last, dt, line[i % (delay + 1)])
+        _contact_force(normals, k, B, x, last, dt, line[i % (delay + 1)])
         size = 0.0
         for j in range(3):
             last[j] = x[j]

@@ -35,7 +35,7 @@ _THRESHOLD = 0.01
 _STIFFNESS = 2e4
 _BRISTLE_DAMPING = 100.0
 _DT = 1e-3
-_SETTLED = 1.0
+_SETTLING_S = 1.0
 _SECONDS = 61.0
 _TREMOR = 0.1
 _TREMOR_HZ = 2.0
@@ -56,14 +56,14 @@ def _friction(number: int, x: Vec, v: Vec, load: Vec, dt: float, state: Friction
 def _hold(number: int, share: float, seconds: float, dt: float, states: Table[FrictionRecord], out: Vec) -> None:
     """out: mean place in the last second less that in the first after settling [m], largest friction / cone - 1."""
     x, v, load, force = np.zeros(1), np.zeros(1), np.zeros(1), np.zeros(1)
-    settled = round(_SETTLED / dt)
-    ticks = settled + round(seconds / dt)
+    settling = round(_SETTLING_S / dt)
+    ticks = settling + round(seconds / dt)
     window = round(1.0 / dt)
     crept_by = 0.0
     for i in range(ticks):
         t = i * dt
-        rise = 0.5 * (1.0 - math.cos(math.pi * t / _SETTLED)) if i < settled else 1.0
-        tremor = _TREMOR * math.sin(2.0 * math.pi * _TREMOR_HZ * t) if i >= settled else 0.0
+        rise = 0.5 * (1.0 - math.cos(math.pi * t / _SETTLING_S)) if i < settling else 1.0
+        tremor = _TREMOR * math.sin(2.0 * math.pi * _TREMOR_HZ * t) if i >= settling else 0.0
         load[0] = share * _CONE * (rise + tremor)
         _friction(number, x, v, load, dt, states[0], force)
         out[1] = max(out[1], abs(force[0]) / _CONE - 1.0)
@@ -72,7 +72,7 @@ def _hold(number: int, share: float, seconds: float, dt: float, states: Table[Fr
         x[0], v[0] = step_semi_implicit(x[0], v[0], load[0] + force[0], _MASS, 0.0, 0.0, dt)
         if i >= ticks - window:
             crept_by += x[0] / window
-        if settled <= i < settled + window:
+        if settling <= i < settling + window:
             crept_by -= x[0] / window
     out[0] = crept_by
 

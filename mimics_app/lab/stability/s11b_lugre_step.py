@@ -91,13 +91,13 @@ def _simulate_grid(points: int) -> Outcome:
         }
         for i, speed in enumerate(speeds)
     ]
-    settled = all(abs(row["implicit_at_1_ms"] - 1.0) < 1e-9 for row in rows)
+    stable = all(abs(row["implicit_at_1_ms"] - 1.0) < 1e-9 for row in rows)
     return Outcome(
         rows=rows,
         simulated=simulated,
         exact=exact,
         rules={"tick of the loop": [(speed, 1e3) for speed in speeds]},
-        holds=settled,
+        holds=stable,
         note=(
             f"sigma0 = 100 kN/m, 1 N of friction: at {speeds[-1]:g} m/s the explicit form needs a tick below "
             f"{exact[-1][1]:.1f} us; the implicit one settles at 1 ms at every speed."

@@ -14,9 +14,9 @@ import math
 
 from mimics_app.contracts.ports.audio_port import QueueReport
 
-__all__ = ["CALM_S", "OBSERVED_S", "SETTLE_S", "QueueLength"]
+__all__ = ["CALM_S", "OBSERVED_S", "SETTLING_S", "QueueLength"]
 
-SETTLE_S = 5.0
+SETTLING_S = 5.0
 """Time at the longest length, counted in frames that the device took, without a near-miss, at the start [s]."""
 
 CALM_S = 120.0
@@ -51,8 +51,8 @@ class QueueLength:
         self._shortest, self._longest = shortest, max(shortest, longest)
         self._step, self._margin, self._rate = step, margin, rate
         self.frames = self._longest_used = self._least = self._least_ever = self._longest
-        self._settled = False
-        self._since = self._settled_at = self._position = self._needed = 0
+        self._stable = False
+        self._since = self._stable_at = self._position = self._needed = 0
         self._changes: list[tuple[float, float]] = []
         self._empty: list[tuple[int, float]] = []
 
@@ -79,7 +79,7 @@ class QueueLength:
                 and would come too late for a mixer that works further ahead. A near-miss is then answered later.
         """
         self._least, self._least_ever, self._position = min(self._least, left), min(self._least_ever, left), position
-        if self._settled:
+        if self._stable:
             self._needed = max(self._needed, self.frames - left + self._margin)
         if ran_empty:
             self.underruns += 1
@@ -92,11 +92,11 @@ class QueueLength:
             return
         if self._least <= self._margin:
             self._change(self._missing(self._least), position)
-        elif position - self._since >= (CALM_S if self._settled else SETTLE_S) * self._rate:
+        elif position - self._since >= (CALM_S if self._stable else SETTLING_S) * self._rate:
             spare = (self._least - self._margin - 1) // self._step
-            self._change(-((spare + 1) // 2 if self._settled else spare), position)
-            if not self._settled:
-                self._settled, self._settled_at = True, position
+            self._change(-((spare + 1) // 2 if self._stable else spare), position)
+            if not self._stable:
+                self._stable, self._stable_at = True, position
 
     def report(self) -> QueueReport:
         """Return the lengths and what happened, all but `latency_ms`."""
@@ -108,7 +108,7 @@ class QueueLength:
             "changes": list(self._changes),
             "empty": list(self._empty),
         }
-        if self._settled and self._position - self._settled_at >= OBSERVED_S * self._rate:
+        if self._stable and self._position - self._stable_at >= OBSERVED_S * self._rate:
             report["needed_ms"] = self._ms(min(self._needed, self._longest))
         return report
 

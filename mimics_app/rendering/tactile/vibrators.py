@@ -105,7 +105,7 @@ class SerialVibrators(Vibrators):
         return _line(touch, now_ns + self._wire_ns + wait_ns, now_ns, channel)
 
 
-def _line(touch: TactileEvent, felt_ns: int, now_ns: int, channel: int | None) -> Mapping[str, object]:
-    error_ms = (felt_ns - touch.t_ns) * 1e-6
-    times = {"scheduled_ns": touch.t_ns, "commanded_ns": now_ns, "felt_ns": felt_ns, "error_ms": error_ms}
+def _line(touch: TactileEvent, onset_ns: int, now_ns: int, channel: int | None) -> Mapping[str, object]:
+    error_ms = (onset_ns - touch.t_ns) * 1e-6
+    times = {"scheduled_ns": touch.t_ns, "commanded_ns": now_ns, "felt_ns": onset_ns, "error_ms": error_ms}
     return {"number": touch.number, "at": touch.place, "channel": channel, **times}

@@ -67,7 +67,7 @@ class SimulatedBody(SignalSource):
         self._start_ns: int | None = None
         self._taken = 0
         self._second: dict[str, NDArray[np.float64]] = {}
-        self._felt: list[Experience] = []
+        self._experiences: list[Experience] = []
 
     def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
         """Return the samples due since the last read."""
@@ -85,22 +85,22 @@ class SimulatedBody(SignalSource):
             self._taken += end - begin
         return tuple(blocks)
 
-    def feel(self, experience: Experience) -> None:
+    def take_experience(self, experience: Experience) -> None:
         """Take what the person experienced in a frame."""
-        self._felt.append(experience)
+        self._experiences.append(experience)
 
     def close(self) -> None:
         """Nothing is open."""
 
     def _next_drive(self) -> Drive:
-        felt, self._felt = self._felt, []
-        demands = [each.demand for each in felt if each.demand is not None]
+        experiences, self._experiences = self._experiences, []
+        demands = [each.demand for each in experiences if each.demand is not None]
         mean = np.array([np.mean(demands)]) if demands else np.array([np.nan])
-        power, speed = (np.array([np.mean(each or [0.0])]) for each in _of(felt))
-        acting = np.array([float(bool(felt) and felt[-1].acting)])
+        power, speed = (np.array([np.mean(each or [0.0])]) for each in _of(experiences))
+        acting = np.array([float(bool(experiences) and experiences[-1].acting)])
         self._people.step(1.0, mean, power, acting)
         return self._people.drive(speed)
 
 
-def _of(felt: list[Experience]) -> tuple[list[float], list[float]]:
-    return [each.power for each in felt], [each.speed for each in felt]
+def _of(experiences: list[Experience]) -> tuple[list[float], list[float]]:
+    return [each.power for each in experiences], [each.speed for each in experiences]

@@ -29,7 +29,7 @@ _ANSWER_S = 2.0
 _INIT_NS = 90_000_000_000
 """Time-out of the calibration [ns]."""
 
-_LOOK_AGAIN_NS = 50_000_000
+_POLL_NS = 50_000_000
 _INNER_PERIOD = 1.0 / 2500.0
 
 _NUMBERS = {"inertia": (DEFAULT_INERTIA, 0.5, 50.0), "servo_gain": (150.0, 1.0, 1000.0)}
@@ -188,4 +188,4 @@ def _initialise(talk: _Conversation) -> None:
     while talk.ask("get state") != "stop":
         if clock.now_ns() > end:
             raise DeviceError("the HapticMaster does not find the ends of its axes")
-        clock.sleep_until_ns(clock.now_ns() + _LOOK_AGAIN_NS)
+        clock.sleep_until_ns(clock.now_ns() + _POLL_NS)

@@ -31,7 +31,7 @@ LINK_LENGTH = 8
 
 _OFFER, _UP, _FD = 0, 1, 2
 
-_LOOK_EVERY_S = 0.1
+_POLL_S = 0.1
 _PATIENCE_S = 0.8
 """Time that `close` waits for the supervisor [s], which may hang in the driver of a port."""
 
@@ -94,7 +94,7 @@ class LinkSupervisor:
         """Return why there is no line, and what to do; "" while there is one."""
         return self._trouble
 
-    def look(self) -> None:
+    def poll(self) -> None:
         """Open the line again if the loop has let go of it; a failure is reported by `trouble` and tried again."""
         if self._close_line is None or (self._words[_OFFER] == 0 and self._words[_UP] == 0):
             self._release()
@@ -129,5 +129,5 @@ class LinkSupervisor:
             self._close_line = None
 
     def _watch(self) -> None:
-        while not self._ended.wait(_LOOK_EVERY_S):
-            self.look()
+        while not self._ended.wait(_POLL_S):
+            self.poll()

@@ -58,10 +58,10 @@ class WallDisplay(PlainDisplay):
         for row, (side, share) in enumerate(_SIDES[self.spec.stereo]):
             eye = (room_from_head @ eye_offset(share * self.spec.ipd))[:3, 3]
             for number, rectangle in enumerate(self._rectangles(drawn, row)):
-                eyes.append(self._look(number, side, eye, rectangle, world_from_room))
+                eyes.append(self._eye(number, side, eye, rectangle, world_from_room))
         return eyes
 
-    def _look(self, number: int, side: str, eye: F8, rectangle: Rect, world_from_room: F8) -> Eye:
+    def _eye(self, number: int, side: str, eye: F8, rectangle: Rect, world_from_room: F8) -> Eye:
         wall, place = self._walls[number]
         frustum = look_through(place, eye)
         if frustum.fault:

@@ -68,7 +68,7 @@ class Cascades:
         forward = -(rotation @ np.mean([view.world_from_eye[:3, 2] for view in views], axis=0))
         texels = 2.0 * radii / size
         wanted = np.round((eye + _AHEAD * seen[:, None] * forward) / texels[:, None]) * texels[:, None]
-        centres = _settle(wanted, radii, self._centres)
+        centres = _stabilise(wanted, radii, self._centres)
         for number, (centre, radius) in enumerate(zip(centres, radii.tolist(), strict=True)):
             if self._centres is not None and not np.array_equal(centre, self._centres[number]):
                 self._maps[number] = None
@@ -93,7 +93,7 @@ class Cascades:
         return ShadowMap(_box(rotation, centre, radius, *self._depth), rotation.T @ centre, texel, kept)
 
 
-def _settle(wanted: F8, radii: F8, before: F8 | None) -> F8:
+def _stabilise(wanted: F8, radii: F8, before: F8 | None) -> F8:
     """Return the new centres of the boxes [m], [n, 3]."""
     if before is None:
         return wanted

@@ -174,9 +174,9 @@ class AvatarCordPlay(KindPlay):
     def _order_taps(self, now_ns: int) -> None:
         """Order tactile events ahead of their time."""
         assert self._begin_ns is not None
-        by_felt = sorted(self._taps, key=lambda tap: (tap.felt_ns, tap.number))
-        while self._ordered < len(by_felt) and self._begin_ns + by_felt[self._ordered].felt_ns <= now_ns + _AHEAD_NS:
-            self._order(by_felt[self._ordered], now_ns)
+        in_order = sorted(self._taps, key=lambda tap: (tap.felt_ns, tap.number))
+        while self._ordered < len(in_order) and self._begin_ns + in_order[self._ordered].felt_ns <= now_ns + _AHEAD_NS:
+            self._order(in_order[self._ordered], now_ns)
             self._ordered += 1
 
     def _show_taps(self, seen: Observation) -> None:

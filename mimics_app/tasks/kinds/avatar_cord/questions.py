@@ -15,11 +15,11 @@ from mimics_app.tasks.kinds.avatar_cord.spec import (
     SubjectModel,
 )
 
-__all__ = ["Answer", "Asking", "felt_ownership"]
+__all__ = ["Answer", "Asking", "ownership_of"]
 
 _LEFT, _RIGHT, _TAKE = ({"left", "pad_dpad_left"}, {"right", "pad_dpad_right"}, {"enter", "pad_a", "mouse_left"})
 _WEIGHTS = {"ownership": 1.0, "touch": 0.9, "location": 0.8, "agency": 0.7, "control": -0.8, "other": 0.0}
-"""Weight of the felt ownership in the answers of a simulated subject, by the scale of a statement; control statements
+"""Weight of the ownership in the answers of a simulated subject, by the scale of a statement; control statements
 are those without expected agreement."""
 
 
@@ -33,7 +33,7 @@ class Answer:
     seconds: float
 
 
-def felt_ownership(model: SubjectModel, condition: ConditionSpec) -> float:
+def ownership_of(model: SubjectModel, condition: ConditionSpec) -> float:
     """Return the ownership that the model feels under a condition, 0 to 1.
 
     It falls to 1/e at an offset of `window_ms` between seen and felt taps (visuo-tactile integration: Shimada 2009
@@ -84,7 +84,7 @@ class Asking:
         self._left: list[ProbeSpec | ItemSpec] = [*([self.spec.probe] if self.spec.probe else []), *items]
         # One level for the trial, so that a subject's answers to it belong together.
         model = self.spec.simulated
-        self._felt = felt_ownership(model, self.condition) + self.rng.gauss(0.0, 0.3 * model.spread)
+        self._ownership = ownership_of(model, self.condition) + self.rng.gauss(0.0, 0.3 * model.spread)
         self._since = 0.0
         self._value = self._first_value()
 
@@ -158,10 +158,10 @@ class Asking:
         """Return the model's answer, with noise for every statement."""
         asked, model = self._left[0], self.spec.simulated
         if isinstance(asked, ProbeSpec):
-            drift = 0.35 * self._felt * self.distance + self.rng.gauss(0.0, 0.05)
+            drift = 0.35 * self._ownership * self.distance + self.rng.gauss(0.0, 0.05)
             return min(max(drift, 0.0), self.distance)
         weight, span = _WEIGHTS[asked.scale], self._questionnaire
-        level = 0.5 + (self._felt - 0.5) * weight if weight >= 0.0 else 0.25
+        level = 0.5 + (self._ownership - 0.5) * weight if weight >= 0.0 else 0.25
         middle, half = 0.5 * (span.least + span.most), 0.5 * (span.most - span.least)
         value = middle + half * (2.0 * level - 1.0 + self.rng.gauss(0.0, model.spread))
         return float(min(max(round(value), span.least), span.most))

@@ -36,7 +36,7 @@ class Footholds:
         self._places: list[tuple[float, float, float] | None] = [None, None]
 
     @property
-    def settled(self) -> bool:
+    def at_rest(self) -> bool:
         """True when both offsets are below 15 mm and 5 degrees."""
         return bool(np.hypot(self.off[:, 0], self.off[:, 1]).max() < 0.015 and np.abs(self.off[:, 2]).max() < 0.09)
 

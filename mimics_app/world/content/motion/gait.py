@@ -51,7 +51,7 @@ _TOE_BEND = math.radians(60.0)
 """Maximum dorsiflexion of the toes [rad]."""
 _HEEL, _TIP = 0.5, 1.75
 """Distances of heel behind and toe tip before the ankle, over that of the ball: feet of 265 mm."""
-_SETTLE = 0.9
+_SETTLING_CADENCE = 0.9
 """Cadence while the feet of a standing person are brought under the body [1/s]."""
 _SLOW_BACK, _SLOW, _FASTER = 0.025, 0.5, 0.8
 """How much farther back feet stand at slow speeds than hip and knee of the table say [m], fitted to the knee: the foot
@@ -208,7 +208,7 @@ class Walk:
         if self._holds is None or abs(pace.speed) > 1e-3:
             return pace.cadence
         stands = bool((self._placed[:, 4] > 0.0).all())
-        return 0.0 if stands and self._holds.settled else _SETTLE
+        return 0.0 if stands and self._holds.at_rest else _SETTLING_CADENCE
 
     def _aim_feet(self, pace: Pace, stretch: float) -> F8:
         """Set the targets of the ankles and return the table of angles that the legs follow."""

@@ -98,7 +98,7 @@ def find_humanoid(rig: Rig) -> HumanoidMap:
             found.slots[bone], found.names[bone] = slot, rig.names[slot]
     if not found.slots:
         _find_by_name(rig, found)
-        _settle_spine(rig, found)
+        _choose_spine(rig, found)
         _guess(rig, found)
     if any(bone not in found.slots for bone in NEEDED):
         guess_by_place(rig, found.slots, found.names, found.guesses)
@@ -113,15 +113,15 @@ def _find_by_name(rig: Rig, found: HumanoidMap) -> None:
         if known is not None:
             words.setdefault(known[0], {}).setdefault(known[1], slot)
     for side in _SIDES:
-        _settle_shoulder(words, f"{side}Shoulder", f"{side}UpperArm", f"{side}LowerArm")
+        _choose_shoulder(words, f"{side}Shoulder", f"{side}UpperArm", f"{side}LowerArm")
     if "hips" not in words:
-        _settle_numbered_spine(rig, words)
+        _choose_numbered_spine(rig, words)
     for bone, by_word in words.items():
         slot = min(by_word.values())
         found.slots[bone], found.names[bone] = slot, rig.names[slot]
 
 
-def _settle_shoulder(words: dict[str, dict[str, int]], shoulder: str, upper: str, lower: str) -> None:
+def _choose_shoulder(words: dict[str, dict[str, int]], shoulder: str, upper: str, lower: str) -> None:
     """Where nothing is called an arm, what is called a shoulder is the upper arm; the collar bone is above it."""
     named = words.get(shoulder, {})
     if upper not in words and lower in words and "shoulder" in named:
@@ -130,7 +130,7 @@ def _settle_shoulder(words: dict[str, dict[str, int]], shoulder: str, upper: str
             del words[shoulder]
 
 
-def _settle_numbered_spine(rig: Rig, words: dict[str, dict[str, int]]) -> None:
+def _choose_numbered_spine(rig: Rig, words: dict[str, dict[str, int]]) -> None:
     """Of vertebrae that are only numbered (Rigify) the first is the hips, the last ones are neck and head."""
     series = [slot for slot, name in enumerate(rig.names) if _NUMBERED.match(_PREFIX.sub("", name))]
     if len(series) < 3:
@@ -163,7 +163,7 @@ def _bone_of(name: str) -> tuple[str, str] | None:
     return None
 
 
-def _settle_spine(rig: Rig, found: HumanoidMap) -> None:
+def _choose_spine(rig: Rig, found: HumanoidMap) -> None:
     """Assign the nodes between hips and neck by order, because files number vertebrae from either end."""
     top = found.slots.get("neck", found.slots.get("head", -1))
     hips = found.slots.get("hips", -1)
