@@ -36,7 +36,7 @@ COMMANDS: dict[str, str] = {
     "config": "print the values a run would begin with, and the source of each",
     "limits": "show or set the ceiling of this machine, which no scene can raise",
     "doctor": "report what this machine has, what it lacks and how to install it",
-    "devices": "list devices, simulators, displays, gamepads and serial ports",
+    "devices": "list devices, simulators, displays, gamepads and serial ports; check or emulate a device",
     "replay": "simulate a recorded run again and compare every output",
     "report": "write the report of a run as one HTML file",
     "physio": "read body signals from a file, a stream or a simulated person: plots, features, events, quality",
@@ -45,7 +45,7 @@ COMMANDS: dict[str, str] = {
     "sweep": "run an experiment over a grid or sample of parameters, scenes and simulated patients",
     "bench": "measure the product beside its peers on this machine",
     "lab": "chart speed against accuracy, and show where methods fail",
-    "assets": "build the shipped models and sounds from a seed",
+    "assets": "build the shipped models and sounds from a seed; make levels of detail of any model",
     "completion": "print the script by which a shell completes commands, options and names of scenes",
     "warmup": "compile the kernels now instead of at the first run",
 }

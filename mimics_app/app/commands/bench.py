@@ -75,7 +75,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--scale",
         type=float,
         choices=(0.75, 0.5),
-        help="with frame: one more row at this resolution scale, with all that the governor lowers before it lowered",
+        help="with frame: one more row at this resolution scale, with the qualities that the governor lowers first",
     )
     parser.add_argument(
         "--rounds",
@@ -120,7 +120,7 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
         type=_nodes,
         default=0,
         help="with render: number of nodes, people or particles, 0: the default of the workload; with record and "
-        "faults: number of sessions per way to kill it and per fault (default: 5)",
+        "faults: number of sessions per kind of kill and per fault (default: 5)",
     )
     parser.add_argument(
         "--opt", default="", help="with render: options of the renderer, separated by commas, e.g. noocc,noshadow"
