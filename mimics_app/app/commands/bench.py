@@ -75,7 +75,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--scale",
         type=float,
         choices=(0.75, 0.5),
-        help="with frame: one more row at this resolution scale, with the qualities that the governor lowers first",
+        help="with frame: one more row at this resolution scale, and with all qualities lowered that the governor "
+        "lowers before the scale",
     )
     parser.add_argument(
         "--rounds",
