@@ -219,8 +219,8 @@ def test_a_long_table_takes_no_more_memory_than_a_short_one(tmp_path: Path, monk
         ("x 1 250 1000\ngone.dat 16 200 11 0 0 0 0 ECG\n", "cannot be read"),
         ("x 9 250 99999999999\nx.dat 16 200 11 0 0 0 0 ECG\n", "of memory"),
         ("x/2 1 250 1000\n../z 500\n", "not in its folder"),
-        ("x/2 1 250 1000\nx 500\n", "record of records"),
-        ("x many 250 1000\n", "no numbers"),
+        ("x/2 1 250 1000\nx 500\n", "segments that contain segments"),
+        ("x many 250 1000\n", "lacks the numbers"),
         ("", "not a WFDB header"),
     ],
 )

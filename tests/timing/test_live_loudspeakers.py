@@ -134,5 +134,5 @@ def test_a_mix_that_no_device_plays_is_refused_in_words(tmp_path: Path) -> None:
     )  # fmt: skip
     engine = open_engine(settings, MonotonicClock())
     engine.close()
-    assert "no live device plays ambisonic sound of 16 channels: sound is rendered to" in engine.status.notice
+    assert "no live device supports ambisonic sound of 16 channels: sound is rendered to" in engine.status.notice
     assert engine.status.channels == 16

@@ -34,7 +34,7 @@ def test_the_synthetic_board_sends_body_signals() -> None:
 
 
 def test_a_board_that_is_not_known_is_reported() -> None:
-    with pytest.raises(UsageError, match="knows no board"):
+    with pytest.raises(UsageError, match="has no board"):
         open_source("board:NO_SUCH_BOARD", 1)
 
 

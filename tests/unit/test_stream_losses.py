@@ -111,7 +111,7 @@ def outlet_of(name: str, form: str, source_id: str) -> Any:
 def test_a_stream_of_texts_is_refused() -> None:
     name = f"mimics texts {time.monotonic_ns()}"
     outlet = outlet_of(name, "string", name)
-    with pytest.raises(DeviceError, match="are texts"):
+    with pytest.raises(DeviceError, match="are text"):
         open_source(f"lsl:{name}", 1)
     del outlet
 

@@ -223,7 +223,7 @@ def test_paths_are_read(tmp_path, name, text):
         ("p.txt", "0,1,2\n", 'not ".txt"'),
         ("p.csv", "", "0 samples"),
         ("p.csv", "0,1,2\n", "1 samples"),
-        ("p.csv", "a,b,c\n0,1,2\n", "no column x, y, z"),
+        ("p.csv", "a,b,c\n0,1,2\n", "lacks the column x, y, z"),
         ("p.csv", "x,y,z\n0,1,2\n0,1\n", "line 3"),
         ("p.csv", "0,1,2\n0,nan,2\n", "line 2"),
         ("p.csv", "0,1,2\n0,inf,2\n", "line 2"),

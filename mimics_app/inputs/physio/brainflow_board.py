@@ -44,7 +44,7 @@ class BoardSource(LiveSignals):
         name, _, port = address.partition("@")
         self._name = name
         if name not in BoardIds.__members__:
-            raise UsageError(f'BrainFlow knows no board "{name}"', nearest(name, BoardIds.__members__))
+            raise UsageError(f'BrainFlow has no board "{name}"', nearest(name, BoardIds.__members__))
         number = int(BoardIds[name])
         parameters = BrainFlowInputParams()
         parameters.serial_port = port
@@ -61,7 +61,7 @@ class BoardSource(LiveSignals):
             raise UsageError(f"brainflow cannot be loaded: {error}", 'pip install "setuptools<81"') from error
         except BrainFlowError as error:
             raise DeviceError(
-                f'the board "{name}" cannot be opened: {error}', "is it on, and on which port?"
+                f'the board "{name}" cannot be opened: {error}', "switch it on, and check its port: NAME@PORT"
             ) from error
         self._grids = {signal: Grid(signal, self._rate) for signal in self._columns}
         self._start_ns: int | None = None

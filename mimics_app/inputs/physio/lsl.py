@@ -72,10 +72,10 @@ class LslSource(LiveSignals):
         if not self._columns:
             raise DeviceError(f'no channel of the LSL stream "{name}" is a body signal', NAMES_HINT)
         if info.channel_format() == pylsl.cf_string:
-            raise DeviceError(f'the samples of the LSL stream "{name}" are texts', "send numbers, e.g. as float32")
+            raise DeviceError(f'the samples of the LSL stream "{name}" are text', "send numbers, e.g. as float32")
         self._rate = float(info.nominal_srate())
         if self._rate <= 0.0:
-            raise DeviceError(f'the LSL stream "{name}" has no regular rate', "send it at one")
+            raise DeviceError(f'the LSL stream "{name}" has no regular rate', "send it at a fixed rate")
         self._grids = {name: Grid(name, self._rate) for name in self._columns}
         self._clock = MonotonicClock()
         self.offsets: list[float] = []
@@ -156,7 +156,7 @@ def find_stream(name: str, tell: Callable[[str], None] = _say_nothing) -> Stream
     if not found:
         there = sorted({stream.name() for stream in pylsl.resolve_streams(_AT_ONCE_S)})
         hint = f"there are: {', '.join(there)}" if there else "no stream is on the network"
-        raise DeviceError(f'no LSL stream is called "{name}"', hint)
+        raise DeviceError(f'no LSL stream has the name "{name}"', hint)
     stream: StreamInfo = found[0]
     return stream
 
@@ -170,7 +170,7 @@ def _quoted(name: str) -> str:
     if "'" not in name:
         return f"'{name}'"
     if '"' in name:
-        raise UsageError(f"the name {name} has quotes of both kinds", "name the stream by its type, or otherwise")
+        raise UsageError(f"the name {name} has quotes of both kinds", "name the stream by its type, or rename it")
     return f'"{name}"'
 
 

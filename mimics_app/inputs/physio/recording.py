@@ -98,7 +98,7 @@ def reader_of(path: Path) -> Callable[[Path], list[Recorded]]:
     readers = {".edf": _read_edf, ".bdf": _read_edf, ".hea": _read_wfdb, ".dat": _read_wfdb}
     if suffixes and suffixes[-1] in readers:
         return readers[suffixes[-1]]
-    raise SceneError(Issue(str(path), "", "no format of body signals", "give .csv, .edf, .bdf, .hea"))
+    raise SceneError(Issue(str(path), "", "unsupported file format for body signals", "give .csv, .edf, .bdf, .hea"))
 
 
 def _read_csv(path: Path) -> list[Recorded]:
@@ -252,7 +252,7 @@ def check_wfdb_header(path: Path, depth: int = 1) -> None:
         samples = int(rest[1]) if len(rest) > 1 else 0
         afford(str(path), "", 8 * max(int(signals), 1) * max(samples, 0), "cut the record")
     except ValueError:
-        raise SceneError(Issue(str(path), "", "states no numbers of signals and samples")) from None
+        raise SceneError(Issue(str(path), "", "the WFDB header lacks the numbers of signals and samples")) from None
     for words in lines[1:]:
         if "/" in name and words[0] != "~":
             _check_segment(path, words[0], depth)
@@ -263,7 +263,7 @@ def check_wfdb_header(path: Path, depth: int = 1) -> None:
 def _check_segment(path: Path, segment: str, depth: int) -> None:
     _check_beside(path, f"{segment}.hea")
     if depth >= _MOST_NESTED:
-        raise SceneError(Issue(str(path), "", "is a record of records of segments"))
+        raise SceneError(Issue(str(path), "", "WFDB segments that contain segments are not supported"))
     check_wfdb_header(path.with_name(f"{segment}.hea"), depth + 1)
 
 

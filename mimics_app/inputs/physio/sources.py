@@ -187,7 +187,7 @@ def _split(address: str) -> tuple[str, str]:
     """
     kind, _, rest = address.partition(":")
     if kind in KINDS and kind != "sim" and not rest:
-        raise UsageError(f'"{address}" names no {kind} source', f"write {kind}:NAME")
+        raise UsageError(f'"{address}" lacks the name of a source', f"write {kind}:NAME")
     if kind not in (known := source_kinds()):
         raise UsageError(f'unknown source of body signals "{address}"', nearest(kind, known))
     return kind, rest

@@ -43,9 +43,9 @@ def axis_map(text: str) -> F8:
         if name in names:
             matrix[row, names[name]] = -1.0 if part.startswith("-") else 1.0
     if len(rows) != 3 or abs(float(np.linalg.det(matrix))) < 0.5:
-        raise UsageError(f'"{text}" names no three axes', 'write them like "x,-z,y"')
+        raise UsageError(f'"{text}" does not name three axes', 'write them like "x,-z,y"')
     if np.linalg.det(matrix) < 0.0:
-        raise UsageError(f'the axes "{text}" make a mirror image of the room', "change the sign of one of them")
+        raise UsageError(f'the axes "{text}" are left-handed: they mirror the room', "change the sign of one of them")
     return matrix
 
 
@@ -102,7 +102,7 @@ def fit_room(seen: Sequence[Sequence[float]] | F8, room: Sequence[Sequence[float
     if spread[2] <= _FLAT * spread[0]:
         raise UsageError("the points lie in a plane", "touch one well above or below the others")
     if not da.any():
-        raise UsageError("the tracker reported the same point each time", "is its sensor within range?")
+        raise UsageError("the tracker reported the same point each time", "move its sensor into range")
     u, s, vt = np.linalg.svd(db.T @ da / len(a))
     proper = math.copysign(1.0, float(np.linalg.det(u @ vt)))
     found, mirrored = (_fit(a, b, u, s, vt, sign) for sign in (proper, -proper))

@@ -30,7 +30,7 @@ def place_of(address: str) -> tuple[str, int]:
     if not port:
         return host or _HERE, 0
     if not (port.isascii() and port.isdigit() and len(port) < 6 and int(port) <= _LAST_PORT):
-        raise UsageError(f'"{address}" is no [HOST:]PORT', f"give a number from 1 to {_LAST_PORT}, 9123")
+        raise UsageError(f'"{address}" is not [HOST:]PORT', f"give a port from 1 to {_LAST_PORT}, e.g. 9123")
     return host or _HERE, int(port)
 
 

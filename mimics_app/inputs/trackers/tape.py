@@ -96,9 +96,9 @@ def _report(line: bytes, file: Path, number: int, last: bool) -> TrackerSample |
     except (msgspec.DecodeError, json.JSONDecodeError) as error:
         if last and not line.endswith(b"\n"):
             return None
-        raise SceneError(Issue(str(file), f"line {number}", f"is no report of a tracker: {error}")) from None
+        raise SceneError(Issue(str(file), f"line {number}", f"is not a tracker report: {error}")) from None
     if not abs(math.hypot(*read.rotation) - 1.0) <= _UNIT:
-        raise SceneError(Issue(str(file), f"line {number}", "its rotation is no unit quaternion"))
+        raise SceneError(Issue(str(file), f"line {number}", "its rotation is not a unit quaternion"))
     return TrackerSample(read.sensor, read.t_ns, read.position, read.rotation, read.device_ns)
 
 

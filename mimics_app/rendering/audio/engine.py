@@ -204,7 +204,7 @@ def open_device(settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engin
         DeviceError: There is none, it cannot be opened, or the mix is one for files.
     """
     if settings.channels not in PULSE.POSITIONS:
-        raise DeviceError(f"no live device plays {settings.speakers} sound of {settings.channels} channels")
+        raise DeviceError(f"no live device supports {settings.speakers} sound of {settings.channels} channels")
     if settings.driver in ("", "pulse"):
         with suppress(DeviceError):
             from mimics_app.rendering.audio.pulse_stream import PulseStream

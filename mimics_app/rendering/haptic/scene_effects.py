@@ -158,7 +158,8 @@ def check_field_count(field: ForceField, pointer: str, scene: Scene) -> list[Iss
     names = list(dict.fromkeys(one.function for _, one, _ in scene.components(ForceField)))
     if len(names) <= MAX_FIELDS or field.function in names[:MAX_FIELDS]:
         return []
-    return [scene.issue(f"{pointer}/function", f"a {names.index(field.function) + 1}th force field; {MAX_FIELDS} fit")]
+    what = f"force field number {names.index(field.function) + 1}; at most {MAX_FIELDS} are supported"
+    return [scene.issue(f"{pointer}/function", what)]
 
 
 def _curve(path: HapticPath, pointer: str, scene: Scene) -> TunnelCurve:

@@ -132,7 +132,7 @@ def _rows_of_csv(file: Path, data: bytes) -> list[list[float]]:
     if any(_coordinate(name) is None for name in names[:3]):
         missing = [axis for axis in _AXES if axis not in names]
         if missing:
-            raise SceneError(Issue(str(file), "", f"line 1 names no column {', '.join(missing)}", "head it x,y,z"))
+            raise SceneError(Issue(str(file), "", f"line 1 lacks the column {', '.join(missing)}", "begin with x,y,z"))
         columns = [names.index(axis) for axis in _AXES]
         lines = lines[1:]
     rows, issues = [], []

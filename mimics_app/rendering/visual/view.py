@@ -61,7 +61,7 @@ class View:
                 "give left < right, bottom < top and 0 < near < far",
             )
         if np.shape(self.world_from_eye) != (4, 4) or not math.isfinite(self.world_from_eye.sum()):
-            raise UsageError("the pose of a view is not a matrix of 4 x 4 finite numbers", "look at the eye's pose")
+            raise UsageError("the pose of a view is not a matrix of 4 x 4 finite numbers", "correct the view's pose")
 
     @property
     def eye_world(self) -> F8:

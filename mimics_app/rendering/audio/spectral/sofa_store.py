@@ -125,7 +125,7 @@ def open_store(path: Path) -> Iterator[SofaStore]:
     try:
         with open_regular(path) as stream:
             if stream.seek(0, 2) > _LARGEST_FILE:
-                raise SceneError(Issue(str(path), "", "is larger than 1 GB", "a head of 50,000 directions has a tenth"))
+                raise SceneError(Issue(str(path), "", "is larger than 1 GB", "give a head of fewer directions"))
             with h5py.File(stream, "r") as file:
                 yield SofaStore(path, file)
     except SceneError:
@@ -134,4 +134,4 @@ def open_store(path: Path) -> Iterator[SofaStore]:
         text = "cannot be read" if path.exists() else "does not exist"
         why = first_line(error).split("(")[0].strip()[:80] or "no reason given"
         fix = "take another, or copy it again"
-        raise SceneError(Issue(str(path), "", f"{text}, or is no SOFA file ({why})", fix)) from error
+        raise SceneError(Issue(str(path), "", f"{text}, or is not a SOFA file ({why})", fix)) from error

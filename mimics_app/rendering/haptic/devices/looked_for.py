@@ -52,7 +52,7 @@ def no_port(port: str, why: str) -> DeviceError:
 
 def no_hapticmaster(host: str, port: int, why: OSError) -> DeviceError:
     """Return the error of a HapticMaster that cannot be connected."""
-    return DeviceError(f"no HapticMaster at {host}:{port}: {why.strerror or why}", "is it on, and in this network?")
+    return DeviceError(f"no HapticMaster at {host}:{port}: {why.strerror or why}", "switch it on, check the network")
 
 
 def _knock(host: str, port: int, tell: Callable[[str], None]) -> None:

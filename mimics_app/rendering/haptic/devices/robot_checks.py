@@ -45,7 +45,7 @@ def _check_own(robot: Robot, descriptor: DeviceDescriptor, pointer: str, scene: 
     pairs = zip(_PER_JOINT, (held.lowest, held.highest, held.velocity, held.acceleration), strict=True)
     return [
         scene.issue(
-            f"{pointer}/{name}/{i}", f"{asked:g} is beyond the device's own, {own:g}", "narrow it or leave it out"
+            f"{pointer}/{name}/{i}", f"{asked:g} exceeds the device's own limit, {own:g}", "narrow it or leave it out"
         )
         for name, limits in pairs
         for i, (asked, own) in enumerate(zip(getattr(robot, name) or limits, limits, strict=True))

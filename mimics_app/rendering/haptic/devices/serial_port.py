@@ -149,7 +149,7 @@ def _greet(fd: int, port: str) -> RobotInfo:
                 return _parse_info(payload)
     except OSError as failure:
         raise DeviceError(f"{port} is gone: {failure.strerror}") from failure
-    raise DeviceError(f"nothing at {port} answers as a robot", "is it on, and is the speed right? serial:PORT@BAUD")
+    raise DeviceError(f"no robot answers at {port}", "switch it on, and check the speed: serial:PORT@BAUD")
 
 
 def _find_info(received: bytes, line: np.ndarray[Any, Any]) -> bytes | None:

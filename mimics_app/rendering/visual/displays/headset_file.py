@@ -130,4 +130,4 @@ def _check_eye(eye: EyeSpec, pointer: str, file: str) -> list[Issue]:
 def _check_rotation(rotation: tuple[float, float, float, float], pointer: str, file: str) -> list[Issue]:
     if abs(float(np.linalg.norm(rotation)) - 1.0) <= 1e-3:
         return []
-    return [Issue(file, pointer, "is no rotation: its length is not 1", "give a unit quaternion x y z w")]
+    return [Issue(file, pointer, "is not a rotation: its length is not 1", "give a unit quaternion x y z w")]

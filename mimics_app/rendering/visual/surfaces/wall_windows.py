@@ -114,7 +114,7 @@ class WallWindows:
             size = (mode.size.width, mode.size.height)
         handle = glfw.create_window(*size, place.title, monitor, self._main)
         if not handle:
-            raise DeviceError(f'the display provides no window for "{place.title}"', "take its place out of the file")
+            raise DeviceError(f'the display provides no window for "{place.title}"', "remove its place from the file")
         if place.at is not None:
             glfw.set_window_pos(handle, *place.at)
         glfw.make_context_current(handle)
