@@ -161,7 +161,7 @@ def decode_parameters(data: bytes | memoryview, schema: pa.Schema | None = None)
             return Block(seq, first, record, rows_with_tunnel(record, None))
         rows = unpack_rows(content[dtype.itemsize :], record[0]["objects"], _row_dtypes(schema.metadata[b"rows"]))
     except (KeyError, IndexError, TypeError, AttributeError, OverflowError, RecursionError, struct.error) as error:
-        raise ValueError("its content is no parameter block") from error
+        raise ValueError("its content is not a parameter block") from error
     return Block(seq, first, record, rows_with_tunnel(record, rows))
 
 

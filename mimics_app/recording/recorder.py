@@ -170,7 +170,7 @@ class Recorder:
         Raises:
             PartialDataError: The first process did not start.
         """
-        self._look_for_passes(replace=True)
+        self._check_passes(replace=True)
         if not (self._closed or self._given_up or self._process is None or self.alive):
             if self.restarts == 0 and not self._status[StatusWord.READY]:
                 self._give_up_start()
@@ -182,7 +182,7 @@ class Recorder:
                 self._send_again()
         self._outbox.flush()
 
-    def _look_for_passes(self, *, replace: bool) -> None:
+    def _check_passes(self, *, replace: bool) -> None:
         """Wake a recorder that makes no passes (SIGSTOP); one that does not wake is killed to be replaced.
 
         Of the time between two calls at most a few frames count, so that a recorder is not taken as hung when the
@@ -295,7 +295,7 @@ class Recorder:
         self._outbox.send(CLOSE, to_json({"summary": summary or {}, "dropped": self._outbox.dropped}))
         deadline = self._clock.now_ns() + int(timeout_s * 1e9)
         while self.alive and not self._status[StatusWord.SEALED] and self._clock.now_ns() < deadline:
-            self._look_for_passes(replace=False)  # sealing a long run is one long pass
+            self._check_passes(replace=False)  # sealing a long run is one long pass
             self._outbox.flush()
             self._clock.sleep_until_ns(self._clock.now_ns() + 1_000_000)
         hung = self.alive and not self._status[StatusWord.SEALED]

@@ -73,9 +73,9 @@ class CityWalk(TouchScene):
         seconds = snapshot.t_ns * 1e-9
         for figure, own in self._others:
             figure.go(own * seconds, own)
-        self._look_aside(float(snapshot.hip_world[0] - self._start[0]))
+        self._turn_camera(float(snapshot.hip_world[0] - self._start[0]))
 
-    def _look_aside(self, aside: float) -> None:
+    def _turn_camera(self, aside: float) -> None:
         angle = min(max(_GAZE_PER_METRE * aside, -_MOST_GAZE), _MOST_GAZE)
         turn = np.empty(4)
         for node, ahead in self._eyes:

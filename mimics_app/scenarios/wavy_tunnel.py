@@ -15,7 +15,7 @@ from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.rendering.haptic.scene_tunnel import built_tunnel, tunnel_of_scene
 from mimics_app.scenarios.parts.body_nodes import BodyNodes
 from mimics_app.scenarios.parts.robot_scene import Places, even_points, robot_block, robot_facts, start_at
-from mimics_app.scenarios.parts.tunnel_look import TunnelLook
+from mimics_app.scenarios.parts.tunnel_appearance import TunnelAppearance
 from mimics_app.tasks.kinds.tunnel.kind import own_tunnel
 from mimics_app.world.components.robot import Ball, Tunnel
 from mimics_app.world.components.visible import TunnelView
@@ -80,12 +80,12 @@ class WavyTunnel(Scenario):
         self._ball.set_position(snapshot.hip_world)
         self._ball.set_scale((snapshot.ball_radius,) * 3)
         self._show_touch(touching=snapshot.penetration > 0.0 and bool(np.any(snapshot.f_user_world)))
-        for entity, look in self._looks.items():
+        for entity, appearance in self._looks.items():
             prefix = "" if entity == self._own else f"{entity}."
-            look.set_radius_scale(orders.visual.get(f"{prefix}radius_scale"))
-            look.set_material(orders.visual.get(f"{prefix}tunnel_look"))
+            appearance.set_radius_scale(orders.visual.get(f"{prefix}radius_scale"))
+            appearance.set_material(orders.visual.get(f"{prefix}tunnel_look"))
 
-    def _show_tunnels(self) -> dict[str, TunnelLook]:
+    def _show_tunnels(self) -> dict[str, TunnelAppearance]:
         """Every tunnel that has a view, by its entity; the task's own needs one, be it another entity's."""
         views = {entity: view for entity, view, _ in self._scene.components(TunnelView)}
         views.setdefault(self._own, self._scene.one(TunnelView)[1])
@@ -95,7 +95,7 @@ class WavyTunnel(Scenario):
                 curve, _ = built_tunnel(tunnel, pointer, self._scene)
                 suffix = "" if entity == self._own else f":{entity}"
                 node = self._world.find(entity)
-                looks[entity] = TunnelLook(self._world, node, curve, views[entity], tunnel.radius_scale, suffix)
+                looks[entity] = TunnelAppearance(self._world, node, curve, views[entity], tunnel.radius_scale, suffix)
         return looks
 
     def _place_rings(self) -> None:

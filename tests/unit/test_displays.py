@@ -21,7 +21,7 @@ from mimics_app.rendering.visual.displays.headset import RawHeadset, seen_tangen
 from mimics_app.rendering.visual.displays.headset_file import EyeSpec, HeadsetSpec, LensSpec, load_headset
 from mimics_app.rendering.visual.displays.headset_session import HeadsetDisplay
 from mimics_app.rendering.visual.displays.lens import distort
-from mimics_app.rendering.visual.displays.off_axis import Rectangle, look_through
+from mimics_app.rendering.visual.displays.off_axis import Rectangle, frustum_of
 from mimics_app.rendering.visual.displays.simulated_headset import SimulatedRuntime
 from mimics_app.rendering.visual.displays.stereo import STEREO_KINDS, StereoDisplay, parallax
 from mimics_app.rendering.visual.displays.wall_file import load_walls
@@ -73,8 +73,8 @@ def test_every_corner_of_a_wall_falls_on_the_picture_s_corner() -> None:
         wall = Rectangle(corner, corner + width * room[:, 0], corner + height * room[:, 1])
         inside = chance.uniform(-1.0, 2.0, 2)
         eye = corner + inside[0] * width * room[:, 0] + inside[1] * height * room[:, 1] + away * room[:, 2]
-        sight = look_through(wall, eye)
-        view = View(sight.pose, sight.tangents, (0, 0, 8, 8))
+        frustum = frustum_of(wall, eye)
+        view = View(frustum.pose, frustum.tangents, (0, 0, 8, 8))
         seen = np.array([on_picture(view, point) for point in wall.corners])
         worst = max(worst, np.abs(seen - [[-1, -1], [1, -1], [-1, 1], [1, 1]]).max())
         # A point anywhere on the wall falls where it is in the wall's own coordinates.

@@ -26,7 +26,7 @@ from mimics_app.inputs.physio.integrity import Grid
 from mimics_app.inputs.physio.recording import FileSource, read_signal_file
 from mimics_app.inputs.physio.serial_amplifier import SerialAmplifier
 from mimics_app.inputs.physio.simulated.source import SimulatedBody
-from mimics_app.inputs.physio.sources import look_for_source, open_source
+from mimics_app.inputs.physio.sources import find_source, open_source
 from mimics_app.inputs.stage import Movement
 from mimics_app.maths.poses import rotation_from_vector
 from tests.support.amplifier import AmplifierEmulator, binary_header, binary_samples, opened
@@ -368,7 +368,7 @@ def test_a_stream_of_lsl() -> None:
 def test_a_stream_that_is_not_there_is_reported() -> None:
     said: list[str] = []
     with pytest.raises(DeviceError, match="no LSL stream"):
-        look_for_source("lsl:nobody sends this", said.append)
+        find_source("lsl:nobody sends this", said.append)
     assert said == ['waiting up to 3 s for the LSL stream "nobody sends this"']
 
 

@@ -46,7 +46,7 @@ def test_panning_keeps_the_target_under_the_pointer(size):
 def test_a_look_round_leaves_the_eye_where_it_is_and_never_tips_over():
     orbit = OrbitCamera()
     here = orbit.position
-    orbit.look_round(333.0, 4000.0)
+    orbit.rotate_in_place(333.0, 4000.0)
     assert orbit.position == pytest.approx(here, abs=1e-12)
     assert orbit.pose[1, 1] > 0.0, "its up is never down"
 

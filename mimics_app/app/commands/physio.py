@@ -88,16 +88,16 @@ def _open(args: argparse.Namespace) -> tuple[SignalSource, float, float, bool]:
 
     The channels are compiled before a live source is opened, and after a file was found to be right.
     """
-    from mimics_app.inputs.physio.sources import look_for_source, open_file, open_source, source_kinds
+    from mimics_app.inputs.physio.sources import find_source, open_file, open_source, source_kinds
 
     kind, colon, _ = args.source.partition(":")
     misspelt = colon and kind != "file" and not Path(args.source).exists()
     if misspelt or kind in source_kinds() - {"file"}:
-        look_for_source(args.source, say)
+        find_source(args.source, say)
         check_rate = _compile()
         return open_source(args.source, args.seed, check_rate), 0.0, args.seconds or _CHECK_S, kind != "sim"
     name = args.source.removeprefix("file:")
-    look_for_source(f"file:{name}", say)
+    find_source(f"file:{name}", say)
     from mimics_app.dsp.channel_kinds import check_rate
 
     file = open_file(Path(name), check_rate)

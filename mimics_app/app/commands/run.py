@@ -306,14 +306,14 @@ def check_names(args: argparse.Namespace) -> None:
     check_parent(args.runs)
     if args.device:
         from mimics_app.rendering.haptic.devices.device_names import check_device_name
-        from mimics_app.rendering.haptic.devices.looked_for import look_for_device
+        from mimics_app.rendering.haptic.devices.device_search import find_device
 
         check_device_name(args.device)
-        look_for_device(args.device, say)
+        find_device(args.device, say)
     if args.physio:
-        from mimics_app.inputs.physio.sources import look_for_source
+        from mimics_app.inputs.physio.sources import find_source
 
-        look_for_source(args.physio, say)
+        find_source(args.physio, say)
     if args.learn or args.goal or args.estimator:
         check_adaptation(args.learn, args.goal, args.estimator)
     if args.recording is not None:

@@ -106,7 +106,7 @@ class ViewerControls:
             if self._travelled >= _CLICK_PX:
                 self._selection.drag(self.ray(event.x, event.y), orbit.view(size))
         elif self._button == "right":
-            orbit.look_round(right, up)
+            orbit.rotate_in_place(right, up)
         elif self._button == "middle" or shift:
             orbit.pan(right, up, size)
         else:

@@ -107,7 +107,7 @@ class OrbitCamera:
         self.yaw -= 2.0 * math.pi * right_px / _WHOLE_TURN_PX
         self._tilt(-up_px)
 
-    def look_round(self, right_px: float, up_px: float) -> None:
+    def rotate_in_place(self, right_px: float, up_px: float) -> None:
         """Rotate the camera at its position with the movement of the pointer [px]."""
         here = self.position
         self.yaw -= math.pi * right_px / _WHOLE_TURN_PX

@@ -162,7 +162,7 @@ class CsvFile:
             where = f"row {row[1]} of the column" if row else "the column"
             held = f'"{value[1]}"' if value else "something"
             what = f"{where} holds {held}: more than numbers"
-            fix = "leave a cell empty where there is no value"
+            fix = "leave a cell empty where a value is missing"
             return SceneError(Issue(str(self._path), f"/{self.labels[int(column[1])]}", what, fix))
         why = getattr(error, "strerror", "") or counted(first_line(error))
         return SceneError(Issue(str(self._path), "", f"it cannot be read: {why}"))

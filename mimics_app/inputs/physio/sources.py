@@ -19,7 +19,7 @@ from mimics_app.inputs.physio.guarded_source import CheckRate, GuardedSource, an
 if TYPE_CHECKING:
     from mimics_app.inputs.physio.recording import FileSource
 
-__all__ = ["KINDS", "PLUGINS", "look_for_source", "open_file", "open_source", "source_kinds"]
+__all__ = ["KINDS", "PLUGINS", "find_source", "open_file", "open_source", "source_kinds"]
 
 PLUGINS = PluginGroup("mimics_app.signal_sources", fault_of_builder(SignalSource))
 
@@ -125,7 +125,7 @@ def _check_rates(source: SignalSource, address: str, check_rate: CheckRate) -> N
         raise DeviceError(f"{short_text(address)}: {error.what}", error.fix) from error
 
 
-def look_for_source(address: str, tell: Callable[[str], None]) -> None:
+def find_source(address: str, tell: Callable[[str], None]) -> None:
     """Check that the file, port or stream of an address exists; nothing is opened.
 
     Args:
@@ -142,33 +142,33 @@ def look_for_source(address: str, tell: Callable[[str], None]) -> None:
         _LOOKS[kind](rest, tell)
 
 
-def _look_for_person(preset: str, tell: Callable[[str], None]) -> None:
+def _find_person(preset: str, tell: Callable[[str], None]) -> None:
     _simulated(preset, 0)
 
 
-def _look_for_file(path: str, tell: Callable[[str], None]) -> None:
+def _find_file(path: str, tell: Callable[[str], None]) -> None:
     from mimics_app.inputs.physio.recording import reader_of
 
     reader_of(Path(path))
 
 
-def _look_for_stream(name: str, tell: Callable[[str], None]) -> None:
+def _find_stream(name: str, tell: Callable[[str], None]) -> None:
     from mimics_app.inputs.physio.lsl import find_stream
 
     find_stream(name, tell)
 
 
-def _look_for_port(address: str, tell: Callable[[str], None]) -> None:
+def _find_port(address: str, tell: Callable[[str], None]) -> None:
     port = address.partition("@")[0]
     if os.path.isabs(port) and not os.path.exists(port):
         raise DeviceError(f'the serial port "{port}" cannot be opened: nothing is there', "mimics devices lists them")
 
 
 _LOOKS: dict[str, Callable[[str, Callable[[str], None]], None]] = {
-    "sim": _look_for_person,
-    "file": _look_for_file,
-    "lsl": _look_for_stream,
-    "serial": _look_for_port,
+    "sim": _find_person,
+    "file": _find_file,
+    "lsl": _find_stream,
+    "serial": _find_port,
 }
 
 

@@ -11,7 +11,7 @@ from mimics_app.world.components.walking import WalkingPath
 
 __all__ = ["GroundPath"]
 
-_LOOK_BEHIND, _LOOK_AHEAD = 0.4, 1.6
+_BEHIND, _AHEAD = 0.4, 1.6
 """Points of the path whose chord is the heading of a walker [m]: somebody turns before a corner, not in it."""
 
 
@@ -40,8 +40,8 @@ class GroundPath:
     def heading(self, s: float) -> float:
         """Return the heading of a walker at a distance along the path [rad], about +y from +z."""
         if not self._closed:  # the chord keeps its length at both ends
-            s = min(max(s, _LOOK_BEHIND), self.length - _LOOK_AHEAD)
-        x, _, z = self.at(s + _LOOK_AHEAD) - self.at(s - _LOOK_BEHIND)
+            s = min(max(s, _BEHIND), self.length - _AHEAD)
+        x, _, z = self.at(s + _AHEAD) - self.at(s - _BEHIND)
         return math.atan2(x, z)
 
     def ground(self, s: float) -> str:

@@ -15,8 +15,8 @@ from mimics_app.rendering.haptic.descriptors.hapticmaster import axis_offset
 from mimics_app.rendering.haptic.devices import hapticmaster_loop as loop
 from mimics_app.rendering.haptic.devices.address import host_and_port
 from mimics_app.rendering.haptic.devices.device_objects import DEFAULT_INERTIA, DeviceObject, hapticmaster_commands
+from mimics_app.rendering.haptic.devices.device_search import CONNECT_S, no_hapticmaster
 from mimics_app.rendering.haptic.devices.link import LinkSupervisor
-from mimics_app.rendering.haptic.devices.looked_for import CONNECT_S, no_hapticmaster
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 
 __all__ = ["build_hapticmaster"]

@@ -16,8 +16,8 @@ from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic.devices import serial_robot
 from mimics_app.rendering.haptic.devices.address import port_and_baud
+from mimics_app.rendering.haptic.devices.device_search import no_port
 from mimics_app.rendering.haptic.devices.link import LinkSupervisor
-from mimics_app.rendering.haptic.devices.looked_for import no_port
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.serial_frames import (
     ASK,

@@ -9,7 +9,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.view_matrices import Tangents
 
-__all__ = ["EyeFrustum", "Rectangle", "look_through"]
+__all__ = ["EyeFrustum", "Rectangle", "frustum_of"]
 
 
 _NEAREST_EYE = 0.01
@@ -72,7 +72,7 @@ class EyeFrustum:
     fault: str = ""
 
 
-def look_through(rectangle: Rectangle, eye: F8) -> EyeFrustum:
+def frustum_of(rectangle: Rectangle, eye: F8) -> EyeFrustum:
     """Return the frustum of an eye through a rectangle.
 
     An eye behind the plane or nearer than `_NEAREST_EYE` is moved in front of it, so that the picture never flips; this

@@ -6,7 +6,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.ports.display_port import Composing, Eye, Rect, Size, Viewpoint, WindowPlace
-from mimics_app.rendering.visual.displays.off_axis import look_through
+from mimics_app.rendering.visual.displays.off_axis import frustum_of
 from mimics_app.rendering.visual.displays.plain_display import PlainDisplay, eye_offset
 from mimics_app.rendering.visual.displays.wall_file import WallSpec, WallsSpec, rectangle_of
 
@@ -63,7 +63,7 @@ class WallDisplay(PlainDisplay):
 
     def _eye(self, number: int, side: str, eye: F8, rectangle: Rect, world_from_room: F8) -> Eye:
         wall, place = self._walls[number]
-        frustum = look_through(place, eye)
+        frustum = frustum_of(place, eye)
         if frustum.fault:
             self.note(f'wall "{wall.name}": {frustum.fault}')
         # Only the first wall has a heads-up display: it would be overlooked on the floor.

@@ -18,7 +18,7 @@ from mimics_app.world.content.world import World
 from mimics_app.world.graph.levels import coverages_of
 from mimics_app.world.graph.scene_node import SceneNode
 
-__all__ = ["TunnelLook"]
+__all__ = ["TunnelAppearance"]
 
 
 _BISECTOR_SIDES = 8
@@ -40,7 +40,7 @@ class TubeLevel:
     error: float
 
 
-class TunnelLook:
+class TunnelAppearance:
     """A tunnel's wall and bisector on the node of its entity.
 
     Args:
@@ -70,14 +70,14 @@ class TunnelLook:
             self._scale = scale
             self._publish(self._wall_mesh, self._build_wall())
 
-    def set_material(self, look: object) -> None:
+    def set_material(self, appearance: object) -> None:
         """Set the wall's material by its name in the scene, or hide the wall ("hidden")."""
         wall = self._node.entity
-        if wall is None or not isinstance(look, str):
+        if wall is None or not isinstance(appearance, str):
             return
-        wall.visible = look != "hidden"
-        if look != "hidden" and look in self._world.materials:
-            wall.set_material(look)
+        wall.visible = appearance != "hidden"
+        if appearance != "hidden" and appearance in self._world.materials:
+            wall.set_material(appearance)
 
     def _show_wall(self) -> None:
         self._show(self._node, self._wall_mesh, self._view.material, self._build_wall())

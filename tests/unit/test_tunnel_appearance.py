@@ -9,7 +9,7 @@ import pytest
 from trimesh.triangles import closest_point
 
 from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel
-from mimics_app.scenarios.parts.tunnel_look import TunnelLook
+from mimics_app.scenarios.parts.tunnel_appearance import TunnelAppearance
 from mimics_app.world.components.visible import TunnelView
 from mimics_app.world.content.materials.material import Material
 from mimics_app.world.content.world import World
@@ -18,12 +18,12 @@ RADIUS, PICTURE = 0.03, 1920 * 1080
 BENT = [[-0.2, 0.0, 0.0], [-0.1, 0.06, 0.02], [0.0, -0.05, 0.0], [0.1, 0.04, -0.03], [0.2, 0.0, 0.0]]
 
 
-def make_look(points=BENT, rings: int = 16) -> tuple[World, TunnelLook]:
+def make_appearance(points=BENT, rings: int = 16) -> tuple[World, TunnelAppearance]:
     world = World()
     world.set_material(Material("wall"))
     view = TunnelView(material="wall", bisector_material="wall", rings_per_piece=rings)
     node = world.root.create_child("tunnel")
-    return world, TunnelLook(world, node, build_tunnel(points, [RADIUS, 0.02, RADIUS]), view, 1.0)
+    return world, TunnelAppearance(world, node, build_tunnel(points, [RADIUS, 0.02, RADIUS]), view, 1.0)
 
 
 def corners_of(world: World, name: str) -> np.ndarray:
@@ -41,7 +41,7 @@ def off_surface(points: np.ndarray, corners: np.ndarray) -> float:
 
 @pytest.mark.parametrize(("mesh", "node"), [("tunnel_wall", "tunnel"), ("tunnel_bisector", "tunnel_bisector")])
 def test_at_its_least_coverage_a_form_is_half_a_pixel_off_at_most(mesh, node):
-    world, _ = make_look()
+    world, _ = make_appearance()
     levels = world.content.levels
     coverages = levels.column("coverages")[levels.row(world.find(node).index)]
     fine = world.meshes[mesh]
@@ -56,13 +56,13 @@ def test_at_its_least_coverage_a_form_is_half_a_pixel_off_at_most(mesh, node):
 
 
 def test_all_forms_are_widened_and_shown_anew_after_a_reload():
-    world, look = make_look()
+    world, appearance = make_appearance()
     before = {name: mesh.positions.copy() for name, mesh in world.meshes.items()}
-    look.set_radius_scale(1.2)
+    appearance.set_radius_scale(1.2)
     for name, was in before.items():
         assert np.array_equal(world.meshes[name].positions, was) == name.startswith("tunnel_bisector")
     node = world.find("tunnel")
-    again = TunnelLook(world, node, build_tunnel(BENT[:4], RADIUS), TunnelView(material="wall"), 1.0)
+    again = TunnelAppearance(world, node, build_tunnel(BENT[:4], RADIUS), TunnelView(material="wall"), 1.0)
     again.set_material("hidden")
     world.update()
     wall = node.entity

@@ -16,7 +16,7 @@ from mimics_app.rendering.haptic.devices.address import (
     split_device,
 )
 
-__all__ = ["CONNECT_S", "look_for_device", "no_hapticmaster", "no_port"]
+__all__ = ["CONNECT_S", "find_device", "no_hapticmaster", "no_port"]
 
 CONNECT_S = 2.0
 """Time-out of a network connection [s]."""
@@ -25,7 +25,7 @@ _AT_ONCE_S = 0.2
 """Longest wait without an announcement [s]."""
 
 
-def look_for_device(text: str, tell: Callable[[str], None]) -> None:
+def find_device(text: str, tell: Callable[[str], None]) -> None:
     """Refuse the address of a serial line or network device where nothing is; other devices are not checked.
 
     Args:
