@@ -47,7 +47,7 @@ def test_sounds_are_built(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
     [
         (["build"], "the name of a builder is missing"),
         (["build", "citty"], "city"),
-        (["build", "city", "--seed", "-1"], "-1 is no whole number"),
+        (["build", "city", "--seed", "-1"], "-1 is not a whole number"),
     ],
 )
 def test_wrong_use_is_one_line(arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -295,6 +295,7 @@ def _run(seed: int, ticks: int, spoilt: int = -1) -> tuple[dict[str, int], np.nd
     scene[0]["objects"]["tunnels"] = 1
     scene[0]["ramp_force"] = 60.0
     scene[0]["ramp_time"] = 0.05
+    scene[0]["drive_speed"] = 0.3  # the lag that stops a slower drive is rare in a walk at random
     broken, met = np.zeros(len(LAWS), np.int64), np.zeros((10, 16), np.int64)
     _walk(
         seed,

@@ -173,7 +173,7 @@ def bench_of(
     if straight is not None:
         build_tunnel([[-0.15, 0.0, 0.0], [0.15, 0.0, 0.0]], straight).fill(record)
     record["stiffness"], record["damping"], record["drag"], record["drag_growth"] = 2000.0, 25.0, 2.0, 2000.0
-    bench.scene[0]["force_rate_limit"], bench.scene[0]["passivity"] = 20000.0, passivity
+    bench.scene[0]["force_rate_limit"], bench.scene[0]["passivity"] = 20000.0, 0 if plugin.own_mass else passivity
     bench.publish(controller=Controller.ADMITTANCE)
     return bench
 

@@ -127,6 +127,14 @@ def test_late_ticks_latch_no_stop_of_a_simulated_device(device: str, latches: in
     assert device_values(plugin, scene)["late_latches"] == latches
 
 
+def test_the_passivity_controller_is_off_where_the_device_renders_a_mass_of_its_own():
+    """The credit of the loop's virtual mass ran out while the hand pressed on: the wall let it through."""
+    plugin = replace(build_device(Robot(device="simulated_hapticmaster")), own_mass=True)
+    scene: Any = SimpleNamespace(first=lambda kind: None)
+    assert device_values(plugin, scene)["passivity"] == 0
+    assert "passivity" not in device_values(replace(plugin, own_mass=False), scene)
+
+
 def test_late_ticks_latch_a_stop_of_every_device_that_does_not_say_it_is_simulated(tmp_path: Path):
     plugin = build_device(Robot(device="simulated_hapticmaster"))
     real = replace(plugin, simulated=False)

@@ -16,7 +16,7 @@ def _place(folder: Path) -> None:
 
 
 def _pretend_package_is(monkeypatch: pytest.MonkeyPatch, package: Path) -> None:
-    monkeypatch.setattr(resources, "__file__", str(package / "contracts" / "resources.py"))
+    monkeypatch.setattr(resources, "__file__", str(package / "contracts" / "system" / "resources.py"))
 
 
 def test_checkout_finds_its_own_folders() -> None:

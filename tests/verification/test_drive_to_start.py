@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.loop.haptic import Controller, SafetyState
+from mimics_app.contracts.shared_memory.command_ring import request_stop
 from mimics_app.rendering.haptic.descriptors.leg import LEG
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.scene_block import impedance_values, kinematic_values
@@ -66,7 +67,7 @@ def test_a_drive_is_slow_and_arrives(begin: Callable[[], Bench]):
 def test_the_stop_key_stops_a_drive_within_a_centimetre(begin: Callable[[], Bench]):
     bench = begin()
     drive = bench.advance(700)
-    bench.engine.stop_key()
+    request_stop(bench.memory)
     rows = bench.advance(500)
     assert speeds(drive)[-1] > 0.8 * SLOW
     assert rows["state"][-1] == SafetyState.E_STOP and speeds(rows)[-1] < 1e-3

@@ -25,7 +25,7 @@ def device_values(plugin: DevicePlugin, scene: Scene) -> Mapping[str, object]:
     values |= _joint_values(plugin, scene)
     if plugin.follows in _TAKES_FORCES:
         values |= impedance_values(scene.first(Impedance) or Impedance())
-    elif plugin.follows != "velocity":  # it has no virtual mass whose energy could be controlled
+    elif plugin.follows != "velocity" or plugin.own_mass:  # no virtual mass of the loop gives or takes the energy
         values["passivity"] = 0
     return values
 

@@ -164,6 +164,8 @@ class DevicePlugin:
             the stability limit assumes LIGHTEST_DEVICE.
         follows: Part of the command that moves the device: joint velocities (admittance), force or torque (impedance),
             or nothing ("vibration" moves nothing either).
+        own_mass: True for a device that renders a virtual mass of its own: the loop's does not move it, so that the
+            energy of a contact is not known from it, and the passivity controller is off.
         real_time: True for a device that cannot run faster than real time.
         simulated: True for a computed device, or a mouse or gamepad over one: no real drive keeps acting when a tick is
             late, so that a late tick never latches a stop.
@@ -182,6 +184,7 @@ class DevicePlugin:
     quantum: float = 0.0
     mass: float = 0.0
     follows: Literal["velocity", "force", "torque", "vibration", "nothing"] = "velocity"
+    own_mass: bool = False
     real_time: bool = False
     simulated: bool = False
     trouble: Callable[[], str] = _no_trouble

@@ -136,6 +136,7 @@ def build_hapticmaster(request: DeviceRequest) -> DevicePlugin:
         memory,
         supervisor.close,
         delay=_INNER_PERIOD,
+        own_mass=True,
         real_time=True,
         trouble=supervisor.trouble,
     )

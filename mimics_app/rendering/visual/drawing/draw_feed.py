@@ -38,7 +38,7 @@ class DrawFeed:
             commands: The commands, uint32 [n, `COMMAND_WORDS`].
             triangles: Triangles of all of them.
         """
-        array.render_indirect(buffer, TRIANGLES, len(commands), first=first)
+        array.render_indirect(buffer, TRIANGLES, commands.shape[0], first=first)
 
     def flush(self) -> None:
         """Let the driver start what was drawn so far, while the caller prepares the next draws."""

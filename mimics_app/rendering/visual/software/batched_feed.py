@@ -40,9 +40,9 @@ class BatchedFeed(DrawFeed):
     def draw(
         self, array: moderngl.VertexArray, buffer: moderngl.Buffer, first: int, commands: U4, triangles: int
     ) -> None:
-        if len(commands) == 1 or self._waiting + triangles < self._most_waiting:
+        if self._waiting + triangles < self._most_waiting or commands.shape[0] == 1:
             self._waiting += triangles
-            super().draw(array, buffer, first, commands, triangles)
+            array.render_indirect(buffer, TRIANGLES, commands.shape[0], first=first)
             if self._waiting >= self._most_waiting:
                 self.flush()
             return
