@@ -18,6 +18,7 @@ READ_ELSEWHERE = {
 """Fields of records that no module of the product reads, and why they are there."""
 
 SET_FOR_OTHERS = {
+    "action_space": "gymnasium reads it",
     "composed": "the picture of a simulated headset, which stands in for its panels",
     "gait": "what a step came to, for whoever drives a walk from Python",
     "uploaded": "bytes sent to the driver in the last update, for whoever measures",

@@ -242,3 +242,23 @@ def test_pure_effort_is_explained_by_its_power() -> None:
         left = model.residual(heart, learn=True)
         worst = max(worst, abs(left)) if second > 300 else worst
     assert worst < 2.5
+
+
+def test_the_environment_is_one_of_gymnasium() -> None:
+    from gymnasium.utils.env_checker import check_env
+
+    from mimics_app.lab.physio.gym_env import TrainingEnv
+
+    check_env(TrainingEnv(SPACE, trials=5), skip_render_check=True)
+
+
+def test_the_environment_punishes_what_is_too_hard() -> None:
+    from mimics_app.lab.physio.gym_env import TrainingEnv
+
+    env, totals = TrainingEnv(trials=20), []
+    for demand in (0.5, 1.0):
+        env.reset(seed=3)
+        steps = [env.step({"difficulty": np.array([demand], np.float32)}) for _ in range(20)]
+        assert steps[-1][3]
+        totals.append(sum(step[1] for step in steps))
+    assert totals[0] > totals[1]
