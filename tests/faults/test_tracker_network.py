@@ -194,7 +194,7 @@ def test_who_listens_to_the_network_says_so(tmp_path: Path) -> None:
 @pytest.mark.parametrize("address", ["here", "127.0.0.1:99999", "1:2:x", "127.0.0.1:-1", "²"])
 def test_an_address_without_port_is_refused_before_the_start(address: str, tmp_path: Path) -> None:
     text = (root() / "scenes" / "examples" / "free_objects.json").read_text()
-    with pytest.raises(SceneError, match=r"no \[HOST:\]PORT"):
+    with pytest.raises(SceneError, match=r"is not \[HOST:\]PORT"):
         load_checked_scene(with_tracker(tmp_path, text, address))
     with pytest.raises(DeviceError):
         OscTracker("mocap", address).start(print)
