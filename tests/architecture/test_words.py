@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
+from functools import cache
 
 import pytest
 
@@ -36,10 +37,15 @@ def identifiers(tree: ast.Module) -> set[str]:
     }
 
 
+@cache
+def _parts(name: str) -> str:
+    """Return an identifier as "_parts_in_lower_case_", in whichever way it is written."""
+    return f"_{re.sub(r'(?<=[a-z0-9])(?=[A-Z])', '_', name).lower()}_"
+
+
 def is_in(words: str, name: str) -> bool:
     """Whether one of some words is a part of an identifier, in either way of writing it."""
-    parts = f"_{re.sub(r'(?<=[a-z0-9])(?=[A-Z])', '_', name).lower()}_"
-    return any(f"_{word}_" in parts for word in words.split(", "))
+    return any(f"_{word}_" in _parts(name) for word in words.split(", "))
 
 
 def messages(tree: ast.Module) -> Iterator[str]:
@@ -56,10 +62,22 @@ def messages(tree: ast.Module) -> Iterator[str]:
             yield node.value
 
 
-def _of_rooms(rooms: tuple[str, ...], trees: Mapping[str, ast.Module]) -> Iterator[tuple[str, ast.Module]]:
-    for path, tree in trees.items():
+@cache
+def _identifiers() -> dict[str, set[str]]:
+    """Path of a module -> its identifiers."""
+    return {path: identifiers(tree) for path, tree in modules().items()}
+
+
+@cache
+def _messages() -> dict[str, list[str]]:
+    """Path of a module -> its messages."""
+    return {path: list(messages(tree)) for path, tree in modules().items()}
+
+
+def _of_rooms(rooms: tuple[str, ...], texts: Mapping[str, Collection[str]]) -> Iterator[tuple[str, str]]:
+    for path, found in texts.items():
         if rooms == (EVERYWHERE,) or any(path.startswith(f"{room}/") for room in rooms):
-            yield path, tree
+            yield from ((path, text) for text in found)
 
 
 NAMES = _table("Words that are no names")
@@ -68,23 +86,13 @@ PHRASES = _table("Phrases that no message has")
 
 @pytest.mark.parametrize("words", NAMES)
 def test_a_word_of_the_list_is_no_part_of_a_name(words: str) -> None:
-    found = {
-        f"{path}: {name}"
-        for path, tree in _of_rooms(NAMES[words], modules())
-        for name in identifiers(tree)
-        if is_in(words, name)
-    }
+    found = {f"{path}: {name}" for path, name in _of_rooms(NAMES[words], _identifiers()) if is_in(words, name)}
     assert not found, "docs/glossary.md has the field's word"
 
 
 @pytest.mark.parametrize("phrase", PHRASES)
 def test_a_phrase_of_the_list_is_in_no_message(phrase: str) -> None:
-    found = {
-        f"{path}: {text}"
-        for path, tree in _of_rooms(PHRASES[phrase], modules())
-        for text in messages(tree)
-        if phrase in text
-    }
+    found = {f"{path}: {text}" for path, text in _of_rooms(PHRASES[phrase], _messages()) if phrase in text}
     assert not found, "docs/glossary.md has the words to use"
 
 
