@@ -44,6 +44,20 @@ def test_default_wall_settles(damping: float, delay: int):
     assert late < 0.1 * early and late < 0.4e-3 and state == SafetyState.ACTIVE
 
 
+@pytest.mark.parametrize("delay", [0, 2])
+@pytest.mark.parametrize("push", [4.0, 12.0])
+def test_a_steady_push_stays_at_its_depth(push: float, delay: int):
+    """Hooke's depth F / k for twenty seconds: a contact that leaks its energy would let the hand through."""
+    bench = pushed_bench(Robot(delay_ticks=delay))
+    bench.advance(200)
+    bench.send(active=1, trial=1)
+    bench.engine.plugin.memory[PUSH + 2] = push
+    bench.advance(19_000)
+    last = bench.advance(1000)
+    assert last["penetration"].mean() == pytest.approx(push / 2000.0, rel=0.01)
+    assert last["passivity"].max() == 0.0 and last["state"][-1] == SafetyState.ACTIVE
+
+
 @pytest.mark.parametrize("delay", [2, 5])
 def test_too_little_damping_swings_on(delay: int):
     _, late, _ = _swing(0.3 * _needed_damping(2000.0, delay), delay)

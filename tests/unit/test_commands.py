@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 import threading
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 
+import mimics_app
 from mimics_app.contracts.commands.command_records import CommandSource
 from mimics_app.contracts.commands.vocabulary import (
+    AnyCommand,
     Command,
     End,
     Fault,
@@ -47,6 +49,7 @@ FRAME_NS = 16_666_667
 
 def test_the_vocabulary_is_the_whole_one() -> None:
     assert " ".join(command_names()) == ISSUE
+    assert {kind.__name__ for kind in get_args(AnyCommand)} <= {*mimics_app.__all__}, "each is offered to Python"
 
 
 @pytest.mark.parametrize("command", [Pause(), SetParameter("radius", 1.25), Note("ä" * 200), SetAssistance(1.0)])
