@@ -2,10 +2,10 @@
 
     M(q) q'' + c(q, q') + g(q) = tau_drive + tau_person - b q'
 
-Hip and knee angles as in `leg_kinematics`; M and c follow from the two links' absolute angles t1 and psi = t1 - t2. The
-drives support a share of the weight themselves. They add the commanded torques, or those of a velocity servo of finite
-bandwidth, both within their torque limit and after a delay. The torque sensors show the torque of the person alone: the
-machine subtracts weight and inertia of leg and drives.
+Hip and knee angles as in `leg_kinematics`, M, c and g as in `two_link`. The drives support a share of the weight
+themselves. They add the commanded torques, or those of a velocity servo of finite bandwidth, both within their torque
+limit and after a delay. The torque sensors show the torque of the person alone: the machine subtracts weight and
+inertia of leg and drives.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import math
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
+from mimics_app.rendering.haptic.kernels import two_link
 from mimics_app.rendering.haptic.kernels.noise import gauss, quantised
 from mimics_app.rendering.haptic.kernels.vectors import copy, fill
 
@@ -62,14 +63,15 @@ DQ = 2  # their velocities [rad/s]
 MEASURED = 4  # angles as last read by the encoders [rad]
 SPEED = 6  # velocities from the encoders, filtered [rad/s]
 PERSON = 8  # torque of the person at the joints [N m]
-THIGH_LENGTH = 10  # [m]
-THIGH_MASS = 11  # with its part of the orthosis [kg]
-THIGH_COM = 12  # centre of mass below the hip [m]
-THIGH_INERTIA = 13  # about its centre of mass [kg m^2]
-SHANK_MASS = 14  # shank and foot [kg]
-SHANK_COM = 15  # below the knee [m]
-SHANK_INERTIA = 16  # about its centre of mass [kg m^2]
-DRIVE_INERTIA = 17  # of hip and knee drive at the joint [kg m^2]
+_LINKS = 10  # record of `two_link`, drives included
+THIGH_LENGTH = _LINKS + two_link.THIGH_LENGTH
+THIGH_MASS = _LINKS + two_link.THIGH_MASS
+THIGH_COM = _LINKS + two_link.THIGH_COM
+THIGH_INERTIA = _LINKS + two_link.THIGH_INERTIA
+SHANK_MASS = _LINKS + two_link.SHANK_MASS
+SHANK_COM = _LINKS + two_link.SHANK_COM
+SHANK_INERTIA = _LINKS + two_link.SHANK_INERTIA
+DRIVE_INERTIA = _LINKS + two_link.DRIVE_INERTIA
 DRIVE_DAMPING = 19  # of either drive [N m s/rad]
 TORQUE_MAX = 20  # of hip and knee drive [N m]
 SERVO = 22  # bandwidth of the velocity servo [rad/s]
@@ -92,7 +94,6 @@ COMMAND = 3  # numbers of a command: hip, knee, and 1 while the drives are enabl
 LENGTH = LINE + COMMAND * (MAX_DELAY + 1)
 _ENABLED = 2  # place of the enabling number in a command
 
-_GRAVITY = 9.81  # [m/s^2]
 _STOP_GAP = 0.02
 """Distance of the mechanical end stops beyond the joint limits [rad]."""
 
@@ -123,50 +124,24 @@ def order_leg(leg: Vec, command: Vec, enabled: bool) -> None:
 
 
 @kernel
-def _weight(leg: Vec, t1: float, t2: float) -> tuple[float, float]:
-    """Gravity torques g(q) [N m] of hip and knee."""
-    thigh = _GRAVITY * (leg[THIGH_MASS] * leg[THIGH_COM] + leg[SHANK_MASS] * leg[THIGH_LENGTH]) * math.sin(t1)
-    shank = _GRAVITY * leg[SHANK_MASS] * leg[SHANK_COM] * math.sin(t1 - t2)
-    return thigh + shank, -shank
-
-
-@kernel
-def _inertia(leg: Vec, t2: float) -> tuple[float, float, float]:
-    """Entries m11, m12, m22 of the mass matrix M; they depend on the knee angle alone."""
-    coupling = leg[SHANK_MASS] * leg[THIGH_LENGTH] * leg[SHANK_COM] * math.cos(t2)
-    thigh = leg[THIGH_INERTIA] + leg[THIGH_MASS] * leg[THIGH_COM] ** 2 + leg[SHANK_MASS] * leg[THIGH_LENGTH] ** 2
-    shank = leg[SHANK_INERTIA] + leg[SHANK_MASS] * leg[SHANK_COM] ** 2
-    return (
-        thigh + shank + 2.0 * coupling + leg[DRIVE_INERTIA],
-        -(shank + coupling),
-        shank + leg[DRIVE_INERTIA + 1],
-    )
-
-
-@kernel
-def _centrifugal(leg: Vec, t2: float, d1: float, d2: float) -> tuple[float, float]:
-    """Centrifugal and Coriolis torques c(q, q') [N m]."""
-    h = leg[SHANK_MASS] * leg[THIGH_LENGTH] * leg[SHANK_COM] * math.sin(t2)
-    return -h * d2 * (2.0 * d1 - d2), h * d1 * d1
+def _links(leg: Vec) -> Vec:
+    """Record of the two links, shape [two_link.LINKS]."""
+    return leg[_LINKS : _LINKS + two_link.LINKS]
 
 
 @kernel
 def energy_of(leg: Vec) -> float:
     """Kinetic and potential energy of leg and drives [J]; 0 in the standing pose at rest."""
-    t1, t2, d1, d2 = leg[Q], leg[Q + 1], leg[DQ], leg[DQ + 1]
-    m11, m12, m22 = _inertia(leg, t2)
-    thigh = (leg[THIGH_MASS] * leg[THIGH_COM] + leg[SHANK_MASS] * leg[THIGH_LENGTH]) * (1.0 - math.cos(t1))
-    shank = leg[SHANK_MASS] * leg[SHANK_COM] * (1.0 - math.cos(t1 - t2))
-    return 0.5 * (m11 * d1 * d1 + 2.0 * m12 * d1 * d2 + m22 * d2 * d2) + _GRAVITY * (thigh + shank)
+    return two_link.energy(_links(leg), leg[Q], leg[Q + 1], leg[DQ], leg[DQ + 1])
 
 
 @kernel
 def _rate(leg: Vec, state: Vec, tau: Vec, out: Vec) -> None:
     """Time derivative of (t1, t2, t1', t2') under torques tau of drives and person."""
     t1, t2, d1, d2 = state[0], state[1], state[2], state[3]
-    m11, m12, m22 = _inertia(leg, t2)
-    g1, g2 = _weight(leg, t1, t2)
-    c1, c2 = _centrifugal(leg, t2, d1, d2)
+    m11, m12, m22 = two_link.mass_matrix(_links(leg), t2)
+    g1, g2 = two_link.weight(_links(leg), t1, t2)
+    c1, c2 = two_link.centrifugal(_links(leg), t2, d1, d2)
     a = tau[0] - c1 - g1 - leg[DRIVE_DAMPING] * d1
     b = tau[1] - c2 - g2 - leg[DRIVE_DAMPING] * d2
     det = m11 * m22 - m12 * m12
@@ -179,9 +154,9 @@ def _rate(leg: Vec, state: Vec, tau: Vec, out: Vec) -> None:
 @kernel
 def _servo_torques(leg: Vec, wish: Vec, tau: Vec) -> None:
     """Servo torques that lead the joint velocities to `wish` with first-order lag, person and weight compensated."""
-    m11, m12, m22 = _inertia(leg, leg[Q + 1])
-    g1, g2 = _weight(leg, leg[Q], leg[Q + 1])
-    c1, c2 = _centrifugal(leg, leg[Q + 1], leg[DQ], leg[DQ + 1])
+    m11, m12, m22 = two_link.mass_matrix(_links(leg), leg[Q + 1])
+    g1, g2 = two_link.weight(_links(leg), leg[Q], leg[Q + 1])
+    c1, c2 = two_link.centrifugal(_links(leg), leg[Q + 1], leg[DQ], leg[DQ + 1])
     gain = (1.0 - math.exp(-leg[SERVO] * leg[TICK])) / leg[TICK]
     a1, a2 = gain * (wish[0] - leg[DQ]), gain * (wish[1] - leg[DQ + 1])
     tau[0] = m11 * a1 + m12 * a2 + c1 + g1 + leg[DRIVE_DAMPING] * leg[DQ] - leg[PERSON]
@@ -195,7 +170,7 @@ def _drive(leg: Vec) -> None:
     slot = LINE + COMMAND * (due % (MAX_DELAY + 1))
     enabled = due >= 0 and leg[slot + _ENABLED] != 0.0
     tau = leg[DRIVE : DRIVE + 2]
-    g1, g2 = _weight(leg, leg[Q], leg[Q + 1])
+    g1, g2 = two_link.weight(_links(leg), leg[Q], leg[Q + 1])
     if leg[MOTION] != 0.0:
         wish = leg[WORK : WORK + 2]
         for i in range(2):
