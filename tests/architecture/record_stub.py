@@ -17,6 +17,7 @@ STUB = ROOT / "mimics_app" / "rendering" / "haptic" / "record_types.pyi"
 """What it is written to."""
 
 _HAPTIC = "mimics_app.rendering.haptic.kernels"
+_LOKOMAT = "mimics_app.rendering.haptic.control.lokomat"
 
 MODULES = (
     "mimics_app.contracts.loop.haptic_objects",
@@ -33,6 +34,7 @@ MODULES = (
     f"{_HAPTIC}.passivity",
     f"{_HAPTIC}.acting",
     f"{_HAPTIC}.state",
+    f"{_LOKOMAT}.obstacle_sequence",
 )
 """Where records of touch are declared: every dtype with fields that a module of these names in capitals."""
 

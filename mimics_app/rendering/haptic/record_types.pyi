@@ -968,3 +968,38 @@ class StateRecord:
     ball_radius_rate: float
     tunnel: HoldingRecord
     own_tunnel: OwnTunnelRecord
+
+class SequenceRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.obstacle_sequence.SEQUENCE`."""
+
+    state: int
+    cause: int
+    free_leg: int
+    ticks: int
+    hard: int
+    braked: int
+    held: Ints
+    guidance: Floats
+    belt: float
+
+class SequenceSettingsRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.obstacle_sequence.SEQUENCE_SETTINGS`."""
+
+    guidance: Floats
+    guidance_step: float
+    belt_step: float
+    longest: Ints
+    shown: int
+
+class SequenceFactsRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.obstacle_sequence.SEQUENCE_FACTS`."""
+
+    command: int
+    leg: int
+    fault: int
+    standing: int
+    extended: Ints
+    at_obstacle: int
+    clear: int
+    overstepped: int
+    at_start: int
