@@ -20,7 +20,7 @@ from mimics_app.lab.groups.spatialiser import measure_block_us
 from mimics_app.lab.panel import Panel
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.drawing import document, legend
-from mimics_app.rendering.audio.settings import AudioSettings, MixerName
+from mimics_app.rendering.audio.settings import AudioSettings
 from mimics_app.rendering.audio.sound_stream import LIVE_BLOCK
 from mimics_app.rendering.audio.spectral.computed_head import compute_head
 from mimics_app.rendering.audio.spectral.head import HeadResponses, delays_between_ears
@@ -34,7 +34,7 @@ _COMMAND = "mimics bench audio --charts DIR"
 _RATE = 48_000
 _BAND = 4000  # Hz
 _LEVEL = 0.02  # of a unit vector: 1 degree about the plane of the ears
-_MIXERS: Mapping[MixerName, str] = {"openal": "OpenAL", "spectral": "spectral"}
+_MIXERS: Mapping[str, str] = {"openal": "OpenAL", "spectral": "spectral"}
 _VOICES = (1, 4, 16, 64, 128, 192, 256)
 _MOST_OPENAL = 200
 _BLOCKS = 120
@@ -97,7 +97,7 @@ def _cost_of_voices() -> Figure:
     return _figure("cost of voices", "What voices cost", [panel], list(costs), rows)
 
 
-def _cost_us(mixer: MixerName, frames: int, voices: int) -> float:
+def _cost_us(mixer: str, frames: int, voices: int) -> float:
     """Return the cost of the shown time in blocks of `frames` [us]."""
     return _SHOWN / frames * measure_block_us(True, _BLOCKS, voices, mixer, frames)
 

@@ -94,6 +94,8 @@ ON_THEIR_OWN = {
     "lab/groups/": "the catalogue finds a group of methods by its name",
     "lab/sweep/wall_stability": "one experiment of a sweep a file",
     "maths/triples": "arithmetic, which is of no room that needs it",
+    "rendering/audio/mixers/": "a mixer is found by its name",
+    "rendering/audio/recipes/": "the tables of recipes are found by their modules",
     "rendering/audio/kernels": "compiled; its user knows more than arrays",
     "rendering/haptic/devices/built_in/": "a device is found by its name",
     "rendering/haptic/devices/inverse_by_steps": "compiles on import, and is imported on demand",

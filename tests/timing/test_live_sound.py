@@ -29,7 +29,7 @@ from mimics_app.lab.audio.live_latency import (
 from mimics_app.rendering.audio.process import AudioProcess
 from mimics_app.rendering.audio.pulse_stream import PulseStream
 from mimics_app.rendering.audio.queue_length import SETTLING_S
-from mimics_app.rendering.audio.settings import AudioSettings, MixerName, SoundSpec
+from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 
 needs_pulse = pytest.mark.skipif(bool(pulse_missing()), reason=pulse_missing() or "PulseAudio is here")
 
@@ -40,7 +40,7 @@ CHUNK = 48  # frames: one millisecond
 BOUND_MS = 20.0
 
 
-def measure_heard(seconds: float, period: int = 64, mixer: MixerName = "openal") -> dict[str, Any]:
+def measure_heard(seconds: float, period: int = 64, mixer: str = "openal") -> dict[str, Any]:
     """A measurement in which every contact was heard.
 
     What the machine held back for 100 ms is not played, on purpose, and counted; such a round is measured again. So is
@@ -102,7 +102,7 @@ def test_a_tone_without_a_few_of_its_samples_is_broken():
     assert breaks(tone) == 1
 
 
-def play_tone(file: Path, mixer: MixerName, seconds: float) -> np.ndarray:
+def play_tone(file: Path, mixer: str, seconds: float) -> np.ndarray:
     """A steady tone as loudspeakers would have been given it, shape [frames]."""
     soundfile.write(file, 0.5 * np.sin(2.0 * np.pi * TONE_HZ * np.arange(48_000) / 48_000), 48_000, subtype="FLOAT")
     memory, clock = SessionMemory(), MonotonicClock()
@@ -140,7 +140,7 @@ def test_a_steady_tone_has_no_gaps(mixer, tmp_path):
     pytest.fail(f"breaks in each of {ROUNDS} rounds: {found}")
 
 
-def stop_and_go(mixer: MixerName) -> AudioReport:
+def stop_and_go(mixer: str) -> AudioReport:
     """Stop the process of sound for 60 ms, let it go on, and strike once."""
     memory, clock = SessionMemory(), MonotonicClock()
     event = np.zeros(1, EVENT)

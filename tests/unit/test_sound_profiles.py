@@ -14,7 +14,7 @@ import pytest
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.audio import synth, synth_crowd, synth_scene
-from mimics_app.rendering.audio.bank import FAMILIES
+from mimics_app.rendering.audio.recipe import Variant, built_in_recipes
 
 RATE = 48_000
 
@@ -91,7 +91,7 @@ def test_a_kick_is_a_thump_and_a_slap() -> None:
 @pytest.mark.parametrize("speed", [0.3, 0.6, 1.5])
 def test_a_cup_is_china_and_no_chime(speed: float) -> None:
     """Modes in pairs a tenth apart by the handle, none with a third of the energy; the contact itself is heard."""
-    cup = FAMILIES["cup"](speed, 0, RATE).astype(np.float64)
+    cup = built_in_recipes()["cup"].synthesise(Variant(speed), RATE).astype(np.float64)
     power, frequency = np.abs(np.fft.rfft(cup, 48_000)) ** 2, np.fft.rfftfreq(48_000, 1.0 / RATE)
     loudest = frequency[power.argmax()]
     assert share(np.pad(cup, (0, 48_000 - len(cup))), loudest - 40.0, loudest + 40.0) < 0.34

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from mimics_app.rendering.audio import synth
-from mimics_app.rendering.audio.bank import CONTACT_TAKES, SoundBank
+from mimics_app.rendering.audio.bank import SoundBank
+from mimics_app.rendering.audio.recipe import built_in_recipes
 from mimics_app.rendering.audio.settings import SoundSpec
 
 RATE = 48_000
 FULL_SCALE_MINUS_1_DB = 10 ** (-1 / 20)
+CONTACT_TAKES = built_in_recipes()["contact"].takes
 CASES = [(speed, take) for speed in synth.CONTACT_SPEEDS for take in range(CONTACT_TAKES)]
 
 

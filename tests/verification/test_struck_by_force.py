@@ -17,7 +17,7 @@ from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.rendering.audio.bank import LIVE_VOICES, SoundBank
 from mimics_app.rendering.audio.director import SoundDirector
 from mimics_app.rendering.audio.engine import open_mixer
-from mimics_app.rendering.audio.modal import FORCE_RATE, ModalVoice, Modes
+from mimics_app.rendering.audio.modal import FORCE_RATE, ModalVoice, ModeBank
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 from mimics_app.rendering.audio.synth_scene import MATERIALS
 from tests.support.audio_scene import RATE, contact, first_sounding, push, push_forces
@@ -33,7 +33,7 @@ def half_sine(newton: float, ms: int) -> np.ndarray:
 
 def strike_by_force(material: str, force: np.ndarray) -> np.ndarray:
     """Response of an object to a contact force, until a quarter of a second after it."""
-    voice = ModalVoice(Modes(material, 10.0, RATE))
+    voice = ModalVoice(ModeBank(MATERIALS[material], 10.0, RATE))
     return voice.play(force, len(force) * (RATE // FORCE_RATE) + RATE // 4).astype(np.float32)
 
 
@@ -59,7 +59,7 @@ def test_a_modal_voice_is_linear_in_the_force_and_darker_the_longer_the_contact(
 
 def test_a_modal_voice_is_the_convolution_of_its_modes_with_the_change_of_force():
     """The ticks advance the modes by their exact solution; the sum over the pulse response says the same."""
-    modes, force = Modes("cup", 10.0, RATE), half_sine(3.0, 7)
+    modes, force = ModeBank(MATERIALS["cup"], 10.0, RATE), half_sine(3.0, 7)
     change = np.repeat(np.diff(force, prepend=0.0) / modes.ramp, modes.ramp)
     pulse = ModalVoice(modes).play((1.0,), RATE // 4)  # to a change that takes one tick
     alone = np.zeros(RATE // 4)

@@ -7,7 +7,8 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from mimics_app.rendering.audio.bank import FAMILIES, RECIPES, TAKES, SoundBank
+from mimics_app.rendering.audio.bank import SoundBank
+from mimics_app.rendering.audio.recipe import built_in_recipes
 from mimics_app.rendering.audio.settings import SoundSpec
 from mimics_app.rendering.audio.wav_file import WavWriter
 
@@ -19,7 +20,7 @@ _RATE = 48_000
 def compose(seed: int) -> dict[str, bytes]:
     """Every recipe, every speed step of a contact and every take of a step; recipes bring their own seeds."""
     del seed
-    bank = SoundBank({name: SoundSpec(recipe=name) for name in (*RECIPES, *FAMILIES, *TAKES)}, _RATE)
+    bank = SoundBank({name: SoundSpec(recipe=name) for name in built_in_recipes()}, _RATE)
     files = {}
     with TemporaryDirectory() as folder:
         for name, sound in bank.sounds.items():

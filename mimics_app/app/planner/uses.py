@@ -173,8 +173,14 @@ def _audio_of(scene: Scene) -> AudioSettings:
     return scene.system(AudioSettings) or AudioSettings()
 
 
+_CHARTED = ("openal", "spectral")
+"""Mixers whose cost and error are known."""
+
+
 def _named_spatialiser(scene: Scene) -> Settings | None:
     audio = _audio_of(scene)
+    if audio.mixer not in ("auto", *_CHARTED):  # of a package: no rival, and of unknown cost
+        return {"hrtf": audio.hrtf is not False, "mixer": audio.mixer}
     if audio.hrtf == "auto" or audio.mixer == "auto":
         return None
     return {"hrtf": audio.hrtf, "mixer": audio.mixer}

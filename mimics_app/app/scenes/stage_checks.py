@@ -120,10 +120,10 @@ def _check_sounds(scene: Scene) -> list[Issue]:
     """Return the faults of sounds; a scene without sounds imports nothing of their stage."""
     if not scene.has(Sound):
         return []
-    from mimics_app.rendering.audio.scene_sounds import check_head, check_sound
+    from mimics_app.rendering.audio.scene_sounds import check_head, check_mixer, check_sound
 
     sounds = [issue for _, sound, pointer in scene.components(Sound) for issue in check_sound(sound, pointer, scene)]
-    return [*sounds, *check_head(scene)]
+    return [*sounds, *check_head(scene), *check_mixer(scene)]
 
 
 def _check_learning(scene: Scene) -> list[Issue]:

@@ -17,9 +17,6 @@ if TYPE_CHECKING:
 
 __all__ = ["open_sound"]
 
-_MOST_OPENAL = 200
-"""Largest number of OpenAL voices beside the spare ones."""
-
 
 def open_sound(parts: SessionParts, memory: SessionMemory, folder: Path, file: Path | None = None) -> SoundPort:
     """Open the sound of a scene; a scene without sounds imports none of its modules.
@@ -37,6 +34,7 @@ def open_sound(parts: SessionParts, memory: SessionMemory, folder: Path, file: P
         return NullSound()
     from mimics_app.app.cues.sound_stage import SoundStage
     from mimics_app.app.cues.sound_surroundings import SoundSurroundings
+    from mimics_app.rendering.audio.mixer_kinds import find_mixer
     from mimics_app.rendering.audio.offline import OfflineAudio
     from mimics_app.rendering.audio.process import AudioProcess
     from mimics_app.rendering.audio.queue_need import known_needed_ms
@@ -46,7 +44,7 @@ def open_sound(parts: SessionParts, memory: SessionMemory, folder: Path, file: P
 
     written = file or (folder / "sound.wav" if wanted == "file" else None)
     method = scene.methods.get("spatialiser", {})
-    spectral = (method.get("mixer") if system.mixer == "auto" else system.mixer) == "spectral"
+    mixer = str(method.get("mixer", "openal")) if system.mixer == "auto" else system.mixer
     touched = objects_of_scene(scene)
     chosen = settings_from_components(
         sounds,
@@ -57,14 +55,14 @@ def open_sound(parts: SessionParts, memory: SessionMemory, folder: Path, file: P
         file=written,
         queue_ms=known_needed_ms() if parts.live else 0.0,
         hrtf=bool(method.get("hrtf", True)) if system.hrtf == "auto" else system.hrtf,
-        mixer="spectral" if spectral else "openal",
+        mixer=mixer,
         speakers=system.speakers,
         sofa=None if system.sofa is None else scene.assets[system.sofa].path,
         head_width=system.head_width,
         buses={name: BusSpec(bus.gain, bus.ducks, bus.duck_gain) for name, bus, _ in scene.components(SoundBus)},
         materials=touched.materials,
         body_materials=touched.body_materials,
-        voices=system.voices if spectral else min(system.voices, _MOST_OPENAL),
+        voices=min(system.voices, find_mixer(mixer).most_voices),
     )
     if chosen is None:
         return NullSound()

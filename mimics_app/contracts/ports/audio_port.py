@@ -120,6 +120,11 @@ class Mixer(Protocol):
         ...
 
     @property
+    def hrtf(self) -> bool:
+        """Whether head-related filters are applied."""
+        ...
+
+    @property
     def timing(self) -> Timing:
         """Relation of session time and frames."""
         ...
@@ -181,7 +186,7 @@ class AudioStatus:
         sink: Destination of the sound: "device", "file" or "null".
         hrtf: True when the HRTF is on.
         rate: Samples per second of the mix.
-        mixer: "openal" or "spectral", "" for none.
+        mixer: Name of the mixer, "" for none.
         channels: Channels of the mix.
         latency_ms: Latency from an event to the first sample of its sound, as set (file) or by the buffers (device).
         notice: One line for the user if the output is not the requested one, else "".

@@ -31,7 +31,7 @@ from mimics_app.contracts.shared_memory import ring
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.rendering.audio.process import AudioProcess
 from mimics_app.rendering.audio.queue_length import SETTLING_S
-from mimics_app.rendering.audio.settings import AudioSettings, MixerName, SoundSpec
+from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 from mimics_app.rendering.audio.worker import FIFO_PRIORITY, ask_for_fifo
 
 __all__ = ["Monitor", "handed_out_ns", "match_onsets", "measure_live_latency", "private_pulse_server", "pulse_missing"]
@@ -73,7 +73,7 @@ def pulse_missing() -> str:
 
 
 def measure_live_latency(
-    seconds: float = 10.0, period: int = 64, seed: int = 1, mixer: MixerName = "openal"
+    seconds: float = 10.0, period: int = 64, seed: int = 1, mixer: str = "openal"
 ) -> dict[str, Any]:
     """Push contacts into a session's ring as the haptic loop does, and record them at the monitor of a null sink.
 
@@ -275,7 +275,7 @@ def handed_out_ns(frames: I8, ends: I8, arrivals_ns: I8) -> I8:
 
 
 def _play_contacts(
-    environment: dict[str, str], seconds: float, period: int, seed: int, mixer: MixerName
+    environment: dict[str, str], seconds: float, period: int, seed: int, mixer: str
 ) -> tuple[list[int], AudioReport]:
     clock = MonotonicClock()
     memory = SessionMemory()

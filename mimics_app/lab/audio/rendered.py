@@ -11,7 +11,7 @@ from mimics_app.contracts.clock import VirtualClock
 from mimics_app.contracts.ports.audio_port import Timing
 from mimics_app.rendering.audio.bank import Sound, SoundBank
 from mimics_app.rendering.audio.engine import open_mixer
-from mimics_app.rendering.audio.settings import AudioSettings, MixerName, SoundSpec
+from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 from mimics_app.rendering.audio.spectral.head_table import HeadTable
 from mimics_app.rendering.audio.spectral.mixer import SpectralMixer
 
@@ -24,7 +24,7 @@ _GAP = 1200
 
 def render_clicks(
     directions: F8,
-    mixer: MixerName = "spectral",
+    mixer: str = "spectral",
     *,
     sofa: Path | None = None,
     hrtf: bool = True,

@@ -22,7 +22,7 @@ from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.engine import open_mixer
 from mimics_app.rendering.audio.offline import render_offline
-from mimics_app.rendering.audio.settings import AudioSettings, MixerName, SoundSpec
+from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 from mimics_app.rendering.audio.spectral.computed_head import compute_head
 from mimics_app.rendering.audio.spectral.head import HeadResponses
 from mimics_app.rendering.audio.spectral.head_table import TAPS, build_head_table
@@ -48,7 +48,7 @@ _WIDTH = 0.152  # default width of the computed head [m]
 _CLICK = {"tick": SoundSpec(recipe="tick")}
 
 
-def measure_block_us(hrtf: bool, blocks: int, sources: int, mixer: MixerName = "openal", frames: int = _BLOCK) -> float:
+def measure_block_us(hrtf: bool, blocks: int, sources: int, mixer: str = "openal", frames: int = _BLOCK) -> float:
     """Cost of a block of `frames` with moving sources [us], median."""
     specs = {"rub": SoundSpec(recipe="scrape")}
     settings = AudioSettings(sounds=specs, triggers={}, scrape="", hrtf=hrtf, mixer=mixer, voices=max(32, sources))
@@ -158,7 +158,7 @@ def _sphere_delay_error_us() -> float:
 
 
 def _mixed(
-    name: str, source: str, valid: str, mixer: MixerName, error: Callable[[], float], *, hrtf: bool, runs: bool = True
+    name: str, source: str, valid: str, mixer: str, error: Callable[[], float], *, hrtf: bool, runs: bool = True
 ) -> Rival:
     """A mixer of the product; `runs`: a scene can select it."""
     settings = {"hrtf": hrtf, "mixer": mixer} if runs else None

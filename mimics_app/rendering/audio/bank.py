@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import partial
 from math import sqrt
 from pathlib import Path
 
@@ -13,15 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import Issue, SceneError, nearest
-from mimics_app.rendering.audio import synth, synth_crowd, synth_scene
-from mimics_app.rendering.audio.modal import Modes
+from mimics_app.contracts.ports.plugins import PluginError, raised
+from mimics_app.rendering.audio import synth
+from mimics_app.rendering.audio.modal import ModeBank
+from mimics_app.rendering.audio.recipe import Recipe, Variant, find_recipe, recipe_names
 from mimics_app.rendering.audio.settings import SoundSpec
 from mimics_app.rendering.audio.sound_file import read_sound
 
-__all__ = ["FAMILIES", "LIVE_VOICES", "RECIPES", "TAKES", "Sound", "SoundBank"]
-
-CONTACT_TAKES = 3
-"""Variants of a contact sound, one per strike point; they alternate, so that no sound is played twice in a row."""
+__all__ = ["LIVE_VOICES", "Sound", "SoundBank"]
 
 # An impact speed takes the nearest step by ratio: the border between two steps is their geometric mean.
 _BORDERS = tuple(sqrt(a * b) for a, b in zip(synth.CONTACT_SPEEDS, synth.CONTACT_SPEEDS[1:], strict=False))
@@ -44,68 +42,15 @@ class Sound:
     other: str | None = None
 
 
-def _goal(rate: int) -> NDArray[np.float32]:
-    return synth.synthesise_chord((523.25, 659.26, 783.99, 1046.50), 0.09, 1.2, rate)
-
-
-def _start(rate: int) -> NDArray[np.float32]:
-    return synth.synthesise_chord((392.00, 587.33), 0.12, 0.6, rate, peak=0.4)
-
-
-def _trial_end(rate: int) -> NDArray[np.float32]:
-    return synth.synthesise_chord((783.99, 523.25), 0.14, 0.8, rate, peak=0.4)
-
-
-def _struck(material: str) -> Callable[[float, int, int], NDArray[np.float32]]:
-    """Synthesiser of an object that is struck, from the modes of its material."""
-    pulse = synth_scene.PULSES.get(material, 1.0)
-    return partial(synth.synthesise_struck, synth_scene.MATERIALS[material], pulse=pulse)
-
-
-_DRIVEN: Mapping[str, str] = {
-    **{name: name for name in ("cup", "apple", "table", "tap")},
-    **{f"stub_{name}": name for name in ("wall", "kerb", "box")},
-}
-"""Recipes driven by the contact force, with their material; a synthesised recording plays where no voice is free."""
-
 LIVE_VOICES = 4
 """Force-driven voices of one sound that may play at once."""
 
 _LIVE_S = 0.55
 """Length of a force-driven voice [s]: the time a contact is followed, plus the decay."""
 
-FAMILIES: Mapping[str, Callable[[float, int, int], NDArray[np.float32]]] = {
-    "contact": synth.synthesise_contact,
-    "knock": synth.synthesise_knock,
-    **{name: _struck(material) for name, material in _DRIVEN.items()},
-}
-"""Recipes with one sound per speed step and take."""
 
-TAKES: Mapping[str, Callable[[int, int], NDArray[np.float32]]] = {
-    f"step_{surface}": partial(synth_scene.synthesise_step, surface) for surface in synth_scene.SURFACES
-}
-"""Recipes with one sound per take, independent of speed."""
-
-LOOPS = ("scrape", "crowd", "wind")
-"""Recipes that are seamless loops."""
-
-RECIPES: Mapping[str, Callable[[int], NDArray[np.float32]]] = {
-    "goal": _goal,
-    "start": _start,
-    "trial_end": _trial_end,
-    "tick": synth.synthesise_tick,
-    "scrape": synth.synthesise_scrape,
-    "grip": synth.synthesise_grip,
-    "slip": synth.synthesise_slip,
-    "kick": synth_scene.synthesise_kick,
-    "crowd": synth_crowd.synthesise_crowd,
-    "score": synth_scene.synthesise_score,
-    "wind": synth_scene.synthesise_wind,
-    "ui_yes": partial(synth_scene.synthesise_tone, (660.0, 880.0)),
-    "ui_no": partial(synth_scene.synthesise_tone, (330.0, 262.0)),
-    "ui_hint": partial(synth_scene.synthesise_tone, (587.0,)),
-}
-"""Recipes with a single sound."""
+_SINGLE = Recipe(lambda _, rate: np.zeros(rate, np.float32))
+"""What a sound of a file is: one take, at every speed."""
 
 
 class SoundBank:
@@ -122,9 +67,8 @@ class SoundBank:
         self.rate = rate
         self.sounds: dict[str, Sound] = {}
         self.live: dict[str, Sound] = {}
-        self.modes: dict[str, list[Modes]] = {}
-        self._families: set[str] = set()
-        self._takes: set[str] = set()
+        self.modes: dict[str, list[ModeBank]] = {}
+        self._recipes: dict[str, Recipe] = {}
         issues: list[Issue] = []
         for name, spec in specs.items():
             try:
@@ -142,44 +86,55 @@ class SoundBank:
 
     def variant(self, name: str, speed: float, turn: int) -> str:
         """Return the name of the variant for an impact speed [m/s]; the contact number `turn` selects the take."""
-        if name in self._takes:
-            return f"{name}:{turn % synth_scene.STEP_TAKES}"
-        if name not in self._families:
-            return name
-        return f"{name}:{bisect_left(_BORDERS, speed)}:{turn % CONTACT_TAKES}"
+        recipe = self._recipes.get(name, _SINGLE)
+        step = f":{bisect_left(_BORDERS, speed)}" if recipe.by_speed else ""
+        take = f":{turn % recipe.takes}" if recipe.by_speed or recipe.takes > 1 else ""
+        return f"{name}{step}{take}"
 
     def _add(self, name: str, spec: SoundSpec) -> None:
-        rate = round(self.rate / spec.pitch)  # played at the full rate, the pitch rises by the ratio
-        if spec.recipe in FAMILIES:
-            strike = FAMILIES[spec.recipe]
-            for step, speed in enumerate(synth.CONTACT_SPEEDS):
-                for take in range(CONTACT_TAKES):
-                    self._put(f"{name}:{step}:{take}", strike(speed, take, rate), spec)
-            self.sounds[name] = self.sounds[f"{name}:{len(synth.CONTACT_SPEEDS) // 2}:0"]
-            self._families.add(name)
-            if spec.recipe in _DRIVEN:
-                self._add_live(name, spec)
-        elif spec.recipe in TAKES:
-            for take in range(synth_scene.STEP_TAKES):
-                self._put(f"{name}:{take}", TAKES[spec.recipe](take, rate), spec)
-            self.sounds[name] = self.sounds[f"{name}:0"]
-            self._takes.add(name)
-        elif spec.file is not None:
+        if spec.file is not None:
             self._put_file(name, spec.file, spec)
-        elif spec.recipe in RECIPES:
-            synthesise = RECIPES[spec.recipe]
-            if spec.recipe == "crowd":
-                synthesise = partial(synth_crowd.synthesise_crowd, arousal=spec.arousal)
-            self._put(name, synthesise(rate), replace(spec, loop=spec.loop or spec.recipe in LOOPS))
-        else:
-            known = nearest(spec.recipe, [*RECIPES, *FAMILIES, *TAKES])
-            raise SceneError(Issue("", f"/sounds/{name}/recipe", f'no recipe "{spec.recipe}"', known))
+            return
+        place = f"/sounds/{name}/recipe"
+        try:
+            recipe = find_recipe(spec.recipe)
+        except PluginError as error:
+            raise SceneError(Issue("", place, f'the recipe "{spec.recipe}" is not available: {error}')) from error
+        if recipe is None:
+            raise SceneError(Issue("", place, f'no recipe "{spec.recipe}"', nearest(spec.recipe, recipe_names())))
+        spec = replace(spec, loop=spec.loop or recipe.loop)
+        self._recipes[name] = recipe
+        for speed in synth.CONTACT_SPEEDS if recipe.by_speed else (Variant().speed,):
+            for take in range(recipe.takes):
+                variant = Variant(speed, take, spec.arousal)
+                self._put(self.variant(name, speed, take), self._synthesise(recipe, variant, spec, place), spec)
+        if name not in self.sounds:
+            middle = synth.CONTACT_SPEEDS[len(synth.CONTACT_SPEEDS) // 2]
+            self.sounds[name] = self.sounds[self.variant(name, middle, 0)]
+        if recipe.modes:
+            self._add_live(name, spec, recipe)
 
-    def _add_live(self, name: str, spec: SoundSpec) -> None:
+    def _synthesise(self, recipe: Recipe, variant: Variant, spec: SoundSpec, place: str) -> NDArray[np.float32]:
+        """Return the samples of a variant at the sound's pitch.
+
+        Raises:
+            SceneError: The recipe of a plug-in raises an error, or makes anything but samples.
+        """
+        rate = round(self.rate / spec.pitch)  # played at the full rate, the pitch rises by the ratio
+        try:
+            samples = recipe.synthesise(variant, rate)
+        except Exception as error:  # of a third party
+            raise SceneError(Issue("", place, f'the recipe "{spec.recipe}" {raised(error)}')) from error
+        if not isinstance(samples, np.ndarray) or samples.ndim != 1 or samples.dtype != np.float32 or not len(samples):
+            raise SceneError(Issue("", place, f'the recipe "{spec.recipe}" makes no float32 samples of shape [n]'))
+        if not np.abs(samples).max() <= 1.0:
+            raise SceneError(Issue("", place, f'the recipe "{spec.recipe}" makes samples beyond -1 to 1'))
+        return samples
+
+    def _add_live(self, name: str, spec: SoundSpec, recipe: Recipe) -> None:
         """Add the force-driven voices of a sound, each with another strike point."""
-        material = _DRIVEN[spec.recipe]
         self.modes[name] = [
-            Modes(material, spec.full_force, self.rate, spec.pitch, take) for take in range(LIVE_VOICES)
+            ModeBank(recipe.modes, spec.full_force, self.rate, spec.pitch, take) for take in range(LIVE_VOICES)
         ]
         silence = np.zeros(round(_LIVE_S * self.rate), np.float32)
         self.live |= {f"{name}:live:{k}": Sound(silence, spec) for k in range(LIVE_VOICES)}

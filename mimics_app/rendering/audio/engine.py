@@ -21,9 +21,7 @@ from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import DeviceError, SceneError
 from mimics_app.contracts.ports.audio_port import AudioStatus, Mixer, OnDemandMixer, Timing
 from mimics_app.rendering.audio.bank import SoundBank
-from mimics_app.rendering.audio.openal_context import OpenALContext, measure_pipeline
-from mimics_app.rendering.audio.openal_library import load_library
-from mimics_app.rendering.audio.openal_mixer import OpenALMixer
+from mimics_app.rendering.audio.mixer_kinds import MixerRequest, find_mixer
 from mimics_app.rendering.audio.pulse_library import PULSE
 from mimics_app.rendering.audio.settings import AudioSettings
 from mimics_app.rendering.audio.sound_stream import SoundStream
@@ -117,11 +115,9 @@ def open_engine(settings: AudioSettings, clock: Clock, prepared: Callable[[], No
         prepared: Called after the slow part (sounds, head tables, kernels) and before a device opens.
     """
     try:
-        if settings.mixer == "openal":
-            load_library(settings)
+        kind = find_mixer(settings.mixer)
         bank = SoundBank(settings.sounds, settings.rate)
-        if settings.mixer == "spectral":
-            _warm_spectral(settings, bank)
+        kind.prepare(settings, bank)
     except DeviceError as error:
         return _dropped(f"{error.what}: sound is dropped; picture and touch run on ({error.fix})")
     except SceneError as error:
@@ -182,19 +178,14 @@ def open_mixer(
         DeviceError: Its library is missing.
         SceneError: The SOFA file of the head cannot be used.
     """
-    if settings.mixer == "spectral":
-        from mimics_app.rendering.audio.spectral.mixer import SpectralMixer
-
-        return SpectralMixer(bank, settings, Timing(origin_ns, latency), live=live)
-    library = load_library(settings)
-    pipeline = measure_pipeline(library, settings.rate, settings.hrtf)
-    context = OpenALContext(library, settings.rate, settings.hrtf, settings.sources, loopback=True)
-    return OpenALMixer(context, bank, settings, clock, Timing(origin_ns, latency, pipeline))
+    kind = find_mixer(settings.mixer)
+    if missing := kind.lacks(settings.speakers, head=settings.sofa is not None):
+        raise DeviceError(f'the mixer "{settings.mixer}" plays no {missing}', 'take "spectral"')
+    return kind.open(MixerRequest(settings, bank, clock, Timing(origin_ns, latency), live))
 
 
 def _status(settings: AudioSettings, mixer: Mixer, device: str, sink: str, latency_ms: float) -> AudioStatus:
-    hrtf = mixer.context.hrtf if isinstance(mixer, OpenALMixer) else settings.hrtf
-    return AudioStatus(device, sink, hrtf, mixer.rate, latency_ms, mixer=settings.mixer, channels=mixer.channels)
+    return AudioStatus(device, sink, mixer.hrtf, mixer.rate, latency_ms, mixer=settings.mixer, channels=mixer.channels)
 
 
 def open_device(settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engine:
@@ -211,12 +202,18 @@ def open_device(settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engin
 
             stream = PulseStream(settings.rate, settings.period, clock, settings.channels)
             return _open_streamed(stream, settings, bank, clock)
-    if settings.mixer == "spectral":
-        from mimics_app.rendering.audio.openal_stream import OpenALStream
+    own = find_mixer(settings.mixer).open_device
+    if own is not None:
+        device = own(settings, bank, clock)
+        return Engine(
+            _status(settings, device.mixer, device.name, "device", device.latency_ms), bank, device.mixer, None
+        )
+    from mimics_app.rendering.audio.openal_context import OpenALContext
+    from mimics_app.rendering.audio.openal_library import load_library
+    from mimics_app.rendering.audio.openal_stream import OpenALStream
 
-        context = OpenALContext(load_library(settings), settings.rate, False, 1, loopback=False)
-        return _open_streamed(OpenALStream(context), settings, bank, clock)
-    return _open_openal(settings, bank, clock)
+    context = OpenALContext(load_library(settings), settings.rate, False, 1, loopback=False)
+    return _open_streamed(OpenALStream(context), settings, bank, clock)
 
 
 def _open_streamed(stream: SoundStream, settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engine:
@@ -234,27 +231,6 @@ def _open_streamed(stream: SoundStream, settings: AudioSettings, bank: SoundBank
         raise
     status = _status(settings, mixer, stream.name, "device", streamed.latency / mixer.rate * 1e3)
     return Engine(status, bank, streamed, None)
-
-
-def _open_openal(settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engine:
-    """Open a device that the library mixes for in its own thread."""
-    library = load_library(settings)
-    context = OpenALContext(library, settings.rate, settings.hrtf, settings.sources, loopback=False)
-    pipeline = measure_pipeline(library, context.rate, context.hrtf)
-    mixer = OpenALMixer(context, bank, settings, clock, Timing(clock.now_ns(), 0, pipeline))
-    latency_ms = context.buffered_ms + pipeline / context.rate * 1e3
-    return Engine(_status(settings, mixer, context.name, "device", latency_ms), bank, mixer, None)
-
-
-def _warm_spectral(settings: AudioSettings, bank: SoundBank) -> None:
-    """Make the head tables and load the mixing kernels before a device or the real-time scheduler depends on them."""
-    from mimics_app.rendering.audio.spectral.mixer import SpectralMixer
-
-    mixer = SpectralMixer(bank, settings, Timing())
-    for name in list(bank.sounds)[:1]:
-        mixer.start(name, 0, (0.0, 0.0, -1.0), 0.0)
-    mixer.enter_room(1.0, 1.0)
-    mixer.render(settings.block)
 
 
 def _dropped(notice: str) -> Engine:

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
+from mimics_app.rendering.audio.recipe import Modes
 from mimics_app.rendering.audio.synth import CONTACT_RMS, TAKE_SPREAD
-from mimics_app.rendering.audio.synth_scene import MATERIALS
 
-__all__ = ["FORCE_RATE", "ModalVoice", "Modes"]
+__all__ = ["FORCE_RATE", "ModalVoice", "ModeBank"]
 
 
 FORCE_RATE = 1000
@@ -37,11 +37,11 @@ _MOST_FRAMES = 512
 """Largest number of frames by which the modes advance in one call."""
 
 
-class Modes:
-    """The modes of a material at a rate.
+class ModeBank:
+    """The modes of a struck object at a rate.
 
     Args:
-        material: Key of `MATERIALS`.
+        modes: Frequency [Hz], T60 [s] and weight of each.
         full_force: Force [N] of a contact that sounds with CONTACT_RMS over its first 50 ms; a quarter of it acts in
             the first tick.
         rate: Samples per second.
@@ -55,8 +55,8 @@ class Modes:
         ramp: Number of frames over which a tick's change of force takes effect.
     """
 
-    def __init__(self, material: str, full_force: float, rate: int, pitch: float = 1.0, take: int = 0) -> None:
-        frequency, fall, weight = np.array(MATERIALS[material]).T
+    def __init__(self, modes: Modes, full_force: float, rate: int, pitch: float = 1.0, take: int = 0) -> None:
+        frequency, fall, weight = np.array(modes).T
         frequency, fall = frequency * pitch, fall / pitch
         omega, damping = 2.0 * np.pi * frequency, 3.0 * np.log(10.0) / fall
         pole = np.exp((1.0j * omega - damping) / rate)
@@ -77,7 +77,7 @@ class ModalVoice:
         modes: Modes of the object.
     """
 
-    def __init__(self, modes: Modes) -> None:
+    def __init__(self, modes: ModeBank) -> None:
         self._modes = modes
         self._state = np.zeros(len(modes.weights), np.complex128)
         self._force = 0.0

@@ -19,7 +19,7 @@ from mimics_app.contracts.shared_memory.shared_words import DROPPED
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.director import SoundDirector
 from mimics_app.rendering.audio.engine import Engine, open_engine_in_step, open_mixer
-from mimics_app.rendering.audio.settings import AudioSettings, MixerName, SoundSpec
+from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 
 __all__ = ["OfflineAudio", "render_offline"]
 
@@ -146,7 +146,7 @@ def render_offline(
     *,
     hrtf: bool = True,
     rate: int = 48_000,
-    mixer: MixerName = "openal",
+    mixer: str = "openal",
 ) -> tuple[NDArray[np.float32], list[int]]:
     """Render a list of events on a clock that starts at 0.
 

@@ -29,7 +29,11 @@ from mimics_app.rendering.audio.openal_context import OpenALContext
 from mimics_app.rendering.audio.openal_library import AL
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 
-__all__ = ["OpenALMixer"]
+__all__ = ["SPARE_SOURCES", "OpenALMixer"]
+
+
+SPARE_SOURCES = 8
+"""Sources beside those of the voices, for sounds that fade out."""
 
 
 _FADE_FRAMES = 960
@@ -76,6 +80,7 @@ class OpenALMixer:
         self.context = context
         self.rate = context.rate
         self.channels = 2
+        self.hrtf = context.hrtf
         self.timing = timing
         self.position = 0
         self.refused = 0
@@ -92,7 +97,7 @@ class OpenALMixer:
             context.activate()
             self._buffers = self._upload()
             self._filled = self._map_live()
-            self._voices = [_Voice(source) for source in self._generate_sources(settings.sources)]
+            self._voices = [_Voice(source) for source in self._generate_sources(settings.voices + SPARE_SOURCES)]
         except DeviceError:
             context.close()
             raise

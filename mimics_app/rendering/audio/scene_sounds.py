@@ -6,8 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from mimics_app.contracts.errors import Issue, SceneError, nearest
+from mimics_app.contracts.errors import DeviceError, Issue, SceneError, nearest
 from mimics_app.contracts.messages.shared_fields import shared_fields
+from mimics_app.contracts.ports.plugins import PluginError
+from mimics_app.rendering.audio.recipe import Recipe, find_recipe, recipe_names
 from mimics_app.rendering.audio.settings import AROUSAL, AudioSettings, SoundSpec
 from mimics_app.rendering.audio.sound_file import check_sound_file
 from mimics_app.world.components.systems import AudioSettings as AudioSystem
@@ -15,16 +17,10 @@ from mimics_app.world.components.visible import Sound, SoundEmitter
 from mimics_app.world.files.scene.assets import SceneAsset
 from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["check_head", "check_sound", "settings_from_components"]
-
-_SINGLE = ("crowd", "goal", "grip", "kick", "score", "scrape", "slip", "start", "tick", "trial_end", "wind")
-_STRUCK = ("apple", "contact", "cup", "knock", "stub_box", "stub_kerb", "stub_wall", "table", "tap")
-_STEPS = ("step_asphalt", "step_earth", "step_grass", "step_wood")
-_RECIPES = (*_SINGLE, *_STRUCK, *_STEPS, "ui_hint", "ui_no", "ui_yes")
-"""All recipes, so that checking a scene does not import the synthesiser; a test compares them with the bank's."""
+__all__ = ["check_head", "check_mixer", "check_sound", "settings_from_components"]
 
 _PARAMETERS = {"pitch": (0.25, 4.0), "arousal": (0.0, 1.0)}
-"""Limits of each parameter; only "crowd" has an arousal."""
+"""Limits of each parameter; every recipe has a pitch, some have the others."""
 
 
 def settings_from_components(
@@ -104,16 +100,39 @@ def check_head(scene: Scene) -> list[Issue]:
     return []
 
 
+def check_mixer(scene: Scene) -> list[Issue]:
+    """Return the faults of the scene's mixer: there is none of its name, or it plays no such loudspeakers or head."""
+    audio = scene.system(AudioSystem) or AudioSystem()
+    if audio.mixer == "auto":
+        return []
+    from mimics_app.rendering.audio.mixer_kinds import find_mixer
+
+    try:
+        lacking = find_mixer(audio.mixer).lacks(audio.speakers, head=audio.sofa is not None)
+    except DeviceError as error:
+        return [scene.issue("/systems/audio/mixer", error.what, error.fix)]
+    what = f'"{audio.mixer}" plays no {lacking}'
+    return [scene.issue("/systems/audio/mixer", what, 'take "spectral"')] if lacking else []
+
+
 def _faults(sound: Sound, pointer: str, issue: Callable[..., Issue]) -> list[Issue]:
     issues: list[Issue] = []
-    if sound.synth is not None and sound.synth not in _RECIPES:
-        issues.append(issue(f"{pointer}/synth", f'no recipe "{sound.synth}"', nearest(sound.synth, _RECIPES)))
+    recipe: Recipe | None = None
+    if sound.synth is not None:
+        try:
+            recipe = find_recipe(sound.synth)
+        except PluginError as error:
+            issues.append(issue(f"{pointer}/synth", f'the recipe "{sound.synth}" is not available: {error}'))
+        else:
+            if recipe is None:
+                known = nearest(sound.synth, recipe_names())
+                issues.append(issue(f"{pointer}/synth", f'no recipe "{sound.synth}"', known))
     for name, value in sound.parameters.items():
         place = f"{pointer}/parameters/{name}"
         if name not in _PARAMETERS:
             issues.append(issue(place, f'no parameter "{name}"', nearest(name, _PARAMETERS)))
-        elif name == "arousal" and sound.synth != "crowd":
-            issues.append(issue(place, f'"{sound.synth or sound.asset}" has no arousal', 'only "crowd" has one'))
+        elif name != "pitch" and (recipe is None or name not in recipe.parameters):
+            issues.append(issue(place, f'"{sound.synth or sound.asset}" has no {name}', 'as "crowd" has'))
         elif not _PARAMETERS[name][0] <= value <= _PARAMETERS[name][1]:
             low, high = _PARAMETERS[name]
             issues.append(issue(place, f"{value} is not between {low} and {high}"))

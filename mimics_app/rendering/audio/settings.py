@@ -7,10 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-__all__ = ["AROUSAL", "AudioSettings", "BusSpec", "MixerName", "Sink", "SoundSpec", "Speakers"]
+__all__ = ["AROUSAL", "AudioSettings", "BusSpec", "Sink", "SoundSpec", "Speakers"]
 
 Sink = Literal["device", "file", "null"]
-MixerName = Literal["openal", "spectral"]
 Speakers = Literal["stereo", "5.1", "7.1", "ambisonic"]
 
 _LAYOUTS: Mapping[Speakers, int] = {"stereo": 2, "5.1": 6, "7.1": 8, "ambisonic": 16}
@@ -105,10 +104,10 @@ class AudioSettings:
         scrape: Looping sound of sliding along a wall, or "" for none.
         emitters: Sounds of entities, in the order of the rows of SOUND_SCENE.
         buses: Mixer buses by name; "main" always exists.
-        mixer: "openal", or "spectral": exact interaural delays, and equal samples on every machine.
+        mixer: Name of the mixer (rendering/audio/mixer_kinds.py).
         hrtf: Whether head-related filters are applied; off for loudspeakers.
-        speakers: Loudspeaker layout where `hrtf` is off; other than stereo needs "spectral".
-        sofa: SOFA file of a measured head; None: a computed head of `head_width`. "spectral" only.
+        speakers: Loudspeaker layout where `hrtf` is off; not every mixer has others than stereo.
+        sofa: SOFA file of a measured head; None: a computed head of `head_width`.
         head_width: Distance between the ears of the computed head [m].
         rate: Samples per second requested.
         period: Frames that a live device takes at once; 64 to 192 keep contact to sound below 20 ms.
@@ -132,7 +131,7 @@ class AudioSettings:
     scrape: str = "scrape"
     emitters: tuple[str, ...] = ()
     buses: Mapping[str, BusSpec] = field(default_factory=dict)
-    mixer: MixerName = "openal"
+    mixer: str = "openal"
     hrtf: bool = True
     speakers: Speakers = "stereo"
     sofa: Path | None = None
@@ -171,11 +170,6 @@ class AudioSettings:
         own = (f"{kind}/{name}" for name in named if name)
         return next((self.triggers[each] for each in own if each in self.triggers), self.triggers.get(kind, ""))
 
-    @property
-    def sources(self) -> int:
-        """Number of sources in the library: one per voice, and spare ones for sounds that fade out."""
-        return self.voices + 8
-
     def __post_init__(self) -> None:
         if self.sink == "file" and self.file is None:
             raise ValueError('the sink "file" needs a file')
@@ -183,11 +177,8 @@ class AudioSettings:
             raise ValueError(
                 f"a period of {self.period} frames is not between 64 and 192: the 20 ms bound would be lost"
             )
-        most = _MOST_VOICES if self.mixer == "spectral" else 200
-        if not 1 <= self.voices <= most:
-            raise ValueError(f"{self.voices} voices are not between 1 and {most}")
-        if self.channels != 2 and self.mixer == "openal":
-            raise ValueError(f'the mixer "openal" has two channels, not those of {self.speakers}: take "spectral"')
+        if not 1 <= self.voices <= _MOST_VOICES:
+            raise ValueError(f"{self.voices} voices are not between 1 and {_MOST_VOICES}")
         for name in filter(None, (self.scrape, *self.triggers.values(), *self.emitters)):
             if name not in self.sounds:
                 raise ValueError(f'sound "{name}" is used but not among the sounds: {", ".join(self.sounds)}')

@@ -63,7 +63,7 @@ class StreamedMixer:
     """
 
     def __init__(self, mixer: OnDemandMixer, stream: SoundStream, clock: Clock, needed_ms: float = 0.0) -> None:
-        self.rate, self.channels = mixer.rate, mixer.channels
+        self.rate, self.channels, self.hrtf = mixer.rate, mixer.channels, mixer.hrtf
         self._mixer, self._stream, self._clock = mixer, stream, clock
         longest = self._longest_queue()
         shortest = max(shortest_queue(stream.period), min(round(needed_ms * 1e-3 * self.rate), longest))

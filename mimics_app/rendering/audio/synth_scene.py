@@ -18,8 +18,8 @@ from mimics_app.rendering.audio.synth import synthesise_struck
 from mimics_app.rendering.audio.synth_crowd import synthesise_crowd
 
 __all__ = [
+    "CUP_PULSE",
     "MATERIALS",
-    "PULSES",
     "STEP_TAKES",
     "SURFACES",
     "synthesise_kick",
@@ -100,8 +100,8 @@ _CUP = (
 """A china cup: each bending mode twice, with and without the handle, whose mass makes it lower (J. Dooley, The Citizen
 Scientist, 3 December 2004); and the dense, short modes of its hard rim, which are heard as the noise of contact."""
 
-PULSES = {"cup": 0.4}
-"""Length of the contact of the hard materials relative to that of the others."""
+CUP_PULSE = 0.4
+"""Length of the contact of a cup, which is hard, relative to that of the other materials."""
 
 MATERIALS = {
     "cup": _CUP,

@@ -129,10 +129,13 @@ class AudioSettings(Component, frozen=True):
         Meta(description="Spatialise sounds by HRTF (headphones); auto: as systems.tolerances.itd_us requires"),
     ] = "auto"
     mixer: Annotated[
-        Literal["auto", "openal", "spectral"],
+        str,
         Meta(
-            description="Mixer; auto: spectral for an exact ITD (systems.tolerances.itd_us), a sofa or head_width, "
-            "speakers beyond stereo, a sound_room, sound_bus, distance_model or doppler factor, which openal ignores"
+            max_length=64,
+            examples=["auto", "openal", "spectral"],
+            description="Mixer: openal, spectral, or one of an installed package; auto: spectral for an exact ITD "
+            "(systems.tolerances.itd_us), a sofa or head_width, speakers beyond stereo, a sound_room, sound_bus, "
+            "distance_model or doppler factor, which openal ignores",
         ),
     ] = "auto"
     speakers: Annotated[
@@ -192,16 +195,12 @@ def _check_visual(settings: VisualSettings, scene: CheckedScene) -> list[Issue]:
 
 
 def _check_audio(settings: AudioSettings, scene: CheckedScene) -> list[Issue]:
-    """Return the faults of an unknown listener or head, and of loudspeakers or a mixer that would be ignored."""
+    """Return the faults of an unknown listener or head, and of loudspeakers that would be ignored."""
     issues = scene.check_asset("/systems/audio/sofa", settings.sofa, "head")
     issues += scene.check_entity("/systems/audio/listener", settings.listener)
-    around = settings.speakers != "stereo"
-    if around and settings.hrtf is not False:
+    if settings.speakers != "stereo" and settings.hrtf is not False:
         what = f"{settings.speakers} is not played with head-related filters"
         issues.append(scene.issue("/systems/audio/speakers", what, 'add "hrtf": false'))
-    if settings.mixer == "openal" and (around or settings.sofa is not None):
-        what = f'"openal" plays no {settings.speakers if around else "head of a file"}'
-        issues.append(scene.issue("/systems/audio/mixer", what, 'take "spectral"'))
     return issues
 
 

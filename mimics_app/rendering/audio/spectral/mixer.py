@@ -82,6 +82,7 @@ class SpectralMixer:
     ) -> None:
         self.rate = settings.rate
         self.channels = settings.channels
+        self.hrtf = settings.hrtf
         self.position = 0
         self.refused = 0
         self.timing = Timing(timing.origin_ns, timing.latency, BASE_DELAY)
