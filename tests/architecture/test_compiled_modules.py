@@ -89,6 +89,10 @@ DEVIATIONS: dict[str, tuple[tuple[str, ...], str]] = {
     "rendering/haptic/devices/simulated_hapticmaster.py": ((_DEVICES,), "built from a robot's request"),
     "rendering/haptic/devices/simulated_impedance.py": ((_DEVICES,), "built from a robot's request"),
     "rendering/haptic/devices/simulated_leg.py": ((_DEVICES, _ERRORS), "built from a robot's request"),
+    "rendering/haptic/devices/simulated_lokomat.py": (
+        (_DEVICES, _ERRORS, "mimics_app.rendering.haptic.descriptors"),
+        "built from a robot's request",
+    ),
     "rendering/haptic/devices/simulated_person.py": ((_DEVICES,), "built from a robot's request"),
     "rendering/haptic/live_loop.py": (
         ("mimics_app.contracts.shared_memory.session_memory", "mimics_app.rendering.haptic.channels"),

@@ -32,7 +32,7 @@ def _verdicts(findings: list[Finding]) -> dict[str, str]:
     return {finding.check: finding.what for finding in findings if finding.verdict == "failed"}
 
 
-@pytest.mark.parametrize("name", ["simulated_hapticmaster", "simulated_impedance", "pointer"])
+@pytest.mark.parametrize("name", ["simulated_hapticmaster", "simulated_impedance", "pointer", "lokomat"])
 def test_simulated_devices_conform(name: str):
     findings = check_device(build_device(Robot(device=name), Patient()))
     assert _verdicts(findings) == {}

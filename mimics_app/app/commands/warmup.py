@@ -119,7 +119,13 @@ def _loops() -> None:
 def _devices() -> None:
     """Compile the shipped devices and force fields."""
     from mimics_app.rendering.haptic import cord_field, standard_fields  # noqa: F401
-    from mimics_app.rendering.haptic.devices import pointer, replay, simulated_impedance, simulated_leg  # noqa: F401
+    from mimics_app.rendering.haptic.devices import (  # noqa: F401
+        pointer,
+        replay,
+        simulated_impedance,
+        simulated_leg,
+        simulated_lokomat,
+    )
 
 
 PARTS: Mapping[str, Callable[[], None]] = {"objects": _objects, "loop": _loops, "devices": _devices}

@@ -21,8 +21,8 @@ __all__ = ["ADDRESSED", "AT_WINDOW", "players", "refusals"]
 AT_WINDOW = ""
 """Value of the setting "who plays" for the person at the window."""
 
-ADDRESSED = tuple(name for name in BUILT_IN if load_built_in(name).address)
-"""Devices with an address."""
+ADDRESSED = tuple(name for name in BUILT_IN if load_built_in(name).address and not load_built_in(name).optional)
+"""Devices that need an address."""
 
 
 def players() -> dict[str, str]:

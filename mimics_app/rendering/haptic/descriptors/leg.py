@@ -25,7 +25,7 @@ from mimics_app.rendering.haptic.kernels.leg_kinematics import (
     place_foot,
 )
 
-__all__ = ["LEG", "LEGS", "LENGTHS"]
+__all__ = ["LEG", "LEGS", "LEG_KINEMATICS", "LENGTHS"]
 
 
 LENGTHS = {"thigh": 0.43, "shank": 0.50, "foot": 0.12, "hip_width": 0.20}
@@ -96,12 +96,13 @@ def _joints(side: str) -> tuple[Joint, Joint]:
     )
 
 
-_FUNCTIONS = Kinematics(_forward, _jacobian, _inverse, _velocity, _torque)
+LEG_KINEMATICS = Kinematics(_forward, _jacobian, _inverse, _velocity, _torque)
+"""Kinematics of one or two legs; their geometry begins with the number of legs, then the lengths as in LENGTHS."""
 
 LEG = DeviceDescriptor(
     joints=_joints(""),
     contacts=("right foot",),
-    kinematics=_FUNCTIONS,
+    kinematics=LEG_KINEMATICS,
     geometry=lambda robot: _geometry(robot, 1),
     torques=True,
 )
@@ -110,7 +111,7 @@ LEG = DeviceDescriptor(
 LEGS = DeviceDescriptor(
     joints=(*_joints("left "), *_joints("right ")),
     contacts=("left foot", "right foot"),
-    kinematics=_FUNCTIONS,
+    kinematics=LEG_KINEMATICS,
     geometry=lambda robot: _geometry(robot, 2),
     torques=True,
 )

@@ -55,6 +55,7 @@ class BuiltInDevice(NamedTuple):
         builder: "module:function" in this package.
         address: Form of its address; "" for none.
         descriptor: "module:name" in `descriptors`.
+        optional: True where the address may be left out.
     """
 
     about: str
@@ -62,6 +63,7 @@ class BuiltInDevice(NamedTuple):
     builder: str
     address: str = ""
     descriptor: str = "hapticmaster:HAPTICMASTER"
+    optional: bool = False
 
 
 BUILT_IN = member_names(built_in)
@@ -103,8 +105,8 @@ def check_device_name(text: str) -> None:
     if device.name not in BUILT_IN:
         find_plugin(device.name)
         return
-    wanted = load_built_in(device.name).address
-    if wanted == "" and device.address:
+    found = load_built_in(device.name)
+    if not found.address and device.address:
         raise DeviceError(f'"{device.name}" is built in and has no address', f'write "{device.name}"')
-    if wanted and not device.address:
-        raise DeviceError(f'"{device.name}" needs an address', f"write {device.name}:{wanted}")
+    if found.address and not device.address and not found.optional:
+        raise DeviceError(f'"{device.name}" needs an address', f"write {device.name}:{found.address}")

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, TypedDict
 
+from mimics_app.rendering.haptic.descriptors.segments import HEIGHT, WEIGHT, segments_of
 from mimics_app.rendering.haptic.kernels import leg_machine, light_robot
 from mimics_app.rendering.haptic.kernels import robot as servo_robot
+from mimics_app.rendering.haptic.kernels.lokomat import orthosis
 
 if TYPE_CHECKING:
     from mimics_app.world.components.robot import Robot
@@ -18,11 +20,14 @@ __all__ = [
     "LEG_SERVO_HZ",
     "LIGHT_ENCODER",
     "LIGHT_MASS",
+    "LOKOMAT_CURRENT_LAG",
+    "LOKOMAT_NAME",
     "SHANK_MASS",
     "Dynamics",
     "force_dynamics",
     "known_dynamics",
     "leg_dynamics",
+    "lokomat_dynamics",
     "servo_dynamics",
 ]
 
@@ -48,6 +53,9 @@ servo, unless the scene sets them [kg, Hz]."""
 _SERVO_DEVICES = ("simulated_hapticmaster", "pointer")
 _FORCE_DEVICES = ("simulated_impedance",)
 _LEGS = ("simulated_leg", "simulated_legs")
+
+LOKOMAT_NAME, LOKOMAT_CURRENT_LAG = "lokomat", 5e-4
+"""Name of the gait orthosis, and time constant of its current control [s]; a setting, not verified."""
 
 _REAL_SERVO_DEVICES = ("hapticmaster",)
 """Devices that take velocities and are not simulated."""
@@ -88,6 +96,14 @@ def leg_dynamics(robot: Robot, rate: int) -> Dynamics:
     return {"delay": robot.delay_ticks / rate + lag, "lag": lag, "filtering": filtering, "quantum": 0.0, "mass": mass}
 
 
+def lokomat_dynamics(robot: Robot, rate: int) -> Dynamics:
+    """Return those of the simulated gait orthosis, which takes torques; the spindles' masses are not counted on."""
+    shank = segments_of(robot.settings.get("height", HEIGHT), robot.settings.get("weight", WEIGHT)).masses[1]
+    filtering = 1.0 / (2.0 * math.pi * orthosis.SPEED_FILTER_HZ)
+    delay = robot.delay_ticks / rate + LOKOMAT_CURRENT_LAG
+    return {"delay": delay, "lag": 0.0, "filtering": filtering, "quantum": 0.0, "mass": shank * _END_SHARE}
+
+
 def _setting(robot: Robot, name: str, default: float) -> float:
     """Return a setting of the scene's device if it is a positive number."""
     given = robot.settings.get(name, default)
@@ -105,6 +121,8 @@ def known_dynamics(robot: Robot, rate: int = 1000) -> Dynamics | None:
         return servo_dynamics(robot, rate)
     if name in _LEGS:
         return leg_dynamics(robot, rate)
+    if name == LOKOMAT_NAME:
+        return lokomat_dynamics(robot, rate)
     if name in _REAL_SERVO_DEVICES:
         return {"delay": 0.0, "lag": 0.0, "filtering": 0.0, "quantum": 0.0, "mass": 0.0}
     return force_dynamics(robot, rate) if name in _FORCE_DEVICES else None

@@ -29,6 +29,7 @@ __all__ = [
     "energy",
     "first_moments",
     "mass_matrix",
+    "moment_rate",
     "weight",
 ]
 
@@ -52,6 +53,15 @@ def first_moments(links: Vec, t1: float, t2: float) -> tuple[float, float]:
     thigh = (links[THIGH_MASS] * links[THIGH_COM] + links[SHANK_MASS] * links[THIGH_LENGTH]) * math.sin(t1)
     shank = links[SHANK_MASS] * links[SHANK_COM] * math.sin(t1 - t2)
     return thigh + shank, -shank
+
+
+@kernel
+def moment_rate(links: Vec, q: Vec, dq: Vec) -> float:
+    """Second time derivative of mass times height of the centre of mass at joint accelerations of 0 [kg m/s^2]."""
+    thigh = links[THIGH_MASS] * links[THIGH_COM] + links[SHANK_MASS] * links[THIGH_LENGTH]
+    shank = links[SHANK_MASS] * links[SHANK_COM]
+    turning = dq[0] - dq[1]
+    return thigh * math.cos(q[0]) * dq[0] * dq[0] + shank * math.cos(q[0] - q[1]) * turning * turning
 
 
 @kernel
