@@ -35,6 +35,12 @@ MODULES = (
     f"{_HAPTIC}.acting",
     f"{_HAPTIC}.state",
     f"{_LOKOMAT}.obstacle_sequence",
+    f"{_LOKOMAT}.sagittal_outline",
+    f"{_LOKOMAT}.foot_constraint",
+    f"{_LOKOMAT}.contact_impulse",
+    f"{_LOKOMAT}.foot_contact",
+    f"{_LOKOMAT}.shaft_admittance",
+    f"{_LOKOMAT}.constrained_shafts",
 )
 """Where records of touch are declared: every dtype with fields that a module of these names in capitals."""
 

@@ -1003,3 +1003,105 @@ class SequenceFactsRecord:
     clear: int
     overstepped: int
     at_start: int
+
+class OutlineEdgeRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.sagittal_outline.OUTLINE_EDGE`."""
+
+    start: Floats
+    end: Floats
+    normal: Floats
+
+class OutlineRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.sagittal_outline.OUTLINE`."""
+
+    edges: Table[OutlineEdgeRecord]
+    count: int
+    radius: float
+
+class LegFrameRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.foot_constraint.LEG_FRAME`."""
+
+    geometry: Floats
+    links: Floats
+    place: Floats
+
+class FootSurfaceRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.foot_constraint.FOOT_SURFACE`."""
+
+    distance: float
+    normal: Floats
+    slope: Floats
+    path: Floats
+    bend: Floats
+    lever: Floats
+
+class ImpulseRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.contact_impulse.IMPULSE`."""
+
+    touching: int
+    left: int
+    force: float
+    offset: float
+
+class ImpulseSettingsRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.contact_impulse.IMPULSE_SETTINGS`."""
+
+    ticks: int
+    restitution: float
+    force_limit: float
+    fading: float
+
+class FootSettingsRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.foot_contact.FOOT_SETTINGS`."""
+
+    stiffness: float
+    damping: float
+    friction: float
+    anchor: float
+    threshold: float
+    as_printed: int
+    impulse: ImpulseSettingsRecord
+
+class FootContactRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.foot_contact.FOOT_CONTACT`."""
+
+    impulse: ImpulseRecord
+    friction: FrictionRecord
+    way: Floats
+    drag: Floats
+    normal_force: float
+
+class ShaftSettingsRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.shaft_admittance.SHAFT_SETTINGS`."""
+
+    mass: Floats
+    damping: Floats
+    deadband: Floats
+    sensor_sign: float
+    speed_limit: Floats
+    force_limit: Floats
+    as_printed: int
+
+class SurfaceSettingsRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.constrained_shafts.SURFACE_SETTINGS`."""
+
+    friction: int
+    mu: float
+    anchor: float
+    hold: float
+
+class ShaftsRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.constrained_shafts.SHAFTS`."""
+
+    eta: Floats
+    rate: Floats
+    theta: Floats
+    touching: int
+    leader: int
+    normal_force: float
+    drag: Floats
+    way: Floats
+    anchor: FrictionRecord
+    surface: FootSurfaceRecord
+    work_eta: Floats
+    work_theta: Floats
