@@ -35,7 +35,7 @@ from mimics_app.rendering.haptic.kernels.lokomat import linkage, orthosis, tread
 from mimics_app.rendering.haptic.kernels.noise import seed_noise
 from mimics_app.rendering.haptic.kernels.vectors import all_finite, fill
 
-__all__ = ["SETTINGS", "build_simulated_lokomat", "read_lokomat", "write_lokomat"]
+__all__ = ["PLANT", "SETTINGS", "build_simulated_lokomat", "read_lokomat", "write_lokomat"]
 
 _SHAPE = ARM_LENGTH
 _FOOT = _SHAPE + GEOMETRY
@@ -43,6 +43,9 @@ _REACHING = _FOOT + 6
 _MACHINE = _REACHING + 1
 _LENGTH = _MACHINE + orthosis.MACHINE
 """Memory: the limb that reaches, geometry, place and velocity of its foot, which foot reaches, then the machine."""
+
+PLANT = slice(_MACHINE, _LENGTH)
+"""Places of the record of `orthosis` in the memory."""
 
 _LEGS = 2
 _JOINTS = 4
@@ -193,7 +196,7 @@ def build_simulated_lokomat(request: DeviceRequest) -> DevicePlugin:
     write_person(memory[:ARM_LENGTH], request)
     memory[_SHAPE:_FOOT] = request.descriptor.geometry_of(request.robot)[:GEOMETRY]
     memory[_REACHING] = float(_FEET.index(reaching))
-    plant = memory[_MACHINE:]
+    plant = memory[PLANT]
     _write_plant(plant, request, own, numbers, free=pelvis == "free")
     _write_treadmill(plant, own, numbers)
     for number in range(_LEGS):

@@ -17,7 +17,7 @@ import math
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 
-__all__ = ["GEOMETRY", "LEGS", "foot_torques", "foot_velocity", "leg_jacobian", "leg_joints", "place_foot"]
+__all__ = ["GEOMETRY", "LEGS", "foot_drop", "foot_torques", "foot_velocity", "leg_jacobian", "leg_joints", "place_foot"]
 
 
 LEGS = 0  # number of legs
@@ -41,12 +41,19 @@ def _side(geometry: Vec, leg: int) -> float:
 
 
 @kernel
+def foot_drop(geometry: Vec, cos_1: float, sin_psi: float, cos_psi: float) -> float:
+    """Depth -z of the foot below the hips [m]."""
+    return geometry[THIGH] * cos_1 + geometry[SHANK] * cos_psi - geometry[FOOT] * sin_psi
+
+
+@kernel
 def place_foot(geometry: Vec, leg: int, q: Vec, x: Vec) -> None:
     """Set x [m], shape [3], to the foot at the joints q of one leg [rad], shape [2]."""
     psi = q[0] - q[1]
-    x[0] = geometry[THIGH] * math.sin(q[0]) + geometry[SHANK] * math.sin(psi) + geometry[FOOT] * math.cos(psi)
+    sin_psi, cos_psi = math.sin(psi), math.cos(psi)
+    x[0] = geometry[THIGH] * math.sin(q[0]) + geometry[SHANK] * sin_psi + geometry[FOOT] * cos_psi
     x[1] = _side(geometry, leg)
-    x[2] = geometry[FOOT] * math.sin(psi) - geometry[THIGH] * math.cos(q[0]) - geometry[SHANK] * math.cos(psi)
+    x[2] = -foot_drop(geometry, math.cos(q[0]), sin_psi, cos_psi)
 
 
 @kernel

@@ -139,9 +139,9 @@ def energy_of(leg: Vec) -> float:
 def _rate(leg: Vec, state: Vec, tau: Vec, out: Vec) -> None:
     """Time derivative of (t1, t2, t1', t2') under torques tau of drives and person."""
     t1, t2, d1, d2 = state[0], state[1], state[2], state[3]
-    m11, m12, m22 = two_link.mass_matrix(_links(leg), t2)
+    m11, m12, m22 = two_link.mass_matrix(_links(leg), math.cos(t2))
     g1, g2 = two_link.weight(_links(leg), t1, t2)
-    c1, c2 = two_link.centrifugal(_links(leg), t2, d1, d2)
+    c1, c2 = two_link.centrifugal(_links(leg), math.sin(t2), d1, d2)
     a = tau[0] - c1 - g1 - leg[DRIVE_DAMPING] * d1
     b = tau[1] - c2 - g2 - leg[DRIVE_DAMPING] * d2
     det = m11 * m22 - m12 * m12
@@ -154,9 +154,9 @@ def _rate(leg: Vec, state: Vec, tau: Vec, out: Vec) -> None:
 @kernel
 def _servo_torques(leg: Vec, wish: Vec, tau: Vec) -> None:
     """Servo torques that lead the joint velocities to `wish` with first-order lag, person and weight compensated."""
-    m11, m12, m22 = two_link.mass_matrix(_links(leg), leg[Q + 1])
+    m11, m12, m22 = two_link.mass_matrix(_links(leg), math.cos(leg[Q + 1]))
     g1, g2 = two_link.weight(_links(leg), leg[Q], leg[Q + 1])
-    c1, c2 = two_link.centrifugal(_links(leg), leg[Q + 1], leg[DQ], leg[DQ + 1])
+    c1, c2 = two_link.centrifugal(_links(leg), math.sin(leg[Q + 1]), leg[DQ], leg[DQ + 1])
     gain = (1.0 - math.exp(-leg[SERVO] * leg[TICK])) / leg[TICK]
     a1, a2 = gain * (wish[0] - leg[DQ]), gain * (wish[1] - leg[DQ + 1])
     tau[0] = m11 * a1 + m12 * a2 + c1 + g1 + leg[DRIVE_DAMPING] * leg[DQ] - leg[PERSON]

@@ -4,7 +4,7 @@
 
 Hip and knee angles as in `leg_kinematics`; M, c and g follow from the links' absolute angles t1 and psi = t1 - t2. With
 the hip accelerated upwards at a, the weight is that of a field 9.81 m/s^2 + a, since the links are then measured in an
-accelerated frame.
+accelerated frame. Sines and cosines of t1, t2 and psi are arguments: a caller needs each several times.
 """
 
 from __future__ import annotations
@@ -48,33 +48,32 @@ GRAVITY = 9.81
 
 
 @kernel
-def first_moments(links: Vec, t1: float, t2: float) -> tuple[float, float]:
+def first_moments(links: Vec, sin_1: float, sin_psi: float) -> tuple[float, float]:
     """Derivatives of mass times height of the centre of mass with respect to hip and knee angle [kg m/rad]."""
-    thigh = (links[THIGH_MASS] * links[THIGH_COM] + links[SHANK_MASS] * links[THIGH_LENGTH]) * math.sin(t1)
-    shank = links[SHANK_MASS] * links[SHANK_COM] * math.sin(t1 - t2)
+    thigh = (links[THIGH_MASS] * links[THIGH_COM] + links[SHANK_MASS] * links[THIGH_LENGTH]) * sin_1
+    shank = links[SHANK_MASS] * links[SHANK_COM] * sin_psi
     return thigh + shank, -shank
 
 
 @kernel
-def moment_rate(links: Vec, q: Vec, dq: Vec) -> float:
+def moment_rate(links: Vec, cos_1: float, cos_psi: float, d1: float, d2: float) -> float:
     """Second time derivative of mass times height of the centre of mass at joint accelerations of 0 [kg m/s^2]."""
     thigh = links[THIGH_MASS] * links[THIGH_COM] + links[SHANK_MASS] * links[THIGH_LENGTH]
     shank = links[SHANK_MASS] * links[SHANK_COM]
-    turning = dq[0] - dq[1]
-    return thigh * math.cos(q[0]) * dq[0] * dq[0] + shank * math.cos(q[0] - q[1]) * turning * turning
+    return thigh * cos_1 * d1 * d1 + shank * cos_psi * (d1 - d2) * (d1 - d2)
 
 
 @kernel
 def weight(links: Vec, t1: float, t2: float) -> tuple[float, float]:
     """Gravity torques g(q) [N m] of hip and knee."""
-    hip, knee = first_moments(links, t1, t2)
+    hip, knee = first_moments(links, math.sin(t1), math.sin(t1 - t2))
     return GRAVITY * hip, GRAVITY * knee
 
 
 @kernel
-def mass_matrix(links: Vec, t2: float) -> tuple[float, float, float]:
+def mass_matrix(links: Vec, cos_2: float) -> tuple[float, float, float]:
     """Entries m11, m12, m22 of the mass matrix M [kg m^2]; they depend on the knee angle alone."""
-    coupling = links[SHANK_MASS] * links[THIGH_LENGTH] * links[SHANK_COM] * math.cos(t2)
+    coupling = links[SHANK_MASS] * links[THIGH_LENGTH] * links[SHANK_COM] * cos_2
     thigh = (
         links[THIGH_INERTIA] + links[THIGH_MASS] * links[THIGH_COM] ** 2 + links[SHANK_MASS] * links[THIGH_LENGTH] ** 2
     )
@@ -87,16 +86,16 @@ def mass_matrix(links: Vec, t2: float) -> tuple[float, float, float]:
 
 
 @kernel
-def centrifugal(links: Vec, t2: float, d1: float, d2: float) -> tuple[float, float]:
+def centrifugal(links: Vec, sin_2: float, d1: float, d2: float) -> tuple[float, float]:
     """Centrifugal and Coriolis torques c(q, q') [N m]."""
-    h = links[SHANK_MASS] * links[THIGH_LENGTH] * links[SHANK_COM] * math.sin(t2)
+    h = links[SHANK_MASS] * links[THIGH_LENGTH] * links[SHANK_COM] * sin_2
     return -h * d2 * (2.0 * d1 - d2), h * d1 * d1
 
 
 @kernel
 def energy(links: Vec, t1: float, t2: float, d1: float, d2: float) -> float:
     """Kinetic and potential energy of both links and the drives at their joints [J]; 0 at rest in the standing pose."""
-    m11, m12, m22 = mass_matrix(links, t2)
+    m11, m12, m22 = mass_matrix(links, math.cos(t2))
     thigh = (links[THIGH_MASS] * links[THIGH_COM] + links[SHANK_MASS] * links[THIGH_LENGTH]) * (1.0 - math.cos(t1))
     shank = links[SHANK_MASS] * links[SHANK_COM] * (1.0 - math.cos(t1 - t2))
     return 0.5 * (m11 * d1 * d1 + 2.0 * m12 * d1 * d2 + m22 * d2 * d2) + GRAVITY * (thigh + shank)

@@ -51,7 +51,7 @@ __all__ = [
     "rod_force",
 ]
 
-LINK = 0  # record of `linkage`
+LINK = 0  # record of `linkage`, at the start: a drive's record is one of its linkage, too
 MASS = LINK + LINKAGE  # of rotor and spindle along the shaft [kg]
 FORCE_PER_AMPERE = MASS + 1  # K [N/A], and the back-EMF [V s/m]
 RESISTANCE = MASS + 2  # of the winding [ohm]
@@ -75,14 +75,13 @@ BRAKED = MASS + 19  # 1 while the brake is closed
 DRIVE = MASS + 20  # numbers in use
 
 _STRIBECK = 5e-3
-"""Shaft speed at which friction has fallen from static to Coulomb by 1 - 1/e [m/s]."""
+"""Shaft speed at which friction has fallen half-way from static to Coulomb [m/s]."""
 
 
 @kernel
 def _usable_lever(drive: Vec, theta: float) -> float:
     """Lever [m/rad], kept away from 0 in a singular pose: there a torque would need an infinite force."""
-    link = drive[LINK : LINK + LINKAGE]
-    arm, least = lever(link, theta), POSE_LEVER * min(link[FIXED_ARM], link[MOVED_ARM])
+    arm, least = lever(drive, theta), POSE_LEVER * min(drive[FIXED_ARM], drive[MOVED_ARM])
     return arm if abs(arm) >= least else math.copysign(least, arm)
 
 
@@ -119,7 +118,7 @@ def brake_drive(drive: Vec) -> None:
 @kernel
 def _level(drive: Vec, speed: float) -> float:
     """Largest friction [N] at a speed of the shaft [m/s]."""
-    fall = math.exp(-((speed / _STRIBECK) ** 2))
+    fall = 1.0 / (1.0 + (speed / _STRIBECK) * (speed / _STRIBECK))
     level = drive[COULOMB] + (drive[STATIC] - drive[COULOMB]) * fall
     return level + drive[BRAKE] if drive[BRAKED] != 0.0 else level
 

@@ -31,6 +31,7 @@ __all__ = [
     "lever",
     "lever_rate",
     "pose_of",
+    "shaft_of",
 ]
 
 FIXED_ARM = 0  # A, from the joint to the pivot of the drive [m]
@@ -79,17 +80,22 @@ def angle_of(link: Vec, eta: float) -> float:
 
 
 @kernel
+def shaft_of(link: Vec, theta: float) -> tuple[float, float]:
+    """Shaft length [m] and lever [m/rad] at a joint angle [rad]."""
+    eta = eta_of(link, theta)
+    return eta, link[TURNED] * link[FIXED_ARM] * link[MOVED_ARM] * math.sin(_between(link, theta)) / eta
+
+
+@kernel
 def lever(link: Vec, theta: float) -> float:
     """Lever d eta / d theta [m/rad]: joint torque per rod force, shaft speed per joint speed."""
-    sine = math.sin(_between(link, theta))
-    return link[TURNED] * link[FIXED_ARM] * link[MOVED_ARM] * sine / eta_of(link, theta)
+    return shaft_of(link, theta)[1]
 
 
 @kernel
 def lever_rate(link: Vec, theta: float) -> float:
     """Second derivative d^2 eta / d theta^2 [m/rad^2]."""
-    arm = lever(link, theta)
-    eta = eta_of(link, theta)
+    eta, arm = shaft_of(link, theta)
     return (link[FIXED_ARM] * link[MOVED_ARM] * math.cos(_between(link, theta)) - arm * arm) / eta
 
 

@@ -15,13 +15,12 @@ import math
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.rendering.haptic.kernels.leg_kinematics import GEOMETRY, foot_torques, foot_velocity, place_foot
+from mimics_app.rendering.haptic.kernels.leg_kinematics import GEOMETRY, foot_drop, foot_torques, foot_velocity
 from mimics_app.rendering.haptic.kernels.lokomat.linear_drive import ANCHOR as DRIVE_ANCHOR
 from mimics_app.rendering.haptic.kernels.lokomat.linear_drive import CURRENT as DRIVE_CURRENT
 from mimics_app.rendering.haptic.kernels.lokomat.linear_drive import (
     DRIVE,
     FORCE_PER_AMPERE,
-    LINK,
     MASS,
     brake_drive,
     drag_anchor,
@@ -29,7 +28,7 @@ from mimics_app.rendering.haptic.kernels.lokomat.linear_drive import (
     order_current,
     rod_force,
 )
-from mimics_app.rendering.haptic.kernels.lokomat.linkage import LINKAGE, eta_of, lever
+from mimics_app.rendering.haptic.kernels.lokomat.linkage import eta_of, lever, shaft_of
 from mimics_app.rendering.haptic.kernels.lokomat.treadmill import (
     TREADMILL,
     move_belt,
@@ -45,7 +44,6 @@ from mimics_app.rendering.haptic.kernels.two_link import (
     mass_matrix,
     moment_rate,
 )
-from mimics_app.rendering.haptic.kernels.vectors import copy, fill
 
 __all__ = [
     "BALL",
@@ -119,7 +117,7 @@ BALL = HEEL + GEOMETRY  # the same with the ball of the foot
 BELT = BALL + GEOMETRY  # record of `treadmill`
 LEGS = BELT + TREADMILL  # one after the other, left first
 
-LEG_LINKS = 0  # record of `two_link`
+LEG_LINKS = 0  # record of `two_link`, at the start: a leg's record is one of its links, too
 DRIVES = LEG_LINKS + LINKS  # two records of `linear_drive`
 PERSON_TORQUE = DRIVES + 2 * DRIVE  # of muscles and tissue at the joints [N m]
 STOP_MIN = PERSON_TORQUE + 2  # [rad]
@@ -128,14 +126,16 @@ ROD = STOP_MAX + 2  # force in the rods [N]
 SOLE_LOAD = ROD + 2  # upward force on heel and ball [N]
 MEASURED = SOLE_LOAD + 2  # angles as last read by the encoders [rad]
 SPEED = MEASURED + 2  # velocities from the encoders, filtered [rad/s]
-LEG = SPEED + 2  # numbers of one leg
+_YIELDING = SPEED + 2  # joint accelerations per acceleration of the hips downwards [rad/m]
+LEG = _YIELDING + 2  # numbers of one leg
 
 _WORK = LEGS + 2 * LEG
 _NOW = _WORK  # state at a stage
 _RATE = _NOW + _STATE
 _TOTAL = _RATE + _STATE
 _SCRATCH = _TOTAL + _STATE
-_LINE = _SCRATCH + 16  # ring of the last MAX_DELAY + 1 commands
+_WORK_END = _SCRATCH + 8
+_LINE = _WORK_END  # ring of the last MAX_DELAY + 1 commands
 _COMMAND = 5  # four torques, and 1 while the drives are enabled
 _ENABLED = 4  # its place
 MACHINE = _LINE + _COMMAND * (MAX_DELAY + 1)
@@ -174,16 +174,22 @@ def place_drives(machine: Vec) -> None:
         leg, state = leg_of(machine, number), state_of(machine, number)
         for joint in range(2):
             drive = _drive_of(leg, joint)
-            state[DRIVE_STATE + joint] = eta_of(drive[LINK : LINK + LINKAGE], state[joint])
+            state[DRIVE_STATE + joint] = eta_of(drive, state[joint])
             state[DRIVE_STATE + 2 + joint] = 0.0
             drive[DRIVE_ANCHOR] = state[DRIVE_STATE + joint]
             leg[MEASURED + joint] = quantised(state[joint], machine[ENCODER])
 
 
 @kernel
+def _slot(number: int) -> int:
+    """Place of a command in the ring, by its number."""
+    return _LINE + _COMMAND * (number % (MAX_DELAY + 1))
+
+
+@kernel
 def order_machine(machine: Vec, torques: Vec, enabled: bool) -> None:
     """Put four joint torques [N m] into the delay line; while not `enabled` currents are cut and brakes close."""
-    slot = _LINE + _COMMAND * (int(machine[_WRITTEN]) % (MAX_DELAY + 1))
+    slot = _slot(int(machine[_WRITTEN]))
     for i in range(_ENABLED):
         machine[slot + i] = torques[i] if enabled else 0.0
     machine[slot + _ENABLED] = 1.0 if enabled else 0.0
@@ -192,10 +198,15 @@ def order_machine(machine: Vec, torques: Vec, enabled: bool) -> None:
 
 @kernel
 def _obey(machine: Vec) -> bool:
-    """Set currents and brakes for this tick from the command that leaves the delay line; return whether it enables."""
-    due = int(machine[_WRITTEN]) - 1 - int(machine[DELAY])
-    slot = _LINE + _COMMAND * (due % (MAX_DELAY + 1))
-    enabled = due >= 0 and machine[slot + _ENABLED] != 0.0
+    """Set currents and brakes for this tick; return whether the drives are enabled.
+
+    Torques are those of the command that leaves the delay line. What disables the drives is a wire of its own: the
+    newest command does, without delay.
+    """
+    newest = int(machine[_WRITTEN]) - 1
+    due = newest - int(machine[DELAY])
+    slot = _slot(due)
+    enabled = due >= 0 and machine[slot + _ENABLED] != 0.0 and machine[_slot(newest) + _ENABLED] != 0.0
     for number in range(2):
         leg, state = leg_of(machine, number), state_of(machine, number)
         for joint in range(2):
@@ -219,110 +230,109 @@ def _stop_torque(machine: Vec, low: float, high: float, q: float, dq: float) -> 
 
 
 @kernel
-def _pull_rods(machine: Vec, leg: Vec, state: Vec, rate: Vec, tau: Vec) -> None:
-    """Add rods, stops, bearings and person to the joint torques tau; write the rates of the drives."""
-    for joint in range(2):
-        drive = _drive_of(leg, joint)
-        link = drive[LINK : LINK + LINKAGE]
-        q, dq = state[joint], state[2 + joint]
-        eta, speed = state[DRIVE_STATE + joint], state[DRIVE_STATE + 2 + joint]
-        arm = lever(link, q)
-        rod = rod_force(drive, eta - eta_of(link, q), speed - arm * dq)
-        leg[ROD + joint] = rod
-        rate[DRIVE_STATE + joint] = speed
-        push = drive[FORCE_PER_AMPERE] * drive[DRIVE_CURRENT] - drive_friction(drive, eta, speed) - rod
-        rate[DRIVE_STATE + 2 + joint] = push / drive[MASS]
-        stop = _stop_torque(machine, leg[STOP_MIN + joint], leg[STOP_MAX + joint], q, dq)
-        tau[joint] += arm * rod + stop + leg[PERSON_TORQUE + joint] - machine[JOINT_DAMPING] * dq
+def _pull_rod(machine: Vec, leg: Vec, state: Vec, rate: Vec, joint: int) -> float:
+    """Torque of rod, stops, bearing and person on a joint [N m]; the rates of its drive are written."""
+    drive = _drive_of(leg, joint)
+    q, dq = state[joint], state[2 + joint]
+    eta, speed = state[DRIVE_STATE + joint], state[DRIVE_STATE + 2 + joint]
+    length, arm = shaft_of(drive, q)
+    rod = rod_force(drive, eta - length, speed - arm * dq)
+    leg[ROD + joint] = rod
+    push = drive[FORCE_PER_AMPERE] * drive[DRIVE_CURRENT] - drive_friction(drive, eta, speed) - rod
+    rate[DRIVE_STATE + joint] = speed
+    rate[DRIVE_STATE + 2 + joint] = push / drive[MASS]
+    stop = _stop_torque(machine, leg[STOP_MIN + joint], leg[STOP_MAX + joint], q, dq)
+    return arm * rod + stop + leg[PERSON_TORQUE + joint] - machine[JOINT_DAMPING] * dq
 
 
 @kernel
-def _press_soles(machine: Vec, number: int, state: Vec, tau: Vec) -> float:
-    """Add the torques of the belt under heel and ball to tau; return the upward force [N]."""
+def _press_sole(machine: Vec, leg: Vec, state: Vec, place: int, depth: float) -> tuple[float, float, float]:
+    """Torques of the belt under heel or ball on hip and knee [N m], and its upward force [N]."""
+    geometry = machine[HEEL + place * GEOMETRY : HEEL + (place + 1) * GEOMETRY]
+    v, f, tau = (
+        machine[_SCRATCH : _SCRATCH + 3],
+        machine[_SCRATCH + 3 : _SCRATCH + 6],
+        machine[_SCRATCH + 6 : _WORK_END],
+    )
+    foot_velocity(geometry, state[0:2], state[2:4], v)
+    sinking = -(machine[_NOW + HIP_SPEED] + v[2])
+    f[0], up = sole_load(machine[BELT : BELT + TREADMILL], depth, sinking, v[0])
+    f[1], f[2] = 0.0, up
+    foot_torques(geometry, state[0:2], f, tau)
+    leg[SOLE_LOAD + place] = up
+    return tau[0], tau[1], up
+
+
+@kernel
+def _rate_leg(machine: Vec, number: int) -> tuple[float, float]:
+    """Write the rates of one leg with the hips at rest or in uniform motion.
+
+    Returns:
+        Upward force that it puts on the pelvis [N], and the mass that the pelvis does not have to carry [kg].
+    """
+    first = number * LEG_STATE
+    state, rate = machine[_NOW + first : _RATE], machine[_RATE + first : _TOTAL]
     leg = leg_of(machine, number)
-    x, v = machine[_SCRATCH : _SCRATCH + 3], machine[_SCRATCH + 3 : _SCRATCH + 6]
-    f, more = machine[_SCRATCH + 6 : _SCRATCH + 9], machine[_SCRATCH + 9 : _SCRATCH + 11]
-    q, dq = state[0:2], state[2:4]
-    total = 0.0
+    psi, d1, d2 = state[0] - state[1], state[2], state[3]
+    sin_1, cos_1, sin_psi, cos_psi = math.sin(state[0]), math.cos(state[0]), math.sin(psi), math.cos(psi)
+    a = _pull_rod(machine, leg, state, rate, 0)
+    b = _pull_rod(machine, leg, state, rate, 1)
+    lift = 0.0
     for place in range(2):
-        geometry = machine[HEEL + place * GEOMETRY : HEEL + (place + 1) * GEOMETRY]
         leg[SOLE_LOAD + place] = 0.0
-        place_foot(geometry, number, q, x)
-        depth = -(machine[_NOW + HIP_HEIGHT] + x[2])
-        if depth <= 0.0:
-            continue
-        foot_velocity(geometry, q, dq, v)
-        along, up = sole_load(machine[BELT : BELT + TREADMILL], depth, -(machine[_NOW + HIP_SPEED] + v[2]), v[0])
-        f[0], f[1], f[2] = along, 0.0, up
-        foot_torques(geometry, q, f, more)
-        tau[0] += more[0]
-        tau[1] += more[1]
-        leg[SOLE_LOAD + place] = up
-        total += up
-    return total
+        geometry = machine[HEEL + place * GEOMETRY : HEEL + (place + 1) * GEOMETRY]
+        depth = foot_drop(geometry, cos_1, sin_psi, cos_psi) - machine[_NOW + HIP_HEIGHT]
+        if depth > 0.0:
+            hip, knee, up = _press_sole(machine, leg, state, place, depth)
+            a, b, lift = a + hip, b + knee, lift + up
+    m11, m12, m22 = mass_matrix(leg, cos_1 * cos_psi + sin_1 * sin_psi)
+    w1, w2 = first_moments(leg, sin_1, sin_psi)
+    c1, c2 = centrifugal(leg, sin_1 * cos_psi - cos_1 * sin_psi, d1, d2)
+    a, b, det = a - c1 - GRAVITY * w1, b - c2 - GRAVITY * w2, m11 * m22 - m12 * m12
+    rate[0], rate[1] = d1, d2
+    rate[2], rate[3] = (m22 * a - m12 * b) / det, (m11 * b - m12 * a) / det
+    yielding_1, yielding_2 = (m22 * w1 - m12 * w2) / det, (m11 * w2 - m12 * w1) / det
+    leg[_YIELDING], leg[_YIELDING + 1] = yielding_1, yielding_2
+    lift -= moment_rate(leg, cos_1, cos_psi, d1, d2) + w1 * rate[2] + w2 * rate[3]
+    return lift, w1 * yielding_1 + w2 * yielding_2
 
 
 @kernel
 def _rate(machine: Vec) -> None:
     """Write the time derivative of the state at _NOW to _RATE."""
-    now, rate = machine[_NOW : _NOW + _STATE], machine[_RATE : _RATE + _STATE]
-    tau = machine[_SCRATCH + 11 : _SCRATCH + 13]
-    lift = rope_force(machine[BELT : BELT + TREADMILL], now[HIP_HEIGHT]) - machine[PELVIS_DAMPING] * now[HIP_SPEED]
-    lift -= machine[MASS_ALL] * GRAVITY
-    carried = machine[MASS_ALL]
-    for number in range(2):
-        first = number * LEG_STATE
-        state, change = now[first : first + LEG_STATE], rate[first : first + LEG_STATE]
-        leg = leg_of(machine, number)
-        links = leg[LEG_LINKS : LEG_LINKS + LINKS]
-        fill(tau, 0.0)
-        lift += _press_soles(machine, number, state, tau)
-        _pull_rods(machine, leg, state, change, tau)
-        m11, m12, m22 = mass_matrix(links, state[1])
-        w1, w2 = first_moments(links, state[0], state[1])
-        c1, c2 = centrifugal(links, state[1], state[2], state[3])
-        a, b = tau[0] - c1 - GRAVITY * w1, tau[1] - c2 - GRAVITY * w2
-        det = m11 * m22 - m12 * m12
-        change[0], change[1] = state[2], state[3]
-        change[2], change[3] = (m22 * a - m12 * b) / det, (m11 * b - m12 * a) / det
-        lift -= moment_rate(links, state[0:2], state[2:4]) + w1 * change[2] + w2 * change[3]
-        carried -= (w1 * (m22 * w1 - m12 * w2) + w2 * (m11 * w2 - m12 * w1)) / det
-    _lift_pelvis(machine, now, rate, lift / carried if machine[PELVIS_FREE] != 0.0 else 0.0)
-
-
-@kernel
-def _lift_pelvis(machine: Vec, now: Vec, rate: Vec, rise: float) -> None:
-    """Set the acceleration of the hips [m/s^2], and add what it does to the joints of both legs."""
-    rate[HIP_HEIGHT] = now[HIP_SPEED] if machine[PELVIS_FREE] != 0.0 else 0.0
-    rate[HIP_SPEED] = rise
-    if rise == 0.0:
+    left, left_mass = _rate_leg(machine, 0)
+    right, right_mass = _rate_leg(machine, 1)
+    machine[_RATE + HIP_HEIGHT] = machine[_RATE + HIP_SPEED] = 0.0
+    if machine[PELVIS_FREE] == 0.0:
         return
+    height, speed = machine[_NOW + HIP_HEIGHT], machine[_NOW + HIP_SPEED]
+    lift = rope_force(machine[BELT : BELT + TREADMILL], height) - machine[PELVIS_DAMPING] * speed
+    lift += left + right - machine[MASS_ALL] * GRAVITY
+    rise = lift / (machine[MASS_ALL] - left_mass - right_mass)
+    machine[_RATE + HIP_HEIGHT], machine[_RATE + HIP_SPEED] = speed, rise
     for number in range(2):
-        first = number * LEG_STATE
-        links = leg_of(machine, number)[LEG_LINKS : LEG_LINKS + LINKS]
-        m11, m12, m22 = mass_matrix(links, now[first + 1])
-        w1, w2 = first_moments(links, now[first], now[first + 1])
-        det = m11 * m22 - m12 * m12
-        rate[first + 2] -= rise * (m22 * w1 - m12 * w2) / det
-        rate[first + 3] -= rise * (m11 * w2 - m12 * w1) / det
+        leg, place = LEGS + number * LEG + _YIELDING, _RATE + number * LEG_STATE + 2
+        machine[place] -= rise * machine[leg]
+        machine[place + 1] -= rise * machine[leg + 1]
 
 
 @kernel
 def _advance(machine: Vec, dt: float) -> None:
     """Advance the state by one Runge-Kutta step of dt [s], then let the anchors of friction follow."""
-    now, rate = machine[_NOW : _NOW + _STATE], machine[_RATE : _RATE + _STATE]
-    total = machine[_TOTAL : _TOTAL + _STATE]
-    fill(total, 0.0)
-    copy(machine[0:_STATE], now)
+    for i in range(_STATE):
+        machine[_TOTAL + i] = 0.0
+        machine[_NOW + i] = machine[i]
     for stage in range(_STAGES):
         _rate(machine)
         weight = 1.0 if stage == 0 or stage == _STAGES - 1 else 2.0
         reach = 0.5 * dt if stage < 2 else dt
         for i in range(_STATE):
-            total[i] += weight * rate[i]
-            now[i] = machine[i] + reach * rate[i]
+            rate = machine[_RATE + i]
+            machine[_TOTAL + i] += weight * rate
+            machine[_NOW + i] = machine[i] + reach * rate
+    share = dt / _WEIGHTS
     for i in range(_STATE):
-        machine[i] += dt / _WEIGHTS * total[i]
+        machine[i] += share * machine[_TOTAL + i]
     for number in range(2):
         leg, state = leg_of(machine, number), state_of(machine, number)
         for joint in range(2):
@@ -354,5 +364,4 @@ def sense_machine(machine: Vec, number: int, q: Vec, dq: Vec, torque: Vec) -> No
         q[joint], dq[joint] = shown, leg[SPEED + joint]
         force = -leg[ROD + joint] + machine[SENSOR_NOISE] * gauss(machine, NOISE)
         force = quantised(min(machine[SENSOR_RANGE], max(-machine[SENSOR_RANGE], force)), machine[SENSOR_QUANTUM])
-        drive = _drive_of(leg, joint)
-        torque[joint] = force * lever(drive[LINK : LINK + LINKAGE], shown)
+        torque[joint] = force * lever(_drive_of(leg, joint), shown)
