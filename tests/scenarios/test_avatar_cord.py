@@ -177,7 +177,7 @@ def fingerprint(core, frames) -> bytes:
     bodies = [figure._animator.pose for figure in (scenario.subject, scenario.avatar)]
     parts = [each.tobytes() for who in ("subject", "avatar") for each in scenario._parts[who].values()]
     touched = [np.asarray(each, float).tobytes() for each in (snapshot.hip_world, snapshot.f_user_world, cord.ends)]
-    posed = [part.tobytes() for pose in bodies for part in pose.arrays]
+    posed = [part.tobytes() for pose in bodies for part in pose]
     return b"".join([*parts, *touched, *posed, repr((snapshot.tick, cord.length, cord.swing, cord.taps)).encode()])
 
 

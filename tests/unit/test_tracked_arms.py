@@ -152,7 +152,7 @@ def test_a_tracker_without_a_pose_moves_nothing(tmp_path: Path, wrong: float, wh
             pose = rig.rest.copy()
             UpperBody(rig, find_humanoid(rig), lambda given=given: given)(pose, 0.0)  # type: ignore[misc]
             results.append(pose)
-        for got, wanted in zip(results[0].arrays, results[1].arrays, strict=True):
+        for got, wanted in zip(*results, strict=True):
             assert np.array_equal(got, wanted)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8, I4
 from mimics_app.world.content.motion.clip import Clip, ClipEvent
-from mimics_app.world.content.motion.kernels.sample import blend_pose, sample_clip
+from mimics_app.world.content.motion.kernels.sample import ClipKeys, blend_pose, sample_clip
 from mimics_app.world.content.motion.pose import Pose
 
 __all__ = ["Layer"]
@@ -60,6 +60,7 @@ class Layer:
         self._left = math.inf
         self._way = (0.0, 0.0)
         self._morph_first = morph_first
+        self._keys = ClipKeys(clip.tracks, clip.times, clip.values)
         self._cursors = np.zeros(len(clip.tracks), np.int32)
         self._touched = np.zeros((len(rest.translations), 4), np.uint8)
         self._scratch = np.zeros(_MOST_COMPONENTS)
@@ -107,9 +108,7 @@ class Layer:
 
     def sample(self, at: float, out: Pose) -> None:
         """Write the clip's pose at a time [s] into the slots it animates."""
-        clip = self.clip
-        given = (clip.tracks, clip.times, clip.values, at, self._cursors, self._morph_first, self._scratch)
-        sample_clip(*given, *out.arrays, self._touched)
+        sample_clip(self._keys, at, self._cursors, self._morph_first, self._scratch, out, self._touched)
 
     def moves(self, slot: int) -> bool:
         """True when the clip animates the translation of a slot."""
@@ -141,7 +140,7 @@ class Layer:
             return
         self.sample(self.at, self._sampled)
         how = (self.weight, self.additive, self.mask, self._touched, self._morph_first)
-        blend_pose(*how, *self._sampled.arrays, *self._reference.arrays, *pose.arrays)
+        blend_pose(*how, self._sampled, self._reference, pose)
 
     def _passed(self, before: float, after: float) -> list[ClipEvent]:
         """Return events in (before, after], over repeats of a loop; none for a clip that plays backwards."""

@@ -10,7 +10,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 from mimics_app.maths.quat import IDENTITY, rotate_back
 from mimics_app.world.content.motion.humanoid import HumanoidMap
-from mimics_app.world.content.motion.kernels.gaze import look
+from mimics_app.world.content.motion.kernels.gaze import GazeStep, Joints, aim_gaze
 from mimics_app.world.content.motion.pose import Pose
 from mimics_app.world.content.motion.reach import Chain
 from mimics_app.world.content.motion.rig import Rig
@@ -54,21 +54,15 @@ class LookAt:
         target, chain = self._target(), self._chain
         share = 1.0 - math.exp(-_EASE * abs(seconds)) if seconds else 1.0
         of_neck = _NECK_SHARE if self._slots[0] >= 0 else 0.0
-        look(
+        step = GazeStep(target is not None, share, self.weight * np.array([of_neck, 1.0 - of_neck]), self._limits)
+        aim_gaze(
             chain.rig.parents,
-            pose.translations,
-            pose.rotations,
-            pose.scales,
-            chain.places,
-            chain.turns,
-            chain.scales,
+            pose,
+            Joints(chain.places, chain.turns, chain.scales),
             self._slots,
             self._gazes,
             np.zeros(3) if target is None else np.ascontiguousarray(target),
-            target is not None,
-            share,
-            self.weight * np.array([of_neck, 1.0 - of_neck]),
-            self._limits,
+            step,
             self._turn,
         )
 

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from mimics_app.contracts.arrays import F8
 
 __all__ = ["Pose"]
 
 
-@dataclass(frozen=True, eq=False)
-class Pose:
+class Pose(NamedTuple):
     """Local transforms of a model's nodes, and the weights of its morph targets. The arrays are written in place.
+
+    Compiled code takes it as it is.
 
     Attributes:
         translations: Translations [m], [slots, 3].
@@ -25,16 +26,11 @@ class Pose:
     scales: F8
     morphs: F8
 
-    @property
-    def arrays(self) -> tuple[F8, F8, F8, F8]:
-        """All arrays, in the order of kernel arguments."""
-        return self.translations, self.rotations, self.scales, self.morphs
-
     def copy(self) -> Pose:
         """Return a copy."""
-        return Pose(*(array.copy() for array in self.arrays))
+        return Pose(*(array.copy() for array in self))
 
     def take(self, other: Pose) -> None:
         """Copy the values of another pose."""
-        for own, array in zip(self.arrays, other.arrays, strict=True):
+        for own, array in zip(self, other, strict=True):
             own[:] = array

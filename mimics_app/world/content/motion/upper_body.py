@@ -84,7 +84,7 @@ class UpperBody:
                 points.hands[side] = hand
         work, rest = self._work, self._rest
         places = work.places, work.turns, work.scales
-        model = PosedModel(self._rig.parents, self._between, rest.turns, *pose.arrays[:3], *places)
+        model = PosedModel(self._rig.parents, self._between, rest.turns, *pose[:3], *places)
         solve_upper_body(self._bones, self._points, abs(seconds), SWIVEL_RATE, model, rest.places, self._state)
         if before is not None:
             self._blend(before, pose)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,8 +11,9 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, I4
 from mimics_app.maths.quat import QUATERNION, multiply, rotate, slerp
 from mimics_app.world.content.motion.kernels.chain import arc, follow_chain, follow_one, localise
+from mimics_app.world.content.motion.pose import Pose
 
-__all__ = ["look"]
+__all__ = ["GazeStep", "Joints", "aim_gaze"]
 
 _NEAREST = 1e-6
 """Distance below which a target has no direction [m]."""
@@ -55,59 +57,70 @@ def _turn_slot(slot: int, turn: F8, parents: I4, r: F8, local_r: F8) -> None:
     localise(slot, turned, parents, r, local_r)
 
 
+class Joints(NamedTuple):
+    """Joints of a model in its own frame, by slot, written by forward kinematics.
+
+    Attributes:
+        places: Positions [m], [slots, 3].
+        turns: Rotations xyzw, [slots, 4].
+        scales: Scales, [slots, 3].
+    """
+
+    places: F8
+    turns: F8
+    scales: F8
+
+
+class GazeStep(NamedTuple):
+    """One step of a look-at.
+
+    Attributes:
+        seen: False returns head and neck to their pose, and leaves the eyes.
+        share: Share of the way from the last rotation to the wanted one, 0 to 1.
+        shares: Shares of the rotation that neck and head take, [2].
+        limits: Largest angles of head and neck together, and of the eyes [rad], [2].
+    """
+
+    seen: bool
+    share: float
+    shares: F8
+    limits: F8
+
+
 @kernel
-def look(
-    parents: I4,
-    local_t: F8,
-    local_r: F8,
-    local_s: F8,
-    t: F8,
-    r: F8,
-    s: F8,
-    slots: I4,
-    gazes: F8,
-    target: F8,
-    seen: bool,
-    share: float,
-    shares: F8,
-    limits: F8,
-    turn: F8,
+def aim_gaze(
+    parents: I4, pose: Pose, joints: Joints, slots: I4, gazes: F8, target: F8, step: GazeStep, turn: F8
 ) -> None:
     """Turn neck, head and eyes towards a target.
 
     Args:
         parents: Slot each hangs on, below its own, -1: none; [slots].
-        local_t: Local translations [m], [slots, 3].
-        local_r: Local rotations xyzw; those of neck, head and eyes are changed, [slots, 4].
-        local_s: Local scales, [slots, 3].
-        t: Positions in the frame of the model [m], written, [slots, 3].
-        r: Rotations there, written, [slots, 4].
-        s: Scales there, written, [slots, 3].
+        pose: Local transforms; the rotations of neck, head and eyes are changed.
+        joints: Joints in the frame of the model, written.
         slots: Neck or -1, head, then the eyes.
         gazes: Forward direction of each of these in its own frame, [len(slots), 3].
-        target: The target in the frame of the model [m], [3]; not read unless `seen`.
-        seen: False returns head and neck to their pose, and leaves the eyes.
-        share: Share of the way from the last rotation to the wanted one in this step, 0 to 1.
-        shares: Shares of the rotation that neck and head take, [2].
-        limits: Largest angles of head and neck together, and of the eyes [rad], [2].
+        target: The target in the frame of the model [m], [3]; not read unless the step sees it.
+        step: The step.
         turn: Rotation of neck and head together in the frame of the model, from step to step, xyzw.
     """
+    local_t, local_r, local_s = pose.translations, pose.rotations, pose.scales
+    t, r, s = joints.places, joints.turns, joints.scales
     follow_chain(parents, local_t, local_r, local_s, t, r, s)
     neck, head = slots[0], slots[1]
     identity, wanted, part = np.zeros(QUATERNION), np.zeros(QUATERNION), np.empty(QUATERNION)
     identity[3] = wanted[3] = 1.0
-    if seen:
-        _limited(r[head], gazes[1], t[head], target, limits[0], wanted)
-    slerp(turn, wanted, share, turn)
+    if step.seen:
+        _limited(r[head], gazes[1], t[head], target, step.limits[0], wanted)
+    slerp(turn, wanted, step.share, turn)
     if neck >= 0:
-        slerp(identity, turn, shares[0], part)
+        slerp(identity, turn, step.shares[0], part)
         _turn_slot(neck, part, parents, r, local_r)
         follow_one(head, parents, local_t, local_r, local_s, t, r, s)
-    slerp(identity, turn, shares[1], part)
+    slerp(identity, turn, step.shares[1], part)
     _turn_slot(head, part, parents, r, local_r)
-    if not seen:
+    if not step.seen:
         return
     for k in range(2, slots.shape[0]):
         follow_one(slots[k], parents, local_t, local_r, local_s, t, r, s)
-        _limited(r[slots[k]], gazes[k], t[slots[k]], target, limits[1], part)
+        _limited(r[slots[k]], gazes[k], t[slots[k]], target, step.limits[1], part)
         _turn_slot(slots[k], part, parents, r, local_r)

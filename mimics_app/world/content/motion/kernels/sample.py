@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from mimics_app.compiled.kernel import kernel
@@ -13,8 +15,9 @@ from mimics_app.maths.quat import (
     normalise,
     slerp,
 )
+from mimics_app.world.content.motion.pose import Pose
 
-__all__ = ["blend_pose", "sample_clip"]
+__all__ = ["ClipKeys", "blend_pose", "sample_clip"]
 
 
 _STEP, _LINEAR, _CUBIC = 0, 1, 2
@@ -76,50 +79,47 @@ def _value_at(times: F4, values: F4, track: I4, at: float, near: int, out: F8) -
     return k
 
 
-@kernel
-def sample_clip(
-    tracks: I4,
-    times: F4,
-    values: F4,
-    at: float,
-    cursors: I4,
-    morph_first: I4,
-    scratch: F8,
-    translations: F8,
-    rotations: F8,
-    scales: F8,
-    morphs: F8,
-    touched: U1,
-) -> None:
-    """Sample a clip at a time into the slots it animates; other slots are unchanged.
+class ClipKeys(NamedTuple):
+    """Keys of a clip.
 
-    Args:
+    Attributes:
         tracks: Slot, path, interpolation, first key, keys, first value, width; [tracks, 7].
         times: Times of all keys [s].
         values: Values of all keys.
+    """
+
+    tracks: I4
+    times: F4
+    values: F4
+
+
+@kernel
+def sample_clip(keys: ClipKeys, at: float, cursors: I4, morph_first: I4, scratch: F8, out: Pose, touched: U1) -> None:
+    """Sample a clip at a time into the slots it animates; other slots are unchanged.
+
+    Args:
+        keys: Keys of the clip.
         at: Time in the clip [s].
         cursors: Key of each track in the last call, kept between calls, [tracks].
         morph_first: First morph weight of each slot, [slots + 1].
         scratch: For one value, at least as long as the widest.
-        translations: Local [m], [slots, 3].
-        rotations: Local, unit xyzw, [slots, 4].
-        scales: Local, [slots, 3].
-        morphs: Weights of all slots, one after the other.
+        out: The pose, written.
         touched: 1 where the clip has a track, by slot and path, [slots, 4].
     """
-    for k in range(tracks.shape[0]):
-        slot, path, width = tracks[k, 0], tracks[k, 1], tracks[k, 6]
-        cursors[k] = _value_at(times, values, tracks[k], at, cursors[k], scratch)
+    for k in range(keys.tracks.shape[0]):
+        track = keys.tracks[k]
+        slot, path, width = track[0], track[1], track[6]
+        cursors[k] = _value_at(keys.times, keys.values, track, at, cursors[k], scratch)
         touched[slot, path] = 1
         for i in range(width):
             if path == 0:
-                translations[slot, i] = scratch[i]
+                out.translations[slot, i] = scratch[i]
             elif path == _ROTATION:
-                rotations[slot, i] = scratch[i]
+                out.rotations[slot, i] = scratch[i]
             elif path == _SCALE:
-                scales[slot, i] = scratch[i]
+                out.scales[slot, i] = scratch[i]
             elif morph_first[slot] + i < morph_first[slot + 1]:
-                morphs[morph_first[slot] + i] = scratch[i]
+                out.morphs[morph_first[slot] + i] = scratch[i]
 
 
 @kernel
@@ -136,23 +136,7 @@ def _add_turn(rotation: F8, reference: F8, sampled: F8, share: float) -> None:
 
 @kernel
 def blend_pose(
-    weight: float,
-    additive: bool,
-    mask: F8,
-    touched: U1,
-    morph_first: I4,
-    from_translations: F8,
-    from_rotations: F8,
-    from_scales: F8,
-    from_morphs: F8,
-    reference_translations: F8,
-    reference_rotations: F8,
-    reference_scales: F8,
-    reference_morphs: F8,
-    translations: F8,
-    rotations: F8,
-    scales: F8,
-    morphs: F8,
+    weight: float, additive: bool, mask: F8, touched: U1, morph_first: I4, sample: Pose, reference: Pose, pose: Pose
 ) -> None:
     """Blend a sampled pose over a pose in the slots it animates, or add its difference from a reference.
 
@@ -162,36 +146,28 @@ def blend_pose(
         mask: Share of the weight for each slot, [slots].
         touched: 1 where the sample is animated, [slots, 4].
         morph_first: First morph weight of each slot, [slots + 1].
-        from_translations: The sample, as are the next three; [slots, 3].
-        from_rotations: [slots, 4].
-        from_scales: [slots, 3].
-        from_morphs: [weights].
-        reference_translations: Reference of an additive sample, as are the next three.
-        reference_rotations: [slots, 4].
-        reference_scales: [slots, 3].
-        reference_morphs: [weights].
-        translations: The pose, changed, as are the next three.
-        rotations: [slots, 4].
-        scales: [slots, 3].
-        morphs: [weights].
+        sample: The sample.
+        reference: Reference of an additive sample.
+        pose: The pose, changed.
     """
     for slot in range(mask.shape[0]):
         share = weight * mask[slot]
         if share <= 0.0:
             continue
         if touched[slot, 1]:
+            turn = pose.rotations[slot]
             if additive:
-                _add_turn(rotations[slot], reference_rotations[slot], from_rotations[slot], share)
+                _add_turn(turn, reference.rotations[slot], sample.rotations[slot], share)
             else:
-                slerp(rotations[slot], from_rotations[slot], share, rotations[slot])
+                slerp(turn, sample.rotations[slot], share, turn)
         for i in range(3):
             if touched[slot, 0]:
-                base = reference_translations[slot, i] if additive else translations[slot, i]
-                translations[slot, i] += share * (from_translations[slot, i] - base)
+                base = reference.translations[slot, i] if additive else pose.translations[slot, i]
+                pose.translations[slot, i] += share * (sample.translations[slot, i] - base)
             if touched[slot, 2]:
-                base = reference_scales[slot, i] if additive else scales[slot, i]
-                scales[slot, i] += share * (from_scales[slot, i] - base)
+                base = reference.scales[slot, i] if additive else pose.scales[slot, i]
+                pose.scales[slot, i] += share * (sample.scales[slot, i] - base)
         if touched[slot, 3]:
             for m in range(morph_first[slot], morph_first[slot + 1]):
-                base = reference_morphs[m] if additive else morphs[m]
-                morphs[m] += share * (from_morphs[m] - base)
+                base = reference.morphs[m] if additive else pose.morphs[m]
+                pose.morphs[m] += share * (sample.morphs[m] - base)
