@@ -44,9 +44,20 @@ _WITHOUT = {
     "device_filter": 0.0,
     "drive_speed": 0.3,
     "device_quantum": 0.0,
+    "reference_cadence": 0.0,
+    "reference_speed": 0.0,
+    "reference_amplitude": 0.0,
+    "guidance": 0.0,
+    "cadence_rate": 0.0,
+    "speed_rate": 0.0,
+    "amplitude_rate": 0.0,
+    "guidance_rate": 0.0,
+    "natural_step": 0.0,
+    "longest_step": 0.0,
 }
 """Parameters that earlier versions lack, with the value of their behaviour: late ticks always latched, forces never,
-the stability limit knew nothing of the device but its delay, and a robot drove to a start at 0.3 m/s."""
+the stability limit knew nothing of the device but its delay, a robot drove to a start at 0.3 m/s, and no scene had a
+reference of the joints."""
 
 _WIDER = {"target", "kp", "kd", "joint_min", "joint_max"}
 """Vectors that had three joints, or one point."""

@@ -73,6 +73,8 @@ def _check_names(spec: TaskSpec, scene: Scene) -> list[Issue]:
             group, _, field = target.to.partition(".")
             place, who = f"/task/parameters/{escape(name)}/maps/{i}/to", object_of_target(field)
             known, kind = (tunnels, "tunnel") if field.startswith("tunnels.") else (everything, "entity")
+            if field.startswith("curves."):
+                continue  # names a joint of the device
             if group == "haptic" and who is not None and who not in known:
                 issues.append(scene.issue(place, f'no {kind} is called "{who}"', nearest(who, known)))
             elif group == "haptic" and field.startswith("tunnel.") and not has_tunnel(scene):

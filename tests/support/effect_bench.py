@@ -17,6 +17,7 @@ from mimics_app.contracts.loop.haptic_objects import (
     WIRE,
     BodyFlag,
 )
+from mimics_app.contracts.loop.joint_reference import CURVE
 from mimics_app.contracts.loop.loop_ports import MAX_FIELDS
 from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows
 from mimics_app.rendering.haptic.kernels.objects.force_effects import apply_effects
@@ -78,6 +79,7 @@ class Bench:
             points=np.zeros(1, POINT),
             wires=np.concatenate(wires) if wires else np.zeros(0, WIRE),
             tunnels=np.zeros(0, TUNNEL),
+            curves=np.zeros(0, CURVE),
         )
         self.work = new_object_work(ObjectCapacities(effects=max(1, len(effects)), bodies=max(1, bodies)))
         self.work.paths[: len(paths)] = np.concatenate(paths) if paths else 0

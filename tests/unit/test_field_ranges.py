@@ -40,7 +40,7 @@ def _store() -> ParameterStore:
     rows.shapes[0]["stiffness"], rows.shapes[0]["body"] = 100.0, -1
     rows.bodies[0]["mass"], rows.bodies[0]["orientation"] = 1.0, (0, 0, 0, 1)
     rows.tunnels[0]["stiffness"] = 1000.0
-    names = {table: {"one": (0,)} for table in ("shapes", "bodies", "effects", "tunnels")}
+    names = {table: {"one": (0,)} for table in ("shapes", "bodies", "effects", "tunnels", "curves")}
     return ParameterStore(block, rows, names)
 
 

@@ -47,7 +47,11 @@ def check_parameters(scene: Scene) -> list[Issue]:
 
 def _faults_of_parameters(task: TaskSpec, store: ParameterStore, scene: Scene) -> Iterator[Issue]:
     ends = {name: _ends(parameter) for name, parameter in task.parameters.items() if _is_haptic(parameter)}
-    before = {name: store.value(name) for name in _settings(task, {name: each[0] for name, each in ends.items()})}
+    try:
+        before = {name: store.value(name) for name in _settings(task, {name: each[0] for name, each in ends.items()})}
+    except UsageError as error:  # a joint that the device does not have
+        yield scene.issue("/task/parameters", error.what, error.fix)
+        return
     for name, values in ends.items():
         for value in values:
             fault = _fault(store, _settings(task, {name: value}))

@@ -22,12 +22,14 @@ from mimics_app.rendering.haptic.devices.robot_reach import Reach
 from mimics_app.rendering.haptic.force_fields import check_field
 from mimics_app.rendering.haptic.scene_effects import check_field_count, check_haptic_path
 from mimics_app.rendering.haptic.scene_objects import check_objects
+from mimics_app.rendering.haptic.scene_reference import check_reference
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
 from mimics_app.rendering.haptic.stability_checks import check_stability
 from mimics_app.tasks.actions import build_learning_space, haptic_field
 from mimics_app.tasks.kinds.carry.spec import CarrySpec
 from mimics_app.tasks.kinds.tunnel.kind import own_tunnel
 from mimics_app.tasks.task import TaskSpec
+from mimics_app.world.components.joint_reference import JointReference
 from mimics_app.world.components.objects import ForceField, HapticObject, HapticPath, InteractionPoints
 from mimics_app.world.components.robot import Robot, Tunnel
 from mimics_app.world.components.visible import Sound
@@ -42,6 +44,7 @@ _OF_COMPONENTS: tuple[tuple[type[msgspec.Struct], Callable[[Any, str, Scene], li
     (HapticPath, check_haptic_path),
     (ForceField, check_field_count),
     (ForceField, check_field),
+    (JointReference, check_reference),
 )
 """Checks of single components, with the type of the component."""
 

@@ -211,7 +211,10 @@ class Frames:
             line["pressed"] = vr.pressed
         if action is not None:
             line["action"] = {"values": dict(action.values), "at_trial": action.at_trial}
-        bodies = int(self._core.parameter_store.block["objects"]["bodies"][0])
+        used = self._core.parameter_store.block["objects"]
+        if int(used["curves"][0]):
+            line["phase"] = snapshot.phase
+        bodies = int(used["bodies"][0])
         if bodies:
             line["bodies"] = snapshot.poses[:bodies].tolist()
         self._core.recorder.journal("frame", line)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from typing import Any
 
 from numpy.typing import NDArray
@@ -64,7 +65,8 @@ class HapticSceneData:
 
     def memory(self, plugin: DevicePlugin) -> SessionMemory:
         """Return shared memory with room for the objects and for the fields of the device."""
-        extent = (plugin.descriptor or HAPTICMASTER).extent
+        some = bool(len(self._objects.curve_joints))
+        extent = replace((plugin.descriptor or HAPTICMASTER).extent, reference=some)
         return SessionMemory(Capacities(objects=self._objects.capacities, extent=extent))
 
     def parameter_store(self, block: NDArray[Any]) -> ParameterStore:
@@ -76,6 +78,8 @@ class HapticSceneData:
         if not any(count_rows(self._objects.counts[0]).values()):
             return block, None, {}
         block["objects"] = self._objects.counts[0]
+        for name, value in self._objects.reference.items():
+            block[name] = value
         rows = Rows(*(table.copy() for table in self._objects.rows))
         return block, rows, row_names(self._objects)
 

@@ -191,6 +191,10 @@ FEEL = [
     ("ball_radius_min", "f8"),  # [m] at full grasp
     ("ball_radius_max", "f8"),  # [m] at no grasp
     ("grasp_force_full", "f8"),  # [N] that makes the ball smallest
+    ("reference_cadence", "f8"),  # [1/s] cycles of the joints' reference; 0: the natural one of its speed
+    ("reference_speed", "f8"),  # [m/s] of the walk that it is
+    ("reference_amplitude", "f8"),  # [-] 0: standing, 1: the whole movement
+    ("guidance", "f8"),  # [-] share of the controller's pull towards it, of all joints
 ]
 """Fields of SCENE that a task may change during a run, beside those of its tunnels and objects."""
 
@@ -217,6 +221,12 @@ SCENE = record(
         ("R_world_from_robot", "f8", (3, 3)),
         ("origin_world", "f8", (3,)),  # WCS origin in the world [m]
         *FEEL,
+        ("cadence_rate", "f8"),  # [1/s^2] largest rates of the four fields above
+        ("speed_rate", "f8"),  # [m/s^2]
+        ("amplitude_rate", "f8"),  # [1/s]
+        ("guidance_rate", "f8"),  # [1/s]
+        ("natural_step", "f8"),  # [m] natural step of the person at 1 m/s; 0: the reference is no walk
+        ("longest_step", "f8"),  # [m] longest step of the walk
         *LIMITS,
         ("own_tunnel", "i8"),  # row of the task's tunnel, which the sample describes
         ("objects", OBJECT_COUNTS),  # rows in use of the tables beside this record

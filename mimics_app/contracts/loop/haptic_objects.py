@@ -1,6 +1,6 @@
 """Records of the haptic objects (D2.1 4.2.8-4.2.10).
 
-    SHAPE, BODY, EFFECT, POINT, WIRE, TUNNEL
+    SHAPE, BODY, EFFECT, POINT, WIRE, TUNNEL; CURVE of `joint_reference`
               main -> loop   rows beside SCENE in the same triple buffer, so that all of one sequence number take effect
                              at one tick boundary; SCENE.objects counts the rows in use
     MOTION    loop only      motion of the bodies; their poses are published beside the snapshot
@@ -151,6 +151,7 @@ OBJECT_COUNTS = np.dtype(
         ("wires", "i8"),
         ("revision", "i8"),  # counts changes of the rows; unchanged rows need not be stored again
         ("tunnels", "i8"),
+        ("curves", "i8"),  # references, one for each joint
     ],
     align=True,
 )

@@ -66,11 +66,13 @@ class Extent:
         joints: Unit of each joint, "m" or "rad"; in older recordings those of the HapticMaster.
         contacts: Number of points of contact.
         torques: Whether the device measures and takes joint torques.
+        reference: Whether the scene has a reference of the joints.
     """
 
     joints: tuple[str, ...] = ("m", "rad", "m")
     contacts: int = 1
     torques: bool = False
+    reference: bool = False
 
 
 class Per(Enum):
@@ -79,6 +81,8 @@ class Per(Enum):
     TICK = "fixed components"
     JOINT = "one for each joint, in its unit"
     JOINT_RATE = "one for each joint, in its unit per second"
+    JOINT_ACCELERATION = "one for each joint, in its unit per second squared"
+    JOINT_SHARE = "one for each joint, dimensionless"
     TORQUE = "one for each joint of a device with torques, N or N m"
     CONTACT = "the same number of components for each point of contact after the first"
 
@@ -97,6 +101,7 @@ class LoopField:
         size: Number of components.
         reader: Package below mimics_app that reads it from the snapshot; "": recorded only.
         per: Meaning of the components; units of joints are those of the device.
+        reference: Whether only scenes with a reference of the joints have it.
     """
 
     name: str
@@ -107,6 +112,7 @@ class LoopField:
     size: int = 1
     reader: str = ""
     per: Per = Per.TICK
+    reference: bool = False
 
     def __post_init__(self) -> None:
         if not all(self.units) or len(self.units) != self.size:
@@ -125,10 +131,16 @@ class LoopField:
 
     def present(self, extent: Extent) -> tuple[str, ...]:
         """Return the units of the components that a device fills, the first ones of the field; () for none."""
+        if self.reference and not extent.reference:
+            return ()
         if self.per is Per.JOINT:
             return extent.joints
         if self.per is Per.JOINT_RATE:
             return tuple(f"{unit}/s" for unit in extent.joints)
+        if self.per is Per.JOINT_ACCELERATION:
+            return tuple(f"{unit}/s^2" for unit in extent.joints)
+        if self.per is Per.JOINT_SHARE:
+            return ("1",) * len(extent.joints)
         if self.per is Per.TORQUE:
             return tuple(_TORQUE_UNITS[unit] for unit in extent.joints) if extent.torques else ()
         if self.per is Per.CONTACT:
@@ -150,6 +162,11 @@ class LoopField:
 def _of_joints(name: str, replay: Replay, source: str = "state", reader: str = "", per: Per = Per.JOINT) -> LoopField:
     """Return a field with a component for each joint, in the device's units ("joint")."""
     return LoopField(name, "joint", replay, source, size=MAX_JOINTS, reader=reader, per=per)
+
+
+def _of_reference(name: str, per: Per) -> LoopField:
+    """Return a field of the reference with a component for each joint."""
+    return LoopField(name, "joint", Replay.OUTPUT, size=MAX_JOINTS, per=per, reference=True)
 
 
 def _of_others(name: str, unit: str, replay: Replay, each: int = 1) -> LoopField:
@@ -242,6 +259,13 @@ LOOP_FIELDS: tuple[LoopField, ...] = (
     # oscillation
     LoopField("calm", "1", Replay.OUTPUT, reader="app"),  # share of the force that the detector of oscillation left
     LoopField("f_ordered", "N", Replay.OUTPUT, "totals.ordered_force", size=3),  # effects and ripples meant to shake
+    # reference of the joints
+    LoopField("phase", "1", Replay.OUTPUT, reader="app", reference=True),  # of its cycle, 0-1
+    LoopField("amplitude", "1", Replay.OUTPUT, reference=True),  # 0 in standing, 1 in the whole movement
+    _of_reference("q_reference", Per.JOINT),
+    _of_reference("dq_reference", Per.JOINT_RATE),
+    _of_reference("ddq_reference", Per.JOINT_ACCELERATION),
+    _of_reference("guidance", Per.JOINT_SHARE),  # share of the pull towards it
     # of the trial so far, over the ticks in which the person leads
     LoopField("force_peak", "N", Replay.ABSENT, reader="tasks"),  # largest force felt
     LoopField("distance_peak", "m", Replay.ABSENT, reader="tasks"),  # largest distance of the ball from the bisector
@@ -286,6 +310,7 @@ class HapticSnapshot:
     energy: float
     stiffness_share: float
     calm: float
+    phase: float
     force_peak: float
     distance_peak: float
     progress_peak: float

@@ -10,6 +10,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.loop.haptic_objects import BODY, EFFECT, MAX_POINTS, POINT, SHAPE, TUNNEL, WIRE
+from mimics_app.contracts.loop.joint_reference import CURVE
 
 __all__ = [
     "ROW_DTYPES",
@@ -37,9 +38,12 @@ class Rows(NamedTuple):
     points: Records
     wires: Records
     tunnels: Records
+    curves: Records
 
 
-ROW_DTYPES: dict[str, np.dtype[Any]] = dict(zip(Rows._fields, (SHAPE, BODY, EFFECT, POINT, WIRE, TUNNEL), strict=True))
+ROW_DTYPES: dict[str, np.dtype[Any]] = dict(
+    zip(Rows._fields, (SHAPE, BODY, EFFECT, POINT, WIRE, TUNNEL, CURVE), strict=True)
+)
 """Dtype of each table."""
 
 
@@ -54,6 +58,7 @@ class ObjectCapacities:
     wires: int = 32
     paths: int = 4
     tunnels: int = 1
+    curves: int = 1
 
     @property
     def pairs(self) -> int:

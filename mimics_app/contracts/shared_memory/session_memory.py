@@ -93,6 +93,7 @@ class SessionMemory:
     points: Annotated[Records, Shared(ROW_DTYPES["points"], (3, "objects.points"))]
     wires: Annotated[Records, Shared(ROW_DTYPES["wires"], (3, "objects.wires"))]
     tunnels: Annotated[Records, Shared(ROW_DTYPES["tunnels"], (3, "objects.tunnels"))]
+    curves: Annotated[Records, Shared(ROW_DTYPES["curves"], (3, "objects.curves"))]
 
     # triple buffer main -> loop: the pointing device
     inbox_words: _Exchange
@@ -147,7 +148,7 @@ class SessionMemory:
     @property
     def rows(self) -> Rows:
         """The tables of objects beside `scenes`, shape [3, capacity] each."""
-        return Rows(self.shapes, self.bodies, self.effects, self.points, self.wires, self.tunnels)
+        return Rows(self.shapes, self.bodies, self.effects, self.points, self.wires, self.tunnels, self.curves)
 
     def __reduce__(self) -> tuple[Callable[..., SessionMemory], tuple[Capacities, Segment]]:
         return SessionMemory, (self.capacities, self.segment)

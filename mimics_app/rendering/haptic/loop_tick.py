@@ -160,6 +160,7 @@ def rows_of(stack: Rows, slot: int) -> Rows:
         stack.points[slot],
         stack.wires[slot],
         stack.tunnels[slot],
+        stack.curves[slot],
     )
 
 

@@ -78,6 +78,7 @@ class ObjectCountsRecord:
     wires: int
     revision: int
     tunnels: int
+    curves: int
 
 class ShapeRecord:
     """`mimics_app.contracts.loop.haptic_objects.SHAPE`."""
@@ -224,6 +225,16 @@ class SceneRecord:
     ball_radius_min: float
     ball_radius_max: float
     grasp_force_full: float
+    reference_cadence: float
+    reference_speed: float
+    reference_amplitude: float
+    guidance: float
+    cadence_rate: float
+    speed_rate: float
+    amplitude_rate: float
+    guidance_rate: float
+    natural_step: float
+    longest_step: float
     force_limit: float
     force_rate_limit: float
     power_limit: float
@@ -342,6 +353,12 @@ class SampleRecord:
     others_energy: Floats
     calm: float
     f_ordered: Floats
+    phase: float
+    amplitude: float
+    q_reference: Floats
+    dq_reference: Floats
+    ddq_reference: Floats
+    guidance: Floats
 
 class SnapshotRecord:
     """`mimics_app.contracts.loop.haptic.SNAPSHOT`."""
@@ -369,6 +386,7 @@ class SnapshotRecord:
     energy: float
     stiffness_share: float
     calm: float
+    phase: float
     force_peak: float
     distance_peak: float
     progress_peak: float
@@ -406,6 +424,50 @@ class StruckRecord:
     body_a: int
     body_b: int
     left: int
+
+class CurveRecord:
+    """`mimics_app.contracts.loop.joint_reference.CURVE`."""
+
+    kind: int
+    grows_with: int
+    used: int
+    shift: float
+    rest: float
+    least: float
+    guidance: float
+    values: Floats
+
+class RampRecord:
+    """`mimics_app.rendering.haptic.reference.ramp.RAMP`."""
+
+    led: float
+    half: float
+    value: float
+    rate: float
+    acceleration: float
+
+class SlopesRecord:
+    """`mimics_app.rendering.haptic.reference.curves.SLOPES`."""
+
+    value: float
+    by_phase: float
+    by_phase_twice: float
+    by_u: float
+    by_u_twice: float
+    by_both: float
+
+class ReferenceRecord:
+    """`mimics_app.rendering.haptic.reference.generator.REFERENCE`."""
+
+    begun: int
+    cadence: RampRecord
+    speed: RampRecord
+    step: RampRecord
+    amplitude: RampRecord
+    led: Floats
+    half: Floats
+    share: RampRecord
+    slopes: SlopesRecord
 
 class ContactRecord:
     """`mimics_app.rendering.haptic.kernels.contact_records.CONTACT`."""
@@ -895,6 +957,12 @@ class StateRecord:
     others_share: Floats
     others_energy: Floats
     calm: float
+    phase: float
+    amplitude: float
+    q_reference: Floats
+    dq_reference: Floats
+    ddq_reference: Floats
+    guidance: Floats
     force_peak: float
     distance_peak: float
     progress_peak: float
@@ -960,6 +1028,7 @@ class StateRecord:
     dq_virtual: Floats
     reference: Floats
     joint_reference: Floats
+    reference_state: ReferenceRecord
     arrived: int
     acting: ActingRecord
     joint_work: JointWorkRecord

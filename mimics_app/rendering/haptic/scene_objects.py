@@ -29,6 +29,7 @@ from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 from mimics_app.rendering.haptic.scene_effects import EffectRows
 from mimics_app.rendering.haptic.scene_object import MeshKey, ObjectRows, rows_of_object, rows_of_walls
+from mimics_app.rendering.haptic.scene_reference import reference_of_scene
 from mimics_app.rendering.haptic.scene_tunnel import planned_projection, tunnel_rows
 from mimics_app.world.components.block_signals import parse_source, parse_target
 from mimics_app.world.components.objects import (
@@ -63,6 +64,8 @@ class SceneObjects:
         shape_entities: Entity of each row of shapes.
         effect_entities: Entity of each row of effects.
         tunnel_entities: Entity of each row of tunnels.
+        curve_joints: Joint of each row of curves.
+        reference: SCENE fields of the joints' reference by name.
         materials: Name of each SHAPE.material; number 0 is "".
         meshes: Triangle meshes by SHAPE.mesh, shape frame.
         paths: TUNNEL records by EFFECT.path, shape [n].
@@ -77,6 +80,8 @@ class SceneObjects:
     shape_entities: tuple[str, ...]
     effect_entities: tuple[str, ...]
     tunnel_entities: tuple[str, ...]
+    curve_joints: tuple[str, ...]
+    reference: Mapping[str, float]
     materials: tuple[str, ...]
     meshes: tuple[SolidMesh, ...]
     paths: Records
@@ -215,6 +220,7 @@ class _Gathered:
         """All tables."""
         effects = EffectRows(self.scene, self.body_entities)
         tunnels, tunnel_entities = tunnel_rows(self.scene)
+        reference = reference_of_scene(self.scene)
         rows = Rows(
             shapes=_table(self.shapes, SHAPE),
             bodies=_table(self.bodies, BODY),
@@ -222,6 +228,7 @@ class _Gathered:
             points=self._points(),
             wires=self._wires(effects.entities),
             tunnels=tunnels,
+            curves=reference.rows,
         )
         counts = np.zeros(1, OBJECT_COUNTS)
         for name in Rows._fields:
@@ -238,11 +245,14 @@ class _Gathered:
                 wires=max(room.wires, len(rows.wires)),
                 paths=max(room.paths, len(effects.paths)),
                 tunnels=max(room.tunnels, len(tunnels)),
+                curves=max(room.curves, len(reference.rows)),
             ),
             body_entities=tuple(self.body_entities),
             shape_entities=tuple(self.shape_entities),
             effect_entities=tuple(effects.entities),
             tunnel_entities=tunnel_entities,
+            curve_joints=reference.joints,
+            reference=reference.fields,
             materials=tuple(self.materials),
             meshes=tuple(self.meshes.values()),
             paths=_table(effects.paths, TUNNEL),

@@ -29,6 +29,7 @@ def row_names(objects: SceneObjects) -> Names:
         "shapes": objects.shape_entities,
         "effects": objects.effect_entities,
         "tunnels": objects.tunnel_entities,
+        "curves": objects.curve_joints,
     }
     names: dict[str, dict[str, tuple[int, ...]]] = {}
     for table, entities in tables.items():
@@ -46,4 +47,5 @@ def fits(objects: SceneObjects, room: ObjectCapacities, present: SceneObjects) -
         [(mesh.vertices.tobytes(), mesh.triangles.tobytes()) for mesh in each.meshes] for each in (objects, present)
     )
     grew = has_objects(objects.counts[0]) and not has_objects(present.counts[0])
+    same &= bool(objects.curve_joints) == bool(present.curve_joints)  # its columns are those of the recording
     return same and not grew and ours == theirs and all(count <= getattr(room, name) for name, count in counts.items())

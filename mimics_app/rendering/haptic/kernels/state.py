@@ -12,6 +12,7 @@ from mimics_app.rendering.haptic.kernels.joints import JOINT_WORK
 from mimics_app.rendering.haptic.kernels.oscillation import SWING
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER
 from mimics_app.rendering.haptic.kernels.tunnels import HOLDING, OWN_TUNNEL
+from mimics_app.rendering.haptic.reference.generator import REFERENCE
 
 __all__ = ["CONTACT_BEGAN", "CONTACT_ENDED", "CONTACT_UNCHANGED", "STATE", "new_states"]
 
@@ -90,6 +91,7 @@ STATE = np.dtype(
         ("dq_virtual", "f8", (MAX_JOINTS,)),
         ("reference", "f8", (3,)),  # virtual target that draws a force-driven device, robot frame [m]
         ("joint_reference", "f8", (MAX_JOINTS,)),  # the same for the joints of a torque-driven device
+        ("reference_state", REFERENCE),  # of the joints: ramps
         ("arrived", "i8"),  # 1 while a PD controller is at its target
         ("acting", ACTING),
         ("joint_work", JOINT_WORK),

@@ -30,10 +30,11 @@ from mimics_app.rendering.haptic.kernels.objects.published import sum_motions
 from mimics_app.rendering.haptic.kernels.objects.touches import follow_touch, follow_touches
 from mimics_app.rendering.haptic.kernels.oscillation import watch_swing
 from mimics_app.rendering.haptic.kernels.rows import write_command, write_inputs, write_outputs
-from mimics_app.rendering.haptic.kernels.safety import is_felt, step_safety
+from mimics_app.rendering.haptic.kernels.safety import is_felt, lets_feel, step_safety
 from mimics_app.rendering.haptic.kernels.sensing import find_motion, read_sample, size_ball
 from mimics_app.rendering.haptic.kernels.tunnels import follow_tunnels, reset_tunnel_tracking
 from mimics_app.rendering.haptic.kernels.watch import watch_contact, watch_margin
+from mimics_app.rendering.haptic.reference.generator import step_reference
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import (
@@ -184,6 +185,9 @@ def tick(
     _act_on_user(scene, objects, states, held, dt)
     follow_extremes(scene, states, dt)
     _watch_stability(scene, objects, states, period, dt)
+    if scene.objects.curves > 0:
+        leads = is_felt(state) and lets_feel(scene.controller)
+        step_reference(scene, rows.curves, state, leads, dt)
     control(kin, scene, states, held, dt)
     if state.safety != stepped:  # force or controller latched a stop
         state.state_changed = 1
