@@ -26,6 +26,8 @@ __all__ = ["Damage", "Found", "last_block", "read_index", "read_schema", "scan_s
 
 _CONTINUATION = END_OF_STREAM[:4]
 _ALIGNMENT = 8
+_KEPT_BYTES = 1 << 24
+"""Bytes of a file that was read that stay in memory."""
 
 Span = tuple[int, int]
 
@@ -89,8 +91,19 @@ def scan_stream(
         index: Rows of the sidecar, if any.
     """
     with _opened(path, schema, index) as (view, spans):
+        kept = 0
         for span in spans:
             yield from _read_span(view, span, decode)
+            if span[1] - kept > _KEPT_BYTES:
+                kept = _release_pages(view, kept, span[1])
+
+
+def _release_pages(view: memoryview, start: int, end: int) -> int:
+    """Release the memory of bytes that were read, so that a long file does not stay in it; return where they end."""
+    whole = end - end % mmap.PAGESIZE
+    if isinstance(view.obj, mmap.mmap) and hasattr(view.obj, "madvise"):
+        view.obj.madvise(mmap.MADV_DONTNEED, start, whole - start)
+    return whole
 
 
 def sorted_scan(

@@ -5,15 +5,17 @@ An exporter is an object with a line about it and one method: from a recording t
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
+from shutil import rmtree
 from typing import Protocol, cast, runtime_checkable
 
-from mimics_app.contracts.errors import OutputError, UsageError, require_choice
+from mimics_app.contracts.errors import MimicsError, OutputError, UsageError, require_choice
 from mimics_app.contracts.ports.members import load_member, member_names
 from mimics_app.contracts.ports.plugins import PluginError, PluginGroup, raised
 from mimics_app.recording import exporters
 from mimics_app.recording.run import Run
+from mimics_app.recording.run_folder import PRIVATE_FOLDER
 
 __all__ = ["PLUGINS", "Exporter", "export_run", "exporter_names", "find_exporter"]
 
@@ -50,6 +52,12 @@ def _fault_of(name: str, loaded: object) -> str:
     return "" if isinstance(loaded, Exporter) else f"lacks open or about, see {Exporter.__module__}.Exporter"
 
 
+def _report_nothing(_: float) -> None:
+    """Discard a share."""
+
+
+_UNFINISHED = ".part"
+"""End of the name of a folder whose export is under way."""
 _BUILT_IN = member_names(exporters)
 PLUGINS = PluginGroup("mimics_app.exporters", _fault_of)
 
@@ -74,22 +82,39 @@ def find_exporter(name: str) -> Exporter:
         raise UsageError(f'the exporter "{name}" is not available: {error}') from error
 
 
-def export_run(run: Run, name: str, folder: Path) -> list[Path]:
+def export_run(run: Run, name: str, folder: Path, progress: Callable[[float], None] = _report_nothing) -> list[Path]:
     """Export a recording into a new or empty folder; return the files.
 
+    They are written into a hidden folder beside it, which gets its name when all are whole: what interrupts an export
+    leaves nothing under the final name.
+
+    Args:
+        run: The recording.
+        name: Name of the exporter.
+        folder: The folder.
+        progress: Called with the share of the recording that was read, 0 to 1.
+
     Raises:
-        UsageError: There is no such exporter, or its plug-in raises an error.
+        UsageError: There is no such exporter, it lacks its library, or its plug-in raises an error.
         OutputError: The folder has files already, or a file cannot be written.
     """
     exporter = find_exporter(name)
+    scratch = folder.with_name(f".{folder.name}{_UNFINISHED}")
+    run.reading = progress
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        if any(folder.iterdir()):
+        if folder.exists() and any(folder.iterdir()):
             raise OutputError(folder, "this folder is not empty", "name another one")
-        return list(exporter.open(run, folder))
+        if scratch.exists():  # of an export that was killed
+            rmtree(scratch)
+        scratch.mkdir(mode=PRIVATE_FOLDER, parents=True)
+        files = list(exporter.open(run, scratch))
+        scratch.replace(folder)
+        return [folder / file.relative_to(scratch) for file in files]
     except OSError as error:
         raise OutputError(folder, f"cannot be written: {error.strerror or error}", "name another folder") from error
     except Exception as error:
-        if isinstance(error, OutputError) or name in _BUILT_IN:
+        if isinstance(error, MimicsError) or name in _BUILT_IN:
             raise
         raise UsageError(f'the exporter "{name}" failed: it {raised(error)}') from error
+    finally:
+        rmtree(scratch, ignore_errors=True)

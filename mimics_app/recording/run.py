@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -24,7 +24,7 @@ from mimics_app.recording.arrow_format import (
     decode_samples,
     parameters_schema,
 )
-from mimics_app.recording.arrow_scan import Damage, read_index, read_schema, sorted_scan
+from mimics_app.recording.arrow_scan import Damage, Found, read_index, read_schema, scan_stream, sorted_scan
 from mimics_app.recording.column_layout import layout_of
 from mimics_app.recording.event_log import events_of, missing_events, read_lines
 from mimics_app.recording.manifest import hash_files, read_manifest
@@ -58,6 +58,46 @@ class Gap:
     why: str
 
 
+class _Survey:
+    """What is known of haptic.arrows after its blocks were read in order.
+
+    Attributes:
+        damages: Parts that are not valid blocks.
+        gaps: Gaps between its rows.
+        rows: Number of valid rows.
+        end_of_ticks: Largest tick plus 1, 0 without rows.
+
+    Args:
+        known: See `Run.known_gaps`.
+    """
+
+    def __init__(self, known: Mapping[int, str]) -> None:
+        self.damages: list[Damage] = []
+        self.gaps: list[Gap] = []
+        self.rows = self.end_of_ticks = 0
+        self._known = known
+        self._last_tick = -1.0
+        self._next_number = 0
+
+    def add(self, piece: Found | Damage) -> None:
+        """Add the next part of the file."""
+        if isinstance(piece, Damage):
+            self.damages.append(piece)
+            return
+        block = piece.block
+        ticks = np.concatenate(([self._last_tick], block.records["tick"]))
+        for i in np.flatnonzero(np.diff(ticks) != 1.0):
+            if self.rows or ticks[1] > 0 or i > 0:  # a first row of a tick below 0 follows no other
+                number = block.first + int(i) if i else self._next_number
+                why = self._known.get(number, _UNKNOWN)
+                self.gaps.append(Gap(int(ticks[i]), int(ticks[i + 1] - ticks[i]) - 1, why))
+        self.rows += len(block.records)
+        self._next_number = block.first + len(block.records)
+        if len(ticks) > 1:
+            self._last_tick = float(ticks[-1])
+            self.end_of_ticks = max(self.end_of_ticks, int(ticks[1:].max()) + 1)
+
+
 class Run:
     """One run folder.
 
@@ -66,10 +106,12 @@ class Run:
         session: Content of session.json without damaged parts.
         manifest: The manifest, None where the run was never closed or the file is damaged.
         layout: Layout of haptic.arrows.
+        reading: Called with the share of haptic.arrows that was read, 0 to 1, while its blocks are read.
     """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        self.reading: Callable[[float], None] = _report_nothing
         self.session, self._session_problems = read_session(folder)
         self.manifest, self._manifest_problem = read_manifest(folder)
         self.layout, self._layout_problem = layout_of(read_schema(folder / FILES["haptic"]))
@@ -107,29 +149,43 @@ class Run:
         period = float(self.haptic["t"][-1] / self.haptic["tick"][-1]) if len(self.haptic) > 1 else _NOMINAL_PERIOD_S
         return float(tick) * period
 
-    @cached_property
-    def _scan(self) -> tuple[list[Block], list[Damage]]:
+    def blocks(self) -> Iterator[NDArray[Any]]:
+        """Yield the valid rows of haptic.arrows block by block, as SAMPLE records of shape [n].
+
+        One block at a time is in memory: an hour of rows takes gigabytes. `reading` is called in between.
+        """
+        survey = _Survey(self.known_gaps())
         layout, index = self.layout, read_index(self.folder / FILES["index"])
         path = self.folder / FILES["haptic"]
-        found, damages = sorted_scan(path, lambda data: decode_samples(data, layout), layout.schema, index)
-        return [each.block for each in found], damages
+        size = max(1, path.stat().st_size) if path.is_file() else 1
+        for each in scan_stream(path, lambda data: decode_samples(data, layout), layout.schema, index):
+            survey.add(each)
+            if isinstance(each, Found):
+                yield each.block.records
+            self.reading(min(1.0, (each.offset + each.length) / size))
+        self.__dict__["_survey"] = survey
+
+    @cached_property
+    def _survey(self) -> _Survey:
+        for _ in self.blocks():
+            pass
+        return self.__dict__["_survey"]
 
     @cached_property
     def haptic(self) -> NDArray[Any]:
         """The valid rows of haptic.arrows as SAMPLE records, shape [n], in order."""
-        blocks = self._scan[0]
-        return np.concatenate([block.records for block in blocks]) if blocks else np.empty(0, SAMPLE)
+        blocks = list(self.blocks())
+        return np.concatenate(blocks) if blocks else np.empty(0, SAMPLE)
 
     @property
     def damages(self) -> list[Damage]:
         """Parts of haptic.arrows that are not valid blocks."""
-        return self._scan[1]
+        return self._survey.damages
 
-    @cached_property
+    @property
     def gaps(self) -> list[Gap]:
         """Gaps in order; a cut-off end cannot be seen from the ticks and is in `damages`."""
-        numbers = [block.first + np.arange(len(block.records)) for block in self._scan[0]]
-        return _find_gaps(self.haptic["tick"], np.concatenate(numbers) if numbers else np.empty(0), self.known_gaps())
+        return self._survey.gaps
 
     def known_gaps(self) -> dict[int, str]:
         """Return the reason of each gap that the recorder noted, by the number of the first row after it."""
@@ -220,8 +276,7 @@ class Run:
     @property
     def end_of_ticks(self) -> int:
         """Number of the last recorded tick plus 1."""
-        ticks = self.haptic["tick"]
-        return int(ticks.max()) + 1 if len(ticks) else 0
+        return self._survey.end_of_ticks
 
     @property
     def lost_at_end(self) -> int:
@@ -266,7 +321,7 @@ class Run:
     def notes(self) -> list[str]:
         """Return remarks on a whole run, one sentence each."""
         newer = [name for name in self.layout.absent if name not in self.layout.missing]
-        if not newer or not len(self.haptic):
+        if not newer or not self._survey.rows:
             return []
         return [f"{FILES['haptic']} is of another version: {', '.join(newer)} were not recorded yet"]
 
@@ -288,7 +343,7 @@ class Run:
         found = _trouble_of(self.folder / name)
         if self._layout_problem and not found:
             found.append(f"{name}: {self._layout_problem}; it is read as this version writes it")
-        if self.layout.missing and len(self.haptic):
+        if self.layout.missing and self._survey.rows:
             found.append(f"{name}: recorded without {', '.join(self.layout.missing)}")
         found += [damage.sentence(name) for damage in self.damages]
         found += [f"{gap.ticks} ticks are missing after tick {gap.after_tick}: {gap.why}" for gap in self.gaps]
@@ -339,26 +394,13 @@ class Run:
         return found
 
 
+def _report_nothing(_: float) -> None:
+    """Discard a share."""
+
+
 def ending(status: str) -> str:
     """Return the sentence on the end of a run that was not closed in order."""
     return f"the run is {status}"
-
-
-def _find_gaps(ticks: NDArray[np.float64], numbers: NDArray[Any], known: Mapping[int, str]) -> list[Gap]:
-    """Find the gaps of a stream.
-
-    Args:
-        ticks: Ticks of the rows, shape [n].
-        numbers: Indices of these rows since the session's start, shape [n].
-        known: See `Run.known_gaps`.
-    """
-    gaps: list[Gap] = []
-    if len(ticks) and ticks[0] > 0:
-        gaps.append(Gap(-1, int(ticks[0]), known.get(0, _UNKNOWN)))
-    for i in np.flatnonzero(np.diff(ticks) != 1.0):
-        why = known.get(int(numbers[i]) + 1, _UNKNOWN)
-        gaps.append(Gap(int(ticks[i]), int(ticks[i + 1] - ticks[i]) - 1, why))
-    return gaps
 
 
 def _read_or_say(

@@ -6,15 +6,18 @@ their order, so that a replay passes them to the signal processing in the same w
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any
 
 import msgspec
 import numpy as np
 import pyarrow as pa
 
+from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.messages.stage_messages import SignalBlock
 from mimics_app.recording.append_file import AppendFile
 from mimics_app.recording.arrow_format import (
@@ -30,7 +33,13 @@ from mimics_app.recording.arrow_scan import Found, last_block, read_schema, scan
 from mimics_app.recording.run_folder import FILES
 from mimics_app.recording.signal_rows import SignalRow, unpack_signals
 
-__all__ = ["SignalStream", "decode_signals", "read_signals", "signals_schema"]
+__all__ = ["SampledSignal", "SignalStream", "decode_signals", "read_signals", "sampled_signals", "signals_schema"]
+
+_ROUNDED_NS = 1.0
+"""Difference of two time stamps that rounding makes [ns]."""
+
+_LONGEST = 8192
+"""Samples after which a block is not joined to the one before."""
 
 _Sent = Sequence[tuple[int, int, str, float, bytes]]
 
@@ -148,3 +157,47 @@ def read_signals(folder: Path) -> tuple[list[SignalRow], list[str]]:
         else:
             faults.append(piece.sentence(path.name))
     return rows, faults
+
+
+class SampledSignal:
+    """Samples of one signal in a temporary file, so that hours of them need no memory.
+
+    Attributes:
+        spans: Time of the first sample [ns], rate [Hz] and number of samples of each block.
+    """
+
+    def __init__(self) -> None:
+        self.spans: list[tuple[int, float, int]] = []
+        self._file = TemporaryFile()
+
+    def add(self, block: SignalBlock) -> None:
+        """Append a block; one that continues the block before it to the nanosecond is joined to it."""
+        self._file.write(np.ascontiguousarray(block.values, np.float64).tobytes())
+        if self.spans:
+            t_ns, rate, count = self.spans[-1]
+            end_ns = t_ns + count * SECOND_NS / rate
+            if rate == block.rate and count < _LONGEST and abs(block.t_ns - end_ns) <= _ROUNDED_NS:
+                self.spans[-1] = (t_ns, rate, count + len(block.values))
+                return
+        self.spans.append((block.t_ns, block.rate, len(block.values)))
+
+    def blocks(self) -> Iterator[tuple[int, float, F8]]:
+        """Yield time of the first sample [ns], rate [Hz] and samples of each block."""
+        offset = 0
+        for t_ns, rate, count in self.spans:
+            self._file.seek(offset)
+            data = self._file.read(count * 8)
+            offset += len(data)
+            yield t_ns, rate, np.frombuffer(data, np.float64)
+
+
+def sampled_signals(folder: Path) -> dict[str, SampledSignal]:
+    """Return the valid samples of each signal; {} without signals."""
+    path = folder / FILES["signals"]
+    found: dict[str, SampledSignal] = {}
+    if not path.exists():
+        return found
+    for part in scan_stream(path, decode_signals, read_schema(path) or signals_schema()):
+        for row in part.block.records if isinstance(part, Found) else ():
+            found.setdefault(row.block.name, SampledSignal()).add(row.block)
+    return found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -20,9 +21,24 @@ from tests.support.plugin_site import write_package
 RUN = root() / "tests" / "data" / "run_0_1_0"
 
 
-def test_every_exporter_passes_the_kit(tmp_path: Path) -> None:
-    for name in exporter_names():
-        check_exporter(find_exporter(name), tmp_path / name)
+LIBRARIES = {"edf": "edfio", "mcap": "mcap", "nwb": "pynwb"}
+"""What an exporter needs besides the packages of the product."""
+
+
+@pytest.mark.parametrize("name", exporter_names())
+def test_every_exporter_passes_the_kit(tmp_path: Path, name: str) -> None:
+    if name in LIBRARIES:
+        pytest.importorskip(LIBRARIES[name], reason=f"{LIBRARIES[name]} is not installed: extra export")
+    check_exporter(find_exporter(name), tmp_path)
+
+
+@pytest.mark.parametrize("name", LIBRARIES)
+def test_a_missing_library_is_named_with_its_remedy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    for module in (LIBRARIES[name], f"{LIBRARIES[name]}.writer"):
+        monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(UsageError, match=r"mimics_app\[export\]"):
+        export_run(Run.open(RUN), name, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
 
 
 def test_tables_have_the_numbers_of_the_recording(tmp_path: Path) -> None:

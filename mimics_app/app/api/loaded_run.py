@@ -14,6 +14,7 @@ from mimics_app.app.api.unit_array import Quantity, Table
 from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, Replay
 from mimics_app.dsp.channel_kinds import feature_units
 from mimics_app.recording.run import Run
+from mimics_app.recording.series import SIGNAL_UNITS
 
 __all__ = ["Recording", "Signal", "load"]
 
@@ -106,7 +107,7 @@ class Recording:
         rate = float(blocks[0].rate)
         times = [(b.t_ns - self.run.start_ns) * 1e-9 + np.arange(len(b.values)) / b.rate for b in blocks]
         values = np.concatenate([np.asarray(b.values, float) for b in blocks])
-        return Signal(Quantity(np.concatenate(times), "s"), Quantity(values, _signal_units().get(name, "")), rate)
+        return Signal(Quantity(np.concatenate(times), "s"), Quantity(values, SIGNAL_UNITS.get(name, "")), rate)
 
     def _seconds(self, t_ns: object) -> float:
         return (t_ns - self.run.start_ns) * 1e-9 if isinstance(t_ns, int) else np.nan
@@ -157,7 +158,3 @@ def _is_vector(cell: object) -> bool:
 def _unit_by(name: str) -> str:
     """Return the unit that the last letters of a column name state."""
     return next((unit for suffix, unit in _SUFFIXES if name.endswith(suffix)), "1")
-
-
-def _signal_units() -> dict[str, str]:
-    return {"ecg": "mV", "emg": "mV", "gsr": "uS", "speed": "m/s", "power": "W", "head": "rad/s"}

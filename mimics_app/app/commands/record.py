@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,17 +23,19 @@ _HELP = (
     "verify: check it against its checksums; export: write it in another format"
 )
 
+_TO = "with export: bids, csv, edf, hdf5, mat, mcap, nwb, parquet, xdf, or an installed exporter"
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("action", choices=("info", "recover", "verify", "export"), help=_HELP)
     parser.add_argument("folder", type=Path, metavar="RUN", help="run folder")
-    parser.add_argument("--to", default="csv", metavar="NAME", help="with export: csv, or an installed exporter")
+    parser.add_argument("--to", default="csv", metavar="NAME", help=_TO)
     parser.add_argument(
         "--output",
         type=Path,
         metavar="DIR",
-        help="with export: new or empty folder (default: RUN_csv)",
+        help="with export: new or empty folder (default: RUN_NAME)",
     )
 
 
@@ -66,10 +69,12 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _export(args: argparse.Namespace, opened: Run) -> int:
+    from mimics_app.app.terminal.progress import ProgressBar
     from mimics_app.recording.exporter_kinds import export_run
 
     folder = args.output or args.folder.resolve().with_name(f"{args.folder.resolve().name}_{args.to}")
-    files = export_run(opened, args.to, folder)
+    with ProgressBar(sys.stderr) as bar:
+        files = export_run(opened, args.to, folder, lambda share: bar.show(share, f"{args.to}: {folder.name}"))
     problems = opened.problems()
     found = {"action": "export", "files": [str(file) for file in files], "problems": problems}
     answer(args, found, [*map(str, files), *(f"problem        {problem}" for problem in problems)])

@@ -3,82 +3,67 @@
 from __future__ import annotations
 
 import csv
-import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-
-from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, Replay
 from mimics_app.recording.exporter_kinds import Exporter
+from mimics_app.recording.exporters._arrow import batch_of
+from mimics_app.recording.line_tables import (
+    Rows,
+    attempts_table,
+    event_kinds,
+    event_rows,
+    gaps_table,
+    safe_text,
+    text_of,
+)
 from mimics_app.recording.run import Run
+from mimics_app.recording.series import Series, series_of
 
 __all__ = ["EXPORTER"]
 
 
 class _Csv(Exporter):
-    """One table a file; the first row names each column and its unit: "f_user_world[0] [N]"."""
+    """One table a file; the first row of a series names each column and its unit: "f_user_world[0] [N]"."""
 
-    about = "CSV: haptic.csv, attempts.csv, events_SOURCE_KIND.csv, signal_NAME.csv"
+    about = "CSV: haptic.csv, signal_NAME.csv, attempts.csv, events_SOURCE_KIND.csv, gaps.csv"
 
     def open(self, run: Run, folder: Path) -> Iterator[Path]:
         """See `Exporter.open`."""
-        yield _write(folder / "haptic.csv", *_haptic(run))
-        yield _write(folder / "attempts.csv", *_lines(run.trials))
-        for kind in dict.fromkeys((line["source"], line["kind"]) for line in run.lines):
-            lines = [_seconds(run, line) for line in run.lines_of(*kind)]
-            yield _write(folder / f"events_{kind[0]}_{kind[1]}.csv", *_lines(lines))
-        for name, rows in _signals(run).items():
-            yield _write(folder / f"signal_{name}.csv", ["t_s [s]", name], rows)
+        series = series_of(run)
+        for each in series:
+            yield _write_series(folder / f"{'' if each.name == 'haptic' else 'signal_'}{each.name}.csv", each)
+        yield _write_rows(folder / "attempts.csv", attempts_table(run))
+        for source, kind in event_kinds(run):
+            yield _write_rows(folder / f"events_{source}_{kind}.csv", event_rows(run, source, kind))
+        if gaps := gaps_table(series):
+            yield _write_rows(folder / "gaps.csv", gaps)
 
 
-def _haptic(run: Run) -> tuple[list[str], Iterable[Sequence[object]]]:
-    samples, extent = run.haptic, run.layout.extent
-    names, columns = list[str](), list[Any]()
-    for field in LOOP_FIELDS:
-        units = () if field.replay is Replay.ABSENT else field.present(extent)
-        for i, unit in enumerate(units):
-            values = samples[field.name]
-            names.append(f"{field.name}[{i}] [{unit}]" if values.ndim > 1 else f"{field.name} [{unit}]")
-            columns.append(values[:, i] if values.ndim > 1 else values)
-    return names, (row.tolist() for row in np.column_stack(columns)) if columns else ()
+def _write_series(file: Path, series: Series) -> Path:
+    import pyarrow as pa
+    from pyarrow.csv import CSVWriter, WriteOptions
+
+    named = zip(series.columns, series.units, strict=True)
+    names = ["t_s [s]", "source_s [s]", *(f"{name} [{unit}]" if unit else name for name, unit in named)]
+    schema = pa.schema([(name, pa.float64()) for name in names])
+    with file.open("xb") as out, CSVWriter(out, schema, write_options=WriteOptions(quoting_style="needed")) as writer:
+        for batch in series.batches():
+            writer.write_batch(batch_of([batch.t_s, batch.source_s, *batch.values.T], schema))
+    return file
 
 
-def _lines(lines: Sequence[dict[str, Any]]) -> tuple[list[str], Iterable[Sequence[object]]]:
-    names = list(dict.fromkeys(name for line in lines for name in line))
-    return names, ([_cell(line.get(name)) for name in names] for line in lines)
-
-
-def _cell(value: object) -> object:
-    if value is None:
-        return ""
-    return value if isinstance(value, (str, int, float)) else json.dumps(value)
-
-
-def _seconds(run: Run, line: dict[str, Any]) -> dict[str, Any]:
-    """Return a line with its time since the first tick [s] in front."""
-    t_ns = line.get("t_ns")
-    return line if not isinstance(t_ns, int) else {"t_s": (t_ns - run.start_ns) * 1e-9, **line}
-
-
-def _signals(run: Run) -> dict[str, list[Sequence[object]]]:
-    """Return time since the first tick [s] and value of each sample, by signal."""
-    found: dict[str, list[Sequence[object]]] = {}
-    for row in run.signals:
-        block = row.block
-        begin = (block.t_ns - run.start_ns) * 1e-9
-        rows = found.setdefault(block.name, [])
-        rows += [(begin + i / block.rate, value) for i, value in enumerate(np.asarray(block.values).tolist())]
-    return found
-
-
-def _write(file: Path, names: Sequence[str], rows: Iterable[Sequence[object]]) -> Path:
+def _write_rows(file: Path, rows: Rows) -> Path:
+    names = list(dict.fromkeys(name for row in rows for name in row))
     with file.open("x", newline="", encoding="utf-8") as out:
         writer = csv.writer(out)
         writer.writerow(names)
-        writer.writerows(rows)
+        writer.writerows([_cell(row.get(name)) for name in names] for row in rows)
     return file
+
+
+def _cell(value: object) -> object:
+    return value if isinstance(value, int | float) else safe_text(text_of(value))
 
 
 EXPORTER = _Csv()

@@ -1,0 +1,147 @@
+"""One file of Neurodata Without Borders (NWB), for programs of neurophysiology."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+from uuid import NAMESPACE_URL, uuid5
+
+import numpy as np
+
+from mimics_app.contracts.errors import UsageError
+from mimics_app.recording.event_log import to_json
+from mimics_app.recording.exporter_kinds import Exporter
+from mimics_app.recording.exporters._spool import Spool, spooled
+from mimics_app.recording.line_tables import attempts_table, gaps_table, text_of, timed_events
+from mimics_app.recording.report_values import mapping
+from mimics_app.recording.run import Run
+from mimics_app.recording.series import series_of
+
+__all__ = ["EXPORTER"]
+
+_ROWS = 8192
+_UNITS = {"1": "n.a.", "": "n.a."}
+
+
+class _Nwb(Exporter):
+    """A TimeSeries for each field or signal, with its corrected times; trials, events, gaps as invalid times."""
+
+    about = "NWB: recording.nwb with a time series for each field, trials, events and invalid times"
+
+    def open(self, run: Run, folder: Path) -> Iterator[Path]:
+        """See `Exporter.open`."""
+        pynwb = _library()
+        path = folder / "recording.nwb"
+        with ExitStack() as stack:
+            series = series_of(run)
+            spools = [stack.enter_context(spooled(each, folder)) for each in series]
+            file = _file(pynwb, run)
+            for spool in spools:
+                _add_series(pynwb, file, spool)
+            _add_tables(pynwb, file, run)
+            for row in gaps_table(series):
+                file.add_invalid_time_interval(row["begin_s"], row["end_s"], tags=[row["series"], row["why"]])
+            _set_identities(file)
+            with pynwb.NWBHDF5IO(path, "w") as out:
+                out.write(file)
+        yield path
+
+
+def _library() -> Any:
+    try:
+        import pynwb
+    except ImportError as error:
+        raise UsageError("NWB needs pynwb, which is not installed", 'pip install "mimics_app[export]"') from error
+    return pynwb
+
+
+def _file(pynwb: Any, run: Run) -> Any:
+    try:
+        start = datetime.fromisoformat(str(mapping(run.session.get("clock")).get("utc")))
+    except ValueError:
+        start = datetime.fromtimestamp(0.0, UTC)
+    scene = str(mapping(run.session.get("scene")).get("name") or "scene")
+    code = str(mapping(run.session.get("settings")).get("participant") or "unknown")
+    return pynwb.NWBFile(
+        session_description=f"The scene {scene}, rendered as touch, picture and sound",
+        identifier=run.folder.name,
+        session_start_time=start,
+        file_create_date=[start],
+        subject=pynwb.file.Subject(subject_id=code, species="Homo sapiens", sex="U"),
+    )
+
+
+def _add_series(pynwb: Any, file: Any, spool: Spool) -> None:
+    name = spool.series.name
+    times = _lazy(spool, "t_s")
+    raw = pynwb.TimeSeries(
+        name=f"{name}_source_s",
+        data=_lazy(spool, "source_s"),
+        unit="s",
+        timestamps=times,
+        description="time of each row as its source counted it",
+    )
+    file.add_acquisition(raw)
+    for field in spool.series.fields:
+        units = list(dict.fromkeys(field.units))
+        full = name if field.name == name else f"{name}_{field.name}"
+        unit = _UNITS.get(units[0], units[0]) if len(units) == 1 else "n.a."
+        made = pynwb.TimeSeries(
+            name=full,
+            data=_lazy(spool, field.name),
+            unit=unit,
+            timestamps=raw,
+            description=f"{field.name} of the recording",
+            comments=f"units: {', '.join(field.units)}",
+        )
+        file.add_acquisition(made)
+
+
+def _lazy(spool: Spool, name: str) -> Any:
+    """Return a field as what the library reads chunk by chunk."""
+    from hdmf.data_utils import GenericDataChunkIterator
+
+    class _Chunks(GenericDataChunkIterator):  # type: ignore[misc]
+        def _get_data(self, selection: tuple[slice, ...]) -> np.ndarray:
+            return spool.rows_of(name, selection[0].start, selection[0].stop)[(slice(None), *selection[1:])]
+
+        def _get_maxshape(self) -> tuple[int, ...]:
+            return spool.shape(name)
+
+        def _get_dtype(self) -> np.dtype[Any]:
+            return np.dtype(np.float64)
+
+    tail = spool.shape(name)[1:]
+    rows = (min(_ROWS, max(1, spool.rows)), *tail)
+    return _Chunks(buffer_shape=rows, chunk_shape=rows)
+
+
+def _add_tables(pynwb: Any, file: Any, run: Run) -> None:
+    attempts = [row for row in attempts_table(run) if "begin_s" in row and "end_s" in row]
+    names = list(dict.fromkeys(name for row in attempts for name in row if name not in ("begin_s", "end_s")))
+    for name in names if attempts else ():
+        file.add_trial_column(name, f"{name} of trials.csv")
+    for row in attempts:
+        cells = {name: text_of(row.get(name)) for name in names}
+        file.add_trial(start_time=row["begin_s"], stop_time=row["end_s"], **cells)
+    events = timed_events(run)
+    if events:
+        table = file.create_events_table(name="events", description="events of the recording as JSON objects")
+        table.add_column(name="annotation", description="all values of the event")
+        for row in events:
+            table.add_row(timestamp=row["t_s"], annotation=to_json(row).decode())
+
+
+def _set_identities(file: Any) -> None:
+    """Replace the random identity of each object by one of the recording, so that the same gives the same bytes.
+
+    The library has no setter; a version that names the attribute otherwise would keep its random ones.
+    """
+    for number, item in enumerate(file.all_children()):
+        item._AbstractContainer__object_id = str(uuid5(NAMESPACE_URL, f"{file.identifier}/{number}/{item.name}"))
+
+
+EXPORTER = _Nwb()

@@ -1,0 +1,144 @@
+"""One XDF file, for EEGLAB, MNE and other programs of the lab streaming layer.
+
+The layout is that of the specification of XDF 1.0 (github.com/sccn/xdf): chunks of a length, a tag and a content. Time
+stamps are the corrected times since tick 0. All streams are on one clock, so that every clock offset is 0; `source_s`
+is the first channel of each series.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import BinaryIO
+from xml.sax.saxutils import escape
+
+import numpy as np
+
+from mimics_app.recording.event_log import to_json
+from mimics_app.recording.exporter_kinds import Exporter
+from mimics_app.recording.line_tables import attempts_table, gaps_table, timed_events
+from mimics_app.recording.run import Run
+from mimics_app.recording.series import Batch, Series, series_of
+
+__all__ = ["EXPORTER"]
+
+_FILE_HEADER, _STREAM_HEADER, _SAMPLES, _CLOCK_OFFSET, _BOUNDARY, _STREAM_FOOTER = range(1, 7)
+_MARK = bytes.fromhex("43a546dccbf5410fb30ed5467383cbe4")
+"""Content of a boundary chunk, by which a reader finds the next chunk after damage."""
+_BOUNDARY_S = 10.0
+"""Time between two boundary chunks [s]."""
+
+
+class _Xdf(Exporter):
+    """A stream for each series, and streams of texts: events and attempts, each as a JSON object at its time."""
+
+    about = "XDF: recording.xdf with the streams haptic, NAME of each signal, events, attempts and gaps"
+
+    def open(self, run: Run, folder: Path) -> Iterator[Path]:
+        """See `Exporter.open`."""
+        path = folder / "recording.xdf"
+        with path.open("xb") as file:
+            file.write(b"XDF:")
+            _chunk(file, _FILE_HEADER, _xml("info", "<version>1.0</version>"))
+            series = series_of(run)
+            for number, each in enumerate(series, start=1):
+                _write_series(_Stream(file, number), each)
+            events = [(row["t_s"], row) for row in timed_events(run)]
+            attempts = [(row.get("begin_s", 0.0), row) for row in attempts_table(run)]
+            gaps = [(row["begin_s"], row) for row in gaps_table(series)]
+            lists = {"events": events, "attempts": attempts, "gaps": gaps}
+            for number, (name, rows) in enumerate(lists.items(), start=len(series) + 1):
+                rows.sort(key=lambda row: row[0])
+                _write_texts(_Stream(file, number), name, [(t_s, to_json(row)) for t_s, row in rows])
+        yield path
+
+
+class _Stream:
+    """One stream of a file.
+
+    Attributes:
+        samples: Number of samples written.
+    """
+
+    def __init__(self, file: BinaryIO, number: int) -> None:
+        self._file, self._head = file, struct.pack("<I", number)
+        self.samples = 0
+        self._first_s = self._last_s = 0.0
+        self._next_mark_s = -np.inf
+        self._offsets: list[float] = []
+
+    def begin(self, info: str) -> None:
+        """Write its header."""
+        _chunk(self._file, _STREAM_HEADER, self._head + _xml("info", info))
+
+    def put(self, t_s: Sequence[float], content: bytes) -> None:
+        """Write samples with their time stamps; clock offsets and boundaries come before them when they are due."""
+        if t_s[0] >= self._next_mark_s:
+            _chunk(self._file, _CLOCK_OFFSET, self._head + struct.pack("<dd", t_s[0], 0.0))
+            _chunk(self._file, _BOUNDARY, _MARK)
+            self._offsets.append(float(t_s[0]))
+            self._next_mark_s = t_s[0] + _BOUNDARY_S
+        _chunk(self._file, _SAMPLES, self._head + b"\4" + struct.pack("<I", len(t_s)) + content)
+        self._first_s = self._first_s if self.samples else float(t_s[0])
+        self._last_s = float(t_s[-1])
+        self.samples += len(t_s)
+
+    def end(self) -> None:
+        """Write its footer."""
+        offsets = "".join(f"<offset><time>{t_s!r}</time><value>0.0</value></offset>" for t_s in self._offsets)
+        text = (
+            f"<first_timestamp>{self._first_s!r}</first_timestamp><last_timestamp>{self._last_s!r}</last_timestamp>"
+            f"<sample_count>{self.samples}</sample_count><clock_offsets>{offsets}</clock_offsets>"
+        )
+        _chunk(self._file, _STREAM_FOOTER, self._head + _xml("info", text))
+
+
+def _write_series(stream: _Stream, series: Series) -> None:
+    named = [("source_s", "s"), *zip(series.columns, series.units, strict=True)]
+    kind = "Haptics" if series.name == "haptic" else series.name.upper()
+    stream.begin(_info(series.name, kind, series.rate, "double64", named))
+    for batch in series.batches():
+        stream.put(batch.t_s.tolist(), _numbers(batch))
+    stream.end()
+
+
+def _numbers(batch: Batch) -> bytes:
+    """Return the samples of a batch as XDF lays them out: 8 (bytes of a time stamp), time stamp, values."""
+    columns = 1 + batch.values.shape[1]
+    rows = np.empty(len(batch.t_s), [("bytes", "u1"), ("t_s", "<f8"), ("values", "<f8", (columns,))])
+    rows["bytes"], rows["t_s"] = 8, batch.t_s
+    rows["values"][:, 0], rows["values"][:, 1:] = batch.source_s, batch.values
+    return rows.tobytes()
+
+
+def _write_texts(stream: _Stream, name: str, rows: Iterable[tuple[float, bytes]]) -> None:
+    stream.begin(_info(name, "Markers", 0.0, "string", [(name, "")]))
+    for t_s, text in rows:
+        stream.put([t_s], b"\x08" + struct.pack("<d", t_s) + b"\4" + struct.pack("<I", len(text)) + text)
+    stream.end()
+
+
+def _info(name: str, kind: str, rate: float, number_format: str, channels: Sequence[tuple[str, str]]) -> str:
+    """Return the metadata of a stream as XML, with label and unit of each channel."""
+    described = "".join(
+        f"<channel><label>{escape(label)}</label><unit>{escape(unit)}</unit></channel>" for label, unit in channels
+    )
+    return (
+        f"<name>{escape(name)}</name><type>{escape(kind)}</type><channel_count>{len(channels)}</channel_count>"
+        f"<nominal_srate>{rate!r}</nominal_srate><channel_format>{number_format}</channel_format>"
+        f"<created_at>0.0</created_at><desc><channels>{described}</channels></desc>"
+    )
+
+
+def _xml(name: str, content: str) -> bytes:
+    return f'<?xml version="1.0"?><{name}>{content}</{name}>'.encode()
+
+
+def _chunk(file: BinaryIO, tag: int, content: bytes) -> None:
+    """Write a chunk: number of bytes of the length, length of tag and content, tag, content."""
+    file.write(struct.pack("<BQH", 8, len(content) + 2, tag))
+    file.write(content)
+
+
+EXPORTER = _Xdf()

@@ -1,0 +1,113 @@
+"""Tables of events and attempts of a recording as columns: what exporters write beside the series."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.clock import SECOND_NS
+from mimics_app.recording.run import Run
+from mimics_app.recording.series import Series
+
+__all__ = [
+    "Column",
+    "Rows",
+    "attempts_table",
+    "columns_of",
+    "event_kinds",
+    "event_rows",
+    "gaps_table",
+    "safe_text",
+    "text_of",
+    "timed_events",
+]
+
+Column = F8 | list[str]
+"""Numbers of shape [n], vectors of shape [n, k], or texts; a missing number is NaN, a missing text is empty."""
+
+Rows = Sequence[Mapping[str, Any]]
+
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")
+"""Beginnings of a cell that spreadsheets run as a formula."""
+
+
+def event_kinds(run: Run) -> list[tuple[str, str]]:
+    """Return source and kind of the events of a recording, in the order of their first lines."""
+    return list(dict.fromkeys((line["source"], line["kind"]) for line in run.lines))
+
+
+def event_rows(run: Run, source: str, kind: str) -> list[dict[str, Any]]:
+    """Return the events of a kind, each with its time since tick 0 [s] in front where it has one."""
+    start_ns = run.start_ns
+    rows = []
+    for line in run.lines_of(source, kind):
+        t_ns = line.get("t_ns")
+        rows.append({"t_s": (t_ns - start_ns) / SECOND_NS, **line} if isinstance(t_ns, int) else line)
+    return rows
+
+
+def timed_events(run: Run, *, frames: bool = True) -> list[dict[str, Any]]:
+    """Return the events that have a time, in its order, with or without the frames, of which there are 60 a second."""
+    kinds = [kind for kind in event_kinds(run) if frames or kind != ("app", "frame")]
+    rows = [row for kind in kinds for row in event_rows(run, *kind) if "t_s" in row]
+    return sorted(rows, key=lambda row: float(row["t_s"]))
+
+
+def attempts_table(run: Run) -> list[dict[str, Any]]:
+    """Return the rows of trials.csv, each with begin and end since tick 0 [s] where it has them."""
+    rows = []
+    for row in run.trials:
+        times = {
+            f"{name}_s": (row[f"{name}_ns"] - run.start_ns) / SECOND_NS
+            for name in ("begin", "end")
+            if isinstance(row.get(f"{name}_ns"), int)
+        }
+        rows.append({**times, **row})
+    return rows
+
+
+def gaps_table(series: Sequence[Series]) -> list[dict[str, Any]]:
+    """Return the gaps of series that were read: series, begin and end [s], reason."""
+    return [
+        {"series": each.name, "begin_s": begin, "end_s": end, "why": why}
+        for each in series
+        for begin, end, why in each.gaps()
+    ]
+
+
+def columns_of(rows: Rows) -> dict[str, Column]:
+    """Return the values of rows by name: numbers and vectors of one length as float64, all else as text."""
+    names = dict.fromkeys(name for row in rows for name in row)
+    return {name: _column([row.get(name) for row in rows]) for name in names}
+
+
+def text_of(value: object) -> str:
+    """Return a value as text: "" for None, texts as they are, all else as JSON."""
+    if value is None:
+        return ""
+    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+
+
+def safe_text(text: str) -> str:
+    """Return the text of a cell so that no spreadsheet runs it as a formula: with an apostrophe in front."""
+    return f"'{text}" if text.startswith(_FORMULA) else text
+
+
+def _column(cells: list[Any]) -> Column:
+    known = [cell for cell in cells if cell is not None]
+    if known and all(_is_number(cell) for cell in known):
+        return np.array([np.nan if cell is None else float(cell) for cell in cells])
+    width = {len(cell) if isinstance(cell, list) else 0 for cell in known}
+    if len(width) == 1 and width != {0} and all(x is None or _is_number(x) for cell in known for x in cell):
+        missing = [None] * width.pop()
+        return np.array([missing if cell is None else cell for cell in cells], float)
+    return [text_of(cell) for cell in cells]
+
+
+def _is_number(value: object) -> bool:
+    """Whether a value is a number of a float's range; truth values are numbers 0 and 1."""
+    return isinstance(value, float) or (isinstance(value, int) and abs(value) < 2**1023)
