@@ -66,13 +66,17 @@ def _play(memory, inbox, data, commands, rows):
         write_lokomat(memory, commands[k], k)
 
 
-def play(torques, ticks: int, *, enabled=True, patient=None, seed: int = 0, delay: int = 1, **settings: object):
+def play(
+    torques, ticks: int, *, enabled=True, patient=None, seed: int = 0, delay: int = 1, inbox=(), **settings: object
+):
     """Run the device with joint torques [N m], shape [4] or [ticks, 4]; return its memory and its data, [ticks, n]."""
     robot = Robot(device="lokomat", delay_ticks=delay, settings=settings)
     plugin = build_device(robot, patient or Patient(intent=False), seed=seed)
     commands = np.zeros((ticks, COMMAND_LENGTH))
     commands[:, COMMAND_TORQUE : COMMAND_TORQUE + 4] = torques
     commands[:, COMMAND_ENABLED] = enabled
-    rows = np.zeros((ticks, DATA_LENGTH))
-    _play(plugin.memory, np.zeros(INBOX_LENGTH), np.zeros(DATA_LENGTH), commands, rows)
+    rows, told = np.zeros((ticks, DATA_LENGTH)), np.zeros(INBOX_LENGTH)
+    for place, value in dict(inbox).items():
+        told[place] = value
+    _play(plugin.memory, told, np.zeros(DATA_LENGTH), commands, rows)
     return plugin.memory, rows

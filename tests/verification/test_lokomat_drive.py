@@ -80,14 +80,15 @@ def test_backlash_lets_the_rod_loose_and_carries_force_beyond():
 
 
 def test_the_rod_sensor_shows_the_weight_of_a_held_leg():
-    """Braked and at rest nobody pushes, and the sensor shows the torque of gravity: the rod, not the person."""
+    """Braked and at rest the sensor shows the torques of gravity and of tissue: the rod, not the person's will."""
     memory, rows = play(0.0, 1500, enabled=False, rod_noise=0.0, backlash=0.0)
     plant = memory[PLANT]
     for number in range(2):
         q = rows[-1, DATA_Q + 2 * number : DATA_Q + 2 * number + 2]
         gravity = two_link.weight(leg_of(plant, number), *q)
         shown = rows[-1, DATA_TORQUE + 2 * number : DATA_TORQUE + 2 * number + 2]
-        assert np.allclose(shown, -np.array(gravity), atol=0.05)
+        tissue = -np.array([6.0, 5.0]) * (q - [0.10, 0.25])
+        assert np.allclose(shown, tissue - np.array(gravity), atol=0.05)
 
 
 def test_a_torque_that_holds_the_weight_moves_nothing_and_a_push_beyond_friction_does():

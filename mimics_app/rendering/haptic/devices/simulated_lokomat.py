@@ -17,6 +17,7 @@ from mimics_app.contracts.loop.loop_ports import (
     DATA_DQ,
     DATA_Q,
     DATA_TORQUE,
+    INBOX_ACTIVE,
     INBOX_BUTTONS,
     READ,
     WRITE,
@@ -27,22 +28,26 @@ from mimics_app.rendering.haptic.devices.device_settings import write_settings
 from mimics_app.rendering.haptic.devices.dynamics import LOKOMAT_CURRENT_LAG, LOKOMAT_NAME, lokomat_dynamics
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_person import move_person, write_person
+from mimics_app.rendering.haptic.devices.walkers import write_person_in
 from mimics_app.rendering.haptic.kernels import two_link
 from mimics_app.rendering.haptic.kernels.arm import ARM_LENGTH, GRIP_FORCE, VIA_POINTS
 from mimics_app.rendering.haptic.kernels.leg_kinematics import GEOMETRY, foot_torques, foot_velocity, place_foot
 from mimics_app.rendering.haptic.kernels.lokomat import linear_drive as drive
-from mimics_app.rendering.haptic.kernels.lokomat import linkage, orthosis, treadmill
+from mimics_app.rendering.haptic.kernels.lokomat import linkage, orthosis, treadmill, walker
 from mimics_app.rendering.haptic.kernels.noise import seed_noise
-from mimics_app.rendering.haptic.kernels.vectors import all_finite, fill
+from mimics_app.rendering.haptic.kernels.vectors import all_finite
 
 __all__ = ["PLANT", "SETTINGS", "build_simulated_lokomat", "read_lokomat", "write_lokomat"]
 
 _SHAPE = ARM_LENGTH
 _FOOT = _SHAPE + GEOMETRY
 _REACHING = _FOOT + 6
-_MACHINE = _REACHING + 1
+_ACTS = _REACHING + 1
+_WALKER = _ACTS + 1
+_MACHINE = _WALKER + walker.WALKER
 _LENGTH = _MACHINE + orthosis.MACHINE
-"""Memory: the limb that reaches, geometry, place and velocity of its foot, which foot reaches, then the machine."""
+"""Memory: the limb that reaches, geometry, place and velocity of its foot, which foot reaches, 1 where the person may
+act, the person who walks, then the machine."""
 
 PLANT = slice(_MACHINE, _LENGTH)
 """Places of the record of `orthosis` in the memory."""
@@ -132,21 +137,34 @@ _START = (0.25, 0.45, 0.05, 0.15)
 
 
 @kernel
-def _move_limb(memory: Vec, inbox: Vec, data: Vec) -> None:
-    """Let the person's limb pull its foot along its path, where it has one."""
+def _reach(memory: Vec, inbox: Vec, data: Vec) -> None:
+    """Let the person's limb pull its foot along its path, in addition to all else."""
     plant = memory[_MACHINE:_LENGTH]
-    for number in range(_LEGS):
-        fill(orthosis.leg_of(plant, number)[orthosis.PERSON_TORQUE : orthosis.PERSON_TORQUE + 2], 0.0)
-    data[DATA_BUTTONS] = inbox[INBOX_BUTTONS] if math.isfinite(inbox[INBOX_BUTTONS]) else 0.0
-    if memory[VIA_POINTS] < 2.0:
-        return
-    geometry, foot, reaching = memory[_SHAPE:_FOOT], memory[_FOOT:_REACHING], int(memory[_REACHING])
-    state = orthosis.state_of(plant, reaching)
-    place_foot(geometry, reaching, state[0:2], foot[0:3])
+    geometry, foot, number = memory[_SHAPE:_FOOT], memory[_FOOT:_REACHING], int(memory[_REACHING])
+    state = orthosis.state_of(plant, number)
+    place_foot(geometry, number, state[0:2], foot[0:3])
     foot_velocity(geometry, state[0:2], state[2:4], foot[3:6])
     move_person(memory[:ARM_LENGTH], foot, inbox, data, plant[orthosis.TICK])
-    pull = orthosis.leg_of(plant, reaching)[orthosis.PERSON_TORQUE : orthosis.PERSON_TORQUE + 2]
-    foot_torques(geometry, state[0:2], memory[GRIP_FORCE : GRIP_FORCE + 3], pull)
+    foot_torques(geometry, state[0:2], memory[GRIP_FORCE : GRIP_FORCE + 3], foot[0:2])
+    tau = orthosis.leg_of(plant, number)
+    for joint in range(2):
+        tau[orthosis.PERSON_TORQUE + joint] += foot[joint]
+
+
+@kernel
+def _move_person(memory: Vec, inbox: Vec, data: Vec) -> None:
+    """Set the torques of the person for this tick: walking where nothing is reached for; buttons to `data`."""
+    plant, person = memory[_MACHINE:_LENGTH], memory[_WALKER:_MACHINE]
+    reaches = memory[VIA_POINTS] > 1.0
+    acting = memory[_ACTS] != 0.0 and all_finite(inbox) and inbox[INBOX_ACTIVE] != 0.0 and not reaches
+    walker.move_walker(person, acting, plant[orthosis.TICK])
+    for number in range(_LEGS):
+        state = orthosis.state_of(plant, number)
+        tau = orthosis.leg_of(plant, number)[orthosis.PERSON_TORQUE : orthosis.PERSON_TORQUE + 2]
+        walker.limb_torques(person, number, state[0:2], state[2:4], acting, plant[orthosis.TICK], tau)
+    data[DATA_BUTTONS] = inbox[INBOX_BUTTONS] if math.isfinite(inbox[INBOX_BUTTONS]) else 0.0
+    if reaches:
+        _reach(memory, inbox, data)
 
 
 @typed_kernel(READ)
@@ -155,7 +173,7 @@ def read_lokomat(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
     plant = memory[_MACHINE:_LENGTH]
     if tick > 0:
         orthosis.step_machine(plant)
-    _move_limb(memory, inbox, data)
+    _move_person(memory, inbox, data)
     for number in range(_LEGS):
         at = 2 * number
         shown = data[DATA_Q + at : DATA_Q + at + 2], data[DATA_DQ + at : DATA_DQ + at + 2]
@@ -174,11 +192,11 @@ def write_lokomat(memory: Vec, command: Vec, tick: int) -> int:
 
 
 def build_simulated_lokomat(request: DeviceRequest) -> DevicePlugin:
-    """Build orthosis and person; a person with a path moves one foot along it by the limb of a simulated person.
+    """Build orthosis and person, who walks an own gait, or with a path moves one foot along it.
 
-    `robot.settings` may hold the numbers of `SETTINGS`, height [m] and weight [kg] of the person, pelvis ("held" over
-    the belt, or "free": on the feet and the body-weight support) and reaching ("left" or "right": the foot that
-    follows the patient's path).
+    `robot.settings` may hold the numbers of `SETTINGS`, height [m] and weight [kg] of the person, person (a preset of
+    `walkers.PERSONS`), pelvis ("held" over the belt, or "free": on the feet and the body-weight support) and reaching
+    ("left" or "right": the foot that follows the patient's path).
 
     Raises:
         DeviceError: An unknown address or setting, a number out of its range.
@@ -189,6 +207,7 @@ def build_simulated_lokomat(request: DeviceRequest) -> DevicePlugin:
     given = dict(request.robot.settings)
     own = segments_of(given.pop("height", HEIGHT), given.pop("weight", WEIGHT))
     pelvis, reaching = str(given.pop("pelvis", _PELVIS[0])), str(given.pop("reaching", _FEET[0]))
+    person = str(given.pop("person", "healthy"))
     require_choice(pelvis, _PELVIS, "way to hold the pelvis")
     require_choice(reaching, _FEET, "foot that reaches")
     numbers = _numbers(given)
@@ -196,6 +215,8 @@ def build_simulated_lokomat(request: DeviceRequest) -> DevicePlugin:
     write_person(memory[:ARM_LENGTH], request)
     memory[_SHAPE:_FOOT] = request.descriptor.geometry_of(request.robot)[:GEOMETRY]
     memory[_REACHING] = float(_FEET.index(reaching))
+    memory[_ACTS] = float(request.patient is not None and request.patient.intent)
+    write_person_in(memory[_WALKER:_MACHINE], person, own.weight, request.rate, 2 * request.seed + 1)
     plant = memory[PLANT]
     _write_plant(plant, request, own, numbers, free=pelvis == "free")
     _write_treadmill(plant, own, numbers)
