@@ -16,6 +16,7 @@ from mimics_app.contracts.messages.board import Board
 from mimics_app.contracts.messages.stage_messages import (
     HapticSnapshot,
     SoundEvent,
+    SoundTrigger,
     TactileEvent,
     TaskAction,
     TaskOrders,
@@ -335,11 +336,12 @@ class TaskManager:
 
     def _orders(self, seen: Observation, sounds: tuple[SoundEvent, ...]) -> TaskOrders:
         haptic = dict(self._settings.haptic)
-        visual, touches = dict(self._settings.visual), list[TactileEvent]()
+        visual, touches, cues = dict(self._settings.visual), list[TactileEvent](), list[SoundTrigger]()
         for play in self._plays.values():
             haptic |= play.orders
             visual |= play.visual
             touches += play.take_touches()
+            cues += play.take_sounds()
             for kind, data in play.take_events():
                 self._on_event(kind, data)
         haptic = {**self._participation.allow(haptic), **self._control.wanted(), "trial": self._attempts.begun}
@@ -349,6 +351,7 @@ class TaskManager:
             visual=self._visual.since_last(visual),
             audio=self._audio.since_last(self._settings.audio),
             sounds=sounds,
+            cues=tuple(cues),
             touches=tuple(touches),
             view=view,
             board=self._lay_out(seen, view),

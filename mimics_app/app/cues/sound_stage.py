@@ -85,7 +85,7 @@ class SoundStage:
         cue = self._watch.poll(orders)
         own = [SoundTrigger(cue, now_ns)] if cue else []
         moved = (*_motion_triggers(world, now_ns), *self._surroundings.steps(world, now_ns))
-        for trigger in (*triggers, *own, *moved):
+        for trigger in (*triggers, *orders.cues, *own, *moved):
             sound = self._settings.sound_of(trigger.kind, trigger.material)
             if sound:
                 self.output.play(SoundEvent(sound, trigger.t_ns, trigger.position_world, trigger.strength))

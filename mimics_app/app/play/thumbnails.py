@@ -26,6 +26,8 @@ _MOMENTS_S = {
     "pick_and_place": 3.0,
     "guided_walk": 4.0,
     "city_walk": 9.0,
+    "canyon_walk": 18.0,
+    "soccer": 5.0,
     "falling_pairs": 0.5,
     "tower": 0.3,
 }

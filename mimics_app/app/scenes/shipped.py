@@ -27,13 +27,15 @@ __all__ = [
 ONLY_LOOKED_AT = "none"
 """Scenario of a scene without a task, which is only looked at."""
 
-GROUPS = {"tasks": "Tasks", "examples": "Examples", "places": "Places"}
-"""Title of each group: scenes with a task, examples of one feature each, scenes that are only looked at."""
+GROUPS = {"tasks": "Tasks", "walks": "Walks", "examples": "Examples", "places": "Places"}
+"""Title of each group: scenes with a task, walks, examples of one feature each, scenes that are only looked at."""
+_WALKS = ("city_walk", "canyon_walk", "soccer")
+"""Scenes of the group "walks"."""
 
 SIMULATED = "simulated_hapticmaster"
 """Robot of a scene that names none, the same as `world.components.robot.Robot` (a test compares them)."""
 
-_FIRST = ("wavy_tunnel", "pick_and_place", "city_walk", "guided_walk")
+_FIRST = ("wavy_tunnel", "pick_and_place", *_WALKS, "guided_walk")
 
 _SECONDS = 60.0
 """Default duration of a trial [s], the same as `tasks.task.TaskSpec.time_limit_s` (a test compares them)."""
@@ -70,7 +72,7 @@ class ShippedScene:
 
 @cache
 def shipped_scenes() -> tuple[ShippedScene, ...]:
-    """Return all shipped scenes: tasks, examples, places; in each group those of `_FIRST`, then the others by name."""
+    """Return all shipped scenes: tasks, walks, examples, places; in each group those of `_FIRST`, then the others by name."""
     found = [_describe(file) for file in _files()]
     groups = list(GROUPS)
     return tuple(sorted(found, key=lambda scene: (groups.index(scene.group), *_rank(scene.name))))
@@ -109,6 +111,7 @@ def _describe(file: Path) -> ShippedScene:
     document = json.loads(file.read_text(encoding="utf-8"))
     looked_at = document.get("scenario") == ONLY_LOOKED_AT
     group = "places" if looked_at else "examples" if file.parent.name == "examples" else "tasks"
+    group = "walks" if file.stem in _WALKS else group
     return ShippedScene(
         name=file.stem,
         file=file,

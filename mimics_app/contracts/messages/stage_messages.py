@@ -257,6 +257,7 @@ class TaskOrders:
         visual: New values of named scene parameters, e.g. {"tunnel.radius_scale": 1.2}.
         audio: New values of mixer parameters, e.g. {"gain": 0.5}.
         sounds: Sounds to start.
+        cues: Events of the task's kind whose sounds the scene assigns.
         touches: Taps of vibrators.
         view: State of the task.
         board: Heads-up display.
@@ -271,6 +272,7 @@ class TaskOrders:
     visual: Mapping[str, object] = field(default_factory=dict)
     audio: Mapping[str, object] = field(default_factory=dict)
     sounds: tuple[SoundEvent, ...] = ()
+    cues: tuple[SoundTrigger, ...] = ()
     touches: tuple[TactileEvent, ...] = ()
     view: TaskView = field(default_factory=TaskView)
     board: Board = field(default_factory=Board)

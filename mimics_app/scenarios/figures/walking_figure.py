@@ -13,12 +13,13 @@ from mimics_app.maths import quat
 from mimics_app.world.graph.scene_node import SceneNode
 
 if TYPE_CHECKING:
+    from mimics_app.contracts.arrays import F8
     from mimics_app.world.content.motion.animator import Animator
-    from mimics_app.world.content.motion.gait import Pace
+    from mimics_app.world.content.motion.gait import Pace, Walk
     from mimics_app.world.content.motion.motion import Motion
     from mimics_app.world.graph.camera import Camera
 
-__all__ = ["OWN_HEAD", "add_walk", "below", "follow_numbers", "pace_at", "see_past_head", "stand"]
+__all__ = ["OWN_HEAD", "add_walk", "below", "follow_numbers", "pace_at", "pace_with", "see_past_head", "stand"]
 
 Part = TypeVar("Part")
 """An animator or a state machine."""
@@ -54,6 +55,13 @@ def pace_at(speed: float) -> Pace:
     return Pace(0.0, 0.0) if abs(speed) < _CRAWL else Pace(speed, natural_step(abs(speed)))
 
 
+def pace_with(speed: float, step: float) -> Pace:
+    """Return the pace of the legs at a speed [m/s] with a step [m]; they stand when the speed is tiny."""
+    from mimics_app.world.content.motion.gait import Pace
+
+    return Pace(0.0, 0.0) if abs(speed) < _CRAWL else Pace(speed, step)
+
+
 def below(node: SceneNode, parts: Mapping[int, Part]) -> Part | None:
     """Return the part, by the index of its node, of the model at a node or at a child of it."""
     return next((parts[each.index] for each in (node, *node.children) if each.index in parts), None)
@@ -80,8 +88,12 @@ def add_walk(
     pace: Callable[[], Pace],
     ground: Callable[[], tuple[float, float, float]],
     material: Callable[[], str] = str,
-) -> None:
-    """Let the legs of a model walk with its node, each heel strike an event "step"; without a model nothing happens.
+    *,
+    legs: Callable[[], F8] | None = None,
+    phase: Callable[[], float] | None = None,
+    step: str = "step",
+) -> Walk | None:
+    """Let the legs of a model walk with its node, each heel strike an event; without a model nothing happens.
 
     Args:
         motion: Motion of the model's world.
@@ -89,21 +101,31 @@ def add_walk(
         pace: Returns speed and step length.
         ground: Returns the model's place and heading on the ground: x, z [m] and the angle about +y from +z [rad].
         material: Returns the material of the ground under the model, "" for that of the scene.
+        legs: Returns the present angles of the person's legs, see `Walk`; None: by the published curves.
+        phase: Returns the phase of the person's left leg; None: the model's own.
+        step: Kind of the event of a heel strike.
+
+    Returns:
+        The gait of the model; None without one.
     """
     if animator is None:
-        return
+        return None
     from mimics_app.world.content.motion.gait import Walk
     from mimics_app.world.content.motion.humanoid import find_humanoid
     from mimics_app.world.content.motion.soles import outline_soles
 
     bones = find_humanoid(animator.rig)
-    if not bones.missing:
-        walk = Walk(
-            animator.rig,
-            bones,
-            pace,
-            ground=ground,
-            soles=outline_soles(animator.rig, bones, motion.bodies.values()),
-            events=lambda event: animator.events.append(replace(event, material=material())),
-        )
-        animator.steps.insert(0, walk)  # the head turns to a person after the trunk has
+    if bones.missing:
+        return None
+    walk = Walk(
+        animator.rig,
+        bones,
+        pace,
+        angles=None if legs is None else lambda _: legs(),
+        phase=phase,
+        ground=ground,
+        soles=outline_soles(animator.rig, bones, motion.bodies.values()),
+        events=lambda event: animator.events.append(replace(event, kind=step, material=material())),
+    )
+    animator.steps.insert(0, walk)  # the head turns to a person after the trunk has
+    return walk

@@ -18,7 +18,7 @@ from msgspec import Meta
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.messages.board import Card
 from mimics_app.contracts.messages.report_section import ReportSection
-from mimics_app.contracts.messages.stage_messages import TactileEvent
+from mimics_app.contracts.messages.stage_messages import SoundTrigger, TactileEvent
 from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.trial_specs import BlockSpec
@@ -130,6 +130,10 @@ class KindPlay:
 
     def take_touches(self) -> tuple[TactileEvent, ...]:
         """Return the tactile events ordered since the last call."""
+        return ()
+
+    def take_sounds(self) -> tuple[SoundTrigger, ...]:
+        """Return the events with a sound since the last call; the scene assigns the sound by kind and material."""
         return ()
 
     def take_events(self) -> Sequence[tuple[str, Mapping[str, object]]]:

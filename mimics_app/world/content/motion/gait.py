@@ -53,6 +53,8 @@ _HEEL, _TIP = 0.5, 1.75
 """Distances of heel behind and toe tip before the ankle, over that of the ball: feet of 265 mm."""
 _SETTLING_CADENCE = 0.9
 """Cadence while the feet of a standing person are brought under the body [1/s]."""
+_LED = 6.0
+"""Rate at which the phase is drawn to a given one [1/s]."""
 _SLOW_BACK, _SLOW, _FASTER = 0.025, 0.5, 0.8
 """How much farther back feet stand at slow speeds than hip and knee of the table say [m], fitted to the knee: the foot
 rolls off before toe-off; speeds up to which it is so, and from which they stand as the table says [m/s]."""
@@ -121,6 +123,8 @@ class Walk:
         pace: Returns the present speed and step length.
         angles: Returns angles of hip and knee [rad] at a phase of the cycle, [left hip, left knee, right hip, right
             knee], flexion positive; None: the feet follow the published curves.
+        phase: Returns the phase of the left leg that the walk is to keep in step with, 0 at its heel strike; None: it
+            has its own.
         move: Called with the distance of each time step [m], to move the model's root.
         ground: Returns the model's pose on the ground, for foot lock while the model turns and changes its speed. None:
             stance feet move backwards at the pace.
@@ -139,12 +143,14 @@ class Walk:
         pace: Callable[[], Pace],
         *,
         angles: Callable[[float], F8] | None = None,
+        phase: Callable[[], float] | None = None,
         move: Callable[[float], None] | None = None,
         ground: Ground | None = None,
         soles: F8 | None = None,
         events: Callable[[ClipEvent], None] | None = None,
     ) -> None:
         self._rig, self._bones, self._pace, self._angles, self._move = rig, bones, pace, angles, move
+        self._led = phase
         self._events = events
         self._rest, self._chain = Chain(rig), Chain(rig)
         self._trunk = WalkingTrunk(rig, bones, self._rest, self._chain)
@@ -167,7 +173,7 @@ class Walk:
     def __call__(self, pose: Pose, seconds: float) -> None:
         pace = self._pace()
         before = self._phase
-        self._phase = (self._phase + self._cadence(pace) * seconds) % 1.0
+        self._phase = self._following(pace, seconds)
         backwards = pace.cadence < 0.0
         natural = _NATURAL_STEP * self._leg * NATURAL_STANCE
         stretch = min(1.3, pace.step * pace.stance / natural)
@@ -202,6 +208,13 @@ class Walk:
         thigh, shank = (float(np.linalg.norm(places[a] - places[b])) for a, b in ((hip, knee), (knee, foot)))
         bend = _TOE_BEND if toes >= 0 else 0.0
         return np.array([places[foot, 1], _HEEL * ball, ball, _TIP * ball, thigh, shank, bend, max(joint, 0.0)])
+
+    def _following(self, pace: Pace, seconds: float) -> float:
+        """Return the phase after a time step: one's own, drawn to the given one while somebody walks."""
+        phase = self._phase + self._cadence(pace) * seconds
+        if self._led is not None and pace.speed > 0.0:
+            phase += min(_LED * seconds, 1.0) * math.remainder(self._led() - phase, 1.0)
+        return phase % 1.0
 
     def _cadence(self, pace: Pace) -> float:
         """Return the cadence [1/s]; at zero speed the feet are first brought under the body."""

@@ -1,0 +1,96 @@
+"""Soccer (D2.1 3.3.3): the person, the opponent and the ball on a pitch in the street of the city."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.messages.stage_messages import Aim, HapticSnapshot, TaskOrders
+from mimics_app.maths import quat
+from mimics_app.scenarios.figures.free_figure import FreeFigure
+from mimics_app.scenarios.figures.kicking_leg import add_kick
+from mimics_app.scenarios.figures.walking_figure import below, follow_numbers, see_past_head
+from mimics_app.scenarios.parts.touch_scene import TouchScene
+from mimics_app.tasks.kinds.soccer.kind import SoccerSpec
+from mimics_app.tasks.scene_section import section_of
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.scene import Scene
+from mimics_app.world.graph.scene_node import SceneNode
+
+__all__ = ["SCENARIO", "Soccer"]
+
+_RAISED, _ASIDE = 0.1, 0.08
+"""How far a simulated person raises the hand at full speed, and moves it aside at full turn [m]."""
+_FULL_TURN = 1.8
+"""Rate of turn at that deflection [rad/s]."""
+_RADIUS = 0.11
+"""Radius of the ball, which rolls by as much [m]."""
+_PLACES = ("ball.x", "ball.y", "ball.z")
+
+
+class Soccer(TouchScene):
+    """A match.
+
+    Args:
+        scene: The checked scene; needs a robot and a task with `soccer`.
+        world: The world built from it.
+
+    Raises:
+        SceneError: the task has no soccer.
+    """
+
+    def __init__(self, scene: Scene, world: World) -> None:
+        super().__init__(scene, world)
+        spec = section_of(scene, SoccerSpec)
+        self._person, self._ball_node = world.find(spec.person), world.find(spec.ball)
+        self._now = dict.fromkeys((*_PLACES, "advice.speed", "advice.turn", "advice.kicks"), 0.0)
+        self._figures = [self._figure(world, self._person, "person", -1.0, "step")]
+        if spec.opponent is not None:
+            self._figures.append(self._figure(world, world.find(spec.opponent), "opponent", 1.0, "opponent_step"))
+        see_past_head(world.cameras, self._person)
+        self._rolled = np.array([0.0, 0.0, 0.0, 1.0])
+        self._ball_at = np.array(self._ball_node.position)
+
+    def hand_frame(self) -> NDArray[np.float64]:
+        return self._person.world_matrix()
+
+    def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
+        super().apply(orders, snapshot)
+        follow_numbers(self._now, orders.visual)
+        for figure in self._figures:
+            figure.follow(orders.visual)
+        self._roll(np.array([self._now[name] for name in _PLACES]))
+
+    def aim(self, snapshot: HapticSnapshot) -> Aim:
+        """Return where the hand of a simulated person goes to play as the task advises."""
+        x, y, z = self._start.tolist()
+        aside = -self._now["advice.turn"] / _FULL_TURN * _ASIDE
+        up = self._now["advice.speed"] * _RAISED
+        return Aim((x + min(max(aside, -_ASIDE), _ASIDE), y + up, z), close=self._now["advice.kicks"] > 0.0)
+
+    def _figure(self, world: World, node: SceneNode, name: str, ahead: float, step: str) -> FreeFigure:
+        """Return a player's figure, whose right leg kicks."""
+        swing = {f"{name}.kick": -1.0, f"{name}.kick_ahead": 0.0}
+        self._now |= swing
+        figure = FreeFigure(world, node, name, ahead, lambda x, z: "grass", step)
+        kick = (f"{name}.kick", f"{name}.kick_ahead")
+        add_kick(below(node, world.motion.animators), figure.walk, lambda: (self._now[kick[0]], self._now[kick[1]]))
+        return figure
+
+    def _roll(self, place: NDArray[np.float64]) -> None:
+        """Place the ball, rolled by the way it went since the last frame."""
+        way = place - self._ball_at
+        far = math.hypot(way[0], way[2])
+        if 1e-6 < far < 1.0:
+            turn = quat.about_axis((way[2] / far, 0.0, -way[0] / far), far / _RADIUS)
+            rolled = np.empty(4)
+            quat.multiply(turn, self._rolled, rolled)
+            self._rolled = rolled / np.linalg.norm(rolled)
+        self._ball_at = place
+        self._ball_node.set_position(place)
+        self._ball_node.set_orientation(self._rolled)
+
+
+SCENARIO = Soccer

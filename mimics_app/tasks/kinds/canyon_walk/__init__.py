@@ -1,0 +1,3 @@
+"""Walk over a canyon, as a kind of task."""
+
+__all__: list[str] = []

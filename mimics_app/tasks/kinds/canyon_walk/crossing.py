@@ -1,0 +1,148 @@
+"""A walk from a street onto a narrow beam and over it: where the feet come down, missteps, falls, marks.
+
+Places are distances along the street and the beam and to the right of their middle line [m].
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from mimics_app.tasks.kinds.canyon_walk.wind import Wind, exposure
+from mimics_app.tasks.walking.legs import Impairment
+from mimics_app.tasks.walking.walker import FootPlace, Walker
+
+__all__ = ["Beam", "Crossing"]
+
+_LEAN = 0.35
+"""Largest speed to the side by leaning [m/s]."""
+_PUSH = 0.30
+"""Speed to the side in the strongest gust [m/s]."""
+_FOOT = 0.045
+"""Half the width of a foot [m]."""
+_STREET = 2.4
+"""Distance from the middle of the street within which somebody stays [m]."""
+_FALLS = 0.10
+"""Distance of a person's middle beyond the edge of the beam at which they fall [m]."""
+_BACK = 1.5
+"""How far before the fall they begin again [m]."""
+_RESTS_S = 1.6
+"""Time of standing after a fall [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Beam:
+    """The beam.
+
+    Attributes:
+        begins, ends: Both rims, along the way [m].
+        width: Of its upper side [m].
+    """
+
+    begins: float
+    ends: float
+    width: float
+
+    def carries(self, along: float) -> bool:
+        """Whether a place is on the beam and not on land."""
+        return self.begins < along < self.ends
+
+
+class Crossing:
+    """One way over the canyon.
+
+    Args:
+        beam: The beam.
+        impairment: Of the person's legs.
+        start: Where the person begins, along the way [m].
+        seed: Seed of gusts and feet.
+        calm: No gusts.
+
+    Attributes:
+        beam: The beam; its width may change.
+        walker: The person; the street goes towards -z from z = 0, and right is +x.
+        missteps: Feet that came down beyond the edge of the beam.
+        on_beam: Feet that came down on or beside the beam.
+        falls: Number of falls.
+        off: Distances of the feet from the middle of the beam [m].
+        marks: Names of places reached since they were last taken: "on_beam", "half_way", "end".
+    """
+
+    def __init__(self, beam: Beam, impairment: Impairment, start: float, seed: int, *, calm: bool) -> None:
+        self.beam = beam
+        self.walker = Walker(impairment, seed)
+        self.walker.put(0.0, -start, math.pi)
+        self._wind = Wind(np.random.default_rng([seed, 332]), calm=calm)
+        self.missteps = self.on_beam = self.falls = 0
+        self.off: list[float] = []
+        self.marks: list[str] = []
+        self._reached: set[str] = set()
+        self._rests_s = 0.0
+        self._before = start
+
+    @property
+    def along(self) -> float:
+        """Where the person is along the way [m]."""
+        return -self.walker.z
+
+    @property
+    def wind(self) -> Wind:
+        """The wind where the person is."""
+        return self._wind
+
+    @property
+    def rests(self) -> bool:
+        """Whether the person stands after a fall."""
+        return self._rests_s > 0.0
+
+    def step(self, speed: float, lean: float, seconds: float) -> tuple[list[FootPlace], list[FootPlace], bool]:
+        """Walk for a time.
+
+        Args:
+            speed: Wanted speed [m/s].
+            lean: Lean to the right, -1 to 1.
+            seconds: Time step [s].
+
+        Returns:
+            The feet that came down, those of them that missed the beam, and whether a gust begins.
+        """
+        walker = self.walker
+        gust = self._wind.blow(exposure(self.along, self.beam.begins, self.beam.ends), seconds)
+        self._rests_s = max(self._rests_s - seconds, 0.0)
+        moving = 0.0 if self.rests else min(1.0, walker.speed / 0.2)
+        aside = moving * (_LEAN * lean + _PUSH * self._wind.push)
+        self._before = self.along
+        feet = walker.step(0.0 if self.rests else speed, 0.0, seconds, (aside, 0.0))
+        if not self.beam.carries(self.along):
+            walker.x = min(max(walker.x, -_STREET), _STREET)
+        missed = [foot for foot in feet if self._misses(foot)]
+        self.missteps += len(missed)
+        if self.beam.carries(self.along) and abs(walker.x) > 0.5 * self.beam.width + _FALLS:
+            self._fall()
+        self._mark()
+        return feet, missed, gust
+
+    def _misses(self, foot: FootPlace) -> bool:
+        """Measure a foot on the beam; return whether its outer edge is beyond the beam's."""
+        if not self.beam.carries(-foot.z):
+            return False
+        self.on_beam += 1
+        self.off.append(abs(foot.x))
+        return abs(foot.x) + _FOOT > 0.5 * self.beam.width
+
+    def _fall(self) -> None:
+        """Set the person back onto the middle of the beam."""
+        self.falls += 1
+        self._rests_s = _RESTS_S
+        back = max(self.along - _BACK, self.beam.begins + 0.5)
+        self.walker.put(0.0, -back, math.pi)
+
+    def _mark(self) -> None:
+        begins, ends = self.beam.begins, self.beam.ends
+        places = {"on_beam": begins, "half_way": 0.5 * (begins + ends), "end": ends}
+        for name, place in places.items():
+            if name not in self._reached and self._before < place <= self.along:
+                self._reached.add(name)
+                self.marks.append(name)

@@ -1,0 +1,265 @@
+"""Walk over a canyon (D2.1 3.3.2): from a broad street towards a narrow beam, and over it in sections."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from msgspec import Meta, field, structs
+
+from mimics_app.contracts.errors import Issue
+from mimics_app.contracts.messages.board import Bar, Card, Tone
+from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
+from mimics_app.contracts.messages.stage_messages import SoundTrigger
+from mimics_app.contracts.ports.scenario_port import TaskContext
+from mimics_app.tasks.cards import count_card
+from mimics_app.tasks.deflection import DEAD_ZONE
+from mimics_app.tasks.kinds.canyon_walk.crossing import Beam, Crossing
+from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, TaskBlock, TaskKind, Values
+from mimics_app.tasks.observation import Observation
+from mimics_app.tasks.walking.legs import GAITS
+from mimics_app.tasks.walking.throttle import Throttle
+from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, symmetry_card, walk_values
+from mimics_app.world.components.bounds import Extent
+from mimics_app.world.components.registry import Component
+
+if TYPE_CHECKING:
+    from mimics_app.world.files.scene.scene import Scene
+
+__all__ = ["KIND", "CanyonWalkPlay", "CanyonWalkSpec"]
+
+_CREAK_PER_STEP = 0.35
+"""Strength of the creak of the beam under a foot."""
+
+
+class SectionSpec(Component, frozen=True):
+    """A section of the way, walked as one trial."""
+
+    begin: Annotated[Extent, Meta(description="Where it begins along the way [m].")]
+    end: Annotated[Extent, Meta(description="Where it ends [m].")]
+
+
+class CanyonWalkSpec(Component, frozen=True):
+    """A walk over a beam; the higher the hand, the faster; aside leans."""
+
+    person: Annotated[str, Meta(description="Entity that goes where the person is.")]
+    beam: Annotated[str, Meta(description="Entity with the model of the beam, 1 m wide, which is scaled.")]
+    begins: Annotated[Extent, Meta(description="Length of the street before the beam [m].")] = 20.0
+    span: Annotated[Extent, Meta(description="Length of the beam over the canyon [m].")] = 200.0
+    width: Annotated[float, Meta(ge=0.2, le=3.0, description="Width of the beam [m], unless a parameter sets it.")] = (
+        0.6
+    )
+    calm: Annotated[bool, Meta(description="For fearful people: no gusts, and half the steady wind.")] = False
+    gait: Annotated[
+        Literal["healthy", "hemiparetic", "severe"], Meta(description="Legs of who walks without an orthosis.")
+    ] = "healthy"
+    fastest: Annotated[float, Meta(gt=0.0, le=2.5, description="Speed at full deflection of the hand [m/s].")] = 1.3
+    deflection: Annotated[float, Meta(gt=DEAD_ZONE, le=0.5, description="Full deflection of the hand [m].")] = 0.1
+    sections: Annotated[
+        dict[str, SectionSpec], Meta(max_length=20, description="Sections by the label of their trials.")
+    ] = field(default_factory=dict)
+
+
+class Crossed(Component, frozen=True, tag="crossed", tag_field="kind"):
+    """The person has come to the end of the section."""
+
+    hold_s: Annotated[float, Meta(ge=0.0, le=60.0, description="For how long [s].")] = 0.0
+
+
+class CanyonWalkPlay(KindPlay):
+    """The sections of a session.
+
+    Args:
+        spec: Section of the task.
+        seed: Seed of gusts and feet.
+    """
+
+    def __init__(self, spec: CanyonWalkSpec, seed: int) -> None:
+        self._spec, self._seed, self._number = spec, seed, 0
+        self._throttle = Throttle(spec.deflection)
+        self._beam = Beam(spec.begins, spec.begins + spec.span, spec.width)
+        self._whole = SectionSpec(0.0, self._beam.ends + 5.0)
+        self._section = self._whole
+        self._sounds: list[SoundTrigger] = []
+        self._events: list[tuple[str, Mapping[str, object]]] = []
+        self.begin_attempt()
+
+    def begin_trial(self, label: str, number: int) -> None:
+        self._section, self._number = self._spec.sections.get(label, self._whole), number
+        self.begin_attempt()
+
+    def begin_attempt(self) -> None:
+        spec = self._spec
+        seed = self._seed * 1000 + self._number
+        self._crossing = Crossing(self._beam, GAITS[spec.gait], self._section.begin, seed, calm=spec.calm)
+        self._seconds, self._trembles = 0.0, 0.0
+
+    def start_attempt(self, seen: Observation) -> None:
+        self._throttle.start(seen)
+
+    def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:
+        wide = settings.get("beam_width")
+        if isinstance(wide, int | float):
+            self._crossing.beam = widened(self._beam, float(wide))
+        begin, end = self._section.begin, self._section.end
+        return structs.replace(seen, progress=min(max((self._crossing.along - begin) / (end - begin), 0.0), 1.0))
+
+    def travel(self, seen: Observation, seconds: float) -> None:
+        self._throttle.read(seen)
+        crossing = self._crossing
+        falls = crossing.falls
+        feet, missed, gust = crossing.step(self._spec.fastest * self._throttle.ahead, self._throttle.aside, seconds)
+        self._seconds += seconds
+        self._trembles = max(self._trembles - 2.0 * seconds, 0.0)
+        for foot in feet:
+            if crossing.beam.carries(-foot.z):
+                self._trembles = 1.0
+                self._sound("creak", seen, (foot.x, 0.0, foot.z), _CREAK_PER_STEP)
+        for foot in missed:
+            self._sound("misstep", seen, (foot.x, 0.0, foot.z))
+            self._note("misstep", seen, side=foot.side, off_m=round(abs(foot.x), 4))
+        if gust:
+            self._sound("gust", seen, (crossing.walker.x - 4.0, 1.6, crossing.walker.z))
+        if crossing.falls > falls:
+            self._sound("fall", seen, (crossing.walker.x, 0.0, crossing.walker.z))
+            self._note("fall", seen)
+        while crossing.marks:
+            self._note("marker", seen, name=crossing.marks.pop(0))
+
+    def take_sounds(self) -> tuple[SoundTrigger, ...]:
+        sounds, self._sounds = tuple(self._sounds), []
+        return sounds
+
+    def take_events(self) -> Sequence[tuple[str, Mapping[str, object]]]:
+        events, self._events = self._events, []
+        return events
+
+    @property
+    def visual(self) -> Mapping[str, object]:
+        crossing = self._crossing
+        return {
+            **crossing.walker.visual("person"),
+            "beam.width": crossing.beam.width,
+            "beam.trembles": round(self._trembles, 3),
+            "wind.strength": round(crossing.wind.strength, 3),
+            "wind.push": round(crossing.wind.push, 3),
+        }
+
+    @property
+    def lever(self) -> bool:
+        return True
+
+    @property
+    def prompt(self) -> str:
+        crossing = self._crossing
+        if crossing.rests:
+            return "Never mind. You are back on the beam: breathe, then raise the hand"
+        if crossing.walker.walked == 0.0:
+            return "Raise the hand to walk, lower it to stop; move it aside to lean"
+        return "A gust: lean against it" if abs(crossing.wind.push) > 0.3 else ""
+
+    @property
+    def measures(self) -> Values:
+        crossing = self._crossing
+        share = 1.0 - crossing.missteps / crossing.on_beam if crossing.on_beam else None
+        return {
+            **walk_values(crossing.walker, self._seconds),
+            "missteps": float(crossing.missteps),
+            "on_beam_share": share,
+            "foot_off_m": sum(crossing.off) / len(crossing.off) if crossing.off else None,
+            "falls": float(crossing.falls),
+        }
+
+    def outcome_words(self, row: Mapping[str, object], *, finished: bool) -> str:
+        missed = f"{row['missteps']:.0f} steps beside the beam" if row["missteps"] else "no step beside the beam"
+        if finished:
+            return f"Across in {row['time_s']:.0f} s, {missed}"
+        return f"{self._section.end - self._crossing.along:.0f} m were left, {missed}"
+
+    def holds(self, goal: Component, seen: Observation) -> bool:
+        return self._crossing.along >= self._section.end
+
+    def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:
+        crossing, left = self._crossing, max(self._section.end - self._crossing.along, 0.0)
+        tone = Tone.WARN if crossing.missteps else Tone.PLAIN
+        return {
+            "speed": Card(
+                "Speed",
+                f"{crossing.walker.speed:.1f} m/s",
+                bar=Bar(crossing.walker.speed, self._spec.fastest),
+                width=220.0,
+            ),
+            "left": Card("To go", f"{left:.0f} m", width=150.0),
+            "steps": count_card("Steps", crossing.walker.footfalls.count),
+            "missteps": Card("Missteps", f"{crossing.missteps}", tone=tone, width=150.0),
+            "symmetry": symmetry_card(crossing.walker.footfalls),
+        }
+
+    def _sound(self, kind: str, seen: Observation, place: tuple[float, float, float], strength: float = 1.0) -> None:
+        self._sounds.append(SoundTrigger(kind, seen.now_ns, place, strength=strength))
+
+    def _note(self, kind: str, seen: Observation, **data: object) -> None:
+        self._events.append((kind, {"t_ns": seen.now_ns, "along_m": round(self._crossing.along, 3), **data}))
+
+
+def widened(beam: Beam, width: float) -> Beam:
+    """Return a beam of another width [m]."""
+    return beam if beam.width == width else Beam(beam.begins, beam.ends, width)
+
+
+class CanyonWalkSection(ReportSection):
+    """Section of runs with trials of the walk."""
+
+    def takes(self, facts: Mapping[str, Any], attempts: Sequence[ReportedAttempt]) -> bool:
+        return any("on_beam_share" in attempt.row for attempt in attempts)
+
+    def tiles(self, task: Mapping[str, Any]) -> Mapping[str, tuple[Any, str]]:
+        return {
+            "steps": (task.get("steps"), ""),
+            "missteps": (task.get("missteps"), ""),
+            "symmetry of the steps": (task.get("symmetry"), ""),
+        }
+
+
+class CanyonWalkKind(TaskKind):
+    """Crossing as a task."""
+
+    name, section, goals = "canyon_walk", CanyonWalkSpec, (Crossed,)
+    measures = (
+        *WALK_MEASURES,
+        Measure.totalled("missteps", "missteps", "Feet that came down beside the beam.", 0.0, 10.0, sums=True),
+        Measure.totalled(
+            "on_beam_share", "on_beam", "Share of the feet that came down on the beam.", 1.0, 0.5, weight=1.0
+        ),
+        Measure.totalled("foot_off_m", "foot_off", "Mean distance of the feet from the beam's middle [m].", 0.06, 0.3),
+        Measure.totalled("falls", "falls", "Falls from the beam.", 0.0, 3.0, sums=True),
+    )
+    targets = ("beam_width",)
+    completes = "crossed"
+    cards = ("speed", "left", "steps", "missteps", "symmetry")
+    journals = ("misstep", "fall", "marker")
+    label = "Way"
+    touches = False
+    report = CanyonWalkSection()
+
+    def check(self, spec: TaskBlock, pointer: str) -> Iterator[Fault]:
+        yield from super().check(spec, pointer)
+        walk = spec.find(CanyonWalkSpec)
+        for name, section in walk.sections.items() if walk is not None else ():
+            if not section.end > section.begin:
+                yield f"{pointer}/canyon_walk/sections/{name}/end", "is not after its begin", "give a longer section"
+
+    def check_scene(self, spec: TaskBlock, scene: Scene) -> list[Issue]:
+        walk = spec.find(CanyonWalkSpec)
+        if walk is None:
+            return []
+        named = {f"/task/canyon_walk/{field}": getattr(walk, field) for field in ("person", "beam")}
+        return scene.check_names(named, "no entity", scene.by_id)
+
+    def open(self, spec: TaskBlock, context: TaskContext, seed: int) -> CanyonWalkPlay:
+        section = spec.find(CanyonWalkSpec)
+        assert section is not None
+        return CanyonWalkPlay(section, seed)
+
+
+KIND = CanyonWalkKind()

@@ -1,0 +1,256 @@
+"""Soccer (D2.1 3.3.3): the person walks and kicks a ball in a street, against an opponent or alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from msgspec import Meta, structs
+
+from mimics_app.contracts.errors import Issue
+from mimics_app.contracts.messages.board import Card
+from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
+from mimics_app.contracts.messages.stage_messages import SoundTrigger
+from mimics_app.contracts.ports.scenario_port import TaskContext
+from mimics_app.tasks.cards import count_card
+from mimics_app.tasks.deflection import DEAD_ZONE
+from mimics_app.tasks.kinds.kind import KindPlay, Measure, TaskBlock, TaskKind, Values
+from mimics_app.tasks.kinds.soccer.match import Happening, Match, Pitch
+from mimics_app.tasks.kinds.soccer.mind import Mind
+from mimics_app.tasks.observation import Observation
+from mimics_app.tasks.walking.legs import GAITS
+from mimics_app.tasks.walking.throttle import Throttle
+from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, symmetry_card, walk_values
+from mimics_app.world.components.bounds import Figure, Share
+from mimics_app.world.components.registry import Component
+
+if TYPE_CHECKING:
+    from mimics_app.world.files.scene.scene import Scene
+
+__all__ = ["KIND", "SoccerPlay", "SoccerSpec"]
+
+_MOST_TURN = 1.8
+"""Rate of turn at full deflection of the hand [rad/s]."""
+_SOUNDS = {"kick": "kick", "goal": "scored", "opponent_goal": "opponent_scored", "board": "board", "whistle": "whistle"}
+"""Kind of the sound of what happens in a match."""
+_MODERATE = 0.5
+"""Skill with which a simulated person plays."""
+
+
+class SoccerSpec(Component, frozen=True):
+    """A match; the higher the hand, the faster; aside turns; closing it kicks."""
+
+    person: Annotated[str, Meta(description="Entity that goes where the person is.")]
+    ball: Annotated[str, Meta(description="Entity with the model of the ball.")]
+    opponent: Annotated[str | None, Meta(description="Entity with the opponent's model; absent: alone.")] = None
+    middle: Annotated[
+        tuple[Figure, Figure, Figure], Meta(description="Middle of the pitch, world [m]; its length is along z.")
+    ] = (0.0, 0.0, 0.0)
+    skill: Annotated[Share, Meta(description="Skill of the opponent, 0 to 1, unless a parameter sets it.")] = 0.4
+    match_s: Annotated[float, Meta(ge=5.0, le=3600.0, description="Length of a match [s].")] = 90.0
+    wins_at: Annotated[int, Meta(ge=1, le=99, description="Goals that end a match earlier.")] = 3
+    gait: Annotated[
+        Literal["healthy", "hemiparetic", "severe"], Meta(description="Legs of who walks without an orthosis.")
+    ] = "healthy"
+    fastest: Annotated[float, Meta(gt=0.0, le=2.5, description="Speed at full deflection of the hand [m/s].")] = 1.4
+    kick_speed: Annotated[float, Meta(gt=0.5, le=15.0, description="Speed of the foot in a kick [m/s].")] = 7.0
+    deflection: Annotated[float, Meta(gt=DEAD_ZONE, le=0.5, description="Full deflection of the hand [m].")] = 0.1
+
+
+class FinalWhistle(Component, frozen=True, tag="final_whistle", tag_field="kind"):
+    """The match is over."""
+
+    hold_s: Annotated[float, Meta(ge=0.0, le=60.0, description="For how long [s].")] = 0.0
+
+
+class SoccerPlay(KindPlay):
+    """The matches of a session.
+
+    Args:
+        spec: Section of the task.
+        seed: Seed of all that is random.
+        advises: Tell the scenario how a simulated person plays.
+    """
+
+    def __init__(self, spec: SoccerSpec, seed: int, *, advises: bool) -> None:
+        self._spec, self._seed, self._number, self._advises = spec, seed, 0, advises
+        self._throttle = Throttle(spec.deflection)
+        self._sounds: list[SoundTrigger] = []
+        self._events: list[tuple[str, Mapping[str, object]]] = []
+        self.begin_attempt()
+
+    def begin_trial(self, label: str, number: int) -> None:
+        self._number = number
+        self.begin_attempt()
+
+    def begin_attempt(self) -> None:
+        spec, seed = self._spec, self._seed * 1000 + self._number
+        skill = None if spec.opponent is None else spec.skill
+        self._match = Match(Pitch(), GAITS[spec.gait], skill, seed, spec.kick_speed)
+        self._mind = Mind(_MODERATE, self._match.rng)
+        self._seconds, self._chance = 0.0, 0.0
+        self._advice: dict[str, object] = {}
+
+    def start_attempt(self, seen: Observation) -> None:
+        self._throttle.start(seen)
+
+    def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:
+        skill = settings.get("opponent_skill")
+        if isinstance(skill, int | float) and self._match.mind is not None:
+            self._match.mind.skill = float(skill)
+        return structs.replace(seen, progress=min(self._seconds / self._spec.match_s, 1.0))
+
+    def travel(self, seen: Observation, seconds: float) -> None:
+        self._throttle.read(seen)
+        throttle, match = self._throttle, self._match
+        happened = match.step(
+            self._spec.fastest * throttle.ahead, -_MOST_TURN * throttle.aside, throttle.kicks, seconds
+        )
+        self._seconds += seconds
+        for each in happened:
+            self._take(each, seen)
+        self._excite(seen, seconds)
+        if self._advises:
+            wanted = self._mind.decide(match.sight_of_person())
+            self._advice = {
+                "advice.speed": round(wanted.speed, 3),
+                "advice.turn": round(wanted.turn, 3),
+                "advice.kicks": float(wanted.kicks),
+            }
+
+    def take_sounds(self) -> tuple[SoundTrigger, ...]:
+        sounds, self._sounds = tuple(self._sounds), []
+        return sounds
+
+    def take_events(self) -> Sequence[tuple[str, Mapping[str, object]]]:
+        events, self._events = self._events, []
+        return events
+
+    @property
+    def visual(self) -> Mapping[str, object]:
+        match, (mx, my, mz) = self._match, self._spec.middle
+        x, y, z = (match.ball.place + (mx, my, mz)).tolist()
+        shown: dict[str, object] = {
+            "ball.x": round(x, 4),
+            "ball.y": round(y, 4),
+            "ball.z": round(z, 4),
+            **self._advice,
+        }
+        for name, player in (("person", match.person), ("opponent", match.opponent)):
+            pose = {**player.walker.visual(name, my)}
+            pose[f"{name}.x"] = round(player.walker.x + mx, 5)
+            pose[f"{name}.z"] = round(player.walker.z + mz, 5)
+            kicked = player.kicking_ankle()
+            pose[f"{name}.kick"] = round(player.kick, 4)
+            pose[f"{name}.kick_ahead"] = round(0.0 if kicked is None else kicked, 4)
+            shown |= pose
+        return shown
+
+    @property
+    def lever(self) -> bool:
+        return True
+
+    @property
+    def prompt(self) -> str:
+        match = self._match
+        if match.pause_s > 0.0:
+            return f"{match.goals} : {match.opponent_goals}"
+        if match.person.walker.walked == 0.0:
+            return "Raise the hand to walk, aside to turn. Close it (mouse button, G or K) to kick"
+        return ""
+
+    @property
+    def measures(self) -> Values:
+        match = self._match
+        return {
+            **walk_values(match.person.walker, self._seconds),
+            "goals": float(match.goals),
+            "opponent_goals": float(match.opponent_goals),
+            "kicks": float(match.kicks),
+        }
+
+    def outcome_words(self, row: Mapping[str, object], *, finished: bool) -> str:
+        return f"{row['goals']:.0f} : {row['opponent_goals']:.0f}, the ball was touched {row['kicks']:.0f} times"
+
+    def holds(self, goal: Component, seen: Observation) -> bool:
+        match = self._match
+        most = max(match.goals, match.opponent_goals)
+        return self._seconds >= self._spec.match_s or (most >= self._spec.wins_at and match.pause_s > 0.0)
+
+    def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:
+        match = self._match
+        left = max(self._spec.match_s - self._seconds, 0.0)
+        return {
+            "goals": Card("You : red", f"{match.goals} : {match.opponent_goals}", width=150.0),
+            "left": Card("Left", f"{left:.0f} s", width=130.0),
+            "steps": count_card("Steps", match.person.walker.footfalls.count),
+            "kicks": count_card("Touches", match.kicks),
+            "symmetry": symmetry_card(match.person.walker.footfalls),
+        }
+
+    def _take(self, happening: Happening, seen: Observation) -> None:
+        """Let something be heard, and written down."""
+        x, y, z = (a + b for a, b in zip(happening.place, self._spec.middle, strict=True))
+        self._sounds.append(SoundTrigger(_SOUNDS[happening.kind], seen.now_ns, (x, y, z), strength=happening.strength))
+        if happening.kind in ("goal", "opponent_goal"):
+            self._sounds.append(SoundTrigger("cheer", seen.now_ns, (x, 2.0, z)))
+        if happening.kind != "board":
+            self._events.append(("soccer", {"t_ns": seen.now_ns, "what": happening.kind, "x": x, "z": z}))
+
+    def _excite(self, seen: Observation, seconds: float) -> None:
+        """Let the crowd be heard when the ball comes near a goal."""
+        self._chance = max(self._chance - seconds, 0.0)
+        ball = self._match.ball
+        near = abs(ball.place[2]) > 0.6 * self._match.pitch.half_length and abs(ball.velocity[2]) > 3.0
+        if near and self._chance == 0.0:
+            self._chance = 6.0
+            x, _, z = (ball.place + self._spec.middle).tolist()
+            self._sounds.append(SoundTrigger("cheer", seen.now_ns, (x, 2.0, z), strength=0.45))
+
+
+class SoccerSection(ReportSection):
+    """Section of runs with matches."""
+
+    def takes(self, facts: Mapping[str, Any], attempts: Sequence[ReportedAttempt]) -> bool:
+        return any("opponent_goals" in attempt.row for attempt in attempts)
+
+    def tiles(self, task: Mapping[str, Any]) -> Mapping[str, tuple[Any, str]]:
+        return {
+            "goals": (task.get("goals"), ""),
+            "goals of the opponent": (task.get("opponent_goals"), ""),
+            "symmetry of the steps": (task.get("symmetry"), ""),
+        }
+
+
+class SoccerKind(TaskKind):
+    """A match as a task."""
+
+    name, section, goals = "soccer", SoccerSpec, (FinalWhistle,)
+    measures = (
+        *WALK_MEASURES,
+        Measure.totalled("goals", "goals", "Goals.", 3.0, 0.0, weight=1.0, sums=True),
+        Measure.totalled("opponent_goals", "opponent_goals", "Goals of the opponent.", 0.0, 3.0, sums=True),
+        Measure.totalled("kicks", "kicks", "Touches of the ball by the person's feet.", 20.0, 0.0, sums=True),
+    )
+    targets = ("opponent_skill",)
+    completes = "matches"
+    cards = ("goals", "left", "steps", "kicks", "symmetry")
+    journals = ("soccer",)
+    label = "Match"
+    touches = False
+    report = SoccerSection()
+
+    def check_scene(self, spec: TaskBlock, scene: Scene) -> list[Issue]:
+        soccer = spec.find(SoccerSpec)
+        if soccer is None:
+            return []
+        named = {f"/task/soccer/{field}": getattr(soccer, field) for field in ("person", "ball", "opponent")}
+        return scene.check_names({k: v for k, v in named.items() if v is not None}, "no entity", scene.by_id)
+
+    def open(self, spec: TaskBlock, context: TaskContext, seed: int) -> SoccerPlay:
+        section = spec.find(SoccerSpec)
+        assert section is not None
+        return SoccerPlay(section, seed, advises=context.simulated)
+
+
+KIND = SoccerKind()

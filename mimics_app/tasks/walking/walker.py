@@ -1,0 +1,127 @@
+"""A person who walks freely on the ground: speed and turn in, place, heading, legs and footfalls out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from mimics_app.contracts.messages.leg_motion import LegMotion
+from mimics_app.tasks.walking.footfalls import Footfalls
+from mimics_app.tasks.walking.legs import Impairment, Legs
+
+__all__ = ["HALF_STEP_WIDTH", "FootPlace", "Walker", "blank_orders"]
+
+HALF_STEP_WIDTH = 0.06
+"""Distance of a foot from the person's middle line [m]."""
+_PUSH = 1.0
+"""Largest acceleration of a walker [m/s^2]."""
+_WORDS = ("x", "y", "z", "yaw", "speed", "step", "phase", "hip_left", "knee_left", "hip_right", "knee_right")
+
+
+def blank_orders(name: str) -> dict[str, float]:
+    """Return the numbers that pose a figure, all 0: "NAME.x" and so on, see `Walker.visual`."""
+    return dict.fromkeys((f"{name}.{word}" for word in _WORDS), 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class FootPlace:
+    """Where a foot came down.
+
+    Attributes:
+        side: "left" or "right".
+        x, z: Its middle, world [m].
+    """
+
+    side: str
+    x: float
+    z: float
+
+
+class Walker:
+    """One person. Places are in the plane of the ground; the heading is the angle about +y from +z.
+
+    Args:
+        impairment: Of the person's own legs.
+        seed: Seed of where the feet come down.
+
+    Attributes:
+        x, z: Place [m].
+        yaw: Heading [rad].
+        speed: Present speed [m/s].
+        walked: Distance walked [m].
+        footfalls: Of the walk so far.
+    """
+
+    def __init__(self, impairment: Impairment, seed: int) -> None:
+        self.impairment = impairment
+        self._rng = np.random.default_rng([seed, 533])
+        self._legs = Legs(impairment)
+        self.x = self.z = self.yaw = self.speed = self._pace = self.walked = 0.0
+        self.footfalls = Footfalls()
+        self._given: LegMotion | None = None
+
+    @property
+    def legs(self) -> LegMotion:
+        """The newest angles of both legs, and the speed."""
+        return self._given or self._legs.motion
+
+    def put(self, x: float, z: float, yaw: float) -> None:
+        """Stand at a place [m] with a heading [rad]."""
+        self.x, self.z, self.yaw = x, z, yaw
+        self.speed = self._pace = 0.0
+
+    def begin(self) -> None:
+        """Forget the distance and the footfalls."""
+        self.walked, self.footfalls = 0.0, Footfalls()
+
+    def step(
+        self, speed: float, turn: float, seconds: float, drift: tuple[float, float] = (0.0, 0.0)
+    ) -> list[FootPlace]:
+        """Walk for a time by one's own legs.
+
+        Args:
+            speed: Wanted speed [m/s].
+            turn: Rate of turn, to the left [rad/s].
+            seconds: Time step [s].
+            drift: Velocity over the ground beside that of the legs, x and z [m/s].
+
+        Returns:
+            The feet that came down.
+        """
+        change = _PUSH * seconds
+        wanted = min(max(speed, 0.0), self.impairment.fastest)
+        self._pace += min(max(wanted - self._pace, -change), change)
+        return self.step_by_legs(self._legs.step(self._pace, seconds), turn, seconds, drift)
+
+    def step_by_legs(
+        self, legs: LegMotion, turn: float, seconds: float, drift: tuple[float, float] = (0.0, 0.0)
+    ) -> list[FootPlace]:
+        """Walk for a time by given legs, those of an orthosis or of `step`; arguments and result as there."""
+        self._given, self.speed = legs, legs.belt_speed
+        self.yaw = math.remainder(self.yaw + turn * seconds, 2.0 * math.pi)
+        ahead = legs.belt_speed * seconds
+        self.walked += ahead
+        self.x += ahead * math.sin(self.yaw) + drift[0] * seconds
+        self.z += ahead * math.cos(self.yaw) + drift[1] * seconds
+        return [self._place(fall.side, fall.length) for fall in self.footfalls.watch(legs, seconds)]
+
+    def visual(self, name: str, y: float = 0.0) -> Mapping[str, object]:
+        """Return the numbers that pose a figure, see `blank_orders`; `y` is the height of the ground [m]."""
+        legs = self.legs
+        numbers = (
+            *(self.x, y, self.z, self.yaw, self.speed, self.footfalls.step_at(self.speed), self.footfalls.phase),
+            *(legs.hip_left, legs.knee_left, legs.hip_right, legs.knee_right),
+        )
+        return {f"{name}.{word}": round(number, 5) for word, number in zip(_WORDS, numbers, strict=True)}
+
+    def _place(self, side: str, length: float) -> FootPlace:
+        """Return where a foot came down, half its step ahead of the person and aside."""
+        aside = (HALF_STEP_WIDTH if side == "left" else -HALF_STEP_WIDTH) + float(
+            self._rng.normal(0.0, self.impairment.spread)
+        )
+        ahead = 0.5 * length
+        s, c = math.sin(self.yaw), math.cos(self.yaw)
+        return FootPlace(side, self.x + ahead * s + aside * c, self.z + ahead * c - aside * s)

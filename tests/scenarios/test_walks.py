@@ -1,0 +1,112 @@
+"""Canyon walk and soccer: what D2.1 3.3 and Table 1 ask for, seen in the shipped scenes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mimics_app.app.play.heard import write_sound
+from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.session.core import open_core
+from mimics_app.app.session.frame import Frames
+from mimics_app.app.session.preparation import prepare_scene
+from mimics_app.app.settings import RunSettings
+from mimics_app.contracts.messages.stage_messages import TaskOrders
+from mimics_app.contracts.system.resources import root
+from mimics_app.world.components.follow import Follow
+from mimics_app.world.components.visible import CameraComponent
+from mimics_app.world.content.world import World
+
+SCENES = root() / "scenes"
+VIEWS = ["ego", "shoulder", "side", "front", "top", "free"]
+
+
+def _changed(folder: Path, name: str, **section: object) -> Path:
+    """The scene with other settings of its kind of task."""
+    document = json.loads((SCENES / f"{name}.json").read_text())
+    document["task"][name] |= section
+    file = folder / f"{name}.json"
+    file.write_text(json.dumps(document))
+    return file
+
+
+class Listener:
+    """In the place of the sound: kind, time [ns] and place [m] of what would be heard."""
+
+    def __init__(self) -> None:
+        self.heard: list[tuple[str, int, np.ndarray]] = []
+
+    def step(self, orders: TaskOrders, world: World, now_ns: int) -> None:
+        for index, event in world.motion.happened:
+            place = world.find(f"{world.graph.name(index)}/{event.node}").world_matrix()[:3, 3].copy()
+            self.heard.append((event.kind, now_ns, place))
+        for cue in orders.cues:
+            self.heard.append((cue.kind, cue.t_ns, np.array(cue.position_world)))
+
+    def stop(self) -> None:
+        """Nothing is open."""
+
+
+@pytest.mark.parametrize("name", ["canyon_walk", "soccer"])
+def test_the_six_views_are_the_first_cameras(name: str) -> None:
+    scene = load_checked_scene(SCENES / f"{name}.json")
+    assert [entity for entity, _, _ in scene.components(CameraComponent)] == VIEWS
+    followed = {entity for entity, _, _ in scene.components(Follow)}
+    assert {"shoulder", "side", "front"} <= followed
+
+
+@pytest.mark.parametrize(
+    ("name", "sounds"),
+    [
+        ("canyon_walk", {"steps", "steps_on_beam", "wind_place"}),
+        ("soccer", {"steps", "opponent_steps", "kick", "crowd_ahead", "crowd_behind", "cheer"}),
+    ],
+)
+def test_the_sounds_of_table_1_are_played_in_time(tmp_path: Path, name: str, sounds: set[str]) -> None:
+    section = {"sections": {"begin": {"begin": 16.0, "end": 40.0}}} if name == "canyon_walk" else {"skill": 1.0}
+    report = write_sound(RunSettings(_changed(tmp_path, name, **section)), tmp_path / "walk.wav", 14.0)
+    heard = {row.sound.split(":")[0] for row in report.rows}
+    missing = sounds - heard - {"wind_place", "crowd_ahead", "crowd_behind", "cheer"}
+    assert not missing, (missing, heard)
+    assert max(row.latency_ms for row in report.rows) < 20.0
+
+
+def test_the_beam_is_walked_and_its_feet_are_measured(tmp_path: Path) -> None:
+    """A broad beam is not missed; one as narrow as the step is, and each misstep is heard where the foot came down."""
+    results = []
+    for width in (1.2, 0.2):
+        file = _changed(tmp_path, "canyon_walk", sections={"begin": {"begin": 30.0, "end": 42.0}})
+        document = json.loads(file.read_text())
+        document["task"]["parameters"]["beam_width"] |= {"default": width, "min": 0.2}
+        file.write_text(json.dumps(document))
+        listener = Listener()
+        with open_core(prepare_scene(load_checked_scene(file), RunSettings(file))) as core:
+            core.sound = listener  # type: ignore[assignment]
+            play = Frames(core)
+            play.play_to_start()
+            for _ in range(60 * 15):
+                play.advance_frame()
+            results.append((core.tasks.result(), listener.heard))
+    (broad, quiet), (narrow, loud) = results
+    assert broad["missteps"] == 0 and not [kind for kind, _, _ in quiet if kind == "misstep"]
+    missed = [place for kind, _, place in loud if kind == "misstep"]
+    assert narrow["missteps"] == len(missed) > 3 and narrow["on_beam_share"] < 1.0
+    assert all(abs(place[0]) + 0.045 > 0.1 for place in missed)
+
+
+def test_steps_on_the_beam_sound_of_wood_and_before_it_of_the_street(tmp_path: Path) -> None:
+    file = _changed(tmp_path, "canyon_walk", sections={"begin": {"begin": 15.0, "end": 40.0}})
+    steps: list[tuple[str, float]] = []
+    with open_core(prepare_scene(load_checked_scene(file), RunSettings(file))) as core:
+        play = Frames(core)
+        play.play_to_start()
+        for _ in range(60 * 12):
+            play.advance_frame()
+            z = float(core.world.find("person").world_matrix()[2, 3])
+            steps += [(event.material, z) for _, event in core.world.motion.happened if event.kind == "step"]
+    assert {material for material, z in steps if z < -20.5} == {"wood"}
+    assert {material for material, z in steps if z > -19.5} == {"asphalt"}
+    assert len(steps) > 10
