@@ -20,7 +20,6 @@ READ_ELSEWHERE = {
 SET_FOR_OTHERS = {
     "action_space": "gymnasium reads it",
     "composed": "the picture of a simulated headset, which stands in for its panels",
-    "gait": "what a step came to, for whoever drives a walk from Python",
     "uploaded": "bytes sent to the driver in the last update, for whoever measures",
     "_finalized": "numba reads it",
     "_py_file": "numba reads it",

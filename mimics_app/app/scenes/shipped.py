@@ -72,7 +72,7 @@ class ShippedScene:
 
 @cache
 def shipped_scenes() -> tuple[ShippedScene, ...]:
-    """Return all shipped scenes: tasks, walks, examples, places; in each group those of `_FIRST`, then the others by name."""
+    """Return all shipped scenes in the order of GROUPS; in each those of `_FIRST`, then the others by name."""
     found = [_describe(file) for file in _files()]
     groups = list(GROUPS)
     return tuple(sorted(found, key=lambda scene: (groups.index(scene.group), *_rank(scene.name))))

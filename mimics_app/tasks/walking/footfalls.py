@@ -24,7 +24,7 @@ _LEAST_BELT = 0.05
 _LONGEST_CYCLE_S = 4.0
 """Longest time between two footfalls of a foot that is taken for a cycle [s]."""
 _FIRST_CYCLE_S = 1.2
-_SETTLED = 4
+_CADENCE_FROM = 4
 """Number of footfalls from which the cadence is that of the person."""
 _PULL = 3.0
 """Rate at which the phase is drawn to that of the footfalls [1/s]."""
@@ -110,7 +110,7 @@ class Footfalls:
 
     def step_at(self, speed: float) -> float:
         """Return the step [m] at a speed [m/s] with the present cadence; the natural one before there is any."""
-        return 0.5 * speed * self._cycle_s if self.count > _SETTLED else natural_step(speed)
+        return 0.5 * speed * self._cycle_s if self.count > _CADENCE_FROM else natural_step(speed)
 
     def _comes_down(self, foot: _Foot, moves: float, lift: float, belt: float) -> bool:
         """Advance a foot; return whether it comes down."""

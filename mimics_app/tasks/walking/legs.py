@@ -28,7 +28,7 @@ _CRAWL = 0.02
 _TABLE_SPEED, _TABLE_STRETCH = 0.02, 0.02
 """Resolution of the cached curves in speed [m/s] and in stretch of the step."""
 _LEAST_STRETCH = 0.12
-_SETTLES = 2.5
+_STANDS_AT = 2.5
 """Rate at which a leg that stands comes to its standing angles [1/s]."""
 _STANDING_KNEE = math.radians(5.0)
 
@@ -88,7 +88,7 @@ class Legs:
         step = natural_step(speed)
         if walks:
             self.phase = (self.phase + seconds * speed / (2.0 * step)) % 1.0
-        change = _SETTLES * seconds
+        change = _STANDS_AT * seconds
         self._share += min(max(float(walks) - self._share, -change), change)
         angles = self._walking(max(speed, 0.1))
         standing = (0.0, _STANDING_KNEE, 0.0, _STANDING_KNEE)

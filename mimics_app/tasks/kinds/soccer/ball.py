@@ -200,7 +200,7 @@ class SoccerBall:
         if speed > _STILL:
             # An impulse per mass that would bring the lowest point to rest: its effective mass is m / (1 + 1 / (2/3)).
             change = min(spec.friction * normal, speed / (1.0 + 1.0 / _HOLLOW))
-            self._rub(-change / speed * slip)
+            self._apply_friction(-change / speed * slip)
         self.velocity[1] = spec.restitution * up
         if self.velocity[1] < _RESTS:
             self.velocity[1] = 0.0
@@ -210,7 +210,7 @@ class SoccerBall:
         r = self.spec.radius
         return np.array([self.velocity[0] + r * self.spin[2], 0.0, self.velocity[2] - r * self.spin[0]])
 
-    def _rub(self, change: F8) -> None:
+    def _apply_friction(self, change: F8) -> None:
         """Apply an impulse per mass of friction at the lowest point [m/s]."""
         r = self.spec.radius
         self.velocity = self.velocity + change
@@ -225,7 +225,7 @@ class SoccerBall:
             passed = min(seconds, speed / rate)
             slows = -spec.friction * _GRAVITY / speed * slip
             self.place = self.place + passed * self.velocity + 0.5 * passed * passed * slows
-            self._rub(passed * slows)
+            self._apply_friction(passed * slows)
             return passed
         pace = math.hypot(self.velocity[0], self.velocity[2])
         if pace <= _STILL or spec.rolling == 0.0:

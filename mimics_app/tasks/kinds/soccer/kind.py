@@ -31,7 +31,14 @@ __all__ = ["KIND", "SoccerPlay", "SoccerSpec"]
 
 _MOST_TURN = 1.8
 """Rate of turn at full deflection of the hand [rad/s]."""
-_SOUNDS = {"kick": "kick", "goal": "scored", "opponent_goal": "opponent_scored", "board": "board", "whistle": "whistle"}
+_SOUNDS = {
+    "kick": "kick",
+    "goal": "scored",
+    "opponent_goal": "opponent_scored",
+    "board": "board",
+    "bounce": "bounce",
+    "whistle": "whistle",
+}
 """Kind of the sound of what happens in a match."""
 _MODERATE = 0.5
 """Skill with which a simulated person plays."""
@@ -88,7 +95,7 @@ class SoccerPlay(KindPlay):
         skill = None if spec.opponent is None else spec.skill
         self._match = Match(Pitch(), GAITS[spec.gait], skill, seed, spec.kick_speed)
         self._mind = Mind(_MODERATE, self._match.rng)
-        self._seconds, self._chance = 0.0, 0.0
+        self._seconds, self._hushed_s = 0.0, 0.0
         self._advice: dict[str, object] = {}
 
     def start_attempt(self, seen: Observation) -> None:
@@ -111,7 +118,7 @@ class SoccerPlay(KindPlay):
             self._take(each, seen)
         self._excite(seen, seconds)
         if self._advises:
-            wanted = self._mind.decide(match.sight_of_person())
+            wanted = self._mind.decide(match.view_of_person())
             self._advice = {
                 "advice.speed": round(wanted.speed, 3),
                 "advice.turn": round(wanted.turn, 3),
@@ -194,16 +201,16 @@ class SoccerPlay(KindPlay):
         self._sounds.append(SoundTrigger(_SOUNDS[happening.kind], seen.now_ns, (x, y, z), strength=happening.strength))
         if happening.kind in ("goal", "opponent_goal"):
             self._sounds.append(SoundTrigger("cheer", seen.now_ns, (x, 2.0, z)))
-        if happening.kind != "board":
+        if happening.kind not in ("board", "bounce"):
             self._events.append(("soccer", {"t_ns": seen.now_ns, "what": happening.kind, "x": x, "z": z}))
 
     def _excite(self, seen: Observation, seconds: float) -> None:
         """Let the crowd be heard when the ball comes near a goal."""
-        self._chance = max(self._chance - seconds, 0.0)
+        self._hushed_s = max(self._hushed_s - seconds, 0.0)
         ball = self._match.ball
         near = abs(ball.place[2]) > 0.6 * self._match.pitch.half_length and abs(ball.velocity[2]) > 3.0
-        if near and self._chance == 0.0:
-            self._chance = 6.0
+        if near and self._hushed_s == 0.0:
+            self._hushed_s = 6.0
             x, _, z = (ball.place + self._spec.middle).tolist()
             self._sounds.append(SoundTrigger("cheer", seen.now_ns, (x, 2.0, z), strength=0.45))
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.tasks.kinds.soccer.ball import SoccerBall
-from mimics_app.tasks.kinds.soccer.mind import Act, Mind, Sight
+from mimics_app.tasks.kinds.soccer.mind import Act, Mind, PlayerView
 from mimics_app.tasks.walking.footfalls import ankle
 from mimics_app.tasks.walking.legs import GAITS, Impairment
 from mimics_app.tasks.walking.walker import HALF_STEP_WIDTH, Walker
@@ -67,7 +67,7 @@ class Happening:
     """Something that is heard or counted.
 
     Attributes:
-        kind: "kick", "goal", "opponent_goal", "board" or "whistle".
+        kind: "kick", "goal", "opponent_goal", "board", "bounce" or "whistle".
         place: Where [m].
         strength: 0 to 1.
     """
@@ -198,9 +198,9 @@ class Match:
         """Distance of both players [m]."""
         return abs(self.person.at - self.opponent.at)
 
-    def sight_of_person(self) -> Sight:
+    def view_of_person(self) -> PlayerView:
         """Return what the person sees."""
-        return self._sight(self.person, self.opponent, complex(0.0, -self.pitch.half_length))
+        return self._view(self.person, self.opponent, complex(0.0, -self.pitch.half_length))
 
     def step(self, speed: float, turn: float, kicks: bool, seconds: float) -> list[Happening]:
         """Play for a frame of the person's speed [m/s], turn to the left [rad/s] and kick; return what happened."""
@@ -217,7 +217,10 @@ class Match:
         for piece in range(_PIECES):
             for player, (before, after) in moves:
                 happened += self._touch(player, before, after, (piece + 1.0) / _PIECES, seconds)
+            bounces = self.ball.bounces
             self.ball.step(seconds / _PIECES)
+            if self.ball.bounces > bounces:
+                happened.append(self._at("bounce", 0.5))
             happened += self._bound()
             if self.pause_s > 0.0:
                 break
@@ -243,7 +246,7 @@ class Match:
 
     def _move_opponent(self, mind: Mind, seconds: float) -> tuple[F8, F8]:
         """Let the opponent play, not much faster than the person can."""
-        deed = mind.decide(self._sight(self.opponent, self.person, complex(0.0, self.pitch.half_length)))
+        deed = mind.decide(self._view(self.opponent, self.person, complex(0.0, self.pitch.half_length)))
         self.act = deed.act
         if deed.kicks:
             self.opponent.begin_kick()
@@ -251,9 +254,9 @@ class Match:
         pace = min(own, (_FAIR + mind.skill) * max(self._fastest, _LEAST_PACE))
         return self.opponent.move(deed.speed * pace, deed.turn, seconds)
 
-    def _sight(self, me: Player, other: Player, goal: complex) -> Sight:
+    def _view(self, me: Player, other: Player, goal: complex) -> PlayerView:
         ball, v = self.ball.place, self.ball.velocity
-        return Sight(me.at, me.walker.yaw, other.at, complex(ball[0], ball[2]), complex(v[0], v[2]), goal)
+        return PlayerView(me.at, me.walker.yaw, other.at, complex(ball[0], ball[2]), complex(v[0], v[2]), goal)
 
     def _touch(self, player: Player, before: F8, after: F8, share: float, seconds: float) -> list[Happening]:
         """Let feet and body meet the ball, with the feet at a share of the frame."""

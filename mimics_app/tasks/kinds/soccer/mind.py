@@ -14,7 +14,7 @@ from enum import StrEnum
 
 import numpy as np
 
-__all__ = ["Act", "Deed", "Mind", "Sight"]
+__all__ = ["Act", "Deed", "Mind", "PlayerView"]
 
 _BEHIND = 0.85
 """How far behind the ball a player goes before dribbling it [m]."""
@@ -29,7 +29,7 @@ _OWNS = 0.9
 _TURN, _MOST_TURN = 4.0, 2.4
 """Rate of turn per angle left [1/s], and the largest one [rad/s]."""
 _LATE_S, _ASKEW = 0.9, 0.45
-"""Delay of sight [s] and standard deviation of the aim [rad] without any skill."""
+"""Delay of what is seen [s] and standard deviation of the aim [rad] without any skill."""
 _KEEPS = 1.6
 """Distance before the own goal at which a keeper stands [m]."""
 _FRAME_S = 1.0 / 60.0
@@ -46,7 +46,7 @@ class Act(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Sight:
+class PlayerView:
     """What a player sees. Places are x + i z [m], velocities likewise [m/s].
 
     Attributes:
@@ -98,66 +98,66 @@ class Mind:
         self._seen: deque[complex] = deque(maxlen=64)
         self._askew = 0.0
 
-    def decide(self, sight: Sight) -> Deed:
+    def decide(self, view: PlayerView) -> Deed:
         """Return what to do in a frame of a 60th of a second."""
-        self._seen.append(sight.ball)
+        self._seen.append(view.ball)
         late = round((1.0 - self.skill) * _LATE_S / _FRAME_S)
         ball = self._seen[max(len(self._seen) - 1 - late, 0)]
         if self.skill <= 0.0:
-            return self._go(sight, self._keeping(sight, ball), Act.KEEP)
-        if self._threatened(sight, ball):
-            return self._go(sight, self._keeping(sight, ball), Act.KEEP)
-        way = sight.goal - ball
+            return self._go(view, self._keeping(view, ball), Act.KEEP)
+        if self._threatened(view, ball):
+            return self._go(view, self._keeping(view, ball), Act.KEEP)
+        way = view.goal - ball
         behind = ball - _BEHIND * way / max(abs(way), 1e-6)
-        ahead = ((ball - sight.me) * way.conjugate()).real / max(abs(way), 1e-6)
-        aside = abs(((ball - sight.me) * way.conjugate()).imag) / max(abs(way), 1e-6)
+        ahead = ((ball - view.me) * way.conjugate()).real / max(abs(way), 1e-6)
+        aside = abs(((ball - view.me) * way.conjugate()).imag) / max(abs(way), 1e-6)
         if ahead < 0.15 or aside > 0.6 * ahead + 0.12:
-            act = Act.TACKLE if abs(sight.other - ball) < _OWNS else Act.CHASE
-            return self._go(sight, self._round(sight, ball, behind, ahead), act)
-        return self._attack(sight, ball, way)
+            act = Act.TACKLE if abs(view.other - ball) < _OWNS else Act.CHASE
+            return self._go(view, self._round(view, ball, behind, ahead), act)
+        return self._attack(view, ball, way)
 
-    def _attack(self, sight: Sight, ball: complex, way: complex) -> Deed:
+    def _attack(self, view: PlayerView, ball: complex, way: complex) -> Deed:
         """Dribble the ball, or shoot it."""
         aim = math.atan2(way.real, way.imag) + self._askew
-        to_ball = ball - sight.me
+        to_ball = ball - view.me
         near = abs(to_ball) < _REACH
-        off = math.remainder(aim - sight.heading, 2.0 * math.pi)
+        off = math.remainder(aim - view.heading, 2.0 * math.pi)
         if near and abs(way) < _SHOOTS and abs(off) < _ALIGNED:
             self._askew = float(self._rng.normal(0.0, (1.0 - self.skill) * _ASKEW))
             return Deed(Act.SHOOT, 1.0, self._turn(off), kicks=True)
         target = aim if near else math.atan2(to_ball.real, to_ball.imag)
-        return Deed(Act.DRIBBLE, 1.0, self._turn(math.remainder(target - sight.heading, 2.0 * math.pi)))
+        return Deed(Act.DRIBBLE, 1.0, self._turn(math.remainder(target - view.heading, 2.0 * math.pi)))
 
-    def _round(self, sight: Sight, ball: complex, behind: complex, ahead: float) -> complex:
+    def _round(self, view: PlayerView, ball: complex, behind: complex, ahead: float) -> complex:
         """Return the way to behind the ball that does not push it back: past its side."""
         if ahead > 0.15:
             return behind
         aside = 1j * (behind - ball)
-        side = 1.0 if ((sight.me - ball) * aside.conjugate()).real >= 0.0 else -1.0
+        side = 1.0 if ((view.me - ball) * aside.conjugate()).real >= 0.0 else -1.0
         past = ball + side * aside * 1.1
-        return past if abs(sight.me - past) > 0.3 else behind
+        return past if abs(view.me - past) > 0.3 else behind
 
-    def _threatened(self, sight: Sight, ball: complex) -> bool:
+    def _threatened(self, view: PlayerView, ball: complex) -> bool:
         """Whether the ball comes fast at the own goal, and the player is between both."""
-        own = -sight.goal
-        closing = (sight.ball_velocity * (own - ball).conjugate()).real / max(abs(own - ball), 1e-6)
-        return closing > 2.0 and abs(own - sight.me) < abs(own - ball)
+        own = -view.goal
+        closing = (view.ball_velocity * (own - ball).conjugate()).real / max(abs(own - ball), 1e-6)
+        return closing > 2.0 and abs(own - view.me) < abs(own - ball)
 
-    def _keeping(self, sight: Sight, ball: complex) -> complex:
+    def _keeping(self, view: PlayerView, ball: complex) -> complex:
         """Return where a keeper stands: before the own goal, on the ball's way to it."""
-        own = -sight.goal
+        own = -view.goal
         way = ball - own
         return own + min(_KEEPS, 0.5 * abs(way)) * way / max(abs(way), 1e-6)
 
-    def _go(self, sight: Sight, place: complex, act: Act) -> Deed:
+    def _go(self, view: PlayerView, place: complex, act: Act) -> Deed:
         """Walk to a place."""
-        way = place - sight.me
+        way = place - view.me
         far = abs(way)
         if far < 0.12:
-            ball = sight.ball - sight.me
-            off = math.remainder(math.atan2(ball.real, ball.imag) - sight.heading, 2.0 * math.pi)
+            ball = view.ball - view.me
+            off = math.remainder(math.atan2(ball.real, ball.imag) - view.heading, 2.0 * math.pi)
             return Deed(act, 0.0, self._turn(off))
-        off = math.remainder(math.atan2(way.real, way.imag) - sight.heading, 2.0 * math.pi)
+        off = math.remainder(math.atan2(way.real, way.imag) - view.heading, 2.0 * math.pi)
         speed = max(math.cos(off), 0.15) * min(1.0, far / 0.4)
         return Deed(act, speed, self._turn(off))
 
