@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.loop.haptic import Controller
+from mimics_app.contracts.loop.controller_slots import Lead
 from mimics_app.contracts.loop.object_rows import Rows
 from mimics_app.contracts.messages.report_section import TunnelShape
 from mimics_app.recording.columns import whole
+from mimics_app.recording.older_blocks import OlderController
 from mimics_app.recording.report_values import number
 from mimics_app.recording.result_words import outcome_word, trial_names
 from mimics_app.recording.run import Run
@@ -31,7 +32,7 @@ class Attempt:
     Attributes:
         number: SCENE.trial while it lasted.
         samples: SAMPLE records, shape [n].
-        free: Where the person moved the robot (admittance or impedance control), shape [n]; elsewhere it was driven.
+        free: Where the person moved the robot, shape [n]; elsewhere it was driven.
         tunnel: The task's tunnel, None where there is none.
         row: Its row of trials.csv, {} without one.
         name: Name of the trial, see `trial_names`; "" where unknown.
@@ -80,18 +81,18 @@ def find_attempts(run: Run) -> list[Attempt]:
     blocks = run.parameters
     sequences = whole(samples["sequence"])
     numbers = _per_row(sequences, blocks, "trial", 0)
-    controllers = _per_row(sequences, blocks, "controller", Controller.ADMITTANCE)
+    known, which = np.unique(sequences, return_inverse=True)
+    led = np.array([_person_leads(blocks.get(int(sequence))) for sequence in known])[which]
     names = trial_names(run.trials)
     begun = [int(n) for n in np.unique(numbers) if n > 0] or [0]
     attempts = []
     for i, count in enumerate(begun):
         mine = numbers == count
-        free = np.isin(controllers[mine], (Controller.ADMITTANCE, Controller.IMPEDANCE))
         tunnel = next(
             (tunnel_shape(blocks[s], run.rows.get(s)) for s in _in_order(sequences[mine]) if s in blocks), None
         )
         row, name = (run.trials[i], names[i]) if i < len(run.trials) else ({}, "")
-        attempts.append(Attempt(count, samples[mine], free, tunnel, row, name))
+        attempts.append(Attempt(count, samples[mine], led[mine], tunnel, row, name))
     return attempts
 
 
@@ -102,6 +103,16 @@ def _per_row(
     known, which = np.unique(sequences, return_inverse=True)
     values = [_field(blocks.get(int(s)), field, otherwise) for s in known]
     return np.array(values, np.int64)[which]
+
+
+def _person_leads(block: NDArray[Any] | None) -> bool:
+    """Return whether the person moves the robot under the controller of a block; a lost one is taken for such."""
+    if block is None or "controller" not in (block.dtype.names or ()):
+        return True
+    controller = int(block["controller"][0])
+    if "leads" in (block.dtype.names or ()):
+        return int(block["leads"][0][controller]) == Lead.PERSON
+    return controller in (OlderController.ADMITTANCE, OlderController.IMPEDANCE)
 
 
 def _field(block: NDArray[Any] | None, name: str, otherwise: int) -> int:

@@ -1,17 +1,19 @@
-"""Parameter blocks of older versions: with the only tunnel inside the block, or for the HapticMaster only."""
+"""Parameter blocks of older versions: with the only tunnel in them, for the HapticMaster, or without controllers."""
 
 from __future__ import annotations
 
+from enum import IntEnum
 from typing import Any
 
 import numpy as np
 
 from mimics_app.contracts.arrays import Records
+from mimics_app.contracts.loop.controller_slots import CommandKind, Lead, Slot, TargetKind, name_bytes
 from mimics_app.contracts.loop.haptic import SCENE, AdmittanceForm
 from mimics_app.contracts.loop.haptic_objects import OBJECT_COUNTS
 from mimics_app.contracts.loop.object_rows import ROW_DTYPES, Rows, count_rows
 
-__all__ = ["current_block", "rows_with_tunnel"]
+__all__ = ["OlderController", "current_block", "rows_with_tunnel"]
 
 
 _TUNNEL = "tunnel"
@@ -32,7 +34,6 @@ _OF_DEVICES = {
     "joint_velocity": 1e9,  # not limited by joint [m/s, rad/s]
     "joint_acceleration": 1e9,
     "geometry": 0.0,
-    "through_joints": 0,
 }
 """Values that such a block implies."""
 
@@ -59,8 +60,41 @@ _WITHOUT = {
 the stability limit knew nothing of the device but its delay, a robot drove to a start at 0.3 m/s, and no scene had a
 reference of the joints."""
 
-_WIDER = {"target", "kp", "kd", "joint_min", "joint_max"}
+_WIDER = {"target", "joint_min", "joint_max"}
 """Vectors that had three joints, or one point."""
+
+
+class OlderController(IntEnum):
+    """SCENE.controller before controllers were plug-ins in slots."""
+
+    OFF = 0
+    JOINT_PD = 1
+    WORLD_PD = 2
+    ADMITTANCE = 3
+    IMPEDANCE = 4
+
+
+_CHOICES = {"form", "kp", "kd", "through_joints"}
+"""Fields that chose and set controllers then."""
+
+_SLOTS = {
+    "controller_names",
+    "leads",
+    "commands",
+    "targets",
+    "each_joint",
+    "controller_parameters",
+    "drive_rate",
+}
+"""Fields that do so now."""
+
+_SLOT_OF = {
+    OlderController.OFF: Slot.OFF,
+    OlderController.JOINT_PD: Slot.HOLD,
+    OlderController.WORLD_PD: Slot.START,
+    OlderController.ADMITTANCE: Slot.PERSON,
+    OlderController.IMPEDANCE: Slot.PERSON,
+}
 
 
 def rows_with_tunnel(record: Records, rows: Rows | None) -> Rows | None:
@@ -96,8 +130,8 @@ def current_block(record: Records, rows: Rows | None) -> Records | None:
         return record
     block = _of_a_device(record)
     old = set(record.dtype.names or ())
-    kept = [name for name in SCENE.names or () if name not in _NEW | _WIDER | {*_OF_DEVICES}]
-    stated = old - {_TUNNEL, _OFFSET, *_NEW, *_WIDER, *_OF_DEVICES}
+    kept = [name for name in SCENE.names or () if name not in _NEW | _WIDER | _SLOTS | {*_OF_DEVICES}]
+    stated = old - {_TUNNEL, _OFFSET, *_NEW, *_WIDER, *_CHOICES, *_OF_DEVICES}
     same = stated | set(_WITHOUT) == set(kept) and all(record.dtype[name] == SCENE[name] for name in stated)
     if block is None or not same or rows is None:
         return None
@@ -105,6 +139,7 @@ def current_block(record: Records, rows: Rows | None) -> Records | None:
         return None
     for name in kept:
         block[name] = record[name] if name in stated else _WITHOUT[name]
+    _fill_slots(record, block)
     if "objects" in old:
         counts = record["objects"][0]
         for name in set(counts.dtype.names or ()) & {*(OBJECT_COUNTS.names or ())}:
@@ -116,7 +151,7 @@ def current_block(record: Records, rows: Rows | None) -> Records | None:
 def _of_a_device(record: Records) -> Records | None:
     """Return a SCENE record, shape [1], with the device's fields of a block; None where they are ambiguous."""
     old, block = set(record.dtype.names or ()), np.zeros(1, SCENE)
-    if not old >= _WIDER:
+    if not old >= _WIDER | {"form", "kp", "kd"}:
         return None
     for name in _WIDER:
         width = record.dtype[name].shape[0] if record.dtype[name].shape else 0
@@ -132,8 +167,33 @@ def _of_a_device(record: Records) -> Records | None:
     for name, value in _OF_DEVICES.items():
         block[name] = value
     block["geometry"][:, 0] = record[_OFFSET]
-    block["through_joints"] = record["form"] == AdmittanceForm.SEED  # its world PD depended on the form of admittance
     return block
+
+
+def _fill_slots(record: Records, block: Records) -> None:
+    """Write the controllers that a block without slots chose among into those of a SCENE record, shape [1]."""
+    printed = int(record["form"][0]) == AdmittanceForm.SEED
+    through = bool(record["through_joints"][0]) if "through_joints" in (record.dtype.names or ()) else printed
+    polar, driven = bool(block["polar"][0]), bool(record["force_driven"][0])
+    form = AdmittanceForm(int(record["form"][0])).name.lower() if polar else "joints"
+    names = {
+        Slot.HOLD: "joint_pd",
+        Slot.START: "world_pd_joints" if through else "world_pd_straight",
+        Slot.PERSON: "impedance" if driven else f"admittance_{form}",
+    }
+    for slot, name in names.items():
+        block["controller_names"][0][slot] = name_bytes(name)
+    slots = block[0]
+    slots["controller"] = _SLOT_OF[OlderController(int(record["controller"][0]))]
+    slots["leads"][[Slot.HOLD, Slot.START, Slot.PERSON]] = Lead.TARGET, Lead.TARGET, Lead.PERSON
+    slots["targets"][Slot.START] = TargetKind.POINTS
+    slots["commands"][Slot.PERSON] = CommandKind.FORCE if driven else CommandKind.VELOCITY
+    slots["each_joint"][Slot.PERSON] = polar and printed and not driven
+    width, joints = record["kp"].shape[1], block["joint_min"].shape[1]
+    for slot in (Slot.HOLD, Slot.START):
+        slots["controller_parameters"][slot, :width] = record["kp"][0]
+        slots["controller_parameters"][slot, joints : joints + width] = record["kd"][0]
+    slots["drive_rate"] = record["kp"][0][:3].max()
 
 
 def _as_now(table: Records, wanted: np.dtype[Any]) -> Records:

@@ -1,11 +1,11 @@
-"""Controller of the robot in each state of a trial."""
+"""Controller of the robot in each state of a trial: the slot of the parameter block that acts, and its target."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import chain, repeat
 
-from mimics_app.contracts.loop.haptic import Controller
+from mimics_app.contracts.loop.controller_slots import Slot
 from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.contracts.ports.scenario_port import Home
 from mimics_app.tasks.observation import Observation
@@ -17,48 +17,47 @@ _HOLDS = frozenset({TrialState.FINISHED, TrialState.TIMEOUT, TrialState.ABORTED,
 
 
 class RobotControl:
-    """Controller and target of each state.
+    """Slot and target of each state.
 
-    Approach: hold, then PD to the start. Ready: hold the start. Travel: the person moves the robot. Stopped: off.
+    Approach: hold, then drive to the start. Ready: hold the start. Travel: the person moves the robot. Stopped: off.
     Otherwise, or paused: hold. Holding between trials supports the arm without moving it.
     """
 
-    def __init__(self, home: Home, travel: Controller = Controller.ADMITTANCE) -> None:
+    def __init__(self, home: Home) -> None:
         self._home = home
-        self._travel = travel
-        self._controller = Controller.OFF
+        self._slot = Slot.OFF
         self._target = home.target
         self._holding = False
-        self._before = self._controller, self._target
+        self._before = self._slot, self._target
 
     def enter(self, state: TrialState, q: tuple[float, ...]) -> None:
         """Begin a state with the joints at q [m or rad]."""
         held_before = self._holding
         self._holding = state in _HOLDS
         if state is TrialState.STOPPED:
-            self._controller = Controller.OFF
+            self._slot = Slot.OFF
         elif state is TrialState.TRAVEL:
-            self._controller = self._travel
+            self._slot = Slot.PERSON
         elif state is not TrialState.READY:
-            self._controller = Controller.JOINT_PD
+            self._slot = Slot.HOLD
             self._target = self._target if held_before else q
 
     def set_out(self) -> None:
         """Drive to the start, and hold it until the travel."""
-        self._controller, self._target = self._home.controller, self._home.target
+        self._slot, self._target = Slot.START, self._home.target
 
     def pause(self, q: tuple[float, ...]) -> None:
         """Hold the robot where it is, at the joints q [m or rad], until `resume`."""
-        self._before = self._controller, self._target
-        self._controller, self._target = Controller.JOINT_PD, q
+        self._before = self._slot, self._target
+        self._slot, self._target = Slot.HOLD, q
 
     def resume(self) -> None:
         """Restore controller and target of before the pause."""
-        self._controller, self._target = self._before
+        self._slot, self._target = self._before
 
     def wanted(self) -> Mapping[str, object]:
         """Return the present SCENE fields of the controller."""
-        return {"controller": int(self._controller), "target": self._target}
+        return {"controller": int(self._slot), "target": self._target}
 
 
 class Arrival:

@@ -99,7 +99,7 @@ class TaskManager:
         self._attempts = Attempts(plan, score, most, on_trial, plays, counts, say, first_trial, touches=touches)
         self._bodies = context.bodies
         self._fastest, self._least_s = context.fastest, 0.0
-        self._control = RobotControl(context.home or Home(context.start_joints), context.feel)
+        self._control = RobotControl(context.home or Home(context.start_joints))
         arrival = Arrival(spec.start, context.start_joints)
         self._approach = Approach(0.0 if context.simulated else spec.start.announce_s, arrival, self._control)
         self._goals = Goals(spec.goals, [play_of(goal, self._plays) for goal in spec.goals])

@@ -27,6 +27,7 @@ MODULES = (
     "mimics_app.rendering.haptic.reference.ramp",
     "mimics_app.rendering.haptic.reference.curves",
     "mimics_app.rendering.haptic.reference.generator",
+    "mimics_app.contracts.loop.controller_port",
     f"{_HAPTIC}.contact_records",
     f"{_HAPTIC}.objects.records",
     f"{_HAPTIC}.objects.contact_scratch",
@@ -37,6 +38,7 @@ MODULES = (
     f"{_HAPTIC}.oscillation",
     f"{_HAPTIC}.passivity",
     f"{_HAPTIC}.acting",
+    f"{_HAPTIC}.controller_slot",
     f"{_HAPTIC}.state",
     f"{_LOKOMAT}.obstacle_sequence",
     f"{_LOKOMAT}.sagittal_outline",
@@ -76,6 +78,15 @@ class Table(Protocol[R]):
     def __setitem__(self, index: int, value: R, /) -> None: ...
 '''
 
+_DESCRIPTION = '''
+class Description(Protocol):
+    """A record that describes a device for its kinematics."""
+
+    joints: int
+    contacts: int
+    geometry: Floats
+'''
+
 _SIGNAL_HEAD = f"""{_INTRO}
 from typing import Protocol, TypeVar
 
@@ -102,15 +113,21 @@ Floats32 = NDArray[np.float32]
 Ints = NDArray[np.int64]
 Ints32 = NDArray[np.int32]
 Ints16 = NDArray[np.int16]
+Ints8 = NDArray[np.int8]
+Bytes = NDArray[np.uint8]
 
 R = TypeVar("R")
 
 {_TABLE.strip()}
 
+{_DESCRIPTION.strip()}
+
 Read = Callable[[Floats, Floats, Floats, int], int]
 Write = Callable[[Floats, Floats, int], int]
 Field = Callable[[Floats, Floats, Floats, float, Floats], None]
 Fields = tuple[Field, ...]
+Controller = Callable[[Kin, ControlInputRecord, Floats, Floats, ControlWorkRecord, ControlOutputRecord], None]
+Controllers = tuple[Controller, ...]
 Simulate = Callable[[Rows, ObjectWork, ObjectCountsRecord, Floats, Fields, float, Floats], None]
 Tick = Callable[
     [
@@ -120,6 +137,7 @@ Tick = Callable[
         Simulate,
         Fields,
         Kin,
+        Controllers,
         Table[StateRecord],
         Floats,
         int,
@@ -133,11 +151,11 @@ Tick = Callable[
     None,
 ]
 LoopTick = Callable[
-    [Channels, Work, Tick, Read, Write, Floats, Simulate, Fields, Kin, int, int, float, int, float], int
+    [Channels, Work, Tick, Read, Write, Floats, Simulate, Fields, Kin, Controllers, int, int, float, int, float], int
 ]
 """
 
-_ARRAYS = {"f8": "Floats", "f4": "Floats32", "i8": "Ints", "i4": "Ints32", "i2": "Ints16"}
+_ARRAYS = {"f8": "Floats", "f4": "Floats32", "i8": "Ints", "i4": "Ints32", "i2": "Ints16", "i1": "Ints8", "u1": "Bytes"}
 
 
 STUBS = {STUB: (MODULES, _HEAD), SIGNAL_STUB: (SIGNAL_MODULES, _SIGNAL_HEAD)}

@@ -24,6 +24,8 @@ KERNELS_MAY_IMPORT = (
     "mimics_app.compiled.atomics",
     "mimics_app.compiled.borrowed",
     "mimics_app.compiled.function_pointers",
+    "mimics_app.contracts.loop.controller_port",
+    "mimics_app.contracts.loop.controller_slots",
     "mimics_app.contracts.loop.device_descriptor",
     "mimics_app.contracts.loop.haptic",
     "mimics_app.contracts.loop.haptic_objects",

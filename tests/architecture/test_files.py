@@ -79,8 +79,8 @@ TWO_MEANINGS = {
 }
 """Names that mean two things, in packages that no reader opens together."""
 
-NAMED_BY_MEMBERS = ("lab/groups/", "rendering/haptic/devices/built_in/")
-"""Packages whose files are named like the member that each holds: a group of methods, a device."""
+NAMED_BY_MEMBERS = ("lab/groups/", "rendering/haptic/controllers/built_in/", "rendering/haptic/devices/built_in/")
+"""Packages whose files are named like the member that each holds: a group of methods, a controller, a device."""
 
 _SMALL = 40
 
@@ -97,6 +97,7 @@ ON_THEIR_OWN = {
     "rendering/audio/mixers/": "a mixer is found by its name",
     "rendering/audio/recipes/": "the tables of recipes are found by their modules",
     "rendering/audio/kernels": "compiled; its user knows more than arrays",
+    "rendering/haptic/controllers/built_in/": "a controller is found by its name",
     "rendering/haptic/devices/built_in/": "a device is found by its name",
     "rendering/haptic/devices/inverse_by_steps": "compiles on import, and is imported on demand",
     "inputs/trackers/headset_tracker": "one kind of tracker a file",

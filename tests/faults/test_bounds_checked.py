@@ -29,11 +29,11 @@ RUN = """
 import gc
 gc.set_threshold(50_000, 20, 20)  # a compiler makes millions of objects that are no rubbish yet
 import numpy as np
+from mimics_app.contracts.loop.controller_slots import Slot
 from tests.support.haptic_bench import patient_bench
-from mimics_app.contracts.loop.haptic import Controller
 bench = patient_bench("severe", 3)
 samples = bench.advance(2200)
-bench.publish(controller=Controller.ADMITTANCE, trial=1)
+bench.publish(controller=Slot.PERSON, trial=1)
 bench.send(active=1, trial=1)
 samples = np.concatenate([samples, bench.advance(8000)])
 bench.replay(samples)

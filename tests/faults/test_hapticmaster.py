@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.loop.haptic import Controller, DeviceStatus, SafetyState, TripCause
+from mimics_app.contracts.loop.controller_slots import Slot
+from mimics_app.contracts.loop.haptic import DeviceStatus, SafetyState, TripCause
 from mimics_app.contracts.shared_memory.command_ring import request_stop
 from mimics_app.rendering.haptic.devices import hapticmaster_loop as loop
 from mimics_app.rendering.haptic.devices.device_objects import (
@@ -55,7 +56,7 @@ def test_force_stream_follows_at_1_khz_and_drives_to_a_target():
     with hapticmaster_rig() as rig:
         bench = _bench(rig)
         target = np.array([0.03, -0.02, 0.04])
-        bench.publish(controller=Controller.WORLD_PD, target=target)
+        bench.publish(controller=Slot.START, target=target)
         samples = rig.advance(bench, 1500)
         assert np.count_nonzero(samples["status"] == DeviceStatus.FRESH) == 1499
         assert bench.engine.plugin.memory[loop.ERRORS] == bench.engine.plugin.memory[loop.SKIPPED] == 0

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.contracts.loop.haptic import Button, Controller, DeviceStatus, EventKind, SafetyState, TripCause
+from mimics_app.contracts.loop.controller_slots import Slot
+from mimics_app.contracts.loop.haptic import Button, DeviceStatus, EventKind, SafetyState, TripCause
 from mimics_app.contracts.loop.haptic_objects import MAX_PIECES
 from mimics_app.contracts.shared_memory.command_ring import request_stop
 from mimics_app.contracts.shared_memory.session_memory import ControlWord
@@ -308,8 +309,9 @@ def test_parameters_that_are_not_finite_are_refused_by_name():
 @pytest.mark.parametrize(
     ("where", "name", "value"),
     [
-        ("", "controller", 5),
-        ("", "form", -1),
+        ("", "controller", 6),
+        ("", "leads", 3),
+        ("", "commands", -1),
         ("", "own_tunnel", 1),
         ("tunnel", "projection", 9),
         ("tunnel", "pieces", MAX_PIECES + 1),
@@ -354,7 +356,7 @@ def test_controller_off_brings_the_robot_to_rest():
     bench = scripted(rows, straight=None)
     moving = bench.advance(600)["command"][-1]
     assert abs(moving[0]) > 0.1
-    bench.publish(controller=Controller.OFF)
+    bench.publish(controller=Slot.OFF)
     samples = bench.advance(400)
     assert samples["state"][-1] == SafetyState.HOMED and np.all(samples["command"][-1] == 0.0)
 
@@ -364,7 +366,7 @@ def test_pd_is_homed_on_the_way_and_ready_at_the_target():
     target = np.array([0.05, 0.02, -0.03])
     rows[300:, :3] = [0.0, 0.0, 0.0]
     bench = scripted(rows, straight=None)
-    bench.publish(controller=Controller.JOINT_PD, target=target)
+    bench.publish(controller=Slot.HOLD, target=target)
     samples = bench.advance(100)
     assert samples["state"][-1] == SafetyState.HOMED
     assert np.all(np.sign(samples["command"][-1, :3]) == np.sign(target))
@@ -373,7 +375,7 @@ def test_pd_is_homed_on_the_way_and_ready_at_the_target():
     assert bench.advance(10)["state"][-1] == SafetyState.READY
     reached = np.zeros(3)
     inverse(np.zeros(3), 0.46, reached)
-    bench.publish(controller=Controller.WORLD_PD, target=[0.01, 0.0, 0.0])
+    bench.publish(controller=Slot.START, target=[0.01, 0.0, 0.0])
     assert bench.advance(10)["state"][-1] == SafetyState.HOMED
 
 
@@ -386,7 +388,7 @@ def test_a_position_that_sticks_on_the_way_to_a_target_ends_the_drive(late_latch
     """
     bench = scripted(script(3000), straight=None)
     target = {"target": [0.25, 0.0, 0.0], "late_latches": late_latches, "drive_speed": speed}
-    bench.publish(controller=Controller.WORLD_PD, **target)
+    bench.publish(controller=Slot.START, **target)
     samples = bench.advance(3000)
     way = float(np.linalg.norm(samples["v_virtual"], axis=1).sum()) * 1e-3
     end = samples[-1]
@@ -401,5 +403,5 @@ def test_a_device_that_follows_its_drive_by_ten_milliseconds_goes_on():
     rows = script(ticks)
     rows[late:, 0] = np.minimum(speed * 1e-3 * np.arange(ticks - late), 0.15)
     bench = scripted(rows, straight=None)
-    bench.publish(controller=Controller.WORLD_PD, target=[0.15, 0.0, 0.0])
+    bench.publish(controller=Slot.START, target=[0.15, 0.0, 0.0])
     assert not np.any(bench.advance(ticks)["state"] == SafetyState.SAFE_STOP)

@@ -16,6 +16,8 @@ from numba import from_dtype, types
 
 from mimics_app.compiled.borrowed import borrowed
 from mimics_app.compiled.kernel import kernel, typed_kernel
+from mimics_app.contracts.loop.controller_port import CONTROLLERS
+from mimics_app.contracts.loop.controller_slots import Slot, names_in
 from mimics_app.contracts.loop.device_descriptor import KINEMATICS_SET
 from mimics_app.contracts.loop.haptic import SAMPLE, SCENE
 from mimics_app.contracts.loop.haptic_objects import EffectKind, ShapeKind
@@ -34,6 +36,7 @@ from mimics_app.contracts.loop.loop_ports import (
     FIELD,
     FIELDS,
 )
+from mimics_app.rendering.haptic.controllers.registry import controllers_of
 from mimics_app.rendering.haptic.kernels.kinematics import apply_jacobian
 from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
 from mimics_app.rendering.haptic.kernels.state import STATE, new_states
@@ -43,7 +46,7 @@ from mimics_app.rendering.haptic.no_objects import NO_FIELDS, load_simulation, n
 from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROWS
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from tests.support.body_play import Play
-from tests.support.haptic_bench import KIN, wavy
+from tests.support.haptic_bench import KIN, add_forms, wavy
 from tests.support.object_bench import FACING_UP
 from tests.support.touch_play import KINDS, SOLIDS, add_point, new_touch_play
 
@@ -77,6 +80,9 @@ EDGES = (
 
 HABITS = ("wander", "alternate", "stuck", "jump", "outside", "too fast", "not finite", "huge", "late")
 
+PERSON = int(Slot.PERSON)
+"""The slots behind hold the other two forms of admittance."""
+
 _VECTOR = types.float64[::1]
 
 BRAKE_TIME = 0.05
@@ -107,8 +113,10 @@ def _poison(noise):
 @kernel
 def _change_parameters(noise, scene, tunnel):
     scene.sequence += 1
-    scene.controller = 3 if uniform(noise, 0) < 0.8 else int(uniform(noise, 0) * 4.0)
-    scene.form = int(uniform(noise, 0) * 3.0)
+    scene.controller = PERSON if uniform(noise, 0) < 0.8 else int(uniform(noise, 0) * 4.0)
+    form = int(uniform(noise, 0) * 3.0)
+    if scene.controller == PERSON:
+        scene.controller += form
     tunnel.stiffness = 10.0 ** (2.0 + 3.0 * uniform(noise, 0))
     tunnel.damping = 40.0 * uniform(noise, 0)
     tunnel.centring = 300.0 * uniform(noise, 0)
@@ -164,12 +172,28 @@ def _change_objects(noise, scene, tables):
 @typed_kernel(
     types.void(
         types.int64, types.int64, from_dtype(SCENE)[::1], ROWS, OBJECT_WORK, types.FunctionType(TICK), SIMULATION,
-        FIELDS, KINEMATICS_SET, from_dtype(STATE)[::1], _VECTOR, _VECTOR, from_dtype(SAMPLE)[::1], types.int64[::1],
-        types.int64[::1], types.int64[::1],
+        FIELDS, KINEMATICS_SET, CONTROLLERS, from_dtype(STATE)[::1], _VECTOR, _VECTOR, from_dtype(SAMPLE)[::1],
+        types.int64[::1], types.int64[::1], types.int64[::1],
     )
 )  # fmt: skip
 def _attack(
-    seed, ticks, scenes, tables, objects, tick, simulate, fields, kin, states, data, command, rows, broken, met, at
+    seed,
+    ticks,
+    scenes,
+    tables,
+    objects,
+    tick,
+    simulate,
+    fields,
+    kin,
+    controllers,
+    states,
+    data,
+    command,
+    rows,
+    broken,
+    met,
+    at,
 ):
     """`broken` counts violated laws, `met` habits that began while the force was on, `at` ticks at each edge."""
     noise = np.zeros(1)
@@ -229,7 +253,22 @@ def _attack(
             data[DATA_DELAY] = 0.02 * uniform(noise, 0)
         period = 1e-3 * (1.0 + uniform(noise, 0))
         tick(
-            scene, tables, objects, simulate, fields, kin, states, data, status, 0, held, period, 1e-3, command, rows[0]
+            scene,
+            tables,
+            objects,
+            simulate,
+            fields,
+            kin,
+            controllers,
+            states,
+            data,
+            status,
+            0,
+            held,
+            period,
+            1e-3,
+            command,
+            rows[0],
         )
 
         force = norm(state.f_user_world)
@@ -305,6 +344,7 @@ def _check(seed: int, ticks: int, among: bool = False) -> None:
     scene = scene_from_components()
     scene[0]["ramp_force"], scene[0]["ramp_time"] = 1000.0, 0.02
     scene[0]["measured_force_limit"] = 1e9  # a hand that nothing stops
+    add_forms(scene)
     broken, met = np.zeros(len(LAWS), np.int64), np.zeros(len(HABITS) + 1, np.int64)
     at = np.zeros(len(EDGES), np.int64)
     play = _objects() if among else new_touch_play()
@@ -315,7 +355,7 @@ def _check(seed: int, ticks: int, among: bool = False) -> None:
         wavy().fill(play.rows.tunnels[0])
     simulate, fields = (load_simulation(), (_breaks,) * len(NO_FIELDS)) if among else (no_objects, NO_FIELDS)
     room = (np.zeros(DATA_LENGTH), np.zeros(COMMAND_LENGTH), np.zeros(1, SAMPLE))
-    plugins = (tick, simulate, fields, KIN)
+    plugins = (tick, simulate, fields, KIN, controllers_of(names_in(scene[0]["controller_names"])))
     _attack(seed, ticks, scene, play.rows, play.work, *plugins, new_states(), *room, broken, met, at)
     assert dict(zip(LAWS, broken.tolist(), strict=True)) == dict.fromkeys(LAWS, 0)
     habits = dict(zip(HABITS, met.tolist()[:-1], strict=True))

@@ -15,6 +15,8 @@ from numba import from_dtype, types
 
 from mimics_app.compiled.borrowed import borrowed
 from mimics_app.compiled.kernel import kernel, typed_kernel
+from mimics_app.contracts.loop.controller_port import CONTROLLERS
+from mimics_app.contracts.loop.controller_slots import Slot, names_in
 from mimics_app.contracts.loop.device_descriptor import KINEMATICS_SET
 from mimics_app.contracts.loop.haptic import SAMPLE, SCENE, SafetyState, TripCause
 from mimics_app.contracts.loop.loop_fields import MAX_JOINTS
@@ -34,6 +36,7 @@ from mimics_app.contracts.loop.loop_ports import (
     FIELDS,
 )
 from mimics_app.contracts.loop.object_rows import ObjectCapacities, new_rows
+from mimics_app.rendering.haptic.controllers.registry import controllers_of
 from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
 from mimics_app.rendering.haptic.kernels.state import STATE, new_states
 from mimics_app.rendering.haptic.kernels.vectors import norm
@@ -41,7 +44,10 @@ from mimics_app.rendering.haptic.loop_tick import SIMULATION, TICK, tick
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
 from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROWS, new_object_work
 from mimics_app.rendering.haptic.scene_block import scene_from_components
-from tests.support.haptic_bench import KIN, wavy
+from tests.support.haptic_bench import KIN, add_forms, wavy
+
+PERSON = int(Slot.PERSON)
+"""The slots behind hold the other two forms of admittance."""
 
 _VECTOR = types.float64[::1]
 
@@ -147,12 +153,28 @@ def _spoil(law, scene, state, command, before, last_force, last_command, poisone
 @typed_kernel(
     types.void(
         types.int64, types.int64, types.int64, from_dtype(SCENE)[::1], ROWS, OBJECT_WORK, types.FunctionType(TICK),
-        SIMULATION, FIELDS, KINEMATICS_SET, from_dtype(STATE)[::1], _VECTOR, _VECTOR, from_dtype(SAMPLE)[::1],
-        types.int64[::1], types.int64[:, ::1],
+        SIMULATION, FIELDS, KINEMATICS_SET, CONTROLLERS, from_dtype(STATE)[::1], _VECTOR, _VECTOR,
+        from_dtype(SAMPLE)[::1], types.int64[::1], types.int64[:, ::1],
     )
 )  # fmt: skip
 def _walk(
-    seed, ticks, spoilt, scenes, tables, work, tick, simulate, fields, kin, states, data, command, rows, broken, met
+    seed,
+    ticks,
+    spoilt,
+    scenes,
+    tables,
+    work,
+    tick,
+    simulate,
+    fields,
+    kin,
+    controllers,
+    states,
+    data,
+    command,
+    rows,
+    broken,
+    met,
 ):
     """A handle wandering through the workspace; now and then something goes wrong. `broken` counts violated laws.
 
@@ -187,9 +209,11 @@ def _walk(
         haste = 50.0 if before < READY else 5.0 if before == DEGRADED else 2.0
         if _chance(noise, 0.002) and age > 20:
             scene.sequence += 1
-            scene.controller = int(uniform(noise, 0) * 4.0) if _chance(noise, 0.3) else 3
+            scene.controller = int(uniform(noise, 0) * 4.0) if _chance(noise, 0.3) else PERSON
             scene.target[0] = 0.3 if _chance(noise, 0.1) else 0.0  # where this handle is never driven to
-            scene.form = int(uniform(noise, 0) * 3.0)
+            form = int(uniform(noise, 0) * 3.0)
+            if scene.controller == PERSON:
+                scene.controller += form
             tables.tunnels[0].stiffness = 4000.0 * uniform(noise, 0)
             scene.force_limit = 2.0 + 60.0 * uniform(noise, 0)
             scene.energy_limit = 0.01 + 0.5 * uniform(noise, 0)
@@ -244,6 +268,7 @@ def _walk(
             simulate,
             fields,
             kin,
+            controllers,
             states,
             data,
             status,
@@ -289,6 +314,7 @@ def _walk(
 def _run(seed: int, ticks: int, spoilt: int = -1) -> tuple[dict[str, int], np.ndarray]:
     """(times each law was broken, what was met: see `_walk`)."""
     scene = scene_from_components()
+    add_forms(scene)
     rows = new_rows(ObjectCapacities())
     wavy().fill(rows.tunnels[0])
     rows.tunnels[0]["radius_scale"], rows.tunnels[0]["stiffness"], rows.tunnels[0]["damping"] = 1.0, 2000.0, 25.0
@@ -308,6 +334,7 @@ def _run(seed: int, ticks: int, spoilt: int = -1) -> tuple[dict[str, int], np.nd
         no_objects,
         NO_FIELDS,
         KIN,
+        controllers_of(names_in(scene[0]["controller_names"])),
         new_states(),
         np.zeros(DATA_LENGTH),
         np.zeros(COMMAND_LENGTH),

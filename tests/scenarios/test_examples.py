@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.contracts.loop.haptic import Controller
+from mimics_app.contracts.loop.controller_slots import Slot
 from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
 from tests.support.tunnel_play import travel
@@ -42,7 +42,7 @@ def test_radius_zero_keeps_the_ball_on_the_bisector():
 
 def test_world_pd_of_a_scene_drives_home_along_a_straight_line():
     play = travel("healthy", seed=2, seconds=3.0, scene=SCENES / "examples" / "bisector_only.json")
-    assert play.parameter_store.block["controller"][0] in (Controller.WORLD_PD, Controller.ADMITTANCE)
+    assert play.parameter_store.block["controller"][0] in (Slot.START, Slot.PERSON)
     home = play.samples[play.samples["state"] == 2]["hip_world"][20:]
     chord = home[-1] - home[0]
     off = np.linalg.norm(np.cross(home - home[0], chord), axis=1) / np.linalg.norm(chord)

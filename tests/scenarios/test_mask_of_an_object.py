@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from mimics_app.app.touch.haptic_scene_data import HapticSceneData
-from mimics_app.contracts.loop.haptic import SAMPLE, Controller
+from mimics_app.contracts.loop.controller_slots import Slot
+from mimics_app.contracts.loop.haptic import SAMPLE
 from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.contracts.shared_memory import ring
 from mimics_app.contracts.system.resources import root
@@ -58,7 +59,7 @@ def play(folder: Path, hand: np.ndarray, ticks: int, transform: dict[str, Any], 
     memory = side.memory(plugin)
     engine = side.engine(memory, plugin)
     block = scene_from_components()
-    block["controller"], block["passivity"], block["cap"] = Controller.ADMITTANCE, 0, 0
+    block["controller"], block["passivity"], block["cap"] = Slot.PERSON, 0, 0
     side.parameter_store(block).send_to(engine.publish)
     engine.advance(ticks)
     samples = np.zeros(len(memory.samples), SAMPLE)

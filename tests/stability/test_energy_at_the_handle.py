@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 
 from mimics_app.app.touch.parameter_store import ParameterStore
+from mimics_app.contracts.loop.controller_slots import Slot
 from mimics_app.contracts.loop.field_ranges import RANGES, SCENE_RANGES
-from mimics_app.contracts.loop.haptic import Controller, SafetyState
+from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.scene_block import impedance_values
@@ -62,9 +63,9 @@ def _bench(device: str) -> Bench:
     curve.fill(bench.tunnel)
     R, origin = bench.scene[0]["R_world_from_robot"], bench.scene[0]["origin_world"]
     bench.scene[0]["ball_radius_min"], bench.scene[0]["ball_radius_max"] = 0.008, 0.016
-    force = impedance_values(Impedance(damping=2.0)) if device == "simulated_impedance" else {}
+    force = impedance_values(bench.scene, Impedance(damping=2.0)) if device == "simulated_impedance" else {}
     target = R.T @ (curve.point(0.0)[0] - origin)
-    bench.publish(**(force | {"controller": Controller.WORLD_PD, "target": target, "force_rate_limit": 2000.0}))
+    bench.publish(**(force | {"controller": Slot.START, "target": target, "force_rate_limit": 2000.0}))
     bench.advance(3000)
     return bench
 
@@ -76,7 +77,7 @@ def test_a_hundred_random_settings_give_no_more_than_the_tank_pays(device: str):
     Drag of 1e5 N s/m on a light robot with a delay gives energy in every other tick: the tank pays, or it is not felt.
     """
     bench, noise = _bench(device), np.random.default_rng(20)
-    feel = Controller.IMPEDANCE if device == "simulated_impedance" else Controller.ADMITTANCE
+    feel = Slot.PERSON
     bench.send(active=1, trial=1)
     runs, viscosity = [], []
     for _ in range(50):

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from mimics_app.compiled.kernel import typed_kernel
-from mimics_app.contracts.loop.haptic import Controller, SafetyState
+from mimics_app.contracts.loop.controller_slots import Slot
+from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.loop.loop_ports import DATA_GRASP, READ, DevicePlugin
 from mimics_app.contracts.shared_memory.command_ring import request_stop
 from mimics_app.rendering.haptic.control.impedance import draw_along
@@ -44,7 +45,7 @@ def read_pushed_light(memory, inbox, data, tick):
 
 
 def _taking_forces(bench: Bench, **values: float) -> Bench:
-    bench.publish(**impedance_values(Impedance(damping=0.0)), **values)
+    bench.publish(**impedance_values(bench.scene, Impedance(damping=0.0)), **values)
     return bench
 
 
@@ -110,7 +111,7 @@ def test_viscosity_is_rendered_and_felt_within_the_limits():
     rows = script(900)
     rows[:, 5] = 0.2
     bench = scripted(rows, straight=None)
-    bench.publish(**impedance_values(Impedance(damping=3.0)))
+    bench.publish(**impedance_values(bench.scene, Impedance(damping=3.0)))
     assert bench.advance(900)["f_user_world"][-1] == pytest.approx([0.0, -0.6, 0.0])
 
 
@@ -165,8 +166,8 @@ def test_stop_key_takes_the_force_off_the_device_within_two_ticks():
 def test_a_drive_to_the_start_keeps_the_limits_of_the_force_on_the_person(drive: float, limit: float, rate: float):
     """Force, its change and its power, although the drive itself may be stronger."""
     bench = bench_of(build_device(Robot(device="simulated_impedance"), Patient(intent=False), seed=3), straight=None)
-    values = impedance_values(Impedance(drive_stiffness=2e4, drive_damping=200.0, drive_force=drive))
-    bench.publish(**values | {"controller": Controller.WORLD_PD, "target": (0.1, 0.08, -0.08)})
+    values = impedance_values(bench.scene, Impedance(drive_stiffness=2e4, drive_damping=200.0, drive_force=drive))
+    bench.publish(**values | {"controller": Slot.START, "target": (0.1, 0.08, -0.08)})
     bench.publish(force_limit=limit, force_rate_limit=rate, power_limit=3.0, drive_speed=0.25)
     rows = bench.advance(1500)
     sent, size = rows["f_command"], np.linalg.norm(rows["f_command"], axis=1)
@@ -182,8 +183,8 @@ def test_a_torque_drive_to_the_start_keeps_the_limits_at_the_foot(limit: float, 
     """Of each joint's torque over its lever arm to the foot, by the Jacobian; the drive alone would push with 200 N."""
     robot = Robot(device="simulated_leg", settings={"mode": "torque"})
     bench = bench_of(build_device(robot, Patient(intent=False), seed=3), straight=None)
-    values = impedance_values(Impedance(drive_stiffness=2e4, drive_damping=200.0, drive_force=200.0))
-    values |= kinematic_values(robot, LEG) | {"controller": Controller.JOINT_PD, "target": (0.45, 0.9)}
+    values = impedance_values(bench.scene, Impedance(drive_stiffness=2e4, drive_damping=200.0, drive_force=200.0))
+    values |= kinematic_values(robot, LEG) | {"controller": Slot.HOLD, "target": (0.45, 0.9)}
     bench.publish(**values)
     bench.publish(force_limit=limit, force_rate_limit=rate)
     rows = bench.advance(1500)
@@ -216,12 +217,12 @@ def test_the_simulated_person_goes_through_the_tunnel_on_it():
     curve.fill(bench.tunnel)
     bench.scene[0]["ball_radius_min"], bench.scene[0]["ball_radius_max"] = 0.008, 0.016
     R, origin = bench.scene[0]["R_world_from_robot"], bench.scene[0]["origin_world"]
-    values = impedance_values(Impedance(damping=2.0)) | {"controller": int(Controller.WORLD_PD)}
+    values = impedance_values(bench.scene, Impedance(damping=2.0)) | {"controller": int(Slot.START)}
     bench.publish(target=R.T @ (curve.point(0.0)[0] - origin), **values)
     home = bench.advance(4000)
     assert home["state"][-1] == SafetyState.READY
     assert np.linalg.norm(home["f_command"], axis=1).max() <= 10.0 * (1 + 1e-12)
-    bench.publish(controller=int(Controller.IMPEDANCE), trial=1)
+    bench.publish(controller=int(Slot.PERSON), trial=1)
     bench.send(active=1, trial=1)
     rows = bench.advance(9000)
     assert rows["progress"].max() > 0.97 and set(rows["state"].astype(int)) <= {2, 3, 4}

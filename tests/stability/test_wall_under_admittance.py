@@ -13,7 +13,8 @@ import math
 import numpy as np
 import pytest
 
-from mimics_app.contracts.loop.haptic import Controller, SafetyState
+from mimics_app.contracts.loop.controller_slots import Slot
+from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.world.components.robot import Robot
 from tests.support.haptic_bench import PUSH, patient_bench, pushed_bench
 
@@ -85,7 +86,7 @@ def test_light_virtual_mass_is_unstable_in_a_hand():
     for mass in (3.0, 1.0, 0.5):
         bench = patient_bench(seed=1, robot=Robot(delay_ticks=10))
         bench.advance(2200)
-        bench.publish(controller=Controller.ADMITTANCE, trial=1, virtual_mass=mass, virtual_damping=0.0)
+        bench.publish(controller=Slot.PERSON, trial=1, virtual_mass=mass, virtual_damping=0.0)
         bench.publish(tunnel__pieces=0, max_acceleration=1e3, velocity_limit=50.0, workspace_margin=1.0)
         bench.send(active=1, trial=1)
         change = np.diff(bench.advance(2000)["f_meas"], axis=0)

@@ -5,15 +5,14 @@ from __future__ import annotations
 from numba import from_dtype, types
 
 from mimics_app.compiled.kernel import typed_kernel
+from mimics_app.contracts.loop.controller_port import CONTROL_INPUT, CONTROL_WORK
 from mimics_app.contracts.loop.device_descriptor import KINEMATICS_SET
 from mimics_app.contracts.loop.haptic import SCENE
 from mimics_app.rendering.haptic.control.joint_admittance import admit_joints
 from mimics_app.rendering.haptic.kernels import joints
-from mimics_app.rendering.haptic.kernels.joints import JOINT_WORK
-from mimics_app.rendering.haptic.kernels.state import STATE
 
 _V = types.float64[::1]
-_SCENE, _WORK = from_dtype(SCENE)[::1], from_dtype(JOINT_WORK)[::1]
+_SCENE, _WORK = from_dtype(SCENE)[::1], from_dtype(CONTROL_WORK)[::1]
 
 
 @typed_kernel(types.void(KINEMATICS_SET, _SCENE, _V, _V))
@@ -38,17 +37,16 @@ def rates_of(kin, scenes, q, v, works, dq):
 
 @typed_kernel(
     types.void(
-        KINEMATICS_SET, _SCENE, from_dtype(STATE)[::1], types.float64, types.float64, types.float64, types.int64,
-        types.float64[:, ::1],
+        KINEMATICS_SET, from_dtype(CONTROL_INPUT)[::1], _WORK, _V, types.int64, types.float64[:, ::1],
     )
 )  # fmt: skip
-def glide(kin, scenes, states, mass, damping, dt, ticks, path):
+def glide(kin, inputs, works, dq, ticks, path):
     """A device that follows at once what admittance in its joints says; where its first point is."""
-    scene, state = scenes[0], states[0]
+    now, work = inputs[0], works[0]
     for k in range(ticks):
-        admit_joints(kin, scene, states, mass, damping, dt, state.dq_virtual)
+        admit_joints(kin, now, work, dq)
         for j in range(8):
-            state.q[j] += dt * state.dq_virtual[j]
-        joints.points_of(kin, scene, state.q, state.joint_work.points)
+            now.q[j] += now.dt * dq[j]
+        joints.points_of(kin, now, now.q, work.points)
         for i in range(3):
-            path[k, i] = state.joint_work.points[i]
+            path[k, i] = work.points[i]

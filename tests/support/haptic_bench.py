@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.compiled.kernel import kernel, typed_kernel
+from mimics_app.contracts.loop.controller_slots import Slot
 from mimics_app.contracts.loop.device_descriptor import Kinematics
-from mimics_app.contracts.loop.haptic import INBOX, SAMPLE, Controller
+from mimics_app.contracts.loop.haptic import INBOX, SAMPLE
 from mimics_app.contracts.loop.loop_ports import (
     DATA_AGE,
     DATA_BUTTONS,
@@ -35,7 +36,7 @@ from mimics_app.rendering.haptic.devices.simulated_hapticmaster import write_rob
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.kernels.robot import ROBOT_LENGTH, sense, step_robot
 from mimics_app.rendering.haptic.replay import replay_run
-from mimics_app.rendering.haptic.scene_block import dynamics_of, scene_from_components
+from mimics_app.rendering.haptic.scene_block import controller_values, dynamics_of, scene_from_components
 from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel
 from mimics_app.world.components.robot import Patient, Robot
 
@@ -158,6 +159,13 @@ class Bench:
         return out[:count]
 
 
+def add_forms(block: NDArray[Any]) -> None:
+    """Put the other two forms of admittance into the slots behind PERSON."""
+    for slot, name in enumerate(("admittance_polar", "admittance_seed"), Slot.PERSON + 1):
+        for each, value in controller_values(block, slot, name).items():
+            block[0][each] = value
+
+
 def bench_of(
     plugin: DevicePlugin, *, straight: float | None = 0.04, samples: int = 1 << 15, passivity: int = 1, **kwargs: Any
 ) -> Bench:
@@ -174,7 +182,7 @@ def bench_of(
         build_tunnel([[-0.15, 0.0, 0.0], [0.15, 0.0, 0.0]], straight).fill(record)
     record["stiffness"], record["damping"], record["drag"], record["drag_growth"] = 2000.0, 25.0, 2.0, 2000.0
     bench.scene[0]["force_rate_limit"], bench.scene[0]["passivity"] = 20000.0, 0 if plugin.own_mass else passivity
-    bench.publish(controller=Controller.ADMITTANCE)
+    bench.publish(controller=Slot.PERSON)
     return bench
 
 
@@ -216,7 +224,7 @@ def patient_bench(
     curve.fill(bench.tunnel)
     R, origin = bench.scene[0]["R_world_from_robot"], bench.scene[0]["origin_world"]
     bench.scene[0]["ball_radius_min"], bench.scene[0]["ball_radius_max"] = 0.008, 0.016
-    bench.publish(controller=Controller.WORLD_PD, target=R.T @ (curve.point(0.0)[0] - origin))
+    bench.publish(controller=Slot.START, target=R.T @ (curve.point(0.0)[0] - origin))
     return bench
 
 

@@ -47,7 +47,7 @@ def press(
     plugin = build_device(Robot(device=device, **(robot or {})), patient, seed=3)
     bench = bench_with(play, plugin)
     if device == "simulated_impedance":
-        bench.publish(**impedance_values(Impedance(damping=viscosity, device_damping=0.5)))
+        bench.publish(**impedance_values(bench.scene, Impedance(damping=viscosity, device_damping=0.5)))
     limits = {"passivity": 1, "force_rate_limit": 2000.0, "force_limit": 60.0}
     bench.publish(**{**limits, **values})
     rows = [bench.advance(RATE)]  # the soft start

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from mimics_app.contracts.loop.haptic import EVENT, SAMPLE, SCENE, Controller, EventKind, SafetyState, TripCause
+from mimics_app.contracts.loop.controller_slots import Lead, Slot
+from mimics_app.contracts.loop.haptic import EVENT, SAMPLE, SCENE, EventKind, SafetyState, TripCause
 from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows, new_rows, pack_rows
 from mimics_app.contracts.system.run_environment import clock_pair, describe_environment
 from mimics_app.recording.event_log import encode_line
@@ -36,6 +37,7 @@ def scene_block(sequence: int, trial: int, controller: int) -> tuple[np.ndarray,
     """
     block = np.zeros(1, SCENE)
     block["sequence"], block["trial"], block["controller"] = sequence, trial, controller
+    block[0]["leads"][[Slot.START, Slot.PERSON]] = Lead.TARGET, Lead.PERSON
     block[0]["objects"]["tunnels"] = 1
     rows = new_rows(ObjectCapacities())
     tunnel = rows.tunnels[0]
@@ -120,7 +122,7 @@ def write_synthetic_run(folder: Path, seconds: float = 24.0, *, live: bool = Tru
         stream.append(samples[first : first + 50], first)
     parameters = ParameterStream(folder)
     for sequence in range(1, 5):
-        controller = Controller.ADMITTANCE if sequence % 2 == 0 else Controller.WORLD_PD
+        controller = Slot.PERSON if sequence % 2 == 0 else Slot.START
         parameters.append(packed(*scene_block(sequence, (sequence + 1) // 2, controller)))
     log = EventStream(folder, state)
     events = events_of_session(samples)

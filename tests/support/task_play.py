@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from mimics_app.contracts.commands.vocabulary import Command
-from mimics_app.contracts.loop.haptic import EVENT, Controller, EventKind, SafetyState, TripCause
+from mimics_app.contracts.loop.controller_slots import Slot
+from mimics_app.contracts.loop.haptic import EVENT, EventKind, SafetyState, TripCause
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskAction, TaskOrders, VRInput
 from mimics_app.contracts.messages.trial_state import TaskView
 from mimics_app.contracts.ports.scenario_port import TaskContext
@@ -103,7 +104,7 @@ class Player:
         vr = VRInput(pressed=pressed, commands=commands)
         orders = self.manager.step(vr, action, snapshot, make_events(*rows), self.now_ns)
         self.scene.update(orders.haptic)
-        if self.scene["controller"] == Controller.JOINT_PD:
+        if self.scene["controller"] in (Slot.HOLD, Slot.START):
             self.q = np.array(self.scene["target"], float)
             if self.manager.state == "approach":
                 self.progress = 0.0
@@ -117,7 +118,7 @@ class Player:
 
     def _with_peaks(self, values: dict[str, Any]) -> dict[str, Any]:
         """The values with the extremes of the trial, as the loop follows them while the person leads."""
-        if self.scene.get("controller") not in (Controller.ADMITTANCE, Controller.IMPEDANCE):
+        if self.scene.get("controller") != Slot.PERSON:
             self.peaks = {}
         else:
             now = {

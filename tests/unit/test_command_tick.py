@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mimics_app.compiled.kernel import typed_kernel
-from mimics_app.contracts.loop.haptic import Controller
+from mimics_app.contracts.loop.controller_slots import Slot
 from mimics_app.contracts.loop.loop_ports import (
     COMMAND_DQ,
     COMMAND_ENABLED,
@@ -52,7 +52,7 @@ def test_the_command_of_tick_k_reaches_the_device_in_tick_k():
     """An admittance at rest: the first tick that reads a force commands F dt / m, no tick before and none after it."""
     memory = np.zeros(1 + TICKS * (COMMAND_LENGTH + 1))
     bench = bench_of(DevicePlugin("logged", _read, _write, memory), straight=None)
-    bench.publish(controller=Controller.ADMITTANCE, virtual_mass=3.0, virtual_damping=0.0, form=2)
+    bench.publish(controller=Slot.PERSON, virtual_mass=3.0, virtual_damping=0.0)
     samples = bench.advance(TICKS)
     written = memory[1:].reshape(TICKS, COMMAND_LENGTH + 1)
     sent = written[:, 1 + COMMAND_DQ : 4 + COMMAND_DQ]

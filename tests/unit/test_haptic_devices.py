@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.loop.controller_slots import Slot, names_in
 from mimics_app.contracts.loop.haptic import SAMPLE
 from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic import scheduler
@@ -80,7 +81,8 @@ def test_scene_block_from_components():
     safety = Safety(force_limit=33.0, late_hold_s=0.004, missed_stop=7)
     block = scene_from_components(robot, Admittance(form="polar", mass=4.0), Ball(radius_min=0.01), safety)[0]
     assert block["geometry"][0] == axis_offset(robot) == pytest.approx(0.45)
-    assert (block["form"], block["virtual_mass"], block["ball_radius_min"]) == (1, 4.0, 0.01)
+    assert names_in(block["controller_names"])[Slot.PERSON] == "admittance_polar"
+    assert (block["virtual_mass"], block["ball_radius_min"]) == (4.0, 0.01)
     assert (block["force_limit"], block["late_hold_ns"], block["missed_stop"]) == (33.0, 4_000_000, 7)
     assert block["origin_world"].tolist() == [0.1, 0.2, 0.3]
 
@@ -98,7 +100,8 @@ def test_world_target_goes_into_the_robot_frame_and_back():
     target = np.array([0.15, 0.18, 0.33])
     there = robot_from_world(robot, target[None])[0]
     assert np.allclose(record["R_world_from_robot"] @ there + record["origin_world"], target, atol=1e-15)
-    assert record["kp"].tolist() == [1.0, 2.0, 3.0, 3.0, 3.0, 3.0, 3.0, 3.0]
+    kp = record["controller_parameters"][Slot.HOLD][:8]
+    assert kp.tolist() == [1.0, 2.0, 3.0, 3.0, 3.0, 3.0, 3.0, 3.0]
 
 
 def test_unknown_recipe_is_refused_and_plain_asks_for_nothing():

@@ -8,7 +8,8 @@ import msgspec
 import numpy as np
 import pytest
 
-from mimics_app.contracts.loop.haptic import Controller, EventKind, SafetyState, TripCause
+from mimics_app.contracts.loop.controller_slots import Slot
+from mimics_app.contracts.loop.haptic import EventKind, SafetyState, TripCause
 from mimics_app.contracts.messages.stage_messages import TaskAction
 from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.prompt import ABORTED_CAUSES
@@ -44,10 +45,10 @@ def test_each_state_has_its_controller_and_only_travel_lets_the_person_act():
         orders = player.step()
         state = player.manager.state.value
         seen.setdefault(state, set()).add((player.scene["controller"], orders.person_may_act))
-    assert seen["approach"] == {(Controller.JOINT_PD, False)}
-    assert seen["ready"] == {(Controller.JOINT_PD, False)}
-    assert seen["travel"] == {(Controller.ADMITTANCE, True)}
-    assert seen["finished"] == seen["rest"] == seen["done"] == {(Controller.JOINT_PD, False)}
+    assert seen["approach"] == {(Slot.HOLD, False), (Slot.START, False)}
+    assert seen["ready"] == {(Slot.START, False)}
+    assert seen["travel"] == {(Slot.PERSON, True)}
+    assert seen["finished"] == seen["rest"] == seen["done"] == {(Slot.HOLD, False)}
 
 
 def test_approach_aims_at_the_start_and_holding_at_where_the_robot_is():
@@ -124,10 +125,10 @@ def test_until_the_go_the_robot_holds_the_start():
     player = Player(make_manager(task()))
     player.until("ready")
     while player.manager.state == "ready":
-        assert (player.scene["controller"], player.scene["target"]) == (Controller.JOINT_PD, START)
+        assert (player.scene["controller"], player.scene["target"]) == (Slot.START, START)
         assert not player.orders[-1].person_may_act and player.orders[-1].view.robot_leads
         player.step()
-    assert player.scene["controller"] == Controller.ADMITTANCE
+    assert player.scene["controller"] == Slot.PERSON
 
 
 def test_a_start_that_is_not_held_has_no_go():
@@ -157,10 +158,7 @@ def test_the_drive_to_the_start_is_announced(after, announced):
         player.step()
     held_s = 0.0
     while player.manager.state == "approach" and player.scene["target"] == tuple(away):
-        assert (
-            player.scene["controller"] == Controller.JOINT_PD
-            and "moves to the start" in player.orders[-1].board.message
-        )
+        assert player.scene["controller"] == Slot.HOLD and "moves to the start" in player.orders[-1].board.message
         held_s += FRAME_NS / 1e9
         player.step()
     assert held_s == pytest.approx(1.0 if announced else 0.0, abs=0.02)
@@ -316,7 +314,7 @@ def test_stop_in_mid_trial_aborts_it_and_the_reset_restarts_it(state):
     player.step(progress=0.4)
     player.step(**STOPPED)
     assert player.manager.state == "stopped"
-    assert player.scene["controller"] == Controller.OFF
+    assert player.scene["controller"] == Slot.OFF
     assert "stale device" in player.orders[-1].board.message
     for _ in range(600):  # ten seconds: it waits for the operator, not for the clock
         player.step(**STOPPED)

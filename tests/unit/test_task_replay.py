@@ -14,7 +14,7 @@ import pytest
 
 from mimics_app.app.session.replay import TaskFrame, play_again
 from mimics_app.contracts.errors import PartialDataError
-from mimics_app.contracts.loop.haptic import Controller, EventKind
+from mimics_app.contracts.loop.haptic import EventKind
 from mimics_app.contracts.messages.stage_messages import TaskAction
 from mimics_app.contracts.ports.scenario_port import Home, TaskContext
 from mimics_app.recording.task_lines import TASK_KINDS, compare_lines, compare_rows, gather_task
@@ -34,7 +34,7 @@ SPEC = {
     "messages": {"approach": "table"},
 }
 CONTEXT = TaskContext(
-    START, Home(START, Controller.JOINT_PD), places={"table": (1.0, 2.0, 3.0), "lamp": (4.0, 5.0, 6.0)},
+    START, Home(START), places={"table": (1.0, 2.0, 3.0), "lamp": (4.0, 5.0, 6.0)},
     offers=frozenset({"tunnel"}),
 )  # fmt: skip
 
@@ -86,8 +86,8 @@ def test_the_task_is_kept_with_the_places_it_names_and_no_others(kept: Kept) -> 
     spec, context = task_of_record(kept.record)
     assert spec == msgspec.convert(SPEC, TaskSpec)
     assert dict(context.places) == {"table": (1.0, 2.0, 3.0)}
-    assert (context.start_joints, context.home, context.offers, context.feel) == (
-        START, CONTEXT.home, CONTEXT.offers, CONTEXT.feel
+    assert (context.start_joints, context.home, context.offers) == (
+        START, CONTEXT.home, CONTEXT.offers
     )  # fmt: skip
 
 

@@ -58,11 +58,11 @@ def test_a_worse_method_errs_on_the_same_hand_and_a_studys_own_plan_does_not(mon
 
 def test_only_what_methods_set_is_laid_over() -> None:
     first, changed, later = (np.zeros(1, SCENE) for _ in range(3))
-    changed["form"], changed["device_delay"] = 2, 0.25
+    changed["controller"], changed["device_delay"] = 2, 0.25
     first["virtual_mass"] = changed["virtual_mass"] = 3.0
     later["virtual_mass"], later["sequence"] = 5.0, 9
     made = _laid_over(later, first, changed)
-    assert (made["form"][0], made["device_delay"][0]) == (2, 0.25)
+    assert (made["controller"][0], made["device_delay"][0]) == (2, 0.25)
     assert (made["virtual_mass"][0], made["sequence"][0]) == (5.0, 9)
 
 

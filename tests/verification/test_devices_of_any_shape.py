@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.loop.controller_port import CONTROL_INPUT, CONTROL_WORK
 from mimics_app.contracts.loop.device_descriptor import (
     CONTACTS,
     DeviceDescriptor,
@@ -24,10 +25,8 @@ from mimics_app.rendering.haptic.descriptors.leg import LEG
 from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.devices.inverse_by_steps import inverse_by_steps as joints_of
 from mimics_app.rendering.haptic.devices.robot_reach import Reach
-from mimics_app.rendering.haptic.kernels.joints import JOINT_WORK
 from mimics_app.rendering.haptic.kernels.limiter import limit_joints
 from mimics_app.rendering.haptic.kernels.solve import solve_positive
-from mimics_app.rendering.haptic.kernels.state import new_states
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.world.components.robot import Admittance, Robot
 from tests.support.chain import CHAIN, LINK
@@ -47,7 +46,7 @@ def _record(descriptor: DeviceDescriptor) -> np.ndarray:
 
 
 def _work() -> np.ndarray:
-    return np.zeros(1, JOINT_WORK)
+    return np.zeros(1, CONTROL_WORK)
 
 
 def _joints(*values: float) -> np.ndarray:
@@ -169,13 +168,20 @@ def test_equations_are_solved_and_a_lost_direction_is_seen():
 
 
 def _flight(descriptor, q, dq, *, f=(0.0, 0.0, 0.0), damping=0.0, inertia=0.0, ticks=500, dt=1e-3, kin=None):
-    scene, states = _record(descriptor), new_states()
-    scene["joint_inertia"] = inertia
-    states[0]["q"], states[0]["dq_virtual"] = _joints(*q), _joints(*dq)
-    states[0]["f_user"] = f
-    path = np.zeros((ticks, 3))
-    glide(tuple(kin or descriptor.kinematics), scene, states, 3.0, damping, dt, ticks, path)
-    return path, states[0]
+    now, path, rates = _now(descriptor), np.zeros((ticks, 3)), _joints(*dq)
+    now["joint_inertia"], now["q"], now["f_user"][:, :3] = inertia, _joints(*q), f
+    now["virtual_damping"], now["dt"] = damping, dt
+    glide(tuple(kin or descriptor.kinematics), now, _work(), rates, ticks, path)
+    return path, rates
+
+
+def _now(descriptor):
+    """What a controller of a device with a virtual mass of 3 kg sees at rest, without forces."""
+    scene, now = _record(descriptor), np.zeros(1, CONTROL_INPUT)
+    for name in ("joints", "contacts", "geometry", "joint_inertia"):
+        now[name] = scene[name]
+    now["virtual_mass"], now["dt"] = 3.0, 1e-3
+    return now
 
 
 def test_a_free_mass_flies_straight_as_equations_6_and_7_do_with_their_coupling():
@@ -197,24 +203,23 @@ def test_a_constant_force_moves_the_point_as_a_mass():
 
 def test_damping_is_stable_however_large():
     for damping in (50.0, 1e5):
-        path, state = _flight(HAPTICMASTER, (0.0, 0.0, 0.0), (0.3, 0.0, 0.0), damping=damping, ticks=400)
-        assert np.isfinite(path).all() and abs(state["dq_virtual"][0]) < 1e-2
+        path, rates = _flight(HAPTICMASTER, (0.0, 0.0, 0.0), (0.3, 0.0, 0.0), damping=damping, ticks=400)
+        assert np.isfinite(path).all() and abs(rates[0]) < 1e-2
         assert path[-1, 0] <= 0.3 * 3.0 / damping * 1.01
 
 
 def test_a_singular_leg_under_force_stays_bounded_by_its_inertia():
     along = np.array([math.sin(0.1), 0.0, -math.cos(0.1)])
     q = (0.1 + 0.05, STRETCHED)
-    _, state = _flight(LEG, q, (0.0, 0.0), f=tuple(100.0 * along), inertia=0.1, ticks=50)
-    assert np.isfinite(state["dq_virtual"]).all() and np.abs(state["dq_virtual"]).max() < 10.0
+    _, rates = _flight(LEG, q, (0.0, 0.0), f=tuple(100.0 * along), inertia=0.1, ticks=50)
+    assert np.isfinite(rates).all() and np.abs(rates).max() < 10.0
 
 
 def test_torques_at_the_joints_move_them():
-    scene, states = _record(LEG), new_states()
-    states[0]["q"][:2], states[0]["torque_meas"][:2] = (0.3, 0.9), (0.0, 2.0)
-    path = np.zeros((50, 3))
-    glide(tuple(LEG.kinematics), scene, states, 3.0, 0.0, 1e-3, 50, path)
-    assert states[0]["dq_virtual"][1] > 0.05
+    now, rates = _now(LEG), np.zeros(MAX_JOINTS)
+    now["q"][0, :2], now["torque_meas"][0, :2] = (0.3, 0.9), (0.0, 2.0)
+    glide(tuple(LEG.kinematics), now, _work(), rates, 50, np.zeros((50, 3)))
+    assert rates[1] > 0.05
 
 
 # limits per joint

@@ -11,7 +11,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from mimics_app.contracts.loop.haptic import Controller, SafetyState
+from mimics_app.contracts.loop.controller_slots import Slot
+from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.shared_memory.command_ring import request_stop
 from mimics_app.rendering.haptic.descriptors.leg import LEG
 from mimics_app.rendering.haptic.devices.registry import build_device
@@ -36,20 +37,21 @@ def speeds(rows: np.ndarray) -> np.ndarray:
 
 def velocity_driven() -> Bench:
     bench = bench_of(build_device(Robot(), Patient(intent=False), seed=3), straight=None)
-    bench.publish(controller=Controller.WORLD_PD, target=(0.1, 0.25, -0.1))
+    bench.publish(controller=Slot.START, target=(0.1, 0.25, -0.1))
     return bench
 
 
 def force_driven() -> Bench:
     bench = bench_of(build_device(Robot(device="simulated_impedance"), Patient(intent=False), seed=3), straight=None)
-    bench.publish(**impedance_values(Impedance()) | {"controller": Controller.WORLD_PD, "target": (0.1, 0.25, -0.1)})
+    drive = {"controller": Slot.START, "target": (0.1, 0.25, -0.1)}
+    bench.publish(**impedance_values(bench.scene, Impedance()) | drive)
     return bench
 
 
 def leg() -> Bench:
     robot = Robot(device="simulated_leg")
     bench = bench_of(build_device(robot, Patient(intent=False), seed=3), straight=None)
-    bench.publish(**kinematic_values(robot, LEG) | {"controller": Controller.JOINT_PD, "target": (0.45, 0.9)})
+    bench.publish(**kinematic_values(robot, LEG) | {"controller": Slot.HOLD, "target": (0.45, 0.9)})
     return bench
 
 
@@ -79,7 +81,7 @@ def test_a_pause_brakes_a_drive_gently_and_holds(begin: Callable[[], Bench]):
     """As the task orders it: joint PD to the joints at which the pause began."""
     bench = begin()
     before = bench.advance(700)[-1]
-    bench.publish(controller=Controller.JOINT_PD, target=tuple(before["q"][:3]))
+    bench.publish(controller=Slot.HOLD, target=tuple(before["q"][:3]))
     rows = bench.advance(2000)
     way = np.linalg.norm(rows["hip_world"] - before["hip_world"], axis=1)
     assert way.max() < SLOW * ACCELERATION_S and speeds(rows)[-1] < 2e-3

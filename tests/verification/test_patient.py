@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.contracts.loop.haptic import Controller, EventKind, SafetyState
+from mimics_app.contracts.loop.controller_slots import Slot
+from mimics_app.contracts.loop.haptic import EventKind, SafetyState
 from mimics_app.contracts.loop.loop_ports import DATA_LENGTH, INBOX_ACTIVE, INBOX_LENGTH, INBOX_TRIAL
 from mimics_app.rendering.haptic.devices.patients import PRESETS, impairment_of, lay_path, write_arm
 from mimics_app.rendering.haptic.devices.registry import build_device
@@ -22,7 +23,7 @@ def _travel(preset: str, seed: int) -> dict[str, float]:
     bench = patient_bench(preset, seed, samples=1 << 17)
     while bench.engine.snapshot().state != SafetyState.READY:
         bench.engine.advance(100)
-    bench.publish(controller=Controller.ADMITTANCE, trial=1)
+    bench.publish(controller=Slot.PERSON, trial=1)
     bench.send(active=1, trial=1)
     start = bench.engine.ticks
     while bench.engine.snapshot().progress < 0.98 and bench.engine.ticks < start + 60_000:

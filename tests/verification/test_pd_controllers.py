@@ -9,14 +9,13 @@ import pytest
 from numba import from_dtype, types
 
 from mimics_app.compiled.kernel import typed_kernel
+from mimics_app.contracts.loop.controller_port import CONTROL_INPUT, CONTROL_WORK
 from mimics_app.contracts.loop.device_descriptor import KINEMATICS_SET, KinematicsStatus
-from mimics_app.contracts.loop.haptic import SCENE
 from mimics_app.contracts.loop.loop_fields import MAX_JOINTS
 from mimics_app.lab.haptic.printed_equations import joint_pd_printed
 from mimics_app.rendering.haptic.control.joint_pd import joint_pd
 from mimics_app.rendering.haptic.control.world_pd import world_pd_straight, world_pd_through_joints
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
-from mimics_app.rendering.haptic.kernels.joints import JOINT_WORK
 from mimics_app.rendering.haptic.kernels.kinematics import forward, inverse
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 
@@ -82,31 +81,39 @@ def test_stability_of_the_sampled_loop_agrees_with_the_inequality():
 
 @typed_kernel(
     types.void(
-        KINEMATICS_SET, types.boolean, from_dtype(SCENE), from_dtype(JOINT_WORK), types.float64[::1], types.int64,
+        KINEMATICS_SET, types.boolean, from_dtype(CONTROL_INPUT), types.float64, from_dtype(CONTROL_WORK), types.int64,
         types.float64[:, ::1],
     )
 )  # fmt: skip
-def _sweep(kin, straight, scene, work, q, ticks, path):
-    dq = np.zeros(MAX_JOINTS)
-    u = np.zeros(MAX_JOINTS)
+def _sweep(kin, straight, now, gain, work, ticks, path):
+    q = now.q
+    u, kp, kd = np.zeros(MAX_JOINTS), np.full(MAX_JOINTS, gain), np.zeros(MAX_JOINTS)
     for k in range(ticks):
         if straight:
-            world_pd_straight(kin, scene, q, dq, work, u)
+            world_pd_straight(kin, now, kp, kd, work, u)
         else:
-            world_pd_through_joints(kin, scene, q, dq, work, u)
+            world_pd_through_joints(kin, now, kp, kd, work, u)
         for i in range(3):
             q[i] += 1e-3 * u[i]
         forward(q, 0.46, path[k])
 
 
+def _now() -> np.void:
+    """What a controller of the HapticMaster sees, at rest in the centre."""
+    block, now = scene_from_components()[0], np.zeros(1, CONTROL_INPUT)[0]
+    for name in ("joints", "contacts", "geometry", "joint_min", "joint_max"):
+        now[name] = block[name]
+    return now
+
+
 def _bow(straight: bool, gain: float = 10.0) -> tuple[float, np.ndarray]:
-    path, q = np.zeros((3000, 3)), np.zeros(MAX_JOINTS)
-    scene, q[1] = scene_from_components()[0], -0.5
+    path, now = np.zeros((3000, 3)), _now()
+    now["q"][1] = -0.5
     start, end = np.zeros(3), np.zeros(3)
     forward(np.array([0.0, -0.5, 0.0]), D1, start)
     forward(np.array([0.0, 0.5, 0.0]), D1, end)
-    scene["target"][:3], scene["kp"], scene["kd"] = end, gain, 0.0
-    _sweep(KIN, straight, scene, np.zeros(1, JOINT_WORK)[0], q, len(path), path)
+    now["target"][:3] = end
+    _sweep(KIN, straight, now, gain, np.zeros(1, CONTROL_WORK)[0], len(path), path)
     along = (end - start) / np.linalg.norm(end - start)
     offset = path - start
     offset -= np.outer(offset @ along, along)
@@ -128,21 +135,21 @@ def test_straight_world_pd_is_straight_to_first_order():
 
 
 def test_world_pd_target_behind_the_axis_is_reached_through_the_right_quadrant():
-    u, still, work = np.zeros(MAX_JOINTS), np.zeros(MAX_JOINTS), np.zeros(1, JOINT_WORK)[0]
+    u, one, none, work = np.zeros(MAX_JOINTS), np.ones(MAX_JOINTS), np.zeros(MAX_JOINTS), np.zeros(1, CONTROL_WORK)[0]
     target = np.array([-D1 - 0.1, 0.05, 0.0])
-    scene = scene_from_components()[0]
-    scene["joint_min"][:3], scene["joint_max"][:3] = (-1.0, -4.0, -1.0), (1.0, 4.0, 1.0)
-    scene["target"][:3], scene["kp"], scene["kd"] = target, 1.0, 0.0
-    assert world_pd_through_joints(KIN, scene, still, still, work, u) == KinematicsStatus.DONE
+    now = _now()
+    now["joint_min"][:3], now["joint_max"][:3] = (-1.0, -4.0, -1.0), (1.0, 4.0, 1.0)
+    now["target"][:3] = target
+    assert world_pd_through_joints(KIN, now, one, none, work, u) == KinematicsStatus.DONE
     q = np.zeros(3)
     inverse(target, D1, q)
     assert u[1] == q[1] > 2.0
 
 
 def test_world_pd_approaches_an_unreachable_target_as_far_as_the_joints_allow():
-    u, still, work = np.zeros(MAX_JOINTS), np.zeros(MAX_JOINTS), np.zeros(1, JOINT_WORK)[0]
-    scene = scene_from_components()[0]
-    scene["target"][:3], scene["kp"], scene["kd"] = (-D1 - 0.1, 0.05, 0.3), 1.0, 0.0
-    assert world_pd_through_joints(KIN, scene, still, still, work, u) == KinematicsStatus.UNREACHABLE
+    u, one, none, work = np.zeros(MAX_JOINTS), np.ones(MAX_JOINTS), np.zeros(MAX_JOINTS), np.zeros(1, CONTROL_WORK)[0]
+    now = _now()
+    now["target"][:3] = (-D1 - 0.1, 0.05, 0.3)
+    assert world_pd_through_joints(KIN, now, one, none, work, u) == KinematicsStatus.UNREACHABLE
     assert u[:3].tolist() == [-0.18, 0.5, 0.2]  # the arm would have to be shorter than its least reach of 0.28 m
     assert not u[3:].any()

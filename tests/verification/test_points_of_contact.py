@@ -11,7 +11,8 @@ import pytest
 from mimics_app.app.session.preparation import prepare
 from mimics_app.app.settings import RunSettings
 from mimics_app.compiled.kernel import typed_kernel
-from mimics_app.contracts.loop.haptic import SAMPLE, Controller, SafetyState, TripCause
+from mimics_app.contracts.loop.controller_slots import Slot
+from mimics_app.contracts.loop.haptic import SAMPLE, SafetyState, TripCause
 from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, Extent
 from mimics_app.contracts.loop.loop_ports import (
@@ -91,7 +92,7 @@ def _bench(rows: np.ndarray, descriptor=LEGS, height: float | None = None, follo
     plugin = DevicePlugin("two feet", read_rows, keep_command, memory, follows=follows, descriptor=descriptor)
     bench = bench_with(play, plugin, passivity=0)
     values = kinematic_values(Robot(), descriptor)
-    driven = {"force_driven": 1, "controller": Controller.IMPEDANCE, "virtual_damping": 0.0}
+    driven = {"force_driven": 1, "controller": Slot.PERSON, "virtual_damping": 0.0}
     bench.publish(**values, **driven, **{"velocity_limit": 5.0, "arm_damping": 30.0} | scene)
     return bench
 

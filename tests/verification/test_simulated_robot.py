@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from mimics_app.contracts.loop.haptic import Controller, SafetyState
+from mimics_app.contracts.loop.controller_slots import Slot
+from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.loop.loop_ports import (
     COMMAND_DQ,
     COMMAND_ENABLED,
@@ -107,7 +108,7 @@ def test_patient_reaches_the_robot_only_through_the_force_sensor():
         plugin = bench.engine.plugin
         plugin.memory[place.SENSOR_GAIN] = gain
         plugin.memory[place.SENSOR_NOISE] = 0.0
-        bench.publish(controller=Controller.ADMITTANCE, trial=1, tunnel__pieces=0, virtual_damping=100.0)
+        bench.publish(controller=Slot.PERSON, trial=1, tunnel__pieces=0, virtual_damping=100.0)
         bench.send(active=1, trial=1)
         bench.advance(600)
         start = plugin.memory[place.Q : place.Q + 3].copy()
@@ -149,7 +150,7 @@ def test_drive_to_the_start_is_slow_and_does_not_overshoot():
 def test_intent_off_never_completes():
     bench = patient_bench(intent=False)
     bench.advance(2200)
-    bench.publish(controller=Controller.ADMITTANCE, trial=1)
+    bench.publish(controller=Slot.PERSON, trial=1)
     bench.send(active=1, trial=1)
     bench.engine.advance(20_000)
     assert bench.engine.snapshot().progress < 0.05

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mimics_app.contracts.loop.haptic import SAMPLE, SCENE, Controller
+from mimics_app.contracts.loop.controller_slots import Slot
+from mimics_app.contracts.loop.haptic import SAMPLE, SCENE
 from mimics_app.contracts.loop.haptic_objects import TUNNEL
 from mimics_app.contracts.loop.object_rows import ObjectCapacities, new_rows, pack_rows
 from mimics_app.rendering.haptic.scene_block import scene_from_components
@@ -55,9 +56,7 @@ def led_along(axis: int, *rows: np.ndarray, **values: Any) -> np.ndarray:
     way = np.concatenate([np.zeros(900), np.linspace(0.0, WAY, 500), np.full(200, WAY)])
     ticks[:, axis] = way
     bench = scripted(ticks, straight=None, capacities=ROOM)
-    return put(bench, *rows, controller=Controller.ADMITTANCE, force_limit=1e4, velocity_limit=1e3, **values).advance(
-        1600
-    )
+    return put(bench, *rows, controller=Slot.PERSON, force_limit=1e4, velocity_limit=1e3, **values).advance(1600)
 
 
 UP = 2
@@ -81,7 +80,7 @@ def test_each_feels_as_in_a_scene_of_its_own(row: int):
         put(bench, *rows, own_tunnel=own)
         drive = bench.advance(2000)
         bench.send(active=1, grasp=10.0)
-        bench.publish(controller=Controller.ADMITTANCE, trial=1)
+        bench.publish(controller=Slot.PERSON, trial=1)
         samples.append(np.concatenate([drive, bench.advance(4000)]))
     assert np.abs(samples[0]["f_user_world"]).max() > 1.0 and samples[0]["penetration"].max() > 0.0
     assert same(*samples) == []
@@ -146,7 +145,7 @@ def test_two_tunnels_are_replayed_bit_for_bit():
     ticks = script(1200)
     ticks[:, UP] = np.concatenate([np.zeros(900), np.linspace(0.0, WAY, 300)])
     bench = scripted(ticks, straight=None, capacities=ROOM)
-    put(bench, along_x(), along_y(stiffness=SOFT), controller=Controller.ADMITTANCE, own_tunnel=1)
+    put(bench, along_x(), along_y(stiffness=SOFT), controller=Slot.PERSON, own_tunnel=1)
     samples = bench.advance(1200)
     again = bench.replay(samples)
     assert same(samples, again, "lateness_ns", "duration_ns") == []

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.clock import MonotonicClock, ticks_until_frame
-from mimics_app.contracts.loop.haptic import SAMPLE, Controller, EventKind, SafetyState
+from mimics_app.contracts.loop.controller_slots import Slot
+from mimics_app.contracts.loop.haptic import SAMPLE, EventKind, SafetyState
 from mimics_app.contracts.shared_memory.session_memory import ControlWord
 from tests.support.haptic_bench import Bench, patient_bench, pointer_bench
 
@@ -25,7 +26,7 @@ def _session(frames: list[int], seed: int = 1) -> tuple[Bench, np.ndarray]:
     rows = []
     for i, ticks in enumerate(frames):
         if sum(frames[:i]) == 2200:
-            bench.publish(controller=Controller.ADMITTANCE, trial=1)
+            bench.publish(controller=Slot.PERSON, trial=1)
             bench.send(active=1, trial=1)
         rows.append(bench.advance(ticks))
     return bench, np.concatenate(rows)
@@ -46,7 +47,7 @@ def test_the_seed_and_one_ulp_of_stiffness_change_the_run():
     bench = patient_bench("moderate", 1)
     first = bench.advance(2200)
     stiffness = np.nextafter(bench.tunnel["stiffness"], np.inf)
-    bench.publish(controller=Controller.ADMITTANCE, trial=1, tunnel__stiffness=stiffness)
+    bench.publish(controller=Slot.PERSON, trial=1, tunnel__stiffness=stiffness)
     bench.send(active=1, trial=1)
     assert _bits(np.concatenate([first, bench.advance(4000)])) != _bits(whole)
 

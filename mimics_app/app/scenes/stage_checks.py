@@ -17,6 +17,7 @@ from mimics_app.inputs.trackers.network_place import listening, place_of
 from mimics_app.learning.builder import check_learning
 from mimics_app.learning.goals import build_goal
 from mimics_app.learning.registry import check_policy
+from mimics_app.rendering.haptic.devices.controller_check import check_controller
 from mimics_app.rendering.haptic.devices.robot_checks import check_points, check_robot
 from mimics_app.rendering.haptic.devices.robot_reach import Reach
 from mimics_app.rendering.haptic.force_fields import check_field
@@ -31,7 +32,7 @@ from mimics_app.tasks.kinds.tunnel.kind import own_tunnel
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.world.components.joint_reference import JointReference
 from mimics_app.world.components.objects import ForceField, HapticObject, HapticPath, InteractionPoints
-from mimics_app.world.components.robot import Robot, Tunnel
+from mimics_app.world.components.robot import Controller, Robot, Tunnel
 from mimics_app.world.components.visible import Sound
 from mimics_app.world.files.scene.placing import pose_of
 from mimics_app.world.files.scene.scene import Scene
@@ -40,6 +41,7 @@ __all__ = ["check_apart", "check_components", "check_stages"]
 
 _OF_COMPONENTS: tuple[tuple[type[msgspec.Struct], Callable[[Any, str, Scene], list[Issue]]], ...] = (
     (Robot, check_robot),
+    (Controller, check_controller),
     (InteractionPoints, check_points),
     (HapticPath, check_haptic_path),
     (ForceField, check_field_count),

@@ -47,7 +47,7 @@ def build_session(
     parts = prepare(settings, live=live, read=read, given=given)
     with ExitStack() as stack:
         stack.callback(parts.plugin.close)
-        parts.parameter_store.fit(device_values(parts.plugin, parts.scene))
+        parts.parameter_store.fit(device_values(parts.plugin, parts.scene, parts.parameter_store.block))
         session = _assemble(parts, stack)
         if session.live:  # on the virtual clock the loop waits for room in the buffers instead
             session.recorder.wait_until_ready()

@@ -199,7 +199,7 @@ def open_core(parts: SessionParts, recorder: Callable[[SessionMemory], RecorderP
     Raises:
         DeviceError: The robot cannot be opened.
     """
-    parts.parameter_store.fit(device_values(parts.plugin, parts.scene))
+    parts.parameter_store.fit(device_values(parts.plugin, parts.scene, parts.parameter_store.block))
     memory = parts.side.memory(parts.plugin)
     core = SessionCore(parts, memory, recorder(memory), NullSound())
     core.trackers.start()

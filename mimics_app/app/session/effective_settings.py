@@ -84,7 +84,7 @@ def _options(settings: RunSettings, meanings: Mapping[str, str]) -> Iterator[Eff
 
 def _limits(parts: SessionParts) -> Iterator[EffectiveSetting]:
     """Limits and thresholds, with the origin of those that differ from the component's default."""
-    parts.parameter_store.fit(device_values(parts.plugin, parts.scene))
+    parts.parameter_store.fit(device_values(parts.plugin, parts.scene, parts.parameter_store.block))
     block, device = parts.parameter_store.block, f"device {parts.robot.device}"
     scene = parts.scene
     _, stated, pointer = next(iter(scene.components(Safety)), ("", Safety(), ""))

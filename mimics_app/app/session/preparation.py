@@ -19,7 +19,7 @@ from mimics_app.app.session.requested import read_requested, with_requested_tria
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.ceiling import Held, hold_limits
 from mimics_app.app.touch.ceilings import read_ceiling
-from mimics_app.app.touch.device_fit import check_shape, travel_controller
+from mimics_app.app.touch.device_fit import check_shape
 from mimics_app.app.touch.haptic_scene_data import HapticSceneData
 from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.errors import UsageError
@@ -93,7 +93,6 @@ class SessionParts:
         """Context of the task: the scene, the device, and the person or simulated patient."""
         return replace(
             self.scenario.task_context,
-            feel=travel_controller(self.plugin),
             simulated=not self.live,
             limb=(self.plugin.descriptor or HAPTICMASTER).contacts[0],
             by_pointer=self.robot.device == POINTER,

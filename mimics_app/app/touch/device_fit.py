@@ -1,38 +1,59 @@
-"""Values that the haptic parameters and the task take from the actual device."""
+"""Values that the haptic parameters take from the actual device."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
+from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.errors import DeviceError, counted
+from mimics_app.contracts.loop.controller_slots import CommandKind, Slot
 from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
-from mimics_app.contracts.loop.haptic import Controller
 from mimics_app.contracts.loop.loop_ports import DevicePlugin
+from mimics_app.rendering.haptic.controllers.registry import find_controller
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.described import descriptor_of
-from mimics_app.rendering.haptic.scene_block import dynamics_of, impedance_values, kinematic_values
-from mimics_app.world.components.robot import Admittance, Impedance, Robot
+from mimics_app.rendering.haptic.scene_block import (
+    controller_values,
+    dynamics_of,
+    impedance_values,
+    kinematic_values,
+)
+from mimics_app.world.components.robot import Admittance, Controller, Impedance, Robot
 from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["check_shape", "device_values", "travel_controller"]
-
-_TAKES_FORCES = ("force", "torque")
+__all__ = ["check_shape", "device_values"]
 
 
-def device_values(plugin: DevicePlugin, scene: Scene) -> Mapping[str, object]:
-    """Return the SCENE fields set by the device: joints, dynamics, kind of command, and whether late ticks latch."""
+def device_values(plugin: DevicePlugin, scene: Scene, block: Records) -> Mapping[str, object]:
+    """Return the SCENE fields set by the device: joints, dynamics, controllers, and whether late ticks latch.
+
+    Args:
+        plugin: The device.
+        scene: The scene.
+        block: Its SCENE record, shape [1].
+
+    Raises:
+        DeviceError: The scene's controller is not for this device.
+    """
     values: dict[str, object] = {"late_latches": int(not plugin.simulated), **dynamics_of(plugin)}
     values |= _joint_values(plugin, scene)
-    if plugin.follows in _TAKES_FORCES:
-        values |= impedance_values(scene.first(Impedance) or Impedance())
+    if CommandKind.FORCE in plugin.takes:
+        values |= impedance_values(block, scene.first(Impedance) or Impedance())
     elif plugin.follows != "velocity" or plugin.own_mass:  # no virtual mass of the loop gives or takes the energy
         values["passivity"] = 0
+    if chosen := scene.first(Controller):
+        _check_takes(plugin, chosen.name)
+        values |= controller_values(block, Slot.PERSON, chosen.name, chosen.parameters)
     return values
 
 
-def travel_controller(plugin: DevicePlugin) -> Controller:
-    """Return the controller with which the person moves the device."""
-    return Controller.IMPEDANCE if plugin.follows in _TAKES_FORCES else Controller.ADMITTANCE
+def _check_takes(plugin: DevicePlugin, name: str) -> None:
+    """Check that a device takes what a controller commands."""
+    controller = find_controller(name)
+    if controller.commands not in plugin.takes:
+        taken = ", ".join(kind.name.lower() for kind in plugin.takes)
+        what = f'the controller "{name}" commands {controller.commands.name.lower()}; "{plugin.name}" takes {taken}'
+        raise DeviceError(what, "choose another controller, or another device")
 
 
 def _joint_values(plugin: DevicePlugin, scene: Scene) -> Mapping[str, object]:

@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import UsageError, counted, nearest
+from mimics_app.contracts.loop.controller_slots import MAX_CONTROLLERS
 from mimics_app.contracts.loop.field_ranges import Range, range_of, writable_names
-from mimics_app.contracts.loop.haptic import LIMIT_NAMES, SCENE, Controller
+from mimics_app.contracts.loop.haptic import LIMIT_NAMES, SCENE
 from mimics_app.contracts.loop.object_rows import Rows
 from mimics_app.rendering.haptic.block_check import check_values
 
@@ -27,8 +28,11 @@ _PREFIX = "haptic."
 _DERIVED = frozenset(Rows._fields) - {"tunnels"}
 """Tables whose changes must raise the revision, because the loop caches results derived from them."""
 
-_OF_TASK: Mapping[str, Range] = {"controller": Range(0, int(max(Controller))), "trial": Range(0, 2.0**62)}
+_OF_TASK: Mapping[str, Range] = {"controller": Range(0, MAX_CONTROLLERS - 1), "trial": Range(0, 2.0**62)}
 """What the task manager writes besides."""
+
+_CONTROLLERS = ("controller_names", "leads", "commands", "targets", "each_joint", "controller_parameters")
+"""Fields of the controllers in the slots."""
 
 _OF_SCENE: Mapping[str, Range] = {}
 
@@ -102,14 +106,17 @@ class ParameterStore:
     ) -> bool:
         """Take the parameters of a reloaded scene; the values changed so far are set again, and the limits are kept.
 
-        A value that the new scene has no place for is left out.
+        A value that the new scene has no place for is left out. A loop that runs keeps its controllers: where the new
+        scene has others, they are kept with their parameters.
 
         Returns:
-            Whether the new parameters have other limits.
+            Whether the new parameters have other limits, or other controllers.
         """
         for name in ("sequence", "resets"):
             block[name] = self._block[name]
         kept = {name: self._block[0][name].copy() for name in LIMIT_NAMES}
+        if not np.array_equal(block["controller_names"], self._block["controller_names"]):
+            kept |= {name: self._block[0][name].copy() for name in _CONTROLLERS}
         self._block, self._rows, self._names = block, rows, names or {}
         for name, value in self._fitted.items():
             self._set(name, value)

@@ -19,6 +19,14 @@ from typing import Any
 import numpy as np
 
 from mimics_app.contracts.loop.bounded_fields import Bounded, choice_of, record
+from mimics_app.contracts.loop.controller_slots import (
+    CONTROLLER_NAME,
+    CONTROLLER_PARAMETERS,
+    MAX_CONTROLLERS,
+    CommandKind,
+    Lead,
+    TargetKind,
+)
 from mimics_app.contracts.loop.haptic_objects import OBJECT_COUNTS
 from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, sample_dtype, snapshot_dtype
 
@@ -37,7 +45,6 @@ __all__ = [
     "SNAPSHOT",
     "AdmittanceForm",
     "Button",
-    "Controller",
     "DeviceStatus",
     "EventKind",
     "SafetyState",
@@ -85,16 +92,6 @@ class TripCause(IntEnum):
     SENSOR = 12
     NOT_FOLLOWING = 13
     OSCILLATION = 14
-
-
-class Controller(IntEnum):
-    """Controller of the robot (D2.1 4.2.5-4.2.7)."""
-
-    OFF = 0
-    JOINT_PD = 1
-    WORLD_PD = 2
-    ADMITTANCE = 3
-    IMPEDANCE = 4
 
 
 class AdmittanceForm(IntEnum):
@@ -148,7 +145,7 @@ LIMITS: list[tuple[Any, ...]] = [
     ("position_jump", "f8"),  # [m] a position may move more than velocity_limit allows before SAFE_STOP
     ("max_acceleration", "f8"),  # [m/s^2] of the virtual mass
     ("max_velocity", "f8"),  # [m/s] of the command
-    ("drive_speed", "f8"),  # [m/s] of the points of contact under a PD controller
+    ("drive_speed", "f8"),  # [m/s] of the points of contact under a controller that drives to a target
     ("drive_force", "f8"),  # [N] largest force of drive_stiffness and drive_damping together
     ("joint_min", "f8", (MAX_JOINTS,)),
     ("joint_max", "f8", (MAX_JOINTS,)),
@@ -187,7 +184,7 @@ LIMIT_NAMES: frozenset[str] = frozenset(field[0] for field in LIMITS)
 
 FEEL = [
     ("virtual_mass", "f8"),  # [kg]
-    ("virtual_damping", "f8"),  # [N s/m] of the virtual mass; IMPEDANCE: rendered viscosity
+    ("virtual_damping", "f8"),  # [N s/m] of the virtual mass; under a controller of forces: rendered viscosity
     ("ball_radius_min", "f8"),  # [m] at full grasp
     ("ball_radius_max", "f8"),  # [m] at no grasp
     ("grasp_force_full", "f8"),  # [N] that makes the ball smallest
@@ -203,11 +200,15 @@ SCENE = record(
         ("sequence", "i8"),  # counts parameter blocks; the sample of each tick says which one it used
         ("resets", "i8"),  # counts operator resets; a change leaves a latched stop
         ("trial", "i8"),  # counts trials; devices with a simulated person restart on change
-        ("controller", choice_of(Controller, "i8")),
-        ("form", choice_of(AdmittanceForm, "i8")),
-        ("target", "f8", (3 * MAX_CONTACTS,)),  # PD reference: joints for JOINT_PD, points in the robot frame [m] else
-        ("kp", "f8", (MAX_JOINTS,)),  # [1/s] per joint
-        ("kd", "f8", (MAX_JOINTS,)),  # [-] per joint
+        ("controller", Bounded(MAX_CONTROLLERS - 1, "i8")),  # slot of the controller that acts, see Slot
+        ("controller_names", "u1", (MAX_CONTROLLERS, CONTROLLER_NAME)),  # ASCII, zeros behind; all zeros: no controller
+        ("leads", choice_of(Lead, "i1"), (MAX_CONTROLLERS,)),
+        ("commands", choice_of(CommandKind, "i1"), (MAX_CONTROLLERS,)),
+        ("targets", choice_of(TargetKind, "i1"), (MAX_CONTROLLERS,)),
+        ("each_joint", Bounded(1, "i1"), (MAX_CONTROLLERS,)),  # 1: joint velocities are clamped one by one
+        ("controller_parameters", "f8", (MAX_CONTROLLERS, CONTROLLER_PARAMETERS)),  # of each controller, as it declares
+        ("target", "f8", (3 * MAX_CONTACTS,)),  # of a controller that drives to one: joints, or points, robot frame [m]
+        ("drive_rate", "f8"),  # [1/s] with which such a drive slows down at its target
         ("force_driven", "i8"),  # 1: the device takes forces (COMMAND_FORCE, _TORQUE), 0: velocities (COMMAND_DQ)
         ("drive_stiffness", "f8"),  # [N/m] of the spring that draws a force driven device to a target
         ("drive_damping", "f8"),  # [N s/m] of the damper beside it
@@ -215,7 +216,6 @@ SCENE = record(
         ("contacts", Bounded(MAX_CONTACTS, "i1")),  # its points of contact
         ("torques", "i1"),  # 1: it takes torques at its joints
         ("polar", "i1"),  # 1: its joints are radial, angle, vertical (4.2.7); 0: motion is computed in its joints
-        ("through_joints", "i1"),  # 1: WORLD_PD by inverse kinematics and joint PD (4.2.6), 0: straight
         ("geometry", "f8", (MAX_GEOMETRY,)),  # argument of its kinematics functions; polar: d1 [m] of (1)
         ("joint_inertia", "f4", (MAX_JOINTS,)),  # virtual inertia of each joint itself [kg, kg m^2]
         ("R_world_from_robot", "f8", (3, 3)),

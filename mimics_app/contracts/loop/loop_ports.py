@@ -30,6 +30,7 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
+from mimics_app.contracts.loop.controller_slots import CommandKind
 from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS, MAX_JOINTS
 
 if TYPE_CHECKING:
@@ -189,3 +190,10 @@ class DevicePlugin:
     simulated: bool = False
     trouble: Callable[[], str] = _no_trouble
     descriptor: DeviceDescriptor | None = None
+
+    @property
+    def takes(self) -> tuple[CommandKind, ...]:
+        """What a controller may command while the person leads; a drive to a target may command velocities of any."""
+        if self.follows == "torque":
+            return (CommandKind.FORCE, CommandKind.TORQUE)
+        return (CommandKind.FORCE,) if self.follows == "force" else (CommandKind.VELOCITY,)

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.loop.haptic import Controller
 from mimics_app.contracts.messages.stage_messages import Aim, HapticSnapshot, TaskOrders
 from mimics_app.contracts.ports.plugins import PluginGroup, fault_of_builder
 
@@ -26,12 +25,11 @@ class Home:
     """Drive of the robot to the start of a trial.
 
     Attributes:
-        target: SCENE.target: joints [m or rad] for JOINT_PD, points of contact in the robot frame [m] for WORLD_PD.
-        controller: JOINT_PD or WORLD_PD.
+        target: SCENE.target for the controller in `Slot.START`: joints [m or rad], or points of contact in the robot
+            frame [m].
     """
 
     target: tuple[float, ...]
-    controller: Controller = Controller.JOINT_PD
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,11 +38,10 @@ class TaskContext:
 
     Attributes:
         start_joints: Joints of the robot at the start of a trial [m or rad].
-        home: Drive to the start; None: joint PD.
+        home: Drive to the start; None: to `start_joints`.
         bodies: Names of the haptic bodies in the order of their rows.
         places: Positions of the entities that a task may name [m].
         offers: Features of the scene for kinds of tasks, e.g. "tunnel".
-        feel: Controller while the person leads: ADMITTANCE, or IMPEDANCE on a force driven device.
         simulated: No person is present: questions to the person are answered automatically.
         by_pointer: The person uses mouse, keys or gamepad; prompts name the keys.
         limb: Name of the device's first point of contact, e.g. "hand" or "right foot".
@@ -59,7 +56,6 @@ class TaskContext:
     bodies: tuple[str, ...] = ()
     places: Mapping[str, Vec3] = field(default_factory=dict)
     offers: frozenset[str] = frozenset()
-    feel: Controller = Controller.ADMITTANCE
     simulated: bool = False
     by_pointer: bool = False
     limb: str = "hand"

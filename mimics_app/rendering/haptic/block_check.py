@@ -41,7 +41,7 @@ def check_block(scene: Records, rows: Rows | None, capacities: ObjectCapacities,
     if int(scene[0]["sequence"]) < 1:
         raise ValueError("SCENE.sequence must count up from 1")
     for name, largest in largest_values(scene.dtype).items():
-        _check_whole(f"SCENE.{name}", int(scene[0][name]), 0, largest)
+        _check_column(f"SCENE.{name}", np.ravel(scene[0][name]), 0, largest)
     _check_rows(scene[0]["objects"], rows, capacities)
     _check_whole("SCENE.own_tunnel", int(scene[0]["own_tunnel"]), 0, max(0, int(scene[0]["objects"]["tunnels"]) - 1))
     check_values(scene, rows)

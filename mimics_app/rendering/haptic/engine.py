@@ -15,6 +15,8 @@ from mimics_app.compiled.function_pointers import pointers_to
 from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.loop.controller_port import CONTROLLERS
+from mimics_app.contracts.loop.controller_slots import names_in
 from mimics_app.contracts.loop.haptic import EVENT, INBOX
 from mimics_app.contracts.loop.loop_ports import COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH, DevicePlugin
 from mimics_app.contracts.loop.object_rows import Rows, slot_of
@@ -24,6 +26,7 @@ from mimics_app.contracts.shared_memory.session_memory import ControlWord, Sessi
 from mimics_app.rendering.haptic import scheduler
 from mimics_app.rendering.haptic.block_check import check_block
 from mimics_app.rendering.haptic.channels import channels_of, new_work, newest_snapshot
+from mimics_app.rendering.haptic.controllers.registry import NO_CONTROLLERS, controllers_of
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.histogram import LatenessReport, percentile_us
 from mimics_app.rendering.haptic.loop import advance_ticks
@@ -91,9 +94,10 @@ class HapticEngine:
         simulate = no_objects if objects is None else load_simulation()
         kin = tuple(self._descriptor.kinematics)
         # Kept alive here: the loop holds addresses without references.
+        self._controllers, self._named = NO_CONTROLLERS, b""
         self._functions = (loop_tick, tick, plugin.read, plugin.write, simulate, fields, kin)
-        pointers = pointers_to(self._functions, LOOP_FUNCTIONS)
-        self._loop_args = (self._channels, self._work, pointers, plugin.memory)
+        self._pointers = pointers_to((*self._functions, self._controllers), LOOP_FUNCTIONS)
+        self._loop_args = (self._channels, self._work, self._pointers, plugin.memory)
         advance_ticks(*self._loop_args, 0, self._period_ns)
 
     @property
@@ -126,9 +130,12 @@ class HapticEngine:
             rows: Tables of objects that the record counts; None where it counts none.
 
         Raises:
-            ValueError: The loop cannot run with this block, see `check_block`.
+            ValueError: The loop cannot run with this block, see `check_block`; or it has other controllers than the
+                live loop runs with.
+            UsageError: A controller is not installed.
         """
         check_block(scene, rows, self._memory.capacities.objects, len(self._work.objects.meshes.rows))
+        self._load_controllers(scene[0]["controller_names"])
         if int(scene[0]["resets"]) != self._resets:
             self._resets = int(scene[0]["resets"])
             self._memory.control[ControlWord.CLEARED] = self._memory.stop_words.sum()
@@ -138,6 +145,17 @@ class HapticEngine:
         if rows is not None:
             slot_of(memory.rows, slot, rows, scene[0]["objects"])
         triple_buffer.publish(memory.scene_words)
+
+    def _load_controllers(self, named: Records) -> None:
+        """Look up the controllers of a block, where they differ from those of the last one."""
+        if named.tobytes() == self._named:
+            return
+        if self.running:
+            raise ValueError("SCENE.controller_names differ from those that the live loop began with")
+        self._controllers = controllers_of(names_in(named))
+        words = pointers_to(self._controllers, CONTROLLERS)
+        self._pointers[-len(words) :] = words  # the last of LOOP_FUNCTIONS
+        self._named = named.tobytes()
 
     def send(self, inbox: Records) -> None:
         """Pass the newest state of the pointing device (INBOX record, shape [1]) to the device plug-in."""

@@ -31,14 +31,28 @@ def advance_ticks(
 
     `pointers` are the addresses of `loop_tick.LOOP_FUNCTIONS`, `memory` belongs to the device.
     """
-    loop_tick, tick, read, write, simulate, fields, kin = functions_at(pointers, LOOP_FUNCTIONS)
+    loop_tick, tick, read, write, simulate, fields, kin, controllers = functions_at(pointers, LOOP_FUNCTIONS)
     channels, work = borrowed(channels), borrowed(work)
     state = work.state[0]
     sample = work.sample[0]
     dt = period_ns * NANOSECOND
     for _ in range(ticks):
         loop_tick(
-            channels, work, tick, read, write, memory, simulate, fields, kin, 0, 0, dt, state.tick * period_ns, dt
+            channels,
+            work,
+            tick,
+            read,
+            write,
+            memory,
+            simulate,
+            fields,
+            kin,
+            controllers,
+            0,
+            0,
+            dt,
+            state.tick * period_ns,
+            dt,
         )
         sample.lateness_ns = 0.0
         sample.duration_ns = 0.0

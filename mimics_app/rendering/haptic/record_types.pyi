@@ -25,6 +25,8 @@ Floats32 = NDArray[np.float32]
 Ints = NDArray[np.int64]
 Ints32 = NDArray[np.int32]
 Ints16 = NDArray[np.int16]
+Ints8 = NDArray[np.int8]
+Bytes = NDArray[np.uint8]
 
 R = TypeVar("R")
 
@@ -39,10 +41,19 @@ class Table(Protocol[R]):
     def __getitem__(self, index: int, /) -> R: ...
     def __setitem__(self, index: int, value: R, /) -> None: ...
 
+class Description(Protocol):
+    """A record that describes a device for its kinematics."""
+
+    joints: int
+    contacts: int
+    geometry: Floats
+
 Read = Callable[[Floats, Floats, Floats, int], int]
 Write = Callable[[Floats, Floats, int], int]
 Field = Callable[[Floats, Floats, Floats, float, Floats], None]
 Fields = tuple[Field, ...]
+Controller = Callable[[Kin, ControlInputRecord, Floats, Floats, ControlWorkRecord, ControlOutputRecord], None]
+Controllers = tuple[Controller, ...]
 Simulate = Callable[[Rows, ObjectWork, ObjectCountsRecord, Floats, Fields, float, Floats], None]
 Tick = Callable[
     [
@@ -52,6 +63,7 @@ Tick = Callable[
         Simulate,
         Fields,
         Kin,
+        Controllers,
         Table[StateRecord],
         Floats,
         int,
@@ -65,7 +77,7 @@ Tick = Callable[
     None,
 ]
 LoopTick = Callable[
-    [Channels, Work, Tick, Read, Write, Floats, Simulate, Fields, Kin, int, int, float, int, float], int
+    [Channels, Work, Tick, Read, Write, Floats, Simulate, Fields, Kin, Controllers, int, int, float, int, float], int
 ]
 
 class ObjectCountsRecord:
@@ -204,10 +216,14 @@ class SceneRecord:
     resets: int
     trial: int
     controller: int
-    form: int
+    controller_names: Bytes
+    leads: Ints8
+    commands: Ints8
+    targets: Ints8
+    each_joint: Ints8
+    controller_parameters: Floats
     target: Floats
-    kp: Floats
-    kd: Floats
+    drive_rate: float
     force_driven: int
     drive_stiffness: float
     drive_damping: float
@@ -215,7 +231,6 @@ class SceneRecord:
     contacts: int
     torques: int
     polar: int
-    through_joints: int
     geometry: Floats
     joint_inertia: Floats32
     R_world_from_robot: Floats
@@ -468,6 +483,61 @@ class ReferenceRecord:
     half: Floats
     share: RampRecord
     slopes: SlopesRecord
+
+class ControlInputRecord:
+    """`mimics_app.contracts.loop.controller_port.CONTROL_INPUT`."""
+
+    joints: int
+    contacts: int
+    geometry: Floats
+    joint_inertia: Floats
+    joint_min: Floats
+    joint_max: Floats
+    virtual_mass: float
+    max_acceleration: float
+    max_velocity: float
+    target: Floats
+    dt: float
+    tick: int
+    safety: int
+    ramp: float
+    started: int
+    virtual_damping: float
+    q: Floats
+    dq: Floats
+    torque_meas: Floats
+    x: Floats
+    v: Floats
+    f_meas: Floats
+    f_user: Floats
+    phase: float
+    q_reference: Floats
+    dq_reference: Floats
+    ddq_reference: Floats
+    guidance: Floats
+
+class ControlOutputRecord:
+    """`mimics_app.contracts.loop.controller_port.CONTROL_OUTPUT`."""
+
+    dq: Floats
+    v: Floats
+    points_given: int
+    force: Floats
+    torque: Floats
+
+class ControlWorkRecord:
+    """`mimics_app.contracts.loop.controller_port.CONTROL_WORK`."""
+
+    points: Floats
+    velocities: Floats
+    jacobian: Floats
+    matrix: Floats
+    side: Floats
+    place: Floats
+    step: Floats
+    wish: Floats
+    reached: Floats
+    forces: Floats
 
 class ContactRecord:
     """`mimics_app.rendering.haptic.kernels.contact_records.CONTACT`."""
@@ -880,19 +950,15 @@ class ActingRecord:
     least_tank: float
     passivity_ticks: int
 
-class JointWorkRecord:
-    """`mimics_app.rendering.haptic.kernels.state.JOINT_WORK`."""
+class ControlRecord:
+    """`mimics_app.rendering.haptic.kernels.controller_slot.CONTROL`."""
 
-    points: Floats
-    velocities: Floats
-    jacobian: Floats
-    matrix: Floats
-    side: Floats
-    place: Floats
-    step: Floats
-    wish: Floats
-    reached: Floats
-    forces: Floats
+    slot: int
+    now: ControlInputRecord
+    out: ControlOutputRecord
+    memory: Floats
+    added_force: Floats
+    added_torque: Floats
 
 class HoldingRecord:
     """`mimics_app.rendering.haptic.kernels.state.HOLDING`."""
@@ -1031,7 +1097,8 @@ class StateRecord:
     reference_state: ReferenceRecord
     arrived: int
     acting: ActingRecord
-    joint_work: JointWorkRecord
+    joint_work: ControlWorkRecord
+    control: ControlRecord
     work_a: Floats
     work_b: Floats
     ball_radius_rate: float

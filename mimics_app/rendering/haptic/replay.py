@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mimics_app.contracts.arrays import Records
+from mimics_app.contracts.loop.controller_slots import names_in
 from mimics_app.contracts.loop.device_descriptor import Kinematics
 from mimics_app.contracts.loop.haptic import EVENT, SAMPLE, SCENE
 from mimics_app.contracts.loop.loop_fields import HapticSnapshot
@@ -16,6 +17,7 @@ from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows, count_
 from mimics_app.contracts.shared_memory import ring
 from mimics_app.contracts.shared_memory.session_memory import Capacities, SessionMemory
 from mimics_app.rendering.haptic.channels import channels_of, new_work, newest_snapshot
+from mimics_app.rendering.haptic.controllers.registry import controllers_of
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.loop_tick import tick
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, load_simulation, no_objects
@@ -72,6 +74,8 @@ def replay_run(
     Raises:
         KeyError: An input has a sequence that is not in `scenes` (0, before the first block, is known), or `rows` lacks
             objects that a block counts.
+        ValueError: The blocks have different controllers in one slot.
+        UsageError: A controller is not installed.
     """
     numbers = sorted({int(sequence) for sequence in np.unique(inputs["sequence"])})
     blocks = _blocks_of(scenes, numbers)
@@ -83,7 +87,7 @@ def replay_run(
     work = new_work(new_object_work(capacities) if statics is None else statics.work(capacities))
     simulate = load_simulation() if any(has_objects(block["objects"]) for block in blocks) else no_objects
     fields = NO_FIELDS if statics is None else statics.functions()
-    kin = tuple(kinematics)
+    kin, controllers = tuple(kinematics), controllers_of(_names_of(blocks))
     inputs, outputs = np.ascontiguousarray(inputs), np.zeros(inputs.shape[0], SAMPLE)
     events: list[Records] = []
     taken = np.zeros(_EVENTS, EVENT)
@@ -101,6 +105,7 @@ def replay_run(
             simulate,
             fields,
             kin,
+            controllers,
             period_ns,
             outputs[part],
         )
@@ -117,6 +122,17 @@ def _blocks_of(scenes: Mapping[int, Records], numbers: Sequence[int]) -> Records
         if number != 0:
             blocks[i] = np.asarray(scenes[number]).reshape(-1)[0]
     return blocks
+
+
+def _names_of(blocks: Records) -> list[str]:
+    """Return the names of the controllers by slot."""
+    names = []
+    for slot, found in enumerate(zip(*(names_in(block["controller_names"]) for block in blocks), strict=True)):
+        known = set(found) - {""}
+        if len(known) > 1:
+            raise ValueError(f"slot {slot} has the controllers {', '.join(sorted(known))}; a session keeps one in each")
+        names.append(known.pop() if known else "")
+    return names
 
 
 def _stack_of(rows: Mapping[int, Rows], numbers: Sequence[int], blocks: Records, capacities: ObjectCapacities) -> Rows:

@@ -12,10 +12,13 @@ import numpy as np
 
 from mimics_app.contracts.arrays import Records, Vec
 from mimics_app.contracts.clock import SECOND_NS
+from mimics_app.contracts.loop.controller_slots import Slot, name_bytes
 from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
-from mimics_app.contracts.loop.haptic import SCENE, AdmittanceForm, Controller
+from mimics_app.contracts.loop.haptic import SCENE
 from mimics_app.contracts.loop.loop_fields import MAX_JOINTS
 from mimics_app.contracts.loop.loop_ports import LIGHTEST_DEVICE, DevicePlugin
+from mimics_app.rendering.haptic.controllers.parameter_vector import Values, parameter_vector
+from mimics_app.rendering.haptic.controllers.registry import find_controller
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.descriptors.joint_limits import joint_limits
 from mimics_app.world.components.robot import Admittance, Ball, Impedance, JointPd, Robot, Safety, WorldPd
@@ -23,6 +26,7 @@ from mimics_app.world.components.robot import Admittance, Ball, Impedance, Joint
 __all__ = [
     "apply_robot",
     "apply_safety",
+    "controller_values",
     "dynamics_of",
     "impedance_values",
     "kinematic_values",
@@ -32,8 +36,9 @@ __all__ = [
 ]
 
 
-_FORMS = {each.name.lower(): each for each in AdmittanceForm}
-_FORMS["auto"] = AdmittanceForm.CARTESIAN  # unplanned: the form without errors of the coupling terms
+_UNPLANNED = "cartesian"
+"""Form of admittance without a plan: the one without errors of the coupling terms."""
+
 _CAP = {"cap": 1, "warn": 0}
 
 _SECONDS = {"ramp_time": "ramp_time_s"}
@@ -100,21 +105,65 @@ def apply_robot(
     record["origin_world"] = robot.robot_to_world.translation
 
 
-def _apply_admittance(block: Records, admittance: Admittance) -> None:
+def controller_values(block: Records, slot: int, name: str, values: Values | None = None) -> dict[str, object]:
+    """Return the SCENE fields of the controllers, those of a block with another controller in one slot.
+
+    Args:
+        block: SCENE record, shape [1].
+        slot: Slot, or a number behind them.
+        name: Name of the controller.
+        values: Its parameters by name; those missing have their default.
+
+    Raises:
+        UsageError: No such controller or parameter, or a value is outside its range.
+    """
+    plugin = find_controller(name)
+    new = {
+        "controller_names": name_bytes(name),
+        "leads": plugin.leads,
+        "commands": plugin.commands,
+        "targets": plugin.target,
+        "each_joint": plugin.each_joint,
+        "controller_parameters": parameter_vector(plugin, values or {}),
+    }
+    fields: dict[str, object] = {}
+    for field, value in new.items():
+        slots = block[0][field].copy()
+        slots[slot] = value
+        fields[field] = slots
+    return fields
+
+
+def _set_controller(block: Records, slot: int, name: str, values: Values | None = None) -> None:
+    """Write a controller and its parameters into a slot of block[0], see `controller_values`."""
+    record = block[0]
+    for field, value in controller_values(block, slot, name, values).items():
+        record[field] = value
+
+
+def _admittance_controller(admittance: Admittance, descriptor: DeviceDescriptor) -> str:
+    """Return the name of the admittance controller of a device."""
+    if not descriptor.polar:
+        return "admittance_joints"
+    return f"admittance_{_UNPLANNED if admittance.form == 'auto' else admittance.form}"
+
+
+def _apply_admittance(block: Records, admittance: Admittance, descriptor: DeviceDescriptor) -> None:
     """Write the parameters of admittance control into block[0], and select it."""
     record = block[0]
-    record["controller"] = Controller.ADMITTANCE
-    record["form"] = _FORMS[admittance.form]
+    _set_controller(block, Slot.PERSON, _admittance_controller(admittance, descriptor))
+    record["controller"] = Slot.PERSON
     record["virtual_mass"] = admittance.mass
     record["virtual_damping"] = admittance.damping
     record["max_acceleration"] = admittance.max_acceleration
     record["max_velocity"] = admittance.max_velocity
 
 
-def impedance_values(impedance: Impedance) -> dict[str, object]:
-    """Return the SCENE fields of impedance control, for a device that takes forces."""
+def impedance_values(block: Records, impedance: Impedance) -> dict[str, object]:
+    """Return the SCENE fields of impedance control, for a device that takes forces, beside those of block[0]."""
     return {
-        "controller": int(Controller.IMPEDANCE),
+        **controller_values(block, Slot.PERSON, "impedance"),
+        "controller": int(Slot.PERSON),
         "force_driven": 1,
         "virtual_damping": impedance.damping,
         "device_damping": impedance.device_damping,
@@ -168,10 +217,11 @@ def safety_of(block: Records) -> Safety:
 
 
 def _apply_gains(block: Records, gains: JointPd | WorldPd) -> None:
-    """Write the gains of a PD controller into block[0], the last one for all further joints; does not select it."""
-    record = block[0]
-    record["kp"], record["kd"] = (_joint_vector(each, each[-1]) for each in (gains.kp, gains.kd))
-    record["through_joints"] = int(isinstance(gains, WorldPd) and gains.form == "joints")
+    """Write the controllers that hold the robot and drive it to a start into block[0]; none is selected."""
+    values = {"kp": gains.kp, "kd": gains.kd}
+    _set_controller(block, Slot.HOLD, "joint_pd", values)
+    _set_controller(block, Slot.START, f"world_pd_{gains.form}" if isinstance(gains, WorldPd) else "joint_pd", values)
+    block[0]["drive_rate"] = max(_joint_vector(gains.kp, gains.kp[-1])[:3])
 
 
 def _apply_drive(block: Records, impedance: Impedance) -> None:
@@ -205,9 +255,9 @@ def scene_from_components(
     block["sequence"] = 1
     block["late_latches"] = 1
     apply_robot(block, robot or Robot(), descriptor, admittance)
-    _apply_gains(block, gains or JointPd())
+    _apply_gains(block, gains or WorldPd())
     _apply_drive(block, Impedance())
-    _apply_admittance(block, admittance or Admittance())
+    _apply_admittance(block, admittance or Admittance(), descriptor)
     _apply_ball(block, ball or Ball())
     apply_safety(block, safety or Safety())
     return block

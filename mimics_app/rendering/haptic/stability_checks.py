@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.loop.haptic import Controller
+from mimics_app.contracts.loop.controller_slots import CommandKind, Slot
 from mimics_app.contracts.loop.haptic_objects import STATIC, EffectKind, ForceLaw, ShapeKind
 from mimics_app.rendering.haptic.devices.dynamics import Dynamics, known_dynamics
 from mimics_app.rendering.haptic.kernels.closed_region import REGION, find_region, stiffness_limit
@@ -58,7 +58,7 @@ class _Stable:
         for name, value in dynamics.items():
             block[_FIELDS[name]] = value
         if dynamics["mass"] > 0.0:
-            block["force_driven"], block["controller"] = 1, Controller.IMPEDANCE
+            block["force_driven"], block["commands"][Slot.PERSON] = 1, CommandKind.FORCE
             block["virtual_damping"] = 0.0
             block["device_damping"] = (scene.first(Impedance) or Impedance()).device_damping
         region = np.zeros(1, REGION)[0]

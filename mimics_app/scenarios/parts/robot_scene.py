@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.loop.haptic import Controller
 from mimics_app.contracts.ports.scenario_port import Home
 from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.devices.robot_reach import Reach
@@ -34,7 +33,7 @@ def robot_block(scene: Scene) -> NDArray[Any]:
         _planned(scene.first(Admittance) or Admittance(), scene),
         scene.first(Ball),
         scene.first(Safety),
-        scene.first(WorldPd) or scene.first(JointPd),
+        scene.first(WorldPd) or scene.first(JointPd) or JointPd(),
         descriptor_of(robot.device),
     )
 
@@ -74,7 +73,7 @@ class Places(Mapping[str, Vec3]):
 
 
 def start_at(scene: Scene, point_world: NDArray[np.float64]) -> tuple[tuple[float, ...], Home | None]:
-    """Return the joints at a trial's start point in the world [m], and its target for world PD control, if used.
+    """Return the joints at a trial's start point in the world [m], and the target of a drive of points, if used.
 
     Further points of contact remain at the centre of their joints' ranges.
     """
@@ -84,7 +83,7 @@ def start_at(scene: Scene, point_world: NDArray[np.float64]) -> tuple[tuple[floa
     if not scene.components(WorldPd):
         return tuple(q.tolist()), None
     target = (*triple(start), *reach.points(q)[1:].ravel().tolist())
-    return tuple(q.tolist()), Home(target, Controller.WORLD_PD)
+    return tuple(q.tolist()), Home(target)
 
 
 def triple(values: NDArray[np.float64]) -> Vec3:

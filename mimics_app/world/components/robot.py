@@ -31,6 +31,7 @@ from mimics_app.world.components.registry import Component, component
 __all__ = [
     "Admittance",
     "Ball",
+    "Controller",
     "Impedance",
     "JointPd",
     "NextMark",
@@ -53,6 +54,8 @@ _JointRate = Annotated[float, Meta(gt=0, le=1e5)]
 Rates = Annotated[tuple[_JointRate, ...], Meta(min_length=1, max_length=8)]
 _Gain = Annotated[float, Meta(ge=0, le=1e4)]
 Gains = Annotated[tuple[_Gain, ...], Meta(min_length=1, max_length=8)]
+_Parameter = Annotated[float, Meta(ge=-1e9, le=1e9)]
+_Parameters = Annotated[tuple[_Parameter, ...], Meta(min_length=1, max_length=64)]
 _Cosine = Annotated[float, Meta(ge=-2, le=2)]
 Row = tuple[_Cosine, _Cosine, _Cosine]
 TunnelRadius = Annotated[float, Meta(ge=0, le=10)]
@@ -211,6 +214,16 @@ class Impedance(Component, frozen=True):
     ] = 600.0
     drive_damping: Annotated[Damping, Meta(description="Damping of that drive [N s/m]")] = 20.0
     drive_force: Annotated[PositiveForce, Meta(description="Force limit of that drive [N]")] = 10.0
+
+
+@component("controller", limit=100, once=True)
+class Controller(Component, frozen=True):
+    """Controller while the person moves the robot, instead of admittance or impedance control: one by name."""
+
+    name: Annotated[str, Meta(description="Name of the controller, built in or of a plug-in")]
+    parameters: Annotated[
+        dict[str, _Parameter | _Parameters], Meta(description="Its parameters by name; as its docstring lists")
+    ] = msgspec.field(default_factory=dict)
 
 
 @component("joint_pd", limit=100, once=True)

@@ -12,13 +12,15 @@ from mimics_app.rendering.haptic.kernels.joints import joints_of, points_of, rat
 from mimics_app.rendering.haptic.kernels.vectors import clamp_joints, copy
 
 if TYPE_CHECKING:
-    from mimics_app.rendering.haptic.record_types import JointWorkRecord, SceneRecord
+    from mimics_app.rendering.haptic.record_types import ControlInputRecord, ControlWorkRecord
 
 __all__ = ["world_pd_straight", "world_pd_through_joints"]
 
 
 @kernel
-def world_pd_through_joints(kin: Kin, scene: SceneRecord, q: Vec, dq: Vec, work: JointWorkRecord, command: Vec) -> int:
+def world_pd_through_joints(
+    kin: Kin, now: ControlInputRecord, kp: Vec, kd: Vec, work: ControlWorkRecord, command: Vec
+) -> int:
     """Inverse kinematics (2), then joint PD (5), as in 4.2.6.
 
     Although the mask says world space, the gains are joint gains: equal ones give a straight line in joint space, on
@@ -27,32 +29,34 @@ def world_pd_through_joints(kin: Kin, scene: SceneRecord, q: Vec, dq: Vec, work:
 
     Args:
         kin: Kinematics functions of the device.
-        scene: SCENE record: target of each point of contact, robot frame [m], gains per joint, joint limits.
-        q: Joints.
-        dq: Joint velocities.
-        work: JOINT_WORK record; `reached` receives the joints of the target.
+        now: CONTROL_INPUT record: joints and their limits, target of each point of contact, robot frame [m].
+        kp: Gain per joint [1/s].
+        kd: Gain per joint [-].
+        work: CONTROL_WORK record; `reached` receives the joints of the target.
         command: Out: joint velocities.
 
     Returns:
         KinematicsStatus of the inverse, UNREACHABLE also for a target beyond a joint limit.
     """
-    copy(q, work.reached)
-    status = joints_of(kin, scene, scene.target, work, work.reached)
-    outside = clamp_joints(work.reached, scene.joint_min, scene.joint_max)
-    joint_pd(q, dq, work.reached, scene.kp, scene.kd, command)
+    copy(now.q, work.reached)
+    status = joints_of(kin, now, now.target, work, work.reached)
+    outside = clamp_joints(work.reached, now.joint_min, now.joint_max)
+    joint_pd(now.q, now.dq, work.reached, kp, kd, command)
     return KinematicsStatus.UNREACHABLE if outside != 0 else status
 
 
 @kernel
-def world_pd_straight(kin: Kin, scene: SceneRecord, q: Vec, dq: Vec, work: JointWorkRecord, command: Vec) -> int:
+def world_pd_straight(
+    kin: Kin, now: ControlInputRecord, kp: Vec, kd: Vec, work: ControlWorkRecord, command: Vec
+) -> int:
     """Command = J^-1 (Kp (x_r - x) - Kd v), gains per axis: equal ones give a straight line in the world.
 
     The deviation of the same sweep is 0.6 mm at Kp = 10 and 1 ms, first order in the step. Arguments as in
     `world_pd_through_joints`; returns SINGULAR where the device cannot move in some direction.
     """
-    points_of(kin, scene, q, work.place)
-    velocities_of(kin, scene, q, dq, work, work.forces)
-    for row in range(3 * scene.contacts):
+    points_of(kin, now, now.q, work.place)
+    velocities_of(kin, now, now.q, now.dq, work, work.forces)
+    for row in range(3 * now.contacts):
         i = row % 3
-        work.place[row] = scene.kp[i] * (scene.target[row] - work.place[row]) - scene.kd[i] * work.forces[row]
-    return rates_of(kin, scene, q, work.place, work, command)
+        work.place[row] = kp[i] * (now.target[row] - work.place[row]) - kd[i] * work.forces[row]
+    return rates_of(kin, now, now.q, work.place, work, command)

@@ -79,7 +79,7 @@ class Reach:
     def _inverse(self, x: Vec, q: Vec) -> int:
         if self._kin.inverse is not not_given:
             return int(self._kin.inverse(self._block[0]["geometry"], q.copy(), x, q))
+        from mimics_app.contracts.loop.controller_port import CONTROL_WORK
         from mimics_app.rendering.haptic.devices.inverse_by_steps import inverse_by_steps
-        from mimics_app.rendering.haptic.kernels.joints import JOINT_WORK
 
-        return int(inverse_by_steps(tuple(self._kin), self._block, x, np.zeros(1, JOINT_WORK), q))
+        return int(inverse_by_steps(tuple(self._kin), self._block, x, np.zeros(1, CONTROL_WORK), q))

@@ -17,9 +17,10 @@ import numpy as np
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.loop.haptic import Controller, SafetyState, TripCause
+from mimics_app.contracts.loop.haptic import SafetyState, TripCause
 from mimics_app.rendering.haptic.kernels.closed_region import contact_share
 from mimics_app.rendering.haptic.kernels.contact_limits import common_share, is_pressed
+from mimics_app.rendering.haptic.kernels.controller_slot import moves_mass
 from mimics_app.rendering.haptic.kernels.limiter import limit_force, limit_held
 from mimics_app.rendering.haptic.kernels.oscillation import begin_swing
 from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, middle_velocity, stored_share
@@ -136,7 +137,7 @@ def _find_displacement(scene: SceneRecord, state: StateRecord, dt: float) -> Non
     jump of the position is no displacement: it stops the loop on its own.
     """
     acting = state.acting
-    admittance = scene.controller == Controller.ADMITTANCE
+    admittance = moves_mass(scene)
     if admittance:
         rotate(scene.R_world_from_robot, state.v_virtual, state.work_a)
     for i in range(3):
@@ -315,7 +316,7 @@ def _passivity_factor(scene: SceneRecord, state: StateRecord, totals: TotalsReco
     if scene.passivity == 0 or not is_felt(state) or size == 0.0:
         return 1.0
     most, v = scene.passivity_damping, acting.v
-    if scene.controller == Controller.ADMITTANCE:
+    if moves_mass(scene):
         most = min(most, _STABLE_DAMPER * scene.virtual_mass / dt)
         v = state.work_b
         for i in range(3):

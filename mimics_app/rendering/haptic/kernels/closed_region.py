@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mimics_app.compiled.kernel import kernel
-from mimics_app.contracts.loop.haptic import Controller
+from mimics_app.rendering.haptic.kernels.controller_slot import renders_force
 from mimics_app.rendering.haptic.kernels.stability import LARGEST_MARGIN, margin_of
 
 if TYPE_CHECKING:
@@ -226,7 +226,7 @@ def find_region(scene: SceneRecord, delay: float, period: float, region: RegionR
     mass = scene.virtual_mass if driven == 1 else scene.device_mass
     if scene.device_lag < 0.0:  # a recording from before the region: nothing but the delay is known
         mass = 0.0
-    rendered = scene.virtual_damping if scene.controller == Controller.IMPEDANCE else 0.0
+    rendered = scene.virtual_damping if renders_force(scene) else 0.0
     own = scene.virtual_damping + scene.device_damping + scene.arm_damping
     same = region.known == 1 and region.mass == mass and region.damping == own - rendered and region.driven == driven
     same = same and region.quantum == scene.device_quantum

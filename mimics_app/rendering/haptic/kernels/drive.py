@@ -1,7 +1,9 @@
-"""From forces to commands: the controllers, and the commands while none of them may act.
+"""From forces to commands: the controller that acts, the limits behind it, and the commands while none may act.
 
-Controllers of a polar device (SCENE.polar, as the HapticMaster) command the velocity of its one point and derive that
-of the joints; those of any other device command the joints.
+A controller is a plug-in (contracts/loop/controller_port.py). What it wishes is limited here in the same way for each:
+speed and acceleration of joints and points, the brake at the joint limits, forces with their rise and power; and it
+must be finite. The points of a polar device (SCENE.polar, as the HapticMaster) are limited as one vector, from which
+the joints follow; those of any other device by one factor on its joints.
 """
 
 from __future__ import annotations
@@ -10,19 +12,19 @@ from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
+from mimics_app.contracts.loop.controller_slots import CommandKind, Slot, TargetKind
 from mimics_app.contracts.loop.device_descriptor import Kin
-from mimics_app.contracts.loop.haptic import AdmittanceForm, Controller, SafetyState, TripCause
-from mimics_app.rendering.haptic.control.admittance import admit, limit_motion
+from mimics_app.contracts.loop.haptic import SafetyState, TripCause
+from mimics_app.contracts.loop.loop_fields import MAX_JOINTS
+from mimics_app.rendering.haptic.control.admittance import limit_motion
 from mimics_app.rendering.haptic.control.impedance import draw_along, draw_joints
-from mimics_app.rendering.haptic.control.joint_admittance import admit_joints
-from mimics_app.rendering.haptic.control.joint_pd import joint_pd
-from mimics_app.rendering.haptic.control.world_pd import world_pd_straight, world_pd_through_joints
-from mimics_app.rendering.haptic.kernels.acting import drop_force
+from mimics_app.rendering.haptic.kernels.acting import drop_force, payable_share, tank_level
+from mimics_app.rendering.haptic.kernels.controller_slot import drives_to_target, moves_mass, person_leads
 from mimics_app.rendering.haptic.kernels.joints import (
     find_jacobian,
     points_of,
     rates_of,
-    to_tool,
+    share_below,
     torques_of,
     velocities_of,
 )
@@ -33,11 +35,11 @@ from mimics_app.rendering.haptic.kernels.limiter import (
     limit_joints,
     limit_torques,
 )
-from mimics_app.rendering.haptic.kernels.safety import HOLD, is_stopped, latch, lets_feel
+from mimics_app.rendering.haptic.kernels.safety import HOLD, is_stopped, latch
 from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill, norm, scale
 
 if TYPE_CHECKING:
-    from mimics_app.rendering.haptic.record_types import SceneRecord, StateRecord, Table
+    from mimics_app.rendering.haptic.record_types import Controllers, SceneRecord, StateRecord, Table
 
 __all__ = ["control", "note_arrival"]
 
@@ -68,55 +70,104 @@ def _find_velocities(kin: Kin, scene: SceneRecord, states: Table[StateRecord], d
 
 
 @kernel
-def _share_below(scene: SceneRecord, velocities: Vec, limit: float) -> float:
-    """Largest common factor 0-1 that brings the speed of every point within `limit` [m/s]."""
-    share = 1.0
-    for c in range(scene.contacts):
-        speed = norm(velocities[3 * c : 3 * c + 3])
-        if speed > limit:
-            share = min(share, limit / speed)
-    return share
+def _describe(scene: SceneRecord, state: StateRecord) -> None:
+    """Write to control.now what the parameter block says to a controller; call it when the block changed."""
+    now = state.control.now
+    now.joints, now.contacts = scene.joints, scene.contacts
+    copy(scene.geometry, now.geometry)
+    for j in range(MAX_JOINTS):
+        now.joint_inertia[j] = scene.joint_inertia[j]
+    copy(scene.joint_min, now.joint_min)
+    copy(scene.joint_max, now.joint_max)
+    copy(scene.target, now.target)
+    now.virtual_mass = scene.virtual_mass
+    now.max_acceleration, now.max_velocity = scene.max_acceleration, scene.max_velocity
 
 
 @kernel
-def _wish(kin: Kin, scene: SceneRecord, state: StateRecord) -> None:
-    """Set joint_work.wish to the joint velocities requested by the PD controller."""
-    work = state.joint_work
-    if scene.controller == Controller.JOINT_PD:
-        joint_pd(state.q, state.dq, scene.target, scene.kp, scene.kd, work.wish)
-    elif scene.through_joints == 1:
-        world_pd_through_joints(kin, scene, state.q, state.dq, work, work.wish)
-    else:
-        world_pd_straight(kin, scene, state.q, state.dq, work, work.wish)
+def _observe(scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
+    """Write to control.now what a controller sees in this tick, and to control.out the last motion and no force."""
+    state = states[0]
+    now, out = state.control.now, state.control.out
+    damping = scene.virtual_damping
+    if state.safety != SafetyState.ACTIVE:
+        damping += _EXTRA_DAMPING
+    now.virtual_damping = min(damping, _MOST_DAMPING * scene.virtual_mass / dt)
+    now.dt, now.tick, now.safety, now.ramp = dt, state.tick, state.safety, state.ramp
+    copy(state.q, now.q)
+    copy(state.dq, now.dq)
+    copy(state.torque_meas, now.torque_meas)
+    if scene.objects.curves > 0:
+        now.phase = state.phase
+        copy(state.q_reference, now.q_reference)
+        copy(state.dq_reference, now.dq_reference)
+        copy(state.ddq_reference, now.ddq_reference)
+        copy(state.guidance, now.guidance)
+    copy(state.dq_virtual, out.dq)
+    out.points_given = 0
+    fill(out.torque, 0.0)
+    for c in range(scene.contacts):
+        point = states[c]
+        for i in range(3):
+            now.x[3 * c + i] = point.hip[i]
+            now.v[3 * c + i] = point.v[i]
+            now.f_meas[3 * c + i] = point.f_meas[i]
+            now.f_user[3 * c + i] = point.f_user[i]
+            out.v[3 * c + i] = point.v_virtual[i]
+            out.force[3 * c + i] = 0.0
+
+
+@kernel
+def _take_over(scene: SceneRecord, state: StateRecord) -> None:
+    """Note in control.now.started whether another controller acted in the last tick; its memory is cleared then."""
+    control = state.control
+    control.now.started = 1 if control.slot != scene.controller else 0
+    if control.now.started == 1:
+        control.slot = scene.controller
+        fill(control.memory, 0.0)
+
+
+@kernel
+def _compute(kin: Kin, controllers: Controllers, scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
+    """Let the selected controller write control.out."""
+    control, slot = states[0].control, scene.controller
+    _take_over(scene, states[0])
+    _observe(scene, states, dt)
+    controllers[slot](
+        kin,
+        control.now,
+        scene.controller_parameters[slot],
+        control.memory[:],
+        states[0].joint_work,
+        control.out,
+    )
 
 
 @kernel
 def _approach(kin: Kin, scene: SceneRecord, state: StateRecord, acceleration: float, speed: float, dt: float) -> None:
-    """Move dq_virtual towards joint_work.wish within `speed` and `acceleration` of every point, scaled as a whole."""
-    work = state.joint_work
-    velocities_of(kin, scene, state.q, work.wish, work, work.velocities)
-    share = _share_below(scene, work.velocities, speed)
+    """Move dq_virtual towards control.out.dq within `speed` and `acceleration` of every point, scaled as a whole."""
+    work, wish = state.joint_work, state.control.out.dq
+    velocities_of(kin, scene, state.q, wish, work, work.velocities)
+    share = share_below(scene.contacts, work.velocities, speed)
     for j in range(scene.joints):
-        work.wish[j] = share * work.wish[j] - state.dq_virtual[j]
-    velocities_of(kin, scene, state.q, work.wish, work, work.velocities)
-    share = _share_below(scene, work.velocities, acceleration * dt)
+        wish[j] = share * wish[j] - state.dq_virtual[j]
+    velocities_of(kin, scene, state.q, wish, work, work.velocities)
+    share = share_below(scene.contacts, work.velocities, acceleration * dt)
     for j in range(scene.joints):
-        state.dq_virtual[j] += share * work.wish[j]
+        state.dq_virtual[j] += share * wish[j]
 
 
 @kernel
 def _drive_to_target(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
-    """PD controller towards SCENE.target, limited in acceleration and speed as a whole vector.
+    """Follow the wish of a controller that drives to SCENE.target, limited in acceleration and speed as a whole vector.
 
     A person may hold the handle: the motion is slow, and its acceleration is limited to twice the deceleration.
     """
-    state, work = states[0], states[0].joint_work
-    _wish(kin, scene, state)
+    state, work, wish = states[0], states[0].joint_work, states[0].control.out.dq
     speed = min(scene.max_velocity, scene.drive_speed)
-    gentle = 2.0 * speed * max(scene.kp[0], scene.kp[1], scene.kp[2])
-    acceleration = min(scene.max_acceleration, gentle)
+    acceleration = min(scene.max_acceleration, 2.0 * speed * scene.drive_rate)
     if scene.polar == 1:
-        velocities_of(kin, scene, state.q, work.wish, work, state.work_a)
+        velocities_of(kin, scene, state.q, wish, work, state.work_a)
         limit_motion(state.v_virtual, acceleration, speed, dt, state.work_a)
         copy(state.work_a, state.v_virtual)
         rates_of(kin, scene, state.q, state.v_virtual, work, state.dq_virtual)
@@ -127,15 +178,15 @@ def _drive_to_target(kin: Kin, scene: SceneRecord, states: Table[StateRecord], d
 
 @kernel
 def note_arrival(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> None:
-    """Set state.arrived: every point is within 1 mm of a PD controller's target and slower than 5 mm/s."""
+    """Set state.arrived: a controller drives, and every point is within 1 mm of its target and slower than 5 mm/s."""
     state, work = states[0], states[0].joint_work
     state.arrived = 0
-    if scene.controller == Controller.JOINT_PD:
-        points_of(kin, scene, scene.target, work.place)
-    elif scene.controller == Controller.WORLD_PD:
-        copy(scene.target, work.place)
-    else:
+    if not drives_to_target(scene):
         return
+    if scene.targets[scene.controller] == TargetKind.JOINTS:
+        points_of(kin, scene, scene.target, work.place)
+    else:
+        copy(scene.target, work.place)
     arrived = 1
     for c in range(scene.contacts):
         for i in range(3):
@@ -146,50 +197,45 @@ def note_arrival(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> No
 
 
 @kernel
-def _follow_hand(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
-    """Admittance controller: measured and virtual force accelerate the virtual mass, or the masses at all points."""
-    state = states[0]
-    damping = scene.virtual_damping
-    if state.safety != SafetyState.ACTIVE:
-        damping += _EXTRA_DAMPING
-    damping = min(damping, _MOST_DAMPING * scene.virtual_mass / dt)
-    if scene.polar == 0:
-        admit_joints(kin, scene, states, scene.virtual_mass, damping, dt, state.dq_virtual)
+def _follow_mass(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> None:
+    """Take the motion of what the controller simulates: its joint velocities, and those of the points."""
+    state, out = states[0], states[0].control.out
+    copy(out.dq, state.dq_virtual)
+    if out.points_given == 1:
+        for c in range(scene.contacts):
+            copy(out.v[3 * c : 3 * c + 3], states[c].v_virtual)
+    else:
         _find_velocities(kin, scene, states, state.dq_virtual)
-        share = _share_below(scene, state.joint_work.velocities, scene.max_velocity)
-        if share < 1.0:
-            scale(state.dq_virtual, share)
-            _find_velocities(kin, scene, states, state.dq_virtual)
-        return
-    to_tool(kin, scene, state.q, state.f_user, state.work_b)
-    for i in range(3):
-        state.work_b[i] += state.f_meas[i]
-    admit(
-        scene.form,
-        state.q,
-        state.work_b,
-        scene.virtual_mass,
-        damping,
-        scene.max_acceleration,
-        scene.max_velocity,
-        scene.geometry[0],
-        dt,
-        state.work_a,
-        state.v_virtual,
-        state.dq_virtual,
-    )
+
+
+@kernel
+def _render_forces(scene: SceneRecord, states: Table[StateRecord]) -> None:
+    """Set f_command of every point: the virtual force on the user, and what a controller adds to it."""
+    added = states[0].control.added_force
+    for c in range(scene.contacts):
+        point = states[c]
+        copy(point.f_user, point.f_command)
+        for i in range(3):
+            if added[3 * c + i] != 0.0:
+                point.f_command[i] += added[3 * c + i]
+
+
+@kernel
+def _drop_added(state: StateRecord) -> None:
+    """Take away at once what a controller added to the force on the user."""
+    fill(state.control.added_force, 0.0)
+    fill(state.control.added_torque, 0.0)
 
 
 @kernel
 def _hold_command(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> None:
     """Repeat the last command within the limits at the present pose, and the force on the user as limited before."""
     state, work = states[0], states[0].joint_work
-    if lets_feel(scene.controller):
-        for c in range(scene.contacts):
-            copy(states[c].f_user, states[c].f_command)
+    if person_leads(scene):
+        _render_forces(scene, states)
     brake_at_limits(state.q, scene.joint_min, scene.joint_max, state.command)
     velocities_of(kin, scene, state.q, state.command, work, work.velocities)
-    share = _share_below(scene, work.velocities, scene.max_velocity)
+    share = share_below(scene.contacts, work.velocities, scene.max_velocity)
     if share < 1.0:
         scale(state.command, share)
 
@@ -200,6 +246,7 @@ def _stop_not_finite(scene: SceneRecord, states: Table[StateRecord], dt: float) 
     state = states[0]
     latch(state, SafetyState.SAFE_STOP, TripCause.NOT_FINITE)
     state.state_changed = 1
+    _drop_added(state)
     for c in range(scene.contacts):
         drop_force(states[c])
         fill(states[c].f_command, 0.0)
@@ -221,7 +268,7 @@ def _keep_speed(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> Non
     """Scale dq_virtual to `max_velocity` at every point, after all that changes it: joint limits turn the motion."""
     state, work = states[0], states[0].joint_work
     velocities_of(kin, scene, state.q, state.dq_virtual, work, work.velocities)
-    share = _share_below(scene, work.velocities, scene.max_velocity * (1.0 + _ROUNDING))
+    share = share_below(scene.contacts, work.velocities, scene.max_velocity * (1.0 + _ROUNDING))
     if share < 1.0:
         scale(state.dq_virtual, share)
         _find_velocities(kin, scene, states, state.dq_virtual)
@@ -229,17 +276,17 @@ def _keep_speed(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> Non
 
 @kernel
 def _control_motion(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
-    """Set the joint velocities for a velocity-driven device."""
+    """Set the joint velocities for a velocity-driven device, after the controller, if one acts."""
     state, work = states[0], states[0].joint_work
-    if scene.controller == Controller.ADMITTANCE and state.safety >= SafetyState.READY:
-        _follow_hand(kin, scene, states, dt)
-    elif scene.controller == Controller.JOINT_PD or scene.controller == Controller.WORLD_PD:
-        _drive_to_target(kin, scene, states, dt)
-    else:
+    if state.control.slot == Slot.OFF:
         decay(state.command, dt)
         copy(state.command, state.dq_virtual)
         _find_velocities(kin, scene, states, state.dq_virtual)
-    each = scene.polar == 1 and scene.form == AdmittanceForm.SEED and scene.controller == Controller.ADMITTANCE
+    elif moves_mass(scene):
+        _follow_mass(kin, scene, states)
+    else:
+        _drive_to_target(kin, scene, states, dt)
+    each = scene.each_joint[scene.controller] == 1
     limited = limit_joints(
         state.command, scene.joint_velocity, scene.joint_acceleration, each, dt, work.step, state.dq_virtual
     )
@@ -261,39 +308,132 @@ def _limit_drive(scene: SceneRecord, point: StateRecord, dt: float, wanted: Vec)
 
 
 @kernel
+def _is_drawn(scene: SceneRecord) -> bool:
+    """Whether a spring draws a force-driven device to the target of a controller of velocities."""
+    return drives_to_target(scene) and scene.commands[scene.controller] == CommandKind.VELOCITY
+
+
+@kernel
+def _draw_points(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
+    """Set the forces that draw a force-driven device to a target, within the limits of the force on the user."""
+    _drive_to_target(kin, scene, states, dt)
+    for c in range(scene.contacts):
+        point = states[c]
+        draw_along(
+            point.hip,
+            point.v,
+            point.v_virtual,
+            scene.drive_stiffness,
+            scene.drive_damping,
+            min(scene.drive_force, scene.force_limit),
+            dt,
+            point.reference,
+            point.work_a,
+        )
+        _limit_drive(scene, point, dt, point.work_a)
+
+
+@kernel
+def _added_limit(scene: SceneRecord, states: Table[StateRecord]) -> float:
+    """Largest force [N] that a controller may add: what the virtual force leaves of the limit, or that of a drive."""
+    if not person_leads(scene):
+        return min(scene.drive_force, scene.force_limit)
+    virtual = 0.0
+    for c in range(scene.contacts):
+        virtual = max(virtual, norm(states[c].f_user))
+    return max(0.0, scene.force_limit - virtual)
+
+
+@kernel
+def _pay_added(scene: SceneRecord, state: StateRecord, added: Vec, rates: Vec, dt: float) -> None:
+    """Scale what a controller adds to `power_limit` and, where the person leads, to what the energy tank can pay.
+
+    Args:
+        scene: SCENE record.
+        state: STATE record of the device, whose tank pays.
+        added: Forces at the points [N], or torques at the joints [N, N m]; scaled.
+        rates: Velocities that belong to them.
+        dt: Tick [s].
+    """
+    power = 0.0
+    for i in range(added.shape[0]):
+        power += added[i] * rates[i]
+    if abs(power) > scene.power_limit:
+        scale(added, scene.power_limit / abs(power))
+        power *= scene.power_limit / abs(power)
+    if power != 0.0 and person_leads(scene):
+        acting = state.acting
+        share = payable_share(acting.tank, power, acting.inflow)
+        scale(added, share)
+        acting.tank = tank_level(acting.tank, share * power * dt, 0.0, scene.tank_size, dt)
+        acting.least_tank = min(acting.least_tank, acting.tank)
+
+
+@kernel
+def _limit_added_forces(scene: SceneRecord, states: Table[StateRecord], dt: float) -> bool:
+    """Set control.added_force from the controller's wish; return False where that is not finite."""
+    state, control, points = states[0], states[0].control, 3 * scene.contacts
+    ramp = state.ramp if person_leads(scene) else 1.0
+    most, rise = _added_limit(scene, states), scene.force_rate_limit * dt
+    for c in range(scene.contacts):
+        point, first, end = states[c], 3 * c, 3 * c + 3
+        wish, added = control.out.force[first:end], control.added_force[first:end]
+        if not limit_force(wish, ramp, most, rise, point.v, scene.power_limit, added, point.work_b):
+            return False
+    _pay_added(scene, state, control.added_force[:points], control.now.v[:points], dt)
+    return True
+
+
+@kernel
+def _limit_added_torques(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: float) -> bool:
+    """Set control.added_torque from the controller's wish; return False where that is not finite."""
+    state, control, joints = states[0], states[0].control, scene.joints
+    work, wish, added = state.joint_work, control.out.torque[:joints], control.added_torque[:joints]
+    if not all_finite(wish):
+        return False
+    if person_leads(scene):
+        scale(wish, state.ramp)
+    find_jacobian(kin, scene, state.q, work)
+    most, rise = _added_limit(scene, states), scene.force_rate_limit * dt
+    limit_torques(wish, work.jacobian, 3 * scene.contacts, most, rise, added)
+    _pay_added(scene, state, added, state.dq[:joints], dt)
+    return True
+
+
+@kernel
+def _limit_added(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: float) -> bool:
+    """Set what the controller adds to the virtual force, at points or joints; return False where it is not finite."""
+    kind = scene.commands[scene.controller]
+    if states[0].control.slot != Slot.OFF and kind == CommandKind.FORCE:
+        fill(states[0].control.added_torque, 0.0)
+        return _limit_added_forces(scene, states, dt)
+    if states[0].control.slot != Slot.OFF and kind == CommandKind.TORQUE:
+        fill(states[0].control.added_force, 0.0)
+        return _limit_added_torques(kin, scene, states, dt)
+    _drop_added(states[0])
+    return True
+
+
+@kernel
 def _control_force(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
     """Set the forces for a force-driven device: the force on the user, or one that draws the device to a target.
 
     Both are within the same limits of force, of its change, and of power.
     """
-    state = states[0]
-    drives = scene.controller == Controller.JOINT_PD or scene.controller == Controller.WORLD_PD
-    if drives:
-        _drive_to_target(kin, scene, states, dt)
+    state, drawn, finite = states[0], _is_drawn(scene), True
+    if drawn:
+        _drop_added(state)
+        _draw_points(kin, scene, states, dt)
     else:
         copy(state.q, state.joint_reference)
-    finite = True
+        for c in range(scene.contacts):
+            copy(states[c].hip, states[c].reference)
+            fill(states[c].v_virtual, 0.0)
+        finite = _limit_added(kin, scene, states, dt)
+        _render_forces(scene, states)
     for c in range(scene.contacts):
-        point = states[c]
-        if drives:
-            draw_along(
-                point.hip,
-                point.v,
-                point.v_virtual,
-                scene.drive_stiffness,
-                scene.drive_damping,
-                min(scene.drive_force, scene.force_limit),
-                dt,
-                point.reference,
-                point.work_a,
-            )
-            _limit_drive(scene, point, dt, point.work_a)
-        else:
-            copy(point.hip, point.reference)
-            fill(point.v_virtual, 0.0)
-            copy(point.f_user, point.f_command)
-        finite = finite and all_finite(point.f_command)
-    if scene.polar == 1 or not drives:
+        finite = finite and all_finite(states[c].f_command)
+    if scene.polar == 1 or not drawn:
         fill(state.dq_virtual, 0.0)
     fill(state.command, 0.0)
     if not finite:
@@ -322,46 +462,65 @@ def _draw_joints(kin: Kin, scene: SceneRecord, state: StateRecord, dt: float) ->
 
 @kernel
 def _find_torques(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> None:
-    """Set torque_command = J^T f of the commanded forces; torques that are not finite become 0."""
+    """Set torque_command: J^T f of the commanded forces, and what a controller adds; not finite, they become 0."""
     state, work = states[0], states[0].joint_work
     for c in range(scene.contacts):
         copy(states[c].f_command, work.forces[3 * c : 3 * c + 3])
     torques_of(kin, scene, state.q, work.forces, work, state.torque_command)
+    for j in range(scene.joints):
+        if state.control.added_torque[j] != 0.0:
+            state.torque_command[j] += state.control.added_torque[j]
     if not all_finite(state.torque_command):
         fill(state.torque_command, 0.0)
 
 
 @kernel
 def _command_torques(kin: Kin, scene: SceneRecord, states: Table[StateRecord], held: int, dt: float) -> None:
-    """Set the torques of a torque-driven device: of the commanded forces, or of a PD controller, held when late."""
+    """Set the torques of a torque-driven device: of forces and controller, or of a drive, which is held when late."""
     state = states[0]
-    drives = scene.controller == Controller.JOINT_PD or scene.controller == Controller.WORLD_PD
-    if not drives or scene.force_driven == 0 or is_stopped(state) or state.safety < SafetyState.HOMED:
+    if not _is_drawn(scene) or scene.force_driven == 0 or is_stopped(state) or state.safety < SafetyState.HOMED:
         _find_torques(kin, scene, states)
     elif held != HOLD:
         _draw_joints(kin, scene, state, dt)
 
 
 @kernel
-def control(kin: Kin, scene: SceneRecord, states: Table[StateRecord], held: int, dt: float) -> None:
+def _rest(scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
+    """Let the command decay, without force: no controller acts."""
+    state = states[0]
+    state.control.slot = Slot.OFF
+    _drop_added(state)
+    copy(state.q, state.joint_reference)
+    decay(state.command, dt)
+    brake_at_limits(state.q, scene.joint_min, scene.joint_max, state.command)
+    fill(state.dq_virtual, 0.0)
+    for c in range(scene.contacts):
+        fill(states[c].v_virtual, 0.0)
+        fill(states[c].f_command, 0.0)
+        copy(states[c].hip, states[c].reference)
+
+
+@kernel
+def control(
+    kin: Kin, controllers: Controllers, scene: SceneRecord, states: Table[StateRecord], held: int, dt: float
+) -> None:
     """Set this tick's command, velocities, forces or torques: of the controller, held in a late tick, or decaying."""
     state = states[0]
+    if state.parameters_taken == 1:
+        _describe(scene, state)
     if is_stopped(state) or state.safety < SafetyState.HOMED:
-        copy(state.q, state.joint_reference)
-        decay(state.command, dt)
-        brake_at_limits(state.q, scene.joint_min, scene.joint_max, state.command)
-        fill(state.dq_virtual, 0.0)
-        for c in range(scene.contacts):
-            fill(states[c].v_virtual, 0.0)
-            fill(states[c].f_command, 0.0)
-            copy(states[c].hip, states[c].reference)
+        _rest(scene, states, dt)
     elif held == HOLD:
         _hold_command(kin, scene, states)
-    elif scene.force_driven == 1:
-        _control_force(kin, scene, states, dt)
     else:
-        for c in range(scene.contacts):
-            copy(states[c].f_user, states[c].f_command)
-        _control_motion(kin, scene, states, dt)
+        if drives_to_target(scene) or (person_leads(scene) and state.safety >= SafetyState.READY):
+            _compute(kin, controllers, scene, states, dt)
+        else:
+            state.control.slot = Slot.OFF
+        if scene.force_driven == 1:
+            _control_force(kin, scene, states, dt)
+        else:
+            _render_forces(scene, states)
+            _control_motion(kin, scene, states, dt)
     if scene.torques == 1:
         _command_torques(kin, scene, states, held, dt)

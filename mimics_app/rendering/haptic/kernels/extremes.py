@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
-from mimics_app.rendering.haptic.kernels.safety import lets_feel
+from mimics_app.rendering.haptic.kernels.controller_slot import person_leads
 from mimics_app.rendering.haptic.kernels.vectors import norm
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def follow_extremes(scene: SceneRecord, states: Table[StateRecord], dt: float) -
     Extremes are those of the first point of contact, the work is that at all of them.
     """
     state = states[0]
-    if not lets_feel(scene.controller):
+    if not person_leads(scene):
         return
     state.force_peak = max(state.force_peak, norm(state.f_user_world))
     state.distance_peak = max(state.distance_peak, state.own_tunnel.distance)

@@ -1,15 +1,13 @@
 """Kinematics of any device: the closed form of its own functions where it has one, else from its Jacobian.
 
-`kin` is the tuple of the device's functions in the order of contracts.loop.device_descriptor, `scene` the SCENE record
-with its joints, contacts and geometry. Points are concatenated, three numbers each.
+`kin` is the tuple of the device's functions in the order of contracts.loop.device_descriptor, `scene` a record with its
+joints, contacts and geometry: SCENE, or CONTROL_INPUT in a controller. Points are concatenated, three numbers each.
 """
 
 from __future__ import annotations
 
 import math
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
@@ -25,43 +23,23 @@ from mimics_app.contracts.loop.device_descriptor import (
     Kin,
     KinematicsStatus,
 )
-from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS, MAX_JOINTS
 from mimics_app.rendering.haptic.kernels.solve import solve_positive
+from mimics_app.rendering.haptic.kernels.vectors import norm
 
 if TYPE_CHECKING:
-    from mimics_app.rendering.haptic.record_types import JointWorkRecord, SceneRecord
+    from mimics_app.rendering.haptic.record_types import ControlWorkRecord, Description
 
 __all__ = [
-    "JOINT_WORK",
     "find_jacobian",
     "joints_of",
     "points_of",
     "rates_of",
+    "share_below",
     "to_robot",
     "to_tool",
     "torques_of",
     "velocities_of",
 ]
-
-
-_ROWS = 3 * MAX_CONTACTS
-
-JOINT_WORK = np.dtype(
-    [
-        ("points", "f8", (_ROWS,)),  # positions or targets of the points, robot frame [m]
-        ("velocities", "f8", (_ROWS,)),  # of the points, robot frame [m/s]
-        ("jacobian", "f8", (_ROWS * MAX_JOINTS,)),  # row by row
-        ("matrix", "f8", (_ROWS * _ROWS,)),  # of the linear equations
-        ("side", "f8", (_ROWS,)),  # right-hand side of the equations, then their solution
-        ("place", "f8", (_ROWS,)),  # positions of the points, or their errors in an iteration of the inverse [m]
-        ("step", "f8", (MAX_JOINTS,)),  # of the joints in an iteration of the inverse [m, rad]
-        ("wish", "f8", (MAX_JOINTS,)),  # desired joint velocities [m/s, rad/s]
-        ("reached", "f8", (MAX_JOINTS,)),  # joints of a position [m, rad]
-        ("forces", "f8", (_ROWS,)),  # on the points, robot frame [N]
-    ],
-    align=True,
-)
-"""Working memory of the kinematics of one device."""
 
 
 _DAMPING = 2e-3
@@ -81,19 +59,19 @@ _LONGEST_STEP = 0.5
 
 
 @kernel
-def points_of(kin: Kin, scene: SceneRecord, q: Vec, x: Vec) -> None:
+def points_of(kin: Kin, scene: Description, q: Vec, x: Vec) -> None:
     """Set x [m], shape [3 contacts or more], to the points at the joints q."""
     kin[FORWARD](scene.geometry[:], q[:], q[:], x[:])
 
 
 @kernel
-def find_jacobian(kin: Kin, scene: SceneRecord, q: Vec, work: JointWorkRecord) -> None:
+def find_jacobian(kin: Kin, scene: Description, q: Vec, work: ControlWorkRecord) -> None:
     """Set work.jacobian at the joints q."""
     kin[JACOBIAN](scene.geometry[:], q[:], q[:], work.jacobian[:])
 
 
 @kernel
-def velocities_of(kin: Kin, scene: SceneRecord, q: Vec, dq: Vec, work: JointWorkRecord, v: Vec) -> None:
+def velocities_of(kin: Kin, scene: Description, q: Vec, dq: Vec, work: ControlWorkRecord, v: Vec) -> None:
     """Set v = J dq [m/s] of all points; v must not be dq."""
     if kin[VELOCITY](scene.geometry[:], q[:], dq[:], v[:]) != KinematicsStatus.NOT_GIVEN:
         return
@@ -107,7 +85,18 @@ def velocities_of(kin: Kin, scene: SceneRecord, q: Vec, dq: Vec, work: JointWork
 
 
 @kernel
-def torques_of(kin: Kin, scene: SceneRecord, q: Vec, f: Vec, work: JointWorkRecord, tau: Vec) -> None:
+def share_below(contacts: int, velocities: Vec, limit: float) -> float:
+    """Largest common factor 0-1 that brings the speed of every point within `limit` [m/s]."""
+    share = 1.0
+    for c in range(contacts):
+        speed = norm(velocities[3 * c : 3 * c + 3])
+        if speed > limit:
+            share = min(share, limit / speed)
+    return share
+
+
+@kernel
+def torques_of(kin: Kin, scene: Description, q: Vec, f: Vec, work: ControlWorkRecord, tau: Vec) -> None:
     """Set tau = J^T f [N, N m] of forces f on all points, robot frame [N]; tau must not be f."""
     if kin[TORQUE](scene.geometry[:], q[:], f[:], tau[:]) != KinematicsStatus.NOT_GIVEN:
         return
@@ -121,7 +110,7 @@ def torques_of(kin: Kin, scene: SceneRecord, q: Vec, f: Vec, work: JointWorkReco
 
 
 @kernel
-def _product(work: JointWorkRecord, rows: int, joints: int, a: int, b: int, of_rows: bool) -> float:
+def _product(work: ControlWorkRecord, rows: int, joints: int, a: int, b: int, of_rows: bool) -> float:
     """Entry (a, b) of J J^T if `of_rows`, else of J^T J."""
     total = 0.0
     if of_rows:
@@ -134,7 +123,7 @@ def _product(work: JointWorkRecord, rows: int, joints: int, a: int, b: int, of_r
 
 
 @kernel
-def _least_squares(scene: SceneRecord, work: JointWorkRecord, v: Vec, dq: Vec) -> int:
+def _least_squares(scene: Description, work: ControlWorkRecord, v: Vec, dq: Vec) -> int:
     """Set dq to the damped least-squares solution of least norm of J dq = v; SINGULAR where a direction is lost."""
     rows, joints = 3 * scene.contacts, scene.joints
     wide = rows < joints
@@ -162,7 +151,7 @@ def _least_squares(scene: SceneRecord, work: JointWorkRecord, v: Vec, dq: Vec) -
 
 
 @kernel
-def rates_of(kin: Kin, scene: SceneRecord, q: Vec, v: Vec, work: JointWorkRecord, dq: Vec) -> int:
+def rates_of(kin: Kin, scene: Description, q: Vec, v: Vec, work: ControlWorkRecord, dq: Vec) -> int:
     """Set dq = J^-1 v for velocities v of all points [m/s], or the nearest; SINGULAR where a direction is lost."""
     status = kin[RATES](scene.geometry[:], q[:], v[:], dq[:])
     if status != KinematicsStatus.NOT_GIVEN:
@@ -172,7 +161,7 @@ def rates_of(kin: Kin, scene: SceneRecord, q: Vec, v: Vec, work: JointWorkRecord
 
 
 @kernel
-def _position_error(kin: Kin, scene: SceneRecord, x: Vec, q: Vec, work: JointWorkRecord) -> float:
+def _position_error(kin: Kin, scene: Description, x: Vec, q: Vec, work: ControlWorkRecord) -> float:
     """Set work.place to x minus the points at q; return its largest component [m]."""
     points_of(kin, scene, q, work.place)
     largest = 0.0
@@ -183,7 +172,7 @@ def _position_error(kin: Kin, scene: SceneRecord, x: Vec, q: Vec, work: JointWor
 
 
 @kernel
-def joints_of(kin: Kin, scene: SceneRecord, x: Vec, work: JointWorkRecord, q: Vec) -> int:
+def joints_of(kin: Kin, scene: Description, x: Vec, work: ControlWorkRecord, q: Vec) -> int:
     """Set q to joints that bring the points to x [m], starting from q; UNREACHABLE: to the nearest found.
 
     Joint limits are ignored: the caller clamps to them.
@@ -221,7 +210,7 @@ def joints_of(kin: Kin, scene: SceneRecord, x: Vec, work: JointWorkRecord, q: Ve
 
 
 @kernel
-def to_robot(kin: Kin, scene: SceneRecord, q: Vec, f: Vec, out: Vec) -> None:
+def to_robot(kin: Kin, scene: Description, q: Vec, f: Vec, out: Vec) -> None:
     """Set out to the forces f on the points, from their sensor frames to the robot frame; out must not be f."""
     if kin[TO_ROBOT](scene.geometry[:], q[:], f[:], out[:]) == KinematicsStatus.NOT_GIVEN:
         for row in range(3 * scene.contacts):
@@ -229,7 +218,7 @@ def to_robot(kin: Kin, scene: SceneRecord, q: Vec, f: Vec, out: Vec) -> None:
 
 
 @kernel
-def to_tool(kin: Kin, scene: SceneRecord, q: Vec, f: Vec, out: Vec) -> None:
+def to_tool(kin: Kin, scene: Description, q: Vec, f: Vec, out: Vec) -> None:
     """Set out to the forces f on the points, from the robot frame to their sensor frames; out must not be f."""
     if kin[TO_TOOL](scene.geometry[:], q[:], f[:], out[:]) == KinematicsStatus.NOT_GIVEN:
         for row in range(3 * scene.contacts):

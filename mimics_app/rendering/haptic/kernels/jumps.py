@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
-from mimics_app.contracts.loop.haptic import NANOSECOND, Controller, DeviceStatus, SafetyState
+from mimics_app.contracts.loop.haptic import NANOSECOND, DeviceStatus, SafetyState
+from mimics_app.rendering.haptic.kernels.controller_slot import drives_to_target
 from mimics_app.rendering.haptic.kernels.vectors import copy, norm
 
 if TYPE_CHECKING:
@@ -36,10 +37,9 @@ def note_lag(scene: SceneRecord, state: StateRecord, dt: float) -> None:
         state: STATE record with the present hip, and the commanded velocity of the last tick.
         dt: Tick [s].
     """
-    drives = scene.controller == Controller.JOINT_PD or scene.controller == Controller.WORLD_PD
     real = scene.force_driven == 0 and scene.late_latches == 1
     moves = SafetyState.HOMED <= state.safety < SafetyState.SAFE_STOP
-    counts = drives and real and moves and state.placed == 1
+    counts = drives_to_target(scene) and real and moves and state.placed == 1
     for i in range(3):
         behind = state.v_virtual[i] * dt - (state.hip[i] - state.last_hip[i])
         state.lag[i] = (1.0 - dt / _FORGOTTEN) * state.lag[i] + behind if counts else 0.0

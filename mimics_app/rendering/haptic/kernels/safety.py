@@ -4,8 +4,8 @@
 
     OFF       no parameters yet; no motion
     INIT      waiting for the device's first finite data; no motion
-    HOMED     the device responds; a PD controller drives to its target
-    READY     target reached, or admittance or impedance control: the hand leads, the virtual force is still off
+    HOMED     the device responds; a controller may drive to its target
+    READY     target reached, or the person leads (admittance, impedance): the virtual force is still off
     ACTIVE    entered once the virtual force was below `ramp_force` for 100 ms; its factor ramps from 0 to 1
     DEGRADED  a tick was too late: the virtual force ramps down, motion is damped; back by the same soft start.
               For a simulated device (`late_latches` 0) late ticks latch no stop
@@ -23,11 +23,11 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.loop.haptic import (
     SECOND_NS,
     Button,
-    Controller,
     DeviceStatus,
     SafetyState,
     TripCause,
 )
+from mimics_app.rendering.haptic.kernels.controller_slot import person_leads
 from mimics_app.rendering.haptic.kernels.jumps import lags_too_far
 from mimics_app.rendering.haptic.kernels.tunnel_state import TunnelStatus
 from mimics_app.rendering.haptic.kernels.vectors import norm
@@ -44,7 +44,6 @@ __all__ = [
     "is_felt",
     "is_stopped",
     "latch",
-    "lets_feel",
     "step_safety",
 ]
 
@@ -71,12 +70,6 @@ def is_stopped(state: StateRecord) -> bool:
 def is_felt(state: StateRecord) -> bool:
     """Whether the virtual force acts on the user."""
     return state.safety == SafetyState.ACTIVE or state.safety == SafetyState.DEGRADED
-
-
-@kernel
-def lets_feel(controller: int) -> bool:
-    """True for the controllers that render the virtual force: admittance and impedance."""
-    return controller == Controller.ADMITTANCE or controller == Controller.IMPEDANCE
 
 
 @kernel
@@ -212,14 +205,13 @@ def _find_trip(scene: SceneRecord, states: Table[StateRecord], status: int, held
 def _come_up(scene: SceneRecord, state: StateRecord, quiet: bool) -> None:
     """Advance from OFF to ACTIVE, at most one state per tick; READY returns to HOMED when a PD target moves away."""
     safety = state.safety
-    haptic = lets_feel(scene.controller)
+    haptic = person_leads(scene)
     if safety == SafetyState.OFF:
         state.safety = SafetyState.INIT if scene.sequence > 0 else SafetyState.OFF
     elif safety == SafetyState.INIT:
         state.safety = SafetyState.HOMED if state.answered == 1 else SafetyState.INIT
     elif safety == SafetyState.HOMED:
-        at_target = scene.controller != Controller.OFF and state.arrived == 1
-        state.safety = SafetyState.READY if haptic or at_target else SafetyState.HOMED
+        state.safety = SafetyState.READY if haptic or state.arrived == 1 else SafetyState.HOMED
     elif haptic:
         state.safety = SafetyState.ACTIVE if quiet else SafetyState.READY
     else:
@@ -229,7 +221,7 @@ def _come_up(scene: SceneRecord, state: StateRecord, quiet: bool) -> None:
 @kernel
 def _stay_active(scene: SceneRecord, state: StateRecord, quiet: bool, held: int) -> None:
     """Step ACTIVE and DEGRADED: HOMED under another controller, DEGRADED when late, ACTIVE again when quiet."""
-    if not lets_feel(scene.controller):
+    if not person_leads(scene):
         state.safety = SafetyState.HOMED
     elif state.safety == SafetyState.ACTIVE and held >= LATE_DAMP:
         state.safety = SafetyState.DEGRADED

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from mimics_app.contracts.loop.controller_port import CONTROL_WORK
 from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, state_fields
 from mimics_app.rendering.haptic.kernels.acting import ACTING
 from mimics_app.rendering.haptic.kernels.closed_region import REGION
+from mimics_app.rendering.haptic.kernels.controller_slot import CONTROL
 from mimics_app.rendering.haptic.kernels.directions import SPAN
-from mimics_app.rendering.haptic.kernels.joints import JOINT_WORK
 from mimics_app.rendering.haptic.kernels.oscillation import SWING
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER
 from mimics_app.rendering.haptic.kernels.tunnels import HOLDING, OWN_TUNNEL
@@ -92,9 +93,10 @@ STATE = np.dtype(
         ("reference", "f8", (3,)),  # virtual target that draws a force-driven device, robot frame [m]
         ("joint_reference", "f8", (MAX_JOINTS,)),  # the same for the joints of a torque-driven device
         ("reference_state", REFERENCE),  # of the joints: ramps
-        ("arrived", "i8"),  # 1 while a PD controller is at its target
+        ("arrived", "i8"),  # 1 while a controller that drives to a target is there
         ("acting", ACTING),
-        ("joint_work", JOINT_WORK),
+        ("joint_work", CONTROL_WORK),
+        ("control", CONTROL),
         ("work_a", "f8", (3,)),
         ("work_b", "f8", (3,)),
         ("ball_radius_rate", "f8"),  # [m/s]

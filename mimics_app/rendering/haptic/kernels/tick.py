@@ -22,6 +22,7 @@ from mimics_app.rendering.haptic.kernels.contacts import (
     share_device_state,
     stop_together,
 )
+from mimics_app.rendering.haptic.kernels.controller_slot import person_leads
 from mimics_app.rendering.haptic.kernels.drive import control, note_arrival
 from mimics_app.rendering.haptic.kernels.extremes import follow_extremes, forget_extremes
 from mimics_app.rendering.haptic.kernels.jumps import note_jump, note_lag
@@ -30,7 +31,7 @@ from mimics_app.rendering.haptic.kernels.objects.published import sum_motions
 from mimics_app.rendering.haptic.kernels.objects.touches import follow_touch, follow_touches
 from mimics_app.rendering.haptic.kernels.oscillation import watch_swing
 from mimics_app.rendering.haptic.kernels.rows import write_command, write_inputs, write_outputs
-from mimics_app.rendering.haptic.kernels.safety import is_felt, lets_feel, step_safety
+from mimics_app.rendering.haptic.kernels.safety import is_felt, step_safety
 from mimics_app.rendering.haptic.kernels.sensing import find_motion, read_sample, size_ball
 from mimics_app.rendering.haptic.kernels.tunnels import follow_tunnels, reset_tunnel_tracking
 from mimics_app.rendering.haptic.kernels.watch import watch_contact, watch_margin
@@ -38,6 +39,7 @@ from mimics_app.rendering.haptic.reference.generator import step_reference
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import (
+        Controllers,
         Fields,
         ObjectWork,
         Rows,
@@ -145,6 +147,7 @@ def tick(
     simulate: Simulate,
     fields: Fields,
     kin: Kin,
+    controllers: Controllers,
     states: Table[StateRecord],
     data: Vec,
     status: int,
@@ -164,6 +167,7 @@ def tick(
         simulate: The objects' part of the tick, see rendering.haptic.objects.SIMULATE.
         fields: Force fields of the objects.
         kin: Kinematics functions of the device, in the order of contracts.loop.device_descriptor.
+        controllers: Controllers by slot, see contracts.loop.controller_port.
         states: STATE records, one for each point of contact, advanced by one tick.
         data: Data vector from the device's read function, shape [DATA_LENGTH].
         status: DeviceStatus of that read.
@@ -186,9 +190,9 @@ def tick(
     follow_extremes(scene, states, dt)
     _watch_stability(scene, objects, states, period, dt)
     if scene.objects.curves > 0:
-        leads = is_felt(state) and lets_feel(scene.controller)
+        leads = is_felt(state) and person_leads(scene)
         step_reference(scene, rows.curves, state, leads, dt)
-    control(kin, scene, states, held, dt)
+    control(kin, controllers, scene, states, held, dt)
     if state.safety != stepped:  # force or controller latched a stop
         state.state_changed = 1
     _write_results(scene, objects, states, command, row)

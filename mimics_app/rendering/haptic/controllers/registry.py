@@ -1,0 +1,70 @@
+"""Controllers by name: built-in ones, and those of installed packages (group mimics_app.controllers)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, cast
+
+from mimics_app.contracts.errors import UsageError, nearest
+from mimics_app.contracts.loop.controller_port import CONTROLLER, ControllerPlugin
+from mimics_app.contracts.loop.controller_slots import MAX_CONTROLLERS
+from mimics_app.contracts.ports.members import load_member, member_names
+from mimics_app.contracts.ports.plugins import PluginError, PluginGroup
+from mimics_app.rendering.haptic.controllers import built_in
+from mimics_app.rendering.haptic.controllers.no_controller import no_controller
+
+if TYPE_CHECKING:
+    from mimics_app.rendering.haptic.record_types import Controller, Controllers
+
+__all__ = ["BUILT_IN", "NO_CONTROLLERS", "PLUGINS", "controller_names", "controllers_of", "find_controller"]
+
+NO_CONTROLLERS: Controllers = (no_controller,) * MAX_CONTROLLERS
+"""Controllers of a session before its first parameter block."""
+
+BUILT_IN = member_names(built_in)
+"""Names of the built-in controllers. A plug-in cannot use one of these names."""
+
+
+def _fault_of(name: str, loaded: object) -> str:
+    """Check type, name and signature."""
+    if not isinstance(loaded, ControllerPlugin):
+        return "is no mimics_app.contracts.loop.controller_port.ControllerPlugin"
+    if CONTROLLER not in getattr(loaded.compute, "nopython_signatures", []):
+        return "is not compiled for the loop; decorate `compute` with typed_kernel(CONTROLLER)"
+    return "" if loaded.name == name else f'has the name "{loaded.name}"; name it like its entry point'
+
+
+PLUGINS = PluginGroup("mimics_app.controllers", _fault_of)
+
+
+def controller_names() -> list[str]:
+    """Return the names of all controllers: built-in first, then installed plug-ins."""
+    return [*BUILT_IN, *sorted(set(PLUGINS.names()) - set(BUILT_IN))]
+
+
+def find_controller(name: str) -> ControllerPlugin:
+    """Return the controller of a name; it is imported and compiled now.
+
+    Raises:
+        UsageError: No such controller, or its plug-in cannot be used.
+    """
+    if name in BUILT_IN:
+        return load_member(built_in, name, "CONTROLLER", ControllerPlugin)
+    if name not in PLUGINS.names():
+        raise UsageError(f'there is no controller "{name}"', nearest(name, controller_names()))
+    try:
+        return cast("ControllerPlugin", PLUGINS.load(name))
+    except PluginError as error:
+        raise UsageError(f'the controller "{name}" is not available: {error}') from error
+
+
+def controllers_of(names: Sequence[str]) -> Controllers:
+    """Return the compiled functions of a session's controllers, by slot.
+
+    Args:
+        names: Names by slot; "" for an empty one.
+
+    Raises:
+        UsageError: One is not installed.
+    """
+    return tuple(cast("Controller", find_controller(name).compute) if name else no_controller for name in names)
