@@ -100,4 +100,5 @@ def test_what_it_cannot_be_is_said_with_its_place_and_a_remedy(answers: dict[str
     assert "choose a value within 0 and 500 N m/rad" in answers["range"].stderr
     assert 'has the name "gait_spring"; name it like its entry point' in answers["other"].stderr
     assert answers["velocity"].returncode == 4
-    assert '"gait_spring" commands torque; "simulated_leg" takes velocity' in answers["velocity"].stderr
+    (error,) = json.loads(answers["velocity"].stdout)["errors"]
+    assert error["what"] == 'the controller "gait_spring" commands torque; "simulated_leg" takes velocity'
