@@ -98,6 +98,7 @@ ON_THEIR_OWN = {
     "rendering/audio/recipes/": "the tables of recipes are found by their modules",
     "rendering/audio/kernels": "compiled; its user knows more than arrays",
     "rendering/haptic/controllers/built_in/": "a controller is found by its name",
+    "rendering/haptic/controllers/no_controller": "compiled; its user knows more than arrays",
     "rendering/haptic/devices/built_in/": "a device is found by its name",
     "rendering/haptic/devices/inverse_by_steps": "compiles on import, and is imported on demand",
     "inputs/trackers/headset_tracker": "one kind of tracker a file",

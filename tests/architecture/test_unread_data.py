@@ -13,10 +13,6 @@ from tests.architecture.record_stub import STUBS
 from tests.architecture.sources import modules, nodes
 
 READ_ELSEWHERE = {
-    **{
-        f"ControlInputRecord.{name}": "for controllers of packages; no built-in one follows a reference"
-        for name in ("phase", "q_reference", "dq_reference", "ddq_reference", "guidance")
-    },
     "StateRecord.others_f_meas": "copied whole into the sample, as a row of the loop's table",
 }
 """Fields of records that no module of the product reads, and why they are there."""

@@ -17,8 +17,7 @@ from mimics_app.inputs.trackers.network_place import listening, place_of
 from mimics_app.learning.builder import check_learning
 from mimics_app.learning.goals import build_goal
 from mimics_app.learning.registry import check_policy
-from mimics_app.rendering.haptic.devices.controller_check import check_controller
-from mimics_app.rendering.haptic.devices.robot_checks import check_points, check_robot
+from mimics_app.rendering.haptic.devices.robot_checks import check_controller, check_points, check_robot
 from mimics_app.rendering.haptic.devices.robot_reach import Reach
 from mimics_app.rendering.haptic.force_fields import check_field
 from mimics_app.rendering.haptic.scene_effects import check_field_count, check_haptic_path
