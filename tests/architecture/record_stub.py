@@ -47,6 +47,10 @@ MODULES = (
     f"{_LOKOMAT}.foot_contact",
     f"{_LOKOMAT}.shaft_admittance",
     f"{_LOKOMAT}.constrained_shafts",
+    f"{_LOKOMAT}.position_control",
+    f"{_LOKOMAT}.guidance_force",
+    f"{_LOKOMAT}.load_compensation",
+    f"{_LOKOMAT}.leg_control",
 )
 """Where records of touch are declared: every dtype with fields that a module of these names in capitals."""
 

@@ -185,7 +185,8 @@ def _run(
 ) -> list[Array]:
     leg, rows, rule = _leg(), [], _rule() if rule is None else rule
     for _ in range(ticks):
-        step_shafts(shafts[0], leg[0], outline[0], settings[0], rule[0], np.array(force, np.float64), DT)
+        solid = bool(outline["count"][0])
+        step_shafts(shafts[0], leg[0], outline[0], settings[0], rule[0], solid, np.array(force, np.float64), DT)
         rows.append(shafts[0].copy())
     return rows
 

@@ -39,7 +39,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="realtime: deadlines of the haptic loop under load; methods: cost and error of every method; audio: "
         "mixers and latency; haptic: cost of a tick; physio: R peaks and features; frame: frames of live sessions; "
         "software: what each part of drawing without a graphics card saves; "
-        "displays: stereo and headsets; record: what a killed session loses; faults: time from a fault to zero "
+        "displays: stereo and headsets; lokomat: control of the gait orthosis; "
+        "record: what a killed session loses; faults: time from a fault to zero "
         "force; render: the renderer beside OGRE; all: methods, audio, haptic, frame and realtime",
     )
     _add_render_arguments(parser)
@@ -334,6 +335,13 @@ def _measure_faults(args: argparse.Namespace) -> dict[str, Any]:
     return measure_faults(find_scene(args.scene), args.n or _REPEATS, _say)
 
 
+def _measure_lokomat(_: argparse.Namespace) -> dict[str, Any]:
+    """Measure the control of the gait orthosis: cost, wall, transparency, and the search of the obstacle sequence."""
+    from mimics_app.lab.lokomat_bench import measure_lokomat
+
+    return measure_lokomat(_say)
+
+
 def _measure_physio(args: argparse.Namespace) -> dict[str, Any]:
     """Measure R peaks on annotated records and under noise, cost and latency; PEERS is the folder of peers' harnesses.
 
@@ -392,4 +400,5 @@ _MEASURES = {
     "displays": _measure_displays,
     "record": _measure_record,
     "faults": _measure_faults,
+    "lokomat": _measure_lokomat,
 }

@@ -1241,3 +1241,76 @@ class ShaftsRecord:
     surface: FootSurfaceRecord
     work_eta: Floats
     work_theta: Floats
+
+class PositionSettingsRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.position_control.POSITION_SETTINGS`."""
+
+    links: Floats
+    carried: Floats
+    motor: Floats
+    bandwidth: float
+    ratio: float
+    stiffness: Floats
+    computed: int
+
+class GuidanceSettingsRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.guidance_force.GUIDANCE_SETTINGS`."""
+
+    stiffness: Floats
+    damping: Floats
+    window: float
+    width: float
+
+class LoadSettingsRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.load_compensation.LOAD_SETTINGS`."""
+
+    links: Floats
+    weight: float
+    friction: float
+    coulomb: Floats
+    viscous: Floats
+    slow: float
+
+class LegSettingsRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.leg_control.LEG_SETTINGS`."""
+
+    frame: LegFrameRecord
+    outline: OutlineRecord
+    foot: FootSettingsRecord
+    shafts: ShaftSettingsRecord
+    surface: SurfaceSettingsRecord
+    position: PositionSettingsRecord
+    load: LoadSettingsRecord
+    guidance: GuidanceSettingsRecord
+    wall_force: float
+
+class LegInputRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.leg_control.LEG_INPUT`."""
+
+    q: Floats
+    dq: Floats
+    torque: Floats
+    q_ref: Floats
+    dq_ref: Floats
+    guidance: Floats
+    force: Floats
+    hard: int
+    dt: float
+
+class LegStateRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.leg_control.LEG_STATE`."""
+
+    started: int
+    shafts: ShaftsRecord
+    contact: FootContactRecord
+    surface: FootSurfaceRecord
+    motor: Floats
+    tau: Floats
+    x_real: Floats
+    x_des: Floats
+    f_x: Floats
+    speed: Floats
+    force: Floats
+    more: Floats
+    wish_rate: Floats
+    place: Floats

@@ -238,6 +238,7 @@ def step_shafts(
     outline: OutlineRecord,
     settings: ShaftSettingsRecord,
     rule: SurfaceSettingsRecord,
+    solid: bool,
     force: Vec,
     dt: float,
 ) -> None:
@@ -246,13 +247,14 @@ def step_shafts(
     Args:
         shafts: SHAFTS record, advanced.
         leg: LEG_FRAME record.
-        outline: OUTLINE record; without edges there is no object.
+        outline: OUTLINE record.
         settings: SHAFT_SETTINGS record.
         rule: SURFACE_SETTINGS record.
+        solid: Whether the object acts; False where the outline has no edges.
         force: F + F_add of both shafts [N], shape [2].
         dt: Tick [s].
     """
-    if outline.count == 0 and shafts.touching == 1:
+    if not solid and shafts.touching == 1:
         _leave(shafts)
     if shafts.touching == 1:
         if settings.as_printed == 0:
@@ -265,7 +267,7 @@ def step_shafts(
             return
         _leave(shafts)
     _move_free(shafts, leg, settings, force, dt)
-    if outline.count > 0:
+    if solid:
         find_surface(leg, outline, shafts.theta, shafts.surface)
         approach = shafts.surface.slope[0] * shafts.rate[0] + shafts.surface.slope[1] * shafts.rate[1]
         if shafts.surface.distance < 0.0 and approach < 0.0:

@@ -1,0 +1,229 @@
+"""Control of one leg of the orthosis in a tick: pure impedance (D2.1 4.3.2), or admittance and impedance combined.
+
+Both take the same inputs, and command joint torques:
+
+    impedance   tau = load compensation + guidance + J^T F of a hard object; the loop adds that of soft ones
+    combined    rod force -> virtual masses (3), on a hard object's surface by (4) and (5) -> q_d -> position control
+
+The guidance enters the combined control as a force F_imp on the shafts (1), as do the forces of soft objects; a hard
+object is rigid there, and a spring in the impedance control.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mimics_app.compiled.kernel import kernel
+from mimics_app.rendering.haptic.control.lokomat.constrained_shafts import (
+    SHAFTS,
+    SURFACE_SETTINGS,
+    place_shafts,
+    step_shafts,
+)
+from mimics_app.rendering.haptic.control.lokomat.contact_impulse import effective_mass
+from mimics_app.rendering.haptic.control.lokomat.foot_constraint import FOOT_SURFACE, LEG_FRAME, find_surface
+from mimics_app.rendering.haptic.control.lokomat.foot_contact import FOOT_CONTACT, FOOT_SETTINGS, push_foot
+from mimics_app.rendering.haptic.control.lokomat.guidance_force import GUIDANCE_SETTINGS, guide_joint
+from mimics_app.rendering.haptic.control.lokomat.load_compensation import LOAD_SETTINGS, load_torques
+from mimics_app.rendering.haptic.control.lokomat.position_control import (
+    POSITION_SETTINGS,
+    driven_mass,
+    foot_stiffness,
+    position_torques,
+)
+from mimics_app.rendering.haptic.control.lokomat.sagittal_outline import OUTLINE
+from mimics_app.rendering.haptic.control.lokomat.shaft_admittance import SHAFT_SETTINGS, measured_force
+from mimics_app.rendering.haptic.kernels.leg_kinematics import leg_jacobian, place_foot
+from mimics_app.rendering.haptic.kernels.lokomat.linkage import eta_of, lever
+from mimics_app.rendering.haptic.kernels.two_link import weight
+
+if TYPE_CHECKING:
+    from mimics_app.rendering.haptic.record_types import (
+        LegInputRecord,
+        LegSettingsRecord,
+        LegStateRecord,
+    )
+
+__all__ = ["LEG_INPUT", "LEG_SETTINGS", "LEG_STATE", "control_combined", "control_impedance"]
+
+LEG_SETTINGS = np.dtype(
+    [
+        ("frame", LEG_FRAME),
+        ("outline", OUTLINE),  # of the hard object; without edges there is none
+        ("foot", FOOT_SETTINGS),  # of impedance control
+        ("shafts", SHAFT_SETTINGS),  # of combined control, like the two below
+        ("surface", SURFACE_SETTINGS),
+        ("position", POSITION_SETTINGS),
+        ("load", LOAD_SETTINGS),
+        ("guidance", GUIDANCE_SETTINGS),
+        ("wall_force", np.float64),  # largest force of a hard object on the foot [N]
+    ],
+    align=True,
+)
+"""Numbers of one leg that do not change from tick to tick."""
+
+LEG_INPUT = np.dtype(
+    [
+        ("q", np.float64, 2),  # hip and knee angle [rad]
+        ("dq", np.float64, 2),  # [rad/s]
+        ("torque", np.float64, 2),  # of the leg on its drives, rod force times lever [N m]
+        ("q_ref", np.float64, 2),  # reference [rad]
+        ("dq_ref", np.float64, 2),  # [rad/s]
+        ("guidance", np.float64, 2),  # share 0-1 of each joint
+        ("force", np.float64, 2),  # of soft objects on the foot (x, z) [N]
+        ("hard", np.int64),  # 1: the hard object acts
+        ("dt", np.float64),  # [s]
+    ],
+    align=True,
+)
+
+LEG_STATE = np.dtype(
+    [
+        ("started", np.int64),
+        ("shafts", SHAFTS),
+        ("contact", FOOT_CONTACT),
+        ("surface", FOOT_SURFACE),  # at the measured foot
+        ("motor", np.float64, 2),  # force of the motors on the shafts in the last tick [N]
+        ("tau", np.float64, 2),  # commanded torques [N m]
+        ("x_real", np.float64, 2),  # measured foot (x, z) [m]
+        ("x_des", np.float64, 2),  # foot of the admittance, or measured foot outside of the object (x, z) [m]
+        ("f_x", np.float64, 2),  # force of the hard object on the foot (x, z) [N]
+        ("speed", np.float64, 2),  # scratch, like all below
+        ("force", np.float64, 2),
+        ("more", np.float64, 2),
+        ("wish_rate", np.float64, 2),
+        ("place", np.float64, 3),
+    ],
+    align=True,
+)
+"""State and outputs of the control of one leg; zeros are the initial state."""
+
+
+@kernel
+def _find_foot(settings: LegSettingsRecord, now: LegInputRecord, state: LegStateRecord) -> None:
+    """Set place and speed of the measured foot, and the object's surface at it."""
+    place_foot(settings.frame.geometry, 0, now.q, state.place)
+    state.x_real[0], state.x_real[1] = state.place[0], state.place[2]
+    x1, x2, z1, z2 = leg_jacobian(settings.frame.geometry, now.q)
+    state.speed[0] = x1 * now.dq[0] + x2 * now.dq[1]
+    state.speed[1] = z1 * now.dq[0] + z2 * now.dq[1]
+    for i in range(2):
+        state.x_des[i] = state.x_real[i]
+        state.f_x[i] = 0.0
+    if settings.outline.count > 0:
+        find_surface(settings.frame, settings.outline, now.q, state.surface)
+
+
+@kernel
+def _guidance(settings: LegSettingsRecord, now: LegInputRecord, joint: int) -> float:
+    """Torque of the guidance of one joint [N m]."""
+    stiffness, damping = settings.guidance.stiffness[joint], settings.guidance.damping[joint]
+    error, rate = now.q_ref[joint] - now.q[joint], now.dq_ref[joint] - now.dq[joint]
+    return guide_joint(now.guidance[joint], stiffness, damping, error, rate)
+
+
+@kernel
+def _limit_wall(settings: LegSettingsRecord, state: LegStateRecord) -> None:
+    """Limit the force of the hard object, keeping its direction."""
+    square = state.f_x[0] * state.f_x[0] + state.f_x[1] * state.f_x[1]
+    if square > settings.wall_force * settings.wall_force:
+        share = settings.wall_force / square**0.5
+        state.f_x[0] *= share
+        state.f_x[1] *= share
+
+
+@kernel
+def control_impedance(settings: LegSettingsRecord, now: LegInputRecord, state: LegStateRecord) -> None:
+    """Set state.tau by pure impedance control.
+
+    Args:
+        settings: LEG_SETTINGS record.
+        now: LEG_INPUT record of this tick.
+        state: LEG_STATE record, advanced.
+    """
+    _find_foot(settings, now, state)
+    load_torques(settings.load, settings.frame, now.q, now.dq, state.tau)
+    if now.hard == 1 and settings.outline.count > 0:
+        m11, m12, m22 = driven_mass(settings.position, settings.frame, now.q)
+        n_x, n_z = state.surface.normal[0], state.surface.normal[1]
+        x1, x2, z1, z2 = leg_jacobian(settings.frame.geometry, now.q)
+        mass = effective_mass(n_x * x1 + n_z * z1, n_x * x2 + n_z * z2, m11, m12, m22)
+        depth = -state.surface.distance
+        push_foot(state.contact, settings.foot, depth, state.surface.normal, state.speed, mass, now.dt, state.f_x)
+        _limit_wall(settings, state)
+        inside = max(0.0, depth)
+        state.x_des[0] += inside * n_x
+        state.x_des[1] += inside * n_z
+        state.tau[0] += x1 * state.f_x[0] + z1 * state.f_x[1]
+        state.tau[1] += x2 * state.f_x[0] + z2 * state.f_x[1]
+    for joint in range(2):
+        state.tau[joint] += _guidance(settings, now, joint)
+
+
+@kernel
+def _start(settings: LegSettingsRecord, now: LegInputRecord, state: LegStateRecord) -> None:
+    """Begin where the leg is, at rest: no jump of the torque."""
+    for joint in range(2):
+        state.more[joint] = eta_of(settings.frame.links[joint], now.q[joint])
+    place_shafts(state.shafts, settings.frame, state.more)
+    state.started = 1
+
+
+@kernel
+def _shaft_forces(settings: LegSettingsRecord, now: LegInputRecord, state: LegStateRecord) -> None:
+    """Set state.force to F + F_add of both shafts [N]: rod force without known weight, guidance, soft objects."""
+    x1, x2, z1, z2 = leg_jacobian(settings.frame.geometry, now.q)
+    state.more[0] = x1 * now.force[0] + z1 * now.force[1]
+    state.more[1] = x2 * now.force[0] + z2 * now.force[1]
+    g1, g2 = weight(settings.load.links, now.q[0], now.q[1])
+    for joint in range(2):
+        arm = lever(settings.frame.links[joint], now.q[joint])
+        known = -settings.load.weight * (g1 if joint == 0 else g2) / arm
+        sensor = -settings.shafts.sensor_sign * now.torque[joint] / arm
+        added = (_guidance(settings, now, joint) + state.more[joint]) / arm
+        state.force[joint] = measured_force(settings.shafts, joint, sensor, state.motor[joint], known) + added
+
+
+@kernel
+def control_combined(settings: LegSettingsRecord, now: LegInputRecord, state: LegStateRecord) -> None:
+    """Set state.tau by combined admittance and impedance control; arguments as `control_impedance`."""
+    _find_foot(settings, now, state)
+    if state.started == 0:
+        _start(settings, now, state)
+    _shaft_forces(settings, now, state)
+    step_shafts(
+        state.shafts,
+        settings.frame,
+        settings.outline,
+        settings.shafts,
+        settings.surface,
+        now.hard == 1 and settings.outline.count > 0,
+        state.force,
+        now.dt,
+    )
+    for joint in range(2):
+        arm = lever(settings.frame.links[joint], state.shafts.theta[joint])
+        state.wish_rate[joint] = state.shafts.rate[joint] / arm
+        state.more[joint] = 0.0  # q_d'' would close a loop over the rod sensor, of the gain M_leg / m_V
+    position_torques(
+        settings.position,
+        settings.frame,
+        now.q,
+        now.dq,
+        state.shafts.theta,
+        state.wish_rate,
+        state.more,
+        state.tau,
+    )
+    for joint in range(2):
+        arm = lever(settings.frame.links[joint], now.q[joint])
+        state.motor[joint] = state.tau[joint] / arm
+    place_foot(settings.frame.geometry, 0, state.shafts.theta, state.place)
+    state.x_des[0], state.x_des[1] = state.place[0], state.place[2]
+    if state.shafts.touching == 1:
+        n_x, n_z = state.shafts.surface.normal[0], state.shafts.surface.normal[1]
+        gap = n_x * (state.x_des[0] - state.x_real[0]) + n_z * (state.x_des[1] - state.x_real[1])
+        push = foot_stiffness(settings.position, settings.frame, now.q, n_x, n_z) * gap
+        state.f_x[0], state.f_x[1] = push * n_x, push * n_z
