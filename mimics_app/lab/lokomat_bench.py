@@ -39,7 +39,7 @@ _NO_STICTION: dict[str, Any] = {"static_friction": 0.0, "coulomb_friction": 0.0}
 _GAP = 0.05
 """Distance of the wall before the foot at the start [m]."""
 
-_SECONDS, _SETTLED = 3.0, 2.0
+_SECONDS, _COUNTED_FROM = 3.0, 2.0
 _SWING_SECONDS = 6.0
 _TICKS = 2000
 
@@ -74,7 +74,7 @@ def residual_torque(rig: Rig, kind: int, hz: float) -> tuple[float, float]:
     The residual torque is that in the rods less the weight of the orthosis, which the drives are to carry.
     """
     rows = rig.run(kind, Person(swing=SWING, swing_hz=hz), _SWING_SECONDS, start=(0.15, 0.6))
-    counted = rows["t"] >= _SETTLED
+    counted = rows["t"] >= _COUNTED_FROM
     hip, knee = (float(np.sqrt(np.mean(rows[joint][counted] ** 2))) for joint in ("hip", "knee"))
     return hip, knee
 
@@ -84,8 +84,8 @@ def _penetration(report: Callable[[str], None]) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for kind, name in enumerate(CONTROLS):
         rows, stiffness, _ = foot_on_wall(kind)
-        settled = rows["t"] >= _SETTLED
-        simulated = float(rows["x_real"][settled].mean())
+        steady = rows["t"] >= _COUNTED_FROM
+        simulated = float(rows["x_real"][steady].mean())
         found[name] = {"simulated": simulated, "theory": PUSH / stiffness, "stiffness_n_m": stiffness}
     return {"simulated": found["combined"]["simulated"], "theory": found["combined"]["theory"], **found}
 
@@ -95,14 +95,14 @@ def _slip() -> float:
     rig, _ = wall_rig()
     rig.settings["surface"]["friction"], rig.settings["surface"]["mu"] = SurfaceFriction.COULOMB, 0.4
     rows = rig.run(COMBINED, Person(force=(PUSH, 10.0)), _SECONDS)
-    settled = rows["t"] >= _SETTLED
+    steady = rows["t"] >= _COUNTED_FROM
     segments = rig.settings["frame"]["geometry"][0]
-    angles = rows["hip_angle"][settled], rows["knee_angle"][settled]
+    angles = rows["hip_angle"][steady], rows["knee_angle"][steady]
     psi = angles[0] - angles[1]
     height: NDArray[np.float64] = (
         segments[FOOT] * np.sin(psi) - segments[THIGH] * np.cos(angles[0]) - segments[SHANK] * np.cos(psi)
     )
-    return float(1e3 * abs(height[-1] - height[0]) / (_SECONDS - _SETTLED))
+    return float(1e3 * abs(height[-1] - height[0]) / (_SECONDS - _COUNTED_FROM))
 
 
 def _tick_us(report: Callable[[str], None]) -> float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from mimics_app.compiled.kernel import kernel
@@ -34,8 +36,8 @@ _PRESS = 200.0  # [N]
 @kernel
 def _rate(links: Vec, state: Vec, out: Vec) -> None:
     """Time derivative of angles and velocities of a leg that hangs freely."""
-    m11, m12, m22 = mass_matrix(links, state[1])
-    c1, c2 = centrifugal(links, state[1], state[2], state[3])
+    m11, m12, m22 = mass_matrix(links, math.cos(state[1]))
+    c1, c2 = centrifugal(links, math.sin(state[1]), state[2], state[3])
     g1, g2 = weight(links, state[0], state[1])
     a, b, det = -c1 - g1, -c2 - g2, m11 * m22 - m12 * m12
     out[0], out[1] = state[2], state[3]

@@ -115,8 +115,8 @@ def _move(person: Vec, links: Vec, geometry: Vec, state: Vec, t: float, tau: Vec
         return
     w = 2.0 * math.pi * person[_SWING_HZ]
     swing, turned = math.sin(w * t), w * math.cos(w * t)
-    m11, m12, m22 = mass_matrix(links, q[1])
-    c1, c2 = centrifugal(links, q[1], dq[0], dq[1])
+    m11, m12, m22 = mass_matrix(links, math.cos(q[1]))
+    c1, c2 = centrifugal(links, math.sin(q[1]), dq[0], dq[1])
     a1, a2 = -w * w * person[_SWING] * swing, -w * w * person[_SWING + 1] * swing
     tau[0] += m11 * a1 + m12 * a2 + c1
     tau[1] += m12 * a1 + m22 * a2 + c2
@@ -268,7 +268,7 @@ def _write_defaults(settings: NDArray[Any]) -> None:
     settings["shafts"]["deadband"], settings["shafts"]["sensor_sign"] = 2.0, 1.0
     settings["shafts"]["speed_limit"], settings["shafts"]["force_limit"] = 0.5, 3000.0
     settings["surface"]["anchor"], settings["surface"]["hold"] = 2e4, 2.0
-    settings["foot"]["stiffness"], settings["foot"]["damping"] = 8000.0, 6000.0
+    settings["foot"]["stiffness"], settings["foot"]["damping"] = 8000.0, 3000.0
     settings["foot"]["anchor"], settings["foot"]["threshold"] = 5000.0, 0.01
     settings["foot"]["impulse"]["force_limit"], settings["foot"]["impulse"]["fading"] = 300.0, 0.05
     settings["wall_force"] = 300.0

@@ -13,6 +13,7 @@ n moves it by n^T J K^-1 J^T n, and K_x = (J K_theta^-1 J^T)^-1. D2.1 4.3.4: the
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -45,7 +46,7 @@ POSITION_SETTINGS = np.dtype(
 @kernel
 def driven_mass(settings: PositionSettingsRecord, leg: LegFrameRecord, q: Vec) -> tuple[float, float, float]:
     """Entries m11, m12, m22 of the mass matrix of leg, orthosis and motors [kg m^2]."""
-    m11, m12, m22 = mass_matrix(settings.links, q[1])
+    m11, m12, m22 = mass_matrix(settings.links, math.cos(q[1]))
     hip, knee = lever(leg.links[0], q[0]), lever(leg.links[1], q[1])
     return m11 + settings.motor[0] * hip * hip, m12, m22 + settings.motor[1] * knee * knee
 
@@ -90,7 +91,7 @@ def position_torques(
     tau[0], tau[1] = k11 * a + k12 * b, k12 * a + k22 * b
     if settings.computed == 1:
         m11, m12, m22 = driven_mass(settings, leg, q)
-        c1, c2 = centrifugal(settings.links, q[1], dq[0], dq[1])
+        c1, c2 = centrifugal(settings.links, math.sin(q[1]), dq[0], dq[1])
         g1, g2 = weight(settings.carried, q[0], q[1])
         tau[0] += m11 * wish_change[0] + m12 * wish_change[1] + c1 + g1
         tau[1] += m12 * wish_change[0] + m22 * wish_change[1] + c2 + g2

@@ -11,13 +11,13 @@ Coordinates are x forward and z up [m], origin at the hip, as in `kernels.leg_ki
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.compiled.kernel import kernel
-from mimics_app.contracts.arrays import Vec
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import OutlineEdgeRecord, Table
@@ -53,6 +53,9 @@ _SMALLEST = 1e-9
 
 _TIE = 1e-12
 """Relative difference of the squares of two distances that are equal: edges meet in an end."""
+
+_Point = Sequence[float] | NDArray[np.float64]
+"""Two numbers, x forward and z up."""
 
 
 @kernel
@@ -126,14 +129,14 @@ def _chain(points: NDArray[np.float64], radius: float, closed: bool) -> NDArray[
     return outline
 
 
-def wall_outline(point: Vec, normal: Vec) -> NDArray[Any]:
+def wall_outline(point: _Point, normal: _Point) -> NDArray[Any]:
     """Return the OUTLINE, shape [1], of a wall through a point [m] with an outward normal, shape [2] each."""
-    n = np.asarray(normal, np.float64) / math.hypot(*normal)
+    n = np.asarray(normal, np.float64) / math.hypot(normal[0], normal[1])
     along = _ENDLESS * np.array([n[1], -n[0]])
-    return _chain(np.array([point - along, point + along]), 0.0, closed=False)
+    return _chain(np.asarray(point, np.float64) + np.array([-along, along]), 0.0, closed=False)
 
 
-def circle_outline(centre: Vec, radius: float, off_plane: float = 0.0) -> NDArray[Any]:
+def circle_outline(centre: _Point, radius: float, off_plane: float = 0.0) -> NDArray[Any]:
     """Return the OUTLINE of a sphere, or of a cylinder across the plane.
 
     Args:
@@ -152,7 +155,7 @@ def circle_outline(centre: Vec, radius: float, off_plane: float = 0.0) -> NDArra
     return _chain(points, math.sqrt(radius * radius - off_plane * off_plane), closed=False)
 
 
-def box_outline(centre: Vec, size: Vec, rounding: float) -> NDArray[Any]:
+def box_outline(centre: _Point, size: _Point, rounding: float) -> NDArray[Any]:
     """Return the OUTLINE of a box, or of an upright cylinder by its cut: size along x and z [m], with rounded edges."""
     half = 0.5 * np.asarray(size, np.float64) - rounding
     if not half.min() > 0.0:
@@ -161,7 +164,7 @@ def box_outline(centre: Vec, size: Vec, rounding: float) -> NDArray[Any]:
     return _chain(corners, rounding, closed=True)
 
 
-def kerb_outline(edge: Vec, rounding: float) -> NDArray[Any]:
+def kerb_outline(edge: _Point, rounding: float) -> NDArray[Any]:
     """Return the OUTLINE of a kerb whose upper edge is at a point [m]: a face towards the leg, and its top behind."""
     inner = np.asarray(edge, np.float64) + (rounding, -rounding)
     points = np.array([inner - (0.0, _ENDLESS), inner, inner + (_ENDLESS, 0.0)])
