@@ -8,6 +8,7 @@ from typing import Literal
 
 __all__ = [
     "DIFFICULTIES",
+    "OPERATOR_LOST",
     "PATIENTS",
     "PICTURE_SIZE",
     "PROFILES",
@@ -15,6 +16,7 @@ __all__ = [
     "RECIPES",
     "SOUNDS",
     "Difficulty",
+    "OperatorLost",
     "Profile",
     "Quality",
     "RunSettings",
@@ -25,8 +27,10 @@ Profile = Literal["draft", "training", "study"]
 SoundChoice = Literal["auto", "device", "file", "off"]
 Quality = Literal["auto", "full"]
 Difficulty = Literal["easier", "usual", "harder"]
+OperatorLost = Literal["continue", "pause", "stop"]
 
 PROFILES: tuple[Profile, ...] = ("draft", "training", "study")
+OPERATOR_LOST: tuple[OperatorLost, ...] = ("continue", "pause", "stop")
 QUALITIES: tuple[Quality, ...] = ("auto", "full")
 DIFFICULTIES: tuple[Difficulty, ...] = ("easier", "usual", "harder")
 SOUNDS: tuple[SoundChoice, ...] = ("auto", "device", "file", "off")
@@ -76,6 +80,8 @@ class RunSettings:
         trials: Number of trials that count, the scene's list repeated where it is shorter; 0: as in the scene.
         participant: Code of the person, for results over time; "": none.
         opt: One of PICTURE_OPTIONS, or "".
+        console: Port of the operator's page, which makes the session run by the wall clock; None: no page is started.
+        operator_lost: What a lost operator leads to.
         journey: File for reports to the process that started the run, see `play.journey_log`; or None.
     """
 
@@ -107,6 +113,8 @@ class RunSettings:
     trials: int = 0
     participant: str = ""
     opt: str = ""
+    console: int | None = None
+    operator_lost: OperatorLost = "pause"
     journey: Path | None = None
 
     @property

@@ -58,11 +58,12 @@ class PhysioDsp:
         on_event: Called with the name of a signal and each event detected in it.
 
     Attributes:
+        on_event: The same; another may take its place.
         channels: The channels of the signals received so far, by name.
     """
 
     def __init__(self, on_event: Callable[[str, Event], None] = lambda name, event: None) -> None:
-        self._on_event = on_event
+        self.on_event = on_event
         self.channels: dict[str, Channel] = {}
         self._only_recorded: set[str] = set()
         self._received_ns: dict[str, int] = {}
@@ -113,7 +114,7 @@ class PhysioDsp:
             )
         self._received_ns[block.name] = now_ns
         for event in channel.push(block.values):
-            self._on_event(block.name, event)
+            self.on_event(block.name, event)
 
     def _gather(self, now_ns: int) -> FeatureFrame:
         values: dict[str, float] = {}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from multiprocessing import get_context
 from multiprocessing.util import Finalize
@@ -55,6 +55,10 @@ _LONGEST_STEP_NS = 100_000_000
 """Longest time between two checks that counts as time without a pass [ns]."""
 
 
+def _ignore(kind: str, data: Mapping[str, object]) -> None:
+    """Do nothing."""
+
+
 class Recorder:
     """Records one session into its run folder.
 
@@ -67,6 +71,7 @@ class Recorder:
     Attributes:
         folder: The run folder.
         restarts: Number of times the process died and was replaced.
+        listener: Called with kind and values of each line of the journal, and with "trial" and the row of each trial.
     """
 
     def __init__(self, memory: SessionMemory, folder: Path, header: Mapping[str, object]) -> None:
@@ -78,6 +83,7 @@ class Recorder:
         self._process: SpawnProcess | None = None
         self._clock: Clock = MonotonicClock()
         self.restarts = 0
+        self.listener: Callable[[str, Mapping[str, object]], None] = _ignore
         self._passes = 0
         self._looked_ns = self._still_ns = 0
         self._trials: list[bytes] = []
@@ -236,6 +242,7 @@ class Recorder:
             self._store_parameters(data)
         else:
             self._outbox.send(LINE, encode_line("app", kind, data))
+            self.listener(kind, data)
         self.supervise()
 
     def parameters(self, block: NDArray[Any], rows: Rows | None = None) -> None:
@@ -258,6 +265,7 @@ class Recorder:
         payload = to_json({"index": len(self._trials), "row": row})
         self._trials.append(payload)
         self._outbox.send(TRIAL, payload)
+        self.listener("trial", row)
         self.supervise()
 
     def wait_for_room(self, ticks: int) -> None:

@@ -12,6 +12,7 @@ from typing import Any
 from msgspec import structs
 from numpy.typing import NDArray
 
+from mimics_app.contracts.messages.action_space import Parameter
 from mimics_app.contracts.messages.board import Board
 from mimics_app.contracts.messages.stage_messages import (
     HapticSnapshot,
@@ -126,6 +127,11 @@ class TaskManager:
     def values(self) -> Mapping[str, float]:
         """Present values of the adaptable parameters, each in its unit."""
         return dict(self._adaptation.values)
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The adaptable parameters."""
+        return tuple(self._space)
 
     @property
     def plan(self) -> tuple[Trial, ...]:

@@ -21,6 +21,7 @@ OWN_DATA = {
     "assets/builders/catalogue.py": "package sources",
     "assets/builders/sounds/build.py": "written by itself",
     "compiled/kernel_sources.py": "package sources",
+    "console/page_files.py": "package data",
     "contracts/ports/method_table.py": "package data",
     "contracts/system/run_environment.py": "/proc",
     "contracts/system/table_file.py": "package data",

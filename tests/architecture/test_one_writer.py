@@ -21,6 +21,7 @@ LOOP_WRITES |= {f"{ring}s" for ring in RINGS} | {f"{ring}_words" for ring in RIN
 READERS = {
     "app/bench/fault_bench.py",
     "app/session/switched_off.py",
+    "console/telemetry.py",
     "lab/groups/haptic_tick.py",
     "lab/stability/s15_late_ticks.py",
     "recording/recorder.py",
@@ -34,7 +35,7 @@ READERS = {
 PLAYS_THE_LOOP = {"lab/audio/live_latency.py"}
 """A bench that has no loop and pushes the events itself, into a memory of its own."""
 
-READING = {"drain", "peek", "room", "waiting", "acquire", "len", "wait_for_records", "RingReader"}
+READING = {"drain", "peek", "room", "waiting", "acquire", "len", "wait_for_records", "RingReader", "RingHistory"}
 """Calls that take such an array and leave it alone but for the reader's own words."""
 
 

@@ -47,6 +47,7 @@ PLATFORM_HOMES = {
     "the scheduler": (
         re.compile(r"^os\.(sched_set\w+|setpriority|nice)$"),
         {
+            "console/page_server.py",
             "rendering/haptic/scheduler.py",
             "rendering/audio/worker.py",
             "rendering/visual/software/raster_threads.py",

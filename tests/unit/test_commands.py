@@ -72,7 +72,9 @@ def test_who_may_give_what() -> None:
     for command in (Reset(), StartTrial(), SetAssistance(0.5)):
         assert {s for s in CommandSource if not refusal(command, s, simulated=False)} == present
         assert {s for s in CommandSource if not refusal(command, s, simulated=True)} == set(CommandSource) - {
-            CommandSource.LSL
+            CommandSource.LSL,
+            CommandSource.STOP_BUTTON,
+            CommandSource.ATTENDANCE,
         }
     assert refusal(Fault("jump"), CommandSource.OPERATOR, simulated=False)
     for command in (Note("x"), Mark("x"), Stop()):

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from mimics_app.app.settings import (
     DIFFICULTIES,
+    OPERATOR_LOST,
     PATIENTS,
     PICTURE_OPTIONS,
     QUALITIES,
@@ -53,6 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     _add_trials(parser.add_argument_group("task and trials"))
     _add_device(parser.add_argument_group("device and real time"))
     _add_outputs(parser.add_argument_group("picture, sound and recording"))
+    _add_operator(parser.add_argument_group("operator"))
     _add_adaptation(parser.add_argument_group("body signals and adaptation"))
     parser.add_argument("--journey", type=Path, metavar="FILE", help=argparse.SUPPRESS)
 
@@ -163,6 +165,23 @@ def _add_outputs(group: Container) -> None:
     )
 
 
+def _add_operator(group: Container) -> None:
+    group.add_argument(
+        "--console",
+        type=whole_number("port", range(65536)),
+        nargs="?",
+        const=8765,
+        metavar="PORT",
+        help="serve the operator's page, and run by the wall clock; a page of mimics console finds every live session",
+    )
+    group.add_argument(
+        "--operator-lost",
+        choices=OPERATOR_LOST,
+        default="pause",
+        help="what follows when the operator's page was there and is lost for two seconds",
+    )
+
+
 def _add_adaptation(group: Container) -> None:
     group.add_argument("--action", type=Path, metavar="FILE", help="replay task actions from a JSON file")
     group.add_argument(
@@ -210,6 +229,10 @@ def run(args: argparse.Namespace) -> int:
 
     if is_only_looked_at(args.scene) and not args.headless:
         return _view(args)
+    if args.console is not None:
+        from mimics_app.app.play.operators_page import start_page
+
+        start_page(args.console)
     settings = RunSettings(**{field.name: getattr(args, field.name) for field in fields(RunSettings)})
     if _is_for_a_person(settings) and not args.json:
         return _play_with_pages(settings)

@@ -168,10 +168,16 @@ def _start_lower(session: Session, governor: FrameGovernor) -> str:
     return name
 
 
-def run_unseen(session: Session, frames: Frames, after_frame: Progress) -> None:
+def run_unseen(session: Session, frames: Frames, after_frame: Progress, attended: Callable[[], bool]) -> None:
     """Run frames beside the live loop without a window, until the task is done or the run's time is over.
 
-    A latched stop ends a run without a time limit, since no person can reset it.
+    A latched stop ends a run without a time limit and without an operator, since no person can reset it.
+
+    Args:
+        session: The session; its loop runs.
+        frames: Its frames.
+        after_frame: Called after each.
+        attended: Whether an operator's page is attached.
     """
     watch = DeviceWatch(session.haptics.plugin, session.recorder)
     limit = session.clock.now_ns() + _limit_ns(session)
@@ -181,7 +187,7 @@ def run_unseen(session: Session, frames: Frames, after_frame: Progress) -> None:
         after_frame(frames)
         watch.check()
         latched = frames.snapshot is not None and frames.snapshot.state in _LATCHED
-        if latched and session.settings.seconds is None:
+        if latched and session.settings.seconds is None and not attended():
             return
         due = max(due + FRAME_NS, session.clock.now_ns() - FRAME_NS)
         session.clock.sleep_until_ns(due)

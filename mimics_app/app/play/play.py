@@ -18,6 +18,7 @@ from mimics_app.app.play.summary_lines import summary_lines
 from mimics_app.app.play.value_picture import ValuePicture
 from mimics_app.app.session.assembly import build_session, start_loop
 from mimics_app.app.session.frame import Frames
+from mimics_app.app.session.operator_link import OperatorLink
 from mimics_app.app.session.session import Session
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal import output
@@ -61,6 +62,7 @@ def play(settings: RunSettings, *, as_json: bool, read: Scene | None = None) -> 
         log.reporting(),
         build_session(settings, live=windowed, read=read) as session,
         _say_where_kept(session),
+        _linked(session) as link,
     ):
         frames = Frames(session)
         if session.limit_notes:
@@ -68,10 +70,10 @@ def play(settings: RunSettings, *, as_json: bool, read: Scene | None = None) -> 
         if not (windowed or settings.headless):
             sys.stderr.write(f"mimics: no display: {_WHO_PLAYS[session.live]}\n")
         if windowed:
-            _play_in_window(session, frames, log)
+            _play_in_window(session, frames, log, link)
             album = None
         elif session.live:
-            album = _play_unseen(session, frames)
+            album = _play_unseen(session, frames, link)
         else:
             album = _play_headless(session, frames, log)
         sound = session.end_stages()
@@ -135,7 +137,20 @@ def _say_where_kept(session: Session) -> Iterator[None]:
         raise
 
 
-def _play_in_window(session: Session, frames: Frames, log: JourneyLog) -> None:
+@contextmanager
+def _linked(session: Session) -> Iterator[OperatorLink]:
+    """Let the operator's page show a session that runs by the wall clock; it is told how the session ends."""
+    link = OperatorLink(session, session.settings.operator_lost)
+    try:
+        yield link
+    except Exception:
+        link.close(orderly=False)
+        raise
+    finally:
+        link.close(orderly=True)
+
+
+def _play_in_window(session: Session, frames: Frames, log: JourneyLog, link: OperatorLink) -> None:
     """Play in a window, with the live loop and the sound output."""
     from mimics_app.app.picture.window_opening import remember_size
 
@@ -149,6 +164,7 @@ def _play_in_window(session: Session, frames: Frames, log: JourneyLog) -> None:
 
     def after_frame(frames: Frames) -> None:
         values.update(frames)
+        link.after_frame(frames)
         if frames.number == 1 and log.asked:  # the page before it stays until there is a picture
             surface.show()
             log.shown()
@@ -213,11 +229,16 @@ def _play_headless(session: Session, frames: Frames, log: JourneyLog) -> Album:
     return album
 
 
-def _play_unseen(session: Session, frames: Frames) -> Album:
-    """Play with a device that runs in real time: live loop, no window."""
+def _play_unseen(session: Session, frames: Frames, link: OperatorLink) -> Album:
+    """Play without a window beside the live loop: with a device that runs in real time, or before an operator."""
     album = Album(session)
     start_loop(session)
+
+    def after_frame(frames: Frames) -> None:
+        album.update(frames)
+        link.after_frame(frames)
+
     with frozen_objects():
-        run_unseen(session, frames, album.update)
+        run_unseen(session, frames, after_frame, attended=lambda: link.attached)
     album.finish(frames)
     return album

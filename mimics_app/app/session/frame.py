@@ -24,6 +24,7 @@ from mimics_app.contracts.messages.board import Board
 from mimics_app.contracts.messages.stage_messages import (
     Experience,
     HapticSnapshot,
+    SignalBlock,
     TaskAction,
     TaskOrders,
     TrialResult,
@@ -55,6 +56,7 @@ class Frames:
         events: EVENT records of the haptic loop since the previous frame.
         timer: Timer of the frame's stages.
         timing: When the next frame is displayed; None where no display tells.
+        signals: Blocks of body signals of the newest frame.
     """
 
     def __init__(self, core: SessionCore) -> None:
@@ -67,6 +69,7 @@ class Frames:
         self.timing: FrameTiming | None = None
         self.number = 0
         self.orders = TaskOrders()
+        self.signals: tuple[SignalBlock, ...] = ()
         self.snapshot: HapticSnapshot | None = None
         self._refused: set[str] = set()
         self.losses = LossWatch(core.side.effect_entities, core.report)
@@ -156,6 +159,7 @@ class Frames:
             core.signal_recorder.step(self.number, vr.signals, features, state)
             self._journal(vr, taken, snapshot, len(events), now_ns)
         self.number, self.orders, self.snapshot, self.events = self.number + 1, orders, snapshot, events
+        self.signals = vr.signals
 
     def _track(self, now_ns: int, shown_ns: int) -> None:
         """Poll the trackers, and let the scenario see the body at the time of display."""

@@ -19,6 +19,8 @@ class CommandSource(IntEnum):
     PYTHON = 4
     OPERATOR = 5
     LSL = 6
+    STOP_BUTTON = 7  # of the operator's page, from a process of its own
+    ATTENDANCE = 8  # the session itself, when its operator is lost
 
 
 LONGEST_COMMAND, LONGEST_WHO, LONGEST_WHY = 512, 32, 256

@@ -195,7 +195,12 @@ AnyCommand = (
 _PRESENT = (CommandSource.KEYS, CommandSource.GAMEPAD, CommandSource.BUTTON, CommandSource.OPERATOR)
 """Sources with a person who sees the robot."""
 _MOVES_A_PERSON = (Reset, StartTrial, SetAssistance)
-_OF_LSL = (Note, Mark, Stop)
+_ONLY: dict[CommandSource, tuple[tuple[type[Command], ...], str]] = {
+    CommandSource.LSL: ((Note, Mark, Stop), "LSL may give only note, mark and stop"),
+    CommandSource.STOP_BUTTON: ((Stop,), "the operator's STOP may give only stop"),
+    CommandSource.ATTENDANCE: ((Pause, Stop), "a lost operator leads only to pause and stop"),
+}
+"""What sources that may not give everything may give, and the refusal of all else."""
 
 
 def refusal(command: Command, source: CommandSource, *, simulated: bool) -> str:
@@ -206,8 +211,9 @@ def refusal(command: Command, source: CommandSource, *, simulated: bool) -> str:
         source: Who gives it.
         simulated: Whether the device is a simulated one.
     """
-    if source is CommandSource.LSL and not isinstance(command, _OF_LSL):
-        return "LSL may give only note, mark and stop"
+    allowed, why = _ONLY.get(source, ((Command,), ""))
+    if not isinstance(command, allowed):
+        return why
     if isinstance(command, _MOVES_A_PERSON) and not simulated and source not in _PRESENT:
         return "on a real device this comes from a key, the gamepad, a device button or the operator only"
     if isinstance(command, Fault) and not simulated:

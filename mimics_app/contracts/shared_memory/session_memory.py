@@ -20,11 +20,21 @@ from mimics_app.contracts.loop.contact_force import CONTACT_FORCE
 from mimics_app.contracts.loop.haptic import EVENT, INBOX, POSE, SAMPLE, SCENE, SNAPSHOT
 from mimics_app.contracts.loop.loop_fields import Extent
 from mimics_app.contracts.loop.object_rows import ROW_DTYPES, ObjectCapacities, Rows
+from mimics_app.contracts.shared_memory.newest_bytes import NEWEST_WORDS
 from mimics_app.contracts.shared_memory.segment import ArraySpec, Segment
 from mimics_app.contracts.shared_memory.shared_words import EXCHANGE_WORDS, RING_WORDS, STOP_STRIDE, initialise_exchange
 from mimics_app.contracts.shared_memory.sound_scene import SOUND_SCENE
 
-__all__ = ["SHARED_ARRAYS", "Capacities", "ControlWord", "SessionMemory", "Shared"]
+__all__ = [
+    "PICTURE_SIZE",
+    "SHARED_ARRAYS",
+    "SIGNAL_SAMPLE",
+    "AttendanceWord",
+    "Capacities",
+    "ControlWord",
+    "SessionMemory",
+    "Shared",
+]
 
 
 class ControlWord(IntEnum):
@@ -42,6 +52,21 @@ class ControlWord(IntEnum):
     START_NS = 64  # loop: monotonic time of tick 0's release [ns]
 
 
+class AttendanceWord(IntEnum):
+    """Indices into `attendance`, which the operator's page writes."""
+
+    PASS_NS = 0  # monotonic time of the page's last pass [ns]
+    OPERATORS = 1  # clients that may give commands
+    WATCHERS = 2  # clients that show the subject's picture
+
+
+SIGNAL_SAMPLE = np.dtype([("t_ns", np.int64), ("value", np.float32), ("signal", np.int16), ("kind", np.int16)])
+"""One sample of a body signal for the operator: time [ns], value, index of its name; kind 0: a sample, 1: an event."""
+
+PICTURE_SIZE = (640, 360)
+"""Largest picture for the operator [px]."""
+
+
 @dataclass(frozen=True, slots=True)
 class Capacities:
     """Capacities fixed when the session is built; rings have a power of two."""
@@ -51,6 +76,9 @@ class Capacities:
     events: int = 2048  # for the same time
     commands: int = 64  # of one source between two frames
     forces: int = 4096  # half a second of FOLLOWED_AT_ONCE contacts
+    signal_samples: int = 16384  # of all body signals, for the operator: several seconds
+    status_bytes: int = 65536  # of the state for the operator
+    picture_bytes: int = 3 * PICTURE_SIZE[0] * PICTURE_SIZE[1] + 64  # of the subject's picture for the operator
     lateness_bins: int = 2048
     extent: Extent = field(default_factory=Extent)  # subset of the loop's numbers that the device has
 
@@ -129,6 +157,17 @@ class SessionMemory:
     commands: Annotated[Records, Shared(COMMAND, (len(CommandSource), "commands"))]
     answer_words: Annotated[NDArray[np.int64], Shared(np.int64, (len(CommandSource), RING_WORDS))]
     answers: Annotated[Records, Shared(ANSWER, (len(CommandSource), "commands"))]
+
+    # newest values main -> operator's page, and the history of body signals, which is read without being consumed
+    status_words: Annotated[Words, Shared(np.int64, (NEWEST_WORDS,))]
+    status: Annotated[NDArray[np.uint8], Shared(np.uint8, (2, "status_bytes"))]
+    picture_words: Annotated[Words, Shared(np.int64, (NEWEST_WORDS,))]
+    picture: Annotated[NDArray[np.uint8], Shared(np.uint8, (2, "picture_bytes"))]
+    signal_words: _Ends
+    signal_samples: Annotated[Records, Shared(SIGNAL_SAMPLE, ("signal_samples",))]
+
+    # operator's page -> main, see `AttendanceWord`
+    attendance: Annotated[Words, Shared(np.int64, (len(AttendanceWord),))]
 
     # histograms of the loop, see rendering.haptic.histogram
     lateness: Annotated[Words, Shared(np.int64, ("lateness_bins",))]

@@ -1,0 +1,307 @@
+"""Server of the operator's page, in a process of the idle scheduling class: its load, crash or hang stops nothing."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import socket
+from collections.abc import Awaitable, Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import msgspec
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.types import ASGIApp
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from mimics_app.console.access import COOKIE, Access
+from mimics_app.console.clients import Client, Clients
+from mimics_app.console.guard import Guard, read_body
+from mimics_app.console.handover import Lines, attach, send_line
+from mimics_app.console.page_files import catalogue, page_files
+from mimics_app.console.session_view import SessionView
+from mimics_app.console.telemetry import TELEMETRY, VALUES, message
+from mimics_app.console.web_server import Certificate, WebServer
+from mimics_app.contracts.system.child_signals import ignore_signals
+
+__all__ = ["IGNORED", "PageServer", "PageSettings", "serve_page"]
+
+IGNORED = ("SIGINT", "SIGTERM", "SIGHUP")
+"""Signals of the terminal, which the process that serves STOP answers for both."""
+
+_PERIOD_S = 1.0 / 60.0
+_SLOW = 6
+"""Passes between two looks at what changes slowly."""
+_BEAT = 60
+"""Passes between two signs of life to the process that serves STOP."""
+_MOST_CLIENTS = 16
+_NO_TICKS = message(TELEMETRY, b"")
+"""Sign of life while the loop makes no ticks."""
+_LOWEST = 19
+"""Lowest priority."""
+
+
+class _Token(msgspec.Struct, forbid_unknown_fields=True):
+    """Body of a request for a cookie."""
+
+    token: str
+
+
+_NO_COMMAND = msgspec.Raw(b"")
+
+
+class _Ask(msgspec.Struct, forbid_unknown_fields=True):
+    """Request of a client: a command, or something of the server by name.
+
+    Attributes:
+        id: Its number, larger than that of the one before.
+        command: A command to the session; empty: none.
+        ask: A request to the server.
+    """
+
+    id: int
+    command: msgspec.Raw = _NO_COMMAND
+    ask: str = ""
+
+
+_TOKENS = msgspec.json.Decoder(_Token)
+_ASKS = msgspec.json.Decoder(_Ask)
+
+
+class PageServer:
+    """Passes on what the attached session publishes, and commands of the operator.
+
+    Args:
+        access: Who may reach the page.
+        line: Connection to the process that serves STOP.
+    """
+
+    def __init__(self, access: Access, line: socket.socket) -> None:
+        self._access, self._line, self._lines = access, line, Lines(line)
+        self._clients = Clients(_MOST_CLIENTS)
+        self._files = page_files()
+        self._session: SessionView | None = None
+        self._gone = ""
+        self._passes = 0
+        self._deeds: dict[str, Callable[[Client], str]] = {
+            "operate": self._clients.ask,
+            "hand_over": lambda client: self._clients.grant(client, accept=True),
+            "keep": lambda client: self._clients.grant(client, accept=False),
+            "picture_on": lambda client: _watch(client, on=True),
+            "picture_off": lambda client: _watch(client, on=False),
+        }
+
+    def app(self) -> ASGIApp:
+        """Return the application."""
+        routes = [
+            Route("/enter", self._enter, methods=["POST"]),
+            Route("/texts", _texts, methods=["GET"]),
+            WebSocketRoute("/live", self._live),
+            Route("/{path:path}", self._file, methods=["GET"]),
+        ]
+
+        stops = " ".join(self._access.stop_origin(host) for host in self._access.hosts)
+        policy = (
+            "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; "
+            f"connect-src 'self' {stops}; "
+            "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+        )
+        return Guard(Starlette(routes=routes), self._access, self._access.page_port, policy)
+
+    async def run(self) -> None:
+        """Pass on news, sixty times a second, until the other process is gone."""
+        loop = asyncio.get_running_loop()
+        due = loop.time()
+        while not self._lines.ended:
+            self._pass()
+            due = max(due + _PERIOD_S, loop.time() - _PERIOD_S)
+            await asyncio.sleep(due - loop.time())
+
+    # requests
+
+    async def _file(self, request: Request) -> Response:
+        found = self._files.get("/" + (request.path_params["path"] or "index.html"))
+        if found is None:
+            return Response("no such page\n", 404, media_type="text/plain")
+        return Response(found[0], media_type=found[1])
+
+    async def _enter(self, request: Request) -> Response:
+        try:
+            token = _TOKENS.decode(await read_body(request) or b"").token
+        except msgspec.DecodeError:
+            return JSONResponse({"why": "not a token"}, 400)
+        role = self._access.role_of_token(token)
+        if role is None:
+            return JSONResponse({"why": "unknown token"}, 403)
+        answer = JSONResponse({"role": role})
+        answer.set_cookie(
+            COOKIE, self._access.cookie(role), httponly=True, samesite="strict", secure=self._access.secure
+        )
+        return answer
+
+    async def _live(self, socket: WebSocket) -> None:
+        role = self._access.role_of_cookies(socket.headers.get("cookie", ""))
+        if role is None or self._clients.full:
+            await socket.close(1008, "no cookie of this page" if role is None else "too many pages are open")
+            return
+        await socket.accept()
+        client = self._clients.join(socket, role)
+        stop = f"{self._access.stop_origin(socket.url.hostname or '')}/stop"
+        client.tell({"kind": "hello", "values": VALUES, "stop": stop})
+        self._tell_session(client)
+        self._clients.tell_roles()
+        writer = asyncio.create_task(client.write())
+        try:
+            while not writer.done():
+                self._take(client, await socket.receive_text())
+        except (WebSocketDisconnect, KeyError, RuntimeError):  # closed; a binary message; closed by the writer
+            pass
+        finally:
+            writer.cancel()
+            self._clients.leave(client)
+
+    def _take(self, client: Client, text: str) -> None:
+        """Carry out a request, and answer it unless the session does."""
+        try:
+            ask = _ASKS.decode(text.encode())
+        except (msgspec.DecodeError, UnicodeEncodeError) as error:
+            client.tell({"kind": "answer", "id": -1, "done": False, "why": f"not a request: {error}"})
+            return
+        why = client.may_ask(ask.id, asyncio.get_running_loop().time()) or self._do(client, ask)
+        if why or not bytes(ask.command):
+            client.tell({"kind": "answer", "id": ask.id, "done": not why, "why": why})
+
+    def _do(self, client: Client, ask: _Ask) -> str:
+        if not bytes(ask.command):
+            deed = self._deeds.get(ask.ask)
+            return "unknown request" if deed is None else deed(client)
+        if not client.operates:
+            return "this page views; ask for the operator's place first"
+        if self._session is None:
+            return "no session is attached"
+        return self._session.give(client, ask.id, bytes(ask.command))
+
+    # news
+
+    def _pass(self) -> None:
+        self._passes += 1
+        self._take_lines()
+        if self._passes % _BEAT == 0:
+            send_line(self._line, {"kind": "beat"})
+        session = self._session
+        if session is None:
+            if self._passes % _SLOW == 0:
+                self._show(TELEMETRY, _NO_TICKS)
+            return
+        session.attend(operators=self._clients.operators, watchers=self._clients.watchers)
+        self._show(TELEMETRY, session.telemetry.newest() or _NO_TICKS)
+        if (signals := session.signals()) is not None:
+            self._each(lambda client: client.append(signals))
+        for client, answer in session.answers():
+            if isinstance(client, Client):
+                client.tell(answer)
+        self._pass_status(session)
+
+    def _pass_status(self, session: SessionView) -> None:
+        news = session.take_status()
+        if news is None:
+            return
+        status, fresh = news
+        self._each(lambda client: client.tell({"kind": "status", "status": status}))
+        for name, entries in fresh.items():
+            if entries:
+                self._each(partial(_tell_entries, name, entries))
+
+    def _take_lines(self) -> None:
+        for line in self._lines.take():
+            if line.get("kind") == "session":
+                self._session, self._gone = SessionView(attach(line["card"], self._lines)), ""
+            else:
+                self._session, self._gone = None, str(line.get("why", ""))
+            self._each(self._tell_session)
+
+    def _tell_session(self, client: Client) -> None:
+        """Tell a page which session is attached, with what has happened in it so far."""
+        session = self._session
+        client.tell({"kind": "session", "card": None if session is None else session.card.shown, "why": self._gone})
+        if session is not None:
+            client.tell({"kind": "status", "status": session.status})
+            for name, entries in session.kept.items():
+                _tell_entries(name, entries, client)
+
+    def _show(self, kind: int, content: bytes) -> None:
+        self._each(lambda client: client.show(kind, content))
+
+    def _each(self, deed: Callable[[Client], None]) -> None:
+        for client in self._clients.open:
+            deed(client)
+
+
+async def _texts(request: Request) -> Response:
+    return JSONResponse(catalogue(request.headers.get("accept-language", "")))
+
+
+def _watch(client: Client, *, on: bool) -> str:
+    client.wants_picture = on
+    return ""
+
+
+def _tell_entries(name: str, entries: list[dict[str, Any]], client: Client) -> None:
+    client.tell({"kind": name, "entries": entries})
+
+
+@dataclass(frozen=True, slots=True)
+class PageSettings:
+    """What the page's server is given.
+
+    Attributes:
+        access: Who may reach the page.
+        certificate: For TLS; None: without.
+        idle: Whether it runs only when nobody else wants the processor.
+    """
+
+    access: Access
+    certificate: Certificate | None
+    idle: bool
+
+
+def serve_page(settings: PageSettings, place: socket.socket, line: socket.socket) -> None:
+    """Serve the page until the process that serves STOP is gone. Target of the spawned process.
+
+    Args:
+        settings: What it is given.
+        place: Listening socket.
+        line: Connection to the process that serves STOP.
+    """
+    ignore_signals(*IGNORED)
+    asyncio.run(_serve(settings, place, line))
+
+
+async def _serve(settings: PageSettings, place: socket.socket, line: socket.socket) -> None:
+    page = PageServer(settings.access, line)
+    server = WebServer(page.app(), place, settings.certificate)
+    await server.begin()
+    if settings.idle:  # from here on: a start in the idle class could take minutes on a busy computer
+        _lower_this_process()
+    serving: Awaitable[None] = asyncio.create_task(server.serve())
+    await page.run()
+    server.leave()
+    await serving
+
+
+def _lower_this_process() -> None:
+    """Put this process into the idle scheduling class, where the system has one, and else to the lowest priority.
+
+    Lower priority alone does not keep it off the haptic loop: beside a process at nice 10 that loop was up to 5.9 ms
+    late, beside an idle one as without it.
+    """
+    if hasattr(os, "nice"):
+        os.nice(_LOWEST)
+    if hasattr(os, "sched_setscheduler"):
+        with suppress(OSError):
+            os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))

@@ -1,0 +1,217 @@
+"""The operator's page against its attackers, and a session that outlives it: real processes, real sockets."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import socket
+import time
+import urllib.request
+import uuid
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mimics_app.console.meeting_place import PageAddress
+from mimics_app.contracts.commands.command_records import CommandSource
+from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.contracts.shared_memory.shared_words import STOP_STRIDE
+from tests.support.operators_page import LinkedSession, answers, enter, post, served
+
+websockets = pytest.importorskip("websockets", reason="the extra console is not installed")
+from websockets.sync.client import connect  # noqa: E402
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[PageAddress]:
+    with served(tmp_path_factory.mktemp("run")) as address:
+        yield address
+
+
+@pytest.fixture(scope="module")
+def play(page: PageAddress, tmp_path_factory: pytest.TempPathFactory) -> Iterator[LinkedSession]:
+    session = LinkedSession(tmp_path_factory.mktemp("runs"))
+    yield session
+    session.close()
+
+
+def open_socket(page: PageAddress, *, view: bool = False, **changes: Any) -> Any:
+    """A web socket of a page that has entered; `changes` of origin, host and cookie."""
+    origin, cookie = enter(page, view=view)
+    headers = {"Cookie": changes.pop("cookie", cookie)}
+    return connect(
+        origin.replace("http", "ws") + "/live",
+        origin=changes.pop("origin", origin),
+        additional_headers=headers | changes,
+        open_timeout=20,
+        max_queue=None,  # a client that does not read would not answer pings either
+    )
+
+
+def ask(client: Any, number: int, **content: Any) -> dict[str, Any]:
+    """The answer to a request."""
+    client.send(json.dumps({"id": number, **content}))
+    while True:
+        message = client.recv(timeout=20)
+        if isinstance(message, str) and (said := json.loads(message))["kind"] == "answer":
+            return dict(said)
+
+
+def press(page: PageAddress, **changes: str) -> int:
+    """The status of a press of STOP."""
+    origin, cookie = enter(page)
+    headers = {"origin": origin, "cookie": cookie} | changes
+    return post(f"{page.stop_url}/stop", {"nonce": str(uuid.uuid4())}, **headers)[0]
+
+
+def test_no_wrong_or_foreign_client_gets_in(page: PageAddress) -> None:
+    origin, cookie = enter(page)
+    assert post(f"{origin}/enter", {"token": "x" * 43}, origin=origin)[0] == 403
+    assert post(f"{origin}/enter", {"token": page.url.partition("#")[2]})[0] == 403, "no origin"
+    assert post(f"{origin}/enter", {"token": page.url.partition("#")[2]}, origin="http://evil.example")[0] == 403
+    for changes in ({"cookie": ""}, {"cookie": cookie[:-1] + "0"}, {"origin": "http://evil.example"}, {"origin": None}):
+        with pytest.raises(websockets.exceptions.InvalidStatus) as refused:
+            open_socket(page, **changes)
+        assert refused.value.response.status_code == 403
+    assert press(page, cookie="") == press(page, origin="http://evil.example") == 403
+    assert enter(page, view=True)[1] and press(page, cookie=enter(page, view=True)[1]) == 403, "a viewer"
+    for address in (origin, page.stop_url):
+        assert post(f"{address}/enter", {}, origin=origin, host="evil.example")[0] == 400, "rebinding of a name"
+
+
+def test_nothing_changes_by_a_get_and_no_other_file_is_served(page: PageAddress) -> None:
+    origin, _ = enter(page)
+    for address in (f"{page.stop_url}/stop", f"{origin}/enter", f"{origin}/..%2f..%2faccess.py", f"{origin}/vendor"):
+        with pytest.raises(urllib.error.HTTPError) as refused, urllib.request.urlopen(address, timeout=10):
+            pass
+        refused.value.close()
+        assert refused.value.code in (404, 405)
+    with urllib.request.urlopen(f"{origin}/", timeout=10) as answer:
+        policy = answer.headers["content-security-policy"]
+        assert "default-src 'none'" in policy and "script-src 'self'" in policy and "unsafe" not in policy
+        assert answer.headers["x-frame-options"] == "DENY"
+    assert (
+        "SameSite=strict"
+        in post(f"{origin}/enter", {"token": page.url.partition("#")[2]}, origin=origin)[1]["set-cookie"]
+    )
+
+
+def test_a_press_and_a_request_count_once(page: PageAddress, play: LinkedSession) -> None:
+    origin, cookie = enter(page)
+    nonce = {"nonce": "once"}
+    assert post(f"{page.stop_url}/stop", nonce, origin=origin, cookie=cookie)[0] == 200
+    assert post(f"{page.stop_url}/stop", nonce, origin=origin, cookie=cookie)[0] == 409
+    with open_socket(page) as client:
+        assert ask(client, 5, ask="operate")["done"]
+        assert "before" in ask(client, 5, ask="operate")["why"]
+    play.play(5)
+
+
+def test_long_messages_are_refused(page: PageAddress) -> None:
+    origin, cookie = enter(page)
+    assert post(f"{page.stop_url}/stop", b"{" + b" " * 100_000, origin=origin, cookie=cookie)[0] == 400
+    with open_socket(page) as client, pytest.raises(websockets.exceptions.ConnectionClosed) as closed:
+        client.send("x" * 1_000_000)
+        while True:
+            client.recv(timeout=20)
+    assert closed.value.rcvd is None or closed.value.rcvd.code == 1009
+    assert answers(page)
+
+
+def test_stop_acts_while_a_thousand_sockets_and_slow_requests_hold_both_servers(
+    page: PageAddress, play: LinkedSession
+) -> None:
+    memory, before = play.session.memory, 0
+    word = STOP_STRIDE * CommandSource.STOP_BUTTON
+    before = int(memory.stop_words[word])
+    origin, cookie = enter(page)
+    ports = [int(each.rpartition(":")[2]) for each in (origin, page.stop_url)]
+    with ExitStack() as stack:
+        for number in range(1000):
+            attacker = stack.enter_context(socket.create_connection(("127.0.0.1", ports[number % 2]), timeout=20))
+            if number % 3:
+                attacker.send(b"POST /stop HTTP/1.1\r\nHost: 127.0.0.1\r\nX-Slow: ")
+        status, _ = post(f"{page.stop_url}/stop", {"nonce": "beside them"}, origin=origin, cookie=cookie)
+        assert status == 200 and memory.stop_words[word] == before + 1
+        assert answers(page)
+
+
+def test_stop_acts_while_the_page_hangs_and_a_dead_page_comes_back(page: PageAddress, play: LinkedSession) -> None:
+    with open_socket(page) as client:
+        ask(client, 1, ask="operate")
+        if play.frames.snapshot is not None and play.frames.snapshot.state == SafetyState.E_STOP:
+            ask_later(client, play, 2, "reset")
+        play.play_until(lambda: play.frames.snapshot.state == SafetyState.ACTIVE)
+        origin, cookie = enter(page)
+        server = page_server_of(page)
+        os.kill(server, signal.SIGSTOP)
+        try:
+            assert post(f"{page.stop_url}/stop", {"nonce": "hung"}, origin=origin, cookie=cookie)[0] == 200
+            play.play(2)
+            assert play.frames.snapshot.state == SafetyState.E_STOP
+        finally:
+            os.kill(server, signal.SIGKILL)
+    lines = play.play_until(lambda: play.commands("stop"))
+    assert (lines[-1]["from"], lines[-1]["done"]) == ("stop_button", True)
+    until = time.monotonic() + 30
+    while not answers(page):
+        assert time.monotonic() < until
+        time.sleep(0.05)
+    assert page_server_of(page) != server
+    with open_socket(page) as client:  # the same cookie key, and the session is there again
+        card = next(said for said in spoken(client) if said["kind"] == "session")
+        assert card["card"]["folder"] == play.session.folder.name
+
+
+def ask_later(client: Any, play: LinkedSession, number: int, name: str) -> None:
+    """Give a command, and play until it is in the journal."""
+    client.send(json.dumps({"id": number, "command": {"command": name}}))
+    play.play_until(lambda: play.commands(name))
+
+
+def spoken(client: Any) -> Iterator[dict[str, Any]]:
+    """Texts that the server sends."""
+    while True:
+        if isinstance(message := client.recv(timeout=20), str):
+            yield json.loads(message)
+
+
+def page_server_of(page: PageAddress) -> int:
+    """Process of the page's server: the child of the supervisor that has no children of its own, and runs the page."""
+    children = Path(f"/proc/{page.pid}/task/{page.pid}/children").read_text().split()
+    return next(int(pid) for pid in children if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes())
+
+
+@pytest.mark.parametrize(("lost", "leads_to"), [("pause", "pause"), ("stop", "stop"), ("continue", "")])
+def test_a_lost_operator_leads_to_what_was_set(
+    lost: str, leads_to: str, page: PageAddress, play: LinkedSession
+) -> None:
+    play.link._lost = lost
+    with open_socket(page) as client:
+        ask(client, 1, ask="operate")
+        play.play_until(lambda: play.link._seen_ns is not None)
+    before = len(play.journal("operator"))
+    play.play_until(lambda: len(play.journal("operator")) > before)
+    assert play.journal("operator")[-1]["leads_to"] == lost
+    play.play(10)
+    given = [line["command"] for line in play.journal("command") if line["from"] == "attendance"]
+    assert given[-1:] == ([leads_to] if leads_to else given[-1:])
+
+
+@pytest.mark.parametrize(("orderly", "says"), [(True, "over"), (False, "gone")])
+def test_the_page_says_how_a_session_left_and_shows_the_next(
+    orderly: bool, says: str, page: PageAddress, play: LinkedSession
+) -> None:
+    play.play_until(lambda: play.link.attached)
+    with open_socket(page) as client:
+        sessions = (said for said in spoken(client) if said["kind"] == "session")
+        assert next(sessions)["card"]["scene"] == "wavy_tunnel"
+        play.link.close(orderly=orderly)
+        left = next(sessions)
+        assert left["card"] is None and says in left["why"]
+        play.play_until(lambda: play.link.attached)
+        assert next(sessions)["card"]["folder"] == play.session.folder.name

@@ -1,0 +1,176 @@
+"""Parts of the operator's page: what is shared, who may enter, and who operates."""
+
+from __future__ import annotations
+
+import asyncio
+import hmac
+import sys
+import threading
+from hashlib import sha256
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mimics_app.contracts.commands.command_records import CommandSource
+from mimics_app.contracts.commands.vocabulary import Note, Pause, Stop, refusal
+from mimics_app.contracts.errors import OutputError
+from mimics_app.contracts.loop.haptic import SAMPLE
+from mimics_app.contracts.shared_memory import ring
+from mimics_app.contracts.shared_memory.newest_bytes import NEWEST_WORDS, NewestReader, NewestWriter
+from mimics_app.contracts.shared_memory.ring_history import HistoryWriter, RingHistory
+from mimics_app.contracts.shared_memory.session_memory import SessionMemory
+from mimics_app.contracts.shared_memory.shared_words import RING_WORDS, STOP_STRIDE
+
+starlette = pytest.importorskip("starlette", reason="the extra console is not installed")
+
+from mimics_app.console.access import COOKIE, Access, new_tokens  # noqa: E402
+from mimics_app.console.clients import Clients  # noqa: E402
+from mimics_app.console.handover import AttachedSession  # noqa: E402
+from mimics_app.console.meeting_place import MeetingPlace, PageAddress  # noqa: E402
+from mimics_app.console.stop_server import StopButton  # noqa: E402
+from mimics_app.console.telemetry import VALUES, Telemetry  # noqa: E402
+
+
+def test_the_newest_value_is_whole_while_its_writer_never_rests() -> None:
+    words, slots = np.zeros(NEWEST_WORDS, np.int64), np.zeros((2, 4096), np.uint8)
+    writer, reader, over = NewestWriter(words, slots), NewestReader(words, slots), threading.Event()
+
+    def write() -> None:
+        number = 0
+        while not over.is_set():
+            number = number % 250 + 1
+            assert writer.write(bytes([number]), bytes([number]) * (number * 16))
+
+    thread = threading.Thread(target=write)
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    thread.start()
+    seen = set()
+    while len(seen) < 50:
+        if (value := reader.read()) is not None:
+            assert set(value) == {value[0]} and len(value) == 1 + 16 * value[0]
+            seen.add(value[0])
+    over.set()
+    thread.join()
+    sys.setswitchinterval(interval)
+    assert not writer.write(b"x" * 4097), "too long"
+
+
+def test_a_history_has_every_record_in_order_and_counts_what_it_missed() -> None:
+    words, slots = np.zeros(RING_WORDS, np.int64), np.zeros(64, np.int64)
+    writer, history = HistoryWriter(words, slots), RingHistory(words, slots)
+    taken, written = [], 0
+    for count in (1, 5, 20, 31, 32, 7):
+        writer.append(np.arange(written, written + count))
+        written += count
+        taken += history.take().tolist()
+    assert taken == list(range(96)) and history.skipped == 0
+    for _ in range(3):
+        writer.append(np.arange(written, written + 30))
+        written += 30
+    assert history.take().tolist() == list(range(written - 32, written)) and history.skipped == 90 - 32
+
+
+def test_telemetry_reads_beside_the_recorder_and_keeps_the_peak_of_one_tick() -> None:
+    memory = SessionMemory()
+    telemetry, sample = Telemetry(memory), np.zeros(1, SAMPLE)
+    assert telemetry.newest() is None
+    for tick in range(16):
+        sample["t"], sample["f_user_world"] = tick * 1e-3, (0.0, 3.0, 4.0) if tick == 7 else (0.0, 0.0, 1.0)
+        ring.push(memory.sample_words, memory.samples, sample)
+    values = dict(zip(VALUES, np.frombuffer(telemetry.newest() or b"", "<f8", offset=8), strict=True))
+    assert (values["t_s"], values["force"], values["force_low"], values["force_high"]) == (0.015, 1.0, 1.0, 5.0)
+    assert ring.waiting(memory.sample_words) == 16, "nothing was taken from the recorder"
+
+
+def test_a_cookie_is_sealed_and_gives_the_role_of_its_token() -> None:
+    access = Access(("127.0.0.1",), 1, 2, new_tokens(operate=True))
+    assert access.role_of_token(access.tokens["operate"]) == "operate"
+    assert access.role_of_token(access.tokens["view"]) == "view" and access.role_of_token("") is None
+    cookie = access.cookie("view")
+    name, _, seal = cookie.rpartition(".")
+    assert seal == hmac.new(access.secret, name.encode(), sha256).hexdigest()
+    assert access.role_of_cookies(f"other=1; {COOKIE}={cookie}") == "view"
+    for forged in (cookie.replace("view", "operate"), name, "", "=;=", f"{name}.{'0' * 64}", "operate.x.é"):
+        assert access.role_of_cookies(f"{COOKIE}={forged}") is None
+    lan = Access(("192.0.2.1",), 1, 2, new_tokens(operate=False), secure=True)
+    assert not lan.address("operate") and lan.address("view").startswith("https://192.0.2.1:1/#")
+
+
+def test_only_its_own_names_and_origins_reach_the_page() -> None:
+    access = Access(("127.0.0.1", "localhost"), 8765, 9000, new_tokens(operate=True))
+    assert access.allows_host("localhost:8765", 8765) and access.allows_origin("http://127.0.0.1:8765")
+    for host in ("localhost", "evil.example:8765", "localhost:9000", ""):
+        assert not access.allows_host(host, 8765)
+    for origin in ("", "null", "https://127.0.0.1:8765", "http://127.0.0.1:9000", "http://127.0.0.1:8765.evil.example"):
+        assert not access.allows_origin(origin)
+
+
+def test_stop_raises_its_own_word_before_the_ring_takes_its_line_or_not() -> None:
+    memory, button = SessionMemory(), StopButton()
+    assert not button.press(), "no session"
+    session = object.__new__(AttachedSession)
+    session.memory = memory
+    button.attach(session)
+    for _ in range(200):  # more than the ring holds between two frames
+        assert button.press()
+    assert memory.stop_words[STOP_STRIDE * CommandSource.STOP_BUTTON] == 200 == memory.stop_words.sum()
+    assert button.is_new("a") and not button.is_new("a")
+
+
+def test_what_stop_and_attendance_may_give() -> None:
+    for source, allowed in ((CommandSource.STOP_BUTTON, {Stop}), (CommandSource.ATTENDANCE, {Stop, Pause})):
+        given = {type(each) for each in (Stop(), Pause(), Note("x")) if not refusal(each, source, simulated=True)}
+        assert given == allowed
+
+
+def test_one_operator_at_a_time_with_a_hand_over() -> None:
+    async def play() -> None:
+        clients = Clients(4)
+        first, second, viewer = (clients.join(None, role) for role in ("operate", "operate", "view"))  # type: ignore[arg-type]
+        assert [each.operates for each in clients.open] == [True, False, False]
+        assert clients.ask(viewer)
+        assert not clients.ask(second) and first.operates, "the operator is asked first"
+        assert not clients.grant(first, accept=False) and first.operates
+        clients.ask(second)
+        assert not clients.grant(first, accept=True) and second.operates and not first.operates
+        clients.ask(first)
+        assert not clients.ask(first) and first.operates, "asked twice without an answer"
+        clients.leave(first)
+        assert clients.operators == 0
+        assert not clients.ask(second) and second.operates
+
+    asyncio.run(play())
+
+
+def test_a_client_is_held_to_new_numbers_and_to_its_rate() -> None:
+    async def play() -> None:
+        client = Clients(1).join(None, "operate")  # type: ignore[arg-type]
+        assert not client.may_ask(1, 0.0) and client.may_ask(1, 0.0) and client.may_ask(0, 0.0)
+        refused = [bool(client.may_ask(number, 0.0)) for number in range(2, 102)]
+        assert refused == [False] * 39 + [True] * 61, "forty at once"
+        assert not client.may_ask(200, 1.0), "twenty a second"
+
+    asyncio.run(play())
+
+
+def test_the_meeting_place_is_private_and_its_address_that_of_a_living_process(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import os
+
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    place = MeetingPlace()
+    assert place.served() is None
+    place.prepare()
+    place.publish(PageAddress("u", "v", "s", os.getpid()))
+    assert place.address_file.stat().st_mode & 0o777 == 0o600
+    assert place.address_file.parent.stat().st_mode & 0o777 == 0o700
+    assert place.served() == PageAddress("u", "v", "s", os.getpid())
+    place.withdraw()
+    assert place.served() is None
+    place.address_file.parent.rmdir()
+    place.address_file.parent.symlink_to(tmp_path)
+    with pytest.raises(OutputError):
+        place.prepare()
