@@ -7,6 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from mimics_app.lab.published_gait import CADENCE, HIP, KNEE, SPEED, STEP
+from mimics_app.lab.published_gait import TILT as PELVIS
 from mimics_app.maths.gait_series import (
     LEAST_SPEED,
     MOST_SPEED,
@@ -18,8 +20,6 @@ from mimics_app.maths.gait_series import (
     thigh_series,
 )
 from mimics_app.world.content.motion.reference_gait import NATURAL, SAMPLES, TILT, knee_by_speed
-from tests.support.published_gait import CADENCE, HIP, KNEE, SPEED, STEP
-from tests.support.published_gait import TILT as PELVIS
 
 HEIGHT, GRAVITY = 1.75, 9.81
 PHASE = np.arange(SAMPLES) / SAMPLES

@@ -26,8 +26,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics lab`."""
     parser.add_argument(
         "action",
-        choices=("measure", "chart", "stability"),
-        help="measure: table of cost and error; chart: the same as figures; stability: figures of stability limits",
+        choices=("measure", "chart", "stability", "gait"),
+        help="measure: table of cost and error; chart: the same as figures; stability: figures of stability limits; "
+        "gait: the reference gait beside published tables",
     )
     parser.add_argument(
         "name",
@@ -70,6 +71,8 @@ def run(args: argparse.Namespace) -> int:
         args.out = _folder(args)
     if args.action == "stability":
         return _stability(args)
+    if args.action == "gait":
+        return _gait(args)
     groups = _groups(args.name)
     measured = _measure(groups, args.rounds)
     return _show_table(args, measured) if args.action == "measure" else _chart(args, measured)
@@ -188,6 +191,12 @@ def _stability(args: argparse.Namespace) -> int:
     return code if all(figure.more["passed"] for figure in figures) else _EXIT_FAILED
 
 
+def _gait(args: argparse.Namespace) -> int:
+    from mimics_app.lab.gait_figure import gait_figure
+
+    return _write(args, [gait_figure()])
+
+
 def _write(args: argparse.Namespace, figures: list[Figure]) -> int:
     """Write the figures and the gallery, and print their files."""
     from mimics_app.lab.figure import write_figure
@@ -215,6 +224,8 @@ def _row(figure: Figure, numbers: Path, drawing: Path) -> dict[str, Any]:
     row: dict[str, Any] = {"kind": figure.kind, "name": figure.name, "json": numbers, "svg": drawing}
     if figure.kind == "chart":
         return {**row, "front": figure.front, "default": figure.default, "skipped": figure.more["skipped"]}
+    if figure.kind == "figure":
+        return row | {"rows": figure.rows}
     more = {key: figure.more[key] for key in ("tolerance", "passed", "note")}
     return {**row, "disagreement": figure.boundary["disagreement"], **more}
 
@@ -223,6 +234,8 @@ def _summary(figure: Figure) -> str:
     if figure.kind == "chart":
         best = ", ".join(figure.front) or "none is valid"
         return f"best trade-offs: {best}; in use: {figure.default or 'none'}"
+    if figure.kind == "figure":
+        return "; ".join(f"{row['method']} {row['x']:.1f} km/h: {row['error']:.1f} degrees" for row in figure.rows)
     found, allowed = figure.boundary["disagreement"], figure.more["tolerance"]
     differ = f"differs from theory by {100.0 * found:.2g} % ({100.0 * allowed:.2g} % allowed)"
     return f"{figure.more['title']} {differ}: {'passed' if figure.more['passed'] else 'FAILED'}"
