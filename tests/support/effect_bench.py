@@ -17,9 +17,9 @@ from mimics_app.contracts.loop.haptic_objects import (
     WIRE,
     BodyFlag,
 )
-from mimics_app.contracts.loop.joint_reference import CURVE
 from mimics_app.contracts.loop.loop_ports import MAX_FIELDS
 from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows
+from mimics_app.contracts.loop.reference_rows import CURVE
 from mimics_app.rendering.haptic.kernels.objects.force_effects import apply_effects
 from mimics_app.rendering.haptic.kernels.objects.object_inputs import (
     INPUT_FORCE_MEASURED,

@@ -10,10 +10,10 @@ from scipy.interpolate import CubicSpline
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.loop.haptic import SCENE
-from mimics_app.contracts.loop.joint_reference import CURVE, CurveKind
+from mimics_app.contracts.loop.reference_rows import CURVE, CurveKind
 from mimics_app.maths.gait_series import knee_series, natural_cadence, series_at, step_of, thigh_series
 from mimics_app.rendering.haptic.kernels.state import STATE
-from mimics_app.rendering.haptic.reference.curves import SLOPES, curve_at
+from mimics_app.rendering.haptic.reference.cycle_curves import SLOPES, curve_at
 from mimics_app.rendering.haptic.reference.generator import step_reference
 from mimics_app.rendering.haptic.reference.ramp import RAMP, SMOOTHING, follow_target
 from mimics_app.rendering.haptic.scene_reference import spline_bends, walk_rows

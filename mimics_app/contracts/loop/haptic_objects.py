@@ -1,6 +1,6 @@
 """Records of the haptic objects (D2.1 4.2.8-4.2.10).
 
-    SHAPE, BODY, EFFECT, POINT, WIRE, TUNNEL; CURVE of `joint_reference`
+    SHAPE, BODY, EFFECT, POINT, WIRE, TUNNEL; CURVE of `reference_rows`
               main -> loop   rows beside SCENE in the same triple buffer, so that all of one sequence number take effect
                              at one tick boundary; SCENE.objects counts the rows in use
     MOTION    loop only      motion of the bodies; their poses are published beside the snapshot

@@ -10,7 +10,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.loop.haptic_objects import BODY, EFFECT, MAX_POINTS, POINT, SHAPE, TUNNEL, WIRE
-from mimics_app.contracts.loop.joint_reference import CURVE
+from mimics_app.contracts.loop.reference_rows import CURVE
 
 __all__ = [
     "ROW_DTYPES",

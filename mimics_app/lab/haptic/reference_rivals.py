@@ -14,10 +14,10 @@ import numpy as np
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, Records
-from mimics_app.contracts.loop.joint_reference import CURVE, CurveKind
+from mimics_app.contracts.loop.reference_rows import CURVE, CurveKind
 from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Rival
-from mimics_app.rendering.haptic.reference.curves import SLOPES, curve_at
+from mimics_app.rendering.haptic.reference.cycle_curves import SLOPES, curve_at
 from mimics_app.rendering.haptic.scene_reference import spline_bends
 
 __all__ = ["REFERENCE_RIVALS", "cost_us", "jerk_error", "position_error"]

@@ -441,7 +441,7 @@ class StruckRecord:
     left: int
 
 class CurveRecord:
-    """`mimics_app.contracts.loop.joint_reference.CURVE`."""
+    """`mimics_app.contracts.loop.reference_rows.CURVE`."""
 
     kind: int
     grows_with: int
@@ -462,7 +462,7 @@ class RampRecord:
     acceleration: float
 
 class SlopesRecord:
-    """`mimics_app.rendering.haptic.reference.curves.SLOPES`."""
+    """`mimics_app.rendering.haptic.reference.cycle_curves.SLOPES`."""
 
     value: float
     by_phase: float

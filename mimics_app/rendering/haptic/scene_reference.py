@@ -13,7 +13,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F8, Records
 from mimics_app.contracts.errors import DeviceError, Issue, SceneError
 from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
-from mimics_app.contracts.loop.joint_reference import CURVE, MAX_CURVE, CurveKind, GrowsWith
+from mimics_app.contracts.loop.reference_rows import CURVE, MAX_CURVE, CurveKind, GrowsWith
 from mimics_app.maths.gait_series import (
     LONGEST_STEP,
     TERMS,

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
-from mimics_app.contracts.loop.joint_reference import MAX_CURVE
+from mimics_app.contracts.loop.reference_rows import MAX_CURVE
 from mimics_app.world.components.bounds import Share
 from mimics_app.world.components.checked_scene import CheckedScene
 from mimics_app.world.components.registry import Component, component, register_check

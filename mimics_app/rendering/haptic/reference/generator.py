@@ -21,10 +21,10 @@ import numpy as np
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.loop.joint_reference import GrowsWith
 from mimics_app.contracts.loop.loop_fields import MAX_JOINTS
+from mimics_app.contracts.loop.reference_rows import GrowsWith
 from mimics_app.maths.gait_series import STEP_EXPONENT
-from mimics_app.rendering.haptic.reference.curves import SLOPES, curve_at
+from mimics_app.rendering.haptic.reference.cycle_curves import SLOPES, curve_at
 from mimics_app.rendering.haptic.reference.ramp import RAMP, follow_target, set_ramp
 
 if TYPE_CHECKING:

@@ -12,12 +12,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mimics_app.compiled.kernel import kernel
-from mimics_app.contracts.loop.joint_reference import CurveKind
+from mimics_app.contracts.loop.reference_rows import CurveKind
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import CurveRecord, SlopesRecord
 
 __all__ = ["SLOPES", "cubic_at", "curve_at", "linear_at", "series_at"]
+
+_SIXTH = 1.0 / 6.0
+"""Coefficient of a spline's second derivatives."""
 
 SLOPES = np.dtype(
     [
@@ -76,8 +79,8 @@ def cubic_at(curve: CurveRecord, phase: float, out: SlopesRecord) -> None:
     a, b = curve.values[0, k], curve.values[0, n]
     bend_a, bend_b = curve.values[1, k], curve.values[1, n]
     y = 1.0 - x
-    out.value = y * a + x * b + h * h / 6.0 * ((y * y * y - y) * bend_a + (x * x * x - x) * bend_b)
-    out.by_phase = (b - a) / h + h / 6.0 * ((3.0 * x * x - 1.0) * bend_b - (3.0 * y * y - 1.0) * bend_a)
+    out.value = y * a + x * b + _SIXTH * h * h * ((y * y * y - y) * bend_a + (x * x * x - x) * bend_b)
+    out.by_phase = (b - a) / h + h * ((0.5 * x * x - _SIXTH) * bend_b - (0.5 * y * y - _SIXTH) * bend_a)
     out.by_phase_twice = y * bend_a + x * bend_b
 
 
