@@ -12,11 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.loop.loop_ports import DevicePlugin
+from mimics_app.rendering.haptic.descriptors.lokomat import LOKOMAT
 from mimics_app.rendering.haptic.devices.dynamics import servo_dynamics
 from mimics_app.rendering.haptic.devices.emulators.faults import apply_order
 from mimics_app.rendering.haptic.devices.emulators.hapticmaster import HapticMasterEmulator
 from mimics_app.rendering.haptic.devices.emulators.hapticmaster_machine import RATE
-from mimics_app.rendering.haptic.devices.emulators.serial_robot import SerialRobotEmulator
+from mimics_app.rendering.haptic.devices.emulators.serial_robot import (
+    LEG_FRAMES,
+    SerialRobotEmulator,
+    UdpRobotEmulator,
+)
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_hapticmaster import (
@@ -24,6 +29,7 @@ from mimics_app.rendering.haptic.devices.simulated_hapticmaster import (
     write_robot,
     write_robot_memory,
 )
+from mimics_app.rendering.haptic.devices.simulated_lokomat import build_simulated_lokomat
 from mimics_app.world.components.robot import Patient, Robot
 from tests.support.haptic_bench import PUSH, Bench, read_pushed
 
@@ -81,6 +87,7 @@ def serial_rig(folder: Path, **robot: Any) -> Iterator[Rig]:
     """A simulated robot on a pseudo-terminal, held by a relaxed arm."""
     simulated = build_simulated_hapticmaster(DeviceRequest(robot=Robot(**{"delay_ticks": 0, **robot})))
     emulator = SerialRobotEmulator(simulated, folder / "robot")
+    emulator.rehearse()
     try:
         yield Rig(emulator, "serial")
     finally:
@@ -97,8 +104,26 @@ def pushed_serial_rig(folder: Path) -> Iterator[Rig]:
         DevicePlugin("pushed", read_pushed, write_robot, memory, **servo_dynamics(request.robot, request.rate)),
         folder / "robot",
     )
+    emulator.rehearse()
     try:
         yield Rig(emulator, "serial")
+    finally:
+        emulator.close()
+
+
+@contextmanager
+def lokomat_rig(folder: Path, line: str, **robot: Any) -> Iterator[Rig]:
+    """The simulated gait orthosis on a pseudo-terminal ("serial") or at a UDP port ("udp"), its person passive."""
+    request = DeviceRequest(Robot(device="lokomat", delay_ticks=0, **robot), Patient(intent=False), descriptor=LOKOMAT)
+    legs = build_simulated_lokomat(request)
+    emulator = (
+        UdpRobotEmulator(legs, frames=LEG_FRAMES)
+        if line == "udp"
+        else SerialRobotEmulator(legs, folder / "lokomat", frames=LEG_FRAMES)
+    )
+    emulator.rehearse()
+    try:
+        yield Rig(emulator, "lokomat")
     finally:
         emulator.close()
 

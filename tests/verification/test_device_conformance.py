@@ -15,7 +15,7 @@ from mimics_app.rendering.haptic.descriptors.leg import LEG
 from mimics_app.rendering.haptic.devices.conformance import CHECKS, Finding, check_device
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.world.components.robot import Patient, Robot
-from tests.support.device_rig import hapticmaster_rig, serial_rig
+from tests.support.device_rig import hapticmaster_rig, lokomat_rig, serial_rig
 from tests.support.haptic_bench import patient_bench
 
 NEEDS_FAULTS = {
@@ -95,6 +95,14 @@ def test_the_replay_device_conforms():
 def test_the_serial_robot_conforms_with_all_its_faults(tmp_path: Path):
     with serial_rig(tmp_path) as rig:
         findings = check_device(rig.build(), other_side=rig)
+    assert _verdicts(findings) == {}
+    assert {one.verdict for one in findings} == {"passed"}
+
+
+@pytest.mark.parametrize("line", ["serial", "udp"])
+def test_the_gait_orthosis_conforms_on_its_lines_with_all_their_faults(tmp_path: Path, line: str):
+    with lokomat_rig(tmp_path, line) as rig:
+        findings = check_device(rig.build(), Robot(device="lokomat"), other_side=rig)
     assert _verdicts(findings) == {}
     assert {one.verdict for one in findings} == {"passed"}
 

@@ -1,9 +1,9 @@
 """`mimics devices`: list the devices of this machine, check one, or emulate one.
 
-mimics devices                                  robots, displays, gamepads, serial ports, sound
-mimics devices check NAME[:ADDRESS]             the conformance kit; exit 4 when a check fails
-mimics devices emulate serial|hapticmaster      an emulated robot; the first line printed is its address
-mimics devices emulate fastrak|flock|vrpn|osc   an emulated tracker on a simulated person; likewise
+mimics devices                                      robots, displays, gamepads, serial ports, sound
+mimics devices check NAME[:ADDRESS]                 the conformance kit; exit 4 when a check fails
+mimics devices emulate serial|hapticmaster|lokomat  an emulated robot; the first line printed is its address
+mimics devices emulate fastrak|flock|vrpn|osc       an emulated tracker on a simulated person; likewise
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ __all__ = ["add_arguments", "find_all", "run"]
 
 _NAMES_FROM = {
     "check": "mimics devices lists them",
-    "emulate": "serial, hapticmaster, fastrak, flock, vrpn or osc",
+    "emulate": "serial, hapticmaster, lokomat, fastrak, flock, vrpn or osc",
 }
 """Where the names of devices are found, by action."""
 
@@ -46,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "device",
         nargs="?",
         default="",
-        help="check: NAME[:ADDRESS]; emulate: serial, hapticmaster, fastrak, flock, vrpn or osc",
+        help="check: NAME[:ADDRESS]; emulate: serial, hapticmaster, lokomat, fastrak, flock, vrpn or osc",
     )
     parser.add_argument("--recording", type=Path, metavar="RUN", help="with check replay: run folder to play back")
     parser.add_argument("--scene", type=Path, help="with emulate: scene whose path and robot the simulated person uses")
@@ -63,7 +63,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--port",
         type=whole_number("port", range(65536)),
         default=0,
-        help="with emulate: port on which hapticmaster or vrpn listens (0: any), or to which osc sends (0: 9000)",
+        help="with emulate: port on which hapticmaster or vrpn listens (0: any), or to which osc sends (0: 9000); "
+        "of lokomat: UDP port, instead of a serial line",
     )
     parser.add_argument(
         "--delay",

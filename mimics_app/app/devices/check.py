@@ -9,6 +9,7 @@ from mimics_app.contracts.clock import TICK_NS, MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.recording.run import Run
 from mimics_app.rendering.haptic.devices.conformance import Finding, check_device
+from mimics_app.rendering.haptic.devices.device_names import recording_of
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.world.components.robot import Patient, Robot
 
@@ -45,7 +46,8 @@ def check_by_name(device: str, recording: Path | None) -> list[Finding]:
         DeviceError: The device is not available.
     """
     robot = Robot(device=device)
-    samples = None if recording is None else Run.open(recording).haptic
+    folder = recording or recording_of(device)
+    samples = None if folder is None else Run.open(folder).haptic
     plugin = build_device(robot, Patient(), samples=samples)
     if plugin.real_time and plugin.follows != "nothing":
         sys.stderr.write("mimics: the device moves: up to 60 mm or mrad of its last joint\n")

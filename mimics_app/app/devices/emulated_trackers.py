@@ -11,7 +11,7 @@ from mimics_app.inputs.trackers.scripted_person import PERSON_SENSORS, person_at
 
 __all__ = ["ROBOTS", "TRACKERS", "check_emulated", "open_tracker", "report_on"]
 
-ROBOTS = ("serial", "hapticmaster")
+ROBOTS = ("serial", "hapticmaster", "lokomat")
 """Robots that can be emulated, see `app.devices.emulator`."""
 
 TRACKERS = ("fastrak", "flock", "vrpn", "osc")

@@ -23,6 +23,7 @@ from mimics_app.app.scenes.scenario_choice import open_scenario
 from mimics_app.contracts.clock import TICK_NS, MonotonicClock
 from mimics_app.contracts.errors import DeviceError, UsageError
 from mimics_app.rendering.haptic import scheduler
+from mimics_app.rendering.haptic.descriptors.lokomat import LOKOMAT
 from mimics_app.rendering.haptic.devices.emulators.faults import Faults, apply_order
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.scene_block import robot_from_world
@@ -65,7 +66,7 @@ class EmulatorSettings:
         scene: Scene whose robot is emulated, its path followed; None: a relaxed arm on the default robot.
         patient: Preset instead of the scene's; "" keeps it.
         seed: Seed of person and sensor noise.
-        port: Port at which the hapticmaster listens; 0: any free one.
+        port: Port at which the hapticmaster listens; 0: any free one. Of the lokomat: its UDP port; 0: a serial line.
         delay_ms: Delay of its answers [ms].
     """
 
@@ -162,8 +163,13 @@ class _Orders:
 def _open(name: str, request: DeviceRequest, folder: Path, settings: EmulatorSettings) -> Emulator:
     from mimics_app.rendering.haptic.devices.emulators.hapticmaster import HapticMasterEmulator
     from mimics_app.rendering.haptic.devices.emulators.hapticmaster_machine import RATE
-    from mimics_app.rendering.haptic.devices.emulators.serial_robot import SerialRobotEmulator
+    from mimics_app.rendering.haptic.devices.emulators.serial_robot import (
+        LEG_FRAMES,
+        SerialRobotEmulator,
+        UdpRobotEmulator,
+    )
     from mimics_app.rendering.haptic.devices.simulated_hapticmaster import build_simulated_hapticmaster
+    from mimics_app.rendering.haptic.devices.simulated_lokomat import build_simulated_lokomat
 
     if name == "hapticmaster":
         machine = build_simulated_hapticmaster(replace(request, rate=RATE))
@@ -171,8 +177,17 @@ def _open(name: str, request: DeviceRequest, folder: Path, settings: EmulatorSet
             return HapticMasterEmulator(machine, settings.delay_ms, settings.seed, settings.port)
         except OSError as failure:
             raise DeviceError(f"port {settings.port} cannot be listened on: {failure.strerror}") from failure
+    if name == "lokomat" and settings.port:
+        legs = build_simulated_lokomat(replace(request, descriptor=LOKOMAT))
+        try:
+            return UdpRobotEmulator(legs, settings.port, settings.seed, LEG_FRAMES)
+        except OSError as failure:
+            raise DeviceError(f"port {settings.port} cannot be bound: {failure.strerror}") from failure
     if not hasattr(os, "openpty"):
         raise DeviceError("this system has no pseudo-terminals", "emulate on Linux or macOS")
+    if name == "lokomat":
+        legs = build_simulated_lokomat(replace(request, descriptor=LOKOMAT))
+        return SerialRobotEmulator(legs, folder / "lokomat", settings.seed, LEG_FRAMES)
     return SerialRobotEmulator(build_simulated_hapticmaster(request), folder / "robot", settings.seed)
 
 

@@ -30,7 +30,7 @@ from mimics_app.learning.policy import Policy
 from mimics_app.recording.run import Run
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.described import descriptor_of
-from mimics_app.rendering.haptic.devices.device_names import POINTER, SIMULATED
+from mimics_app.rendering.haptic.devices.device_names import POINTER, SIMULATED, recording_of
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.devices.request import DeviceBuilder
 from mimics_app.tasks.actions import fill_defaults
@@ -169,7 +169,8 @@ def prepare_scene(
     body = open_body(settings, task, patient.preset, given.policy)
     commands = () if settings.commands is None else read_command_file(settings.commands)
     points, objects = scenario.via_points_world, side.for_robot(robot)
-    recorded = None if settings.recording is None else Run.open(settings.recording)
+    recording = settings.recording or recording_of(robot.device)
+    recorded = None if recording is None else Run.open(recording)
     if recorded is None:
         check_shape(robot.device, scene)
     descriptor = None if recorded is None else descriptor_of((scene.first(Robot) or Robot()).device)

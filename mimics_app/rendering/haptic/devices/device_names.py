@@ -5,6 +5,7 @@ Commands check a name here before they import compiled code, so that an unknown 
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, cast
 
 from mimics_app.contracts.errors import DeviceError, nearest
@@ -27,6 +28,7 @@ __all__ = [
     "device_names",
     "find_plugin",
     "load_built_in",
+    "recording_of",
 ]
 
 
@@ -44,6 +46,16 @@ POINTER = "pointer"
 
 REPLAY = "replay"
 """Device that replays the sensor data of a recording."""
+
+
+_RECORDED = ":log:"
+"""Part of an address before the run folder of a recording."""
+
+
+def recording_of(text: str) -> Path | None:
+    """Return the run folder that NAME:log:RUN names, None for another address."""
+    name, found, folder = text.partition(_RECORDED)
+    return Path(folder) if found and ":" not in name and name in BUILT_IN and folder else None
 
 
 class BuiltInDevice(NamedTuple):

@@ -29,6 +29,11 @@ __all__ = [
     "INFO_PAYLOAD",
     "LAST_SEQUENCE",
     "LAST_TICK",
+    "LEG_COMMAND",
+    "LEG_COMMAND_PAYLOAD",
+    "LEG_PROTOCOL",
+    "LEG_STATE",
+    "LEG_STATE_PAYLOAD",
     "LINE_LENGTH",
     "LOST",
     "LOW_BYTE",
@@ -52,8 +57,8 @@ __all__ = [
 ]
 
 
-PROTOCOL = 1
-"""Version of the protocol, sent in INFO."""
+PROTOCOL, LEG_PROTOCOL = 1, 2
+"""Version of the protocol, sent in INFO: of a robot with one handle, and of the gait orthosis with two legs."""
 
 HEADER = 8
 OVERHEAD = HEADER + 2
@@ -62,8 +67,13 @@ MAX_PAYLOAD = 64
 COMMAND, STATE, SCREEN, ASK, INFO = 1, 2, 3, 16, 17
 """Kinds of frames: command, robot state, inputs of a simulated person, identification request, identification."""
 
+LEG_COMMAND, LEG_STATE = 4, 5
+"""Command and state of the gait orthosis."""
+
 COMMAND_PAYLOAD = 26
 STATE_PAYLOAD = 44
+LEG_COMMAND_PAYLOAD = 18
+LEG_STATE_PAYLOAD = 52
 SCREEN_PAYLOAD = 20
 INFO_PAYLOAD = 22
 

@@ -14,12 +14,14 @@ from mimics_app.contracts.loop.loop_ports import (
     COMMAND_ENABLED,
     COMMAND_FORCE,
     COMMAND_STATE,
+    COMMAND_TORQUE,
     DATA_AGE,
     DATA_BUTTONS,
     DATA_DQ,
     DATA_FORCE,
     DATA_GRASP,
     DATA_Q,
+    DATA_TORQUE,
     INBOX_ACTIVE,
     INBOX_BUTTONS,
     INBOX_GRASP,
@@ -43,9 +45,13 @@ __all__ = [
     "ROBOT_READY",
     "fetch_payload",
     "pack_command",
+    "pack_leg_command",
+    "pack_leg_state",
     "pack_screen",
     "pack_state",
     "unpack_command",
+    "unpack_leg_command",
+    "unpack_leg_state",
     "unpack_screen",
     "unpack_state",
 ]
@@ -60,8 +66,16 @@ ROBOT_READY, ROBOT_NOT_HOMED, ROBOT_FAULT = 0, 1, 2
 
 _MICRO = 1e-6
 
-_STATE_AGE, _SCREEN_TRIAL = 42, 18
-"""Offset of the 16-bit word of a STATE and of a SCREEN payload."""
+_STATE_AGE, _SCREEN_TRIAL, _LEG_STATE_AGE = 42, 18, 50
+"""Offset of the 16-bit word of a STATE, a SCREEN and a LEG_STATE payload."""
+
+_LEG_JOINTS = 4
+
+_LEG_ENABLED, _LEG_LOOP = 16, 17
+"""Offsets of the bytes of a LEG_COMMAND payload: enabled, state of the loop."""
+
+_LEG_BUTTONS, _LEG_STATUS = 48, 49
+"""Offsets of the bytes of a LEG_STATE payload: buttons, status."""
 
 
 @kernel
@@ -127,6 +141,52 @@ def unpack_state(payload: Vec, data: Vec) -> int:
     data[DATA_BUTTONS] = float(small[40])
     data[DATA_AGE] = word_at(small, _STATE_AGE) * _MICRO
     return int(small[41])
+
+
+@kernel
+def pack_leg_command(command: Vec, usable: bool, payload: Vec) -> None:
+    """Pack four float32 (joint torques), enabled, state; zeros and disabled where `usable` is False."""
+    floats, small = payload.view(np.float32), payload.view(np.uint8)
+    for i in range(_LEG_JOINTS):
+        floats[i] = command[COMMAND_TORQUE + i] if usable else 0.0
+    small[_LEG_ENABLED] = 1 if usable and command[COMMAND_ENABLED] != 0.0 else 0
+    small[_LEG_LOOP] = int(command[COMMAND_STATE]) & LOW_BYTE if usable else 0
+
+
+@kernel
+def unpack_leg_command(payload: Vec, command: Vec) -> None:
+    """Unpack what `pack_leg_command` packed."""
+    floats, small = payload.view(np.float32), payload.view(np.uint8)
+    for i in range(_LEG_JOINTS):
+        command[COMMAND_TORQUE + i] = floats[i]
+    command[COMMAND_ENABLED] = float(small[_LEG_ENABLED])
+    command[COMMAND_STATE] = float(small[_LEG_LOOP])
+
+
+@kernel
+def pack_leg_state(data: Vec, status: int, payload: Vec) -> None:
+    """Pack twelve float32 (joints, velocities, torques of the legs on the drives), buttons, status, age [us]."""
+    floats, small = payload.view(np.float32), payload.view(np.uint8)
+    for i in range(_LEG_JOINTS):
+        floats[i] = data[DATA_Q + i]
+        floats[_LEG_JOINTS + i] = data[DATA_DQ + i]
+        floats[2 * _LEG_JOINTS + i] = data[DATA_TORQUE + i]
+    small[_LEG_BUTTONS] = int(data[DATA_BUTTONS]) & LOW_BYTE
+    small[_LEG_STATUS] = status
+    _put_word(small, _LEG_STATE_AGE, data[DATA_AGE] / _MICRO)
+
+
+@kernel
+def unpack_leg_state(payload: Vec, data: Vec) -> int:
+    """Unpack what `pack_leg_state` packed; return the status byte."""
+    floats, small = payload.view(np.float32), payload.view(np.uint8)
+    for i in range(_LEG_JOINTS):
+        data[DATA_Q + i] = floats[i]
+        data[DATA_DQ + i] = floats[_LEG_JOINTS + i]
+        data[DATA_TORQUE + i] = floats[2 * _LEG_JOINTS + i]
+    data[DATA_BUTTONS] = float(small[_LEG_BUTTONS])
+    data[DATA_AGE] = word_at(small, _LEG_STATE_AGE) * _MICRO
+    return int(small[_LEG_STATUS])
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""Loop side of a robot on a serial line (serial:PORT[@BAUD]): compiled read and write on its descriptor.
+"""Loop side of a robot that exchanges frames on a serial line or by UDP: compiled read and write on its descriptor.
 
 Commands are sent at most as often as the baud rate allows: more would wait, and age, in the system's buffer. Frames in
 either direction name the newest one of the other direction, which gives the delay. Protocol:
@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from mimics_app.compiled.file_descriptors import HUNG_UP, READABLE, look_at, read_bytes, write_bytes
+from mimics_app.compiled.file_descriptors import HUNG_UP, QUIET, READABLE, look_at, read_bytes, write_bytes
 from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.loop_ports import (
@@ -39,7 +39,12 @@ from mimics_app.rendering.haptic.devices.serial_frames import (
     ECHO,
     END,
     LAST_SEQUENCE,
+    LEG_COMMAND,
+    LEG_COMMAND_PAYLOAD,
+    LEG_STATE,
+    LEG_STATE_PAYLOAD,
     LINE_LENGTH,
+    MAX_PAYLOAD,
     OVERHEAD,
     SCREEN,
     SCREEN_PAYLOAD,
@@ -60,12 +65,15 @@ from mimics_app.rendering.haptic.devices.serial_payloads import (
     ROBOT_READY,
     fetch_payload,
     pack_command,
+    pack_leg_command,
     pack_screen,
+    unpack_leg_state,
     unpack_state,
 )
 
 __all__ = [
     "BYTES_PER_TICK",
+    "LEGS",
     "LINE",
     "OWN_DELAY",
     "SCREEN_WANTED",
@@ -91,7 +99,8 @@ PENDING = TICK + 7  # bytes of the last frame still to write
 TAKEN = TICK + 8  # bytes of it that were written
 SHOWN = TICK + 9  # tick of the last SCREEN frame
 SCREENS = TICK + 10  # SCREEN frames sent
-_NOW = TICK + 11  # inbox as last read
+LEGS = TICK + 11  # 1: commands and states are those of the gait orthosis
+_NOW = TICK + 12  # inbox as last read
 _SENT = _NOW + INBOX_LENGTH  # inbox as last sent
 _OUT = _SENT + INBOX_LENGTH  # outgoing frame
 _PAYLOAD = _OUT + FRAME_PLACES  # payload of the received frame
@@ -102,7 +111,10 @@ SERIAL_LENGTH = _POLL + 1
 
 _FRESH, _NO_DATA, _FAULT = 0, 1, 2
 
-_DEAF = 50
+_LONGEST = MAX_PAYLOAD + OVERHEAD
+"""Bytes of the longest frame."""
+
+_DEAF, _LEG_DEAF = 50, 20
 """Ticks without an acknowledgement after which the robot counts as faulty: its watchdog has disabled it by then."""
 
 _SCREEN_EVERY = 16
@@ -111,16 +123,18 @@ _SCREEN_EVERY = 16
 
 @kernel
 def _fill_buffer(memory: Vec, fd: int) -> bool:
-    """Read bytes into the buffer; return False when the other end is gone."""
+    """Read bytes, or all datagrams that have come, into the buffer; return False when the other end is gone."""
     line = memory[LINE : LINE + LINE_LENGTH]
     buffer = memory[_IN : _IN + _IN_PLACES].view(np.uint8)
+    start = make_room(line, buffer)
     seen = look_at(fd, memory[_POLL : _POLL + 1].view(np.int32))
-    if seen == READABLE:
-        start = make_room(line, buffer)
+    while seen == READABLE and buffer.shape[0] - start >= _LONGEST:
         got = read_bytes(fd, buffer, start, buffer.shape[0] - start)
         if got == 0:
             return False
-        line[END] = float(start + max(0, got))
+        start += max(0, got)
+        line[END] = float(start)
+        seen = look_at(fd, memory[_POLL : _POLL + 1].view(np.int32)) if got > 0 else QUIET
     return seen != HUNG_UP
 
 
@@ -134,13 +148,14 @@ def _take_frames(memory: Vec, data: Vec, tick: int) -> int:
     trips = memory[TRIPS : TRIPS + TRIP_LENGTH]
     buffer = memory[_IN : _IN + _IN_PLACES].view(np.uint8)
     payload = memory[_PAYLOAD : _PAYLOAD + PAYLOAD_PLACES]
-    status, pressed = _NO_DATA, 0
+    status, pressed, legs = _NO_DATA, 0, memory[LEGS] != 0.0
+    kind, size = (LEG_STATE, LEG_STATE_PAYLOAD) if legs else (STATE, STATE_PAYLOAD)
     frame = next_frame(line, buffer)
     while frame >= 0:
-        wanted = buffer[frame + 3] == STATE and buffer[frame + 2] == STATE_PAYLOAD
+        wanted = buffer[frame + 3] == kind and buffer[frame + 2] == size
         if wanted and accept_sequence(line, word_at(buffer, frame + SEQUENCE), tick):
             fetch_payload(buffer, frame, payload)
-            robot = unpack_state(payload, data)
+            robot = unpack_leg_state(payload, data) if legs else unpack_state(payload, data)
             pressed |= int(data[DATA_BUTTONS])
             data[DATA_BUTTONS] = float(pressed)
             note_answer(trips, ended_trip(trips, word_at(buffer, frame + ECHO)), tick)
@@ -149,7 +164,7 @@ def _take_frames(memory: Vec, data: Vec, tick: int) -> int:
         frame = next_frame(line, buffer)
     if status == _FRESH:
         dt = memory[TICK]
-        data[DATA_AGE] += dt * (STATE_PAYLOAD + OVERHEAD) / memory[BYTES_PER_TICK]
+        data[DATA_AGE] += dt * (size + OVERHEAD) / memory[BYTES_PER_TICK]
         data[DATA_DELAY] = delay_of(trips, memory[OWN_DELAY], dt)
     return status
 
@@ -172,7 +187,8 @@ def read_serial(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
         drop_link(words)
         return _FAULT
     status = _take_frames(memory, data, tick)
-    return _FAULT if silent_for(trips, tick) > _DEAF else status
+    patience = _LEG_DEAF if memory[LEGS] != 0.0 else _DEAF
+    return _FAULT if silent_for(trips, tick) > patience else status
 
 
 @kernel
@@ -225,7 +241,9 @@ def write_serial(memory: Vec, command: Vec, tick: int) -> int:
     fd, _ = take_link(link_words(memory))
     if fd < 0:
         return 1
-    length = COMMAND_PAYLOAD + OVERHEAD
+    legs = memory[LEGS] != 0.0
+    kind, size = (LEG_COMMAND, LEG_COMMAND_PAYLOAD) if legs else (COMMAND, COMMAND_PAYLOAD)
+    length = size + OVERHEAD
     rate = memory[BYTES_PER_TICK]
     memory[CREDIT] = min(memory[CREDIT] + rate, rate + length)
     if not _send_rest(memory, fd):
@@ -237,9 +255,12 @@ def write_serial(memory: Vec, command: Vec, tick: int) -> int:
     usable = True
     for i in range(COMMAND_LENGTH):
         usable = usable and math.isfinite(command[i])
-    pack_command(command, usable, memory[_OUT + 1 : _OUT + 1 + PAYLOAD_PLACES])
+    if legs:
+        pack_leg_command(command, usable, memory[_OUT + 1 : _OUT + 1 + PAYLOAD_PLACES])
+    else:
+        pack_command(command, usable, memory[_OUT + 1 : _OUT + 1 + PAYLOAD_PLACES])
     number = note_sent(memory[TRIPS : TRIPS + TRIP_LENGTH], tick)
     out = memory[_OUT : _OUT + FRAME_PLACES].view(np.uint8)
-    _send(memory, fd, seal_frame(out, COMMAND, number, int(memory[LINE + LAST_SEQUENCE]), COMMAND_PAYLOAD))
+    _send(memory, fd, seal_frame(out, kind, number, int(memory[LINE + LAST_SEQUENCE]), size))
     _show_screen(memory, fd, tick)
     return 0 if usable else 1

@@ -8,7 +8,7 @@ import numpy as np
 
 from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.errors import DeviceError, require_choice
+from mimics_app.contracts.errors import require_choice
 from mimics_app.contracts.loop.loop_ports import (
     COMMAND_ENABLED,
     COMMAND_TORQUE,
@@ -199,11 +199,9 @@ def build_simulated_lokomat(request: DeviceRequest) -> DevicePlugin:
     ("left" or "right": the foot that follows the patient's path).
 
     Raises:
-        DeviceError: An unknown address or setting, a number out of its range.
+        DeviceError: An unknown setting, a number out of its range.
         UsageError: An unknown word.
     """
-    if request.address not in ("", "sim"):
-        raise DeviceError(f'the Lokomat has no address "{request.address}"', "write lokomat:sim")
     given = dict(request.robot.settings)
     own = segments_of(given.pop("height", HEIGHT), given.pop("weight", WEIGHT))
     pelvis, reaching = str(given.pop("pelvis", _PELVIS[0])), str(given.pop("reaching", _FEET[0]))

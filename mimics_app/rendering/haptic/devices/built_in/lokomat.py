@@ -1,4 +1,4 @@
-"""The gait orthosis Lokomat, simulated, with a simulated person."""
+"""The gait orthosis Lokomat: simulated, a recording, on a serial line or by UDP."""
 
 from mimics_app.rendering.haptic.devices.device_names import BuiltInDevice
 
@@ -7,8 +7,8 @@ __all__ = ["DEVICE"]
 DEVICE = BuiltInDevice(
     __doc__,
     "simulated patient in a gait orthosis",
-    "simulated_lokomat:build_simulated_lokomat",
-    address="sim",
+    "lokomat_port:build_lokomat",
+    address="sim|log:RUN|serial:PORT|udp:HOST:PORT",
     descriptor="lokomat:LOKOMAT",
     optional=True,
 )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections import deque
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -20,6 +21,7 @@ class Faults:
         garbage: Random bytes inserted per millisecond.
         drop: Share of the sent bytes that are lost.
         deaf: The robot sends, but receives nothing.
+        late: Milliseconds by which all that is sent comes later.
         plugged: False: the line is unplugged.
     """
 
@@ -27,10 +29,14 @@ class Faults:
     garbage: int = 0
     drop: float = 0.0
     deaf: bool = False
+    late: int = 0
     plugged: bool = True
+    _under_way: deque[bytes] = field(default_factory=deque)
 
     def spoil(self, sent: bytes, random: np.random.Generator) -> bytes:
         """Return the bytes that arrive of those sent in one millisecond."""
+        self._under_way.append(sent)
+        sent = b"".join(self._under_way.popleft() for _ in range(len(self._under_way) - self.late))
         if self.silence:
             return b""
         if self.drop > 0.0:
@@ -44,6 +50,7 @@ _ORDERS = {
     "garbage": "garbage BYTES_PER_MS",
     "drop": "drop SHARE",
     "deaf": "deaf [off]",
+    "late": "late MS",
     "unplug": "unplug",
     "plug": "plug",
 }
@@ -52,7 +59,8 @@ _ORDERS = {
 def apply_order(faults: Faults, line: str) -> None:
     """Change the faults by a line of text.
 
-    `silence [off]`, `garbage BYTES_PER_MS`, `drop SHARE`, `deaf [off]`, `unplug`, `plug`.
+    `silence [off]`, `garbage BYTES_PER_MS`, `drop SHARE`, `deaf [off]`, `late MS`, `unplug`,
+    `plug`.
 
     Raises:
         UsageError: Unknown order, or an invalid number.
@@ -62,6 +70,8 @@ def apply_order(faults: Faults, line: str) -> None:
     try:
         if word == "garbage":
             faults.garbage = min(1000, max(0, int(value)))
+        elif word == "late":
+            faults.late = min(1000, max(0, int(value)))
         elif word == "drop":
             faults.drop = min(1.0, max(0.0, float(value)))
     except ValueError:
