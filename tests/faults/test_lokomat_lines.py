@@ -10,7 +10,8 @@ import pytest
 
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.loop.haptic import Controller, DeviceStatus, SafetyState, TripCause
+from mimics_app.contracts.loop.controller_slots import Slot
+from mimics_app.contracts.loop.haptic import DeviceStatus, SafetyState, TripCause
 from mimics_app.rendering.haptic.devices.device_names import recording_of
 from mimics_app.rendering.haptic.devices.emulators.serial_robot import LEG_FRAMES
 from mimics_app.rendering.haptic.devices.registry import build_device
@@ -39,8 +40,8 @@ def _swinging(rig: Rig) -> Bench:
     robot = Robot(device="lokomat")
     plugin = rig.build()
     bench = bench_of(plugin, straight=None, samples=ROWS)
-    values = impedance_values(Impedance()) | kinematic_values(robot, plugin.descriptor)
-    bench.publish(**values | {"controller": Controller.IMPEDANCE})
+    values = impedance_values(bench.scene, Impedance()) | kinematic_values(robot, plugin.descriptor)
+    bench.publish(**values | {"controller": Slot.PERSON})
     rig.advance(bench, 200)
     return bench
 
@@ -117,7 +118,7 @@ def test_a_line_shows_the_same_motion_as_the_simulated_device(tmp_path: Path):
     """Data by frames are those of the machine in float32, a tick later."""
     with lokomat_rig(tmp_path, "udp", settings=LOOSE) as rig:
         bench = bench_of(rig.build(), straight=None, samples=ROWS)
-        bench.publish(controller=Controller.OFF)
+        bench.publish(controller=Slot.OFF)
         samples = rig.advance(bench, 100)
         fresh = samples[samples["status"] == DeviceStatus.FRESH]
         _, rows = play(0.0, 150, enabled=False, delay=0, **LOOSE)
@@ -146,10 +147,10 @@ def test_a_recording_plays_the_legs_again():
     """`lokomat:log:RUN` gives the samples of a run, joint for joint."""
     plugin = build_device(Robot(device="lokomat", settings=LOOSE))
     bench = bench_of(plugin, straight=None, samples=ROWS)
-    bench.publish(controller=Controller.OFF)
+    bench.publish(controller=Slot.OFF)
     samples = bench.advance(200)
     replayed = build_device(Robot(device="lokomat:log:runs/any"), samples=samples)
     assert replayed.name == "lokomat" and replayed.follows == "nothing"
     again = bench_of(replayed, straight=None, samples=ROWS)
-    again.publish(controller=Controller.OFF)
+    again.publish(controller=Slot.OFF)
     assert np.array_equal(again.advance(200)["q"], samples["q"])

@@ -8,9 +8,18 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.loop.loop_ports import DATA_DQ, DATA_Q, DATA_TORQUE
+from mimics_app.contracts.loop.loop_ports import (
+    COMMAND_BELT,
+    COMMAND_ENABLED,
+    COMMAND_LENGTH,
+    DATA_DQ,
+    DATA_LENGTH,
+    DATA_Q,
+    DATA_TORQUE,
+    INBOX_LENGTH,
+)
 from mimics_app.rendering.haptic.devices.registry import build_device
-from mimics_app.rendering.haptic.devices.simulated_lokomat import PLANT
+from mimics_app.rendering.haptic.devices.simulated_lokomat import PLANT, read_lokomat, write_lokomat
 from mimics_app.rendering.haptic.kernels import two_link
 from mimics_app.rendering.haptic.kernels.lokomat import linear_drive, orthosis, treadmill
 from mimics_app.rendering.haptic.kernels.lokomat.linkage import eta_of, lever
@@ -147,6 +156,20 @@ def test_the_belt_follows_its_order_with_a_lag_and_stops_with_the_brakes():
             speed = plant[orthosis.BELT + treadmill.BELT_SPEED]
             assert speed == pytest.approx(0.8 * (1.0 - math.exp(-1.0)), rel=1e-9)
     assert plant[orthosis.BELT + treadmill.BELT_SPEED] == pytest.approx(speed * math.exp(-1.0), rel=1e-9)
+
+
+def test_the_belt_runs_as_fast_as_the_loop_asks_for():
+    plugin = build_device(Robot(device="lokomat", settings={"belt_speed": 0.1}))
+    command = np.zeros(COMMAND_LENGTH)
+    command[COMMAND_ENABLED], command[COMMAND_BELT] = 1.0, 0.5
+    data, inbox = np.zeros(DATA_LENGTH), np.zeros(INBOX_LENGTH)
+    for k in range(3000):
+        read_lokomat(plugin.memory, inbox, data, k)
+        write_lokomat(plugin.memory, command, k)
+    speed = plugin.memory[PLANT][orthosis.BELT + treadmill.BELT_SPEED]
+    assert speed == pytest.approx(0.6, rel=1e-4)
+    command[COMMAND_BELT] = math.nan
+    assert write_lokomat(plugin.memory, command, 3000) == 1, "no belt runs at what is no number"
 
 
 @pytest.mark.parametrize("support", [0.0, 0.4, 0.8])

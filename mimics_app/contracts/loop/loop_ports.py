@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
 
 __all__ = [
+    "COMMAND_BELT",
     "COMMAND_DQ",
     "COMMAND_ENABLED",
     "COMMAND_FORCE",
@@ -100,7 +101,9 @@ COMMAND_ENABLED = COMMAND_VIBRATION + MAX_CONTACTS
 """1 while the drives may act; 0: the device must go limp or brake."""
 COMMAND_STATE = COMMAND_ENABLED + 1
 """SafetyState, for devices that show it."""
-COMMAND_LENGTH = COMMAND_ENABLED + 2
+COMMAND_BELT = COMMAND_STATE + 1
+"""Speed of a treadmill's belt backwards [m/s]: of the reference of the joints, times its amplitude; 0 without one."""
+COMMAND_LENGTH = COMMAND_ENABLED + 3
 
 INBOX_TARGET = 0
 """Target of the pointing device for the first point of contact, robot frame [m]."""

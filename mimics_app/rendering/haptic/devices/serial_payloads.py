@@ -10,6 +10,7 @@ import numpy as np
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import U1, Vec
 from mimics_app.contracts.loop.loop_ports import (
+    COMMAND_BELT,
     COMMAND_DQ,
     COMMAND_ENABLED,
     COMMAND_FORCE,
@@ -71,7 +72,7 @@ _STATE_AGE, _SCREEN_TRIAL, _LEG_STATE_AGE = 42, 18, 50
 
 _LEG_JOINTS = 4
 
-_LEG_ENABLED, _LEG_LOOP = 16, 17
+_LEG_ENABLED, _LEG_LOOP = 20, 21
 """Offsets of the bytes of a LEG_COMMAND payload: enabled, state of the loop."""
 
 _LEG_BUTTONS, _LEG_STATUS = 48, 49
@@ -145,10 +146,11 @@ def unpack_state(payload: Vec, data: Vec) -> int:
 
 @kernel
 def pack_leg_command(command: Vec, usable: bool, payload: Vec) -> None:
-    """Pack four float32 (joint torques), enabled, state; zeros and disabled where `usable` is False."""
+    """Pack five float32 (joint torques, belt), enabled, state; zeros and disabled where `usable` is False."""
     floats, small = payload.view(np.float32), payload.view(np.uint8)
     for i in range(_LEG_JOINTS):
         floats[i] = command[COMMAND_TORQUE + i] if usable else 0.0
+    floats[_LEG_JOINTS] = command[COMMAND_BELT] if usable else 0.0
     small[_LEG_ENABLED] = 1 if usable and command[COMMAND_ENABLED] != 0.0 else 0
     small[_LEG_LOOP] = int(command[COMMAND_STATE]) & LOW_BYTE if usable else 0
 
@@ -159,6 +161,7 @@ def unpack_leg_command(payload: Vec, command: Vec) -> None:
     floats, small = payload.view(np.float32), payload.view(np.uint8)
     for i in range(_LEG_JOINTS):
         command[COMMAND_TORQUE + i] = floats[i]
+    command[COMMAND_BELT] = floats[_LEG_JOINTS]
     command[COMMAND_ENABLED] = float(small[_LEG_ENABLED])
     command[COMMAND_STATE] = float(small[_LEG_LOOP])
 

@@ -10,6 +10,7 @@ from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.errors import require_choice
 from mimics_app.contracts.loop.loop_ports import (
+    COMMAND_BELT,
     COMMAND_ENABLED,
     COMMAND_TORQUE,
     DATA_AGE,
@@ -43,11 +44,12 @@ _SHAPE = ARM_LENGTH
 _FOOT = _SHAPE + GEOMETRY
 _REACHING = _FOOT + 6
 _ACTS = _REACHING + 1
-_WALKER = _ACTS + 1
+_BELT = _ACTS + 1
+_WALKER = _BELT + 1
 _MACHINE = _WALKER + walker.WALKER
 _LENGTH = _MACHINE + orthosis.MACHINE
 """Memory: the limb that reaches, geometry, place and velocity of its foot, which foot reaches, 1 where the person may
-act, the person who walks, then the machine."""
+act, the belt's speed without a reference, the person who walks, then the machine."""
 
 PLANT = slice(_MACHINE, _LENGTH)
 """Places of the record of `orthosis` in the memory."""
@@ -84,7 +86,7 @@ SETTINGS = {
     "rod_quantum": 0.2,  # [N]
     "rod_range": 4000.0,  # [N]
     "encoder": 2e-5,  # [rad]
-    "belt_speed": 0.0,  # [m/s]
+    "belt_speed": 0.0,  # besides that of the scene's reference [m/s]
     "belt_lag": 0.25,  # [s]
     "sole_stiffness": 4e4,  # [N/m]
     "sole_damping": 4e4,  # [N s/m^2]
@@ -185,8 +187,10 @@ def read_lokomat(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
 @typed_kernel(WRITE)
 def write_lokomat(memory: Vec, command: Vec, tick: int) -> int:
     """Put joint torques into the delay line; without enabled, finite ones currents are cut and brakes close."""
-    torques = command[COMMAND_TORQUE : COMMAND_TORQUE + _JOINTS]
-    usable = all_finite(torques)
+    torques, belt = command[COMMAND_TORQUE : COMMAND_TORQUE + _JOINTS], command[COMMAND_BELT]
+    usable = all_finite(torques) and math.isfinite(belt)
+    if usable:
+        memory[_MACHINE + orthosis.BELT + treadmill.BELT_ORDER] = memory[_BELT] + belt
     orthosis.order_machine(memory[_MACHINE:_LENGTH], torques, usable and command[COMMAND_ENABLED] != 0.0)
     return 0 if usable else 1
 
@@ -218,6 +222,7 @@ def build_simulated_lokomat(request: DeviceRequest) -> DevicePlugin:
     plant = memory[PLANT]
     _write_plant(plant, request, own, numbers, free=pelvis == "free")
     _write_treadmill(plant, own, numbers)
+    memory[_BELT] = numbers["belt_speed"]
     for number in range(_LEGS):
         _write_leg(plant, request, own, numbers, number)
     orthosis.place_drives(plant)

@@ -10,6 +10,7 @@ from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, moves_of
 from mimics_app.contracts.loop.loop_ports import (
+    COMMAND_BELT,
     COMMAND_DQ,
     COMMAND_ENABLED,
     COMMAND_FORCE,
@@ -61,6 +62,7 @@ def write_command(scene: SceneRecord, states: Table[StateRecord], command: Vec) 
         command[COMMAND_VIBRATION + c] = min(1.0, felt / scene.force_limit) if felt > 0.0 else 0.0
     command[COMMAND_ENABLED] = 1.0 if SafetyState.HOMED <= state.safety < SafetyState.SAFE_STOP else 0.0
     command[COMMAND_STATE] = float(state.safety)
+    command[COMMAND_BELT] = state.reference_state.speed.value * state.reference_state.amplitude.value
 
 
 @kernel
