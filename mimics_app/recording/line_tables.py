@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -21,7 +22,7 @@ __all__ = [
     "event_kinds",
     "event_rows",
     "gaps_table",
-    "safe_text",
+    "safe_cell",
     "text_of",
     "timed_events",
 ]
@@ -31,8 +32,9 @@ Column = F8 | list[str]
 
 Rows = Sequence[Mapping[str, Any]]
 
-_FORMULA = ("=", "+", "-", "@", "\t", "\r")
-"""Beginnings of a cell that spreadsheets run as a formula."""
+_FORMULA = re.compile("^[ \u00a0]*[=+\\-@\t\r\n\uff1d\uff0b\uff0d\uff20]")
+"""Beginning of a text that a spreadsheet runs as a formula, blanks aside."""
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
 
 def event_kinds(run: Run) -> list[tuple[str, str]]:
@@ -92,9 +94,11 @@ def text_of(value: object) -> str:
     return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
 
 
-def safe_text(text: str) -> str:
-    """Return the text of a cell so that no spreadsheet runs it as a formula: with an apostrophe in front."""
-    return f"'{text}" if text.startswith(_FORMULA) else text
+def safe_cell(value: object) -> object:
+    """Return a value for a cell; text that a spreadsheet would run gets an apostrophe before it, numbers never."""
+    if isinstance(value, str) and _FORMULA.match(value) and not _NUMBER.fullmatch(value):
+        return f"'{value}"
+    return value
 
 
 def _column(cells: list[Any]) -> Column:

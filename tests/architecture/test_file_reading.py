@@ -33,6 +33,8 @@ OWN_DATA = {
     "lab/stability/catalogue.py": "package sources",
     "lab/sweep/store.py": "package sources, and a table of its own",
     "plotting/drawing.py": "package data",
+    "recording/exporters/_spool.py": "written by itself",
+    "recording/exporters/hdf5.py": "written by itself: its mode is x",
     "rendering/audio/openal_library.py": "package data",
     "rendering/visual/figures/glyphs.py": "package data",
     "rendering/visual/materials/shader_source.py": "package data, and included only from there",

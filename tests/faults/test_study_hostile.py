@@ -86,7 +86,7 @@ def test_tables_and_pages_are_for_their_user_alone(tmp_path: Path) -> None:
         os.chmod(old, 0o644)
         for file in (tmp_path / "new.csv", old):
             write_table(file, [{"a": 1}])
-        write_page(tmp_path / "study.html", "walk", [SubjectRun(1, 1, None, "gone")], [], [])
+        write_page(tmp_path / "study.html", "walk", [SubjectRun(1, 1, None, "gone")], [], {})
         files = [old, tmp_path / "new.csv", tmp_path / "study.html"]
         Watch().write_events(tmp_path / "events.csv")
         Watch().write_features(tmp_path / "features.csv")
@@ -96,7 +96,7 @@ def test_tables_and_pages_are_for_their_user_alone(tmp_path: Path) -> None:
         os.umask(before)
     assert mode(tmp_path / "out") == 0o700
     files += list((tmp_path / "out").iterdir())
-    assert len(files) == 9 and {mode(file) for file in files} == {0o600}
+    assert len(files) == 7 and {mode(file) for file in files} == {0o600}
 
 
 @pytest.mark.parametrize("command", [["record", "info"], ["record", "verify"], ["report"], ["study", "walk", "--of"]])

@@ -328,16 +328,16 @@ def test_tables_of_a_study_are_tidy(tmp_path: Path) -> None:
     (run / "events.jsonl").write_text(
         "".join(json.dumps({"source": "app"} | event) + "\n" for event in events) + '{"kind": "ta'
     )
-    trials, taps, answers = read_study([SubjectRun(4, 9, run), SubjectRun(5, 10, None, "gone")])
+    trials, tables = read_study([SubjectRun(4, 9, run), SubjectRun(5, 10, None, "gone")])
     assert [row["subject"] for row in trials] == [4, 4]
-    assert taps == [
+    assert tables["taps"].rows == [
         {
             **{"subject": 4, "trial": 0, "tap": 0, "condition": "together", "place": "cord", "felt_at": "back"},
             **{"seen_scheduled_ns": 100, "seen_submitted_ns": 110, "seen_display_ns": 120},
             **{"felt_scheduled_ns": 100, "offset_ms": 0, "felt_commanded_ns": 90, "felt_ns": 101},
         }
     ]
-    assert answers[0]["value"] == 2
+    assert tables["answers"].rows[0]["value"] == 2
     assert summarise_conditions(trials, ["ownership"]) == [
         {"condition": "together", "n": 1, "ownership": 2.0, "ownership_sd": None}
     ]

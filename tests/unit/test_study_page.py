@@ -30,7 +30,7 @@ TIMES = {"time_s": "3.14159", "contacts": "2", "smoothness": "", "begin_ns": "7"
 def test_measures_that_have_a_value_are_compared(tmp_path: Path, measured: dict[str, str], heads: list[str]) -> None:
     rows = [{"subject": k, "label": "a", "outcome": "finished", **measured} for k in (1, 2)]
     rows.append({"subject": 3, "label": "a", "outcome": "aborted", "path_m": "1.0", "drift_m": "0.1"})
-    write_page(tmp_path / "study.html", "walk", [], rows, [])
+    write_page(tmp_path / "study.html", "walk", [], rows, {})
     page = (tmp_path / "study.html").read_text(encoding="utf-8")
     assert re.findall("<th>(.*?)</th>", page)[: 2 + len(heads)] == ["condition", "n", *heads]
     assert re.findall("<li>(.*?):", page) == heads
@@ -43,13 +43,13 @@ def test_the_page_has_the_title_of_the_scene(tmp_path: Path) -> None:
         (tmp_path / str(number) / "session.json").write_text(header)
     runs = [SubjectRun(0, 0, None, "gone"), *(SubjectRun(n, n, tmp_path / str(n)) for n in (1, 2, 3))]
     for kept, title in ((runs, "A &lt;long&gt; walk"), (runs[:3], "walk")):
-        write_page(tmp_path / "study.html", "walk", kept, [], [])
+        write_page(tmp_path / "study.html", "walk", kept, [], {})
         page = (tmp_path / "study.html").read_text(encoding="utf-8")
         assert f"<title>{title}: study</title>" in page and f"<h1>{title}</h1>" in page
 
 
 def test_without_a_finished_trial_the_page_says_so(tmp_path: Path) -> None:
-    write_page(tmp_path / "study.html", "walk", [], [{"subject": 1, "label": "a", "outcome": "timeout"}], [])
+    write_page(tmp_path / "study.html", "walk", [], [{"subject": 1, "label": "a", "outcome": "timeout"}], {})
     assert "No trial finished." in (tmp_path / "study.html").read_text(encoding="utf-8")
 
 
@@ -68,10 +68,10 @@ def test_joined_runs_name_their_participants_and_runs_of_another_scene_are_left_
     assert (jo.participant, jo.simulated, simulated.simulated) == ("J. O'Neil & <b>", False, True)
     assert other.folder is None and "is a run of ride, not of walk" in other.problem
     (tmp_path / "a" / "trials.csv").write_text("trial,label\n1,wide\n", encoding="utf-8")
-    trials, _, _ = read_study([jo, simulated, other])
+    trials, _ = read_study([jo, simulated, other])
     assert trials == [{"subject": 1, "participant": "J. O'Neil & <b>", "seed": 7, "trial": "1", "label": "wide"}]
     for runs, spoken in (([jo], False), ([jo, simulated], True)):
-        write_page(tmp_path / "study.html", "Walk", runs, trials, [])
+        write_page(tmp_path / "study.html", "Walk", runs, trials, {})
         page = (tmp_path / "study.html").read_text(encoding="utf-8")
         assert "<td>1</td><td>J. O&#39;Neil &amp; &lt;b&gt;</td><td>7</td><td>wide</td>" in page
         assert ("Simulated subjects" in page) is spoken
@@ -83,9 +83,9 @@ def test_conditions_are_named_as_the_lab_named_them(tmp_path: Path) -> None:
     (folder / "trials.csv").write_bytes(
         table_text([{"trial": 1, "label": "2", "time_s": 1.5}, {"trial": 2, "label": ""}])
     )
-    trials, _, _ = read_study([find_run(1, folder, "walk")])
+    trials, _ = read_study([find_run(1, folder, "walk")])
     assert [(row.get("label", ""), row.get("time_s")) for row in trials] == [("2", "1.5"), ("", None)]
-    write_page(tmp_path / "study.html", "Walk", [], [{**row, "outcome": "finished"} for row in trials], [])
+    write_page(tmp_path / "study.html", "Walk", [], [{**row, "outcome": "finished"} for row in trials], {})
     assert "<td>2</td>" in (tmp_path / "study.html").read_text(encoding="utf-8")
 
 
@@ -98,7 +98,7 @@ def test_runs_below_the_page_are_named_from_its_folder(tmp_path: Path) -> None:
         SubjectRun(2, 2, elsewhere),
         SubjectRun(3, 0, None, "no folder"),
     ]
-    write_page(study / "study.html", "walk", runs, [], [])
+    write_page(study / "study.html", "walk", runs, [], {})
     page = (study / "study.html").read_text(encoding="utf-8")
     assert re.findall("<td>([^<]*first|[^<]*other)</td>", page) == ["runs/first", str(elsewhere.resolve())]
     assert "no folder" in page

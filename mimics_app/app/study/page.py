@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from statistics import fmean
 from typing import Any
 
 from mimics_app.app.study.subjects import SubjectRun
-from mimics_app.app.study.tables import Row, summarise_conditions
+from mimics_app.app.study.tables import Row, StudyTable, summarise_conditions
 from mimics_app.contracts.errors import counted
 from mimics_app.contracts.system.whole_file import private_text
 from mimics_app.plotting.page_templates import load_templates
@@ -20,7 +19,9 @@ from mimics_app.tasks.task import MEASURES
 __all__ = ["write_page"]
 
 
-def write_page(file: Path, scene: str, runs: Sequence[SubjectRun], trials: Sequence[Row], taps: Sequence[Row]) -> None:
+def write_page(
+    file: Path, scene: str, runs: Sequence[SubjectRun], trials: Sequence[Row], tables: Mapping[str, StudyTable]
+) -> None:
     """Write the results of a study as one self-contained HTML file; `scene` is its name where no run has its title."""
     environment = load_templates(Path(__file__).parent / "templates")
     environment.filters["cell"] = _cell
@@ -33,7 +34,8 @@ def write_page(file: Path, scene: str, runs: Sequence[SubjectRun], trials: Seque
         conditions=conditions,
         simulated=any(run.simulated for run in runs if run.folder),
         size=f"{counted(len(runs), 'subjects')}, {counted(finished, 'finished trials')}",
-        taps=[_tap_line(label, taps) for label in dict.fromkeys(str(row.get("condition")) for row in taps)],
+        tables=[(name, *table.summary) for name, table in tables.items() if table.summary[1]],
+        files=["trials.csv", *(f"{name}.csv" for name, table in tables.items() if table.rows)],
         subjects=[_subject_line(run, trials, file.resolve().parent) for run in runs],
     )
     with private_text(file) as stream:
@@ -64,21 +66,6 @@ def _cell(row: Row, measure: str) -> str:
     if mean is None:
         return ""
     return f"{mean:.3g}" if spread is None else f"{mean:.3g} ({spread:.2g})"
-
-
-def _tap_line(label: str, taps: Sequence[Row]) -> dict[str, Any]:
-    rows = [row for row in taps if row.get("condition") == label]
-    seen = [row["seen_display_ns"] - row["seen_scheduled_ns"] for row in rows if "seen_display_ns" in row]
-    errors = [abs(row["felt_ns"] - row["felt_scheduled_ns"]) for row in rows if "felt_ns" in row]
-    both = [row["felt_ns"] - row["seen_display_ns"] for row in rows if "felt_ns" in row and "seen_display_ns" in row]
-    return {
-        "condition": label,
-        "n": len(rows),
-        "seen": f"{max(map(abs, seen)) * 1e-6:.2f}" if seen else "",
-        "bias": f"{fmean(seen) * 1e-6:.2f}" if seen else "",
-        "felt": f"{max(errors) * 1e-6:.3f}" if errors else "",
-        "offset": f"{fmean(both) * 1e-6:.1f}" if both else "",
-    }
 
 
 def _subject_line(run: SubjectRun, trials: Sequence[Row], beside: Path) -> dict[str, Any]:

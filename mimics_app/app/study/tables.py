@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import csv
 import json
-import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import fmean, stdev
 from typing import Any
@@ -13,24 +13,44 @@ from typing import Any
 from mimics_app.app.study.subjects import SubjectRun
 from mimics_app.contracts.system.whole_file import private_text
 from mimics_app.recording.event_log import read_lines
+from mimics_app.recording.line_tables import safe_cell
 from mimics_app.recording.run_folder import FILES
 from mimics_app.recording.trial_table import read_trials
-from mimics_app.tasks.kinds.avatar_cord.tap_schedule import tap_of_number
+from mimics_app.tasks.kinds.kind import ObservationTable
+from mimics_app.tasks.kinds.registry import task_kinds
 
-__all__ = ["ANSWER_COLUMNS", "TAP_COLUMNS", "read_study", "summarise_conditions", "write_table"]
+__all__ = ["Row", "StudyTable", "read_study", "summarise_conditions", "write_table"]
 
 Row = dict[str, Any]
 
-TAP_COLUMNS = ["subject", "trial", "condition", "tap", "place", "felt_at", "seen_scheduled_ns", "seen_submitted_ns"]
-TAP_COLUMNS += ["seen_display_ns", "felt_scheduled_ns", "felt_commanded_ns", "felt_ns", "offset_ms"]
-ANSWER_COLUMNS = ["subject", "trial", "condition", "item", "scale", "value", "seconds", "t_ns"]
-_FORMULA = re.compile("^[ \u00a0]*[=+\\-@\t\r\n\uff1d\uff0b\uff0d\uff20]")
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+
+@dataclass(frozen=True, slots=True)
+class StudyTable:
+    """Rows of one table of a kind of task, those of all subjects.
+
+    Attributes:
+        kind: The table as its kind describes it.
+        rows: Its rows, the subject first.
+    """
+
+    kind: ObservationTable
+    rows: list[Row] = field(default_factory=list)
+
+    @property
+    def columns(self) -> list[str]:
+        """Its columns, the subject first."""
+        return ["subject", *self.kind.columns]
+
+    @property
+    def summary(self) -> tuple[list[str], list[list[str]]]:
+        """Heads and rows of its summary by condition for the page; empty without rows."""
+        return self.kind.summary(self.rows) if self.rows else ([], [])
 
 
-def read_study(runs: Sequence[SubjectRun]) -> tuple[list[Row], list[Row], list[Row]]:
-    """Trials, taps and answers of all subjects that have a run folder."""
-    trials, taps, answers = list[Row](), list[Row](), list[Row]()
+def read_study(runs: Sequence[SubjectRun]) -> tuple[list[Row], dict[str, StudyTable]]:
+    """Return the trials of all subjects that have a run folder, and the tables of the kinds of task by name."""
+    trials = list[Row]()
+    tables = {table.name: StudyTable(table) for kind in task_kinds() for table in kind.tables}
     for run in runs:
         if run.folder is None:
             continue
@@ -38,11 +58,9 @@ def read_study(runs: Sequence[SubjectRun]) -> tuple[list[Row], list[Row], list[R
         trials += [{**whose, **row} for row in _rows(run.folder / "trials.csv")]
         journal = run.folder / FILES["events"]
         events = read_lines(journal)[0] if journal.exists() else []
-        taps += _taps(run.subject, events)
-        for event in events:
-            if event.get("kind") == "answer":
-                answers.append({"subject": run.subject, **{name: event.get(name) for name in ANSWER_COLUMNS[1:]}})
-    return trials, taps, answers
+        for table in tables.values():
+            table.rows.extend({"subject": run.subject, **row} for row in table.kind.rows(events))
+    return trials, tables
 
 
 def write_table(file: Path, rows: Sequence[Mapping[str, Any]], columns: Sequence[str] = ()) -> None:
@@ -50,15 +68,8 @@ def write_table(file: Path, rows: Sequence[Mapping[str, Any]], columns: Sequence
     names = list(columns) or list(dict.fromkeys(name for row in rows for name in row))
     with private_text(file) as stream:
         writer = csv.writer(stream)
-        writer.writerow(map(_as_cell, names))
-        writer.writerows([_as_cell(row.get(name, "")) for name in names] for row in rows)
-
-
-def _as_cell(value: object) -> object:
-    """Return a value for a cell; text that a spreadsheet would run gets an apostrophe before it, numbers never."""
-    if isinstance(value, str) and _FORMULA.match(value) and not _NUMBER.fullmatch(value):
-        return f"'{value}"
-    return value
+        writer.writerow(map(safe_cell, names))
+        writer.writerows([safe_cell(row.get(name, "")) for name in names] for row in rows)
 
 
 def summarise_conditions(trials: Sequence[Row], measures: Sequence[str]) -> list[Row]:
@@ -74,26 +85,6 @@ def summarise_conditions(trials: Sequence[Row], measures: Sequence[str]) -> list
             line[f"{measure}_sd"] = stdev(values) if len(values) > 1 else None
         summary.append(line)
     return summary
-
-
-def _taps(subject: int, events: Sequence[Row]) -> list[Row]:
-    """Return one row per tap, with its visual and its tactile times."""
-    rows: dict[tuple[int, int], Row] = {}
-    for event in events:
-        kind = event.get("kind")
-        if kind == "tap_seen":
-            key = event["trial"], event["tap"]
-            seen = {f"seen_{name}": event[name] for name in ("scheduled_ns", "submitted_ns", "display_ns")}
-            rows.setdefault(key, {}).update(condition=event["condition"], place=event["place"], **seen)
-        elif kind == "tap_felt":
-            key = event["trial"], event["tap"]
-            scheduled = {"felt_scheduled_ns": event["scheduled_ns"], "offset_ms": event["offset_ms"]}
-            rows.setdefault(key, {}).update(condition=event["condition"], felt_at=event["at"], **scheduled)
-        elif kind == "tactile" and "number" in event:
-            key = tap_of_number(event["number"])
-            times = {"felt_commanded_ns": event["commanded_ns"], "felt_ns": event["felt_ns"]}
-            rows.setdefault(key, {}).update(times)
-    return [{"subject": subject, "trial": trial, "tap": tap, **row} for (trial, tap), row in sorted(rows.items())]
 
 
 def _rows(file: Path) -> list[Row]:

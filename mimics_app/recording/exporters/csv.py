@@ -14,7 +14,7 @@ from mimics_app.recording.line_tables import (
     event_kinds,
     event_rows,
     gaps_table,
-    safe_text,
+    safe_cell,
     text_of,
 )
 from mimics_app.recording.run import Run
@@ -63,7 +63,7 @@ def _write_rows(file: Path, rows: Rows) -> Path:
 
 
 def _cell(value: object) -> object:
-    return value if isinstance(value, int | float) else safe_text(text_of(value))
+    return value if isinstance(value, int | float) else safe_cell(text_of(value))
 
 
 EXPORTER = _Csv()

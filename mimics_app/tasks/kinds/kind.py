@@ -8,10 +8,10 @@ defaults, so a kind defines only what it has.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, ClassVar, Protocol, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol, TypeVar
 
 from msgspec import Meta
 
@@ -28,7 +28,17 @@ from mimics_app.world.components.registry import Component
 if TYPE_CHECKING:
     from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["Fault", "KindPlay", "Measure", "ScorePartSpec", "StepResult", "TaskBlock", "TaskKind", "Values"]
+__all__ = [
+    "Fault",
+    "KindPlay",
+    "Measure",
+    "ObservationTable",
+    "ScorePartSpec",
+    "StepResult",
+    "TaskBlock",
+    "TaskKind",
+    "Values",
+]
 
 Fault = tuple[str, str, str]
 """(JSON pointer, what is wrong, what to do)"""
@@ -113,6 +123,23 @@ class Measure:
     ) -> Measure:
         """Make a measure whose total has the name of its column."""
         return cls(column, part, what, ScorePartSpec(weight=weight, best=best, worst=worst), column, sums)
+
+
+@dataclass(frozen=True, slots=True)
+class ObservationTable:
+    """A table of what a kind of task journals beside its trials: one row for each observation, for studies.
+
+    Attributes:
+        name: Name of its file, and of its section on the page of a study.
+        columns: Its columns.
+        rows: Return the rows of one run from the lines of its journal.
+        summary: Return heads and rows of a summary by condition, from rows of all subjects.
+    """
+
+    name: str
+    columns: tuple[str, ...]
+    rows: Callable[[Sequence[Mapping[str, Any]]], list[dict[str, Any]]]
+    summary: Callable[[Sequence[Mapping[str, Any]]], tuple[list[str], list[list[str]]]]
 
 
 class KindPlay:
@@ -241,6 +268,7 @@ class TaskKind(ABC):
         implied: Whether it also takes scenes whose task does not name it; another kind of the same task then gives the
             captions and the report.
         report: Its section in the report of a run, or None.
+        tables: Tables of what it journals beside its trials, for studies.
     """
 
     name: ClassVar[str]
@@ -258,6 +286,7 @@ class TaskKind(ABC):
     touches: ClassVar[bool] = True
     implied: ClassVar[bool] = False
     report: ClassVar[ReportSection | None] = None
+    tables: ClassVar[tuple[ObservationTable, ...]] = ()
 
     def read_files(self, section: Component, folder: Path, root: Path) -> Component:
         """Return this kind's section with the contents of the files that it names.

@@ -18,6 +18,7 @@ from mimics_app.contracts.messages.report_section import ReportedAttempt, Report
 from mimics_app.contracts.messages.stage_messages import TactileEvent
 from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.cards import count_card
+from mimics_app.tasks.kinds.avatar_cord.observations import ANSWERS, TAPS
 from mimics_app.tasks.kinds.avatar_cord.questionnaire_file import check_questionnaire, read_questionnaire
 from mimics_app.tasks.kinds.avatar_cord.questions import Asking
 from mimics_app.tasks.kinds.avatar_cord.spec import AvatarCordSpec, ExperimentGoal, QuestionnaireSpec
@@ -260,6 +261,7 @@ class AvatarCordKind(TaskKind):
     scored = False
     journals = ("phase", "tap_felt", "tap_seen", "threat", "answer")
     report = AvatarCordSection()
+    tables = (TAPS, ANSWERS)
     measures: ClassVar[tuple[Measure, ...]] = (
         _column("taps", "Taps that were seen.", sums=True),
         _column("tap_error_ms", "Largest distance of a tap's display from its time [ms]."),

@@ -1,0 +1,99 @@
+"""Export of a study: tidy tables, a page for the study and one for each participant, readable without a network."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from mimics_app.app.study.change import Interval
+from mimics_app.app.study.study_folder import Participant, StudyFolder, folder_name
+from mimics_app.app.study.study_results import Change, Effect, changes_of, effects_of, measures_in, trials_of
+from mimics_app.app.study.tables import write_table
+from mimics_app.contracts.errors import OutputError, counted
+from mimics_app.contracts.system.whole_file import private_text
+from mimics_app.plotting.page_templates import load_templates
+from mimics_app.recording.run_folder import PRIVATE_FOLDER
+
+__all__ = ["export_study"]
+
+_BEGIN = ["participant", "session", "run", "attempt", "condition"]
+
+
+def export_study(study: StudyFolder, folder: Path) -> list[Path]:
+    """Write trials.csv, changes.csv, effects.csv, study.html and a page for each participant.
+
+    Raises:
+        OutputError: The folder has files already.
+    """
+    if folder.exists() and any(folder.iterdir()):
+        raise OutputError(folder, "this folder is not empty", "name another one")
+    folder.mkdir(mode=PRIVATE_FOLDER, parents=True, exist_ok=True)
+    trials = trials_of(study)
+    measures = measures_in(trials)
+    effects = effects_of(trials, list(measures))
+    by_person = {each: [row for row in trials if row["participant"] == each.code] for each in study.participants}
+    changes = {each: changes_of(rows, list(measures)) for each, rows in by_person.items()}
+    names = [*_BEGIN, *dict.fromkeys(name for row in trials for name in row if name not in _BEGIN)]
+    write_table(folder / "trials.csv", trials, names)
+    lines = [_change_row(person, change) for person, found in changes.items() for change in found]
+    write_table(folder / "changes.csv", lines)
+    write_table(folder / "effects.csv", [_effect_row(effect) for effect in effects])
+    pages = {each: f"participant_{folder_name(each.code)}.html" for each in study.participants}
+    _write_page(folder / "study.html", study, "", measures, effects=effects, pages=pages)
+    for person, name in pages.items():
+        _write_page(folder / name, study, person.code, measures, changes=changes[person])
+    tables = [folder / f"{name}.csv" for name in ("trials", "changes", "effects")]
+    return [*tables, folder / "study.html", *(folder / name for name in pages.values())]
+
+
+def _change_row(person: Participant, change: Change) -> dict[str, Any]:
+    whose = {"participant": person.code, "condition": change.condition, "measure": change.measure}
+    values = {"first": change.means[0].mean, "last": change.means[-1].mean, "runs": len(change.means)}
+    interval = change.change
+    return {**whose, **values, **({"change": interval.mean, **_bounds(interval)} if interval else {})}
+
+
+def _effect_row(effect: Effect) -> dict[str, Any]:
+    row = {"condition": effect.condition, "measure": effect.measure, **asdict(effect.mean), "against": effect.against}
+    if effect.effect is None:
+        return row
+    return {**row, "effect": effect.effect.mean, **{f"effect_{k}": v for k, v in _bounds(effect.effect).items()}}
+
+
+def _bounds(interval: Interval) -> dict[str, float | None]:
+    return {"low": interval.low, "high": interval.high}
+
+
+def _write_page(
+    file: Path,
+    study: StudyFolder,
+    participant: str,
+    measures: Mapping[str, str],
+    *,
+    effects: Sequence[Effect] = (),
+    changes: Sequence[Change] = (),
+    pages: Mapping[Participant, str] | None = None,
+) -> None:
+    environment = load_templates(Path(__file__).parent / "templates")
+    environment.filters["interval"] = _interval_words
+    page = environment.get_template("results.html.j2").render(
+        title=study.title,
+        participant=participant,
+        measures=measures,
+        effects=effects,
+        changes=changes,
+        pages=[(person.code, name) for person, name in (pages or {}).items()],
+        size=counted(len(study.participants), "participants"),
+    )
+    with private_text(file) as stream:
+        stream.write(page)
+
+
+def _interval_words(interval: Interval | None) -> str:
+    if interval is None:
+        return ""
+    if interval.low is None or interval.high is None:
+        return f"{interval.mean:.3g}"
+    return f"{interval.mean:.3g} ({interval.low:.3g} to {interval.high:.3g})"

@@ -1,0 +1,279 @@
+"""Folder of a study: its protocol, its participants, their sessions, and where the names of the participants are.
+
+    STUDY/study.json                            protocol
+    STUDY/participants.jsonl                    code and row of the squares of each participant
+    STUDY/sub-CODE/ses-001/journal.jsonl        what began and ended
+    STUDY/sub-CODE/ses-001/run-003-1/RUN        run folder of the first attempt at the third run
+    STUDY.keys.json                             names behind the codes, beside the folder: never in it
+
+A line of a journal is on the disk before a run begins, so that a crash at any moment is seen afterwards. Nothing is
+overwritten: another attempt has a folder of its own.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from mimics_app.app.study.protocol import PlannedRun, Protocol, plan_of, read_protocol
+from mimics_app.app.terminal.participant import canonical_code, why_no_code
+from mimics_app.contracts.clock import wall_time
+from mimics_app.contracts.errors import Issue, OutputError, SceneError, UsageError, nearest
+from mimics_app.contracts.system.regular_file import read_or_nothing
+from mimics_app.recording.event_log import to_json
+from mimics_app.recording.json_text import parse_object
+from mimics_app.recording.run_folder import PRIVATE_FILE, PRIVATE_FOLDER, write_atomically
+
+__all__ = ["Attempt", "Participant", "StudyFolder", "folder_name"]
+
+_PROTOCOL, _PARTICIPANTS, _JOURNAL = "study.json", "participants.jsonl", "journal.jsonl"
+_LONGEST_NAME = 120
+"""Longest name of a participant's folder; a file system takes 255 bytes."""
+_NEW_CODE = "P{:03d}"
+
+
+@dataclass(frozen=True, slots=True)
+class Participant:
+    """A participant.
+
+    Attributes:
+        code: Pseudonym.
+        row: Row of the squares, 0 first.
+    """
+
+    code: str
+    row: int
+
+
+@dataclass(frozen=True, slots=True)
+class Attempt:
+    """One attempt at a planned run.
+
+    Attributes:
+        run: Number of the planned run, 1 first.
+        attempt: Number of the attempt, 1 first.
+        outcome: "done", "interrupted" or "abandoned".
+        from_trial: First trial, 1 first.
+        folder: Its run folder, None where none was made.
+    """
+
+    run: int
+    attempt: int
+    outcome: str
+    from_trial: int
+    folder: Path | None
+
+
+class StudyFolder:
+    """A study on the disk.
+
+    Attributes:
+        path: Its folder.
+        protocol: Its protocol.
+    """
+
+    def __init__(self, path: Path) -> None:
+        if not (path / _PROTOCOL).is_file():
+            raise SceneError(Issue(str(path), "", "is not the folder of a study", "mimics study new FOLDER makes one"))
+        self.path = path
+        self.protocol: Protocol = read_protocol(path / _PROTOCOL)
+
+    @classmethod
+    def create(cls, path: Path, protocol: Mapping[str, Any]) -> StudyFolder:
+        """Make the folder of a new study.
+
+        Raises:
+            OutputError: It exists already.
+            SceneError: The protocol is faulty; nothing is made.
+        """
+        scratch = path.with_name(f".{path.name}.part")
+        shutil.rmtree(scratch, ignore_errors=True)
+        try:
+            if os.path.lexists(path) and any(path.iterdir()):
+                raise OutputError(path, "this folder is not empty", "name another one: no study is overwritten")
+            scratch.mkdir(mode=PRIVATE_FOLDER, parents=True)
+            write_atomically(scratch / _PROTOCOL, json.dumps(protocol, indent=2, ensure_ascii=False).encode() + b"\n")
+            read_protocol(scratch / _PROTOCOL)
+            scratch.replace(path)
+        except OSError as error:
+            raise OutputError(path, f"cannot be made: {error.strerror or error}", "name another folder") from error
+        finally:
+            shutil.rmtree(scratch, ignore_errors=True)
+        return cls(path)
+
+    @property
+    def title(self) -> str:
+        """Title for the reports."""
+        return self.protocol.title or self.path.resolve().name
+
+    @property
+    def protocol_file(self) -> Path:
+        """The file of the protocol."""
+        return self.path / _PROTOCOL
+
+    @property
+    def key_file(self) -> Path:
+        """File with the names behind the codes, beside the folder."""
+        resolved = self.path.resolve()
+        return resolved.with_name(f"{resolved.name}.keys.json")
+
+    @property
+    def participants(self) -> list[Participant]:
+        """All participants in the order in which they were added."""
+        return [Participant(line["participant"], line["row"]) for line in _lines(self.path / _PARTICIPANTS)]
+
+    def find(self, text: str) -> Participant:
+        """Return a participant by code.
+
+        Raises:
+            UsageError: There is none.
+        """
+        code, known = canonical_code(text), self.participants
+        found = next((each for each in known if each.code == code), None)
+        if found is None:
+            raise UsageError(f'there is no participant "{code}"', nearest(code, [each.code for each in known]))
+        return found
+
+    def find_or_add(self, text: str) -> Participant:
+        """Return a participant by code, who is added where there is none.
+
+        Raises:
+            UsageError: The text is no code.
+        """
+        code = canonical_code(text)
+        why = why_no_code(code) or ("" if code else "a participant has a code, such as P07")
+        if why:
+            raise UsageError(f'"{code}": {why}')
+        known = self.participants
+        for each in known:
+            if each.code == code:
+                return each
+        added = Participant(code, max((each.row for each in known), default=-1) + 1)
+        self._append(self.path / _PARTICIPANTS, {"participant": added.code, "row": added.row})
+        self.folder_of(added).mkdir(mode=PRIVATE_FOLDER)
+        return added
+
+    def of_name(self, name: str) -> Participant:
+        """Return the participant with a name, from the key file, where a new code is entered for a new name."""
+        names = self._names()
+        code = next((code for code, each in names.items() if each == canonical_code(name)), None)
+        if code is None:
+            taken = {each.code for each in self.participants} | names.keys()
+            code = next(text for n in range(1, len(taken) + 2) if (text := _NEW_CODE.format(n)) not in taken)
+            write_atomically(self.key_file, to_json({**names, code: canonical_code(name)}))
+        return self.find_or_add(code)
+
+    def _names(self) -> dict[str, str]:
+        data = read_or_nothing(self.key_file)
+        return {code: str(name) for code, name in parse_object(data).items()} if data else {}
+
+    def folder_of(self, participant: Participant) -> Path:
+        """Return the folder of a participant."""
+        return self.path / f"sub-{folder_name(participant.code)}"
+
+    def plan(self, participant: Participant, session: int) -> list[PlannedRun]:
+        """Return the runs of a session."""
+        return plan_of(self.protocol, participant.code, participant.row, session)
+
+    def attempts(self, participant: Participant, session: int) -> list[Attempt]:
+        """Return the attempts of a session in order; one that began and has no end was interrupted."""
+        journal = self._session(participant, session) / _JOURNAL
+        found: dict[tuple[int, int], Attempt] = {}
+        for line in _lines(journal):
+            key = line["run"], line["attempt"]
+            folder = self.attempt_folder(participant, session, *key)
+            runs = sorted(folder.glob("*_*")) if folder.is_dir() else []
+            outcome = line.get("outcome", "interrupted")
+            begun = found.get(key)
+            from_trial = begun.from_trial if begun else line.get("from_trial", 1)
+            found[key] = Attempt(*key, outcome, from_trial, runs[-1] if runs else None)
+        return list(found.values())
+
+    def attempt_folder(self, participant: Participant, session: int, run: int, attempt: int) -> Path:
+        """Return the parent of the run folder of an attempt."""
+        return self._session(participant, session) / f"run-{run:03d}-{attempt}"
+
+    def write_line(self, participant: Participant, session: int, line: Mapping[str, object]) -> None:
+        """Append a line to the journal of a session; it is on the disk when this returns."""
+        folder = self._session(participant, session)
+        folder.mkdir(mode=PRIVATE_FOLDER, exist_ok=True)
+        self._append(folder / _JOURNAL, {**line, "utc": wall_time().isoformat()})
+
+    def sessions_of(self, participant: Participant) -> list[int]:
+        """Return the numbers of the sessions that began."""
+        return sorted(
+            int(each.name[4:]) for each in self.folder_of(participant).glob("ses-*") if each.name[4:].isdigit()
+        )
+
+    def erase(self, participant: Participant) -> list[Path]:
+        """Remove all files of a participant, the code among the participants and the name among the keys.
+
+        Returns:
+            The files in which the code or the name is still found: none, unless somebody put them there.
+        """
+        names = self._names()
+        folder = self.folder_of(participant)
+        if folder.exists():
+            shutil.rmtree(folder)
+        kept = [each for each in self.participants if each != participant]
+        lines = [to_json({"participant": each.code, "row": each.row}) + b"\n" for each in kept]
+        write_atomically(self.path / _PARTICIPANTS, b"".join(lines))
+        name = names.pop(participant.code, "")
+        if name:
+            write_atomically(self.key_file, to_json(names))
+        return self.files_about(participant.code, name)
+
+    def files_about(self, code: str, name: str = "") -> list[Path]:
+        """Return the files of the study, and the key file, that name a participant.
+
+        Args:
+            code: The code, which is sought as the value of a participant and in paths.
+            name: The name, which is sought anywhere; "" for none.
+        """
+        texts = [rb'participant"\s*:\s*"' + text + b'"' for text in _forms(code)]
+        texts += [b"sub-" + re.escape(folder_name(code).encode()) + rb"(?![\w%-])"]
+        texts += _forms(name) if name else []
+        sought = re.compile(b"|".join(texts))
+        files = [each for each in self.path.rglob("*") if each.is_file()]
+        files += [self.key_file] if self.key_file.is_file() else []
+        return [each for each in files if sought.search(read_or_nothing(each)) or sought.search(os.fsencode(each))]
+
+    def _session(self, participant: Participant, session: int) -> Path:
+        return self.folder_of(participant) / f"ses-{session:03d}"
+
+    def _append(self, file: Path, line: Mapping[str, object]) -> None:
+        """Append a line and flush it to the medium."""
+        descriptor = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_APPEND, PRIVATE_FILE)
+        try:
+            os.write(descriptor, to_json(line) + b"\n")
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
+
+
+def folder_name(code: str) -> str:
+    """Return a code as the name of a folder: what no name of a file should have is written as %XX, as in a URL."""
+    name = quote(code, safe=" ").replace(" ", "%20")
+    if len(name) <= _LONGEST_NAME:
+        return name
+    return f"{name[: _LONGEST_NAME - 17]}-{hashlib.sha256(code.encode()).hexdigest()[:16]}"
+
+
+def _lines(file: Path) -> list[dict[str, Any]]:
+    """Return the whole lines of a file; a last one that a crash cut off is left out."""
+    content = read_or_nothing(file)
+    return [parse_object(line) for line in content[: content.rfind(b"\n") + 1].splitlines() if line.strip()]
+
+
+def _forms(text: str) -> list[bytes]:
+    """Return the patterns of a text in a file: as UTF-8, and with the escapes of JSON."""
+    forms = dict.fromkeys((text, json.dumps(text, ensure_ascii=False)[1:-1], json.dumps(text)[1:-1]))
+    return [re.escape(form.encode()) for form in forms]

@@ -1,0 +1,127 @@
+"""Runs of a study: what is next for a participant, and how it is played, resumed, begun again or given up."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from mimics_app.app.study.protocol import PlannedRun, scene_of
+from mimics_app.app.study.study_folder import Attempt, Participant, StudyFolder
+from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.messages.trial_counts import SESSION_ENDED
+from mimics_app.recording.run import Run
+from mimics_app.recording.run_folder import PRIVATE_FOLDER
+
+__all__ = ["Next", "find_next", "play_next"]
+
+Answer = Literal["", "resume", "restart", "abandon"]
+"""What the operator chooses for a run that was interrupted; "": nothing yet."""
+
+_LAST_STATE = "done"
+"""State of the task after its last trial."""
+
+
+@dataclass(frozen=True, slots=True)
+class Next:
+    """What comes next for a participant.
+
+    Attributes:
+        participant: The participant.
+        session: Number of the session, 1 first.
+        run: The planned run; None where the study is over for the participant.
+        interrupted: The attempt that was interrupted, None where the run has not begun.
+        resume_at: Trial at which that attempt can be resumed, 1 first; 1 without one.
+    """
+
+    participant: Participant
+    session: int
+    run: PlannedRun | None
+    interrupted: Attempt | None = None
+    resume_at: int = 1
+
+
+def find_next(study: StudyFolder, participant: Participant) -> Next:
+    """Return the first planned run that is neither done nor abandoned."""
+    for session in range(1, study.protocol.sessions + 1):
+        last = {attempt.run: attempt for attempt in study.attempts(participant, session)}
+        for planned in study.plan(participant, session):
+            attempt = last.get(planned.number)
+            if attempt is None:
+                return Next(participant, session, planned)
+            if attempt.outcome == "interrupted":
+                return Next(participant, session, planned, attempt, _trial_to_resume(attempt))
+    return Next(participant, study.protocol.sessions, None)
+
+
+def _trial_to_resume(attempt: Attempt) -> int:
+    """Return the trial after the last one that ended, 1 first."""
+    rows = [] if attempt.folder is None else Run(attempt.folder).trials
+    ended = [row["trial"] for row in rows if row.get("cause") != SESSION_ENDED and isinstance(row.get("trial"), int)]
+    return max(ended) + 2 if ended else attempt.from_trial
+
+
+def play_next(study: StudyFolder, participant: Participant, answer: Answer, extra: Sequence[str]) -> Attempt | None:
+    """Play the next run of a participant in a process of its own; return the attempt, None where none is left.
+
+    Args:
+        study: The study.
+        participant: The participant.
+        answer: For a run that was interrupted: go on at the trial after the last one, begin it again, or give it up.
+        extra: Further options of `mimics run`, such as --headless.
+
+    Raises:
+        UsageError: The next run was interrupted and `answer` is "", or the other way round.
+    """
+    found = find_next(study, participant)
+    if found.run is None:
+        return None
+    if (found.interrupted is None) != (answer == ""):
+        raise UsageError(*_question(found, answer))
+    number = found.run.number
+    if answer == "abandon" and found.interrupted is not None:
+        line = {"run": number, "attempt": found.interrupted.attempt, "outcome": "abandoned"}
+        study.write_line(participant, found.session, line)
+        return study.attempts(participant, found.session)[-1]
+    attempt = 1 if found.interrupted is None else found.interrupted.attempt + 1
+    from_trial = found.resume_at if answer == "resume" else 1
+    begun = {"run": number, "attempt": attempt, "condition": found.run.condition, "from_trial": from_trial}
+    study.write_line(participant, found.session, begun)
+    code = _play(study, found, attempt, from_trial, extra)
+    folder = study.attempts(participant, found.session)[-1].folder
+    outcome = "done" if code == 0 and _ended_whole(folder) else "interrupted"
+    study.write_line(participant, found.session, {"run": number, "attempt": attempt, "outcome": outcome, "code": code})
+    return study.attempts(participant, found.session)[-1]
+
+
+def _question(found: Next, answer: Answer) -> tuple[str, str]:
+    """Return what is to be decided, and how."""
+    if found.interrupted is None:
+        return f"nothing was interrupted that --{answer} could concern", "leave the option out"
+    planned = found.run
+    what = f"run {found.interrupted.run} ({planned.condition if planned else ''}) was interrupted"
+    return what, f"--resume (at trial {found.resume_at}), --restart-block or --abandon"
+
+
+def _play(study: StudyFolder, found: Next, attempt: int, from_trial: int, extra: Sequence[str]) -> int:
+    assert found.run is not None
+    condition = study.protocol.conditions[found.run.condition]
+    folder = study.attempt_folder(found.participant, found.session, found.run.number, attempt)
+    folder.mkdir(mode=PRIVATE_FOLDER)
+    options = ["--seed", str(found.run.seed), "--from-trial", str(from_trial), "--difficulty", condition.difficulty]
+    options += ["--trials", str(condition.trials)] if condition.trials else []
+    options += [f"--participant={found.participant.code}", "--runs", str(folder), *condition.options, *extra]
+    scene = scene_of(study.protocol_file, condition)
+    command = [sys.executable, "-m", "mimics_app", "run", str(scene), *options]
+    return subprocess.run(command, stdout=sys.stderr, check=False).returncode
+
+
+def _ended_whole(folder: Path | None) -> bool:
+    """Whether a run came to the end of its last trial."""
+    if folder is None:
+        return False
+    states = Run(folder).lines_of("app", "state")
+    return bool(states) and states[-1].get("state") == _LAST_STATE

@@ -1,0 +1,244 @@
+"""Studies: orders of conditions, participants, interrupted runs, results, and what `erase` leaves."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+import stat
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from mimics_app.app.study import study_runs
+from mimics_app.app.study.change import change_of, paired_difference
+from mimics_app.app.study.counterbalance import balanced_square, latin_square, order_of
+from mimics_app.app.study.study_folder import StudyFolder, folder_name
+from mimics_app.app.study.study_results import changes_of, effects_of, trials_of
+from mimics_app.app.study.study_runs import Next, find_next, play_next
+from mimics_app.contracts.errors import OutputError, SceneError, UsageError
+from mimics_app.recording.trial_table import table_text
+from tests.support.command import mimics
+
+CODES = ["007", "7", "Ü 3", "a b", "=cmd|calc!A0", "../P1", "P%2F1", "p.1"]
+"""Codes that shells, spreadsheets, paths and tables treat badly; all are accepted as codes."""
+NAME = "Anna Beispiel"
+
+
+def protocol(order: str = "fixed", sessions: int = 1) -> dict[str, Any]:
+    return {
+        "conditions": {"wide": {"scene": "wavy_tunnel"}, "far": {"scene": "pick_and_place", "difficulty": "harder"}},
+        "blocks": [{"conditions": ["wide", "far"], "order": order}],
+        "sessions": sessions,
+    }
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> StudyFolder:
+    return StudyFolder.create(tmp_path / "my study", protocol())
+
+
+class Played:
+    """Runs that a test plays: each call leaves a run folder as `mimics run` does."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.score = {"wide": 50.0, "far": 60.0}
+        self.trials, self.whole, self.code = 3, True, 0
+        self.from_trials: list[int] = []
+        monkeypatch.setattr(study_runs, "_play", self.play)
+
+    def play(self, study: StudyFolder, found: Next, attempt: int, from_trial: int, extra: Sequence[str]) -> int:
+        assert found.run is not None
+        self.from_trials.append(from_trial)
+        parent = study.attempt_folder(found.participant, found.session, found.run.number, attempt)
+        run = parent / "20260101T000000Z_00000000"
+        run.mkdir(parents=True)
+        row = {"outcome": "finished", "practice": False, "score": self.score[found.run.condition]}
+        (run / "trials.csv").write_bytes(table_text([{"trial": n, **row} for n in range(from_trial - 1, self.trials)]))
+        (run / "session.json").write_text(json.dumps({"settings": {"participant": found.participant.code}}))
+        state = {"source": "app", "kind": "state", "state": "done" if self.whole else "travel"}
+        (run / "events.jsonl").write_text(json.dumps(state) + "\n")
+        return self.code
+
+
+@pytest.fixture
+def played(monkeypatch: pytest.MonkeyPatch) -> Played:
+    return Played(monkeypatch)
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 4, 5, 6, 8])
+def test_each_condition_is_once_in_each_row_and_follows_each_other_equally_often(n: int) -> None:
+    """The property by which such squares are defined (Williams 1949)."""
+    for square in (latin_square(n), balanced_square(n)):
+        assert all(sorted(row) == list(range(n)) for row in square)
+        for column in zip(*square, strict=True):
+            assert {column.count(condition) for condition in range(n)} == {len(square) // n}
+    after = np.zeros((n, n), int)
+    for row in balanced_square(n):
+        for first, second in pairwise(row):
+            after[first, second] += 1
+    assert len(set(after[~np.eye(n, dtype=bool)])) <= 1
+
+
+def test_orders_repeat_from_their_seed(study: StudyFolder) -> None:
+    assert order_of("fixed", 4, 9, 1) == [0, 1, 2, 3]
+    orders = {tuple(order_of("shuffled", 4, 0, seed)) for seed in range(200)}
+    assert len(orders) == 24 and order_of("shuffled", 4, 0, 5) == order_of("shuffled", 4, 3, 5)
+    one, other = study.find_or_add("P1"), study.find_or_add("P2")
+    seeds = [[run.seed for run in study.plan(each, session)] for each in (one, other) for session in (1, 2)]
+    assert len({seed for each in seeds for seed in each}) == 8
+    assert study.plan(one, 1) == StudyFolder(study.path).plan(one, 1)
+
+
+def test_any_code_is_safe_in_paths_and_tables(study: StudyFolder, played: Played, tmp_path: Path) -> None:
+    for each in CODES:
+        play_next(study, study.find_or_add(each), "", [])
+    for folder in map(study.folder_of, study.participants):
+        assert folder.parent == study.path and re.fullmatch(r"sub-[A-Za-z0-9_.~%-]+", folder.name)
+    assert len({study.folder_of(each) for each in study.participants}) == len(CODES)
+    assert [each.code for each in StudyFolder(study.path).participants] == CODES, "leading zeros and letters stay"
+    assert mimics("study", "export", study.path, "--out", tmp_path / "out").returncode == 0
+    with (tmp_path / "out" / "trials.csv").open(newline="", encoding="utf-8") as file:
+        found = list(dict.fromkeys(row["participant"] for row in csv.DictReader(file)))
+    assert found == [f"'{each}" if each.startswith("=") else each for each in CODES]
+    page = (tmp_path / "out" / "study.html").read_text(encoding="utf-8")
+    assert "http" not in page and len(re.findall('href="participant_', page)) == len(CODES)
+
+
+def test_a_code_that_is_too_long_for_a_folder_is_shortened_without_a_clash() -> None:
+    names = {folder_name("ü" * 59 + end) for end in "ab"}
+    assert len(names) == 2 and max(map(len, names)) <= 120
+
+
+def test_nothing_is_overwritten(study: StudyFolder) -> None:
+    before = study.protocol_file.read_bytes()
+    with pytest.raises(OutputError, match="not empty"):
+        StudyFolder.create(study.path, protocol("latin"))
+    assert study.protocol_file.read_bytes() == before
+    with pytest.raises(SceneError, match="no condition"):
+        StudyFolder.create(study.path.with_name("other"), {**protocol(), "blocks": [{"conditions": ["wife"]}]})
+    assert [each.name for each in study.path.parent.iterdir()] == ["my study"], "a faulty protocol leaves nothing"
+
+
+def test_runs_follow_the_plan_to_its_end(study: StudyFolder, played: Played) -> None:
+    person = study.find_or_add("P1")
+    conditions = []
+    while (found := find_next(study, person)).run is not None:
+        conditions.append(found.run.condition)
+        attempt = play_next(study, person, "", [])
+        assert attempt is not None and attempt.outcome == "done"
+    assert conditions == ["wide", "far"]
+    assert play_next(study, person, "", []) is None
+
+
+@pytest.mark.parametrize(("answer", "scores"), [("resume", [50.0] * 3), ("restart", [50.0] * 3), ("abandon", [])])
+def test_an_interrupted_run_waits_for_the_operator(
+    study: StudyFolder, played: Played, answer: Any, scores: list[float]
+) -> None:
+    person = study.find_or_add("P1")
+    played.whole, played.trials = False, 2
+    first = play_next(study, person, "", [])
+    assert first is not None and first.outcome == "interrupted"
+    found = find_next(study, person)
+    assert found.resume_at == 3
+    with pytest.raises(UsageError, match=r"interrupted(.|\n)*--resume \(at trial 3\), --restart-block or --abandon"):
+        play_next(study, person, "", [])
+    played.whole, played.trials = True, 3
+    play_next(study, person, answer, [])
+    following = find_next(study, person).run
+    assert following is not None and following.condition == "far"
+    rows = trials_of(study)
+    assert [row["score"] for row in rows] == scores
+    assert sorted(row["trial"] for row in rows) == list(range(len(scores))), "no trial counts twice"
+    assert played.from_trials == {"resume": [1, 3], "restart": [1, 1], "abandon": [1]}[answer]
+    assert first.folder is not None and first.folder.is_dir(), "what was recorded stays"
+
+
+def test_a_crash_between_begin_and_end_is_an_interruption(study: StudyFolder, monkeypatch: pytest.MonkeyPatch) -> None:
+    def crash(*_: object) -> int:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(study_runs, "_play", crash)
+    person = study.find_or_add("P1")
+    with pytest.raises(KeyboardInterrupt):
+        play_next(study, person, "", [])
+    journal = next(study.path.rglob("journal.jsonl"))
+    with journal.open("ab") as file:
+        file.write(b'{"run": 1, "att')
+    found = find_next(StudyFolder(study.path), person)
+    assert found.interrupted is not None and found.resume_at == 1
+
+
+def test_names_stay_in_the_key_file_and_erase_leaves_nothing(study: StudyFolder, played: Played) -> None:
+    named, other = study.of_name(NAME), study.find_or_add("P9")
+    assert study.of_name(NAME) == named and re.fullmatch(r"P\d{3}", named.code)
+    for person in (named, other):
+        play_next(study, person, "", [])
+    assert stat.S_IMODE(study.key_file.stat().st_mode) == 0o600 and study.key_file.parent == study.path.parent
+    inside = [each for each in study.path.rglob("*") if each.is_file()]
+    assert inside and not any(NAME.encode() in each.read_bytes() for each in inside), "no name in the study"
+    assert study.files_about(named.code, NAME), "the scan finds what there is"
+    assert study.erase(named) == []
+    left = [each for each in study.path.parent.rglob("*") if each.is_file()]
+    assert not any(text in each.read_bytes() + str(each).encode() for each in left for text in (NAME.encode(), b"P001"))
+    assert [each.code for each in study.participants] == ["P9"] and find_next(study, other).run is not None
+
+
+def test_erase_says_where_somebody_wrote_the_name(study: StudyFolder, played: Played) -> None:
+    named = study.of_name(NAME)
+    (study.path / "notes.txt").write_text(f"{NAME} was tired")
+    assert [each.name for each in study.erase(named)] == ["notes.txt"]
+
+
+def test_changes_and_effects_are_those_of_scipy() -> None:
+    chance = np.random.default_rng(4)
+    first, second = chance.normal(50, 4, 12).tolist(), chance.normal(55, 9, 7).tolist()
+    change = change_of(first, second)
+    welch = stats.ttest_ind(second, first, equal_var=False).confidence_interval(0.95)
+    assert (change.low, change.high) == pytest.approx((welch.low, welch.high))
+    pairs = list(zip(first, chance.normal(53, 4, 12).tolist(), strict=True))
+    paired = stats.ttest_rel(*reversed(list(zip(*pairs, strict=True)))).confidence_interval(0.95)
+    effect = paired_difference(pairs)
+    assert (effect.low, effect.high) == pytest.approx((paired.low, paired.high))
+    assert change_of([1.0], [3.0, 4.0]).low is None, "one value has no spread"
+
+
+def test_results_of_several_sessions(tmp_path: Path, played: Played) -> None:
+    study = StudyFolder.create(tmp_path / "study", protocol("latin", sessions=2))
+    gains = {"P1": 1.0, "P2": 3.0, "P3": 5.0}
+    for code, gain in gains.items():
+        person = study.find_or_add(code)
+        for session in (1, 2):
+            for _ in range(2):
+                played.score = {"wide": 40.0 + 10 * session, "far": 40.0 + 10 * session + gain}
+                play_next(study, person, "", [])
+    assert [run.condition for run in study.plan(study.find("P2"), 1)] == ["far", "wide"]
+    trials = trials_of(study)
+    assert len(trials) == 3 * 2 * 2 * 3
+    effects = {(each.condition, each.against): each for each in effects_of(trials, ["score"])}
+    effect = effects["far", "wide"].effect
+    assert effect is not None and effect.mean == pytest.approx(3.0) and effect.n == 3
+    low, high = stats.t.interval(0.95, 2, 3.0, stats.sem([1.0, 3.0, 5.0]))
+    assert (effect.low, effect.high) == pytest.approx((low, high))
+    (wide, _) = changes_of([row for row in trials if row["participant"] == "P1"], ["score"])
+    assert wide.change is not None and wide.change.mean == pytest.approx(10.0)
+
+
+def test_the_verbs_and_the_scene_beside_them(tmp_path: Path) -> None:
+    made = mimics("study", "new", tmp_path / "s", "wavy_tunnel", "pick_and_place", "--order", "balanced", "--json")
+    assert json.loads(made.stdout)["conditions"] == 2, made.stderr
+    assert mimics("study", "new", tmp_path / "s", "wavy_tunnel").returncode == 3
+    StudyFolder(tmp_path / "s").find_or_add("P1")
+    told = mimics("study", "next", tmp_path / "s", "P1", "--json")
+    assert json.loads(told.stdout)["condition"] == "wavy_tunnel"
+    status = mimics("study", "status", tmp_path / "s")
+    assert "P1: 0 of 2 runs done" in status.stdout
+    assert mimics("study", "next", tmp_path / "s", "P2").returncode == 2
+    assert mimics("study", "erase", tmp_path / "s", "P1").returncode == 0
+    assert "no participants yet" in mimics("study", "status", tmp_path / "s").stdout
+    assert mimics("study", "wavy_tunnel", "P1").returncode == 2
