@@ -79,8 +79,13 @@ TWO_MEANINGS = {
 }
 """Names that mean two things, in packages that no reader opens together."""
 
-NAMED_BY_MEMBERS = ("lab/groups/", "rendering/haptic/controllers/built_in/", "rendering/haptic/devices/built_in/")
-"""Packages whose files are named like the member that each holds: a group of methods, a controller, a device."""
+NAMED_BY_MEMBERS = (
+    "lab/groups/",
+    "recording/exporters/",
+    "rendering/haptic/controllers/built_in/",
+    "rendering/haptic/devices/built_in/",
+)
+"""Packages whose files are named like the member of each: a group of methods, a format, a controller, a device."""
 
 _SMALL = 40
 

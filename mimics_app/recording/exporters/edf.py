@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from datetime import datetime
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -57,7 +58,7 @@ class _Edf(Exporter):
         yield _write(edfio, folder / "events.edf", [], _annotations(edfio, run), start)
 
 
-def _library() -> Any:
+def _library() -> ModuleType:
     try:
         import edfio
     except ImportError as error:
@@ -73,7 +74,7 @@ def _start(run: Run) -> datetime | None:
         return None
 
 
-def _signals(edfio: Any, name: str, units: Sequence[str], values: F8, rate: float) -> list[Any]:
+def _signals(edfio: ModuleType, name: str, units: Sequence[str], values: F8, rate: float) -> list[Any]:
     columns = values.T
     labels = [f"{name}[{i}]" for i in range(len(units))] if len(units) > 1 else [name]
     return [
@@ -105,7 +106,7 @@ def _range(column: F8) -> tuple[float, float]:
     return (low, high) if high > low else (low - 1.0, high + 1.0)
 
 
-def _annotations(edfio: Any, run: Run) -> list[Any]:
+def _annotations(edfio: ModuleType, run: Run) -> list[Any]:
     """Return the events with a time, but for the frames, and the attempts with their duration, in order of time."""
     events = [row for row in timed_events(run, frames=False) if row["t_s"] >= 0.0]
     found = [edfio.EdfAnnotation(row["t_s"], None, f"{row['source']}/{row['kind']}") for row in events]
@@ -116,7 +117,7 @@ def _annotations(edfio: Any, run: Run) -> list[Any]:
     return sorted(found, key=lambda note: note.onset)
 
 
-def _write(edfio: Any, path: Path, signals: list[Any], notes: list[Any], start: datetime | None) -> Path:
+def _write(edfio: ModuleType, path: Path, signals: list[Any], notes: list[Any], start: datetime | None) -> Path:
     recording = edfio.Recording(startdate=start.date() if start else None)
     time = start.time().replace(microsecond=0) if start else None
     edf = edfio.Edf(

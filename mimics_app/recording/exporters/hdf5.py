@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from mimics_app.recording.line_tables import (
 )
 from mimics_app.recording.run import Run
 from mimics_app.recording.series import Series, series_of
+
+if TYPE_CHECKING:
+    from h5py import Dataset, Group
 
 __all__ = ["EXPORTER"]
 
@@ -53,7 +56,7 @@ class _Hdf5(Exporter):
         yield path
 
 
-def _write_series(group: Any, series: Series) -> None:
+def _write_series(group: Group, series: Series) -> None:
     group.attrs["rate_hz"] = series.rate
     times = [_growing(group, name, ["s"], vector=False) for name in ("t_s", "source_s")]
     fields = [(each, _growing(group, each.name, each.units, vector=each.vector)) for each in series.fields]
@@ -67,28 +70,30 @@ def _write_series(group: Any, series: Series) -> None:
             begin = end
 
 
-def _growing(group: Any, name: str, units: Any, *, vector: bool) -> Any:
+def _growing(group: Group, name: str, units: Sequence[str], *, vector: bool) -> Dataset:
     """Create a data set that grows, with the lightest of the compressions that every HDF5 library reads."""
     tail = (len(units),) if vector else ()
-    options = {
-        "maxshape": (None, *tail),
-        "chunks": (_CHUNK_ROWS, *tail),
-        "compression": "gzip",
-        "compression_opts": 1,
-        "shuffle": True,
-    }
-    made = group.create_dataset(name, (0, *tail), "f8", **options)
+    made = group.create_dataset(
+        name,
+        (0, *tail),
+        "f8",
+        maxshape=(None, *tail),
+        chunks=(_CHUNK_ROWS, *tail),
+        compression="gzip",
+        compression_opts=1,
+        shuffle=True,
+    )
     made.attrs["units"] = list(units) if vector else units[0]
     return made
 
 
-def _append(data: Any, values: np.ndarray) -> None:
+def _append(data: Dataset, values: np.ndarray) -> None:
     rows = len(data)
     data.resize(rows + len(values), axis=0)
     data[rows:] = values
 
 
-def _write_rows(group: Any, rows: Rows) -> None:
+def _write_rows(group: Group, rows: Rows) -> None:
     for name, column in columns_of(rows).items():
         group.create_dataset(name, data=column if isinstance(column, np.ndarray) else _texts(column))
 

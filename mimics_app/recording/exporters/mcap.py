@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from mimics_app.recording.exporter_kinds import Exporter
 from mimics_app.recording.line_tables import attempts_table, event_kinds, event_rows, gaps_table
 from mimics_app.recording.run import Run
 from mimics_app.recording.series import Batch, Series, series_of
+
+if TYPE_CHECKING:
+    from mcap.writer import Writer
 
 __all__ = ["EXPORTER"]
 
@@ -53,7 +56,7 @@ class _Mcap(Exporter):
         yield path
 
 
-def _writer(file: Any) -> Any:
+def _writer(file: BinaryIO) -> Writer:
     try:
         from mcap.writer import CompressionType, Writer
     except ImportError as error:
@@ -61,7 +64,7 @@ def _writer(file: Any) -> Any:
     return Writer(file, compression=CompressionType.LZ4)
 
 
-def _write_series(writer: Any, series: Series, start_ns: int) -> None:
+def _write_series(writer: Writer, series: Series, start_ns: int) -> None:
     name = series.name if series.name == "haptic" else f"signals/{series.name}"
     lines = ["float64 t_s # s", "float64 source_s # s"]
     for field in series.fields:
@@ -85,7 +88,7 @@ def _messages(batch: Batch) -> tuple[bytes, int]:
     return rows.tobytes(), rows.itemsize
 
 
-def _write_rows(writer: Any, schema: int, topic: str, rows: list[dict[str, Any]]) -> None:
+def _write_rows(writer: Writer, schema: int, topic: str, rows: list[dict[str, Any]]) -> None:
     channel = writer.register_channel(topic, "json", schema)
     for row in rows:
         t_ns = next((row[name] for name in ("t_ns", "begin_ns") if isinstance(row.get(name), int)), 0)

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from contextlib import ExitStack
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 from uuid import NAMESPACE_URL, uuid5
 
 import numpy as np
@@ -19,6 +20,10 @@ from mimics_app.recording.line_tables import attempts_table, gaps_table, text_of
 from mimics_app.recording.report_values import mapping
 from mimics_app.recording.run import Run
 from mimics_app.recording.series import series_of
+
+if TYPE_CHECKING:
+    from hdmf.data_utils import GenericDataChunkIterator
+    from pynwb import NWBFile
 
 __all__ = ["EXPORTER"]
 
@@ -50,7 +55,7 @@ class _Nwb(Exporter):
         yield path
 
 
-def _library() -> Any:
+def _library() -> ModuleType:
     try:
         import pynwb
     except ImportError as error:
@@ -58,7 +63,7 @@ def _library() -> Any:
     return pynwb
 
 
-def _file(pynwb: Any, run: Run) -> Any:
+def _file(pynwb: ModuleType, run: Run) -> NWBFile:
     try:
         start = datetime.fromisoformat(str(mapping(run.session.get("clock")).get("utc")))
     except ValueError:
@@ -74,7 +79,7 @@ def _file(pynwb: Any, run: Run) -> Any:
     )
 
 
-def _add_series(pynwb: Any, file: Any, spool: Spool) -> None:
+def _add_series(pynwb: ModuleType, file: NWBFile, spool: Spool) -> None:
     name = spool.series.name
     times = _lazy(spool, "t_s")
     raw = pynwb.TimeSeries(
@@ -100,7 +105,7 @@ def _add_series(pynwb: Any, file: Any, spool: Spool) -> None:
         file.add_acquisition(made)
 
 
-def _lazy(spool: Spool, name: str) -> Any:
+def _lazy(spool: Spool, name: str) -> GenericDataChunkIterator:
     """Return a field as what the library reads chunk by chunk."""
     from hdmf.data_utils import GenericDataChunkIterator
 
@@ -119,7 +124,7 @@ def _lazy(spool: Spool, name: str) -> Any:
     return _Chunks(buffer_shape=rows, chunk_shape=rows)
 
 
-def _add_tables(pynwb: Any, file: Any, run: Run) -> None:
+def _add_tables(pynwb: ModuleType, file: NWBFile, run: Run) -> None:
     attempts = [row for row in attempts_table(run) if "begin_s" in row and "end_s" in row]
     names = list(dict.fromkeys(name for row in attempts for name in row if name not in ("begin_s", "end_s")))
     for name in names if attempts else ():
@@ -135,7 +140,7 @@ def _add_tables(pynwb: Any, file: Any, run: Run) -> None:
             table.add_row(timestamp=row["t_s"], annotation=to_json(row).decode())
 
 
-def _set_identities(file: Any) -> None:
+def _set_identities(file: NWBFile) -> None:
     """Replace the random identity of each object by one of the recording, so that the same gives the same bytes.
 
     The library has no setter; a version that names the attribute otherwise would keep its random ones.

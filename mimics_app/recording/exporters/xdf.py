@@ -11,7 +11,7 @@ import struct
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import BinaryIO
-from xml.sax.saxutils import escape
+from xml.etree import ElementTree
 
 import numpy as np
 
@@ -29,6 +29,9 @@ _MARK = bytes.fromhex("43a546dccbf5410fb30ed5467383cbe4")
 _BOUNDARY_S = 10.0
 """Time between two boundary chunks [s]."""
 
+_Info = dict[str, "str | _Info | list[_Info]"]
+"""Metadata as they are nested in XML: a text, an element, or several elements of one name."""
+
 
 class _Xdf(Exporter):
     """A stream for each series, and streams of texts: events and attempts, each as a JSON object at its time."""
@@ -40,7 +43,7 @@ class _Xdf(Exporter):
         path = folder / "recording.xdf"
         with path.open("xb") as file:
             file.write(b"XDF:")
-            _chunk(file, _FILE_HEADER, _xml("info", "<version>1.0</version>"))
+            _chunk(file, _FILE_HEADER, _xml({"version": "1.0"}))
             series = series_of(run)
             for number, each in enumerate(series, start=1):
                 _write_series(_Stream(file, number), each)
@@ -68,9 +71,9 @@ class _Stream:
         self._next_mark_s = -np.inf
         self._offsets: list[float] = []
 
-    def begin(self, info: str) -> None:
+    def begin(self, info: _Info) -> None:
         """Write its header."""
-        _chunk(self._file, _STREAM_HEADER, self._head + _xml("info", info))
+        _chunk(self._file, _STREAM_HEADER, self._head + _xml(info))
 
     def put(self, t_s: Sequence[float], content: bytes) -> None:
         """Write samples with their time stamps; clock offsets and boundaries come before them when they are due."""
@@ -86,12 +89,14 @@ class _Stream:
 
     def end(self) -> None:
         """Write its footer."""
-        offsets = "".join(f"<offset><time>{t_s!r}</time><value>0.0</value></offset>" for t_s in self._offsets)
-        text = (
-            f"<first_timestamp>{self._first_s!r}</first_timestamp><last_timestamp>{self._last_s!r}</last_timestamp>"
-            f"<sample_count>{self.samples}</sample_count><clock_offsets>{offsets}</clock_offsets>"
-        )
-        _chunk(self._file, _STREAM_FOOTER, self._head + _xml("info", text))
+        offsets: list[_Info] = [{"time": repr(t_s), "value": "0.0"} for t_s in self._offsets]
+        info: _Info = {
+            "first_timestamp": repr(self._first_s),
+            "last_timestamp": repr(self._last_s),
+            "sample_count": str(self.samples),
+            "clock_offsets": {"offset": offsets},
+        }
+        _chunk(self._file, _STREAM_FOOTER, self._head + _xml(info))
 
 
 def _write_series(stream: _Stream, series: Series) -> None:
@@ -119,20 +124,35 @@ def _write_texts(stream: _Stream, name: str, rows: Iterable[tuple[float, bytes]]
     stream.end()
 
 
-def _info(name: str, kind: str, rate: float, number_format: str, channels: Sequence[tuple[str, str]]) -> str:
-    """Return the metadata of a stream as XML, with label and unit of each channel."""
-    described = "".join(
-        f"<channel><label>{escape(label)}</label><unit>{escape(unit)}</unit></channel>" for label, unit in channels
-    )
-    return (
-        f"<name>{escape(name)}</name><type>{escape(kind)}</type><channel_count>{len(channels)}</channel_count>"
-        f"<nominal_srate>{rate!r}</nominal_srate><channel_format>{number_format}</channel_format>"
-        f"<created_at>0.0</created_at><desc><channels>{described}</channels></desc>"
-    )
+def _info(name: str, kind: str, rate: float, number_format: str, channels: Sequence[tuple[str, str]]) -> _Info:
+    """Return the metadata of a stream, with label and unit of each channel."""
+    described: list[_Info] = [{"label": label, "unit": unit} for label, unit in channels]
+    return {
+        "name": name,
+        "type": kind,
+        "channel_count": str(len(channels)),
+        "nominal_srate": repr(rate),
+        "channel_format": number_format,
+        "created_at": "0.0",
+        "desc": {"channels": {"channel": described}},
+    }
 
 
-def _xml(name: str, content: str) -> bytes:
-    return f'<?xml version="1.0"?><{name}>{content}</{name}>'.encode()
+def _xml(info: _Info) -> bytes:
+    """Return metadata as XML below the element `info`."""
+    top = ElementTree.Element("info")
+    _fill(top, info)
+    return ElementTree.tostring(top, encoding="utf-8", xml_declaration=True)
+
+
+def _fill(element: ElementTree.Element, info: _Info) -> None:
+    for name, value in info.items():
+        for each in value if isinstance(value, list) else [value]:
+            child = ElementTree.SubElement(element, name)
+            if isinstance(each, str):
+                child.text = each
+            else:
+                _fill(child, each)
 
 
 def _chunk(file: BinaryIO, tag: int, content: bytes) -> None:
