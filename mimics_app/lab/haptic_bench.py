@@ -26,6 +26,7 @@ from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.loop.haptic_objects import OBJECT_COUNTS, STATIC, BodyFlag, ShapeKind
+from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS
 from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.contracts.shared_memory.session_memory import Capacities, SessionMemory
 from mimics_app.lab.haptic.body_worlds import heap_of_boxes
@@ -172,7 +173,15 @@ class _Hand:
         self._way[:, 0] += SLIDE
         self._way[:, 3] = _SLIDE_VELOCITY
         self._hand = np.zeros(INPUT_LENGTH)
-        self._args = (scene.rows, scene.fresh_work(), scene.counts[0], self._hand, NO_FIELDS, DT, np.zeros(3))
+        self._args = (
+            scene.rows,
+            scene.fresh_work(),
+            scene.counts[0],
+            self._hand,
+            NO_FIELDS,
+            DT,
+            np.zeros(3 * MAX_CONTACTS),
+        )
         self._ticks = 0
 
     def run(self, ticks: int) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import asdict, dataclass
 from functools import cache
 
@@ -11,8 +12,15 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS, MAX_JOINTS, Extent
-from mimics_app.recording.columns import HAPTICMASTER, ROW, column_names, column_units, present_columns
+from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, Extent
+from mimics_app.recording.columns import (
+    HAPTICMASTER,
+    column_name,
+    column_names,
+    column_units,
+    present_columns,
+    row_length,
+)
 
 __all__ = ["SampleLayout", "current_layout", "layout_of", "samples_schema"]
 
@@ -23,19 +31,32 @@ _EVER = frozenset({"t", "tick", "state", "hip_world", "v_world", "f_user_world",
 _LATER = frozenset({"calm", "f_ordered"})
 """Outputs that recordings of the present inputs may lack: they were made before the detector of oscillation."""
 
+_OTHERS = {
+    "world": "hip_world",
+    "v_world": "v_world",
+    "f_meas": "f_meas",
+    "f_virt_world": "f_virt_world",
+    "f_user_world": "f_user_world",
+    "depth": "depth",
+    "margin": "margin",
+    "share": "stiffness_share",
+    "energy": "energy",
+}
+"""Fields of earlier versions, named "others_...", that held some numbers of all points of contact after the first."""
+
 _ABSENT, _NOTHING = -1, -2
 """Indices of columns that were not recorded, and of those that the device does not have."""
 
 
 @dataclass(frozen=True, slots=True)
 class SampleLayout:
-    """Mapping of the rows of a haptic.arrows to SAMPLE records.
+    """Mapping of the rows of a haptic.arrows to samples.
 
     Attributes:
         schema: Arrow schema of the stream.
         width: Number of float64 values in a recorded row, `t` included.
-        places: Index of each column of a SAMPLE among the recorded ones, -1 where it is absent, -2 where the device has
-            none, shape [ROW].
+        places: Index of each column of a sample among the recorded ones, -1 where it is absent, -2 where the device has
+            none, shape [numbers in a sample of the device].
         absent: Names of the columns of this version that were not recorded, or in another unit; read as NaN.
         extent: Extent of the device; columns beyond it are read as 0.
     """
@@ -54,8 +75,9 @@ class SampleLayout:
     @property
     def current(self) -> bool:
         """Whether it is the layout of this version for the device."""
-        wanted = _places(self.extent, dict(zip(column_names(self.extent), range(ROW), strict=False)))
-        return self.width == len(column_names(self.extent)) and bool((self.places == wanted).all())
+        names = column_names(self.extent)
+        wanted = _places(self.extent, {name: i for i, name in enumerate(names)})
+        return self.width == len(names) and bool((self.places == wanted).all())
 
     @property
     def replayable(self) -> bool:
@@ -63,7 +85,7 @@ class SampleLayout:
         return all(name.partition("[")[0] in _LATER for name in self.absent)
 
     def rows(self, t: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return samples of this version, shape [n, ROW], from `t` [n] and the other columns [n, width-1]."""
+        """Return samples of this version and the device, from `t` [n] and the other columns [n, width-1]."""
         recorded = np.column_stack([t, values, np.zeros(len(t)), np.full(len(t), np.nan)])
         return recorded[:, self.places]
 
@@ -117,6 +139,7 @@ def _parse(schema: pa.Schema | None) -> SampleLayout:
     if schema.names != ["t", "sample"] or schema.field("t").type != pa.float64() or kind.value_type != pa.float64():
         raise ValueError("other fields than t and sample")
     names, units = (json.loads(schema.metadata[key]) for key in (b"columns", b"units"))
+    names = [_present_name(name) for name in names]
     if not len(names) == len(units) == len(set(names)) == kind.list_size:
         raise ValueError("not a name and a unit for each column")
     extent = _extent_of(schema.metadata.get(b"device"))
@@ -130,9 +153,19 @@ def _parse(schema: pa.Schema | None) -> SampleLayout:
     return SampleLayout(schema, len(names) + 1, _places(extent, known), absent, extent)
 
 
+def _present_name(name: str) -> str:
+    """Return this version's name of a column; that of an earlier one for points after the first: "others_world[3]"."""
+    found = re.fullmatch(r"others_(\w+)\[(\d)\]", name)
+    if found is None or found[1] not in _OTHERS:
+        return str(name)
+    field = next(field for field in LOOP_FIELDS if field.name == _OTHERS[found[1]])
+    point, i = divmod(int(found[2]), field.size)
+    return column_name(field, i, 1 + point)
+
+
 def _places(extent: Extent, known: dict[str, int]) -> NDArray[np.int64]:
-    """Return the index of each column of a SAMPLE among the recorded ones."""
-    places = np.full(ROW, _NOTHING, np.int64)
+    """Return the index of each column of a sample among the recorded ones."""
+    places = np.full(row_length(extent.contacts), _NOTHING, np.int64)
     places[present_columns(extent)] = [known.get(name, _ABSENT) for name in column_names(extent)]
     return places
 

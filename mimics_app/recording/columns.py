@@ -2,25 +2,36 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.loop.haptic import SAMPLE
-from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, Extent, Replay
+from mimics_app.contracts.loop.loop_fields import (
+    LOOP_FIELDS,
+    MAX_CONTACTS,
+    Extent,
+    LoopField,
+    Per,
+    Replay,
+    sample_dtype,
+)
 
 __all__ = [
     "INPUT_FIELDS",
     "OUTPUT_FIELDS",
-    "ROW",
     "TIMING_FIELDS",
+    "RecordedField",
+    "column_name",
     "column_names",
     "column_units",
     "field_columns",
     "name_of",
     "present_columns",
+    "recorded_fields",
+    "row_length",
     "row_norms",
     "rows_of",
     "samples_of",
@@ -31,6 +42,7 @@ HAPTICMASTER = Extent()
 """Extent of the recordings of every version: three joints and one point of contact."""
 
 _RECORDED = tuple(field for field in LOOP_FIELDS if field.replay is not Replay.ABSENT)
+_OF_EACH_POINT = tuple(field for field in _RECORDED if field.per is Per.POINT)
 
 
 def _names_of(replay: Replay) -> tuple[str, ...]:
@@ -46,20 +58,69 @@ TIMING_FIELDS = _names_of(Replay.TIMING)
 OUTPUT_FIELDS = _names_of(Replay.OUTPUT)
 """Outputs of a tick, which a replay compares bit for bit."""
 
-ROW = SAMPLE.itemsize // 8
-"""float64 numbers in a sample."""
+_DTYPES = {dtype.itemsize // 8: dtype for dtype in (sample_dtype(LOOP_FIELDS, 1 + c) for c in range(MAX_CONTACTS))}
+"""Dtype of the samples of a device by the float64 numbers in one, from one point of contact up."""
+
+
+def row_length(contacts: int) -> int:
+    """Return the number of float64 numbers in a sample of a device with so many points of contact."""
+    return list(_DTYPES)[contacts - 1]
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedField:
+    """A field of a device's samples: one or more columns.
+
+    Attributes:
+        name: As in the recording: "hip_world", of the second point of contact "point_1_hip_world".
+        field: Name in the samples.
+        point: Number of the point of contact; 0 also where the field is one of the device.
+        units: Unit of each component that the device fills.
+        vector: Whether its components are numbered, even where there is one.
+    """
+
+    name: str
+    field: str
+    point: int
+    units: tuple[str, ...]
+    vector: bool
+
+
+def recorded_fields(extent: Extent) -> tuple[RecordedField, ...]:
+    """Return the fields that a device fills, in the order of the recording."""
+    fields = (
+        RecordedField(_field_name(field, point), field.name, point, field.present(extent), bool(field.shape))
+        for _, field, point in _places(extent.contacts)
+    )
+    return tuple(field for field in fields if field.units)
+
+
+def _field_name(field: LoopField, point: int) -> str:
+    return f"point_{point}_{field.name}" if point else field.name
+
+
+def column_name(field: LoopField, i: int, point: int = 0) -> str:
+    """Return the name of a column: component i of a field, of a point of contact."""
+    name = _field_name(field, point)
+    return f"{name}[{i}]" if field.shape else name
+
+
+def _places(contacts: int) -> list[tuple[int, LoopField, int]]:
+    """Return first index in a sample, field, and point of contact, in the order of the recording."""
+    rows = [(field, 0) for field in _RECORDED]
+    rows += [(field, point) for point in range(1, contacts) for field in _OF_EACH_POINT]
+    starts = np.concatenate([[0], np.cumsum([field.size for field, _ in rows])]).tolist()
+    return [(start, *row) for start, row in zip(starts, rows, strict=False)]
 
 
 @cache
 def _present(extent: Extent) -> tuple[tuple[int, str, str], ...]:
     """Return index in a sample, name and unit of every column that a device fills."""
-    found: list[tuple[int, str, str]] = []
-    start = 0
-    for field in _RECORDED:
-        for i, unit in enumerate(field.present(extent)):
-            found.append((start + i, f"{field.name}[{i}]" if field.shape else field.name, unit))
-        start += field.size
-    return tuple(found)
+    return tuple(
+        (start + i, column_name(field, i, point), unit)
+        for start, field, point in _places(extent.contacts)
+        for i, unit in enumerate(field.present(extent))
+    )
 
 
 def present_columns(extent: Extent = HAPTICMASTER) -> NDArray[np.int64]:
@@ -79,32 +140,29 @@ def column_units(extent: Extent = HAPTICMASTER) -> list[str]:
 
 def name_of(place: int) -> str:
     """Return the name of a column by its index in a sample, whether a device fills it or not."""
-    for field in _RECORDED:
-        if place < field.size:
-            return f"{field.name}[{place}]" if field.shape else field.name
-        place -= field.size
+    for start, field, point in _places(MAX_CONTACTS):
+        if start <= place < start + field.size:
+            return column_name(field, place - start, point)
     raise IndexError(place)
 
 
 def field_columns(fields: tuple[str, ...]) -> NDArray[np.int64]:
-    """Return the indices of the float64 columns of these fields, ascending."""
+    """Return the indices of the float64 columns of these fields, ascending, of every point of contact."""
     columns: list[int] = []
-    start = 0
-    for field in _RECORDED:
+    for start, field, _ in _places(MAX_CONTACTS):
         if field.name in fields:
             columns += range(start, start + field.size)
-        start += field.size
     return np.array(columns, np.int64)
 
 
 def rows_of(samples: NDArray[Any]) -> NDArray[np.float64]:
-    """Return a view of SAMPLE records [n] as float64 rows [n, ROW]."""
-    return np.ascontiguousarray(samples).view(np.float64).reshape(-1, ROW)
+    """Return a view of samples [n] as float64 rows [n, numbers in one]."""
+    return np.ascontiguousarray(samples).view(np.float64).reshape(-1, samples.dtype.itemsize // 8)
 
 
 def samples_of(rows: NDArray[np.float64]) -> NDArray[Any]:
-    """Return a view of float64 rows [n, ROW] as SAMPLE records [n]."""
-    return np.ascontiguousarray(rows, np.float64).reshape(-1, ROW).view(SAMPLE).reshape(-1)
+    """Return a view of float64 rows [n, `row_length` of the device] as its samples [n]."""
+    return np.ascontiguousarray(rows, np.float64).view(_DTYPES[rows.shape[1]]).reshape(-1)
 
 
 def row_norms(vectors: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -113,8 +113,10 @@ def compare(recorded: NDArray[Any], replayed: NDArray[Any], absent: Sequence[str
     """
     if len(recorded) != len(replayed):
         raise ValueError(f"{len(recorded)} recorded and {len(replayed)} replayed ticks cannot be compared")
-    columns = np.array([each for each in field_columns(OUTPUT_FIELDS) if name_of(int(each)) not in absent])
-    one, other = rows_of(recorded)[:, columns], rows_of(replayed)[:, columns]
+    one, other = rows_of(recorded), rows_of(replayed)
+    places = [int(each) for each in field_columns(OUTPUT_FIELDS) if each < one.shape[1]]
+    columns = np.array([each for each in places if name_of(each) not in absent])
+    one, other = one[:, columns], other[:, columns]
     differs = one.view(np.uint64) != other.view(np.uint64)
     if not differs.any():
         return None

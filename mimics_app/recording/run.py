@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.clock import TICK_NS, TICKS_PER_SECOND
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.loop.haptic import SAMPLE
 from mimics_app.contracts.loop.object_rows import Rows
 from mimics_app.contracts.system.regular_file import open_regular
 from mimics_app.recording.append_file import is_claimed
@@ -26,6 +25,7 @@ from mimics_app.recording.arrow_format import (
 )
 from mimics_app.recording.arrow_scan import Damage, Found, read_index, read_schema, scan_stream, sorted_scan
 from mimics_app.recording.column_layout import layout_of
+from mimics_app.recording.columns import row_length, samples_of
 from mimics_app.recording.event_log import events_of, missing_events, read_lines
 from mimics_app.recording.manifest import hash_files, read_manifest
 from mimics_app.recording.run_folder import FILES
@@ -173,9 +173,9 @@ class Run:
 
     @cached_property
     def haptic(self) -> NDArray[Any]:
-        """The valid rows of haptic.arrows as SAMPLE records, shape [n], in order."""
+        """The valid rows of haptic.arrows as samples of the device (`sample_dtype`), shape [n], in order."""
         blocks = list(self.blocks())
-        return np.concatenate(blocks) if blocks else np.empty(0, SAMPLE)
+        return np.concatenate(blocks) if blocks else samples_of(np.empty((0, row_length(self.layout.extent.contacts))))
 
     @property
     def damages(self) -> list[Damage]:

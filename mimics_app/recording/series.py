@@ -16,8 +16,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8, Records
 from mimics_app.contracts.clock import SECOND_NS, TICK_NS, TICKS_PER_SECOND
-from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, Replay
-from mimics_app.recording.columns import present_columns, rows_of
+from mimics_app.recording.columns import present_columns, recorded_fields, rows_of
 from mimics_app.recording.report_values import mapping, number
 from mimics_app.recording.run import Run
 from mimics_app.recording.signals import SampledSignal, sampled_signals
@@ -108,8 +107,8 @@ def series_of(run: Run) -> list[Series]:
 
 def _haptic(run: Run) -> Series:
     """Return the recorded fields of the loop but for `t`, which is `source_s`."""
-    units = {field: field.present(run.layout.extent) for field in LOOP_FIELDS if field.replay is not Replay.ABSENT}
-    fields = [Field(field.name, each, bool(field.shape)) for field, each in units.items() if each and field.name != "t"]
+    recorded = recorded_fields(run.layout.extent)
+    fields = [Field(each.name, each.units, each.vector) for each in recorded if each.name != "t"]
     return Series("haptic", float(TICKS_PER_SECOND), tuple(fields), partial(_ticks, run), partial(_tick_gaps, run))
 
 

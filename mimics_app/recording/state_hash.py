@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.loop.haptic import SAMPLE
 from mimics_app.contracts.loop.loop_fields import Extent
 from mimics_app.recording.columns import HAPTICMASTER, TIMING_FIELDS, field_columns, present_columns, rows_of
 
@@ -38,8 +37,7 @@ class StateHash:
         self._counts = [0, 0, 0]
 
     def add_samples(self, samples: NDArray[Any]) -> None:
-        """Add SAMPLE records, shape [n], in order."""
-        assert samples.dtype == SAMPLE
+        """Add samples, shape [n], in order."""
         self._samples.update(rows_of(samples)[:, self._columns].tobytes())
         self._counts[0] += len(samples)
 

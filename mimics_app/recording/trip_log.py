@@ -116,7 +116,7 @@ class TripLog:
         tick, number = self._waiting.pop(0), self._number
         self._number += 1
         if number < MOST_TRIPS:
-            recent = np.concatenate([np.zeros(0, SAMPLE), *self._recent])
+            recent = np.concatenate(list(self._recent)) if self._recent else np.zeros(0, SAMPLE)
             _write_trip(self._folder, number, _rows_of_trip(recent, tick), self._extent)
 
 

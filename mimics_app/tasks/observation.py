@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.loop.haptic import EventKind, SafetyState
+from mimics_app.contracts.loop.haptic import EventKind, SafetyState, point_of_body
+from mimics_app.contracts.loop.loop_fields import PointSnapshot
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot
 from mimics_app.contracts.ports.display_port import FrameTiming
 from mimics_app.maths.length import length
 
-__all__ = ["Contact", "Observation", "observe"]
+__all__ = ["Contact", "Observation", "PointObservation", "observe"]
 
 _LATCHED = (SafetyState.SAFE_STOP, SafetyState.E_STOP)
 _MOVABLE = (SafetyState.READY, SafetyState.ACTIVE, SafetyState.DEGRADED)
@@ -26,21 +27,56 @@ _QUIET_TICKS = 100
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """Begin or end of a contact of the ball.
+    """Begin or end of a contact of a point of contact of the device.
 
     Attributes:
         t_ns: Time [ns].
         begins: True at the begin.
         force: Force at the begin [N].
+        point: Number of the point in the device's descriptor.
     """
 
     t_ns: int
     begins: bool
     force: float
+    point: int = 0
+
+
+class PointObservation(msgspec.Struct, frozen=True):
+    """One point of contact of the device in one frame.
+
+    Attributes:
+        hip_world: Where it is [m].
+        speed: Its speed [m/s].
+        force: Felt there [N].
+        touching: Number of partners in contact with it now: wall of a tunnel, static scene, bodies.
+        grasp: Grasp force [N].
+        held: Name of the body that it holds; "" for none.
+        crushed: Name of the held body that was pressed too hard; "" for none.
+        progress: In its own tunnel, 0-1: the task's where it has that one, else its first; 0 without one.
+        distance: From the bisector of that tunnel [m]; 0 without one.
+        force_peak: Largest force felt there in the trial so far, of every tick [N].
+        own_work: Work of the person there in the trial so far [J].
+    """
+
+    hip_world: Vec3
+    speed: float
+    force: float
+    touching: int
+    grasp: float
+    held: str
+    crushed: str
+    progress: float
+    distance: float
+    force_peak: float
+    own_work: float
 
 
 class Observation(msgspec.Struct, frozen=True):
     """One frame; changed by `msgspec.structs.replace`, in a thirtieth of the time of a dataclass's.
+
+    What a device with several points of contact has for each is in `points`; `hip_world`, `speed`, `force`, `grasp`,
+    `held` and `crushed` are those of the first, which leads a task that names no other.
 
     Attributes:
         snapshot: The newest snapshot of the loop.
@@ -55,11 +91,11 @@ class Observation(msgspec.Struct, frozen=True):
         force: Felt by the user [N].
         progress: Share of the trial's path that is done, 0-1, as the kind of task means it.
         distance: From the path that the task gives [m]; None where it gives none.
-        force_peak: Largest force felt in the trial so far, of every tick [N].
+        force_peak: Largest force felt at any point in the trial so far, of every tick [N].
         distance_peak: Largest distance from the path likewise [m]; None where the loop does not follow a path.
         progress_peak: Largest progress likewise, 0-1; None where the loop does not follow a path.
-        own_work: Work of the person on the handle in the trial so far [J]; at most 0 for a hand that does nothing.
-        touching: Number of partners in contact now: wall of the tunnel, static scene, bodies.
+        own_work: Work of the person at all points in the trial so far [J]; at most 0 for a hand that does nothing.
+        touching: Number of partners in contact now, over all points: wall of the tunnel, static scene, bodies.
         contacts: Since the last frame, oldest first.
         grasp: Grasp force [N].
         bodies: Centre of each haptic body by name [m].
@@ -68,6 +104,7 @@ class Observation(msgspec.Struct, frozen=True):
         pressed: Names of keys and buttons that went down since the last frame.
         shown_ns: Predicted time at which the frame is displayed [ns].
         period_ns: Time from one displayed frame to the next [ns].
+        points: Every point of contact, in the order of the device's descriptor.
     """
 
     snapshot: HapticSnapshot
@@ -95,6 +132,7 @@ class Observation(msgspec.Struct, frozen=True):
     pressed: tuple[str, ...] = ()
     shown_ns: int = 0
     period_ns: int = 0
+    points: tuple[PointObservation, ...] = ()
 
 
 def observe(
@@ -116,6 +154,8 @@ def observe(
         timing: When the frame is displayed; None: as expected.
     """
     timing = timing or FrameTiming.expected(now_ns)
+    points = tuple(_point(each, bodies) for each in snapshot.points)
+    first = points[0]
     return Observation(
         snapshot=snapshot,
         now_ns=now_ns,
@@ -124,30 +164,52 @@ def observe(
         quiet=snapshot.quiet_ticks >= _QUIET_TICKS,
         cause=snapshot.cause,
         q=tuple(snapshot.q.tolist()),
-        hip_world=_vector(snapshot.hip_world),
-        speed=length(snapshot.v_world),
-        force=length(snapshot.f_user_world),
+        hip_world=first.hip_world,
+        speed=first.speed,
+        force=first.force,
         progress=0.0,
         distance=None,
-        touching=int(snapshot.penetration > 0.0) + snapshot.partners,
+        touching=sum(each.touching for each in points),
         shown_ns=timing.display_ns,
         period_ns=timing.period_ns,
         contacts=_contacts(events) if len(events) else (),
-        force_peak=snapshot.force_peak,
-        own_work=snapshot.own_work,
-        grasp=snapshot.grasp,
+        force_peak=max(each.force_peak for each in points),
+        own_work=sum(each.own_work for each in points),
+        grasp=first.grasp,
         bodies={
             name: (x, y, z) for name, (x, y, z) in zip(bodies, snapshot.poses[: len(bodies), :3].tolist(), strict=True)
         },
+        held=first.held,
+        crushed=first.crushed,
+        pressed=pressed,
+        points=points,
+    )
+
+
+def _point(snapshot: PointSnapshot, bodies: Sequence[str]) -> PointObservation:
+    return PointObservation(
+        hip_world=_vector(snapshot.hip_world),
+        speed=length(snapshot.v_world),
+        force=length(snapshot.f_user_world),
+        touching=int(snapshot.penetration > 0.0) + snapshot.partners,
+        grasp=snapshot.grasp,
         held=_name(bodies, snapshot.held_body),
         crushed=_name(bodies, snapshot.crushed_body),
-        pressed=pressed,
+        progress=snapshot.progress,
+        distance=snapshot.distance,
+        force_peak=snapshot.force_peak,
+        own_work=snapshot.own_work,
     )
 
 
 def _contacts(events: NDArray[Any]) -> tuple[Contact, ...]:
     return tuple(
-        Contact(int(event["t_ns"]), bool(event["kind"] == EventKind.CONTACT_BEGIN), float(event["force"]))
+        Contact(
+            int(event["t_ns"]),
+            bool(event["kind"] == EventKind.CONTACT_BEGIN),
+            float(event["force"]),
+            point_of_body(int(event["body_a"])),
+        )
         for event in events
         if event["kind"] in (EventKind.CONTACT_BEGIN, EventKind.CONTACT_END)
     )

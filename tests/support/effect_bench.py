@@ -47,7 +47,7 @@ def effect(kind: int, **values: Any) -> np.ndarray:
     return row
 
 
-def wire(source: int, target: int, *, of: int = STATIC, to: int = 0, gain: Any = 1.0, offset: Any = 0.0) -> np.ndarray:
+def wire(source: int, target: int, *, of: int = 0, to: int = 0, gain: Any = 1.0, offset: Any = 0.0) -> np.ndarray:
     """One WIRE row."""
     row = np.zeros(1, WIRE)
     row["source"], row["source_row"], row["target"], row["target_row"] = source, of, target, to

@@ -14,9 +14,10 @@ from pathlib import Path
 import numpy as np
 
 from mimics_app.contracts.loop.haptic import EVENT, SAMPLE, SCENE, EventKind
+from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, sample_dtype
 from mimics_app.contracts.shared_memory import ring
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
-from mimics_app.recording.columns import present_columns
+from mimics_app.recording.columns import present_columns, row_length, rows_of
 from mimics_app.recording.recorder import Recorder
 
 TICK, TRIALS, PID, CLOSED = range(4)
@@ -24,7 +25,7 @@ TICK, TRIALS, PID, CLOSED = range(4)
 
 def fake_samples(first_tick: int, count: int) -> np.ndarray:
     """Rows that are different in every column that is recorded, and show their tick."""
-    samples = np.zeros(count, SAMPLE)
+    samples = np.zeros(count, sample_dtype(LOOP_FIELDS, 1))
     ticks = np.arange(first_tick, first_tick + count, dtype=np.float64)
     rows = samples.view(np.float64).reshape(count, -1)
     present = present_columns()
@@ -33,12 +34,13 @@ def fake_samples(first_tick: int, count: int) -> np.ndarray:
     return samples
 
 
-def push_ticks(memory: SessionMemory, first_tick: int, count: int) -> None:
-    samples = fake_samples(first_tick, count)
+def push_ticks(memory: SessionMemory, first_tick: int, count: int, *, events: bool = True) -> None:
+    samples = np.zeros(count, SAMPLE)
+    rows_of(samples)[:, : row_length(1)] = rows_of(fake_samples(first_tick, count))
     event = np.zeros(1, EVENT)
     for i in range(count):
         ring.push(memory.sample_words, memory.samples, samples[i : i + 1])
-        if (first_tick + i) % 97 == 0:
+        if events and (first_tick + i) % 97 == 0:
             event["tick"], event["kind"], event["force"] = (
                 first_tick + i,
                 EventKind.CONTACT_BEGIN,

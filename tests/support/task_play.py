@@ -53,7 +53,6 @@ def make_snapshot(now_ns: int = 0, **changes: Any) -> HapticSnapshot:
         "own_work": 1.0,
         "quiet_ticks": 1000,
         "phase": 0.0,
-        "others_seen": np.zeros((3, 3)),
         "poses": np.zeros((0, 7)),
     }
     return HapticSnapshot(**(values | changes))

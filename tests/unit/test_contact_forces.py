@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.loop.contact_force import CONTACT_FORCE, FOLLOWED, FOLLOWED_AT_ONCE
-from mimics_app.contracts.loop.haptic_objects import OBJECT_COUNTS
+from mimics_app.contracts.loop.haptic import SCENE
 from mimics_app.contracts.loop.object_rows import ObjectCapacities
 from mimics_app.contracts.shared_memory import ring
 from mimics_app.contracts.shared_memory.session_memory import Capacities, SessionMemory
@@ -24,14 +24,15 @@ class Loop:
     def __init__(self) -> None:
         objects = ObjectCapacities()
         self.memory, self.work = SessionMemory(Capacities(objects)), new_work(new_object_work(objects))
-        self.counts = np.zeros(1, OBJECT_COUNTS)
-        self.counts["bodies"], self.counts["shapes"] = 4, 5
+        self.scene = np.zeros(1, SCENE)
+        self.scene["contacts"] = 2
+        self.scene["objects"]["bodies"], self.scene["objects"]["shapes"] = 4, 5
         self.tick = 0
 
     def step(self) -> np.ndarray:
         """One tick; what was published in it."""
         self.tick += 1
-        publish_forces(channels_of(self.memory), self.work, self.counts[0], self.tick * MS)
+        publish_forces(channels_of(self.memory), self.work, self.scene[0], self.tick * MS)
         out = np.zeros(64, CONTACT_FORCE)
         raised = out[: ring.drain(self.memory.audio_force_words, self.memory.audio_forces, out)]
         self.work.state[0]["contact_change"] = CONTACT_UNCHANGED
@@ -42,7 +43,7 @@ class Loop:
 
 def test_a_touched_body_is_followed_for_a_quarter_of_a_second():
     loop = Loop()
-    loop.work.objects.touches[3]["change"] = CONTACT_BEGAN
+    loop.work.objects.touches[0, 3]["change"] = CONTACT_BEGAN
     loop.work.objects.motions[2]["force_user"] = (3.0, 4.0, 0.0)
     assert len(loop.step()) == 0, "the event itself has the first force"
     (row,) = loop.step()
@@ -54,7 +55,7 @@ def test_a_touched_body_is_followed_for_a_quarter_of_a_second():
 def test_wall_tunnel_and_two_bodies_have_their_own_force():
     loop = Loop()
     objects, totals = loop.work.objects, loop.work.objects.totals[0]
-    objects.touches[0]["change"] = CONTACT_BEGAN
+    objects.touches[0, 0]["change"] = CONTACT_BEGAN
     totals["impact"], totals["impact_a"], totals["impact_b"] = 0.5, 1, -1
     objects.sweep[0]["pairs"] = 3
     for row, (a, b, force, touching) in enumerate(((1, -1, 2.0, 1), (-1, 1, 0.5, 1), (1, -1, 9.0, 0))):

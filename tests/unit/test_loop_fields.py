@@ -15,16 +15,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mimics_app.contracts.loop.haptic import SAMPLE, SNAPSHOT
+from mimics_app.contracts.loop.haptic import POINT_SNAPSHOT, SAMPLE, SNAPSHOT
 from mimics_app.contracts.loop.loop_fields import (
     LOOP_FIELDS,
+    MAX_CONTACTS,
     HapticSnapshot,
     LoopField,
+    Per,
+    PointSnapshot,
     Replay,
     check_snapshot,
     moves_of,
+    point_rows,
 )
-from mimics_app.contracts.loop.loop_ports import DATA_LENGTH
+from mimics_app.contracts.loop.loop_ports import DATA_FORCE, DATA_GRASP, DATA_LENGTH
 from mimics_app.contracts.loop.object_rows import ROW_DTYPES, ObjectCapacities
 from mimics_app.contracts.shared_memory.session_memory import SHARED_ARRAYS, Capacities, SessionMemory
 from mimics_app.rendering.haptic.channels import CHANNELS, Channels
@@ -42,7 +46,7 @@ KERNEL = "rendering/haptic/kernels/sensing.py"
 
 @pytest.mark.parametrize("field", [field for field in LOOP_FIELDS if field.reader], ids=lambda field: field.name)
 def test_every_number_in_the_snapshot_is_read_where_the_table_says(field: LoopField) -> None:
-    use = re.compile(rf'\bsnapshot(\.{field.name}\b|\["{field.name}"\])')
+    use = re.compile(rf'\b(snapshot|point)(\.{field.name}\b|\["{field.name}"\])')
     room = PACKAGE.joinpath(*field.reader.split("."))
     assert any(use.search(file.read_text()) for file in room.rglob("*.py")), f"nothing in {field.reader} reads it"
 
@@ -72,6 +76,7 @@ def test_a_row_that_goes_nowhere_is_refused(wrong: dict[str, Any]) -> None:
 
 def test_the_typed_message_has_the_rows_that_are_read_and_their_types() -> None:
     assert {field.name for field in fields(HapticSnapshot)} == {*(SNAPSHOT.names or ()), "poses"}
+    assert {field.name for field in fields(PointSnapshot)} == {*(POINT_SNAPSHOT.names or ())}
     check_snapshot(LOOP_FIELDS)
     unread = [field for field in LOOP_FIELDS if field.name != "margin"]
     with pytest.raises(TypeError, match="margin"):
@@ -105,20 +110,26 @@ def _numbered(dtype: np.dtype[Any], start: int) -> np.ndarray:
 
 
 def test_writers_fill_every_number_from_where_the_table_says() -> None:
-    state, totals = _numbered(STATE, 1), _numbered(TOTALS, 5000)
+    states = np.concatenate([_numbered(STATE, 1 + 10_000 * c) for c in range(MAX_CONTACTS)])
+    all_totals = np.concatenate([_numbered(TOTALS, 5000 + 10_000 * c) for c in range(MAX_CONTACTS)])
     data = 0.5 + np.arange(DATA_LENGTH)
     row, snapshot = np.zeros(1, SAMPLE), np.zeros(1, SNAPSHOT)
     row.view(np.float64)[:] = np.nan
     snapshot.view(np.int64)[:] = -77
-    write_inputs(data, 1, 2, 3, 0.25, state[0], 1e-3, row[0])
-    write_outputs(state[0], totals[0], row[0])
-    write_snapshot(state[0], totals[0], 123, snapshot[0])
+    write_inputs(data, 1, 2, 3, 0.25, states[0], 1e-3, row[0])
+    write_outputs(MAX_CONTACTS, states, all_totals, row[0])
+    write_snapshot(MAX_CONTACTS, states, all_totals, 123, snapshot[0])
+    of_each_point = [field for field in LOOP_FIELDS if field.per is Per.POINT]
     for recorded, out in ((True, row), (False, snapshot)):
-        for which, path, name in moves_of(LOOP_FIELDS, recorded=recorded):
-            value = (state, totals)[which][0]
-            for part in path:
-                value = value[part]
-            assert np.array_equal(out[0][name], value), name
+        for c in range(MAX_CONTACTS):
+            rows, written = (of_each_point, point_rows(out, c)) if c else (LOOP_FIELDS, out)
+            for which, path, name in moves_of(rows, recorded=recorded):
+                value = (states, all_totals)[which][c]
+                for part in path:
+                    value = value[part]
+                assert np.array_equal(written[0][name], value), (c, name)
+    assert point_rows(row, 2)["grasp"][0] == data[DATA_GRASP + 2]
+    assert list(point_rows(row, 2)["f_meas"][0]) == list(data[DATA_FORCE + 6 : DATA_FORCE + 9])
     for field in LOOP_FIELDS:
         if field.replay not in (Replay.ABSENT, Replay.TIMING):
             assert np.isfinite(row[0][field.name]).all(), f"{field.name} is not written"
@@ -177,9 +188,9 @@ scene, state, totals = np.zeros(1, SCENE), np.zeros(1, STATE), np.zeros(1, TOTAL
 row, snapshot = np.zeros(1, SAMPLE), np.zeros(1, SNAPSHOT)
 state["grasp"] = 3.5
 size_ball(scene[0], state[0], 1e-3)
-write_outputs(state[0], totals[0], row[0])
-write_snapshot(state[0], totals[0], 0, snapshot[0])
-names = [name for name in snapshot.dtype.names]
+write_outputs(1, state, totals, row[0])
+write_snapshot(1, state, totals, 0, snapshot[0])
+names = [name for name in snapshot.dtype.names if name != "further"]
 message = HapticSnapshot(**{name: snapshot[0][name] for name in names}, poses=np.zeros((0, 7)))
 hashed = StateHash()
 stream = SampleStream(folder, hashed)

@@ -15,7 +15,7 @@ from mimics_app.recording.report import write_report
 from mimics_app.recording.run import Run
 from mimics_app.recording.trip_log import MOST_TRIPS, TripLog, complete_trips, read_trip, trip_file
 from mimics_app.tasks.kinds.registry import report_sections
-from tests.support.recorder_app import fake_samples
+from tests.support.recorder_app import fake_samples, push_ticks
 from tests.support.synthetic_run import write_synthetic_run
 
 
@@ -68,8 +68,7 @@ def test_recorder_writes_seals_and_reports(tmp_path: Path):
     recorder = Recorder(memory, tmp_path, {"seed": 1})
     recorder.start()
     samples = fake_samples(0, 1500)
-    for i in range(1500):
-        ring.push(memory.sample_words, memory.samples, samples[i : i + 1])
+    push_ticks(memory, 0, 1500, events=False)
     ring.push(memory.recorder_event_words, memory.recorder_events, trip(1200))
     recorder.close({})
     assert read_trip(trip_file(tmp_path, 0)).tobytes() == samples[200:1201].tobytes()

@@ -11,7 +11,6 @@ import pytest
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.loop.controller_port import CONTROL_INPUT, CONTROL_WORK
 from mimics_app.contracts.loop.device_descriptor import (
-    CONTACTS,
     DeviceDescriptor,
     Joint,
     Kinematics,
@@ -264,7 +263,9 @@ def test_limits_of_a_scene_are_the_least_of_robot_and_admittance():
         ({"joints": LEG.joints * 5}, "1 to 8 joints"),
         ({"contacts": ()}, "1 to 4 different"),
         ({"contacts": ("hand", "hand")}, "1 to 4 different"),
-        ({"contacts": ("nose",)}, "nose"),
+        ({"contacts": ("hand", " nose")}, "nose"),
+        ({"contacts": ("",)}, "characters"),
+        ({"contacts": ("n" * 33,)}, "characters"),
         ({"joints": (Joint("x", "mm", 0.0, 1.0, 1.0, 1.0),)}, "unit"),
         ({"joints": (Joint("x", "m", 1.0, 1.0, 1.0, 1.0),)}, "lowest"),
         ({"polar": True}, "polar"),
@@ -296,11 +297,5 @@ def test_a_plug_in_without_a_descriptor_is_of_the_hapticmasters_kind(monkeypatch
         descriptor_of("wrong")
 
 
-def test_points_of_contact_have_one_list_of_names():
-    from typing import get_args, get_type_hints
-
-    from mimics_app.world.components.objects import InteractionPoint
-
-    hint = get_type_hints(InteractionPoint)["contact"]
-    assert {name for part in get_args(hint) for name in get_args(part)} == set(CONTACTS)
+def test_the_numbers_of_a_geometry_fit_the_block():
     assert SCENE["geometry"].shape == (8,)

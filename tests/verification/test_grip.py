@@ -40,7 +40,7 @@ def _carry(
             for p in range(2):
                 work.point_positions[p, i] = hand[t, i] + rows.points[p].offset[i]
                 work.point_velocities[p, i] = hand[t, 3 + i]
-        grip_bodies(rows, work, counts, grasp[t], dt)
+        grip_bodies(rows, work, counts, 0, grasp[t], dt)
         held[t] = work.totals[0].held
         for i in range(3):
             forces[t, i] = work.totals[0].grip_force[i]
@@ -111,7 +111,7 @@ def test_fingers_at_two_points_of_contact_take_what_is_between_them_as_those_at_
         hold.rows.points["offset"][:2, 0] = -offset, offset
         hold.work.point_positions[:2, 0] = -0.04, 0.04
         hold.work.shape_positions[0, 0] = hold.work.motions[0]["centre"][0] = 0.02
-        grip_bodies(hold.rows, hold.work, hold.counts[0], 3.0, DT)
+        grip_bodies(hold.rows, hold.work, hold.counts[0], 0, 3.0, DT)
         assert hold.work.grip[0]["body"] == 0
 
 

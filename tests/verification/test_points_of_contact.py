@@ -14,7 +14,7 @@ from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.loop.controller_slots import Slot
 from mimics_app.contracts.loop.haptic import SAMPLE, SafetyState, TripCause
 from mimics_app.contracts.loop.haptic_objects import ShapeKind
-from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, Extent
+from mimics_app.contracts.loop.loop_fields import FURTHER, LOOP_FIELDS, Extent, sample_dtype
 from mimics_app.contracts.loop.loop_ports import (
     COMMAND_ENABLED,
     COMMAND_FORCE,
@@ -29,7 +29,7 @@ from mimics_app.contracts.loop.loop_ports import (
 )
 from mimics_app.contracts.shared_memory.command_ring import request_stop
 from mimics_app.recording.column_layout import current_layout, layout_of, samples_schema
-from mimics_app.recording.columns import column_names, column_units, present_columns
+from mimics_app.recording.columns import column_names, column_units, present_columns, rows_of
 from mimics_app.recording.run import Run
 from mimics_app.recording.state_hash import StateHash
 from mimics_app.recording.streams import SampleStream, hash_of_files
@@ -98,7 +98,7 @@ def _bench(rows: np.ndarray, descriptor=LEGS, height: float | None = None, follo
 
 
 def _felt(sample) -> np.ndarray:
-    return np.stack([sample["f_user_world"], sample["others_f_user_world"][:3]])
+    return np.stack([sample["f_user_world"], sample[FURTHER][0]["f_user_world"]])
 
 
 def test_each_foot_feels_what_it_touches_and_nothing_else():
@@ -107,7 +107,7 @@ def test_each_foot_feels_what_it_touches_and_nothing_else():
     depths = floor - _heights((*LEFT, *RIGHT))
     assert last["state"] == SafetyState.ACTIVE and depths[1] == pytest.approx(0.005) and depths[0] < 0.0
     assert np.allclose(_felt(last), [[0, 0, 0], [0, STIFFNESS * 0.005, 0]], atol=1e-9)
-    assert (last["depth"], last["others_depth"][0]) == (0.0, pytest.approx(0.005))
+    assert (last["depth"], last[FURTHER][0]["depth"]) == (0.0, pytest.approx(0.005))
     both = _bench(_rows(1500), height=floor + 0.08).advance(1400)[-1]
     wanted = STIFFNESS * (depths + 0.08)
     assert (wanted > 1.0).all() and np.allclose(_felt(both)[:, 1], wanted, rtol=1e-9)
@@ -137,8 +137,9 @@ def test_each_foot_has_its_own_force_limit():
 def test_each_foot_has_its_own_cap_and_margin():
     floor = _heights((*LEFT, *RIGHT)).min() + 0.005
     last = _bench(_rows(1500), height=floor, shape={"stiffness": 4e5}, device_delay=2e-3).advance(1400)[-1]
-    assert last["others_share"][0] < 0.5 and last["stiffness_share"] == 1.0
-    assert last["others_margin"][0] == pytest.approx(0.2, abs=1e-6) and last["margin"] > 50.0, "the cap keeps 0.2"
+    right = last[FURTHER][0]
+    assert right["stiffness_share"] < 0.5 and last["stiffness_share"] == 1.0
+    assert right["margin"] == pytest.approx(0.2, abs=1e-6) and last["margin"] > 50.0, "the cap keeps 0.2"
 
 
 @pytest.mark.parametrize("foot", [0, 1])
@@ -192,14 +193,14 @@ def test_a_number_lost_at_one_point_takes_the_force_off_all_in_the_same_tick(des
     bench = _bench(rows, descriptor, height=floor, follows=follows)
     pressed = bench.advance(1300)[-1]
     assert pressed["state"] == SafetyState.ACTIVE
-    assert np.abs([*pressed["f_user_world"], *pressed["others_f_user_world"]]).max() > 1.0
+    assert np.abs([pressed["f_user_world"], *pressed[FURTHER]["f_user_world"]]).max() > 1.0
     bench.engine._work.state[point]["swing"]["calm"] = np.nan
     lost = bench.advance(1)[-1]
     assert (lost["state"], lost["cause"]) == (SafetyState.SAFE_STOP, TripCause.NOT_FINITE)
     command = bench.engine.plugin.memory[-COMMAND_LENGTH:]
     for what in (
         lost["f_user_world"],
-        lost["others_f_user_world"],
+        lost[FURTHER]["f_user_world"],
         lost["torque_command"],
         command[COMMAND_FORCE:COMMAND_ENABLED],
     ):
@@ -223,8 +224,8 @@ def test_eight_joints_and_four_points_run_and_replay_bit_for_bit():
     bench = _bench(rows, CHAIN, height=-0.05)
     samples = bench.advance(1400)
     last = samples[-1]
-    forces = np.vstack([last["f_user_world"], last["others_f_user_world"].reshape(3, 3)])
-    places = np.vstack([last["hip_world"], last["others_world"].reshape(3, 3)])
+    forces = np.vstack([last["f_user_world"], last[FURTHER]["f_user_world"]])
+    places = np.vstack([last["hip_world"], last[FURTHER]["hip_world"]])
     assert np.allclose(forces[:, 1], np.minimum(60.0, STIFFNESS * np.maximum(0.0, -0.05 - places[:, 1])), atol=1e-9)
     assert (forces[:, 1] > 1.0).sum() >= 2
     again = replay_run(
@@ -240,11 +241,14 @@ def test_eight_joints_and_four_points_run_and_replay_bit_for_bit():
 
 def test_a_recording_has_the_columns_of_the_points_and_joints_there_are():
     plain, one, two = (set(column_names(extent)) for extent in (Extent(), LEG.extent, LEGS.extent))
-    assert not any(name.startswith(("others_", "torque_")) for name in plain)
+    assert not any(name.startswith(("point_", "torque_")) for name in plain)
     assert {"q[0]", "q[2]", "dq[2]"} <= plain and "q[3]" not in plain
-    assert not any(name.startswith("others_") for name in one) and "q[2]" not in one and "torque_meas[1]" in one
-    assert {"others_world[2]", "others_depth[0]", "q[3]"} <= two
-    assert not {"others_world[3]", "others_depth[1]", "q[4]"} & two
+    assert not any(name.startswith("point_") for name in one) and "q[2]" not in one and "torque_meas[1]" in one
+    assert {"point_1_hip_world[2]", "point_1_depth", "q[3]"} <= two
+    assert not {"point_2_depth", "q[4]"} & two
+    later = [name for name in column_names(LEGS.extent) if name.startswith("point_")]
+    first = [name.removeprefix("point_1_") for name in later]
+    assert set(first) <= one and {name for name in one if name.startswith("f_")} <= set(first), "the same columns"
     units = dict(zip(column_names(LEGS.extent), column_units(LEGS.extent), strict=True))
     assert (units["q[0]"], units["dq[3]"], units["torque_meas[0]"]) == ("rad", "rad/s", "N m")
 
@@ -279,21 +283,18 @@ def test_the_state_hash_leaves_out_what_the_device_does_not_have():
         return state.hexdigest()
 
     plain, legs = digest(Extent()), digest(LEGS.extent)
-    samples["others_depth"][1, 0] = 1e-9
+    samples[FURTHER]["depth"][1, 0] = 1e-9
     assert digest(Extent()) == plain and digest(LEGS.extent) != legs
-    samples["others_depth"][1, 1] = 1.0
-    assert digest(LEGS.extent) != legs
-    assert {field.name for field in LOOP_FIELDS if field.name.startswith("others_")} >= {
-        "others_world",
-        "others_margin",
-    }
+    second = digest(LEGS.extent)
+    samples[FURTHER]["depth"][1, 1] = 1.0
+    assert digest(LEGS.extent) == second
 
 
 def test_a_recorder_that_was_replaced_goes_on_with_the_columns_of_the_device(tmp_path):
     extent = LEGS.extent
     samples = np.zeros(100, SAMPLE)
     samples["tick"], samples["t"] = np.arange(100), np.arange(100) / 1000
-    samples["others_world"][:, :3], samples["q"][:, :4] = np.arange(300).reshape(100, 3), 0.25
+    samples[FURTHER]["hip_world"][:, 0], samples["q"][:, :4] = np.arange(300).reshape(100, 3), 0.25
     whole = StateHash(extent)
     whole.add_samples(samples)
     for first, resume in ((0, False), (50, True)):
@@ -304,7 +305,8 @@ def test_a_recorder_that_was_replaced_goes_on_with_the_columns_of_the_device(tmp
     (tmp_path / "events.jsonl").write_bytes(b"")
     assert hash_of_files(tmp_path, [], extent).hexdigest() == whole.hexdigest()
     run = Run.open(tmp_path)
-    assert run.layout.extent == extent and run.haptic.tobytes() == samples.tobytes()
+    assert run.layout.extent == extent and run.haptic.dtype == sample_dtype(LOOP_FIELDS, 2)
+    assert run.haptic.tobytes() == rows_of(samples)[:, : rows_of(run.haptic).shape[1]].tobytes()
 
 
 def test_a_leg_reported_torques_is_driven_to_its_start_through_the_stretched_pose(tmp_path):

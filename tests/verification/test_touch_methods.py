@@ -162,13 +162,14 @@ def test_whole_tick_is_that_of_the_live_loop(monkeypatch):
 
 def test_bodies_of_the_bench_lie_on_the_floor_and_touch_it():
     scene = haptic_bench.BODY_WORKLOADS["bodies box"](4)
+    from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS
     from mimics_app.rendering.haptic.kernels.objects.object_inputs import INPUT_LENGTH
     from mimics_app.rendering.haptic.no_objects import NO_FIELDS
     from mimics_app.rendering.haptic.objects import new_object_work
     from mimics_app.rendering.haptic.simulate import simulate_objects
 
     work = new_object_work(scene.capacities)
-    hand, force = np.zeros(INPUT_LENGTH), np.zeros(3)
+    hand, force = np.zeros(INPUT_LENGTH), np.zeros(3 * MAX_CONTACTS)
     hand[:3] = scene.hand
     for _ in range(200):
         simulate_objects(scene.rows, work, scene.counts[0], hand, NO_FIELDS, 1e-3, force)

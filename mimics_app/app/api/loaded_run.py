@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from mimics_app.app.api.unit_array import Quantity, Table
-from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, Replay
+from mimics_app.contracts.loop.loop_fields import point_rows
 from mimics_app.dsp.channel_kinds import feature_units
+from mimics_app.recording.columns import recorded_fields
 from mimics_app.recording.run import Run
 from mimics_app.recording.series import SIGNAL_UNITS
 
@@ -64,15 +65,16 @@ class Recording:
 
     @cached_property
     def haptic(self) -> Table:
-        """Every tick of the loop, one row a millisecond: columns as in docs/recording.md, SI units."""
+        """Every tick of the loop, one row a millisecond: columns as in docs/recording.md, SI units.
+
+        Points of contact after the first are in columns as "point_1_hip_world".
+        """
         samples, extent = self.run.haptic, self.run.layout.extent
         columns = {}
-        for field in LOOP_FIELDS:
-            units = field.present(extent) if field.replay is not Replay.ABSENT else ()
-            if units:
-                values = samples[field.name]
-                kept = values[:, : len(units)] if values.ndim > 1 else values
-                columns[field.name] = Quantity(kept, ", ".join(dict.fromkeys(units)))
+        for column in recorded_fields(extent):
+            values = samples[column.field] if column.point == 0 else point_rows(samples, column.point)[column.field]
+            kept = values[:, : len(column.units)] if values.ndim > 1 else values
+            columns[column.name] = Quantity(kept, ", ".join(dict.fromkeys(column.units)))
         return Table(columns)
 
     @cached_property

@@ -184,9 +184,11 @@ def stability_card(snapshot: HapticSnapshot) -> Card:
     """Return the card with the stability margin of the touched wall, and the energy of the newest contact.
 
     Of a wall that is softened to stay stable, and of forces that fade because they shook the hand, it shows the
-    remaining share instead.
+    remaining share instead. Of several points of contact it shows the worst.
     """
-    margin, energy, share = snapshot.margin, snapshot.energy, snapshot.stiffness_share * snapshot.calm
+    points = snapshot.points
+    margin, energy = min(point.margin for point in points), min(point.energy for point in points)
+    share = min(point.stiffness_share * point.calm for point in points)
     text = f"{100.0 * min(margin, _MAX_SHOWN):+.0f} %" if margin < _MAX_SHOWN else f"> {100.0 * _MAX_SHOWN:.0f} %"
     tone = _tone(margin)
     if share < _SOFTENED:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.loop.haptic import EventKind
+from mimics_app.contracts.loop.loop_fields import PointSnapshot
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot
 from mimics_app.rendering.visual.figures.hud import Colour
 from mimics_app.rendering.visual.overlay.layers import Arrow
@@ -41,22 +42,14 @@ class ForceArrows:
         self._contacts: list[tuple[int, F8, F8]] = []
 
     def of(self, snapshot: HapticSnapshot, events: NDArray[Any], now_ns: int) -> list[Arrow]:
-        """Return the arrows of a frame: force on the user, measured force, grip force, and fading contacts.
+        """Return the arrows of a frame: force on the user, measured and grip force at each point, fading contacts.
 
         Args:
             snapshot: The newest snapshot.
             events: EVENT records since the last frame, shape [n].
             now_ns: Session time [ns].
         """
-        hip = np.asarray(snapshot.hip_world, np.float64)
-        forces = (
-            (snapshot.f_user_world, _ON_HAND),
-            (snapshot.f_meas_world, _MEASURED),
-            (snapshot.f_grip, _GRIP),
-        )
-        vectors = [(vector, tint) for force, tint in forces if (vector := _scaled(force)) is not None]
-        out = snapshot.ball_radius  # from the surface of the ball: a force of 1.5 N would end inside of it
-        arrows = [Arrow(hip + out * vector / np.linalg.norm(vector), vector, tint) for vector, tint in vectors]
+        arrows = [arrow for point in snapshot.points for arrow in _arrows_at(point)]
         return arrows + self._fading(events, now_ns)
 
     def _fading(self, events: NDArray[Any], now_ns: int) -> list[Arrow]:
@@ -71,6 +64,14 @@ class ForceArrows:
             Arrow(place, vector, (red, green, blue, 1.0 - (now_ns - since) / _SEEN_NS))
             for since, place, vector in self._contacts
         ]
+
+
+def _arrows_at(point: PointSnapshot) -> list[Arrow]:
+    hip = np.asarray(point.hip_world, np.float64)
+    forces = ((point.f_user_world, _ON_HAND), (point.f_meas_world, _MEASURED), (point.f_grip, _GRIP))
+    vectors = [(vector, tint) for force, tint in forces if (vector := _scaled(force)) is not None]
+    out = point.ball_radius  # from the surface of the ball: a force of 1.5 N would end inside of it
+    return [Arrow(hip + out * vector / np.linalg.norm(vector), vector, tint) for vector, tint in vectors]
 
 
 def _scaled(force: F8) -> F8 | None:

@@ -17,7 +17,13 @@ from mimics_app.inputs.trackers.network_place import listening, place_of
 from mimics_app.learning.builder import check_learning
 from mimics_app.learning.goals import build_goal
 from mimics_app.learning.registry import check_policy
-from mimics_app.rendering.haptic.devices.robot_checks import check_controller, check_points, check_robot
+from mimics_app.rendering.haptic.devices.robot_checks import (
+    check_contact,
+    check_controller,
+    check_points,
+    check_robot,
+    check_wires,
+)
 from mimics_app.rendering.haptic.devices.robot_reach import Reach
 from mimics_app.rendering.haptic.force_fields import check_field
 from mimics_app.rendering.haptic.scene_effects import check_field_count, check_haptic_path
@@ -30,7 +36,14 @@ from mimics_app.tasks.kinds.carry.spec import CarrySpec
 from mimics_app.tasks.kinds.tunnel.kind import own_tunnel
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.world.components.joint_reference import JointReference
-from mimics_app.world.components.objects import ForceField, HapticObject, HapticPath, InteractionPoints
+from mimics_app.world.components.objects import (
+    Connections,
+    ForceField,
+    HapticEffect,
+    HapticObject,
+    HapticPath,
+    InteractionPoints,
+)
 from mimics_app.world.components.robot import Controller, Robot, Tunnel
 from mimics_app.world.components.visible import Sound
 from mimics_app.world.files.scene.placing import pose_of
@@ -42,6 +55,10 @@ _OF_COMPONENTS: tuple[tuple[type[msgspec.Struct], Callable[[Any, str, Scene], li
     (Robot, check_robot),
     (Controller, check_controller),
     (InteractionPoints, check_points),
+    (Connections, check_wires),
+    (HapticEffect, check_contact),
+    (ForceField, check_contact),
+    (Tunnel, check_contact),
     (HapticPath, check_haptic_path),
     (ForceField, check_field_count),
     (ForceField, check_field),

@@ -13,6 +13,7 @@ from mimics_app.app.session.mover import mover_of
 from mimics_app.app.session.preparation import SessionParts
 from mimics_app.contracts.loop.haptic import SafetyState, TripCause
 from mimics_app.recording.report_values import mapping
+from mimics_app.rendering.haptic.devices.scene_contacts import contacts_of
 from mimics_app.rendering.haptic.scene_block import safety_of
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.tasks.task_record import task_record
@@ -61,6 +62,7 @@ def _names(scene: Scene) -> dict[str, list[str]]:
     return {
         "state": [state.name for state in SafetyState],
         "cause": [cause.name for cause in TripCause],
+        "points": list(contacts_of(scene)),
         "bodies": list(objects.body_entities),
         "shapes": list(objects.shape_entities),
         "effects": list(objects.effect_entities),

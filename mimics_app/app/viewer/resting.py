@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from mimics_app.app.scenes.scenario_choice import is_playable, open_scenario
-from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS
+from mimics_app.contracts.loop.loop_fields import FURTHER, MAX_CONTACTS, PointSnapshot
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.ports.scenario_port import Scenario
 from mimics_app.world.components.robot import Ball, Robot
@@ -35,12 +35,14 @@ def _resting_hand(scene: Scene, scenario: Scenario) -> HapticSnapshot:
     The poses of bodies are zero, which leaves each body where it is.
     """
     values: dict[str, Any] = {
-        field.name: 0 if field.type in ("int", "float") else np.zeros(3) for field in fields(HapticSnapshot)
+        field.name: 0 if field.type in ("int", "float") else np.zeros(3)
+        for field in fields(HapticSnapshot)
+        if field.name != FURTHER
     }
     via_points = scenario.via_points_world
     centre = (scene.first(Robot) or Robot()).robot_to_world.translation
     values["hip_world"] = np.array(via_points[0] if len(via_points) else centre, np.float64)
-    values["others_seen"] = np.tile(values["hip_world"], (MAX_CONTACTS - 1, 1))
     values["ball_radius"] = (scene.first(Ball) or Ball()).radius_max
     values["poses"] = np.zeros((len(scene.entities), 7))
-    return HapticSnapshot(**values)
+    point = PointSnapshot(**{field.name: values[field.name] for field in fields(PointSnapshot)})
+    return HapticSnapshot(**values, further=(point,) * (MAX_CONTACTS - 1))

@@ -28,7 +28,7 @@ CONTACT_FORCE = np.dtype(
 
 STRUCK = np.dtype(
     [
-        ("body_a", "i8"),  # as in EVENT: 0 is the HIP, -1 the static scene
+        ("body_a", "i8"),  # as in EVENT
         ("body_b", "i8"),
         ("left", "i8"),  # remaining ticks
     ],

@@ -28,7 +28,6 @@ from mimics_app.contracts.loop.haptic import MAX_GEOMETRY
 from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS, MAX_JOINTS, Extent
 
 __all__ = [
-    "CONTACTS",
     "FORWARD",
     "INVERSE",
     "JACOBIAN",
@@ -49,8 +48,8 @@ __all__ = [
 ]
 
 
-CONTACTS = ("hand", "fingers", "left foot", "right foot", "tool")
-"""Names of points of contact."""
+_LONGEST_NAME = 32
+"""Largest length of the name of a point of contact [characters]."""
 
 _VECTOR = types.float64[::1]
 
@@ -137,8 +136,8 @@ class DeviceDescriptor:
 
     Attributes:
         joints: 1 to MAX_JOINTS joints.
-        contacts: Names of its points of contact, 1 to MAX_CONTACTS of CONTACTS; tunnel, effects and grip act on the
-            first.
+        contacts: Names of its points of contact, 1 to MAX_CONTACTS different ones, as "hand" or "left foot": scenes
+            name them, and the person reads them. The first one leads: a task is about it unless it names another.
         kinematics: Kinematics functions.
         geometry: Computes up to MAX_GEOMETRY numbers for them from the scene's robot component.
         polar: The joints are radial, angle about the vertical, vertical: the admittance forms of D2.1 4.2.7 apply, and
@@ -158,8 +157,9 @@ class DeviceDescriptor:
             raise ValueError(f"a device has 1 to {MAX_JOINTS} joints, not {len(self.joints)}")
         if not 1 <= len(self.contacts) <= MAX_CONTACTS or len(set(self.contacts)) != len(self.contacts):
             raise ValueError(f"a device has 1 to {MAX_CONTACTS} different points of contact, not {self.contacts}")
-        if unknown := set(self.contacts) - set(CONTACTS):
-            raise ValueError(f"a point of contact is one of {', '.join(CONTACTS)}, not {unknown.pop()!r}")
+        for name in self.contacts:
+            if not name.isprintable() or name != name.strip() or not 1 <= len(name) <= _LONGEST_NAME:
+                raise ValueError(f"the name of a point of contact has 1 to {_LONGEST_NAME} characters, not {name!r}")
         for joint in self.joints:
             if joint.unit not in ("m", "rad") or not joint.lowest < joint.highest:
                 raise ValueError(f'joint "{joint.name}": its unit is m or rad, and lowest is below highest')

@@ -28,7 +28,14 @@ from mimics_app.contracts.loop.controller_slots import (
     TargetKind,
 )
 from mimics_app.contracts.loop.haptic_objects import OBJECT_COUNTS
-from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, sample_dtype, snapshot_dtype
+from mimics_app.contracts.loop.loop_fields import (
+    FURTHER,
+    LOOP_FIELDS,
+    MAX_CONTACTS,
+    MAX_JOINTS,
+    sample_dtype,
+    snapshot_dtype,
+)
 
 __all__ = [
     "EVENT",
@@ -38,6 +45,8 @@ __all__ = [
     "LIMIT_NAMES",
     "MAX_GEOMETRY",
     "NANOSECOND",
+    "POINT_SAMPLE",
+    "POINT_SNAPSHOT",
     "POSE",
     "SAMPLE",
     "SCENE",
@@ -49,6 +58,8 @@ __all__ = [
     "EventKind",
     "SafetyState",
     "TripCause",
+    "body_of_point",
+    "point_of_body",
 ]
 
 MAX_GEOMETRY = 8
@@ -236,8 +247,8 @@ SCENE = record(
 
 INBOX = np.dtype(
     [
-        ("target_world", "f8", (3,)),  # where the pointing device points [m]
-        ("grasp", "f8"),  # grasp force requested [N]
+        ("target_world", "f8", (MAX_CONTACTS, 3)),  # where the pointing device points each point of contact [m]
+        ("grasp", "f8", (MAX_CONTACTS,)),  # grasp force requested at each [N]
         ("buttons", "i8"),  # Button bits
         ("active", "i8"),  # 1: a pointer is held, or the simulated person may act
         ("trial", "i8"),  # copy of SCENE.trial
@@ -252,6 +263,9 @@ SAMPLE = sample_dtype(LOOP_FIELDS)
 SNAPSHOT = snapshot_dtype(LOOP_FIELDS)
 """The newest state. One writer: the haptic loop. Fields and units: `LOOP_FIELDS`."""
 
+POINT_SAMPLE, POINT_SNAPSHOT = SAMPLE[FURTHER].base, SNAPSHOT[FURTHER].base
+"""Rows of the points of contact after the first in them."""
+
 POSE = 7
 """Columns of the pose of a body beside the snapshot: position xyz [m], quaternion xyzw, world."""
 
@@ -260,8 +274,8 @@ EVENT = np.dtype(
         ("t_ns", "i8"),
         ("tick", "i8"),
         ("kind", "i4"),  # EventKind
-        ("body_a", "i2"),  # 0 is the HIP, i + 1 is body i
-        ("body_b", "i2"),  # likewise; -1: the static scene
+        ("body_a", "i2"),  # 0 is the first point of contact, -1 - c point c, i + 1 is body i
+        ("body_b", "i2"),  # i + 1 is body i; -1: the static scene
         ("material_a", "i2"),
         ("material_b", "i2"),
         ("position_world", "f4", (3,)),  # [m]
@@ -275,3 +289,13 @@ EVENT = np.dtype(
     ]
 )
 """One event of a tick, 64 bytes."""
+
+
+def body_of_point(contact: int) -> int:
+    """Return the number of a point of contact as a body of an event: 0 for the first, below -1 for the others."""
+    return -1 - contact if contact > 0 else 0
+
+
+def point_of_body(body: int) -> int:
+    """Return the number of the point of contact of an event, from its `body_a`; 0 for a body."""
+    return -1 - body if body < 0 else 0

@@ -217,7 +217,7 @@ MOTION = np.dtype(
         ("torque", "f8", (3,)),  # about the centre of mass [N m]
         ("force_user", "f8", (3,)),  # F_rob: force of this body on the user, before the limiter [N]
         ("spawn", "i8"),  # BODY.spawn as last seen
-        ("touched", "i4"),  # 1 while a point touches it
+        ("touched", "i4"),  # bit c is set while the device's point of contact c touches it
         ("collided", "i4"),  # 1 while it touches a shape of another body or the static scene
         ("asleep", "i4"),
         ("quiet_ticks", "i4"),
@@ -243,6 +243,7 @@ EFFECT = record(
         ("frequency", "f8"),  # of a vibration [Hz]
         ("slip", "f8"),  # distance at which stick-slip slips [m]; dead band of springs [m]
         ("parameters", "f8", (8,)),  # of a force field
+        ("contact", "i4"),  # number of the device's point of contact that feels it
     ]
 )
 """One effect."""
@@ -260,7 +261,7 @@ POINT = record(
 WIRE = record(
     [
         ("source", choice_of(SignalSource)),
-        ("source_row", "i4"),  # body of the source
+        ("source_row", "i4"),  # body of the source, or point of contact of an output of the robot
         ("target", choice_of(SignalTarget)),
         ("target_row", "i4"),  # body or effect of the target
         ("gain", "f8", (3, 3)),  # target = gain source + offset
@@ -285,6 +286,7 @@ TUNNEL = record(
         ("drag_growth", "f8"),  # [N s/m per m] added to drag per metre of ball larger than tunnel
         ("centring", "f8"),  # [N/m] assistance towards the bisector
         ("advance", "f8"),  # [N] assistance along the tangent towards the end
+        ("contact", "i4"),  # number of the device's point of contact that it holds
     ]
 )
 """One tunnel of D2.1 4.2.10, or the path of an effect."""

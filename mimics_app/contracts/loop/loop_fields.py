@@ -2,6 +2,11 @@
 
 A new number is a row here and a kernel that writes the field of that name in STATE. The row adds it to the samples and
 so to every recording; `reader` adds it to the snapshot, with one typed line in `HapticSnapshot` below.
+
+A device has 1 to MAX_CONTACTS points of contact, and a row "of each point" has its number for every one of them. In
+samples and snapshots the first point has the field of that name; the others have it in the rows of FURTHER, which lie
+behind all other numbers, so that those of a device with one point are the beginning of every sample. `point_rows` is
+the one table of all points.
 """
 
 from __future__ import annotations
@@ -13,9 +18,10 @@ from typing import Any
 
 import numpy as np
 
-from mimics_app.contracts.arrays import Vec
+from mimics_app.contracts.arrays import Records, Vec
 
 __all__ = [
+    "FURTHER",
     "LOOP_FIELDS",
     "MAX_CONTACTS",
     "MAX_JOINTS",
@@ -23,9 +29,13 @@ __all__ = [
     "HapticSnapshot",
     "LoopField",
     "Move",
+    "Per",
+    "PointSnapshot",
     "Replay",
     "check_snapshot",
+    "contacts_in",
     "moves_of",
+    "point_rows",
     "sample_dtype",
     "snapshot_dtype",
     "state_fields",
@@ -41,7 +51,9 @@ MAX_JOINTS = 8
 MAX_CONTACTS = 4
 """Largest number of points of contact of a device."""
 
-_OTHERS = MAX_CONTACTS - 1
+FURTHER = "further"
+"""Field of samples and snapshots with one row for each point of contact after the first, shape [MAX_CONTACTS - 1]."""
+
 _TORQUE_UNITS = {"m": "N", "rad": "N m"}
 
 _RECORDS = ("state", "totals")
@@ -84,7 +96,7 @@ class Per(Enum):
     JOINT_ACCELERATION = "one for each joint, in its unit per second squared"
     JOINT_SHARE = "one for each joint, dimensionless"
     TORQUE = "one for each joint of a device with torques, N or N m"
-    CONTACT = "the same number of components for each point of contact after the first"
+    POINT = "fixed components for each point of contact"
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +110,7 @@ class LoopField:
         source: "state": the field of STATE with this name, which this row declares; "state.own_tunnel.s",
             "totals.depth": a field that a kernel declares; "": written by the loop itself (kernels.rows, loop).
         kind: "f8" or "i8", in STATE and SNAPSHOT; samples hold float64 only.
-        size: Number of components.
+        size: Number of components; of one point where it has them for each.
         reader: Package below mimics_app that reads it from the snapshot; "": recorded only.
         per: Meaning of the components; units of joints are those of the device.
         reference: Whether only scenes with a reference of the joints have it.
@@ -130,7 +142,10 @@ class LoopField:
         return (self.unit,) * self.size if isinstance(self.unit, str) else self.unit
 
     def present(self, extent: Extent) -> tuple[str, ...]:
-        """Return the units of the components that a device fills, the first ones of the field; () for none."""
+        """Return the units of the components that a device fills, the first ones of the field; () for none.
+
+        Of a field of each point those of one point.
+        """
         if self.reference and not extent.reference:
             return ()
         if self.per is Per.JOINT:
@@ -143,8 +158,6 @@ class LoopField:
             return ("1",) * len(extent.joints)
         if self.per is Per.TORQUE:
             return tuple(_TORQUE_UNITS[unit] for unit in extent.joints) if extent.torques else ()
-        if self.per is Per.CONTACT:
-            return self.units[: self.size // _OTHERS * (extent.contacts - 1)]
         return self.units
 
     @property
@@ -169,9 +182,11 @@ def _of_reference(name: str, per: Per) -> LoopField:
     return LoopField(name, "joint", Replay.OUTPUT, size=MAX_JOINTS, per=per, reference=True)
 
 
-def _of_others(name: str, unit: str, replay: Replay, each: int = 1) -> LoopField:
-    """Return a field with `each` components for every point of contact after the first."""
-    return LoopField(name, unit, replay, "state", size=each * _OTHERS, per=Per.CONTACT)
+def _of_points(
+    name: str, unit: str, replay: Replay, source: str = "state", kind: str = "f8", size: int = 1, reader: str = ""
+) -> LoopField:
+    """Return a field with `size` components for each point of contact."""
+    return LoopField(name, unit, replay, source, kind, size, reader, Per.POINT)
 
 
 LOOP_FIELDS: tuple[LoopField, ...] = (
@@ -181,8 +196,8 @@ LOOP_FIELDS: tuple[LoopField, ...] = (
     # inputs; the snapshot has the last good ones
     _of_joints("q", Replay.INPUT, reader="tasks"),  # measured joints
     _of_joints("dq", Replay.INPUT, "", per=Per.JOINT_RATE),
-    LoopField("f_meas", "N", Replay.INPUT, "", size=3),  # force of the user on the handle, tool frame r t z
-    LoopField("grasp", "N", Replay.INPUT, reader="tasks"),
+    _of_points("f_meas", "N", Replay.INPUT, "", size=3),  # force of the user on the handle, tool frame r t z
+    _of_points("grasp", "N", Replay.INPUT, reader="tasks"),
     LoopField("buttons", "1", Replay.INPUT, ""),  # Button bits
     LoopField("age", "s", Replay.INPUT, ""),  # of the device's data when read
     LoopField("delay", "s", Replay.INPUT, ""),  # from a command to the data that shows it, as the device measures it
@@ -192,73 +207,65 @@ LOOP_FIELDS: tuple[LoopField, ...] = (
     LoopField("held", "1", Replay.INPUT, ""),  # late-tick class: 0 in time, 1 hold, 2 damp, 3 stop, 4 missed in a row
     LoopField("period_s", "s", Replay.INPUT, ""),  # measured, mean weighted by length; nominal on a virtual clock
     # motion and force
-    LoopField("hip_world", "m", Replay.OUTPUT, size=3, reader="tasks"),  # haptic interaction point
-    LoopField("v_world", "m/s", Replay.OUTPUT, size=3, reader="tasks"),  # its velocity
-    LoopField("f_meas_world", "N", Replay.ABSENT, size=3, reader="app"),  # f_meas in the world
-    LoopField("f_virt_world", "N", Replay.OUTPUT, size=3),  # virtual force on the user before the limiter
-    LoopField(
+    _of_points("hip_world", "m", Replay.OUTPUT, size=3, reader="tasks"),  # haptic interaction point
+    _of_points("v_world", "m/s", Replay.OUTPUT, size=3, reader="tasks"),  # its velocity
+    _of_points("f_meas_world", "N", Replay.ABSENT, size=3, reader="app"),  # f_meas in the world
+    _of_points("f_virt_world", "N", Replay.OUTPUT, size=3),  # virtual force on the user before the limiter
+    _of_points(
         "f_user_world", "N", Replay.OUTPUT, size=3, reader="tasks"
     ),  # after limiter and ramp: what the user feels
     # objects
-    LoopField("f_shapes", "N", Replay.OUTPUT, "totals.shape_force", size=3),  # part that touched shapes make, world
-    LoopField("f_effects", "N", Replay.OUTPUT, "totals.effect_force", size=3),  # part that effects make, world
-    LoopField("f_grip", "N", Replay.OUTPUT, "totals.grip_force", size=3, reader="app"),  # part of the held object
-    LoopField("touching", "1", Replay.OUTPUT, "totals.touching"),  # pairs of point and shape in contact
-    LoopField("partners", "1", Replay.ABSENT, kind="i8", reader="tasks"),  # in contact, of static scene and bodies
-    LoopField("depth", "m", Replay.OUTPUT, "totals.depth"),  # of the deepest of them
-    LoopField("touched_shape", "1", Replay.OUTPUT, "totals.shape"),  # its row, -1: none
-    LoopField("held_body", "1", Replay.OUTPUT, "totals.held", "i8", reader="tasks"),  # its row, -1: none
-    LoopField("crushed_body", "1", Replay.ABSENT, "totals.crushed", "i8", reader="tasks"),  # held beyond crush_force
+    _of_points("f_shapes", "N", Replay.OUTPUT, "totals.shape_force", size=3),  # part that touched shapes make, world
+    _of_points("f_effects", "N", Replay.OUTPUT, "totals.effect_force", size=3),  # part that effects make, world
+    _of_points("f_grip", "N", Replay.OUTPUT, "totals.grip_force", size=3, reader="app"),  # part of the held object
+    _of_points("touching", "1", Replay.OUTPUT, "totals.touching"),  # pairs of point and shape in contact
+    _of_points("partners", "1", Replay.ABSENT, kind="i8", reader="tasks"),  # in contact, of static scene and bodies
+    _of_points("depth", "m", Replay.OUTPUT, "totals.depth"),  # of the deepest of them
+    _of_points("touched_shape", "1", Replay.OUTPUT, "totals.shape"),  # its row, -1: none
+    _of_points("held_body", "1", Replay.OUTPUT, "totals.held", "i8", reader="tasks"),  # its row, -1: none
+    _of_points("crushed_body", "1", Replay.ABSENT, "totals.crushed", "i8", reader="tasks"),  # held beyond crush_force
     LoopField("bodies", "1", Replay.OUTPUT),  # checksum of the motion of all bodies, 0-2^52
     # the task's own tunnel
-    LoopField("f_tunnel", "N", Replay.OUTPUT, "state.own_tunnel.force_tnb", size=3),  # in the tunnel's t, n, b
-    LoopField("s", "pieces", Replay.OUTPUT, "state.own_tunnel.s"),  # parameter of the closest bisector point
-    LoopField("progress", "1", Replay.OUTPUT, "state.own_tunnel.progress", reader="tasks"),  # of the arc length, 0-1
-    LoopField("distance", "m", Replay.OUTPUT, "state.own_tunnel.distance", reader="tasks"),  # ball from bisector
-    LoopField("offset_n", "m", Replay.OUTPUT, "state.own_tunnel.offset_n"),  # along the tunnel's n
-    LoopField("offset_b", "m", Replay.OUTPUT, "state.own_tunnel.offset_b"),  # along the tunnel's b
-    LoopField("penetration", "m", Replay.OUTPUT, "state.own_tunnel.penetration", reader="tasks"),  # ball in wall
-    LoopField("ball_radius", "m", Replay.OUTPUT, reader="scenarios"),
-    LoopField("tunnel_radius", "m", Replay.OUTPUT, "state.own_tunnel.radius"),  # at s, scaled
+    _of_points("f_tunnel", "N", Replay.OUTPUT, "state.own_tunnel.force_tnb", size=3),  # in the tunnel's t, n, b
+    _of_points("s", "pieces", Replay.OUTPUT, "state.own_tunnel.s"),  # parameter of the closest bisector point
+    _of_points("progress", "1", Replay.OUTPUT, "state.own_tunnel.progress", reader="tasks"),  # of the arc length, 0-1
+    _of_points("distance", "m", Replay.OUTPUT, "state.own_tunnel.distance", reader="tasks"),  # ball from bisector
+    _of_points("offset_n", "m", Replay.OUTPUT, "state.own_tunnel.offset_n"),  # along the tunnel's n
+    _of_points("offset_b", "m", Replay.OUTPUT, "state.own_tunnel.offset_b"),  # along the tunnel's b
+    _of_points("penetration", "m", Replay.OUTPUT, "state.own_tunnel.penetration", reader="tasks"),  # ball in wall
+    _of_points("ball_radius", "m", Replay.OUTPUT, reader="scenarios"),
+    _of_points("tunnel_radius", "m", Replay.OUTPUT, "state.own_tunnel.radius"),  # at s, scaled
     # controller and safety
     LoopField("v_virtual", "m/s", Replay.OUTPUT, size=3),  # velocity of the virtual mass, robot frame
     _of_joints("command", Replay.OUTPUT, per=Per.JOINT_RATE),  # joint velocities sent
-    LoopField("f_command", "N", Replay.OUTPUT, size=3),  # force sent, robot frame
+    _of_points("f_command", "N", Replay.OUTPUT, size=3),  # force sent, robot frame
     LoopField("ramp", "1", Replay.OUTPUT, reader="scenarios"),  # soft-start factor 0-1
     LoopField("state", "1", Replay.OUTPUT, "state.safety", "i8", reader="tasks"),  # SafetyState
     LoopField(
         "cause", "1", Replay.OUTPUT, kind="i8", reader="tasks"
     ),  # TripCause of the stop or degraded state it is in
     # stability
-    LoopField("stiffness_limit", "N/m", Replay.OUTPUT),  # largest stable stiffness of a contact, this period and delay
-    LoopField("margin", "1", Replay.OUTPUT, reader="app"),  # that over the wall's stiffness, less 1; below 0: may swing
-    LoopField("energy", "J", Replay.OUTPUT, "state.observer.energy", reader="app"),  # taken since the contact began
-    LoopField(
+    _of_points("stiffness_limit", "N/m", Replay.OUTPUT),  # largest stable stiffness of a contact, this period and delay
+    _of_points(
+        "margin", "1", Replay.OUTPUT, reader="app"
+    ),  # that over the wall's stiffness, less 1; below 0: may swing
+    _of_points("energy", "J", Replay.OUTPUT, "state.observer.energy", reader="app"),  # taken since the contact began
+    _of_points(
         "stiffness_share", "1", Replay.OUTPUT, reader="app"
     ),  # of what is or can be touched that is rendered, 0-1
-    LoopField("credit", "J", Replay.OUTPUT, "state.acting.credit"),  # contacts may still give back; < 0: gave too much
-    LoopField("passivity", "N", Replay.OUTPUT, "state.acting.passivity"),  # force the passivity controller took away
-    LoopField("tank", "J", Replay.OUTPUT, "state.acting.tank"),  # energy left for active forces
-    LoopField("tank_share", "1", Replay.OUTPUT, "state.acting.tank_share"),  # of the active forces it can pay, 0-1
+    _of_points("credit", "J", Replay.OUTPUT, "state.acting.credit"),  # contacts may still give back; < 0: gave too much
+    _of_points("passivity", "N", Replay.OUTPUT, "state.acting.passivity"),  # force the passivity controller took away
+    _of_points("tank", "J", Replay.OUTPUT, "state.acting.tank"),  # energy left for active forces
+    _of_points("tank_share", "1", Replay.OUTPUT, "state.acting.tank_share"),  # of the active forces it can pay, 0-1
     # the live loop
     LoopField("lateness_ns", "ns", Replay.TIMING, ""),  # wake-up after the release
     LoopField("duration_ns", "ns", Replay.TIMING, ""),  # work of the tick
     # devices with torques
     _of_joints("torque_meas", Replay.INPUT, per=Per.TORQUE),  # of the user on the joints, beside the forces on points
     _of_joints("torque_command", Replay.OUTPUT, per=Per.TORQUE),  # torques sent
-    # points of contact behind the first
-    _of_others("others_f_meas", "N", Replay.INPUT, 3),  # force of the user on each, frame of its sensor
-    _of_others("others_world", "m", Replay.OUTPUT, 3),  # where they are
-    _of_others("others_v_world", "m/s", Replay.OUTPUT, 3),
-    _of_others("others_f_virt_world", "N", Replay.OUTPUT, 3),  # virtual force on the user before the limiter
-    _of_others("others_f_user_world", "N", Replay.OUTPUT, 3),  # after it
-    _of_others("others_depth", "m", Replay.OUTPUT),  # of the deepest shape each is in
-    _of_others("others_margin", "1", Replay.OUTPUT),  # stability margin of what each touches
-    _of_others("others_share", "1", Replay.OUTPUT),  # of the stiffness of what each touches that is rendered, 0-1
-    _of_others("others_energy", "J", Replay.OUTPUT),  # taken by each since its contact began
     # oscillation
-    LoopField("calm", "1", Replay.OUTPUT, reader="app"),  # share of the force that the detector of oscillation left
-    LoopField("f_ordered", "N", Replay.OUTPUT, "totals.ordered_force", size=3),  # effects and ripples meant to shake
+    _of_points("calm", "1", Replay.OUTPUT, reader="app"),  # share of the force that the detector of oscillation left
+    _of_points("f_ordered", "N", Replay.OUTPUT, "totals.ordered_force", size=3),  # effects and ripples meant to shake
     # reference of the joints
     LoopField("phase", "1", Replay.OUTPUT, reader="app", reference=True),  # of its cycle, 0-1
     LoopField("amplitude", "1", Replay.OUTPUT, reference=True),  # 0 in standing, 1 in the whole movement
@@ -267,29 +274,19 @@ LOOP_FIELDS: tuple[LoopField, ...] = (
     _of_reference("ddq_reference", Per.JOINT_ACCELERATION),
     _of_reference("guidance", Per.JOINT_SHARE),  # share of the pull towards it
     # of the trial so far, over the ticks in which the person leads
-    LoopField("force_peak", "N", Replay.ABSENT, reader="tasks"),  # largest force felt
-    LoopField("distance_peak", "m", Replay.ABSENT, reader="tasks"),  # largest distance of the ball from the bisector
-    LoopField("progress_peak", "1", Replay.ABSENT, reader="tasks"),  # largest progress in the task's own tunnel
-    LoopField("own_work", "J", Replay.ABSENT, reader="tasks"),  # of the person on the handle
+    _of_points("force_peak", "N", Replay.ABSENT, reader="tasks"),  # largest force felt
+    _of_points("distance_peak", "m", Replay.ABSENT, reader="tasks"),  # largest distance of the ball from the bisector
+    _of_points("progress_peak", "1", Replay.ABSENT, reader="tasks"),  # largest progress in the task's own tunnel
+    _of_points("own_work", "J", Replay.ABSENT, reader="tasks"),  # of the person on the handle
     LoopField("quiet_ticks", "1", Replay.ABSENT, "state.quiet_ticks", "i8", reader="tasks"),  # without a force to begin
-    LoopField("others_seen", "m", Replay.ABSENT, "state.others_world", size=3 * _OTHERS, reader="scenarios"),
 )
 """All numbers that leave the loop, recorded columns in the order of the recording."""
 
 
 @dataclass(frozen=True, slots=True)
-class HapticSnapshot:
-    """Newest haptic state for the frame: rows of `LOOP_FIELDS` that have a reader, vectors of shape [3].
+class PointSnapshot:
+    """Newest state of one point of contact: rows of each point in `LOOP_FIELDS` with a reader, vectors of shape [3]."""
 
-    Attributes:
-        q: Measured joints, shape [joints of the device].
-        others_seen: Points of contact after the first, world [m], shape [MAX_CONTACTS - 1, 3].
-        poses: Position xyz [m] and quaternion xyzw of each body, world, shape [capacity, 7].
-    """
-
-    tick: int
-    t_ns: int
-    q: Vec
     grasp: float
     hip_world: Vec
     v_world: Vec
@@ -303,45 +300,117 @@ class HapticSnapshot:
     distance: float
     penetration: float
     ball_radius: float
-    ramp: float
-    state: int
-    cause: int
     margin: float
     energy: float
     stiffness_share: float
     calm: float
-    phase: float
     force_peak: float
     distance_peak: float
     progress_peak: float
     own_work: float
+
+
+@dataclass(frozen=True, slots=True)
+class HapticSnapshot(PointSnapshot):
+    """Newest haptic state for the frame: that of the first point of contact, of the device, and of further points.
+
+    Attributes:
+        q: Measured joints, shape [joints of the device].
+        poses: Position xyz [m] and quaternion xyzw of each body, world, shape [capacity, 7].
+        further: The points of contact after the first; () for a device with one.
+    """
+
+    tick: int
+    t_ns: int
+    q: Vec
+    ramp: float
+    state: int
+    cause: int
+    phase: float
     quiet_ticks: int
-    others_seen: Vec
     poses: Vec
+    further: tuple[PointSnapshot, ...] = ()
+
+    @property
+    def points(self) -> tuple[PointSnapshot, ...]:
+        """Every point of contact of the device, in the order of its descriptor."""
+        return (self, *self.further)
 
 
 def check_snapshot(table: Sequence[LoopField]) -> None:
-    """Compare HapticSnapshot with the table.
+    """Compare HapticSnapshot and PointSnapshot with the table.
 
     Raises:
         TypeError: A row with a reader has no field of its type in the message, or a field has no row.
     """
-    wanted = {field.name: "Vec" if field.shape else _TYPES[field.kind] for field in table if field.reader}
-    found = {field.name: field.type for field in fields(HapticSnapshot) if field.name != "poses"}
-    differing = sorted(name for name in wanted | found if wanted.get(name) != found.get(name))
+    points = {field.name: field.type for field in fields(PointSnapshot)}
+    own = {"poses", FURTHER, *points}
+    device = {field.name: field.type for field in fields(HapticSnapshot) if field.name not in own}
+    differing = []
+    for found, rows in ((points, _of_each_point(table)), (device, [f for f in table if f.per is not Per.POINT])):
+        wanted = {field.name: "Vec" if field.shape else _TYPES[field.kind] for field in rows if field.reader}
+        differing += sorted(name for name in wanted | found if wanted.get(name) != found.get(name))
     if differing:
         raise TypeError(f"HapticSnapshot and its table differ in {', '.join(differing)}: give each row with a "
                         "reader one line, int, float or Vec")  # fmt: skip
 
 
-def sample_dtype(table: Sequence[LoopField]) -> np.dtype[Any]:
-    """Return the dtype of a sample; all fields are float64, so that a row is also a float64 vector."""
-    return np.dtype([(field.name, "f8", field.shape) for field in table if field.replay is not Replay.ABSENT])
+def _of_each_point(table: Sequence[LoopField]) -> list[LoopField]:
+    return [field for field in table if field.per is Per.POINT]
+
+
+def _sample_fields(table: Sequence[LoopField]) -> list[tuple[Any, ...]]:
+    return [(field.name, "f8", field.shape) for field in table if field.replay is not Replay.ABSENT]
+
+
+def _snapshot_fields(table: Sequence[LoopField]) -> list[tuple[Any, ...]]:
+    return [(field.name, field.kind, field.shape) for field in table if field.reader]
+
+
+def sample_dtype(table: Sequence[LoopField], contacts: int = MAX_CONTACTS) -> np.dtype[Any]:
+    """Return the dtype of a sample of a device with so many points; all numbers are float64, as in a float64 vector.
+
+    That of fewer points has the first numbers of that of more.
+    """
+    rows = _sample_fields(table)
+    if contacts > 1:
+        rows.append((FURTHER, np.dtype(_sample_fields(_of_each_point(table))), (contacts - 1,)))
+    return np.dtype(rows)
 
 
 def snapshot_dtype(table: Sequence[LoopField]) -> np.dtype[Any]:
     """Return the dtype of the newest state."""
-    return np.dtype([(field.name, field.kind, field.shape) for field in table if field.reader], align=True)
+    point = np.dtype(_snapshot_fields(_of_each_point(table)), align=True)
+    return np.dtype([*_snapshot_fields(table), (FURTHER, point, (MAX_CONTACTS - 1,))], align=True)
+
+
+def contacts_in(samples: Records) -> int:
+    """Return the number of points of contact that samples have room for."""
+    dtype = samples.dtype
+    return 1 + dtype[FURTHER].shape[0] if FURTHER in (dtype.names or ()) else 1
+
+
+def point_rows(records: Records, point: int) -> Records:
+    """Return the numbers of one point of contact, from 0, in samples or snapshots: fields of the same names for each.
+
+    Args:
+        records: SAMPLE or SNAPSHOT records, shape [n].
+        point: Number of the point in the device's descriptor.
+
+    Returns:
+        A view, shape [n].
+
+    Raises:
+        IndexError: The records have no such point.
+    """
+    names = records.dtype.names or ()
+    if point == 0:
+        of_one = {field.name for field in _of_each_point(LOOP_FIELDS)}
+        return records[[name for name in names if name in of_one]]
+    if FURTHER not in names:
+        raise IndexError(f"point of contact {point} of a recording of one")
+    rows: Records = records[FURTHER][..., point - 1]
+    return rows
 
 
 def state_fields(table: Sequence[LoopField]) -> list[tuple[Any, ...]]:
@@ -350,7 +419,10 @@ def state_fields(table: Sequence[LoopField]) -> list[tuple[Any, ...]]:
 
 
 def moves_of(table: Sequence[LoopField], *, recorded: bool) -> tuple[Move, ...]:
-    """Return the copies from the loop's records to the outputs of a sample, or to a snapshot."""
+    """Return the copies from the loop's records to the outputs of a sample, or to a snapshot.
+
+    For a row of FURTHER give the rows of each point (`Per.POINT`) alone.
+    """
     if recorded:
         return tuple(field.move for field in table if field.replay is Replay.OUTPUT)
     return tuple(field.move for field in table if field.reader and field.source)

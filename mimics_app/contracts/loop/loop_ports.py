@@ -79,15 +79,15 @@ DATA_FORCE = DATA_DQ + MAX_JOINTS
 DATA_TORQUE = DATA_FORCE + 3 * MAX_CONTACTS
 """Torque of the user on each joint [N or N m], in addition to those forces; of a device with torques."""
 DATA_GRASP = DATA_TORQUE + MAX_JOINTS
-"""Grasp force [N]."""
-DATA_BUTTONS = DATA_GRASP + 1
+"""Grasp force at each point of contact [N]."""
+DATA_BUTTONS = DATA_GRASP + MAX_CONTACTS
 """Button bits as a float."""
-DATA_AGE = DATA_GRASP + 2
+DATA_AGE = DATA_BUTTONS + 1
 """Age of this data when read [s]; 0 for data taken at the tick."""
-DATA_DELAY = DATA_GRASP + 3
+DATA_DELAY = DATA_AGE + 1
 """Measured time from a command to the data that shows its effect, less one tick [s]; 0 if not measured. The stability
 limit uses the larger of this and `DevicePlugin.delay`."""
-DATA_LENGTH = DATA_GRASP + 4
+DATA_LENGTH = DATA_DELAY + 1
 
 COMMAND_DQ = 0
 """Joint velocities [m/s or rad/s], the command of an admittance device."""
@@ -106,16 +106,16 @@ COMMAND_BELT = COMMAND_STATE + 1
 COMMAND_LENGTH = COMMAND_ENABLED + 3
 
 INBOX_TARGET = 0
-"""Target of the pointing device for the first point of contact, robot frame [m]."""
-INBOX_GRASP = 3
-"""Grasp force requested [N]."""
-INBOX_BUTTONS = 4
+"""Target of the pointing device or person for each point of contact, x y z concatenated, robot frame [m]."""
+INBOX_GRASP = INBOX_TARGET + 3 * MAX_CONTACTS
+"""Grasp force requested at each point of contact [N]."""
+INBOX_BUTTONS = INBOX_GRASP + MAX_CONTACTS
 """Button bits as a float."""
-INBOX_ACTIVE = 5
+INBOX_ACTIVE = INBOX_BUTTONS + 1
 """1: a pointer is held, or the simulated person may act."""
-INBOX_TRIAL = 6
+INBOX_TRIAL = INBOX_ACTIVE + 1
 """Number of the trial; a change restarts a simulated person."""
-INBOX_LENGTH = 7
+INBOX_LENGTH = INBOX_TRIAL + 1
 
 _VECTOR = types.float64[::1]
 

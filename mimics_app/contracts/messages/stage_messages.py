@@ -20,6 +20,7 @@ __all__ = [
     "Experience",
     "FeatureFrame",
     "HapticSnapshot",
+    "PointTarget",
     "PointerState",
     "SignalBlock",
     "SoundEvent",
@@ -34,12 +35,28 @@ __all__ = [
 
 
 @dataclass(frozen=True, slots=True)
+class PointTarget:
+    """Target of one point of contact [m], and grasp force there [N]."""
+
+    target_world: Vec3
+    grasp: float
+
+
+@dataclass(frozen=True, slots=True)
 class PointerState:
-    """State of a pointing device in one frame: target [m], grasp force [N], and whether it is held."""
+    """State of a pointing device in one frame.
+
+    Attributes:
+        target_world: Target of the first point of contact [m].
+        grasp: Grasp force there [N].
+        active: Whether it is held.
+        further: Targets of the points of contact after the first; one without a target moves beside the first.
+    """
 
     target_world: Vec3
     grasp: float
     active: bool
+    further: tuple[PointTarget, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,10 +66,12 @@ class Aim:
     Attributes:
         target_world: Target of the hand [m].
         close: True if the hand closes, or stays closed.
+        further: The same for the points of contact after the first; one without a target moves beside the first.
     """
 
     target_world: Vec3
     close: bool
+    further: tuple[Aim, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

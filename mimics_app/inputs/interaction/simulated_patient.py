@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.messages.stage_messages import Aim, PointerState
+from mimics_app.contracts.messages.stage_messages import Aim, PointerState, PointTarget
 from mimics_app.contracts.ports.input_port import WindowFrame
 
 __all__ = ["SimulatedPatient"]
@@ -32,7 +32,8 @@ class SimulatedPatient:
         active = self._intent and (self._follows_path or aim is not None)
         if aim is None:
             return PointerState(self._point, 0.0, active)
-        return PointerState(aim.target_world, 1.0 if aim.close else 0.0, active)
+        further = tuple(PointTarget(each.target_world, _grasp(each)) for each in aim.further)
+        return PointerState(aim.target_world, _grasp(aim), active, further)
 
     def hold_at(self, point_world: Vec3) -> None:
         """Keep the point as the target while there is no other."""
@@ -41,3 +42,7 @@ class SimulatedPatient:
     def aim(self, aim: Aim | None) -> None:
         """Take the target of the scene; it counts from the next frame on."""
         self._aim = aim
+
+
+def _grasp(aim: Aim) -> float:
+    return 1.0 if aim.close else 0.0

@@ -53,7 +53,7 @@ def _grip_borrowed(
             for p in range(2):
                 work.point_positions[p, i] = rows.points[p].offset[i]
                 work.point_velocities[p, i] = 0.0
-        grip_bodies(rows, work, counts, grasp, dt)
+        grip_bodies(rows, work, counts, 0, grasp, dt)
         for i in range(3):
             forces[tick, i] = work.totals[0].grip_force[i]
             motion.velocity[i] += dt * (motion.force[i] / body.mass + body.gravity[i])

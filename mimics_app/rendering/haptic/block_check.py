@@ -112,11 +112,12 @@ def _check_rows(counts: np.void, rows: Rows | None, capacities: ObjectCapacities
     if rows is None:
         return
     last_body, last_effect = used["bodies"] - 1, used["effects"] - 1
-    _check_column("points.contact", rows.points["contact"][: used["points"]], 0, MAX_CONTACTS - 1)
+    for name in ("points", "effects", "tunnels"):
+        _check_column(f"{name}.contact", getattr(rows, name)["contact"][: used[name]], 0, MAX_CONTACTS - 1)
     wires = rows.wires[: used["wires"]]
     _check_column("shapes.body", rows.shapes["body"][: used["shapes"]], STATIC, last_body)
     _check_column("effects.body", rows.effects["body"][: used["effects"]], STATIC, last_body)
-    _check_column("wires.source_row", wires["source_row"], 0, max(0, last_body))
+    _check_column("wires.source_row", wires["source_row"], 0, max(MAX_CONTACTS - 1, last_body))
     _check_column("wires.target_row", wires["target_row"], 0, max(0, last_body, last_effect))
 
 

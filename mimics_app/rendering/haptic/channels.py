@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import Records, Words
 from mimics_app.contracts.loop.contact_force import CONTACT_FORCE, FOLLOWED_AT_ONCE, STRUCK
 from mimics_app.contracts.loop.haptic import EVENT, SAMPLE
-from mimics_app.contracts.loop.loop_fields import HapticSnapshot
+from mimics_app.contracts.loop.loop_fields import FURTHER, HapticSnapshot, PointSnapshot
 from mimics_app.contracts.loop.loop_ports import COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH
 from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows
 from mimics_app.contracts.shared_memory import triple_buffer
@@ -83,15 +83,16 @@ def new_work(objects: ObjectWork) -> Work:
     )
 
 
-def newest_snapshot(memory: SessionMemory, joints: int) -> HapticSnapshot:
-    """Return the newest published state of a device with `joints` joints; its arrays are copies."""
+def newest_snapshot(memory: SessionMemory, joints: int, contacts: int) -> HapticSnapshot:
+    """Return the newest published state of a device with so many joints and points; its arrays are copies."""
     slot, _ = triple_buffer.acquire(memory.snapshot_words)
     # The bytes: numpy copies a record field by field, which takes three times as long.
     record = np.frombuffer(bytearray(memory.snapshots[slot].tobytes()), memory.snapshots.dtype)
     values: dict[str, Any] = dict(zip(record.dtype.names or (), record.item(), strict=True))
     values["q"] = values["q"][:joints]
-    values["others_seen"] = values["others_seen"].reshape(-1, 3)
-    return HapticSnapshot(**values, poses=memory.poses[slot].copy())
+    rows = values.pop(FURTHER)[: max(0, contacts - 1)]
+    further = tuple(PointSnapshot(**dict(zip(rows.dtype.names, row.item(), strict=True))) for row in rows)
+    return HapticSnapshot(**values, poses=memory.poses[slot].copy(), further=further)
 
 
 def _channel_type(name: str) -> Any:

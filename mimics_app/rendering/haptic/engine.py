@@ -85,6 +85,8 @@ class HapticEngine:
         self._work = new_work(objects or new_object_work(memory.capacities.objects))
         self._drained, self._no_events = np.zeros(memory.main_events.shape[0], EVENT), np.zeros(0, EVENT)
         self._inbox: Records = np.zeros(1, INBOX)
+        self._beside: list[tuple[float, ...]] = []  # from the first point of contact to each other, world [m]
+        self._beside_in = -1  # trial at whose begin they were so
         self._resets = 0
         self._closed = self._released = False
         self._granted: scheduler.Granted | None = None
@@ -175,12 +177,29 @@ class HapticEngine:
         record["active"] = int(may_act and pointer is not None and pointer.active)
         record["trial"] = trial
         if pointer is not None:
-            record["target_world"], record["grasp"] = pointer.target_world, pointer.grasp
+            record["target_world"][0], record["grasp"][0] = pointer.target_world, pointer.grasp
+            self._point_further(record, pointer)
         self.send(self._inbox)
+
+    def _point_further(self, record: Records, pointer: PointerState) -> None:
+        """Set the targets of the points of contact after the first; without one of its own a point stays beside it."""
+        points = len(self._descriptor.contacts) - 1
+        if points > len(pointer.further) and record["trial"] != self._beside_in:
+            self._beside_in = int(record["trial"])
+            first, *others = self.snapshot().points
+            self._beside = [tuple(other.hip_world - first.hip_world) for other in others]
+        for c in range(points):
+            if c < len(pointer.further):
+                target, grasp = pointer.further[c].target_world, pointer.further[c].grasp
+            else:
+                x, y, z = pointer.target_world
+                dx, dy, dz = self._beside[c]
+                target, grasp = (x + dx, y + dy, z + dz), pointer.grasp
+            record["target_world"][c + 1], record["grasp"][c + 1] = target, grasp
 
     def snapshot(self) -> HapticSnapshot:
         """Return the newest state of the loop; its arrays are copies."""
-        return newest_snapshot(self._memory, len(self._descriptor.joints))
+        return newest_snapshot(self._memory, len(self._descriptor.joints), len(self._descriptor.contacts))
 
     def events(self) -> Records:
         """Return the EVENT records since the last call, oldest first."""

@@ -151,14 +151,16 @@ def late_class(scene: SceneRecord, late_ns: int, missed_in_row: int) -> int:
 
 @kernel
 def _take_inbox(channels: Channels, work: Work, scene: SceneRecord) -> None:
-    """Copy the newest INBOX record to work.inbox, with the target in the robot frame."""
+    """Copy the newest INBOX record to work.inbox, with the targets in the robot frame."""
     slot, _ = acquire(channels.inbox_words)
     record = channels.inboxes[slot]
     target = work.state[0].work_a
-    for i in range(3):
-        target[i] = record.target_world[i] - scene.origin_world[i]
-    rotate_back(scene.R_world_from_robot, target, work.inbox[INBOX_TARGET : INBOX_TARGET + 3])
-    work.inbox[INBOX_GRASP] = record.grasp
+    for c in range(max(1, scene.contacts)):
+        for i in range(3):
+            target[i] = record.target_world[c, i] - scene.origin_world[i]
+        first = INBOX_TARGET + 3 * c
+        rotate_back(scene.R_world_from_robot, target, work.inbox[first : first + 3])
+        work.inbox[INBOX_GRASP + c] = record.grasp[c]
     work.inbox[INBOX_BUTTONS] = float(record.buttons)
     work.inbox[INBOX_ACTIVE] = float(record.active)
     work.inbox[INBOX_TRIAL] = float(record.trial)
@@ -246,7 +248,7 @@ def loop_tick(
     control[_HELD] += 1 if held != IN_TIME else 0
     control[_STALE] += state.stale
     control[_STOPS if is_stopped(state) else _HOLDS] += state.tripped
-    publish_state(channels, work, scene.objects, t_ns)
-    publish_events(channels, work, rows, scene.objects, t_ns)
-    publish_forces(channels, work, scene.objects, t_ns)
+    publish_state(channels, work, scene, t_ns)
+    publish_events(channels, work, rows, scene, t_ns)
+    publish_forces(channels, work, scene, t_ns)
     return scene.late_stop_ns

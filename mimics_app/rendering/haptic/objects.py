@@ -60,10 +60,10 @@ class ObjectWork(NamedTuple):
         aux_forces: F_aux of each body plus the contribution of wires, world [N], shape [bodies, 3].
         aux_torques: T_aux likewise [N m].
         totals: TOTALS of each point of contact, shape [MAX_CONTACTS].
-        grip: GRIP, shape [1].
-        touches: TOUCH, shape [1 + bodies]: the static scene, then the bodies.
+        grip: GRIP of each point of contact, shape [MAX_CONTACTS].
+        touches: TOUCH of each point of contact, shape [MAX_CONTACTS, 1 + bodies]: the static scene, then the bodies.
         motion_words: View of `motions` as words, shape [bodies, words].
-        force: Force of the objects on the user in this tick, world [N], shape [3].
+        force: Force of the objects on each point of contact in this tick, world [N], shape [3 * MAX_CONTACTS].
         inputs: Signals of the person for the objects, shape [INPUT_LENGTH].
         dynamics: DYNAMICS, shape [bodies].
         tracking: TRACKING, shape [1].
@@ -153,9 +153,9 @@ def new_object_work(capacities: ObjectCapacities, meshes: MeshTable | None = Non
         aux_torques=np.zeros((bodies, 3)),
         totals=np.zeros(MAX_CONTACTS, TOTALS),
         grip=new_grip(),
-        touches=np.zeros(1 + bodies, TOUCH),
+        touches=np.zeros((MAX_CONTACTS, 1 + bodies), TOUCH),
         motion_words=motions.view(np.int64).reshape(bodies, MOTION.itemsize // 8),
-        force=np.zeros(3),
+        force=np.zeros(3 * MAX_CONTACTS),
         inputs=np.zeros(INPUT_LENGTH),
         dynamics=np.zeros(bodies, DYNAMICS),
         tracking=np.zeros(1, TRACKING),
@@ -205,6 +205,6 @@ SIMULATE = types.void(
 """Signature of `simulate(rows, work, counts, inputs, fields, dt, force)`, the objects' part of the tick.
 
 It is passed to the loop as a first-class function, so that a scene without objects imports, compiles and runs none of
-their code. `inputs` holds the signals of the person (kernels.objects.object_inputs), `force` receives the force on the
-user.
+their code. `inputs` holds the signals of the person (kernels.objects.object_inputs), `force` receives the force on each
+point of contact, x y z concatenated.
 """

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
-from mimics_app.contracts.loop.haptic import EventKind
+from mimics_app.contracts.loop.haptic import EventKind, body_of_point, point_of_body
 from mimics_app.contracts.shared_memory.ring import push
 from mimics_app.contracts.shared_memory.triple_buffer import back_slot, publish
 from mimics_app.rendering.haptic.channels import Channels, Work
@@ -15,24 +15,30 @@ from mimics_app.rendering.haptic.kernels.state import CONTACT_BEGAN, CONTACT_END
 from mimics_app.rendering.haptic.kernels.vectors import copy, fill, norm
 
 if TYPE_CHECKING:
-    from mimics_app.rendering.haptic.record_types import ObjectCountsRecord, Rows, ShapeRecord, StateRecord, Table
+    from mimics_app.rendering.haptic.record_types import Rows, SceneRecord, ShapeRecord, StateRecord, Table
 
-__all__ = ["publish_events", "publish_state"]
+__all__ = ["event_body", "event_point", "publish_events", "publish_state"]
+
+event_body = kernel(body_of_point)
+"""`body_of_point` compiled."""
+
+event_point = kernel(point_of_body)
+"""`point_of_body` compiled."""
 
 
 @kernel
-def publish_state(channels: Channels, work: Work, counts: ObjectCountsRecord, t_ns: int) -> None:
+def publish_state(channels: Channels, work: Work, scene: SceneRecord, t_ns: int) -> None:
     """Publish the newest state and poses to the main thread and the audio process.
 
     Args:
         channels: Arrays of the session.
         work: Arrays of the loop.
-        counts: SCENE.objects of this tick.
+        scene: SCENE record of this tick.
         t_ns: Release time of the tick [ns].
     """
     slot = back_slot(channels.snapshot_words)
-    write_snapshot(work.state[0], work.objects.totals[0], t_ns, channels.snapshots[slot])
-    write_poses(work.objects.motions, counts.bodies, channels.poses[slot])
+    write_snapshot(scene.contacts, work.state, work.objects.totals, t_ns, channels.snapshots[slot])
+    write_poses(work.objects.motions, scene.objects.bodies, channels.poses[slot])
     channels.audio_snapshots[back_slot(channels.audio_words)] = channels.snapshots[slot]
     publish(channels.snapshot_words)
     publish(channels.audio_words)
@@ -49,22 +55,26 @@ def _publish(channels: Channels, work: Work, kind: int, force: float) -> None:
 
 
 @kernel
-def publish_events(channels: Channels, work: Work, rows: Rows, counts: ObjectCountsRecord, t_ns: int) -> None:
+def publish_events(channels: Channels, work: Work, rows: Rows, scene: SceneRecord, t_ns: int) -> None:
     """Publish this tick's events: parameters, state, trip, margin, cap, stale data, contacts, impact, losses."""
+    counts = scene.objects
     _publish_tick(channels, work, t_ns)
+    for c in range(max(1, scene.contacts)):
+        _publish_wall(channels, work, c, t_ns)
     if counts.shapes > 0:
-        _publish_touches(channels, work, rows.shapes, counts.bodies, t_ns)
+        for c in range(max(1, scene.contacts)):
+            _publish_touches(channels, work, rows.shapes, counts.bodies, c, t_ns)
         _publish_impact(channels, work, t_ns)
     if counts.shapes + counts.effects > 0:
         _publish_losses(channels, work, t_ns)
 
 
 @kernel
-def _begin(work: Work, t_ns: int, body_a: int, body_b: int, speed: float, value: float) -> None:
-    """Begin an event at the HIP, without a direction and materials."""
-    event, state = work.event[0], work.state[0]
+def _begin(work: Work, contact: int, t_ns: int, body_a: int, body_b: int, speed: float, value: float) -> None:
+    """Begin an event at a point of contact, without a direction and materials."""
+    event, state = work.event[0], work.state[contact]
     event.t_ns = t_ns
-    event.tick = state.tick - 1
+    event.tick = work.state[0].tick - 1
     event.body_a = body_a
     event.body_b = body_b
     event.material_a = 0
@@ -91,16 +101,34 @@ def _publish_monitor(channels: Channels, work: Work, state: StateRecord) -> None
 
 
 @kernel
-def _publish_tick(channels: Channels, work: Work, t_ns: int) -> None:
-    state, event = work.state[0], work.event[0]
-    news = state.parameters_taken + state.state_changed + state.tripped + state.contact_change
-    news += state.margin_lost + state.cap_began + state.limit_began + state.swing_reported + state.stale_began
-    if news == 0:
-        return
-    _begin(work, t_ns, 0, -1, state.tunnel.approach_speed, state.tunnel.s)
+def _begin_at_wall(work: Work, contact: int, t_ns: int) -> None:
+    """Begin an event where the ball of a point of contact touches, or last touched, the wall of its tunnel."""
+    state, event = work.state[contact], work.event[0]
+    _begin(work, contact, t_ns, event_body(contact), -1, state.tunnel.approach_speed, state.tunnel.s)
     copy(state.tunnel.normal_world, event.normal_world)
     for i in range(3):
         event.position_world[i] = state.hip_world[i] - state.ball_radius * state.tunnel.normal_world[i]
+
+
+@kernel
+def _publish_wall(channels: Channels, work: Work, contact: int, t_ns: int) -> None:
+    """Publish contacts of a point with the wall of its tunnel."""
+    state = work.state[contact]
+    if state.contact_change != CONTACT_BEGAN and state.contact_change != CONTACT_ENDED:
+        return
+    _begin_at_wall(work, contact, t_ns)
+    kind = EventKind.CONTACT_BEGIN if state.contact_change == CONTACT_BEGAN else EventKind.CONTACT_END
+    _publish(channels, work, kind, norm(state.f_user_world))
+
+
+@kernel
+def _publish_tick(channels: Channels, work: Work, t_ns: int) -> None:
+    state = work.state[0]
+    news = state.parameters_taken + state.state_changed + state.tripped
+    news += state.margin_lost + state.cap_began + state.limit_began + state.swing_reported + state.stale_began
+    if news == 0:
+        return
+    _begin_at_wall(work, 0, t_ns)
     if state.parameters_taken == 1:
         _publish(channels, work, EventKind.PARAMETERS, float(state.sequence))
     if state.state_changed == 1:
@@ -108,21 +136,20 @@ def _publish_tick(channels: Channels, work: Work, t_ns: int) -> None:
     if state.tripped == 1:
         _publish(channels, work, EventKind.TRIP, float(state.cause))
     _publish_monitor(channels, work, state)
-    if state.contact_change == CONTACT_BEGAN:
-        _publish(channels, work, EventKind.CONTACT_BEGIN, norm(state.f_user_world))
-    elif state.contact_change == CONTACT_ENDED:
-        _publish(channels, work, EventKind.CONTACT_END, norm(state.f_user_world))
 
 
 @kernel
-def _publish_touches(channels: Channels, work: Work, shapes: Table[ShapeRecord], bodies: int, t_ns: int) -> None:
-    """Publish contacts of the HIP with the static scene (touch 0) and with bodies."""
-    totals, event = work.objects.totals[0], work.event[0]
+def _publish_touches(
+    channels: Channels, work: Work, shapes: Table[ShapeRecord], bodies: int, contact: int, t_ns: int
+) -> None:
+    """Publish contacts of a point with the static scene (touch 0) and with bodies."""
+    totals, event, touches = work.objects.totals[contact], work.event[0], work.objects.touches[contact]
+    body_a = event_body(contact)
     for k in range(bodies + 1):
-        change = work.objects.touches[k].change
+        change = touches[k].change
         if change != CONTACT_BEGAN and change != CONTACT_ENDED:
             continue
-        _begin(work, t_ns, 0, k if k > 0 else -1, totals.approach_speed, float(totals.shape))
+        _begin(work, contact, t_ns, body_a, k if k > 0 else -1, totals.approach_speed, float(totals.shape))
         event.material_b = shapes[totals.shape].material if totals.shape >= 0 else 0
         copy(totals.normal, event.normal_world)
         kind = EventKind.CONTACT_BEGIN if change == CONTACT_BEGAN else EventKind.CONTACT_END
@@ -137,7 +164,7 @@ def _publish_impact(channels: Channels, work: Work, t_ns: int) -> None:
         return
     a = totals.impact_a + 1 if totals.impact_a >= 0 else -1
     b = totals.impact_b + 1 if totals.impact_b >= 0 else -1
-    _begin(work, t_ns, a, b, totals.impact, 0.0)
+    _begin(work, 0, t_ns, a, b, totals.impact, 0.0)
     copy(totals.impact_position, event.position_world)
     copy(totals.impact_normal, event.normal_world)
     _publish(channels, work, EventKind.IMPACT, totals.impact_force)
@@ -149,7 +176,7 @@ def _publish_losses(channels: Channels, work: Work, t_ns: int) -> None:
     totals = work.objects.totals[0]
     if totals.left_out == 0 and totals.quarantined < 0:
         return
-    _begin(work, t_ns, -1, -1, 0.0, 0.0)
+    _begin(work, 0, t_ns, -1, -1, 0.0, 0.0)
     if totals.left_out > 0:
         _publish(channels, work, EventKind.LEFT_OUT, float(totals.left_out))
     if totals.quarantined >= 0:

@@ -172,6 +172,7 @@ class EffectRecord:
     frequency: float
     slip: float
     parameters: Floats
+    contact: int
 
 class PointRecord:
     """`mimics_app.contracts.loop.haptic_objects.POINT`."""
@@ -208,6 +209,7 @@ class TunnelRecord:
     drag_growth: float
     centring: float
     advance: float
+    contact: int
 
 class SceneRecord:
     """`mimics_app.contracts.loop.haptic.SCENE`."""
@@ -296,7 +298,7 @@ class InboxRecord:
     """`mimics_app.contracts.loop.haptic.INBOX`."""
 
     target_world: Floats
-    grasp: float
+    grasp: Floats
     buttons: int
     active: int
     trial: int
@@ -357,15 +359,6 @@ class SampleRecord:
     duration_ns: float
     torque_meas: Floats
     torque_command: Floats
-    others_f_meas: Floats
-    others_world: Floats
-    others_v_world: Floats
-    others_f_virt_world: Floats
-    others_f_user_world: Floats
-    others_depth: Floats
-    others_margin: Floats
-    others_share: Floats
-    others_energy: Floats
     calm: float
     f_ordered: Floats
     phase: float
@@ -374,6 +367,7 @@ class SampleRecord:
     dq_reference: Floats
     ddq_reference: Floats
     guidance: Floats
+    further: Table[PointSampleRecord]
 
 class SnapshotRecord:
     """`mimics_app.contracts.loop.haptic.SNAPSHOT`."""
@@ -407,7 +401,69 @@ class SnapshotRecord:
     progress_peak: float
     own_work: float
     quiet_ticks: int
-    others_seen: Floats
+    further: Table[PointSnapshotRecord]
+
+class PointSampleRecord:
+    """`mimics_app.contracts.loop.haptic.POINT_SAMPLE`."""
+
+    f_meas: Floats
+    grasp: float
+    hip_world: Floats
+    v_world: Floats
+    f_virt_world: Floats
+    f_user_world: Floats
+    f_shapes: Floats
+    f_effects: Floats
+    f_grip: Floats
+    touching: float
+    depth: float
+    touched_shape: float
+    held_body: float
+    f_tunnel: Floats
+    s: float
+    progress: float
+    distance: float
+    offset_n: float
+    offset_b: float
+    penetration: float
+    ball_radius: float
+    tunnel_radius: float
+    f_command: Floats
+    stiffness_limit: float
+    margin: float
+    energy: float
+    stiffness_share: float
+    credit: float
+    passivity: float
+    tank: float
+    tank_share: float
+    calm: float
+    f_ordered: Floats
+
+class PointSnapshotRecord:
+    """`mimics_app.contracts.loop.haptic.POINT_SNAPSHOT`."""
+
+    grasp: float
+    hip_world: Floats
+    v_world: Floats
+    f_meas_world: Floats
+    f_user_world: Floats
+    f_grip: Floats
+    partners: int
+    held_body: int
+    crushed_body: int
+    progress: float
+    distance: float
+    penetration: float
+    ball_radius: float
+    margin: float
+    energy: float
+    stiffness_share: float
+    calm: float
+    force_peak: float
+    distance_peak: float
+    progress_peak: float
+    own_work: float
 
 class EventRecord:
     """`mimics_app.contracts.loop.haptic.EVENT`."""
@@ -1013,15 +1069,6 @@ class StateRecord:
     stiffness_share: float
     torque_meas: Floats
     torque_command: Floats
-    others_f_meas: Floats
-    others_world: Floats
-    others_v_world: Floats
-    others_f_virt_world: Floats
-    others_f_user_world: Floats
-    others_depth: Floats
-    others_margin: Floats
-    others_share: Floats
-    others_energy: Floats
     calm: float
     phase: float
     amplitude: float

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.loop.controller_slots import names_in
@@ -40,7 +41,7 @@ class Replayed:
     """Result of a replay.
 
     Attributes:
-        samples: SAMPLE rows, shape [n], with timing fields 0.
+        samples: Samples of the dtype of the inputs, shape [n], with timing fields 0.
         events: EVENT records, shape [m], in order.
         snapshots: Newest snapshot after each requested tick, by tick.
     """
@@ -63,7 +64,7 @@ def replay_run(
     """Simulate recorded inputs again; the result is bit-equal except for the timing fields.
 
     Args:
-        inputs: SAMPLE rows from tick 0 on, shape [n].
+        inputs: Samples of the device (`loop_fields.sample_dtype`) from tick 0 on, shape [n].
         scenes: SCENE record (a record, or an array of shape [1]) by sequence number.
         rows: Tables of objects by sequence number; None where there are no objects.
         statics: Meshes, paths and force fields of the objects; None where there are none.
@@ -88,31 +89,54 @@ def replay_run(
     simulate = load_simulation() if any(has_objects(block["objects"]) for block in blocks) else no_objects
     fields = NO_FIELDS if statics is None else statics.functions()
     kin, controllers = tuple(kinematics), controllers_of(_names_of(blocks))
-    inputs, outputs = np.ascontiguousarray(inputs), np.zeros(inputs.shape[0], SAMPLE)
+    outputs = np.zeros(inputs.shape[0], inputs.dtype)
     events: list[Records] = []
     taken = np.zeros(_EVENTS, EVENT)
     snapshots: dict[int, HapticSnapshot] = {}
     looked = {tick for tick in seen if 0 <= tick < len(inputs)}
     for part in _parts(len(inputs), looked):
+        recorded = _whole(inputs[part])
+        replayed = np.zeros(len(recorded), SAMPLE)
         replay_recorded(
             channels,
             work,
             blocks,
             stack,
             which[part],
-            inputs[part],
+            recorded,
             tick,
             simulate,
             fields,
             kin,
             controllers,
             period_ns,
-            outputs[part],
+            replayed,
         )
+        outputs[part] = _like(replayed, inputs.dtype)
         events.append(_take_events(memory, taken))
         if part.stop - 1 in looked:
-            snapshots[part.stop - 1] = newest_snapshot(memory, int(blocks[-1]["joints"]))
+            device = blocks[-1]
+            snapshots[part.stop - 1] = newest_snapshot(memory, int(device["joints"]), int(device["contacts"]))
     return Replayed(outputs, np.concatenate([np.zeros(0, EVENT), *events]), snapshots)
+
+
+def _whole(samples: Records) -> Records:
+    """Return samples of a device as SAMPLE records, of MAX_CONTACTS points; those that it does not have are zero."""
+    whole = np.zeros(len(samples), SAMPLE)
+    own = samples.dtype.itemsize // 8
+    whole.view(np.float64).reshape(len(samples), -1)[:, :own] = _numbers(samples)
+    return whole
+
+
+def _like(whole: Records, dtype: np.dtype[Any]) -> Records:
+    """Return SAMPLE records as samples with fewer points of contact."""
+    kept = np.ascontiguousarray(_numbers(whole)[:, : dtype.itemsize // 8])
+    return kept.view(dtype).reshape(-1)
+
+
+def _numbers(samples: Records) -> NDArray[np.float64]:
+    """Return samples [n] as float64 rows."""
+    return np.ascontiguousarray(samples).view(np.float64).reshape(len(samples), samples.dtype.itemsize // 8)
 
 
 def _blocks_of(scenes: Mapping[int, Records], numbers: Sequence[int]) -> Records:

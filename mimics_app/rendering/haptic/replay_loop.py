@@ -119,8 +119,8 @@ def replay_recorded(
             out,
         )
         t_ns = (state.tick - 1) * period_ns
-        publish_state(channels, work, scene.objects, t_ns)
-        publish_events(channels, work, rows, scene.objects, t_ns)
+        publish_state(channels, work, scene, t_ns)
+        publish_events(channels, work, rows, scene, t_ns)
         out.lateness_ns = 0.0
         out.duration_ns = 0.0
     return inputs.shape[0]

@@ -10,6 +10,7 @@ from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.loop.haptic_objects import EFFECT, STATIC, TUNNEL, EffectKind
 from mimics_app.contracts.loop.loop_ports import MAX_FIELDS
+from mimics_app.rendering.haptic.devices.scene_contacts import contact_number
 from mimics_app.rendering.haptic.scene_tunnel import built_tunnel
 from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve
 from mimics_app.world.components import haptic_effects as effects
@@ -79,6 +80,7 @@ class EffectRows:
         row["enabled"] = acting.enabled
         row["body"] = STATIC if acting.object is None else self._bodies.index(acting.object)
         row["on_body"] = acting.acts_on == "object"
+        row["contact"] = contact_number(self._scene, acting.contact)
         place, _ = pose_of(self._scene, entity)
         if acting.object is not None and acting.acts_on == "user":
             origin, turn = pose_of(self._scene, acting.object)

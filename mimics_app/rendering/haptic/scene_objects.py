@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from mimics_app.contracts.arrays import Records
-from mimics_app.contracts.errors import DeviceError, Issue, SceneError
+from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.loop.haptic_objects import (
     BODY,
     EFFECT,
@@ -24,8 +24,7 @@ from mimics_app.contracts.loop.haptic_objects import (
 )
 from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows
 from mimics_app.rendering.haptic.body_checks import check_bodies
-from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
-from mimics_app.rendering.haptic.devices.described import descriptor_of
+from mimics_app.rendering.haptic.devices.scene_contacts import contact_number, contacts_of
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 from mimics_app.rendering.haptic.scene_effects import EffectRows
 from mimics_app.rendering.haptic.scene_object import MeshKey, ObjectRows, rows_of_object, rows_of_walls
@@ -40,7 +39,7 @@ from mimics_app.world.components.objects import (
     HapticWalls,
     InteractionPoints,
 )
-from mimics_app.world.components.robot import Ball, Robot
+from mimics_app.world.components.robot import Ball
 from mimics_app.world.files.scene.object_bodies import ObjectFault, digest_of
 from mimics_app.world.files.scene.scene import Scene
 from mimics_app.world.files.scene.solids import SolidMesh, hull_corners
@@ -131,14 +130,6 @@ def objects_of_scene(scene: Scene) -> SceneObjects:
     """
     planned = _planned_integrator(scene), planned_projection(scene)
     return scene.derive(("haptic objects", *planned), lambda: _gather(scene))
-
-
-def _contacts_of(scene: Scene) -> tuple[str, ...]:
-    """Return the points of contact of the scene's device; of an unknown device, reported elsewhere, one hand."""
-    try:
-        return descriptor_of((scene.first(Robot) or Robot()).device).contacts
-    except DeviceError:
-        return HAPTICMASTER.contacts
 
 
 def _planned_integrator(scene: Scene) -> str:
@@ -277,14 +268,14 @@ class _Gathered:
 
     def _points(self) -> Records:
         found, ball = self.scene.first(InteractionPoints), self.scene.first(Ball)
-        contacts = _contacts_of(self.scene)
+        contacts = contacts_of(self.scene)
         rows = np.zeros(len(contacts) if found is None else len(found.points), POINT)
         rows["enabled"], rows["radius"] = 1, 0.0 if ball is None else ball.radius_max
         if found is None:
             rows["contact"] = np.arange(len(contacts))
         for row, point in zip(rows, () if found is None else found.points, strict=False):
             row["offset"], row["radius"], row["enabled"] = point.offset, point.radius, point.enabled
-            row["contact"] = 0 if point.contact is None else contacts.index(point.contact)
+            row["contact"] = contact_number(self.scene, point.contact)
         return rows
 
     def _wires(self, effects: list[str]) -> Records:
@@ -295,7 +286,8 @@ class _Gathered:
             source = parse_source(wire.source, self.body_entities)
             target = parse_target(wire.target, self.body_entities, effects)
             row["source"], row["target"] = source.signal, target.signal
-            row["source_row"] = self.body_entities.index(source.object) if source.object else 0
+            of_robot = contact_number(scene, wire.contact)
+            row["source_row"] = self.body_entities.index(source.object) if source.object else of_robot
             on_body = target.entity in self.body_entities and wire.target.rpartition(".")[2] in ("F_aux", "T_aux")
             row["target_row"] = (self.body_entities if on_body else effects).index(target.entity)
             row["gain"] = wire.gain if isinstance(wire.gain, tuple) else wire.gain * np.eye(3)

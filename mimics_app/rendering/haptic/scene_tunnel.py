@@ -10,6 +10,7 @@ from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.loop.haptic_objects import TUNNEL, Projection
 from mimics_app.contracts.system.regular_file import read_or_nothing
+from mimics_app.rendering.haptic.devices.scene_contacts import contact_number
 from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve
 from mimics_app.rendering.haptic.tunnel_source import tunnel_from_component
 from mimics_app.world.components.registry import register_check
@@ -56,6 +57,7 @@ def tunnel_rows(scene: Scene) -> tuple[Records, tuple[str, ...]]:
         for name in _FORCES:
             row[name] = getattr(tunnel, name)
         row["frenet"] = int(tunnel.frame == "frenet")
+        row["contact"] = contact_number(scene, tunnel.contact)
         row["projection"] = PROJECTIONS[planned_projection(scene)]
     return rows, tuple(entity for entity, _, _ in found)
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.arrays import Vec
+from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS
 from mimics_app.contracts.loop.object_rows import Rows
 from mimics_app.rendering.haptic.kernels.objects.bodies import place_bodies, step_bodies
 from mimics_app.rendering.haptic.kernels.objects.collisions import collide_bodies
@@ -44,9 +45,8 @@ def simulate_objects(
         inputs: See kernels.objects.object_inputs, shape [INPUT_LENGTH].
         fields: Force fields by EFFECT.field.
         dt: Tick [s].
-        force: Out: force of the objects on the user, world [N], shape [3].
+        force: Out: force of the objects on each point of contact, world [N], shape [3 * MAX_CONTACTS].
     """
-    totals = work.totals[0]
     for each in range(work.totals.shape[0]):
         clear_totals(work.totals[each])
     carry_signals(rows, work, counts, inputs)
@@ -55,12 +55,14 @@ def simulate_objects(
     place_points(rows, work, counts, inputs[INPUT_POSITION:INPUT_VELOCITY], inputs[INPUT_VELOCITY:INPUT_FORCE_MEASURED])
     touch_points(rows, work, counts, dt)
     apply_effects(rows, work, counts, inputs, fields)
-    grip_bodies(rows, work, counts, inputs[INPUT_GRASP], dt)
+    for contact in range(MAX_CONTACTS):
+        grip_bodies(rows, work, counts, contact, inputs[INPUT_GRASP + contact], dt)
     collide_bodies(rows, work, counts, dt)
     step_bodies(rows, work, counts, dt)
-    for i in range(3):
-        force[i] = totals.shape_force[i] + totals.effect_force[i] + totals.grip_force[i]
+    for contact in range(MAX_CONTACTS):
+        totals = work.totals[contact]
+        for i in range(3):
+            force[3 * contact + i] = totals.shape_force[i] + totals.effect_force[i] + totals.grip_force[i]
+        work.totals[0].status = max(work.totals[0].status, totals.status)
     if not all_finite(force):
-        totals.status = 1
-    for each in range(1, work.totals.shape[0]):
-        totals.status = max(totals.status, work.totals[each].status)
+        work.totals[0].status = 1

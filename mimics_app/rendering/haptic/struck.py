@@ -9,6 +9,7 @@ from mimics_app.contracts.loop.contact_force import FOLLOWED
 from mimics_app.contracts.shared_memory.ring import push
 from mimics_app.rendering.haptic.kernels.state import CONTACT_BEGAN
 from mimics_app.rendering.haptic.kernels.vectors import norm
+from mimics_app.rendering.haptic.publish import event_body, event_point
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.channels import Channels, Work
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
         ObjectCountsRecord,
         ObjectWork,
         PairRecord,
+        SceneRecord,
         StateRecord,
         StruckRecord,
         Table,
@@ -51,29 +53,40 @@ def _between(pairs: Table[PairRecord], count: int, body_a: int, body_b: int) -> 
 
 
 @kernel
-def _force_of(struck: StruckRecord, state: StateRecord, objects: ObjectWork) -> float:
+def _force_of(struck: StruckRecord, states: Table[StateRecord], objects: ObjectWork) -> float:
     """Return the force of a contact in this tick [N]."""
     if struck.body_a > 0:
         b = struck.body_b - 1 if struck.body_b > 0 else -1
         return _between(objects.pairs, objects.sweep[0].pairs, struck.body_a - 1, b)
     if struck.body_b > 0:
         return norm(objects.motions[struck.body_b - 1].force_user)
-    totals = objects.totals[0]
+    contact = event_point(struck.body_a)
+    totals = objects.totals[contact]
     walls = norm(totals.shape_force) if totals.static_touching > 0 else 0.0
-    return walls + norm(state.own_tunnel.force_tnb)
+    return walls + norm(states[contact].own_tunnel.force_tnb)
 
 
 @kernel
-def _begin(work: Work, counts: ObjectCountsRecord) -> None:
-    """Follow the contacts that began in this tick."""
-    struck, objects = work.struck, work.objects
-    if work.state[0].contact_change == CONTACT_BEGAN:
-        _follow(struck, 0, -1)
+def _begin_of_point(work: Work, counts: ObjectCountsRecord, contact: int) -> None:
+    """Follow the contacts of one point that began in this tick."""
+    struck, touches, body_a = work.struck, work.objects.touches[contact], event_body(contact)
+    if work.state[contact].contact_change == CONTACT_BEGAN:
+        _follow(struck, body_a, -1)
     if counts.shapes == 0:
         return
     for k in range(counts.bodies + 1):
-        if objects.touches[k].change == CONTACT_BEGAN:
-            _follow(struck, 0, k if k > 0 else -1)
+        if touches[k].change == CONTACT_BEGAN:
+            _follow(struck, body_a, k if k > 0 else -1)
+
+
+@kernel
+def _begin(work: Work, scene: SceneRecord) -> None:
+    """Follow the contacts that began in this tick."""
+    struck, objects = work.struck, work.objects
+    for contact in range(max(1, scene.contacts)):
+        _begin_of_point(work, scene.objects, contact)
+    if scene.objects.shapes == 0:
+        return
     totals = objects.totals[0]
     if totals.impact > 0.0:
         _follow(
@@ -84,13 +97,13 @@ def _begin(work: Work, counts: ObjectCountsRecord) -> None:
 
 
 @kernel
-def publish_forces(channels: Channels, work: Work, counts: ObjectCountsRecord, t_ns: int) -> None:
+def publish_forces(channels: Channels, work: Work, scene: SceneRecord, t_ns: int) -> None:
     """Send the force of each followed contact, then follow the contacts that began in this tick.
 
     Args:
         channels: Arrays of the session.
         work: Arrays of the loop; `struck` is updated.
-        counts: SCENE.objects of this tick.
+        scene: SCENE record of this tick.
         t_ns: Release time of the tick [ns].
     """
     for k in range(work.struck.shape[0]):
@@ -99,6 +112,6 @@ def publish_forces(channels: Channels, work: Work, counts: ObjectCountsRecord, t
             struck.left -= 1
             row = work.force[0]
             row.t_ns, row.body_a, row.body_b = t_ns, struck.body_a, struck.body_b
-            row.force = _force_of(struck, work.state[0], work.objects)
+            row.force = _force_of(struck, work.state, work.objects)
             push(channels.audio_force_words, channels.audio_forces, work.force)
-    _begin(work, counts)
+    _begin(work, scene)

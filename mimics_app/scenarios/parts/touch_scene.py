@@ -94,9 +94,8 @@ class TouchScene(Scenario):
         if self._ball is not None:
             self._ball.set_position(snapshot.hip_world)
             self._ball.set_scale((snapshot.ball_radius,) * 3)
-        places = np.vstack([snapshot.hip_world, snapshot.others_seen])
         for node, contact, offset in self._points:
-            node.set_position(places[contact] + offset)
+            node.set_position(snapshot.points[contact].hip_world + offset)
 
     def _contact(self, name: str | None) -> int:
         """Number of a point of contact of the device."""

@@ -111,4 +111,6 @@ Damping = Annotated[float, Meta(ge=0, le=1e5)]
 """Damping [N s/m]."""
 
 Name = Annotated[str, Meta(max_length=200)]
+ContactName = Annotated[str, Meta(min_length=1, max_length=32)]
+"""Name of a point of contact of a device, as its descriptor gives it: "hand", "left foot"."""
 """Id or other name in the file."""

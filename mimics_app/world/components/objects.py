@@ -12,7 +12,7 @@ import msgspec
 from msgspec import Meta
 
 from mimics_app.contracts.loop.haptic_objects import MAX_POINTS
-from mimics_app.world.components.bounds import Factor, Point, Positive, Quaternion, SignedFactor, Vector
+from mimics_app.world.components.bounds import ContactName, Factor, Point, Positive, Quaternion, SignedFactor, Vector
 from mimics_app.world.components.curves import Curve
 from mimics_app.world.components.haptic_effects import Effect
 from mimics_app.world.components.haptic_shapes import Solid, TouchSurface
@@ -140,6 +140,9 @@ class _Acting(Component, frozen=True):
             description="Id of an entity with a `haptic_object`: the force moves with it and reacts on it; absent: none"
         ),
     ] = None
+    contact: Annotated[
+        ContactName | None, Meta(description="Point of contact of the device that it acts on; absent: its first")
+    ] = None
     acts_on: Annotated[
         Literal["user", "object"],
         Meta(description="Body the force acts on; object: the named one alone, about a place fixed in the world"),
@@ -180,8 +183,7 @@ class InteractionPoint(Component, frozen=True):
     """A point, or small ball, that makes contact; it moves, without rotation, with a point of contact of the device."""
 
     contact: Annotated[
-        Literal["hand", "fingers", "left foot", "right foot", "tool"] | None,
-        Meta(description="Point of contact of the device that carries it; absent: its first"),
+        ContactName | None, Meta(description="Point of contact of the device that carries it; absent: its first")
     ] = None
     offset: Annotated[Point, Meta(description="Offset from the point of contact, world [m]")] = (0.0, 0.0, 0.0)
     radius: Annotated[float, Meta(ge=0, le=0.2, description="Radius of the ball [m]; 0: a point")] = 0.0
@@ -217,6 +219,10 @@ class Wire(Component, frozen=True):
         Meta(description="A number, or a matrix by rows; a scalar is the x of (x, 0, 0)"),
     ] = 1.0
     offset: Annotated[Vector, Meta(description="Added after the gain, in the input's unit")] = (0.0, 0.0, 0.0)
+    contact: Annotated[
+        ContactName | None,
+        Meta(description="Point of contact of p_rob, v_rob, F_meas, F_rob and grasp; absent: the device's first"),
+    ] = None
 
 
 @component("connections", limit=100)

@@ -13,6 +13,7 @@ from msgspec import Meta
 
 from mimics_app.world.components.bounds import (
     Acceleration,
+    ContactName,
     Damping,
     Factor,
     Force,
@@ -74,6 +75,9 @@ class Tunnel(Curve, frozen=True):
         Literal["rotation_minimising", "frenet"],
         Meta(description="Direction of n: rotation-minimising transport, or to the centre of curvature (Frenet)"),
     ] = "rotation_minimising"
+    contact: Annotated[
+        ContactName | None, Meta(description="Point of contact of the device that it holds; absent: its first")
+    ] = None
     radius_scale: Annotated[Factor, Meta(description="Factor on `radius`; 0 keeps the ball on the bisector")] = 1.0
     stiffness: Annotated[Stiffness, Meta(description="Stiffness of the wall [N/m]")] = 1500.0
     damping: Annotated[Damping, Meta(description="Damping of the wall along its normal [N s/m]")] = 10.0

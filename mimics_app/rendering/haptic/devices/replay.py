@@ -7,6 +7,7 @@ import numpy as np
 from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.loop.loop_fields import contacts_in, point_rows
 from mimics_app.contracts.loop.loop_ports import (
     DATA_AGE,
     DATA_BUTTONS,
@@ -33,7 +34,6 @@ _COLUMNS = {
     DATA_Q: "q",
     DATA_DQ: "dq",
     DATA_FORCE: "f_meas",
-    DATA_FORCE + 3: "others_f_meas",
     DATA_TORQUE: "torque_meas",
     DATA_GRASP: "grasp",
     DATA_BUTTONS: "buttons",
@@ -41,7 +41,7 @@ _COLUMNS = {
     DATA_DELAY: "delay",
     DATA_LENGTH: "status",
 }
-"""Recorded field at each place of a row."""
+"""Recorded field at each place of a row; of further points of contact behind that of the first."""
 
 
 @typed_kernel(READ)
@@ -74,4 +74,8 @@ def build_replay(request: DeviceRequest) -> DevicePlugin:
     for first, name in _COLUMNS.items():
         values = samples[name].reshape(samples.shape[0], -1)
         memory[:, first : first + values.shape[1]] = values
+    for c in range(1, contacts_in(samples)):
+        point = point_rows(samples, c)
+        memory[:, DATA_FORCE + 3 * c : DATA_FORCE + 3 * c + 3] = point["f_meas"]
+        memory[:, DATA_GRASP + c] = point["grasp"]
     return DevicePlugin("replay", read_recorded, ignore_command, memory.ravel(), follows="nothing", simulated=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from mimics_app.contracts.errors import DeviceError, Issue, UsageError
@@ -10,14 +11,14 @@ from mimics_app.rendering.haptic.controllers.parameter_vector import parameter_v
 from mimics_app.rendering.haptic.controllers.registry import find_controller
 from mimics_app.rendering.haptic.descriptors.joint_limits import joint_limits
 from mimics_app.rendering.haptic.devices.described import descriptor_of
-from mimics_app.world.components.objects import InteractionPoints
-from mimics_app.world.components.robot import Controller, Robot
+from mimics_app.world.components.objects import Connections, ForceField, HapticEffect, InteractionPoints
+from mimics_app.world.components.robot import Controller, Robot, Tunnel
 
 if TYPE_CHECKING:
     from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
     from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["check_controller", "check_points", "check_robot"]
+__all__ = ["check_contact", "check_controller", "check_points", "check_robot", "check_wires"]
 
 _PER_JOINT = ("joint_min", "joint_max", "velocity_limit", "acceleration_limit")
 
@@ -92,15 +93,30 @@ def _check_range(robot: Robot, descriptor: DeviceDescriptor, pointer: str, scene
 
 def check_points(points: InteractionPoints, pointer: str, scene: Scene) -> list[Issue]:
     """Return the faults of points of contact that the scene's device does not have."""
+    named = {f"{pointer}/points/{i}/contact": point.contact for i, point in enumerate(points.points)}
+    return _check_contacts(named, scene)
+
+
+def check_wires(connections: Connections, pointer: str, scene: Scene) -> list[Issue]:
+    """Return the faults of wires from points of contact that the scene's device does not have."""
+    named = {f"{pointer}/wires/{i}/contact": wire.contact for i, wire in enumerate(connections.wires)}
+    return _check_contacts(named, scene)
+
+
+def check_contact(acting: HapticEffect | ForceField | Tunnel, pointer: str, scene: Scene) -> list[Issue]:
+    """Return the fault of a force on a point of contact that the scene's device does not have."""
+    return _check_contacts({f"{pointer}/contact": acting.contact}, scene)
+
+
+def _check_contacts(named: Mapping[str, str | None], scene: Scene) -> list[Issue]:
+    """Return the faults of points of contact by the place where they are named."""
     device = (scene.first(Robot) or Robot()).device
     try:
         contacts = descriptor_of(device).contacts
     except DeviceError:
         return []
     return [
-        scene.issue(
-            f"{pointer}/points/{i}/contact", f'the device "{device}" touches with {", ".join(contacts)}', "name one"
-        )
-        for i, point in enumerate(points.points)
-        if point.contact is not None and point.contact not in contacts
+        scene.issue(place, f'the device "{device}" touches with {", ".join(contacts)}', "name one")
+        for place, name in named.items()
+        if name is not None and name not in contacts
     ]

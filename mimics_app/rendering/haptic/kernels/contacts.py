@@ -13,12 +13,12 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.rendering.haptic.kernels.acting import drop_force
 from mimics_app.rendering.haptic.kernels.safety import is_stopped, latch
-from mimics_app.rendering.haptic.kernels.vectors import copy, norm
+from mimics_app.rendering.haptic.kernels.vectors import norm
 
 if TYPE_CHECKING:
-    from mimics_app.rendering.haptic.record_types import SceneRecord, StateRecord, Table, TotalsRecord
+    from mimics_app.rendering.haptic.record_types import SceneRecord, StateRecord, Table
 
-__all__ = ["collect_events", "publish_others", "set_virtual_forces", "share_device_state", "stop_together"]
+__all__ = ["collect_events", "set_virtual_forces", "share_device_state", "stop_together"]
 
 
 @kernel
@@ -37,22 +37,18 @@ def share_device_state(scene: SceneRecord, states: Table[StateRecord]) -> None:
 
 
 @kernel
-def set_virtual_forces(
-    scene: SceneRecord, states: Table[StateRecord], totals: Table[TotalsRecord], objects_force: Vec
-) -> None:
-    """Set the virtual force on each point: tunnel and all objects on the first, the touched shapes on the others.
+def set_virtual_forces(scene: SceneRecord, states: Table[StateRecord], forces: Vec) -> None:
+    """Set the virtual force on each point of contact, of the tunnel that holds it and of all objects.
 
     Args:
         scene: SCENE record.
         states: STATE records; f_virt_world [N] is set.
-        totals: TOTALS records.
-        objects_force: Force of all objects on the first point, world [N].
+        forces: Force of all objects on each point, world [N], x y z concatenated.
     """
-    state = states[0]
-    for i in range(3):
-        state.f_virt_world[i] = state.tunnel.force_world[i] + objects_force[i]
-    for c in range(1, scene.contacts):
-        copy(totals[c].shape_force, states[c].f_virt_world)
+    for c in range(max(1, scene.contacts)):
+        state = states[c]
+        for i in range(3):
+            state.f_virt_world[i] = state.tunnel.force_world[i] + forces[3 * c + i]
 
 
 @kernel
@@ -93,21 +89,4 @@ def collect_events(scene: SceneRecord, states: Table[StateRecord]) -> None:
         if other.swing.reported == 1 and state.swing_reported == 0:
             state.swing_reported = 1
             state.reported_swing = math.sqrt(other.swing.force)
-        state.calm = min(state.calm, other.swing.calm)
-
-
-@kernel
-def publish_others(scene: SceneRecord, states: Table[StateRecord], totals: Table[TotalsRecord]) -> None:
-    """Copy the outputs of the other points to the first record, from which samples are written."""
-    state = states[0]
-    for c in range(1, scene.contacts):
-        other, k = states[c], c - 1
-        for i in range(3):
-            state.others_world[3 * k + i] = other.hip_world[i]
-            state.others_v_world[3 * k + i] = other.v_world[i]
-            state.others_f_virt_world[3 * k + i] = other.f_virt_world[i]
-            state.others_f_user_world[3 * k + i] = other.f_user_world[i]
-        state.others_depth[k] = totals[c].depth
-        state.others_margin[k] = other.margin
-        state.others_share[k] = other.stiffness_share
-        state.others_energy[k] = other.observer.energy
+        other.calm = other.swing.calm

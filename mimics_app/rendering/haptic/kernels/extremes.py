@@ -15,12 +15,14 @@ __all__ = ["follow_extremes", "forget_extremes"]
 
 
 @kernel
-def forget_extremes(state: StateRecord) -> None:
-    """Begin a trial without extremes and without work."""
-    state.force_peak = 0.0
-    state.distance_peak = 0.0
-    state.progress_peak = 0.0
-    state.own_work = 0.0
+def forget_extremes(states: Table[StateRecord]) -> None:
+    """Begin a trial without extremes and without work at any point of contact."""
+    for c in range(len(states)):
+        state = states[c]
+        state.force_peak = 0.0
+        state.distance_peak = 0.0
+        state.progress_peak = 0.0
+        state.own_work = 0.0
 
 
 @kernel
@@ -42,15 +44,12 @@ def _power(scene: SceneRecord, state: StateRecord) -> float:
 
 @kernel
 def follow_extremes(scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
-    """Take a tick; one in which the robot is driven or held counts in nothing.
-
-    Extremes are those of the first point of contact, the work is that at all of them.
-    """
-    state = states[0]
+    """Take a tick of every point of contact; one in which the robot is driven or held counts in nothing."""
     if not person_leads(scene):
         return
-    state.force_peak = max(state.force_peak, norm(state.f_user_world))
-    state.distance_peak = max(state.distance_peak, state.own_tunnel.distance)
-    state.progress_peak = max(state.progress_peak, state.own_tunnel.progress)
     for c in range(max(1, scene.contacts)):
-        state.own_work += _power(scene, states[c]) * dt
+        state = states[c]
+        state.force_peak = max(state.force_peak, norm(state.f_user_world))
+        state.distance_peak = max(state.distance_peak, state.own_tunnel.distance)
+        state.progress_peak = max(state.progress_peak, state.own_tunnel.progress)
+        state.own_work += _power(scene, state) * dt

@@ -8,7 +8,7 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.compiled.record_copy import field_copier
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.haptic import SafetyState
-from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, moves_of
+from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, Per, moves_of
 from mimics_app.contracts.loop.loop_ports import (
     COMMAND_BELT,
     COMMAND_DQ,
@@ -44,8 +44,9 @@ __all__ = ["read_inputs", "write_command", "write_inputs", "write_outputs", "wri
 _copy_outputs = field_copier(moves_of(LOOP_FIELDS, recorded=True))
 _copy_published = field_copier(moves_of(LOOP_FIELDS, recorded=False))
 
-_OTHERS = 3 * (MAX_CONTACTS - 1)
-"""Components of a vector of all points of contact but the first."""
+_OF_EACH_POINT = [field for field in LOOP_FIELDS if field.per is Per.POINT]
+_copy_further_outputs = field_copier(moves_of(_OF_EACH_POINT, recorded=True))
+_copy_further_published = field_copier(moves_of(_OF_EACH_POINT, recorded=False))
 
 
 @kernel
@@ -78,9 +79,12 @@ def write_inputs(
         row.torque_meas[i] = data[DATA_TORQUE + i]
     for i in range(3):
         row.f_meas[i] = data[DATA_FORCE + i]
-    for i in range(_OTHERS):
-        row.others_f_meas[i] = data[DATA_FORCE + 3 + i]
     row.grasp = data[DATA_GRASP]
+    for c in range(1, MAX_CONTACTS):
+        point = row.further[c - 1]
+        for i in range(3):
+            point.f_meas[i] = data[DATA_FORCE + 3 * c + i]
+        point.grasp = data[DATA_GRASP + c]
     row.buttons = data[DATA_BUTTONS]
     row.age = data[DATA_AGE]
     row.delay = data[DATA_DELAY]
@@ -100,23 +104,35 @@ def read_inputs(row: SampleRecord, data: Vec) -> None:
         data[DATA_TORQUE + i] = row.torque_meas[i]
     for i in range(3):
         data[DATA_FORCE + i] = row.f_meas[i]
-    for i in range(_OTHERS):
-        data[DATA_FORCE + 3 + i] = row.others_f_meas[i]
     data[DATA_GRASP] = row.grasp
+    for c in range(1, MAX_CONTACTS):
+        point = row.further[c - 1]
+        for i in range(3):
+            data[DATA_FORCE + 3 * c + i] = point.f_meas[i]
+        data[DATA_GRASP + c] = point.grasp
     data[DATA_BUTTONS] = row.buttons
     data[DATA_AGE] = row.age
     data[DATA_DELAY] = row.delay
 
 
 @kernel
-def write_outputs(state: StateRecord, totals: TotalsRecord, row: SampleRecord) -> None:
-    """Write the outputs of the tick to the sample row; a replay compares them."""
-    _copy_outputs(state, totals, row)
+def write_outputs(contacts: int, states: Table[StateRecord], totals: Table[TotalsRecord], row: SampleRecord) -> None:
+    """Write the outputs of the tick, of the device and of each of its points of contact, to the sample row.
+
+    A replay compares them.
+    """
+    _copy_outputs(states[0], totals[0], row)
+    for c in range(1, contacts):
+        _copy_further_outputs(states[c], totals[c], row.further[c - 1])
 
 
 @kernel
-def write_snapshot(state: StateRecord, totals: TotalsRecord, t_ns: int, out: SnapshotRecord) -> None:
+def write_snapshot(
+    contacts: int, states: Table[StateRecord], totals: Table[TotalsRecord], t_ns: int, out: SnapshotRecord
+) -> None:
     """Write the state after a tick that was released at `t_ns` [ns] to the snapshot."""
-    out.tick = state.tick - 1
+    out.tick = states[0].tick - 1
     out.t_ns = t_ns
-    _copy_published(state, totals, out)
+    _copy_published(states[0], totals[0], out)
+    for c in range(1, contacts):
+        _copy_further_published(states[c], totals[c], out.further[c - 1])

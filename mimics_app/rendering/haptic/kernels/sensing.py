@@ -46,8 +46,9 @@ def _is_plausible(data: Vec) -> bool:
 
 @kernel
 def _take_forces(states: Table[StateRecord], contacts: int, data: Vec) -> None:
-    """Set the measured force of every point of contact."""
+    """Set measured force and grasp force of every point of contact."""
     for c in range(contacts):
+        states[c].grasp = data[DATA_GRASP + c]
         copy(data[DATA_FORCE + 3 * c : DATA_FORCE + 3 * c + 3], states[c].f_meas)
 
 
@@ -63,7 +64,6 @@ def read_sample(scene: SceneRecord, states: Table[StateRecord], data: Vec, statu
         copy(data[DATA_DQ : DATA_DQ + MAX_JOINTS], state.dq)
         copy(data[DATA_TORQUE : DATA_TORQUE + MAX_JOINTS], state.torque_meas)
         _take_forces(states, scene.contacts, data)
-        state.grasp = data[DATA_GRASP]
         state.buttons = int(data[DATA_BUTTONS])
         state.age = max(0.0, data[DATA_AGE])
         state.delay = data[DATA_DELAY]

@@ -17,7 +17,6 @@ from mimics_app.rendering.haptic.kernels.acting import delay_ticks, device_delay
 from mimics_app.rendering.haptic.kernels.closed_region import find_region
 from mimics_app.rendering.haptic.kernels.contacts import (
     collect_events,
-    publish_others,
     set_virtual_forces,
     share_device_state,
     stop_together,
@@ -54,20 +53,21 @@ __all__ = ["tick"]
 
 
 @kernel
-def _begin_tick(scene: SceneRecord, objects: ObjectWork, state: StateRecord) -> None:
+def _begin_tick(scene: SceneRecord, objects: ObjectWork, states: Table[StateRecord]) -> None:
     """Note whether parameters changed; a new trial restarts the tracking of the tunnels and the extremes."""
+    state = states[0]
     state.tripped = 0
     state.parameters_taken = 1 if scene.sequence != state.sequence else 0
     state.sequence = scene.sequence
     if scene.trial != state.trial:
         state.trial = scene.trial
-        reset_tunnel_tracking(objects.tunnels, state)
-        forget_extremes(state)
+        reset_tunnel_tracking(objects.tunnels, states)
+        forget_extremes(states)
 
 
 @kernel
 def _read_motion(kin: Kin, scene: SceneRecord, states: Table[StateRecord], data: Vec, status: int, dt: float) -> None:
-    """Motion of every point of contact from the device's data, its energy account, and the size of the ball."""
+    """Motion of every point of contact from the device's data, its energy account, and the size of its ball."""
     last_age = states[0].age
     read_sample(scene, states, data, status, dt)
     find_motion(kin, scene, states)
@@ -76,7 +76,7 @@ def _read_motion(kin: Kin, scene: SceneRecord, states: Table[StateRecord], data:
         note_lag(scene, states[c], dt)
         note_jump(scene, states[c], status, last_age, dt)
         update_energy(scene, states[c], dt)
-    size_ball(scene, states[0], dt)
+        size_ball(scene, states[c], dt)
 
 
 @kernel
@@ -94,11 +94,11 @@ def _find_virtual_forces(
     state = states[0]
     for c in range(max(1, scene.contacts)):
         find_region(scene, device_delay(scene, state), period, states[c].region)
-    follow_tunnels(scene, rows.tunnels, objects.tunnels, state)
+        follow_tunnels(scene, rows.tunnels, objects.tunnels, states[c], c)
     write_object_inputs(states, scene.contacts, dt, objects.inputs)
     simulate(rows, objects, scene.objects, objects.inputs, fields, dt, objects.force)
     state.objects_failed = objects.totals[0].status
-    set_virtual_forces(scene, states, objects.totals, objects.force)
+    set_virtual_forces(scene, states, objects.force)
 
 
 @kernel
@@ -108,10 +108,12 @@ def _act_on_user(scene: SceneRecord, objects: ObjectWork, states: Table[StateRec
     for c in range(max(1, scene.contacts)):
         set_user_force(scene, states[c], objects.totals[c], objects.touched[c], held, dt)
     stop_together(scene, states)
-    state = states[0]
-    felt = is_felt(state)
-    state.contact_change = follow_touch(state, felt and state.tunnel.wall_force > 0.0, felt, dt)
-    state.partners = follow_touches(objects.touches, objects.totals, objects.motions, scene.objects, felt, dt)
+    felt = is_felt(states[0])
+    for c in range(max(1, scene.contacts)):
+        state = states[c]
+        state.contact_change = follow_touch(state, felt and state.tunnel.wall_force > 0.0, felt, dt)
+        touches, totals = objects.touches[c], objects.totals[c]
+        state.partners = follow_touches(touches, totals, objects.motions, scene.objects, c, felt, dt)
 
 
 @kernel
@@ -132,11 +134,9 @@ def _write_results(
     scene: SceneRecord, objects: ObjectWork, states: Table[StateRecord], command: Vec, row: SampleRecord
 ) -> None:
     """Command for the device, and the outputs of the sample row."""
-    state = states[0]
     write_command(scene, states, command)
-    publish_others(scene, states, objects.totals)
-    state.bodies = sum_motions(objects.motion_words, scene.objects.bodies)
-    write_outputs(state, objects.totals[0], row)
+    states[0].bodies = sum_motions(objects.motion_words, scene.objects.bodies)
+    write_outputs(scene.contacts, states, objects.totals, row)
 
 
 @kernel
@@ -179,7 +179,7 @@ def tick(
         row: SAMPLE record, filled here except for the timing fields.
     """
     state = states[0]
-    _begin_tick(scene, objects, state)
+    _begin_tick(scene, objects, states)
     write_inputs(data, status, stop_word, held, period, state, dt, row)
     _read_motion(kin, scene, states, data, status, dt)
     _find_virtual_forces(scene, rows, objects, simulate, fields, states, period, dt)

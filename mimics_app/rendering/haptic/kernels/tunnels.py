@@ -5,8 +5,11 @@ ball penetrates least (the first of equals). From then on it changes only where 
 without contact in another tunnel, as at a crossing of two tubes: there the force drops and never rises, so the change
 generates no energy.
 
+Each point of contact has a ball of its own, which feels the tunnels of that point (TUNNEL.contact) and no others.
+
 Margin, cap and contact are those of the tunnel that holds the ball. Progress, distance, force and depth in the sample
-are those of the task's tunnel (SCENE.own_tunnel); force and depth are 0 while another one holds the ball.
+are those of the task's tunnel (SCENE.own_tunnel), of a point without it those of its first tunnel; force and depth are
+0 while another one holds the ball.
 """
 
 from __future__ import annotations
@@ -83,9 +86,10 @@ def share_in_touch(last: float, now: float, touching: bool) -> float:
 
 
 @kernel
-def reset_tunnel_tracking(tunnels: Table[TunnelStateRecord], state: StateRecord) -> None:
-    """Restart the tracking of every tunnel and the choice of the one that holds the ball."""
-    state.tunnel.chosen = 0
+def reset_tunnel_tracking(tunnels: Table[TunnelStateRecord], states: Table[StateRecord]) -> None:
+    """Restart the tracking of every tunnel and the choice of the ones that hold the balls."""
+    for c in range(len(states)):
+        states[c].tunnel.chosen = 0
     for k in range(len(tunnels)):
         restart_tracking(tunnels[k])
 
@@ -132,14 +136,20 @@ def _follow_one(
 
 
 @kernel
-def _holder(tunnels: Table[TunnelStateRecord], count: int, state: StateRecord) -> int:
-    """Row of the tunnel that holds the ball from this tick on."""
+def _holder(
+    rows: Table[TunnelRecord], tunnels: Table[TunnelStateRecord], count: int, state: StateRecord, contact: int
+) -> int:
+    """Row of the tunnel that holds the ball of a point of contact from this tick on; -1: no row is its."""
     row = state.tunnel.row
     stays = state.tunnel.chosen == 1 and row < count and tunnels[row].status == TunnelStatus.FOLLOWING
+    stays = stays and rows[row].contact == contact
     if stays and tunnels[row].penetration <= 0.0:
         return row
-    best = row if stays else -1
+    best, first = row if stays else -1, -1
     for k in range(count):
+        if rows[k].contact != contact:
+            continue
+        first = k if first < 0 else first
         if tunnels[k].status != TunnelStatus.FOLLOWING:
             continue
         if stays:
@@ -147,7 +157,7 @@ def _holder(tunnels: Table[TunnelStateRecord], count: int, state: StateRecord) -
                 return k
         elif best < 0 or tunnels[k].penetration < tunnels[best].penetration:
             best = k
-    return max(best, 0)
+    return best if best >= 0 else first
 
 
 @kernel
@@ -197,33 +207,47 @@ def _report_own(memory: TunnelStateRecord, reported: OwnTunnelRecord, holds: boo
 
 
 @kernel
+def _own_row(scene: SceneRecord, rows: Table[TunnelRecord], contact: int) -> int:
+    """Row of the tunnel that the sample describes for a point of contact that has one: the task's, else its first."""
+    if rows[scene.own_tunnel].contact == contact:
+        return scene.own_tunnel
+    row = 0
+    while rows[row].contact != contact:
+        row += 1
+    return row
+
+
+@kernel
 def follow_tunnels(
     scene: SceneRecord,
     rows: Table[TunnelRecord],
     tunnels: Table[TunnelStateRecord],
     state: StateRecord,
+    contact: int,
 ) -> None:
-    """Advance every tunnel by one tick; set state.tunnel, the one that holds the ball, and state.own_tunnel.
+    """Advance the tunnels of a point of contact; set state.tunnel, the one that holds the ball, and state.own_tunnel.
 
     Args:
         scene: SCENE record.
         rows: TUNNEL records, written by the main thread.
-        tunnels: TUNNEL_STATE records, advanced by one tick.
-        state: STATE record after `size_ball`, with the region of this tick.
+        tunnels: TUNNEL_STATE records; those of the point's tunnels are advanced by one tick.
+        state: STATE record of the point after `size_ball`, with the region of this tick.
+        contact: Number of the point.
     """
     count = scene.objects.tunnels
-    if count < 1:
+    for k in range(count):
+        if rows[k].contact == contact:
+            _follow_one(scene, rows[k], tunnels[k], state, k == state.tunnel.row)
+    row = _holder(rows, tunnels, count, state, contact)
+    if row < 0:
         state.acting.wall_share = 1.0
         _hold_nothing(state.tunnel)
         state.own_tunnel.penetration = 0.0
         fill(state.own_tunnel.force_tnb, 0.0)
         return
-    for k in range(count):
-        _follow_one(scene, rows[k], tunnels[k], state, k == state.tunnel.row)
-    row = _holder(tunnels, count, state)
     state.tunnel.row = row
     state.tunnel.chosen = 1
     state.acting.wall_share = tunnels[row].share
     _hold(rows[row], tunnels[row], state.tunnel)
-    own_row = scene.own_tunnel
+    own_row = _own_row(scene, rows, contact)
     _report_own(tunnels[own_row], state.own_tunnel, own_row == row)

@@ -1,8 +1,9 @@
 """Effects and force fields of one tick: their forces on the user, and the opposite on the bodies they belong to.
 
-An effect acts between the user and its place. The place is fixed in the world, or moves with a body; then the body gets
-the opposite force there, as enabled by 4.2.8.2 (enable haptic force, enable haptic torque). An effect on a body alone
-acts on its centre of mass about a place in the world, without a force on the user.
+An effect acts between the user, at one point of contact of the device, and its place. The place is fixed in the world,
+or moves with a body; then the body gets the opposite force there, as enabled by 4.2.8.2 (enable haptic force, enable
+haptic torque). An effect on a body alone acts on its centre of mass about a place in the world, without a force on the
+user.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.haptic_objects import BodyFlag, EffectKind
+from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS
 from mimics_app.contracts.loop.loop_ports import MAX_FIELDS
 from mimics_app.rendering.haptic.kernels.objects.effect_laws import (
     bound,
@@ -65,12 +67,13 @@ def _forget(memory: EffectMemoryRecord) -> None:
 def _place(
     effect: EffectRecord, work: ObjectWork, counts: ObjectCountsRecord, inputs: Vec, memory: EffectMemoryRecord
 ) -> None:
-    """Set memory.p and memory.v to the motion of the HIP, or of the body acted on, relative to the effect's place."""
+    """Set memory.p and memory.v relative to the effect's place: of its point of contact, or of the body acted on."""
     on_body = effect.on_body != 0
+    position, velocity = INPUT_POSITION + 3 * effect.contact, INPUT_VELOCITY + 3 * effect.contact
     for i in range(3):
         memory.force[i] = 0.0
-        memory.p[i] = inputs[INPUT_POSITION + i] - memory.position[i]
-        memory.v[i] = inputs[INPUT_VELOCITY + i]
+        memory.p[i] = inputs[position + i] - memory.position[i]
+        memory.v[i] = inputs[velocity + i]
     memory.held = 0
     if not 0 <= effect.body < counts.bodies:
         return
@@ -87,8 +90,8 @@ def _place(
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
         spin = motion.omega[j] * memory.arm[k] - motion.omega[k] * memory.arm[j]
-        memory.p[i] = inputs[INPUT_POSITION + i] - motion.centre[i] - memory.arm[i]
-        memory.v[i] = inputs[INPUT_VELOCITY + i] - motion.velocity[i] - spin
+        memory.p[i] = inputs[position + i] - motion.centre[i] - memory.arm[i]
+        memory.v[i] = inputs[velocity + i] - motion.velocity[i] - spin
 
 
 @kernel
@@ -173,10 +176,10 @@ def _act(
 
 @kernel
 def _waits_for_touch(effect: EffectRecord, work: ObjectWork, counts: ObjectCountsRecord) -> bool:
-    """True for vibration and stick-slip of a body that the user does not touch."""
+    """True for vibration and stick-slip of a body that the effect's point of contact does not touch."""
     of_body = 0 <= effect.body < counts.bodies and effect.on_body == 0
     surface = effect.kind == EffectKind.VIBRATION or effect.kind == EffectKind.STICK_SLIP
-    return of_body and surface and work.motions[effect.body].touched == 0
+    return of_body and surface and (work.motions[effect.body].touched >> effect.contact) & 1 == 0
 
 
 @kernel
@@ -199,7 +202,7 @@ def _deliver(
     effect: EffectRecord, rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, memory: EffectMemoryRecord
 ) -> None:
     """Add the force to the totals of the user and to the body of the effect."""
-    totals = work.totals[0]
+    totals = work.totals[effect.contact]
     of_body = 0 <= effect.body < counts.bodies
     if effect.on_body != 0:
         if of_body:
@@ -229,10 +232,10 @@ def _is_finite(memory: EffectMemoryRecord) -> bool:
 
 @kernel
 def apply_effects(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, inputs: Vec, fields: Fields) -> None:
-    """Add the forces of all effects to totals.effect_force and to the bodies they act on.
+    """Add the forces of all effects to effect_force of their points of contact and to the bodies they act on.
 
     A force that is not finite counts as zero: that of a force field quarantines the field and is reported in
-    totals.quarantined, any other sets totals.status.
+    quarantined of the first point's totals, any other sets status there.
 
     Args:
         rows: `Rows` of this tick.
@@ -244,7 +247,7 @@ def apply_effects(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, inpu
     t = inputs[INPUT_TIME]
     for k in range(counts.effects):
         effect, memory = rows.effects[k], work.effects[k]
-        if effect.enabled == 0:
+        if effect.enabled == 0 or not 0 <= effect.contact < MAX_CONTACTS:
             _forget(memory)
             continue
         if memory.quarantined != 0:

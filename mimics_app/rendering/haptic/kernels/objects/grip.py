@@ -5,7 +5,8 @@ of the body by a spring and damper of the body's own surface; perpendicular to u
 its normal force f and slips beyond it (Hayward and Armstrong 2000), so both together carry 2 mu N. Along u the body is
 held between two springs: the finger it moves into presses with N + k d + b d', the other with N - k d - b d', never
 below 0. Torsion about u is held by the contact patches, up to 2/3 mu f times their radius (Coulomb friction of a disc
-of uniform pressure). The user gets the opposite of the forces on the body.
+of uniform pressure). The user gets the opposite of the forces on the body. Each point of contact of the device grips
+with its own grasp force; two of them can hold one body.
 """
 
 from __future__ import annotations
@@ -77,20 +78,33 @@ def _dot(a: Vec, b: Vec) -> float:
 
 
 @kernel
-def _find_fingers(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, grip: GripRecord) -> float:
-    """Set the frame of the grip: fingers at the first two interaction points, or along x on both sides of a single one.
+def _next_point(rows: Rows, counts: ObjectCountsRecord, contact: int, begin: int) -> int:
+    """First interaction point from row `begin` on that a point of contact carries; counts.points: none."""
+    row = begin
+    while row < counts.points and rows.points[row].contact != contact:
+        row += 1
+    return row
+
+
+@kernel
+def _find_fingers(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, contact: int, grip: GripRecord) -> float:
+    """Set the frame of the grip: fingers at its first two interaction points, or along x on both sides of a single one.
 
     Returns:
-        Half the distance between the fingers [m]; 0 for a single point.
+        Half the distance between the fingers [m]; 0 for a single point; -1: it has none.
     """
-    two = counts.points > 1 and rows.points[0].enabled != 0 and rows.points[1].enabled != 0
-    last = 1 if two else 0
+    first = _next_point(rows, counts, contact, 0)
+    if first >= counts.points:
+        return -1.0
+    last = _next_point(rows, counts, contact, first + 1)
+    if last >= counts.points or rows.points[first].enabled == 0 or rows.points[last].enabled == 0:
+        last = first
     length = 0.0
     for i in range(3):
-        first = work.point_positions[0, i]
-        grip.centre[i] = 0.5 * (first + work.point_positions[last, i])
-        grip.velocity[i] = 0.5 * (work.point_velocities[0, i] + work.point_velocities[last, i])
-        grip.axis[i] = work.point_positions[last, i] - first
+        place = work.point_positions[first, i]
+        grip.centre[i] = 0.5 * (place + work.point_positions[last, i])
+        grip.velocity[i] = 0.5 * (work.point_velocities[first, i] + work.point_velocities[last, i])
+        grip.axis[i] = work.point_positions[last, i] - place
         length += grip.axis[i] * grip.axis[i]
     length = math.sqrt(length)
     for i in range(3):
@@ -304,25 +318,31 @@ def _hold_twist(
 
 
 @kernel
-def grip_bodies(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, grasp: float, dt: float) -> None:
-    """Grip, hold and release bodies for one tick.
+def grip_bodies(
+    rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, contact: int, grasp: float, dt: float
+) -> None:
+    """Grip, hold and release bodies with one point of contact for one tick.
 
-    Adds to totals.grip_force, stiffness, even_stiffness and even_damping, and to force, torque and force_user of the
-    held body; sets totals.held, and totals.crushed once the grasp was beyond crush_force. A body without friction
+    Adds to grip_force, stiffness, even_stiffness and even_damping of its totals, and to force, torque and force_user of
+    the held body; sets totals.held, and totals.crushed once the grasp was beyond crush_force. A body without friction
     slips out; a respawned one is released.
 
     Args:
         rows: Tables of the main thread; bodies with `grip` set can be held.
-        work: Working arrays; its `grip` is a GRIP record, shape [1].
+        work: Working arrays.
         counts: OBJECT_COUNTS record.
-        grasp: Force between the fingers [N].
+        contact: Number of the point of contact.
+        grasp: Force between its fingers [N].
         dt: Tick [s].
     """
-    grip = work.grip[0]
+    grip = work.grip[contact]
     if counts.points == 0 or counts.bodies == 0 or (grip.body < 0 and not grasp >= _TAKE_FORCE):
         grip.body = -1
         return
-    span = _find_fingers(rows, work, counts, grip)
+    span = _find_fingers(rows, work, counts, contact, grip)
+    if span < 0.0:
+        grip.body = -1
+        return
     if grip.body < 0:
         _take(rows, work, counts, grip, span)
     if grip.body < 0:
@@ -342,7 +362,7 @@ def grip_bodies(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, grasp:
     if not k > 0.0:
         grip.body = -1
         return
-    _hold_body(surface, body, motion, grip, work.totals[0], grasp, k, dt)
+    _hold_body(surface, body, motion, grip, work.totals[contact], grasp, k, dt)
 
 
 @kernel

@@ -29,12 +29,12 @@ INPUT_POSITION = 0
 INPUT_VELOCITY = INPUT_POSITION + 3 * MAX_CONTACTS
 """Their velocities, world [m/s]."""
 INPUT_FORCE_MEASURED = INPUT_VELOCITY + 3 * MAX_CONTACTS
-"""Measured force of the user on the first point, world [N]."""
-INPUT_FORCE_USER = INPUT_FORCE_MEASURED + 3
+"""Measured force of the user on each point, world [N], in the same layout."""
+INPUT_FORCE_USER = INPUT_FORCE_MEASURED + 3 * MAX_CONTACTS
 """Force on the user there in the last tick, world [N]."""
-INPUT_GRASP = INPUT_FORCE_USER + 3
-"""Grasp force [N]."""
-INPUT_TIME = INPUT_GRASP + 1
+INPUT_GRASP = INPUT_FORCE_USER + 3 * MAX_CONTACTS
+"""Grasp force at each point [N]."""
+INPUT_TIME = INPUT_GRASP + MAX_CONTACTS
 """Session time [s]."""
 INPUT_LENGTH = INPUT_TIME + 1
 """Length of the vector."""
@@ -44,12 +44,11 @@ INPUT_LENGTH = INPUT_TIME + 1
 def write_object_inputs(states: Table[StateRecord], contacts: int, dt: float, inputs: NDArray[np.float64]) -> None:
     """Fill the vector, shape [INPUT_LENGTH], from the STATE records of the points of contact."""
     for c in range(contacts):
+        state = states[c]
         for i in range(3):
-            inputs[INPUT_POSITION + 3 * c + i] = states[c].hip_world[i]
-            inputs[INPUT_VELOCITY + 3 * c + i] = states[c].v_world[i]
-    state = states[0]
-    for i in range(3):
-        inputs[INPUT_FORCE_MEASURED + i] = state.f_meas_world[i]
-        inputs[INPUT_FORCE_USER + i] = state.f_user_world[i]
-    inputs[INPUT_GRASP] = state.grasp
-    inputs[INPUT_TIME] = state.tick * dt
+            inputs[INPUT_POSITION + 3 * c + i] = state.hip_world[i]
+            inputs[INPUT_VELOCITY + 3 * c + i] = state.v_world[i]
+            inputs[INPUT_FORCE_MEASURED + 3 * c + i] = state.f_meas_world[i]
+            inputs[INPUT_FORCE_USER + 3 * c + i] = state.f_user_world[i]
+        inputs[INPUT_GRASP + c] = state.grasp
+    inputs[INPUT_TIME] = states[0].tick * dt

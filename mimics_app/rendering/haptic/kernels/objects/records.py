@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT, FRICTION
 from mimics_app.rendering.haptic.kernels.tunnel_state import TUNNEL_STATE
 
@@ -69,7 +70,7 @@ GRIP = np.dtype(
     ],
     align=True,
 )
-"""Grip of one hand; the fields before `axis` are kept from tick to tick."""
+"""Grip of one point of contact, as of a hand; the fields before `axis` are kept from tick to tick."""
 
 TRACKING = np.dtype(
     [
@@ -230,8 +231,8 @@ RIDGES = np.dtype(
 
 
 def new_grip() -> NDArray[np.void]:
-    """Initial grip, without a body, shape [1]."""
-    grip = np.zeros(1, GRIP)
+    """Initial grips of all points of contact, without a body, shape [MAX_CONTACTS]."""
+    grip = np.zeros(MAX_CONTACTS, GRIP)
     grip["body"] = -1
     grip["crushed"] = -1
     return grip

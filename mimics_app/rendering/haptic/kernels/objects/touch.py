@@ -176,7 +176,7 @@ def _count(
 def _react(scratch: ContactScratchRecord, motion: MotionRecord, flags: int) -> None:
     """Apply the opposite of the present force to the shape's body, at the touched point, as its flags allow."""
     force = scratch.force
-    motion.touched = 1
+    motion.touched |= 1 << scratch.contact
     for i in range(3):
         motion.force_user[i] += force[i]
         if flags & _FORCE_ON_OBJECT:

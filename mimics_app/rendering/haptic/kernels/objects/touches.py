@@ -32,7 +32,7 @@ TOUCH = np.dtype(
     ],
     align=True,
 )
-"""Contact state of one partner; row 0 is the static scene, row i + 1 body i."""
+"""Contact state of one point of contact and one partner; row 0 is the static scene, row i + 1 body i."""
 
 
 @kernel
@@ -56,29 +56,32 @@ def follow_touch(touch: TouchRecord | StateRecord, touching: bool, felt: bool, d
 
 
 @kernel
-def _touch_static(totals: Table[TotalsRecord]) -> bool:
-    """Whether any point of contact touches the static scene."""
-    for c in range(totals.shape[0]):
-        if totals[c].static_touching > 0:
-            return True
-    return False
-
-
-@kernel
 def follow_touches(
     touches: Table[TouchRecord],
-    totals: Table[TotalsRecord],
+    totals: TotalsRecord,
     motions: Table[MotionRecord],
     counts: ObjectCountsRecord,
+    contact: int,
     felt: bool,
     dt: float,
 ) -> int:
-    """Advance the contact states of the static scene and of all bodies by one tick; return how many are in contact."""
+    """Advance the contact states of one point of contact by one tick; return how many partners it is in contact with.
+
+    Args:
+        touches: Its TOUCH records, of the static scene and of all bodies.
+        totals: Its TOTALS record.
+        motions: MOTION records.
+        counts: SCENE.objects.
+        contact: Number of the point.
+        felt: Whether the user can feel it.
+        dt: Tick [s].
+    """
     if counts.shapes == 0:
         return 0
-    touches[0].change = follow_touch(touches[0], _touch_static(totals), felt, dt)
+    touches[0].change = follow_touch(touches[0], totals.static_touching > 0, felt, dt)
     partners = touches[0].in_contact
     for k in range(counts.bodies):
-        touches[k + 1].change = follow_touch(touches[k + 1], motions[k].touched == 1, felt, dt)
+        is_touched = (motions[k].touched >> contact) & 1 == 1
+        touches[k + 1].change = follow_touch(touches[k + 1], is_touched, felt, dt)
         partners += touches[k + 1].in_contact
     return partners

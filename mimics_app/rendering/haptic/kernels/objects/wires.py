@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.haptic_objects import SignalSource, SignalTarget
+from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS
 from mimics_app.rendering.haptic.kernels.objects.object_inputs import (
     INPUT_FORCE_MEASURED,
     INPUT_FORCE_USER,
@@ -28,19 +29,20 @@ __all__ = ["carry_signals"]
 
 
 @kernel
-def _of_inputs(inputs: Vec, source: int, i: int) -> float:
-    """Component i of an output of the robot."""
+def _of_inputs(inputs: Vec, source: int, contact: int, i: int) -> float:
+    """Component i of an output of the robot, at one of its points of contact."""
+    at = 3 * contact + i
     if source == SignalSource.POSITION_ROBOT:
-        return inputs[INPUT_POSITION + i]
+        return inputs[INPUT_POSITION + at]
     if source == SignalSource.VELOCITY_ROBOT:
-        return inputs[INPUT_VELOCITY + i]
+        return inputs[INPUT_VELOCITY + at]
     if source == SignalSource.FORCE_MEASURED:
-        return inputs[INPUT_FORCE_MEASURED + i]
+        return inputs[INPUT_FORCE_MEASURED + at]
     if source == SignalSource.FORCE_USER:
-        return inputs[INPUT_FORCE_USER + i]
+        return inputs[INPUT_FORCE_USER + at]
     if i > 0:
         return 0.0
-    return inputs[INPUT_GRASP] if source == SignalSource.GRASP else inputs[INPUT_TIME]
+    return inputs[INPUT_GRASP + contact] if source == SignalSource.GRASP else inputs[INPUT_TIME]
 
 
 @kernel
@@ -58,7 +60,8 @@ def _of_body(motion: MotionRecord, source: int, i: int) -> float:
         return motion.force_user[i]
     if i > 0:
         return 0.0
-    return float(motion.touched) if source == SignalSource.TOUCHED else float(motion.collided)
+    on = motion.touched if source == SignalSource.TOUCHED else motion.collided
+    return 1.0 if on != 0 else 0.0
 
 
 @kernel
@@ -72,7 +75,7 @@ def _is_placed(motion: MotionRecord) -> bool:
 def _read(work: ObjectWork, counts: ObjectCountsRecord, wire: WireRecord, inputs: Vec, i: int) -> float:
     """Component i of the output at the source of a wire; 0 for a row that is not in use."""
     if wire.source <= SignalSource.TIME:
-        return _of_inputs(inputs, wire.source, i)
+        return _of_inputs(inputs, wire.source, wire.source_row, i) if 0 <= wire.source_row < MAX_CONTACTS else 0.0
     if 0 <= wire.source_row < counts.bodies:
         return _of_body(work.motions[wire.source_row], wire.source, i)
     return 0.0
