@@ -12,9 +12,7 @@ from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS
 from tests.architecture.record_stub import STUBS
 from tests.architecture.sources import modules, nodes
 
-READ_ELSEWHERE = {
-    "StateRecord.others_f_meas": "copied whole into the sample, as a row of the loop's table",
-}
+READ_ELSEWHERE = {}
 """Fields of records that no module of the product reads, and why they are there."""
 
 SET_FOR_OTHERS = {
@@ -129,14 +127,14 @@ def attributes() -> list[str]:
 
 def test_fields_of_records_are_read(fields: list[str]) -> None:
     published = {row.name for row in LOOP_FIELDS}
-    rows = ("SampleRecord", "OwnTunnelRecord")  # whose fields leave the loop
+    rows = ("SampleRecord", "PointSampleRecord", "OwnTunnelRecord")  # whose fields leave the loop
     unread = [name for name in fields if name not in READ_ELSEWHERE]
     left = [name for name in unread if not (name.startswith(rows) and _leaves(name.partition(".")[2], published))]
     assert not left, f"written and never read: {left}; remove them, or say who reads them"
 
 
 def _leaves(field: str, published: set[str]) -> bool:
-    return field in published or field.removeprefix("others_") in published
+    return field in published
 
 
 def test_attributes_of_objects_are_read(attributes: list[str]) -> None:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
-from mimics_app.contracts.loop.haptic import EventKind, body_of_point, point_of_body
+from mimics_app.contracts.loop.haptic import EventKind
 from mimics_app.contracts.shared_memory.ring import push
 from mimics_app.contracts.shared_memory.triple_buffer import back_slot, publish
 from mimics_app.rendering.haptic.channels import Channels, Work
+from mimics_app.rendering.haptic.kernels.event_points import event_body
 from mimics_app.rendering.haptic.kernels.objects.published import write_poses
 from mimics_app.rendering.haptic.kernels.rows import write_snapshot
 from mimics_app.rendering.haptic.kernels.state import CONTACT_BEGAN, CONTACT_ENDED
@@ -17,13 +18,7 @@ from mimics_app.rendering.haptic.kernels.vectors import copy, fill, norm
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import Rows, SceneRecord, ShapeRecord, StateRecord, Table
 
-__all__ = ["event_body", "event_point", "publish_events", "publish_state"]
-
-event_body = kernel(body_of_point)
-"""`body_of_point` compiled."""
-
-event_point = kernel(point_of_body)
-"""`point_of_body` compiled."""
+__all__ = ["publish_events", "publish_state"]
 
 
 @kernel
