@@ -82,6 +82,7 @@ class RunSettings:
         opt: One of PICTURE_OPTIONS, or "".
         console: Port of the operator's page, which makes the session run by the wall clock; None: no page is started.
         operator_lost: What a lost operator leads to.
+        despite: Checks of the operator's page that were not green when it started the session all the same.
         journey: File for reports to the process that started the run, see `play.journey_log`; or None.
     """
 
@@ -115,6 +116,7 @@ class RunSettings:
     opt: str = ""
     console: int | None = None
     operator_lost: OperatorLost = "pause"
+    despite: str = ""
     journey: Path | None = None
 
     @property

@@ -24,8 +24,9 @@ from mimics_app.console.clients import Client, Clients
 from mimics_app.console.guard import Guard, read_body
 from mimics_app.console.handover import Lines, attach, send_line
 from mimics_app.console.page_files import catalogue, page_files
-from mimics_app.console.session_view import SessionView
-from mimics_app.console.telemetry import TELEMETRY, VALUES, message
+from mimics_app.console.readiness import Choice, find_choices, find_lights, start_words
+from mimics_app.console.session_view import SessionView, compressed
+from mimics_app.console.telemetry import PICTURE, TELEMETRY, VALUES, message
 from mimics_app.console.web_server import Certificate, WebServer
 from mimics_app.contracts.system.child_signals import ignore_signals
 
@@ -62,11 +63,13 @@ class _Ask(msgspec.Struct, forbid_unknown_fields=True):
         id: Its number, larger than that of the one before.
         command: A command to the session; empty: none.
         ask: A request to the server.
+        choice: Of requests before a session: what was chosen.
     """
 
     id: int
     command: msgspec.Raw = _NO_COMMAND
     ask: str = ""
+    choice: Choice | None = None
 
 
 _TOKENS = msgspec.json.Decoder(_Token)
@@ -86,7 +89,7 @@ class PageServer:
         self._clients = Clients(_MOST_CLIENTS)
         self._files = page_files()
         self._session: SessionView | None = None
-        self._gone = ""
+        self._gone: dict[str, Any] = {}
         self._passes = 0
         self._deeds: dict[str, Callable[[Client], str]] = {
             "operate": self._clients.ask,
@@ -117,10 +120,12 @@ class PageServer:
         """Pass on news, sixty times a second, until the other process is gone."""
         loop = asyncio.get_running_loop()
         due = loop.time()
+        pictures = asyncio.create_task(self._pass_pictures())
         while not self._lines.ended:
             self._pass()
             due = max(due + _PERIOD_S, loop.time() - _PERIOD_S)
             await asyncio.sleep(due - loop.time())
+        pictures.cancel()
 
     # requests
 
@@ -172,11 +177,17 @@ class PageServer:
         except (msgspec.DecodeError, UnicodeEncodeError) as error:
             client.tell({"kind": "answer", "id": -1, "done": False, "why": f"not a request: {error}"})
             return
-        why = client.may_ask(ask.id, asyncio.get_running_loop().time()) or self._do(client, ask)
+        why = client.may_ask(ask.id, asyncio.get_running_loop().time())
+        if not why and ask.ask in ("choices", "check"):
+            asyncio.get_running_loop().create_task(_prepare(client, ask))
+            return
+        why = why or self._do(client, ask)
         if why or not bytes(ask.command):
             client.tell({"kind": "answer", "id": ask.id, "done": not why, "why": why})
 
     def _do(self, client: Client, ask: _Ask) -> str:
+        if ask.ask == "start":
+            return self._start(client, ask.choice)
         if not bytes(ask.command):
             deed = self._deeds.get(ask.ask)
             return "unknown request" if deed is None else deed(client)
@@ -185,6 +196,15 @@ class PageServer:
         if self._session is None:
             return "no session is attached"
         return self._session.give(client, ask.id, bytes(ask.command))
+
+    def _start(self, client: Client, choice: Choice | None) -> str:
+        """Let the process that serves STOP start a session: of the usual priority, and not to end with this one."""
+        if not client.operates:
+            return "this page views; ask for the operator's place first"
+        if choice is None or self._session is not None:
+            return "a session is attached already" if choice else "nothing was chosen"
+        send_line(self._line, {"kind": "start", "words": start_words(choice)})
+        return ""
 
     # news
 
@@ -207,6 +227,15 @@ class PageServer:
                 client.tell(answer)
         self._pass_status(session)
 
+    async def _pass_pictures(self) -> None:
+        """Compress pictures one after the other, in a thread: what waits meanwhile is only the newest."""
+        while True:
+            await asyncio.sleep(_PERIOD_S)
+            content = self._session.picture.read() if self._session is not None and self._clients.watchers else None
+            if content is not None:
+                picture = message(PICTURE, await asyncio.to_thread(compressed, content))
+                self._each(partial(_show_picture, picture))
+
     def _pass_status(self, session: SessionView) -> None:
         news = session.take_status()
         if news is None:
@@ -220,15 +249,16 @@ class PageServer:
     def _take_lines(self) -> None:
         for line in self._lines.take():
             if line.get("kind") == "session":
-                self._session, self._gone = SessionView(attach(line["card"], self._lines)), ""
+                self._session, self._gone = SessionView(attach(line["card"], self._lines)), {}
             else:
-                self._session, self._gone = None, str(line.get("why", ""))
+                self._session, self._gone = None, line
             self._each(self._tell_session)
 
     def _tell_session(self, client: Client) -> None:
         """Tell a page which session is attached, with what has happened in it so far."""
         session = self._session
-        client.tell({"kind": "session", "card": None if session is None else session.card.shown, "why": self._gone})
+        left = {"why": self._gone.get("why", ""), "orderly": self._gone.get("orderly", False)}
+        client.tell({"kind": "session", "card": None if session is None else session.card.shown, **left})
         if session is not None:
             client.tell({"kind": "status", "status": session.status})
             for name, entries in session.kept.items():
@@ -246,9 +276,22 @@ async def _texts(request: Request) -> Response:
     return JSONResponse(catalogue(request.headers.get("accept-language", "")))
 
 
+async def _prepare(client: Client, ask: _Ask) -> None:
+    """Answer what can be chosen, or the lights of a choice; both take seconds."""
+    if ask.ask == "choices":
+        client.tell({"kind": "answer", "id": ask.id, "done": True, "why": "", "choices": await find_choices()})
+    elif ask.choice is not None:
+        client.tell({"kind": "answer", "id": ask.id, "done": True, "why": "", "lights": await find_lights(ask.choice)})
+
+
 def _watch(client: Client, *, on: bool) -> str:
     client.wants_picture = on
     return ""
+
+
+def _show_picture(picture: bytes, client: Client) -> None:
+    if client.wants_picture:
+        client.show(PICTURE, picture)
 
 
 def _tell_entries(name: str, entries: list[dict[str, Any]], client: Client) -> None:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Mapping
 from typing import Any
 
 import msgspec
+import numpy as np
 
 from mimics_app.console.handover import AttachedSession
 from mimics_app.console.telemetry import SIGNALS, Telemetry, message
@@ -18,10 +20,22 @@ from mimics_app.contracts.shared_memory.newest_bytes import NewestReader
 from mimics_app.contracts.shared_memory.ring_history import RingHistory
 from mimics_app.contracts.shared_memory.session_memory import AttendanceWord
 
-__all__ = ["SessionView"]
+__all__ = ["SessionView", "compressed"]
 
+_QUALITY = 80
+"""Quality of pictures, of 100."""
 _ENTRIES = ("events", "trials")
 """Lists of the status whose entries are numbered: each entry is sent once."""
+
+
+def compressed(content: bytes) -> bytes:
+    """Return a picture of the session, as `OperatorPicture` writes it, as a JPEG."""
+    from PIL import Image
+
+    width, height = np.frombuffer(content, "<u4", 2).tolist()
+    out = io.BytesIO()
+    Image.frombytes("RGB", (width, height), content[8:]).save(out, "JPEG", quality=_QUALITY)
+    return out.getvalue()
 
 
 class SessionView:

@@ -5,11 +5,14 @@ from __future__ import annotations
 import asyncio
 import os
 import socket
+import subprocess
+import sys
+import tempfile
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing import get_context
-from typing import TYPE_CHECKING
+from typing import IO, TYPE_CHECKING
 
 from mimics_app.console.access import Access, new_tokens
 from mimics_app.console.handover import AttachedSession, Lines, attach, send_line
@@ -80,6 +83,7 @@ class Supervisor:
         self._line: socket.socket | None = None
         self._beats: Lines | None = None
         self._beat_s = self._alone_s = 0.0
+        self._started: list[tuple[subprocess.Popen[bytes], IO[bytes]]] = []
 
     async def run(self) -> None:
         """Serve until this is cancelled, or a page of a run has no session any more."""
@@ -99,6 +103,7 @@ class Supervisor:
         loop.add_reader(self._places.sessions, self._accept)
         while not self._is_over(loop.time()):
             self._watch_page(loop.time())
+            self._watch_started()
             await asyncio.sleep(_PERIOD_S)
         self._server.leave()
 
@@ -146,7 +151,7 @@ class Supervisor:
         if visit.attached:
             self._session = None
             self._button.attach(None)
-            self._send({"kind": "gone", "why": _LEFT if visit.ended_orderly else _GONE})
+            self._send({"kind": "gone", "why": _LEFT if visit.ended_orderly else _GONE, "orderly": visit.ended_orderly})
 
     # the page's server
 
@@ -173,12 +178,32 @@ class Supervisor:
     def _watch_page(self, now_s: float) -> None:
         """Start the page's server again where it died, or gave no sign of life for long."""
         assert self._page is not None and self._beats is not None
-        if self._beats.take():
+        for line in self._beats.take():
             self._beat_s = now_s
+            if line.get("kind") == "start" and self._session is None:
+                self._start_session([str(word) for word in line.get("words", [])])
         if not self._page.is_alive() or now_s - self._beat_s > _HUNG_S:
             self._end_page()
             self._start_page()
             self._beat_s = now_s
+
+    def _start_session(self, words: list[str]) -> None:
+        """Start a session that outlives this process; one that fails to start says why."""
+        errors = tempfile.TemporaryFile()
+        command = [sys.executable, "-m", "mimics_app", *words]
+        run = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=errors, stderr=errors, start_new_session=True)
+        self._started.append((run, errors))
+
+    def _watch_started(self) -> None:
+        """Tell the page of started sessions that ended with an error before they were attached."""
+        for run, errors in [each for each in self._started if each[0].poll() is not None]:
+            self._started.remove((run, errors))
+            errors.seek(0)
+            lines = errors.read().decode(errors="replace").strip().splitlines()
+            errors.close()
+            if run.returncode and self._session is None:
+                said = lines[-1] if lines else f"code {run.returncode}"
+                self._send({"kind": "gone", "why": f"The session could not start or ended with an error: {said}"})
 
     def _end_page(self) -> None:
         if self._beats is not None:

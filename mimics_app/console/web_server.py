@@ -5,8 +5,9 @@ from __future__ import annotations
 import asyncio
 import socket
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
+import h11
 import uvicorn
 from starlette.types import ASGIApp
 from uvicorn.protocols.http.h11_impl import H11Protocol
@@ -47,7 +48,7 @@ class _LimitedHttp(H11Protocol):
         if self.cycle is not None:
             self._has_spoken()
 
-    def handle_websocket_upgrade(self, event: Any) -> None:
+    def handle_websocket_upgrade(self, event: h11.Request) -> None:
         self._has_spoken()
         super().handle_websocket_upgrade(event)
 

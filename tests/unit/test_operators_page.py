@@ -9,9 +9,11 @@ import threading
 from hashlib import sha256
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 
+from mimics_app.app.cli import parse
 from mimics_app.contracts.commands.command_records import CommandSource
 from mimics_app.contracts.commands.vocabulary import Note, Pause, Stop, refusal
 from mimics_app.contracts.errors import OutputError
@@ -28,6 +30,14 @@ from mimics_app.console.access import COOKIE, Access, new_tokens  # noqa: E402
 from mimics_app.console.clients import Clients  # noqa: E402
 from mimics_app.console.handover import AttachedSession  # noqa: E402
 from mimics_app.console.meeting_place import MeetingPlace, PageAddress  # noqa: E402
+from mimics_app.console.readiness import (  # noqa: E402
+    Choice,
+    device_light,
+    machine_lights,
+    scene_light,
+    signal_light,
+    start_words,
+)
 from mimics_app.console.stop_server import StopButton  # noqa: E402
 from mimics_app.console.telemetry import VALUES, Telemetry  # noqa: E402
 
@@ -174,3 +184,44 @@ def test_the_meeting_place_is_private_and_its_address_that_of_a_living_process(
     place.address_file.parent.symlink_to(tmp_path)
     with pytest.raises(OutputError):
         place.prepare()
+
+
+def test_a_choice_becomes_the_words_of_a_run_that_take_no_other_option() -> None:
+    hostile = Choice("wavy_tunnel", participant="--runs=/tmp", device="simulated_leg", trials=3, despite="disk: full")
+    args = parse(start_words(hostile))
+    assert (args.participant, args.device, args.trials, args.difficulty) == ("--runs=/tmp", "simulated_leg", 3, "usual")
+    assert args.despite == "disk: full" and args.console == 8765 and str(args.runs) == "runs"
+    for refused in (
+        {"scene": "../x"},
+        {"scene": "a", "trials": -1},
+        {"scene": "a", "device": "a\nb"},
+        {"scene": "a", "x": 1},
+    ):
+        with pytest.raises(msgspec.ValidationError):
+            msgspec.convert(refused, Choice)
+
+
+def test_lights_say_what_is_missing_and_what_to_do() -> None:
+    ready = {
+        "runs": {"writable": True, "free_gb": 9.0, "gb_an_hour": 0.9},
+        "al": {"ok": True},
+        "scheduler": {"fifo": True},
+        "displays": {"monitors": ["HDMI-1 1920 x 1080"]},
+    }
+    assert {light.light for light in machine_lights(ready)} == {"green"}
+    full = {
+        light.name: light
+        for light in machine_lights(ready | {"runs": {"writable": True, "free_gb": 0.5, "gb_an_hour": 0.9}})
+    }
+    assert full["disk"].light == "red" and full["disk"].remedy
+    bare = machine_lights({})
+    assert [light.light for light in bare] == ["red", "amber", "amber", "amber"] and all(light.remedy for light in bare)
+    assert scene_light({"errors": [{"what": "no camera", "fix": "add one"}]}).remedy == "add one"
+    devices = {"devices": [{"name": "serial"}]}
+    assert device_light(Choice("a", device="serial:/dev/ttyUSB0"), devices).light == "green"
+    assert device_light(Choice("a", device="unknown"), devices).light == "red"
+    assert [signal_light(Choice("a", physio=kind)).light for kind in ("", "sim:calm", "lsl:ECG")] == [
+        "green",
+        "green",
+        "amber",
+    ]

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 __all__ = ["add_arguments", "run"]
 
+_PORT = 8765
+"""As `play.operators_page.DEFAULT_PORT`, so that --help imports none of it."""
 _WAIT_NS = 500_000_000
 """Period in which a page of a run looks whether it is needed [ns]."""
 
@@ -30,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "a secret: who has it may operate. Ctrl-C ends the page; a session is not touched by that."
     )
     parser.add_argument(
-        "--port", type=whole_number("port", range(65536)), default=8765, help="port of the page (0: any free one)"
+        "--port", type=whole_number("port", range(65536)), default=_PORT, help="port of the page (0: any free one)"
     )
     parser.add_argument("--host", default="127.0.0.1", help="address to serve at; another than this computer needs TLS")
     parser.add_argument("--certificate", type=Path, metavar="FILE", help="certificate for TLS (PEM)")

@@ -73,7 +73,12 @@ def _follow(choice: LauncherChoice, window: JourneyWindow) -> JourneyEnd:
         following = window.result(choice.run)
         if following != "again":
             return JourneyEnd(0, following)
-    return play_through(settings_of_choice(choice), window)
+    settings = settings_of_choice(choice)
+    if settings.console is not None:
+        from mimics_app.app.play.operators_page import open_page
+
+        open_page(settings.console)
+    return play_through(settings, window)
 
 
 def _choose(surface: Surface, notice: str) -> LauncherChoice | None:

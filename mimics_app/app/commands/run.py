@@ -180,6 +180,7 @@ def _add_operator(group: Container) -> None:
         default="pause",
         help="what follows when the operator's page was there and is lost for two seconds",
     )
+    group.add_argument("--despite", default="", help=argparse.SUPPRESS)
 
 
 def _add_adaptation(group: Container) -> None:

@@ -88,6 +88,7 @@ NEEDS: tuple[SystemNeed, ...] = (
         kind="test-optional",
         files=("MIT_KEMAR_normal_pinna.sofa",),
     ),
+    SystemNeed("chromium", "tests that use the operator's page", kind="test-optional", program="chromium"),
     SystemNeed("debootstrap", "bare systems for make fresh", kind="test-optional", program="debootstrap"),
     SystemNeed("gcc", "tests with an OpenXR runtime of their own", kind="test-optional", program="cc"),
     SystemNeed("libc6-dev", "tests with an OpenXR runtime of their own", kind="test-optional", files=("crt1.o",)),

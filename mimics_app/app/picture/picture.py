@@ -12,6 +12,7 @@ from mimics_app.app.picture.board import OPERATORS_CARDS, BoardLayout
 from mimics_app.app.picture.contact_shadow import ContactShadow
 from mimics_app.app.picture.lost_picture import draw_or_recover
 from mimics_app.app.picture.methods import with_methods
+from mimics_app.app.picture.operator_picture import OperatorPicture
 from mimics_app.app.picture.shown_on import open_display
 from mimics_app.app.picture.video import Film
 from mimics_app.app.planner.plan import plan_scene
@@ -119,6 +120,7 @@ class Picture:
         presenter: Presenter of the drawn frames on the display.
         renderer: The renderer.
         film: Video of the shown frames; None without one.
+        copies: Copies of them for the operator; None without.
         page: Page over the picture; None for none.
         stats: Cost of the last frame; None before the first.
 
@@ -144,6 +146,7 @@ class Picture:
         self._lead_ns = FRAME_NS
         self.renderer = Renderer(self.presenter.drawn, world, settings, sparse=sparse)
         self.film: Film | None = None
+        self.copies: OperatorPicture | None = None
         self.page: KeyPage | None = None
         self._contact: ContactShadow | None = None
         self._layout = BoardLayout()
@@ -262,8 +265,9 @@ class Picture:
         Raises:
             DeviceError: The context cannot be created.
         """
-        if self.film is not None:
-            self.film.forget()
+        for taker in (self.film, self.copies):
+            if taker is not None:
+                taker.forget()
         self._operators = None
         self.surface.renew()
         self.presenter.renew()
@@ -281,8 +285,9 @@ class Picture:
         with self.timer.stage("swap"):
             self.surface.swap()
         done_ns = clock.now_ns() if self._defers else waited_ns
-        if self.film is not None:
-            self.film.take(done_ns)
+        for taker in (self.film, self.copies):
+            if taker is not None:
+                taker.take(done_ns)
         self.report_issues()
         return done_ns
 
@@ -350,6 +355,8 @@ class Picture:
         """Finish the video and release everything, the surface included."""
         if self.film is not None:
             self.film.finish()
+        if self.copies is not None:
+            self.copies.release()
         if self._operators is not None:
             self._operators[0].release()
         self.renderer.release()

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from mimics_app.app.installation.display_files import find_display_files
 from mimics_app.app.installation.serial_ports import list_serial_ports
+from mimics_app.app.play.operators_page import DEFAULT_PORT, can_serve
 from mimics_app.app.play.players import ADDRESSED, players, refusals
 from mimics_app.app.scenes.shipped import GROUPS, ShippedScene, find_shipped, shipped_scenes, thumbnail_of
 from mimics_app.app.settings import RunSettings
@@ -106,6 +107,12 @@ def _output_settings() -> list[Setting]:
             "On what the picture is shown.",
             _choices(displays),
         ),
+        Setting(
+            "console",
+            "Operator's page",
+            "Opens in a browser, for the second screen: to watch, pause, stop and adjust the session.",
+            _choices({"": "off", **({"open": "open on the second screen"} if can_serve() else {})}),
+        ),
     ]
 
 
@@ -130,6 +137,7 @@ def settings_of_choice(choice: LauncherChoice) -> RunSettings:
         profile=chosen["profile"],  # type: ignore[arg-type]
         sound=chosen["sound"],  # type: ignore[arg-type]
         display=chosen["display"],
+        console=DEFAULT_PORT if chosen.get("console") else None,
     )
 
 

@@ -7,16 +7,23 @@ import subprocess
 import sys
 from importlib.util import find_spec
 
-from mimics_app.console.meeting_place import MeetingPlace, PageAddress, has_unix_sockets
+from mimics_app.console.meeting_place import MeetingPlace, has_unix_sockets
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import DeviceError, UsageError
 
-__all__ = ["check_console", "start_page", "wait_for_page"]
+__all__ = ["DEFAULT_PORT", "can_serve", "check_console", "open_page", "start_page"]
 
+DEFAULT_PORT = 8765
+"""Port of the page where none is given."""
 _PACKAGES = ("starlette", "uvicorn", "websockets")
 _WAIT_NS = 20_000_000_000
 """Time-out of the page's start [ns]."""
 _STEP_NS = 50_000_000
+
+
+def can_serve() -> bool:
+    """Whether this installation and system can serve the page."""
+    return has_unix_sockets() and all(find_spec(name) is not None for name in _PACKAGES)
 
 
 def check_console() -> None:
@@ -48,10 +55,19 @@ def start_page(port: int) -> None:
     subprocess.Popen([sys.executable, "-m", "mimics_app", *words], start_new_session=True, stdout=sys.stderr)
 
 
-def wait_for_page() -> PageAddress | None:
-    """Return the address of the page once it is served; None where it does not start in time."""
+def open_page(port: int) -> None:
+    """Start the page and open it in the browser of this user, who moves it to the second screen.
+
+    One that is served already is open already: it shows the next session, too.
+    """
+    import webbrowser
+
+    if MeetingPlace().served() is not None:
+        return
+    start_page(port)
     clock: Clock = MonotonicClock()
     deadline = clock.now_ns() + _WAIT_NS
     while (address := MeetingPlace().served()) is None and clock.now_ns() < deadline:
         clock.sleep_until_ns(clock.now_ns() + _STEP_NS)
-    return address
+    if address is not None:
+        webbrowser.open(address.url)

@@ -75,6 +75,8 @@ class OperatorLink:
         self._report = session.report
         session.report = self._say
         session.recorder.listener = self._note
+        if session.settings.despite:
+            session.recorder.journal("override", {"despite": session.settings.despite})
         if isinstance(session.dsp, PhysioDsp):
             session.dsp.on_event = self._mark
 
@@ -91,6 +93,7 @@ class OperatorLink:
             return
         self._watch_operator(now_ns)
         self._put_signals(frames.signals)
+        self._copy_picture()
         if frames.number % _STATUS_FRAMES == 0:
             entries = {"events": list(self._events), "trials": list(self._trials)}
             self._status.write(to_json({**status_of(self._session, frames, self._newest), **entries}))
@@ -194,6 +197,18 @@ class OperatorLink:
     def _add_event(self, kind: str, what: object, now_ns: int) -> None:
         self._numbers["event"] += 1
         self._events.append({"n": self._numbers["event"], "t_ns": now_ns, "kind": kind, "what": what})
+
+    def _copy_picture(self) -> None:
+        """Let the picture, which may open after the first frames, be copied while a page shows it."""
+        picture, memory = self._session.picture, self._session.memory
+        if picture is None or picture.copies is not None:
+            return
+        from mimics_app.app.picture.operator_picture import OperatorPicture
+
+        slots = NewestWriter(memory.picture_words, memory.picture)
+        picture.copies = OperatorPicture(
+            picture.surface, slots, lambda: self.attached and bool(memory.attendance[AttendanceWord.WATCHERS])
+        )
 
     def _put_signals(self, blocks: tuple[SignalBlock, ...]) -> None:
         for block in blocks:

@@ -37,8 +37,8 @@ export class Link {
   }
 
   /** Ask the server for something by name; resolves to its answer. */
-  ask(ask) {
-    return this.#send({ ask });
+  ask(ask, choice) {
+    return this.#send(choice ? { ask, choice } : { ask });
   }
 
   #send(content) {

@@ -1,5 +1,6 @@
 // The page: joins connection, steering, plots and texts.
 
+import { Before } from "./before.js";
 import { enter, Link } from "./link.js";
 import { BandPlot, SignalPlot } from "./plots.js";
 import { Steering } from "./steering.js";
@@ -33,6 +34,7 @@ class Page {
       text: (message) => this.take(message), binary: (data) => this.takeBinary(data),
     });
     this.steering = new Steering(this.link);
+    this.before = new Before(this.link);
     this.lost();
     const draw = () => { this.draw(); requestAnimationFrame(draw); };
     requestAnimationFrame(draw);
@@ -62,21 +64,23 @@ class Page {
       hello: () => { this.names = message.values; setStopAddress(message.stop); },
       session: () => this.takeSession(message),
       status: () => this.takeStatus(message.status),
-      roles: () => { view.showRoles(message); this.steering.setRoles(message); },
+      roles: () => { view.showRoles(message); this.steering.setRoles(message); this.before.enable(message.operates); },
       events: () => view.addEvents(message.entries, this.startNs || (this.startNs = message.entries[0]?.t_ns ?? 0)),
       trials: () => view.addTrials(message.entries),
     };
     takes[message.kind]?.();
   }
 
-  takeSession({ card, why }) {
+  takeSession({ card, why, orderly }) {
     this.card = card;
     this.status = null;
     this.startNs = 0;
     this.tickAt = performance.now();
     view.showSession(card);
-    view.showAlarm(card ? "" : t(why));
+    view.showAlarm(card ? "" : t(why), orderly);
     this.steering.setSession(card);
+    this.before.show(!card);
+    document.querySelector("main").hidden = !card;
     for (const [, plot] of this.bands) plot.clear();
     byId("picture-image").hidden = true;
     byId("picture-none").hidden = false;

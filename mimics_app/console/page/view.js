@@ -51,8 +51,9 @@ export function showConnection(text, tone) {
   lamp("connection", text, tone);
 }
 
-/** Show a message across the page; "" hides it. */
-export function showAlarm(text) {
+/** Show a message across the page, quietly where it is none to act on; "" hides it. */
+export function showAlarm(text, quiet = false) {
+  byId("alarm").classList.toggle("quiet-news", quiet);
   setText(byId("alarm"), text);
   byId("alarm").hidden = !text;
 }

@@ -1,0 +1,93 @@
+// Before a session: the choice, the lights of what it needs, the start and its override.
+
+import { t } from "./texts.js";
+import { setText, toast } from "./view.js";
+
+const byId = (id) => document.getElementById(id);
+const WORDS = { green: "ready", amber: "works without", red: "not ready" };
+const SIGNS = { green: "✓", amber: "!", red: "✗" };
+
+export class Before {
+  #link;
+  #lights = null;
+  #asked = false;
+
+  constructor(link) {
+    this.#link = link;
+    for (const value of ["usual", "easier", "harder"]) byId("choose-difficulty").append(new Option(t(value), value));
+    byId("do-check").addEventListener("click", () => this.check());
+    byId("before-form").addEventListener("submit", (event) => { event.preventDefault(); this.start(); });
+    byId("before-form").addEventListener("input", () => this.#forget());
+  }
+
+  /** Show the form while no session is attached. */
+  show(shown) {
+    byId("before").hidden = !shown;
+    this.#forget();
+    if (shown && !this.#asked) this.#fill();
+  }
+
+  /** Let only the operator choose. */
+  enable(may) {
+    for (const node of byId("before-form").elements) node.disabled = !may;
+  }
+
+  async #fill() {
+    this.#asked = true;
+    const { done, choices } = await this.#link.ask("choices");
+    this.#asked = done;
+    if (!done) return;
+    const scene = byId("choose-scene");
+    scene.replaceChildren(...choices.scenes.map(({ name, title }) => new Option(t(title), name)));
+    const devices = choices.devices.map(({ name, title }) => new Option(t(title || name), name));
+    byId("choose-device").replaceChildren(new Option(t("usual for the scene"), ""), ...devices);
+  }
+
+  choice() {
+    return {
+      scene: byId("choose-scene").value, participant: byId("choose-participant").value.trim(), device: byId("choose-device").value,
+      difficulty: byId("choose-difficulty").value, trials: Number(byId("choose-trials").value) || 0, physio: byId("choose-physio").value.trim(),
+    };
+  }
+
+  /** Ask for the lights and show them; returns them. */
+  async check() {
+    setText(byId("do-check"), t("Checking …"));
+    const { done, why, lights } = await this.#link.ask("check", this.choice());
+    setText(byId("do-check"), t("Check"));
+    if (!done) {
+      toast(t(why));
+      return null;
+    }
+    this.#lights = lights;
+    byId("lights").replaceChildren(...lights.map((light) => {
+      const line = document.createElement("li");
+      line.className = light.light;
+      const remedy = light.remedy ? ` – ${t(light.remedy)}` : "";
+      line.textContent = `${SIGNS[light.light]} ${t(light.name)} (${t(WORDS[light.light])}): ${t(light.found)}${remedy}`;
+      return line;
+    }));
+    setText(byId("do-start"), this.#red().length ? t("Start all the same") : t("Start session"));
+    return lights;
+  }
+
+  /** Start: after a check only, and with red lights only when it is asked once more. */
+  async start() {
+    const checked = this.#lights !== null;
+    if (!checked && !(await this.check())) return;
+    if (!checked && this.#red().length) return;
+    const despite = this.#red().map((light) => `${light.name}: ${light.found}`).join("; ").slice(0, 300);
+    const { done, why } = await this.#link.ask("start", { ...this.choice(), despite });
+    toast(done ? t("The session starts; this takes some seconds.") : t(why));
+  }
+
+  #red() {
+    return (this.#lights || []).filter((light) => light.light === "red");
+  }
+
+  #forget() {
+    this.#lights = null;
+    byId("lights").replaceChildren();
+    setText(byId("do-start"), t("Start session"));
+  }
+}

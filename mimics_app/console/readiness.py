@@ -1,0 +1,169 @@
+"""Before a session: what can be chosen, lights of what it needs, and the words of its command line.
+
+The command line of this program answers all of it, each time in a process of its own: no session is imported here.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import sys
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+import msgspec
+from msgspec import Meta
+
+__all__ = ["Choice", "Light", "find_choices", "find_lights", "start_words"]
+
+_LONGEST_S = 120.0
+_LEAST_HOURS = 1.0
+"""Hours of recording that must fit on the disk for a green light."""
+
+Word = Annotated[str, Meta(max_length=120, pattern=r"^[^\x00-\x1f]*$")]
+
+
+class Choice(msgspec.Struct, forbid_unknown_fields=True):
+    """What the operator chose; "" and 0: as in the scene.
+
+    Attributes:
+        scene: Name of a shipped scene.
+        participant: Code of the person.
+        device: Device.
+        difficulty: One of three.
+        trials: Number of trials that count.
+        physio: Source of body signals.
+        despite: What was not green when the session was started all the same; "": nothing.
+    """
+
+    scene: Annotated[str, Meta(pattern=r"^[A-Za-z0-9_]+$", max_length=80)]
+    participant: Word = ""
+    device: Word = ""
+    difficulty: Literal["easier", "usual", "harder"] = "usual"
+    trials: Annotated[int, Meta(ge=0, le=10_000)] = 0
+    physio: Word = ""
+    despite: Annotated[str, Meta(max_length=300)] = ""
+
+
+class Light(msgspec.Struct):
+    """One check.
+
+    Attributes:
+        name: What was checked.
+        light: "green", "amber" (works without it) or "red".
+        found: What was found.
+        remedy: What to do; "" where nothing.
+    """
+
+    name: str
+    light: Literal["green", "amber", "red"]
+    found: str
+    remedy: str = ""
+
+
+def start_words(choice: Choice) -> list[str]:
+    """Return the arguments of `mimics run` for a choice; "=": a value may begin with a hyphen."""
+    named = {"participant": choice.participant, "device": choice.device, "physio": choice.physio}
+    named |= {"difficulty": choice.difficulty, "trials": str(choice.trials or ""), "despite": choice.despite}
+    return ["run", choice.scene, "--console", *(f"--{name}={value}" for name, value in named.items() if value)]
+
+
+async def find_choices() -> dict[str, Any]:
+    """Return the scenes and devices of this installation."""
+    scenes, devices = await asyncio.gather(_ask("scenes"), _ask("devices"))
+    return {
+        "scenes": [
+            {"name": each["name"], "title": each.get("title", each["name"]), "group": each.get("group", "")}
+            for each in scenes.get("scenes", [])
+            if each.get("group") != "places"
+        ],
+        "devices": [{"name": each["name"], "title": each.get("about", "")} for each in devices.get("devices", [])],
+    }
+
+
+async def find_lights(choice: Choice) -> list[Light]:
+    """Return a light for each thing that a session of this choice needs."""
+    scenes, devices, doctor = await asyncio.gather(_ask("scenes"), _ask("devices"), _ask("doctor"))
+    file = next((each["file"] for each in scenes.get("scenes", []) if each["name"] == choice.scene), "")
+    checked = await _ask("check", file) if file else {"errors": [{"what": f"there is no scene {choice.scene}"}]}
+    return [scene_light(checked), device_light(choice, devices), signal_light(choice), *machine_lights(doctor)]
+
+
+def machine_lights(doctor: Mapping[str, Any]) -> list[Light]:
+    """Return the lights of the computer, by the object of `mimics doctor --json`."""
+    runs, sound, scheduler = doctor.get("runs", {}), doctor.get("al", {}), doctor.get("scheduler", {})
+    hours = float(runs.get("free_gb", 0.0)) / (float(runs.get("gb_an_hour", 0.0)) or 1.0)
+    room: Literal["green", "red"] = "green" if runs.get("writable") and hours >= _LEAST_HOURS else "red"
+    monitors = doctor.get("displays", {}).get("monitors", [])
+    fifo = bool(scheduler.get("fifo"))
+    return [
+        Light(
+            "disk",
+            room,
+            f"room for {hours:.0f} hours of recording",
+            "" if room == "green" else "free some space, or start the page in another folder",
+        ),
+        Light(
+            "sound",
+            "green" if sound.get("ok") else "amber",
+            str(sound.get("device") or sound.get("error") or "ready"),
+            "" if sound.get("ok") else "connect loudspeakers; without them the session is silent",
+        ),
+        Light(
+            "display",
+            "green" if monitors else "amber",
+            ", ".join(map(str, monitors)) or "none",
+            "" if monitors else "connect a screen; without one the session draws nothing",
+        ),
+        Light(
+            "real time",
+            "green" if fifo else "amber",
+            "real-time priority" if fifo else "no real-time priority",
+            "" if fifo else "mimics doctor prints the line that allows it",
+        ),
+    ]
+
+
+def scene_light(checked: Mapping[str, Any]) -> Light:
+    """Return the light of the scene, by the object of `mimics check --json`."""
+    errors = checked.get("errors", [])
+    if not errors:
+        return Light("scene", "green", "no errors")
+    first = errors[0]
+    return Light(
+        "scene", "red", str(first.get("what", "")), str(first.get("fix", "") or "mimics check names the place")
+    )
+
+
+def device_light(choice: Choice, devices: Mapping[str, Any]) -> Light:
+    """Return the light of the device: that it is installed; whether it answers is seen at the start."""
+    wanted = choice.device.partition(":")[0]
+    known = {str(each.get("name", "")) for each in devices.get("devices", [])}
+    if not wanted or wanted in known:
+        return Light("device", "green", wanted or "that of the scene")
+    return Light("device", "red", f"{wanted} is not installed", "choose another one; mimics devices lists them")
+
+
+def signal_light(choice: Choice) -> Light:
+    """Return the light of the body signals: a simulated person is there; an amplifier is sought at the start."""
+    kind = choice.physio.partition(":")[0]
+    if kind in ("", "sim"):
+        return Light("body signals", "green", "simulated" if kind else "none")
+    remedy = "switch the amplifier on; the session reports a source that it does not find"
+    return Light("body signals", "amber", f"{choice.physio} is sought at the start", remedy)
+
+
+async def _ask(*words: str) -> dict[str, Any]:
+    """Return the object that a command prints; {} where it prints none in time."""
+    process = await asyncio.create_subprocess_exec(
+        sys.executable, "-m", "mimics_app", *words, "--json",
+        stdin=asyncio.subprocess.DEVNULL, stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.DEVNULL,
+    )  # fmt: skip
+    try:
+        out, _ = await asyncio.wait_for(process.communicate(), _LONGEST_S)
+        found = json.loads(out)
+    except (TimeoutError, ValueError):
+        if process.returncode is None:
+            process.kill()
+        return {}
+    return found if isinstance(found, dict) else {}
