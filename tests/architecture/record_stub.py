@@ -51,6 +51,7 @@ MODULES = (
     f"{_LOKOMAT}.guidance_force",
     f"{_LOKOMAT}.load_compensation",
     f"{_LOKOMAT}.leg_control",
+    f"{_LOKOMAT}.gait_limits",
 )
 """Where records of touch are declared: every dtype with fields that a module of these names in capitals."""
 

@@ -54,6 +54,7 @@ class Machine:
 
 
 HAPTICMASTER, LEG = Machine(), Machine("simulated_leg")
+LOKOMAT = Machine("lokomat:sim")
 LIGHT, TORQUE_LEG = Machine("simulated_impedance"), Machine("simulated_leg", (("mode", "torque"),))
 
 

@@ -15,7 +15,7 @@ from mimics_app.contracts.loop.haptic import SafetyState, TripCause
 from mimics_app.rendering.haptic.controllers import registry
 from mimics_app.rendering.haptic.controllers.parameter_vector import parameter_vector
 from mimics_app.rendering.haptic.scene_block import controller_values, scene_from_components
-from tests.support.controller_kit import HAPTICMASTER, LEG, LIGHT, TORQUE_LEG, check_controller
+from tests.support.controller_kit import HAPTICMASTER, LEG, LIGHT, LOKOMAT, TORQUE_LEG, check_controller
 
 MACHINES = {
     "admittance_cartesian": HAPTICMASTER,
@@ -24,6 +24,8 @@ MACHINES = {
     "admittance_seed": HAPTICMASTER,
     "impedance": LIGHT,
     "joint_pd": TORQUE_LEG,
+    "lokomat_combined": LOKOMAT,
+    "lokomat_impedance": LOKOMAT,
     "world_pd_joints": HAPTICMASTER,
     "world_pd_straight": LIGHT,
 }

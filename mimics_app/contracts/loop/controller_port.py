@@ -59,7 +59,7 @@ __all__ = [
     "places_of",
 ]
 
-CONTROLLER_MEMORY = 128
+CONTROLLER_MEMORY = 512
 """Numbers of a controller's state."""
 
 _POINTS = 3 * MAX_CONTACTS

@@ -1361,3 +1361,11 @@ class LegStateRecord:
     more: Floats
     wish_rate: Floats
     place: Floats
+
+class LegLimitsRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.gait_limits.LEG_LIMITS`."""
+
+    force: float
+    rise: float
+    power: float
+    stiffness: float

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from mimics_app.compiled.kernel import kernel
 
 if TYPE_CHECKING:
-    from mimics_app.rendering.haptic.record_types import OutlineEdgeRecord, Table
+    from mimics_app.rendering.haptic.record_types import OutlineEdgeRecord, OutlineRecord, Table
 
 __all__ = [
     "EDGES",
@@ -31,6 +31,10 @@ __all__ = [
     "kerb_outline",
     "mesh_outline",
     "outline_distance",
+    "put_box",
+    "put_circle",
+    "put_kerb",
+    "put_wall",
     "wall_outline",
 ]
 
@@ -113,27 +117,59 @@ def outline_distance(
     return sign * distance - radius, sign * (x - near_x) / distance, sign * (z - near_z) / distance, sign / distance
 
 
-def _chain(points: NDArray[np.float64], radius: float, closed: bool) -> NDArray[Any]:
-    """Outline of a chain of points, the object on the right of each edge."""
-    outline = np.zeros(1, OUTLINE)
-    ends = np.vstack([points[1:], points[:1]]) if closed else points[1:]
-    starts = points[: len(ends)]
-    if len(starts) > EDGES:
-        raise ValueError(f"an outline has at most {EDGES} edges, not {len(starts)}")
-    outline["count"], outline["radius"] = len(starts), radius
-    for edge, start, end in zip(outline["edges"][0], starts, ends, strict=False):
-        along = end - start
-        length = math.hypot(*along)
-        edge["start"], edge["end"] = start, end
-        edge["normal"] = (-along[1] / length, along[0] / length) if length > 0.0 else (1.0, 0.0)
-    return outline
+@kernel
+def _put_edge(outline: OutlineRecord, start_x: float, start_z: float, end_x: float, end_z: float) -> None:
+    """Append an edge; the object lies on its right."""
+    edge = outline.edges[outline.count]
+    along_x, along_z = end_x - start_x, end_z - start_z
+    length = math.sqrt(along_x * along_x + along_z * along_z)
+    edge.start[0], edge.start[1], edge.end[0], edge.end[1] = start_x, start_z, end_x, end_z
+    edge.normal[0] = -along_z / length if length > 0.0 else 1.0
+    edge.normal[1] = along_x / length if length > 0.0 else 0.0
+    outline.count += 1
+
+
+@kernel
+def put_wall(outline: OutlineRecord, x: float, z: float, normal_x: float, normal_z: float) -> None:
+    """Set the outline of a wall through a point [m] with a unit normal."""
+    outline.count, outline.radius = 0, 0.0
+    along_x, along_z = _ENDLESS * normal_z, -_ENDLESS * normal_x
+    _put_edge(outline, x - along_x, z - along_z, x + along_x, z + along_z)
+
+
+@kernel
+def put_circle(outline: OutlineRecord, x: float, z: float, radius: float) -> None:
+    """Set the outline of a sphere or a cylinder across the plane, by its centre and radius in the plane [m]."""
+    outline.count, outline.radius = 0, radius
+    _put_edge(outline, x, z, x, z)
+
+
+@kernel
+def put_box(outline: OutlineRecord, x: float, z: float, size_x: float, size_z: float, rounding: float) -> None:
+    """Set the outline of a box by its centre, size and rounded edges [m]."""
+    outline.count, outline.radius = 0, rounding
+    back, front = x - 0.5 * size_x + rounding, x + 0.5 * size_x - rounding
+    low, high = z - 0.5 * size_z + rounding, z + 0.5 * size_z - rounding
+    _put_edge(outline, back, low, back, high)
+    _put_edge(outline, back, high, front, high)
+    _put_edge(outline, front, high, front, low)
+    _put_edge(outline, front, low, back, low)
+
+
+@kernel
+def put_kerb(outline: OutlineRecord, x: float, z: float, rounding: float) -> None:
+    """Set the outline of a kerb whose upper edge is at a point [m]: a face towards the leg, and its top behind."""
+    outline.count, outline.radius = 0, rounding
+    inner_x, inner_z = x + rounding, z - rounding
+    _put_edge(outline, inner_x, inner_z - _ENDLESS, inner_x, inner_z)
+    _put_edge(outline, inner_x, inner_z, inner_x + _ENDLESS, inner_z)
 
 
 def wall_outline(point: _Point, normal: _Point) -> NDArray[Any]:
     """Return the OUTLINE, shape [1], of a wall through a point [m] with an outward normal, shape [2] each."""
-    n = np.asarray(normal, np.float64) / math.hypot(normal[0], normal[1])
-    along = _ENDLESS * np.array([n[1], -n[0]])
-    return _chain(np.asarray(point, np.float64) + np.array([-along, along]), 0.0, closed=False)
+    outline, length = np.zeros(1, OUTLINE), math.hypot(normal[0], normal[1])
+    put_wall(outline[0], float(point[0]), float(point[1]), normal[0] / length, normal[1] / length)
+    return outline
 
 
 def circle_outline(centre: _Point, radius: float, off_plane: float = 0.0) -> NDArray[Any]:
@@ -151,24 +187,25 @@ def circle_outline(centre: _Point, radius: float, off_plane: float = 0.0) -> NDA
         raise ValueError(
             f"the plane of the leg passes the sphere at {off_plane:g} m, beyond its radius of {radius:g} m"
         )
-    points = np.array([centre, centre], np.float64)
-    return _chain(points, math.sqrt(radius * radius - off_plane * off_plane), closed=False)
+    outline = np.zeros(1, OUTLINE)
+    put_circle(outline[0], float(centre[0]), float(centre[1]), math.sqrt(radius * radius - off_plane * off_plane))
+    return outline
 
 
 def box_outline(centre: _Point, size: _Point, rounding: float) -> NDArray[Any]:
     """Return the OUTLINE of a box, or of an upright cylinder by its cut: size along x and z [m], with rounded edges."""
-    half = 0.5 * np.asarray(size, np.float64) - rounding
-    if not half.min() > 0.0:
+    if not min(size[0], size[1]) > 2.0 * rounding:
         raise ValueError(f"a rounding of {rounding:g} m leaves nothing of a box of {size[0]:g} by {size[1]:g} m")
-    corners = np.array([(-1, -1), (-1, 1), (1, 1), (1, -1)]) * half + centre
-    return _chain(corners, rounding, closed=True)
+    outline = np.zeros(1, OUTLINE)
+    put_box(outline[0], float(centre[0]), float(centre[1]), float(size[0]), float(size[1]), rounding)
+    return outline
 
 
 def kerb_outline(edge: _Point, rounding: float) -> NDArray[Any]:
-    """Return the OUTLINE of a kerb whose upper edge is at a point [m]: a face towards the leg, and its top behind."""
-    inner = np.asarray(edge, np.float64) + (rounding, -rounding)
-    points = np.array([inner - (0.0, _ENDLESS), inner, inner + (_ENDLESS, 0.0)])
-    return _chain(points, rounding, closed=False)
+    """Return the OUTLINE of a kerb, see `put_kerb`."""
+    outline = np.zeros(1, OUTLINE)
+    put_kerb(outline[0], float(edge[0]), float(edge[1]), rounding)
+    return outline
 
 
 def mesh_outline(vertices: NDArray[np.float64], faces: NDArray[np.integer[Any]], y: float) -> NDArray[Any]:

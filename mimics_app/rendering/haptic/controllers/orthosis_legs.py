@@ -1,0 +1,255 @@
+"""Controllers of the gait orthosis in the loop: parameters, and both legs in a tick.
+
+Each leg is controlled on its own, by pure impedance or by admittance and impedance combined. The numbers of the machine
+are parameters with the defaults of the simulated one; a laboratory enters those of its own. One hard object stands in
+the plane of the legs: a wall, a box, a kerb or a round one, placed in the robot's frame (x forward, z up, origin
+between the hips). All other objects of a scene are soft, and reach the leg as the virtual force at its foot.
+
+The gait state comes from the obstacle sequence, which this tick steps: the belt's share scales the reference towards
+standing, the guidance of each leg that of the reference, and the limits of each leg follow its role.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import TYPE_CHECKING
+
+from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.arrays import Vec
+from mimics_app.contracts.loop.controller_port import ControllerParameter, places_of
+from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
+from mimics_app.rendering.haptic.control.lokomat.constrained_shafts import SurfaceFriction
+from mimics_app.rendering.haptic.control.lokomat.leg_control import (
+    LEG_INPUT,
+    LEG_SETTINGS,
+    LEG_STATE,
+    control_combined,
+    control_impedance,
+)
+from mimics_app.rendering.haptic.control.lokomat.sagittal_outline import put_box, put_circle, put_kerb, put_wall
+from mimics_app.rendering.haptic.kernels.leg_kinematics import GEOMETRY, SHANK, THIGH
+from mimics_app.rendering.haptic.kernels.lokomat.linkage import FIXED_ARM, MOVED_ARM, OFFSET, TURNED
+from mimics_app.rendering.haptic.kernels.two_link import (
+    SHANK_COM,
+    SHANK_INERTIA,
+    SHANK_MASS,
+    THIGH_COM,
+    THIGH_INERTIA,
+    THIGH_LENGTH,
+    THIGH_MASS,
+)
+
+if TYPE_CHECKING:
+    from mimics_app.rendering.haptic.record_types import (
+        ControlInputRecord,
+        ControlOutputRecord,
+        LegInputRecord,
+        LegSettingsRecord,
+    )
+
+__all__ = ["PARAMETERS", "HardObject", "control_legs", "refuse_unless_two_legs"]
+
+
+class HardObject(IntEnum):
+    """Kind of the hard object."""
+
+    NONE = 0
+    WALL = 1  # vertical, at object[0], facing back
+    BOX = 2
+    KERB = 3  # upper edge at object[0], object[1]
+    ROUND = 4  # of the diameter size[0]
+
+
+PARAMETERS = (
+    ControllerParameter("as_printed", 0.0, 0.0, 1.0),
+    ControllerParameter("combined", 1.0, 0.0, 1.0, size=2),  # 1: combined control of the left and right leg
+    ControllerParameter("object_kind", 0.0, 0.0, 4.0),
+    ControllerParameter("object", 0.0, -3.0, 3.0, "m", size=2),
+    ControllerParameter("object_size", 0.2, 0.01, 3.0, "m", size=2),
+    ControllerParameter("rounding", 0.01, 0.001, 0.5, "m"),
+    ControllerParameter("stiffness", 8000.0, 100.0, 50_000.0, "N/m"),  # of the object under impedance control
+    ControllerParameter("damping", 3000.0, 0.0, 1e5, "N s/m^2"),
+    ControllerParameter("friction", 0.3, 0.0, 2.0),
+    ControllerParameter("impulse_ticks", 0.0, 0.0, 50.0),
+    ControllerParameter("restitution", 0.0, 0.0, 1.0),
+    ControllerParameter("wall_force", 60.0, 1.0, 300.0, "N"),
+    ControllerParameter("virtual_mass", 500.0, 20.0, 5000.0, "kg", size=2),  # of hip and knee shaft
+    ControllerParameter("virtual_damping", 60.0, 0.0, 5000.0, "N s/m", size=2),
+    ControllerParameter("deadband", 2.0, 0.0, 100.0, "N", size=2),
+    ControllerParameter("bandwidth", 40.0, 5.0, 200.0, "rad/s"),
+    ControllerParameter("pd_stiffness", 2000.0, 10.0, 20_000.0, "N m/rad", size=2),
+    ControllerParameter("computed_torque", 1.0, 0.0, 1.0),
+    ControllerParameter("guidance_stiffness", 150.0, 0.0, 2000.0, "N m/rad", size=2),
+    ControllerParameter("guidance_damping", 8.0, 0.0, 200.0, "N m s/rad", size=2),
+    ControllerParameter("compensation", 0.95, 0.0, 1.0),  # share of the drives' friction
+    ControllerParameter("coulomb", 45.0, 0.0, 500.0, "N", size=2),
+    ControllerParameter("viscous", 150.0, 0.0, 5000.0, "N s/m", size=2),
+    ControllerParameter("motor_mass", 22.1, 0.1, 500.0, "kg", size=2),
+    ControllerParameter("orthosis_mass", 2.0, 0.0, 20.0, "kg", size=2),  # at thigh and shank
+    ControllerParameter("leg_mass", 7.5, 0.5, 30.0, "kg", size=2),  # thigh; shank with foot
+    ControllerParameter("hip_link", 0.32, 0.01, 2.0, "m", size=2),  # fixed and moved arm
+    ControllerParameter("hip_offset", 1.70, 0.0, 3.2, "rad"),
+    ControllerParameter("knee_link", 0.30, 0.01, 2.0, "m", size=2),
+    ControllerParameter("knee_offset", 2.20, 0.0, 3.2, "rad"),
+)
+"""Parameters of both controllers."""
+
+(
+    _AS_PRINTED, _COMBINED, _OBJECT_KIND, _OBJECT, _OBJECT_SIZE, _ROUNDING, _STIFFNESS, _DAMPING, _FRICTION,
+    _IMPULSE_TICKS, _RESTITUTION, _WALL_FORCE, _VIRTUAL_MASS, _VIRTUAL_DAMPING, _DEADBAND, _BANDWIDTH, _PD_STIFFNESS,
+    _COMPUTED, _GUIDANCE_STIFFNESS, _GUIDANCE_DAMPING, _COMPENSATION, _COULOMB, _VISCOUS, _MOTOR_MASS, _ORTHOSIS_MASS,
+    _LEG_MASS, _HIP_LINK, _HIP_OFFSET, _KNEE_LINK, _KNEE_OFFSET,
+) = places_of(PARAMETERS)  # fmt: skip
+
+_THIGH_COM, _SHANK_COM, _THIGH_GYRATION, _SHANK_GYRATION = 0.433, 0.606, 0.323, 0.416
+"""Centres of mass from the upper joint and radii of gyration about them, as shares of the lengths (Winter)."""
+
+_ANKLE = 0.137
+"""Height of the ankle as a share of the length from knee to sole."""
+
+_SLOW = 0.01
+"""Shaft speed up to which the compensation of dry friction grows [m/s]."""
+
+_ANCHOR = 2e4
+"""Stiffness of the anchors of friction [N/m]."""
+
+_THRESHOLD = 0.01
+"""Threshold of the printed friction [m/s]."""
+
+_FADING = 0.05
+"""Time constant of the offset after an impulse [s]."""
+
+_SPEED_LIMIT = 0.5
+"""Largest speed of a virtual shaft [m/s]."""
+
+_FORCE_LIMIT = 3000.0
+"""Largest measured force that moves it [N]."""
+
+_HOLD = 2.0
+"""Pull at which a foot leaves a hard object [N]."""
+
+_SETTINGS = LEG_SETTINGS.itemsize // 8
+_INPUT = _SETTINGS + LEG_INPUT.itemsize // 8
+_STATE = LEG_STATE.itemsize // 8
+"""Places of the records in a controller's memory: numbers of a leg, input of a leg, then the states of both legs."""
+
+
+@kernel
+def _write_links(links: Vec, geometry: Vec, thigh: float, shank: float) -> None:
+    """Write two links of given masses [kg], distributed along the segments like those of a person."""
+    length = geometry[SHANK] * (1.0 - _ANKLE)
+    links[THIGH_LENGTH], links[THIGH_MASS], links[THIGH_COM] = geometry[THIGH], thigh, _THIGH_COM * geometry[THIGH]
+    links[THIGH_INERTIA] = thigh * (_THIGH_GYRATION * geometry[THIGH]) ** 2
+    links[SHANK_MASS], links[SHANK_COM] = shank, _SHANK_COM * length
+    links[SHANK_INERTIA] = shank * (_SHANK_GYRATION * length) ** 2
+
+
+@kernel
+def _write_object(settings: LegSettingsRecord, numbers: Vec) -> None:
+    """Write the outline of the hard object."""
+    x, z, outline = numbers[_OBJECT], numbers[_OBJECT + 1], settings.outline
+    kind, rounding = int(numbers[_OBJECT_KIND]), numbers[_ROUNDING]
+    outline.count = 0
+    if kind == HardObject.WALL:
+        put_wall(outline, x, 0.0, -1.0, 0.0)
+    elif kind == HardObject.BOX:
+        size_x, size_z = numbers[_OBJECT_SIZE], numbers[_OBJECT_SIZE + 1]
+        put_box(outline, x, z, size_x, size_z, min(rounding, 0.5 * min(size_x, size_z)))
+    elif kind == HardObject.KERB:
+        put_kerb(outline, x, z, rounding)
+    elif kind == HardObject.ROUND:
+        put_circle(outline, x, z, 0.5 * numbers[_OBJECT_SIZE])
+
+
+@kernel
+def _write_laws(settings: LegSettingsRecord, numbers: Vec) -> None:
+    """Write the numbers of contact, admittance and position control."""
+    printed = 1 if numbers[_AS_PRINTED] != 0.0 else 0
+    foot, shafts, surface = settings.foot, settings.shafts, settings.surface
+    foot.stiffness, foot.damping, foot.friction = numbers[_STIFFNESS], numbers[_DAMPING], numbers[_FRICTION]
+    foot.anchor, foot.threshold, foot.as_printed = _ANCHOR, _THRESHOLD, printed
+    foot.impulse.ticks, foot.impulse.restitution = int(numbers[_IMPULSE_TICKS]), numbers[_RESTITUTION]
+    foot.impulse.force_limit, foot.impulse.fading = numbers[_WALL_FORCE], _FADING
+    shafts.sensor_sign, shafts.as_printed = 1.0, printed
+    surface.friction, surface.mu = SurfaceFriction.COULOMB, numbers[_FRICTION]
+    surface.anchor, surface.hold = _ANCHOR, _HOLD
+    settings.wall_force = numbers[_WALL_FORCE]
+    position = settings.position
+    position.bandwidth, position.ratio = numbers[_BANDWIDTH], 1.0
+    position.computed = 1 if numbers[_COMPUTED] != 0.0 else 0
+    for joint in range(2):
+        shafts.mass[joint] = numbers[_VIRTUAL_MASS + joint]
+        shafts.damping[joint] = numbers[_VIRTUAL_DAMPING + joint]
+        shafts.deadband[joint] = numbers[_DEADBAND + joint]
+        shafts.speed_limit[joint], shafts.force_limit[joint] = _SPEED_LIMIT, _FORCE_LIMIT
+        position.stiffness[joint] = numbers[_PD_STIFFNESS + joint]
+        position.motor[joint] = numbers[_MOTOR_MASS + joint]
+        settings.guidance.stiffness[joint] = numbers[_GUIDANCE_STIFFNESS + joint]
+        settings.guidance.damping[joint] = numbers[_GUIDANCE_DAMPING + joint]
+
+
+@kernel
+def _write_machine(settings: LegSettingsRecord, numbers: Vec, geometry: Vec) -> None:
+    """Write segments, linkages and loads."""
+    frame, load, position = settings.frame, settings.load, settings.position
+    for i in range(GEOMETRY):
+        frame.geometry[i] = geometry[i]
+    for joint in range(2):
+        place = _HIP_LINK if joint == 0 else _KNEE_LINK
+        link = frame.links[joint]
+        link[FIXED_ARM], link[MOVED_ARM], link[TURNED] = numbers[place], numbers[place + 1], -1.0
+        link[OFFSET] = numbers[_HIP_OFFSET] if joint == 0 else numbers[_KNEE_OFFSET]
+        load.coulomb[joint], load.viscous[joint] = numbers[_COULOMB + joint], numbers[_VISCOUS + joint]
+    load.weight, load.friction, load.slow = 1.0, numbers[_COMPENSATION], _SLOW
+    thigh, shank = numbers[_ORTHOSIS_MASS], numbers[_ORTHOSIS_MASS + 1]
+    _write_links(load.links, geometry, thigh, shank)
+    _write_links(position.carried, geometry, thigh, shank)
+    _write_links(position.links, geometry, thigh + numbers[_LEG_MASS], shank + numbers[_LEG_MASS + 1])
+
+
+@kernel
+def _read_leg(own: LegInputRecord, now: ControlInputRecord, leg: int) -> None:
+    """Write what the control of one leg sees in this tick."""
+    for joint in range(2):
+        place = 2 * leg + joint
+        own.q[joint], own.dq[joint], own.torque[joint] = now.q[place], now.dq[place], now.torque_meas[place]
+        own.q_ref[joint], own.dq_ref[joint] = now.q_reference[place], now.dq_reference[place]
+        own.guidance[joint] = now.guidance[place]
+    own.force[0], own.force[1] = now.f_user[3 * leg], now.f_user[3 * leg + 2]
+    own.hard, own.dt = 1, now.dt
+
+
+@kernel
+def control_legs(
+    combined: bool, now: ControlInputRecord, parameters: Vec, memory: Vec, out: ControlOutputRecord
+) -> None:
+    """Set the torques that the control of both legs adds.
+
+    Args:
+        combined: Combined control of the legs that the parameters name; False: impedance control of both.
+        now: CONTROL_INPUT record.
+        parameters: In the order of PARAMETERS.
+        memory: Memory of the controller.
+        out: CONTROL_OUTPUT record.
+    """
+    settings = memory[:_SETTINGS].view(LEG_SETTINGS)[0]
+    own = memory[_SETTINGS:_INPUT].view(LEG_INPUT)[0]
+    if now.started == 1:
+        _write_machine(settings, parameters, now.geometry)
+    _write_laws(settings, parameters)
+    _write_object(settings, parameters)
+    for leg in range(2):
+        state = memory[_INPUT + leg * _STATE : _INPUT + (leg + 1) * _STATE].view(LEG_STATE)[0]
+        _read_leg(own, now, leg)
+        if combined and parameters[_COMBINED + leg] != 0.0:
+            control_combined(settings, own, state)
+        else:
+            control_impedance(settings, own, state)
+        for joint in range(2):
+            out.torque[2 * leg + joint] = state.tau[joint]
+
+
+def refuse_unless_two_legs(descriptor: DeviceDescriptor) -> str:
+    """Return why a device cannot have a controller of the orthosis; "" where it can."""
+    fits = descriptor.torques and descriptor.contacts == ("left foot", "right foot") and len(descriptor.joints) == 4
+    return "" if fits else "needs hip and knee of two legs, with their torques measured, as lokomat:sim has"

@@ -1,0 +1,39 @@
+"""The scene of Figure 55: in the loop, under either control, the foot of the simulated person rests at the wall."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import mimics_app as mimics
+from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.rendering.haptic.controllers.orthosis_legs import PARAMETERS
+from mimics_app.rendering.haptic.controllers.parameter_vector import parameter_vector
+from mimics_app.rendering.haptic.controllers.registry import find_controller
+
+SCENE = "scenes/examples/lokomat_wall.json"
+WALL = 0.24
+
+
+def test_the_foot_is_held_at_the_wall_and_nothing_stops(tmp_path) -> None:
+    with mimics.open(SCENE, runs=tmp_path) as session:
+        session.step(9.0)
+        folder = session.run_dir
+    haptic = mimics.load(folder).haptic
+    assert np.asarray(haptic["state"])[-1] == SafetyState.ACTIVE and not np.asarray(haptic["cause"]).any()
+    x = np.asarray(haptic["hip_world"])[:, 0]
+    late = np.asarray(haptic["t"]) > 7.0
+    assert x.max() < WALL + 0.02, "the first touch"
+    assert np.abs(x[late] - WALL).max() < 0.01, "pressed on the wall by a limb whose goal is 6 cm behind it"
+
+
+@pytest.mark.parametrize("name", ["lokomat_impedance", "lokomat_combined"])
+def test_parameters_are_named_and_within_their_ranges(name: str) -> None:
+    plugin = find_controller(name)
+    vector = parameter_vector(plugin, {"object_kind": 1, "object": [0.3, 0.0], "as_printed": 1})
+    assert np.isfinite(vector).all() and sum(each.size for each in PARAMETERS) <= vector.size
+    with pytest.raises(UsageError, match="virtual_mass"):
+        parameter_vector(plugin, {"virtual_mass": [1e-3]})
+    with pytest.raises(UsageError, match="no parameter"):
+        parameter_vector(plugin, {"force_limit": 500.0})
