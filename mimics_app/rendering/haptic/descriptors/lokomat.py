@@ -7,7 +7,7 @@ source at hand verifies.
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Mapping
 
 from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor, Joint
 from mimics_app.rendering.haptic.descriptors.leg import LEG_KINEMATICS
@@ -25,9 +25,9 @@ def _joints(side: str) -> tuple[Joint, Joint]:
     )
 
 
-def _geometry(robot: Any) -> tuple[float, ...]:
-    """Return the geometry of `leg_kinematics` for the person of a scene's robot."""
-    own = segments_of(robot.settings.get("height", HEIGHT), robot.settings.get("weight", WEIGHT))
+def _geometry(settings: Mapping[str, float]) -> tuple[float, ...]:
+    """Return the geometry of `leg_kinematics` for the person of the settings of a scene's robot."""
+    own = segments_of(settings.get("height", HEIGHT), settings.get("weight", WEIGHT))
     return (2.0, own.thigh, own.shank + own.ankle, own.ball, own.hips)
 
 
@@ -35,7 +35,7 @@ LOKOMAT = DeviceDescriptor(
     joints=(*_joints("left"), *_joints("right")),
     contacts=("left foot", "right foot"),
     kinematics=LEG_KINEMATICS,
-    geometry=_geometry,
+    geometry=lambda robot: _geometry(robot.settings),
     torques=True,
 )
 """The gait orthosis with a person of the robot's settings `height` [m] and `weight` [kg]."""
