@@ -20,9 +20,9 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.loop.loop_ports import DATA_DQ, DATA_Q, INBOX_ACTIVE
 from mimics_app.rendering.haptic.descriptors.segments import segments_of
+from mimics_app.rendering.haptic.devices.gait_people import PERSONS, write_person_in
 from mimics_app.rendering.haptic.devices.registry import build_device
-from mimics_app.rendering.haptic.devices.walkers import PERSONS, write_person_in
-from mimics_app.rendering.haptic.kernels.lokomat import walker
+from mimics_app.rendering.haptic.kernels.lokomat import gait_person
 from mimics_app.world.components.robot import Patient, Robot
 from tests.verification.lokomat_plant import play
 
@@ -33,7 +33,7 @@ WEAK, STRONG = {"hemiparetic_left": (0, 1), "hemiparetic_right": (1, 0)}, (0, 1)
 
 
 def _person(name: str, seed: int = 1) -> np.ndarray:
-    memory = np.zeros(walker.WALKER)
+    memory = np.zeros(gait_person.WALKER)
     write_person_in(memory, name, WEIGHT, 1000, seed)
     return memory
 
@@ -44,7 +44,7 @@ def _pendulum(person, number, weight, inertia, angles):
     q, dq, tau = np.array([0.10, 0.0]), np.zeros(2), np.zeros(2)
     for k in range(angles.shape[0]):
         angles[k] = q[1]
-        walker.limb_torques(person, number, q, dq, False, 1e-3, tau)
+        gait_person.limb_torques(person, number, q, dq, False, 1e-3, tau)
         dq[1] += 1e-3 * (tau[1] + weight * math.cos(q[1])) / inertia
         q[1] += 1e-3 * dq[1]
 
@@ -70,9 +70,11 @@ def _relaxation(name: str, number: int) -> float:
 def _strongest(name: str, number: int, away: float) -> float:
     """Greatest voluntary knee torque per weight [N m/kg] of a knee held far from where the person wants it."""
     person, tau = _person(name), np.zeros(2)
-    walker.limb_of(person, number)[walker.PASSIVE_STIFFNESS : walker.PASSIVE_STIFFNESS + 2] = 0.0
-    walker.limb_of(person, number)[walker.CONTRACTURE] = walker.limb_of(person, number)[walker.FEAR] = 0.0
-    walker.limb_torques(person, number, np.array([0.1, away]), np.zeros(2), True, T, tau)
+    gait_person.limb_of(person, number)[gait_person.PASSIVE_STIFFNESS : gait_person.PASSIVE_STIFFNESS + 2] = 0.0
+    gait_person.limb_of(person, number)[gait_person.CONTRACTURE] = gait_person.limb_of(person, number)[
+        gait_person.FEAR
+    ] = 0.0
+    gait_person.limb_torques(person, number, np.array([0.1, away]), np.zeros(2), True, T, tau)
     return float(tau[1]) / WEIGHT
 
 
@@ -117,7 +119,7 @@ def test_an_injured_knee_swings_less_far_at_first_and_the_more_spastic_the_less(
     first = {name: _first(_dropped(name, 0)) for name in ("healthy", "sci_incomplete", "spastic")}
     assert first["healthy"] - first["sci_incomplete"] > math.radians(10.0)
     person, angles = _person("sci_incomplete"), np.zeros(20_000)
-    walker.limb_of(person, 0)[walker.SPASTICITY : walker.SPASTICITY + 4] *= 2.0
+    gait_person.limb_of(person, 0)[gait_person.SPASTICITY : gait_person.SPASTICITY + 4] *= 2.0
     inertia = LEG.inertias[1] + LEG.masses[1] * LEG.coms[1] ** 2
     _pendulum(person, 0, LEG.masses[1] * 9.81 * LEG.coms[1], inertia, angles)
     assert _first(angles) < first["sci_incomplete"] - math.radians(3.0)
@@ -127,11 +129,11 @@ def _own_speed(name: str) -> float:
     """Speed of the own gait [m/s]: the way of the ankle in the backward half of a stride, over its time."""
     person = _person(name)
     phases = np.linspace(0.0, 1.0, 400)
-    hip, knee = ([walker.intended(person, joint, phase)[0] for phase in phases] for joint in range(2))
+    hip, knee = ([gait_person.intended(person, joint, phase)[0] for phase in phases] for joint in range(2))
     psi = np.array(hip) - np.array(knee)
     x = LEG.thigh * np.sin(hip) + (LEG.shank + LEG.ankle) * np.sin(psi)
     backwards = np.diff(x) < 0.0
-    return float(-np.diff(x)[backwards].sum() / (backwards.mean() * person[walker.STRIDE]))
+    return float(-np.diff(x)[backwards].sum() / (backwards.mean() * person[gait_person.STRIDE]))
 
 
 def test_an_incomplete_injury_walks_as_slowly_as_published():
@@ -149,7 +151,7 @@ def _stretch_torque(name: str, speed: float) -> float:
     shown = []
     for k in range(ticks):
         q = np.array([0.1, math.radians(20.0) + speed * k * T])
-        walker.limb_torques(person, 0, q, np.array([0.0, speed]), False, T, tau)
+        gait_person.limb_torques(person, 0, q, np.array([0.0, speed]), False, T, tau)
         shown.append(-tau[1])
     return shown[-1] - shown[0]
 
@@ -168,7 +170,7 @@ def test_clonus_beats_at_three_to_seven_hertz_and_dies_out():
     torques = []
     for k in range(4000):
         dq = 4.0 if k < 100 else 0.0
-        walker.limb_torques(person, 0, np.array([0.1, 0.5]), np.array([0.0, dq]), False, T, tau)
+        gait_person.limb_torques(person, 0, np.array([0.1, 0.5]), np.array([0.0, dq]), False, T, tau)
         torques.append(tau[1])
     later = np.array(torques[400:2000]) - np.median(torques[3500:])
     spectrum = np.abs(np.fft.rfft(later - later.mean()))
@@ -183,14 +185,14 @@ def _measures(name: str) -> np.ndarray:
     """Weakest knee extension, least relaxation index, own speed, stiffness of a fast stretch, tiredness of a minute."""
     person, tau = _person(name), np.zeros(2)
     for _ in range(3000):
-        walker.limb_torques(person, 0, np.array([0.1, EXTENDING]), np.zeros(2), True, 20 * T, tau)
+        gait_person.limb_torques(person, 0, np.array([0.1, EXTENDING]), np.zeros(2), True, 20 * T, tau)
     return np.array(
         [
             min(-_strongest(name, k, EXTENDING) for k in STRONG),
             min(_relaxation(name, k) for k in STRONG),
             _own_speed(name),
             _stretch_torque(name, math.radians(60.0)),
-            walker.limb_of(person, 0)[walker.TIRED],
+            gait_person.limb_of(person, 0)[gait_person.TIRED],
         ]
     )
 
@@ -208,37 +210,39 @@ def test_presets_differ_in_two_measures_at_least_by_a_tenth():
 
 def test_the_two_hemiparetic_people_are_mirror_images():
     left, right = _person("hemiparetic_left"), _person("hemiparetic_right")
-    assert np.array_equal(walker.limb_of(left, 0), walker.limb_of(right, 1))
-    assert np.array_equal(walker.limb_of(left, 1), walker.limb_of(right, 0))
+    assert np.array_equal(gait_person.limb_of(left, 0), gait_person.limb_of(right, 1))
+    assert np.array_equal(gait_person.limb_of(left, 1), gait_person.limb_of(right, 0))
 
 
 def test_stretches_below_the_threshold_are_not_answered():
     person, tau = _person("spastic"), np.zeros(2)
-    limb = walker.limb_of(person, 0)
-    limb[walker.PASSIVE_STIFFNESS : walker.PASSIVE_DAMPING + 2] = limb[walker.CONTRACTURE] = limb[walker.FEAR] = 0.0
+    limb = gait_person.limb_of(person, 0)
+    limb[gait_person.PASSIVE_STIFFNESS : gait_person.PASSIVE_DAMPING + 2] = limb[gait_person.CONTRACTURE] = limb[
+        gait_person.FEAR
+    ] = 0.0
     for _ in range(300):
-        walker.limb_torques(person, 0, np.array([0.1, 0.6]), np.array([0.0, 0.39]), False, T, tau)
+        gait_person.limb_torques(person, 0, np.array([0.1, 0.6]), np.array([0.0, 0.39]), False, T, tau)
     assert tau[1] == 0.0
     for _ in range(500):
-        walker.limb_torques(person, 0, np.array([0.1, 0.6]), np.array([0.0, 0.60]), False, T, tau)
-    assert tau[1] == pytest.approx(-limb[walker.SPASTICITY + 2] * (0.60 - limb[walker.THRESHOLD]), rel=1e-3)
+        gait_person.limb_torques(person, 0, np.array([0.1, 0.6]), np.array([0.0, 0.60]), False, T, tau)
+    assert tau[1] == pytest.approx(-limb[gait_person.SPASTICITY + 2] * (0.60 - limb[gait_person.THRESHOLD]), rel=1e-3)
 
 
 def test_a_contracture_stops_the_knee_before_it_is_stretched():
     person, tau = _person("spastic"), np.zeros(2)
-    walker.limb_torques(person, 0, np.array([0.1, 0.0]), np.zeros(2), False, T, tau)
+    gait_person.limb_torques(person, 0, np.array([0.1, 0.0]), np.zeros(2), False, T, tau)
     within = np.zeros(2)
-    walker.limb_torques(_person("spastic"), 0, np.array([0.1, 0.2]), np.zeros(2), False, T, within)
+    gait_person.limb_torques(_person("spastic"), 0, np.array([0.1, 0.2]), np.zeros(2), False, T, within)
     assert tau[1] - within[1] > 400.0 * 0.15 * 0.9
 
 
 def test_fear_stiffens_a_limb_without_moving_it():
     person, tau = _person("healthy"), np.zeros(2)
-    walker.limb_of(person, 0)[walker.FEAR] = 1.0
+    gait_person.limb_of(person, 0)[gait_person.FEAR] = 1.0
     q = np.array([0.10, 0.25])
-    walker.limb_torques(person, 0, q, np.zeros(2), False, T, tau)
+    gait_person.limb_torques(person, 0, q, np.zeros(2), False, T, tau)
     assert np.allclose(tau, 0.0, atol=1e-12), "at rest where its tissue rests"
-    walker.limb_torques(person, 0, q + 0.1, np.zeros(2), False, T, tau)
+    gait_person.limb_torques(person, 0, q + 0.1, np.zeros(2), False, T, tau)
     assert (tau < -5.0).all()
 
 
@@ -246,12 +250,12 @@ def test_full_effort_tires_and_rest_restores():
     person, tau = _person("sci_incomplete"), np.zeros(2)
     strong = _strongest("sci_incomplete", 0, EXTENDING)
     for _ in range(60_000):
-        walker.limb_torques(person, 0, np.array([0.1, 1.3]), np.zeros(2), True, T, tau)
-    tired = walker.limb_of(person, 0)[walker.TIRED]
+        gait_person.limb_torques(person, 0, np.array([0.1, 1.3]), np.zeros(2), True, T, tau)
+    tired = gait_person.limb_of(person, 0)[gait_person.TIRED]
     assert 0.05 < tired < 0.6 and strong < 0.0
     for _ in range(60_000):
-        walker.limb_torques(person, 0, np.array([0.1, 0.3]), np.zeros(2), False, T, tau)
-    assert walker.limb_of(person, 0)[walker.TIRED] < tired
+        gait_person.limb_torques(person, 0, np.array([0.1, 0.3]), np.zeros(2), False, T, tau)
+    assert gait_person.limb_of(person, 0)[gait_person.TIRED] < tired
 
 
 def _walks(name: str, seed: int = 0) -> np.ndarray:

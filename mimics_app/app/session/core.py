@@ -32,10 +32,12 @@ from mimics_app.inputs.commands.keys import KeyCommands
 from mimics_app.inputs.interaction.simulated_patient import SimulatedPatient
 from mimics_app.inputs.stage import Inputs
 from mimics_app.learning.action_sequence import ActionSequence
+from mimics_app.rendering.haptic.devices.address import split_device
+from mimics_app.rendering.haptic.devices.device_names import BUILT_IN, load_built_in
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.tactile.vibrators import NoVibrators, Vibrators
 from mimics_app.tasks.task_manager import TaskManager
-from mimics_app.world.components.robot import Patient
+from mimics_app.world.components.robot import Patient, Robot
 from mimics_app.world.components.tactile import TactileSettings
 from mimics_app.world.content.world import World
 from mimics_app.world.files.scene.scene import Scene
@@ -209,8 +211,10 @@ def open_core(parts: SessionParts, recorder: Callable[[SessionMemory], RecorderP
 
 def simulated_person(scene: Scene, scenario: Scenario) -> SimulatedPatient:
     """Return the simulated person of a scene, for a run or an emulated robot."""
-    patient = scene.first(Patient) or Patient()
-    return SimulatedPatient(intent=patient.intent, follows_path=len(scenario.via_points_world) > 1)
+    robot, patient = scene.first(Robot) or Robot(), scene.first(Patient) or Patient()
+    name = split_device(robot.device).name
+    walks = name in BUILT_IN and load_built_in(name).walks
+    return SimulatedPatient(intent=patient.intent, follows_path=walks or len(scenario.via_points_world) > 1)
 
 
 def _open_tactile(scene: Scene, *, live: bool) -> Vibrators:

@@ -14,7 +14,8 @@ class SimulatedPatient:
 
     Args:
         intent: False: the person holds the handle passively.
-        follows_path: The device was given a path to follow; else the person acts only while there is a target.
+        follows_path: The device was given a path to follow, or its person walks; else the person acts only while there
+            is a target.
     """
 
     def __init__(self, *, intent: bool = True, follows_path: bool = True) -> None:

@@ -68,6 +68,7 @@ class BuiltInDevice(NamedTuple):
         address: Form of its address; "" for none.
         descriptor: "module:name" in `descriptors`.
         optional: True where the address may be left out.
+        walks: True where the simulated person in it acts without a path or target: it walks.
     """
 
     about: str
@@ -76,6 +77,7 @@ class BuiltInDevice(NamedTuple):
     address: str = ""
     descriptor: str = "hapticmaster:HAPTICMASTER"
     optional: bool = False
+    walks: bool = False
 
 
 BUILT_IN = member_names(built_in)

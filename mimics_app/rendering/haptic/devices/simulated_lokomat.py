@@ -27,14 +27,14 @@ from mimics_app.contracts.loop.loop_ports import (
 from mimics_app.rendering.haptic.descriptors.segments import HEIGHT, WEIGHT, Segments, segments_of
 from mimics_app.rendering.haptic.devices.device_settings import write_settings
 from mimics_app.rendering.haptic.devices.dynamics import LOKOMAT_CURRENT_LAG, LOKOMAT_NAME, lokomat_dynamics
+from mimics_app.rendering.haptic.devices.gait_people import write_person_in
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_person import move_person, write_person
-from mimics_app.rendering.haptic.devices.walkers import write_person_in
 from mimics_app.rendering.haptic.kernels import two_link
 from mimics_app.rendering.haptic.kernels.arm import ARM_LENGTH, GRIP_FORCE, VIA_POINTS
 from mimics_app.rendering.haptic.kernels.leg_kinematics import GEOMETRY, foot_torques, foot_velocity, place_foot
+from mimics_app.rendering.haptic.kernels.lokomat import gait_person, linkage, orthosis, treadmill
 from mimics_app.rendering.haptic.kernels.lokomat import linear_drive as drive
-from mimics_app.rendering.haptic.kernels.lokomat import linkage, orthosis, treadmill, walker
 from mimics_app.rendering.haptic.kernels.noise import seed_noise
 from mimics_app.rendering.haptic.kernels.vectors import all_finite
 
@@ -46,7 +46,7 @@ _REACHING = _FOOT + 6
 _ACTS = _REACHING + 1
 _BELT = _ACTS + 1
 _WALKER = _BELT + 1
-_MACHINE = _WALKER + walker.WALKER
+_MACHINE = _WALKER + gait_person.WALKER
 _LENGTH = _MACHINE + orthosis.MACHINE
 """Memory: the limb that reaches, geometry, place and velocity of its foot, which foot reaches, 1 where the person may
 act, the belt's speed without a reference, the person who walks, then the machine."""
@@ -159,11 +159,11 @@ def _move_person(memory: Vec, inbox: Vec, data: Vec) -> None:
     plant, person = memory[_MACHINE:_LENGTH], memory[_WALKER:_MACHINE]
     reaches = memory[VIA_POINTS] > 1.0
     acting = memory[_ACTS] != 0.0 and all_finite(inbox) and inbox[INBOX_ACTIVE] != 0.0 and not reaches
-    walker.move_walker(person, acting, plant[orthosis.TICK])
+    gait_person.move_walker(person, acting, plant[orthosis.TICK])
     for number in range(_LEGS):
         state = orthosis.state_of(plant, number)
         tau = orthosis.leg_of(plant, number)[orthosis.PERSON_TORQUE : orthosis.PERSON_TORQUE + 2]
-        walker.limb_torques(person, number, state[0:2], state[2:4], acting, plant[orthosis.TICK], tau)
+        gait_person.limb_torques(person, number, state[0:2], state[2:4], acting, plant[orthosis.TICK], tau)
     data[DATA_BUTTONS] = inbox[INBOX_BUTTONS] if math.isfinite(inbox[INBOX_BUTTONS]) else 0.0
     if reaches:
         _reach(memory, inbox, data)
@@ -199,8 +199,8 @@ def build_simulated_lokomat(request: DeviceRequest) -> DevicePlugin:
     """Build orthosis and person, who walks an own gait, or with a path moves one foot along it.
 
     `robot.settings` may hold the numbers of `SETTINGS`, height [m] and weight [kg] of the person, person (a preset of
-    `walkers.PERSONS`), pelvis ("held" over the belt, or "free": on the feet and the body-weight support) and reaching
-    ("left" or "right": the foot that follows the patient's path).
+    `gait_people.PERSONS`), pelvis ("held" over the belt, or "free": on the feet and the body-weight support) and
+    reaching ("left" or "right": the foot that follows the patient's path).
 
     Raises:
         DeviceError: An unknown setting, a number out of its range.

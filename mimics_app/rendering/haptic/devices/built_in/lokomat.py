@@ -11,4 +11,5 @@ DEVICE = BuiltInDevice(
     address="sim|log:RUN|serial:PORT|udp:HOST:PORT",
     descriptor="lokomat:LOKOMAT",
     optional=True,
+    walks=True,
 )

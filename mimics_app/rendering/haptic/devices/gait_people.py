@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import require_choice
-from mimics_app.rendering.haptic.kernels.lokomat import walker
+from mimics_app.rendering.haptic.kernels.lokomat import gait_person
 from mimics_app.rendering.haptic.kernels.noise import seed_noise
 
 __all__ = ["PERSONS", "Limb", "Person", "write_person_in"]
@@ -144,7 +144,7 @@ _CLONUS_STARTS, _CLONUS_LASTS = 2.0, 0.8
 
 
 def write_person_in(memory: NDArray[np.float64], name: str, weight: float, rate: int, seed: int) -> None:
-    """Fill the memory of a person, shape [walker.WALKER].
+    """Fill the memory of a person, shape [gait_person.WALKER].
 
     Args:
         memory: Memory of the person.
@@ -158,31 +158,31 @@ def write_person_in(memory: NDArray[np.float64], name: str, weight: float, rate:
     """
     require_choice(name, PERSONS, "person in the orthosis")
     person = PERSONS[name]
-    memory[walker.STRIDE] = memory[walker.STRIDE_NOW] = person.stride
-    memory[walker.VARIATION] = person.variation
-    memory[walker.AMPLITUDE] = person.amplitude
-    memory[walker.GAIT : walker.GAIT + 2 * walker.SERIES] = (*_HIP, *_KNEE)
-    seed_noise(memory, walker.GENERATOR, seed)
+    memory[gait_person.STRIDE] = memory[gait_person.STRIDE_NOW] = person.stride
+    memory[gait_person.VARIATION] = person.variation
+    memory[gait_person.AMPLITUDE] = person.amplitude
+    memory[gait_person.GAIT : gait_person.GAIT + 2 * gait_person.SERIES] = (*_HIP, *_KNEE)
+    seed_noise(memory, gait_person.GENERATOR, seed)
     for number, limb in enumerate((person.left, person.right)):
-        own = walker.limb_of(memory, number)
+        own = gait_person.limb_of(memory, number)
         _write_limb(own, limb, weight, rate)
-        own[walker.FEAR] = person.fear
-        own[walker.FATIGUE], own[walker.RECOVERY] = person.fatigue
+        own[gait_person.FEAR] = person.fear
+        own[gait_person.FATIGUE], own[gait_person.RECOVERY] = person.fatigue
 
 
 def _write_limb(own: NDArray[np.float64], limb: Limb, weight: float, rate: int) -> None:
-    own[walker.SHARE] = limb.share
-    own[walker.STRENGTH : walker.STRENGTH + 4] = weight * np.array(limb.strength)
-    own[walker.STIFFNESS : walker.STIFFNESS + 2] = _DRAWN
-    own[walker.DAMPING : walker.DAMPING + 2] = _HELD_BACK
-    own[walker.SPASTICITY : walker.SPASTICITY + 4] = limb.spasticity
-    own[walker.THRESHOLD] = limb.threshold
-    own[walker.CLONUS], own[walker.CLONUS_HZ] = limb.clonus, limb.clonus_hz
-    own[walker.CLONUS_SPEED], own[walker.CLONUS_TIME] = _CLONUS_STARTS, _CLONUS_LASTS
+    own[gait_person.SHARE] = limb.share
+    own[gait_person.STRENGTH : gait_person.STRENGTH + 4] = weight * np.array(limb.strength)
+    own[gait_person.STIFFNESS : gait_person.STIFFNESS + 2] = _DRAWN
+    own[gait_person.DAMPING : gait_person.DAMPING + 2] = _HELD_BACK
+    own[gait_person.SPASTICITY : gait_person.SPASTICITY + 4] = limb.spasticity
+    own[gait_person.THRESHOLD] = limb.threshold
+    own[gait_person.CLONUS], own[gait_person.CLONUS_HZ] = limb.clonus, limb.clonus_hz
+    own[gait_person.CLONUS_SPEED], own[gait_person.CLONUS_TIME] = _CLONUS_STARTS, _CLONUS_LASTS
     for joint, (least, most) in enumerate(limb.contracture):
-        own[walker.CONTRACTURE_MIN + joint], own[walker.CONTRACTURE_MAX + joint] = least, most
-    own[walker.CONTRACTURE] = _TISSUE_STOP
-    own[walker.PASSIVE_STIFFNESS : walker.PASSIVE_STIFFNESS + 2] = limb.tissue
-    own[walker.PASSIVE_DAMPING : walker.PASSIVE_DAMPING + 2] = limb.viscosity
-    own[walker.REST : walker.REST + 2] = _RESTING
-    own[walker.REFLEX_TICKS] = round(_REFLEX_S * rate)
+        own[gait_person.CONTRACTURE_MIN + joint], own[gait_person.CONTRACTURE_MAX + joint] = least, most
+    own[gait_person.CONTRACTURE] = _TISSUE_STOP
+    own[gait_person.PASSIVE_STIFFNESS : gait_person.PASSIVE_STIFFNESS + 2] = limb.tissue
+    own[gait_person.PASSIVE_DAMPING : gait_person.PASSIVE_DAMPING + 2] = limb.viscosity
+    own[gait_person.REST : gait_person.REST + 2] = _RESTING
+    own[gait_person.REFLEX_TICKS] = round(_REFLEX_S * rate)
