@@ -22,6 +22,7 @@ MACHINES = {
     "admittance_joints": LEG,
     "admittance_polar": HAPTICMASTER,
     "admittance_seed": HAPTICMASTER,
+    "guided_joints": LEG,
     "impedance": LIGHT,
     "joint_pd": TORQUE_LEG,
     "lokomat_combined": LOKOMAT,
