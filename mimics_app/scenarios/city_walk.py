@@ -14,6 +14,7 @@ from mimics_app.scenarios.figures.walking_figure import follow_numbers, see_past
 from mimics_app.scenarios.parts.touch_scene import TouchScene
 from mimics_app.tasks.kinds.city_walk.kind import CityWalkSpec
 from mimics_app.tasks.scene_section import section_of
+from mimics_app.tasks.walking.walker import blank_orders
 from mimics_app.world.components.visible import CameraComponent
 from mimics_app.world.components.walking import PathWalker, WalkingPath
 from mimics_app.world.content.world import World
@@ -45,14 +46,14 @@ class CityWalk(TouchScene):
         spec = section_of(scene, CityWalkSpec)
         paths = {name: GroundPath(path) for name, path, _ in scene.components(WalkingPath)}
         walkers = {name: walker for name, walker, _ in scene.components(PathWalker)}
-        figures = {
-            name: PathFigure(world, world.find(name), walker, paths[walker.path], -1.0 if name == spec.person else 1.0)
-            for name, walker in walkers.items()
-        }
+        self._walk = {"walk.along": 0.0, "walk.speed": 0.0, **blank_orders("walker")}
+        figures = {}
+        for name, walker in walkers.items():
+            ahead, own = (-1.0, self._walk) if name == spec.person else (1.0, None)
+            figures[name] = PathFigure(world, world.find(name), walker, paths[walker.path], ahead, own)
         led = {spec.person, *(name for name, walker in walkers.items() if walker.beside == spec.person)}
         self._led = [figures[name] for name in walkers if name in led]
         self._others = [(figures[name], walkers[name].speed) for name in walkers if name not in led]
-        self._walk = {"walk.along": 0.0, "walk.speed": 0.0}
         self._person = world.find(spec.person)
         see_past_head(world.cameras, self._person)
         self._eyes = [

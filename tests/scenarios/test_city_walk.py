@@ -29,7 +29,7 @@ from tests.verification.test_sound_onset import read_file
 
 SCENE = root() / "scenes" / "city_walk.json"
 RATE = 48_000
-TO_THE_LAWN = 49.0
+TO_THE_LAWN = 87.1
 """Where the person begins, 5 s before the lawn [m]."""
 
 
@@ -105,7 +105,7 @@ def test_each_step_sounds_at_its_time_as_its_ground(tmp_path: Path) -> None:
         spectrum = np.abs(np.fft.rfft(mix[at : at + 9600] * np.hanning(9600))) ** 2
         # The rustle of blades, 2.4 to 8 kHz, against the knock of hard ground, 0.3 to 1.5 kHz: steps on both have grit.
         (bright if ground == "grass" else dull).append(spectrum[480:1600].sum() / spectrum[60:300].sum())
-    assert min(bright) > 2.0 * max(dull)
+    assert min(bright) > 1.5 * max(dull), "the companion may tread at the same time, on the other ground"
     assert np.median(bright) > 6.0 * np.median(dull)
 
 
@@ -118,7 +118,7 @@ def test_who_moves_the_hand_aside_stands_looks_about_and_hears_the_others(tmp_pa
 
 
 def test_the_whole_walk_ends_at_the_church(tmp_path: Path) -> None:
-    file = changed(tmp_path, 90.0)
+    file = changed(tmp_path, 128.1)
     document = json.loads(file.read_text())
     document["task"]["goals"] = [{"kind": "walked", "metres": 50.0}]
     file.write_text(json.dumps(document))
@@ -171,7 +171,7 @@ def test_a_path_is_followed_by_its_length() -> None:
             "2 grounds for 1 leg",
         ),
         ({"neighbour": {"path_walker": {"path": "rout"}}}, "path", 'did you mean "route"'),
-        ({"companion": {"path_walker": {"path": "route", "beside": "eyes"}}}, "beside", "path_walker"),
+        ({"companion": {"path_walker": {"path": "route", "beside": "ego"}}}, "beside", "path_walker"),
     ],
 )
 def test_a_faulty_walk_is_reported(tmp_path: Path, components: Any, pointer: str, what: str) -> None:

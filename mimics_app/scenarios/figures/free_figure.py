@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from mimics_app.scenarios.figures.walking_figure import add_walk, below, follow_numbers, pace_with, stand
-from mimics_app.tasks.walking.walker import blank_orders
+from mimics_app.tasks.walking.walker import JOINTS, blank_orders
 from mimics_app.world.content.world import World
 from mimics_app.world.graph.scene_node import SceneNode
 
@@ -46,7 +46,7 @@ class FreeFigure:
             lambda: pace_with(self._of("speed"), self._of("step")),
             lambda: (self._of("x"), self._of("z"), self._of("yaw")),
             lambda: ground(self._of("x"), self._of("z")),
-            legs=lambda: np.array([self._of(each) for each in ("hip_left", "knee_left", "hip_right", "knee_right")]),
+            legs=lambda: np.array([self._of(each) for each in JOINTS]),
             phase=lambda: self._of("phase"),
             step=step,
         )

@@ -12,13 +12,15 @@ from mimics_app.contracts.messages.leg_motion import LegMotion
 from mimics_app.tasks.walking.footfalls import Footfalls
 from mimics_app.tasks.walking.legs import Impairment, Legs
 
-__all__ = ["HALF_STEP_WIDTH", "FootPlace", "Walker", "blank_orders"]
+__all__ = ["HALF_STEP_WIDTH", "JOINTS", "FootPlace", "Walker", "blank_orders"]
 
 HALF_STEP_WIDTH = 0.06
 """Distance of a foot from the person's middle line [m]."""
 _PUSH = 1.0
 """Largest acceleration of a walker [m/s^2]."""
-_WORDS = ("x", "y", "z", "yaw", "speed", "step", "phase", "hip_left", "knee_left", "hip_right", "knee_right")
+JOINTS = ("hip_left", "knee_left", "hip_right", "knee_right")
+"""Names of the angles of both legs."""
+_WORDS = ("x", "y", "z", "yaw", "speed", "step", "phase", *JOINTS)
 
 
 def blank_orders(name: str) -> dict[str, float]:

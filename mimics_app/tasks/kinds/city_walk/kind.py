@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from msgspec import Meta, structs
 
@@ -14,6 +14,9 @@ from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.deflection import DEAD_ZONE, deflection
 from mimics_app.tasks.kinds.kind import KindPlay, Measure, TaskBlock, TaskKind, Values
 from mimics_app.tasks.observation import Observation
+from mimics_app.tasks.walking.legs import GAITS
+from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, symmetry_card, walk_values
+from mimics_app.tasks.walking.walker import Walker
 from mimics_app.world.components.registry import Component
 from mimics_app.world.components.walking import PathWalker
 
@@ -21,9 +24,6 @@ if TYPE_CHECKING:
     from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["KIND", "CityWalkPlay", "CityWalkSpec"]
-
-_PUSH = 1.0
-"""Largest acceleration of a walker [m/s^2]: from rest to a stroll in about a second."""
 
 
 class CityWalkSpec(Component, frozen=True):
@@ -33,6 +33,9 @@ class CityWalkSpec(Component, frozen=True):
     fastest: Annotated[
         float, Meta(gt=0.0, le=2.5, description="Walking speed at full deflection of the hand [m/s].")
     ] = 1.4
+    gait: Annotated[
+        Literal["healthy", "hemiparetic", "severe"], Meta(description="Legs of who walks without an orthosis.")
+    ] = "healthy"
     deflection: Annotated[float, Meta(gt=DEAD_ZONE, le=0.5, description="Full deflection of the hand [m].")] = 0.1
 
 
@@ -58,6 +61,7 @@ class CityWalkPlay(KindPlay):
 
     def begin_attempt(self) -> None:
         self._along, self._speed, self._seconds = 0.0, 0.0, 0.0
+        self._walker = Walker(GAITS[self._spec.gait], 0)
 
     def start_attempt(self, seen: Observation) -> None:
         self._hand_from = seen.hip_world[1]
@@ -68,14 +72,14 @@ class CityWalkPlay(KindPlay):
     def travel(self, seen: Observation, seconds: float) -> None:
         """Walk for a frame."""
         raised = deflection(seen.hip_world[1] - self._hand_from, self._spec.deflection)
-        change = self._spec.fastest * max(raised, 0.0) - self._speed
-        self._speed += min(max(change, -_PUSH * seconds), _PUSH * seconds)
-        self._along += self._speed * seconds
+        self._walker.step(self._spec.fastest * max(raised, 0.0), 0.0, seconds)
+        self._speed, self._along = self._walker.speed, self._walker.walked
         self._seconds += seconds
 
     @property
     def visual(self) -> Mapping[str, object]:
-        return {"walk.along": round(self._along, 4), "walk.speed": round(self._speed, 4)}
+        own = self._walker.visual("walker")
+        return {**own, "walk.along": round(self._along, 4), "walk.speed": round(self._speed, 4)}
 
     @property
     def lever(self) -> bool:
@@ -87,7 +91,7 @@ class CityWalkPlay(KindPlay):
 
     @property
     def measures(self) -> Values:
-        return {"walked_m": self._along, "walk_speed_mps": self._along / self._seconds if self._seconds else None}
+        return {"walked_m": self._along, **walk_values(self._walker, self._seconds)}
 
     def outcome_words(self, row: Mapping[str, object], *, finished: bool) -> str:
         if finished:
@@ -100,7 +104,12 @@ class CityWalkPlay(KindPlay):
 
     def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:
         speed = Card("Speed", f"{self._speed:.1f} m/s", bar=Bar(self._speed, self._spec.fastest), width=220.0)
-        return {"speed": speed, "walked": Card("Walked", f"{self._along:.0f} of {self._metres:.0f} m", width=220.0)}
+        even = symmetry_card(self._walker.footfalls)
+        return {
+            "speed": speed,
+            "symmetry": even,
+            "walked": Card("Walked", f"{self._along:.0f} of {self._metres:.0f} m", width=220.0),
+        }
 
 
 class CityWalkSection(ReportSection):
@@ -119,10 +128,10 @@ class CityWalkKind(TaskKind):
     name, section, goals = "city_walk", CityWalkSpec, (Walked,)
     measures = (
         Measure.totalled("walked_m", "walked", "Distance walked [m].", 60.0, 0.0, sums=True),
-        Measure.totalled("walk_speed_mps", "walk_speed", "Mean walking speed [m/s].", 1.4, 0.2),
+        *WALK_MEASURES,
     )
     completes = "walks"
-    cards = ("speed", "walked")
+    cards = ("speed", "walked", "symmetry")
     label = "Path"
     touches = False
     report = CityWalkSection()

@@ -29,11 +29,13 @@ _RESTS = 0.12
 """Vertical speed after a bounce below which the ball stays on the ground [m/s]."""
 _STILL = 1e-9
 """Speed that counts as none [m/s]."""
+_HEARD = 0.4
+"""Speed from which a bounce off a wall is heard [m/s]."""
 _CONTACT_S = 0.010
 """Duration of the contact of a kick [s]."""
 _PIECES = 40
 """Time steps of a kick's contact."""
-_BROAD = 0.8
+_BROAD = 0.92
 """Share of the direction of a foot in that of its kick."""
 _MOST_EVENTS = 64
 """Largest number of bounces and changes of motion in one time step."""
@@ -140,14 +142,15 @@ class SoccerBall:
         return approach
 
     def reflect(self, axis: int, wall: float, restitution: float) -> bool:
-        """Bounce off a wall across a horizontal axis (0 or 2) at a coordinate [m] that the ball's middle passed."""
+        """Bounce off a wall across a horizontal axis (0 or 2) at a coordinate [m]; return whether it is heard."""
         inside = wall - math.copysign(self.spec.radius, wall)
         beyond = self.place[axis] - inside
         if beyond * wall <= 0.0 or self.velocity[axis] * wall <= 0.0:
             return False
         self.place[axis] = inside
+        heard = bool(abs(self.velocity[axis]) > _HEARD)
         self.velocity[axis] *= -restitution
-        return True
+        return heard
 
     def _gained(self, approach: float, foot_mass: float) -> float:
         """Return the speed that the ball gains in a contact: a linear spring and damper between two masses."""

@@ -35,15 +35,19 @@ _PIECES = 4
 _BODY = 0.20
 """Radius of a body that the ball bounces off [m]."""
 _BODY_RESTITUTION, _BOARD_RESTITUTION = 0.25, 0.6
-_STILL_S = 8.0
-"""Time without a touch after which the ball is put in the middle [s]."""
+_STILL_S, _INWARDS = 5.0, 0.6
+"""Time without a touch after which the ball is put nearer to the middle [s], and its distance over that of before."""
+_AGAIN_S = 0.2
+"""Time between two touches of a walking foot that are counted [s]."""
 _OFF = 2.4
 """Where the players stand at a kick-off, from the middle [m]."""
 _PAUSE_S = 2.5
 """Time after a goal until play goes on [s]."""
 _FAIR, _LEAST_PACE = 1.35, 0.35
 """Largest speed of the opponent over the fastest that the person has been, and the least that this counts as [m/s]."""
-_CAUTIOUS, _SPRINTS = 0.6, 0.9
+_WEAK, _HARD = 0.7, 1.6
+"""Speed of an opponent's kick over the person's, without skill and with skill 1."""
+_CAUTIOUS, _SPRINTS = 0.6, 1.4
 """Speed of an opponent without skill, and how much faster one with skill 1 is [m/s]."""
 
 
@@ -190,7 +194,7 @@ class Match:
         """Put the ball in the middle, and everybody before it."""
         self.ball.put(float(self.rng.uniform(-0.4, 0.4)), 0.0)
         self.person.put(0.0, _OFF, math.pi)
-        self.opponent.put(0.3, -_OFF - 0.8, 0.0)
+        self.opponent.put(0.3, -_OFF, 0.0)
         self._untouched_s = 0.0
 
     @property
@@ -227,9 +231,9 @@ class Match:
         for player, _ in moves:
             self._keep_inside(player)
         if self._untouched_s > _STILL_S:
-            self.ball.put(0.0, 0.0)
+            self.ball.put(_INWARDS * float(self.ball.place[0]), _INWARDS * float(self.ball.place[2]))
             self._untouched_s = 0.0
-            happened.append(Happening("whistle", (0.0, 0.0, 0.0)))
+            happened.append(self._at("whistle", 1.0))
         return happened
 
     def _wait(self, seconds: float) -> list[Happening]:
@@ -248,6 +252,7 @@ class Match:
         """Let the opponent play, not much faster than the person can."""
         deed = mind.decide(self._view(self.opponent, self.person, complex(0.0, self.pitch.half_length)))
         self.act = deed.act
+        self.opponent.kick_speed = self.person.kick_speed * (_WEAK + (_HARD - _WEAK) * mind.skill)
         if deed.kicks:
             self.opponent.begin_kick()
         own = _CAUTIOUS + _SPRINTS * mind.skill
@@ -272,10 +277,13 @@ class Match:
             speed = (after[foot] - before[foot]) / seconds
             met = ball.touch(place[foot], speed, _FOOT_MASS if swung else _SOFT_MASS, _TOE_RADIUS, facing)
             if met > 0.0:
+                first = swung or self._untouched_s > _AGAIN_S
                 self._untouched_s = 0.0
                 if swung:
                     player.touched = True
                     self._lift(met)
+                if not first:
+                    continue
                 if player is self.person:
                     self.kicks += 1
                 happened.append(self._at("kick", min(met / player.kick_speed, 1.0)))

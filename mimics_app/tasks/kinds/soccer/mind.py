@@ -22,8 +22,8 @@ _REACH = 0.95
 """Distance of the ball at which a player shoots [m]."""
 _SHOOTS = 11.0
 """Distance from the goal within which a player shoots [m]."""
-_ALIGNED = 0.25
-"""Angle between heading and goal within which a player shoots or dribbles [rad]."""
+_ALIGNED, _PATIENCE = 0.26, 0.19
+"""Angle between heading and goal within which a player without skill shoots, and how much less it is with skill 1."""
 _OWNS = 0.9
 """Distance at which the other one has the ball [m]."""
 _TURN, _MOST_TURN = 4.0, 2.4
@@ -32,6 +32,10 @@ _LATE_S, _ASKEW = 0.9, 0.45
 """Delay of what is seen [s] and standard deviation of the aim [rad] without any skill."""
 _KEEPS = 1.6
 """Distance before the own goal at which a keeper stands [m]."""
+_FORESEES_S = 0.4
+"""How far ahead a player with skill 1 sees the ball [s]."""
+_CORNER = 1.0
+"""How far aside of the goal's middle a player with skill 1 aims, past the other one [m]."""
 _FRAME_S = 1.0 / 60.0
 
 
@@ -105,9 +109,10 @@ class Mind:
         ball = self._seen[max(len(self._seen) - 1 - late, 0)]
         if self.skill <= 0.0:
             return self._go(view, self._keeping(view, ball), Act.KEEP)
+        ball += self.skill * _FORESEES_S * view.ball_velocity
         if self._threatened(view, ball):
             return self._go(view, self._keeping(view, ball), Act.KEEP)
-        way = view.goal - ball
+        way = self._target(view, ball) - ball
         behind = ball - _BEHIND * way / max(abs(way), 1e-6)
         ahead = ((ball - view.me) * way.conjugate()).real / max(abs(way), 1e-6)
         aside = abs(((ball - view.me) * way.conjugate()).imag) / max(abs(way), 1e-6)
@@ -122,11 +127,17 @@ class Mind:
         to_ball = ball - view.me
         near = abs(to_ball) < _REACH
         off = math.remainder(aim - view.heading, 2.0 * math.pi)
-        if near and abs(way) < _SHOOTS and abs(off) < _ALIGNED:
+        if near and abs(way) < _SHOOTS and abs(off) < _ALIGNED - _PATIENCE * self.skill:
             self._askew = float(self._rng.normal(0.0, (1.0 - self.skill) * _ASKEW))
             return Deed(Act.SHOOT, 1.0, self._turn(off), kicks=True)
         target = aim if near else math.atan2(to_ball.real, to_ball.imag)
         return Deed(Act.DRIBBLE, 1.0, self._turn(math.remainder(target - view.heading, 2.0 * math.pi)))
+
+    def _target(self, view: PlayerView, ball: complex) -> complex:
+        """Return the place in the goal to aim at: the corner that the other one does not cover."""
+        covered = ((view.other - ball) * (view.goal - ball).conjugate()).imag * (1.0 if view.goal.imag > 0.0 else -1.0)
+        side = -1.0 if covered < 0.0 else 1.0
+        return view.goal + side * _CORNER * self.skill
 
     def _round(self, view: PlayerView, ball: complex, behind: complex, ahead: float) -> complex:
         """Return the way to behind the ball that does not push it back: past its side."""

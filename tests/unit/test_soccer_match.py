@@ -1,0 +1,84 @@
+"""A match: what feet do to the ball, and what the opponent's skill is worth."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from mimics_app.tasks.kinds.soccer.ball import impact_speed
+from mimics_app.tasks.kinds.soccer.match import Match, Pitch
+from mimics_app.tasks.kinds.soccer.mind import Act, Mind
+from mimics_app.tasks.walking.legs import GAITS
+
+FRAME = 1.0 / 60.0
+
+
+def _play(skill: float, seed: int, seconds: float) -> Match:
+    """A match against a simulated person with the gait of hemiparesis."""
+    match = Match(Pitch(), GAITS["hemiparetic"], skill, seed, 7.0)
+    person = Mind(0.3, np.random.default_rng([seed, 9]))
+    for _ in range(round(seconds / FRAME)):
+        deed = person.decide(match.view_of_person())
+        match.step(1.4 * deed.speed, deed.turn, deed.kicks, FRAME)
+    return match
+
+
+def _alone(seed: int = 1) -> Match:
+    return Match(Pitch(), GAITS["healthy"], None, seed, 7.0)
+
+
+def test_an_opponent_without_skill_keeps_its_goal_and_scores_none() -> None:
+    matches = [_play(0.0, seed, 30.0) for seed in range(4)]
+    assert all(match.act is Act.KEEP and match.opponent_goals == 0 for match in matches)
+    assert sum(match.goals for match in matches) > 0
+
+
+def test_the_most_skill_scores_and_wins_more_than_it_loses() -> None:
+    matches = [_play(1.0, seed, 40.0) for seed in range(6)]
+    assert sum(match.opponent_goals for match in matches) >= 3, "one without skill scores none, see above"
+    assert sum(match.opponent_goals > match.goals for match in matches) > sum(
+        match.opponent_goals < match.goals for match in matches
+    )
+
+
+def test_a_kick_meets_the_ball_only_where_the_foot_swings() -> None:
+    """A ball half a metre ahead is kicked, with at most the speed of the impact; one behind or far aside is not."""
+    for place, met in (((0.0, -0.6), True), ((0.0, 0.6), False), ((0.9, -0.5), False)):
+        match = _alone()
+        match.person.put(0.0, 0.0, math.pi)
+        match.ball.put(*place)
+        happened = [each.kind for k in range(40) for each in match.step(0.0, 0.0, k == 0, FRAME)]
+        assert ("kick" in happened) is met, place
+        if met:
+            assert match.ball.place[2] < place[1] - 1.0 and match.kicks == 1
+            fastest = impact_speed(1.2, 1.1 * match.person.kick_speed)
+            assert float(np.linalg.norm(match.ball.velocity)) < fastest
+
+
+def test_a_ball_over_the_line_between_the_posts_is_a_goal_and_beside_them_bounces_back() -> None:
+    for x, goal in ((0.4, True), (2.4, False)):
+        match = _alone()
+        match.ball.put(x, -6.5)
+        match.ball.velocity = np.array([0.0, 0.0, -9.0])
+        happened = [each.kind for _ in range(60) for each in match.step(0.0, 0.0, False, FRAME)]
+        assert ("goal" in happened) is goal and ("board" in happened) is not goal
+        assert match.goals == int(goal)
+
+
+def test_after_a_goal_play_begins_in_the_middle_again() -> None:
+    match = _alone()
+    match.ball.put(0.0, -7.9)
+    match.ball.velocity = np.array([0.0, 0.0, -9.0])
+    kinds = [each.kind for _ in range(180) for each in match.step(0.0, 0.0, False, FRAME)]
+    assert kinds[0] == "goal" and "whistle" in kinds
+    assert abs(match.ball.place[2]) < 0.1 and match.pause_s <= 0.0
+
+
+def test_the_opponent_is_not_much_faster_than_a_slow_person() -> None:
+    match = Match(Pitch(), GAITS["severe"], 1.0, 3, 7.0)
+    fastest = 0.0
+    for _ in range(60 * 20):
+        match.step(0.4, 0.0, False, FRAME)
+        fastest = max(fastest, match.opponent.walker.speed)
+    assert 0.4 < fastest < 2.5 * 0.45
