@@ -161,6 +161,11 @@ def _add_outputs(group: Container) -> None:
         help="write a video of the run, e.g. out.mp4 (needs ffmpeg); a folder: every frame as PNG",
     )
     group.add_argument(
+        "--lsl",
+        action="store_true",
+        help="send poses, forces, features, state and markers to the lab streaming layer (extra lsl)",
+    )
+    group.add_argument(
         "--runs", type=Path, default=Path("runs"), metavar="DIR", help="folder in which the run folder is created"
     )
 

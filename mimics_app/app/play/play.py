@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
@@ -63,6 +63,7 @@ def play(settings: RunSettings, *, as_json: bool, read: Scene | None = None) -> 
         build_session(settings, live=windowed, read=read) as session,
         _say_where_kept(session),
         _linked(session) as link,
+        _sent_out(session),
     ):
         frames = Frames(session)
         if session.limit_notes:
@@ -148,6 +149,35 @@ def _linked(session: Session) -> Iterator[OperatorLink]:
         raise
     finally:
         link.close(orderly=True)
+
+
+@contextmanager
+def _sent_out(session: Session) -> Iterator[None]:
+    """Send a session to the lab streaming layer where that is requested; samples that it did not take are reported."""
+    if not session.settings.lsl:
+        yield
+        return
+    from mimics_app.app.session.lsl_outlets import LslOutlets
+    from mimics_app.rendering.haptic.scene_objects import objects_of_scene
+
+    bodies = list(objects_of_scene(session.scene).body_entities)
+    simulated = bool(session.settings.headless)
+    outlets = LslOutlets(session.clock, session.folder.name, session.scene.name, bodies, simulated=simulated)
+    before = session.recorder.listener
+
+    def listen(kind: str, data: Mapping[str, object]) -> None:
+        before(kind, data)
+        outlets.mark(kind, data)
+
+    session.outlets, session.recorder.listener = outlets, listen
+    try:
+        yield
+    finally:
+        counts = outlets.close()
+        if counts["dropped"]:
+            output.say(
+                f"{counts['dropped']} samples were not sent to the lab streaming layer: it did not take them in time"
+            )
 
 
 def _play_in_window(session: Session, frames: Frames, log: JourneyLog, link: OperatorLink) -> None:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from mimics_app.app.session.preparation import SessionParts
 from mimics_app.app.session.signal_recorder import SignalRecorder
-from mimics_app.app.session.switched_off import NullRecorder, NullSound, RecorderPort, SoundPort
+from mimics_app.app.session.switched_off import NullOutlets, NullRecorder, NullSound, Outlets, RecorderPort, SoundPort
 from mimics_app.app.session.trackers import make_hub
 from mimics_app.app.terminal.output import say_nothing
 from mimics_app.app.touch.device_fit import device_values
@@ -62,6 +62,7 @@ class SessionCore:
         side: Haptic objects of the scene, as they were when the loop was built.
         limit_notes: A line for each limit that the scene sets beyond its usual value.
         report: Shows a line to the person; discards it unless the session is a run.
+        outlets: Streams of the session for other programs.
         live: True when the haptic loop runs in real time; False on the virtual clock.
         ended: Whether `stop` was called: no frame follows.
         has_policy: Whether a policy or a list of actions adapts the task.
@@ -113,6 +114,7 @@ class SessionCore:
         self.recorder = recorder
         self.signal_recorder = SignalRecorder(recorder)
         self.report: Callable[[str], None] = say_nothing
+        self.outlets: Outlets = NullOutlets()
         self.sound = sound
         self.tactile = _open_tactile(parts.scene, live=parts.live)
 

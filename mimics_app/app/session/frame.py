@@ -158,6 +158,7 @@ class Frames:
             core.inputs.take_experience(_experience_of(orders, snapshot, core.trackers.pose("head", now_ns), now_ns))
             core.signal_recorder.step(self.number, vr.signals, features, state)
             self._journal(vr, taken, snapshot, len(events), now_ns)
+            core.outlets.step(snapshot, events, features, state, now_ns)
         self.number, self.orders, self.snapshot, self.events = self.number + 1, orders, snapshot, events
         self.signals = vr.signals
 

@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 from mimics_app.contracts.commands.vocabulary import Reply
 from mimics_app.contracts.loop.haptic import SAMPLE
 from mimics_app.contracts.loop.object_rows import Rows
-from mimics_app.contracts.messages.stage_messages import TaskOrders
+from mimics_app.contracts.messages.stage_messages import FeatureFrame, HapticSnapshot, TaskOrders, UserState
 from mimics_app.contracts.ports.audio_port import AudioReport
 from mimics_app.contracts.shared_memory import ring
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.recording.signal_rows import SignalRow
 from mimics_app.world.content.world import World
 
-__all__ = ["NullRecorder", "NullSound", "RecorderPort", "SoundPort"]
+__all__ = ["NullOutlets", "NullRecorder", "NullSound", "Outlets", "RecorderPort", "SoundPort"]
 
 
 _SILENT = Reply(done=False, why="this session has no sound")
@@ -116,3 +116,22 @@ class NullRecorder(RecorderPort):
 
 class NullSound(SoundPort):
     """Silence, without a report."""
+
+
+class Outlets(Protocol):
+    """Streams of a session for other programs, as `lsl_outlets.LslOutlets`."""
+
+    def step(
+        self, snapshot: HapticSnapshot, events: NDArray[Any], features: FeatureFrame, state: UserState, now_ns: int
+    ) -> None:
+        """Send what a frame has; never waits."""
+        ...
+
+
+class NullOutlets:
+    """No streams."""
+
+    def step(
+        self, snapshot: HapticSnapshot, events: NDArray[Any], features: FeatureFrame, state: UserState, now_ns: int
+    ) -> None:
+        """Send nothing."""

@@ -23,7 +23,7 @@ from mimics_app.inputs.physio.integrity import Grid, LiveSignals
 if TYPE_CHECKING:
     from pylsl import StreamInfo, StreamInlet
 
-__all__ = ["LslSource", "find_stream"]
+__all__ = ["LslSource", "find_stream", "lsl_library"]
 
 _PATIENCE_S = 5.0
 """Time-out of a stream's description and of its first clock offset [s]."""
@@ -65,7 +65,7 @@ class LslSource(LiveSignals):
     def __init__(self, name: str) -> None:
         super().__init__()
         self._name = name
-        pylsl = self._pylsl = _library()
+        pylsl = self._pylsl = lsl_library()
         self._inlet: StreamInlet = pylsl.StreamInlet(find_stream(name), max_buflen=60, recover=True)
         info = self._description()
         self._columns, self._factors, self.notes = _columns(info)
@@ -146,7 +146,7 @@ def find_stream(name: str, tell: Callable[[str], None] = _say_nothing) -> Stream
         UsageError: pylsl is not installed.
         DeviceError: No such stream answers.
     """
-    pylsl = _library()
+    pylsl = lsl_library()
     quoted = _quoted(name)
     wanted = f"name={quoted} or type={quoted}"
     found = pylsl.resolve_bypred(wanted, 1, _AT_ONCE_S)
@@ -186,7 +186,12 @@ def _columns(info: object) -> tuple[dict[str, int], dict[str, float], tuple[str,
     return columns, {name: unit_factor(name, units[i]) for name, i in columns.items()}, say_columns(labels, columns)
 
 
-def _library() -> ModuleType:
+def lsl_library() -> ModuleType:
+    """Return pylsl.
+
+    Raises:
+        UsageError: It is not installed.
+    """
     try:
         import pylsl
     except (ImportError, RuntimeError) as error:  # RuntimeError: the package without its shared library
