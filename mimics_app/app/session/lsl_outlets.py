@@ -80,7 +80,7 @@ class LslOutlets:
         self._offset_s = float(pylsl.local_clock()) - clock.now_ns() / SECOND_NS
         self._clock = clock
         self._last_state: dict[str, object] = {}
-        self._heard = False
+        self._joined = False
         self.sent = self.dropped = 0
         self._queue: deque[tuple[str, list[Any], float]] = deque()
         self._most = round(_HOLDS_S * FRAMES_PER_SECOND * _SAMPLES_A_FRAME)
@@ -141,12 +141,12 @@ class LslOutlets:
 
     def _greet(self) -> None:
         """Repeat the present state of the task to whoever has just begun to listen: it was sent before."""
-        heard = bool(self._outlets["markers"].have_consumers())
-        if heard and not self._heard and self._last_state:
+        joined = bool(self._outlets["markers"].have_consumers())
+        if joined and not self._joined and self._last_state:
             line = {**self._last_state, "repeated": True}
             stamp = self._clock.now_ns() / SECOND_NS + self._offset_s
             self._outlets["markers"].push_sample([to_json(line).decode()], stamp)
-        self._heard = heard
+        self._joined = joined
 
     def _open(self, name: str, kind: str, channels: Channels, rate: float = float(FRAMES_PER_SECOND)) -> StreamOutlet:
         pylsl = self._pylsl
