@@ -35,6 +35,7 @@ WEAK, STRONG = {"hemiparetic_left": (0, 1), "hemiparetic_right": (1, 0)}, (0, 1)
 def _person(name: str, seed: int = 1) -> np.ndarray:
     memory = np.zeros(gait_person.WALKER)
     write_person_in(memory, name, WEIGHT, 1000, seed)
+    memory[gait_person.WILL] = 1.0
     return memory
 
 

@@ -57,6 +57,7 @@ __all__ = [
     "TIRED",
     "VARIATION",
     "WALKER",
+    "WILL",
     "intended",
     "limb_of",
     "limb_torques",
@@ -72,7 +73,8 @@ VARIATION = 2  # its coefficient of variation from stride to stride [-]
 STRIDE_NOW = 3  # of the present stride [s]
 AMPLITUDE = 4  # of the own gait as a share of that of the series
 GENERATOR = 5  # state of the random generator
-GAIT = 6  # series of hip and knee
+WILL = 6  # share of the voluntary torque: who begins to walk does not start at once
+GAIT = 7  # series of hip and knee
 LIMBS = GAIT + 2 * SERIES  # records of the left and the right limb
 
 FLEXING, EXTENDING = 0, 1  # directions: of a torque, and of the motion that a reflex answers
@@ -111,6 +113,9 @@ WALKER = LIMBS + 2 * LIMB
 
 _MUSCLE_LAG = 0.04
 """Time constant of a muscle's torque after its nerve [s]; a setting, not verified."""
+
+_BEGINNING = 1.0
+"""Time in which a person who begins to walk comes to the whole torque [s]."""
 
 _FEAR_STIFFNESS, _FEAR_DAMPING, _FEAR_TIME = 60.0, 4.0, 0.5
 """Co-contraction at full fear [N m/rad, N m s/rad], and time in which it yields [s]; settings, not verified."""
@@ -158,7 +163,7 @@ def _voluntary(walker: Vec, limb: Vec, joint: int, phase: float, q: float, dq: f
     angle, rate = intended(walker, joint, phase)
     effort = limb[STIFFNESS + joint] * (angle - q) + limb[DAMPING + joint] * (rate / walker[STRIDE_NOW] - dq)
     strongest = limb[STRENGTH + 2 * joint + (FLEXING if effort > 0.0 else EXTENDING)]
-    return limb[SHARE] * (1.0 - limb[TIRED]) * min(strongest, max(-strongest, effort))
+    return walker[WILL] * limb[SHARE] * (1.0 - limb[TIRED]) * min(strongest, max(-strongest, effort))
 
 
 @kernel
@@ -243,6 +248,7 @@ def limb_torques(walker: Vec, number: int, q: Vec, dq: Vec, acting: bool, dt: fl
 
 @kernel
 def move_walker(walker: Vec, acting: bool, dt: float) -> None:
-    """Advance the own gait of a person by a tick of dt [s] while it walks."""
+    """Advance the own gait of a person by a tick of dt [s] while it walks; it begins softly, and ends at once."""
+    walker[WILL] = min(1.0, walker[WILL] + dt / _BEGINNING) if acting else 0.0
     if acting:
         _step_on(walker, dt)

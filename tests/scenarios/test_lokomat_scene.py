@@ -1,0 +1,70 @@
+"""The scene of the gait orthosis played as the product plays it: legs that swing, a belt that follows the reference."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mimics_app.app.scenes.loading import check_scene, read_scene
+from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.contracts.system.resources import root
+from mimics_app.rendering.haptic.devices.simulated_lokomat import PLANT
+from mimics_app.rendering.haptic.kernels.lokomat import orthosis, treadmill
+from tests.support.core_play import CorePlay
+
+SWING = root() / "scenes" / "examples" / "lokomat_free_swing.json"
+FRAMES = 60
+
+
+def _play(file: Path, seconds: float) -> CorePlay:
+    play = CorePlay.of(check_scene(read_scene(file)), 1)
+    for _ in range(round(seconds * FRAMES)):
+        play.step()
+    return play
+
+
+def _changed(folder: Path, robot: dict, patient: dict) -> Path:
+    """The scene with more components of the robot, and another patient."""
+    document = json.loads(SWING.read_text())
+    for entity in document["entities"]:
+        if entity["id"] == "robot":
+            entity["components"] |= robot
+        if entity["id"] == "patient":
+            entity["components"]["patient"] = patient
+    file = folder / "changed.json"
+    file.write_text(json.dumps(document))
+    return file
+
+
+def test_both_legs_swing_down_and_come_to_hang():
+    play = _play(SWING, 7.0)
+    samples = play.samples
+    assert samples["state"].max() == SafetyState.ACTIVE
+    active = samples[samples["state"] == SafetyState.ACTIVE]
+    assert np.all(active["torque_command"] == 0.0), "zero force is asked for"
+    assert np.all(np.diff(active["q"][[0, -1], 1:4:2], axis=0) < -0.1), "both knees swing down"
+    assert np.abs(active["dq"][-1, :4]).max() < 0.01
+    play.core.stop()
+
+
+def test_the_belt_runs_with_the_reference_and_stands_before_it(tmp_path: Path):
+    walk = {"joint_reference": {"body_height": 1.75, "speed": 0.5, "guidance": 0.0}}
+    play = _play(_changed(tmp_path, walk, {"intent": False}), 2.0)
+    belt = play.core.haptics.plugin.memory[PLANT][orthosis.BELT + treadmill.BELT_SPEED :][:1]
+    assert belt[0] == 0.0 and play.samples["amplitude"][-1] == 0.0
+    for _ in range(round(8.0 * FRAMES)):
+        play.step()
+    assert play.samples["amplitude"][-1] == pytest.approx(1.0, abs=1e-3)
+    assert belt[0] == pytest.approx(0.5, abs=1e-3)
+    play.core.stop()
+
+
+def test_a_person_in_the_orthosis_walks_without_a_target(tmp_path: Path):
+    play = _play(_changed(tmp_path, {"safety": {"velocity_limit": 10.0}}, {"intent": True}), 9.0)
+    samples = play.samples
+    active = samples[samples["state"] == SafetyState.ACTIVE]
+    assert np.ptp(active["q"][-1500:, :4], axis=0).min() > 0.2
+    play.core.stop()
