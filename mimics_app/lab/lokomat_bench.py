@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.lab.haptic.free_leg import constraint_drift, energy_drift
+from mimics_app.lab.haptic.gait_differences import gait_differences
 from mimics_app.lab.haptic.lokomat_rig import COMBINED, CONTROLS, IMPEDANCE, Person, Rig, Rows
 from mimics_app.lab.haptic.sequence_search import search_sequence
 from mimics_app.lab.haptic_bench import reference_us
@@ -118,6 +119,7 @@ def measure_lokomat(report: Callable[[str], None]) -> dict[str, Any]:
     figures: dict[str, Any] = {"reference_ns": 1e3 * reference_us(), "tick_us": _tick_us(report)}
     figures["penetration"] = _penetration(report)
     figures["slip_mm_s"] = _slip()
+    figures["gait_rms_deg"] = [each._asdict() for each in gait_differences()]
     figures["energy_drift"], figures["constraint_drift_m"] = energy_drift(), constraint_drift()
     report("free swing, both controls")
     rig = Rig()
