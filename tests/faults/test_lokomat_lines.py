@@ -104,6 +104,25 @@ def test_a_pulled_plug_is_told_in_words(tmp_path: Path):
         bench.engine.stop()
 
 
+@pytest.mark.parametrize("joint", range(4))
+def test_a_lost_encoder_stops_the_loop_in_its_tick_and_brakes_both_legs(tmp_path: Path, joint: int):
+    """An encoder that gives no number: the state that brings it latches, and the next command brakes."""
+
+    def pack(data, status, payload):
+        LEG_FRAMES.pack(data, status, payload)
+        payload.view(np.float32)[joint] = math.nan
+
+    with lokomat_rig(tmp_path, "udp", settings=LOOSE) as rig:
+        bench = _swinging(rig)
+        rig.emulator.frames = LEG_FRAMES._replace(pack=pack)
+        samples = rig.advance(bench, 40)
+        stopped = int(np.argmax(samples["state"] == SafetyState.SAFE_STOP))
+        assert 0 < stopped <= 2 and samples["cause"][stopped] == TripCause.NOT_FINITE
+        assert np.isfinite(samples["hip_world"]).all(), "the last pose stays"
+        assert all(drive_of(_plant(rig), k, j)[linear_drive.BRAKED] == 1.0 for k in range(2) for j in range(2))
+        bench.engine.stop()
+
+
 def test_the_orthosis_brakes_by_itself_when_commands_stay_away(tmp_path: Path):
     """Without a program at all: after its own watchdog, from a swing."""
     with lokomat_rig(tmp_path, "serial", settings=LOOSE) as rig:
