@@ -14,7 +14,7 @@ from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.loop.controller_slots import Slot
 from mimics_app.contracts.loop.haptic import SAMPLE, SafetyState, TripCause
 from mimics_app.contracts.loop.haptic_objects import ShapeKind
-from mimics_app.contracts.loop.loop_fields import FURTHER, LOOP_FIELDS, Extent, sample_dtype
+from mimics_app.contracts.loop.loop_fields import FURTHER, LOOP_FIELDS, Extent, point_rows, sample_dtype
 from mimics_app.contracts.loop.loop_ports import (
     COMMAND_ENABLED,
     COMMAND_FORCE,
@@ -329,6 +329,21 @@ def test_a_leg_reported_torques_is_driven_to_its_start_through_the_stretched_pos
     start = next(np.array(e["transform"]["translation"]) for e in document["entities"] if e["id"] == "hand")
     active = int(np.flatnonzero(samples["state"] == SafetyState.ACTIVE)[0])
     assert np.linalg.norm(samples["hip_world"][active] - start) < 0.005
+
+
+def test_a_simulated_person_moves_both_feet(tmp_path):
+    """The second along the path of the first, as far beside it as the hips are wide."""
+    document = json.loads(KICKING.read_text(encoding="utf-8"))
+    robot = next(entity for entity in document["entities"] if entity["id"] == "robot")
+    robot["components"]["robot"]["device"] = "simulated_legs"
+    file = tmp_path / "legs.json"
+    file.write_text(json.dumps(document), encoding="utf-8")
+    samples = ScenePlay(file).run(10.0).samples
+    assert (samples["state"] < SafetyState.SAFE_STOP).all()
+    for point in (0, 1):
+        leads = np.flatnonzero(samples["state"] == SafetyState.ACTIVE)[2000:]
+        way = point_rows(samples, point)["hip_world"][leads]
+        assert np.linalg.norm(way.max(axis=0) - way.min(axis=0)) > 0.1, f"foot {point} rests"
 
 
 def test_the_board_names_the_limb_that_the_device_moves():

@@ -43,7 +43,7 @@ def read_patient(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
     person = memory[ROBOT_LENGTH:]
     if tick > 0:
         step_robot(machine)
-    move_person(person, machine[HANDLE : HANDLE + 6], inbox, data, machine[TICK])
+    move_person(person, machine[HANDLE : HANDLE + 6], 0, inbox, data, machine[TICK])
     sense(machine, person[GRIP_FORCE : GRIP_FORCE + 3], data)
     return 0
 

@@ -49,7 +49,7 @@ def _read_light_patient(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
     person = memory[LENGTH:]
     if tick > 0:
         step_light_robot(machine, person[GRIP_FORCE : GRIP_FORCE + 3])
-    move_person(person, machine[HANDLE : HANDLE + 6], inbox, data, machine[TICK])
+    move_person(person, machine[HANDLE : HANDLE + 6], 0, inbox, data, machine[TICK])
     sense_position(machine, data)
     return 0
 

@@ -1,4 +1,4 @@
-"""One or two simulated legs on a gait orthosis; a simulated person moves the first foot."""
+"""One or two simulated legs on a gait orthosis; a simulated person moves every foot."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from mimics_app.compiled.kernel import typed_kernel
+from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.loop.loop_ports import (
@@ -36,6 +36,7 @@ from mimics_app.rendering.haptic.kernels import leg_machine as machine
 from mimics_app.rendering.haptic.kernels.arm import ARM_LENGTH, GRIP_FORCE
 from mimics_app.rendering.haptic.kernels.leg_kinematics import (
     GEOMETRY,
+    HIP_WIDTH,
     foot_torques,
     foot_velocity,
     place_foot,
@@ -47,10 +48,10 @@ from mimics_app.rendering.haptic.kernels.vectors import all_finite
 __all__ = ["build_simulated_leg", "read_legs", "write_legs"]
 
 
-_SHAPE = ARM_LENGTH
-_FOOT = _SHAPE + GEOMETRY
-_LEGS = _FOOT + 6
-"""Memory: the person's limb, the geometry, place and velocity of the first foot, then one machine for each leg."""
+_FOOT = ARM_LENGTH
+_MACHINE = _FOOT + 6
+_LEG = _MACHINE + LENGTH
+"""Memory: the geometry, then for each leg the person's limb, place and velocity of its foot, and its machine."""
 
 _SETTINGS = {
     "thigh_mass": (machine.THIGH_MASS, 9.0),  # [kg] thigh of a person of 75 kg (0.100) with its part of the orthosis
@@ -71,22 +72,26 @@ _DRIVE_INERTIA = (0.15, 0.08)
 """Inertia of hip and knee drive at the joint [kg m^2]."""
 
 
+@kernel
+def _of_leg(memory: Vec, number: int) -> Vec:
+    """Part of the memory that belongs to one leg, shape [_LEG]."""
+    return memory[GEOMETRY + number * _LEG : GEOMETRY + (number + 1) * _LEG]
+
+
 @typed_kernel(READ)
 def read_legs(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
     """Simulate one tick of legs and person; write the sensor data."""
-    geometry, foot, dt = memory[_SHAPE:_FOOT], memory[_FOOT:_LEGS], memory[_LEGS + machine.TICK]
+    geometry = memory[:GEOMETRY]
     for k in range(int(geometry[0])):
-        leg = memory[_LEGS + k * LENGTH : _LEGS + (k + 1) * LENGTH]
+        own = _of_leg(memory, k)
+        limb, foot, leg, at = own[:ARM_LENGTH], own[_FOOT:_MACHINE], own[_MACHINE:], 2 * k
         if tick > 0:
             step_leg(leg)
-    first = memory[_LEGS : _LEGS + LENGTH]
-    q = first[machine.Q : machine.Q + 2]
-    place_foot(geometry, 0, q, foot[0:3])
-    foot_velocity(geometry, q, first[machine.DQ : machine.DQ + 2], foot[3:6])
-    move_person(memory[:ARM_LENGTH], foot, inbox, data, dt)
-    foot_torques(geometry, q, memory[GRIP_FORCE : GRIP_FORCE + 3], first[machine.PERSON : machine.PERSON + 2])
-    for k in range(int(geometry[0])):
-        leg, at = memory[_LEGS + k * LENGTH : _LEGS + (k + 1) * LENGTH], 2 * k
+        q = leg[machine.Q : machine.Q + 2]
+        place_foot(geometry, k, q, foot[0:3])
+        foot_velocity(geometry, q, leg[machine.DQ : machine.DQ + 2], foot[3:6])
+        move_person(limb, foot, k, inbox, data, leg[machine.TICK])
+        foot_torques(geometry, q, limb[GRIP_FORCE : GRIP_FORCE + 3], leg[machine.PERSON : machine.PERSON + 2])
         shown = data[DATA_Q + at : DATA_Q + at + 2], data[DATA_DQ + at : DATA_DQ + at + 2]
         sense_leg(leg, shown[0], shown[1], data[DATA_TORQUE + at : DATA_TORQUE + at + 2])
     data[DATA_AGE] = 0.0
@@ -96,11 +101,11 @@ def read_legs(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
 @typed_kernel(WRITE)
 def write_legs(memory: Vec, command: Vec, tick: int) -> int:
     """Put joint velocities or torques into the drives' delay lines; without enabled, finite ones the drives brake."""
-    start = COMMAND_DQ if memory[_LEGS + machine.MOTION] != 0.0 else COMMAND_TORQUE
-    joints = 2 * int(memory[_SHAPE])
+    start = COMMAND_DQ if memory[GEOMETRY + _MACHINE + machine.MOTION] != 0.0 else COMMAND_TORQUE
+    joints = 2 * int(memory[0])
     usable = all_finite(command[start : start + joints])
     for k in range(joints // 2):
-        leg = memory[_LEGS + k * LENGTH : _LEGS + (k + 1) * LENGTH]
+        leg = _of_leg(memory, k)[_MACHINE:]
         order_leg(leg, command[start + 2 * k : start + 2 * k + 2], usable and command[COMMAND_ENABLED] != 0.0)
     return 0 if usable else 1
 
@@ -133,7 +138,7 @@ def _write_leg(leg: Vec, request: DeviceRequest, number: int, geometry: Vec, mod
 
 
 def build_simulated_leg(request: DeviceRequest) -> DevicePlugin:
-    """Build one leg per point of contact of the descriptor, nearly stretched; the person's limb moves the first foot.
+    """Build one leg per point of contact of the descriptor, nearly stretched; a limb of the person moves each foot.
 
     `robot.settings` may hold mode ("motion", or "torque"), lengths thigh, shank, foot, hip_width [m], thigh_mass,
     shank_mass [kg], hip_torque, knee_torque [N m], drive_damping [N m s/rad], servo_bandwidth_hz, torque_noise,
@@ -147,12 +152,14 @@ def build_simulated_leg(request: DeviceRequest) -> DevicePlugin:
         raise DeviceError(f'the simulated leg has no mode "{mode}"', f"write {' or '.join(_MODES)}")
     _check_lengths(request)
     geometry = request.descriptor.geometry_of(request.robot)
-    memory = np.zeros(_LEGS + len(request.descriptor.contacts) * LENGTH)
-    write_person(memory[:ARM_LENGTH], request)
-    memory[_SHAPE:_FOOT] = geometry[:GEOMETRY]
-    for number in range(len(request.descriptor.contacts)):
-        leg = memory[_LEGS + number * LENGTH : _LEGS + (number + 1) * LENGTH]
-        _write_leg(leg, request, number, geometry, mode)
+    legs = len(request.descriptor.contacts)
+    memory = np.zeros(GEOMETRY + legs * _LEG)
+    memory[:GEOMETRY] = geometry[:GEOMETRY]
+    for number in range(legs):
+        first = GEOMETRY + number * _LEG
+        beside = np.array([0.0, -geometry[HIP_WIDTH] * number, 0.0])
+        write_person(memory[first : first + ARM_LENGTH], request, number, beside)
+        _write_leg(memory[first + _MACHINE : first + _LEG], request, number, geometry, mode)
     return DevicePlugin(
         "simulated_leg" if len(request.descriptor.contacts) == 1 else "simulated_legs",
         read_legs,

@@ -146,7 +146,7 @@ def _reach(memory: Vec, inbox: Vec, data: Vec) -> None:
     state = orthosis.state_of(plant, number)
     place_foot(geometry, number, state[0:2], foot[0:3])
     foot_velocity(geometry, state[0:2], state[2:4], foot[3:6])
-    move_person(memory[:ARM_LENGTH], foot, inbox, data, plant[orthosis.TICK])
+    move_person(memory[:ARM_LENGTH], foot, 0, inbox, data, plant[orthosis.TICK])
     foot_torques(geometry, state[0:2], memory[GRIP_FORCE : GRIP_FORCE + 3], foot[0:2])
     tau = orthosis.leg_of(plant, number)
     for joint in range(2):

@@ -17,7 +17,17 @@ import math
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 
-__all__ = ["GEOMETRY", "LEGS", "foot_drop", "foot_torques", "foot_velocity", "leg_jacobian", "leg_joints", "place_foot"]
+__all__ = [
+    "GEOMETRY",
+    "HIP_WIDTH",
+    "LEGS",
+    "foot_drop",
+    "foot_torques",
+    "foot_velocity",
+    "leg_jacobian",
+    "leg_joints",
+    "place_foot",
+]
 
 
 LEGS = 0  # number of legs

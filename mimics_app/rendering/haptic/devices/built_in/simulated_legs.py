@@ -1,4 +1,4 @@
-"""Two simulated legs on a gait orthosis with four drives; a simulated person moves the first foot."""
+"""Two simulated legs on a gait orthosis with four drives; a simulated person moves both feet."""
 
 from mimics_app.rendering.haptic.devices.device_names import BuiltInDevice
 
