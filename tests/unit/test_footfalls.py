@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.walking.footfalls import Footfalls
 from mimics_app.tasks.walking.legs import GAITS, Legs, natural_step
+from mimics_app.tasks.walking.orthosis_legs import OrthosisLegs, legs_in
 from mimics_app.tasks.walking.walker import Walker
 
 FRAME = 1.0 / 60.0
@@ -57,3 +59,24 @@ def test_a_walker_goes_where_it_heads() -> None:
     for _ in range(300):
         walker.step(1.0, 0.0, FRAME)
     assert walker.x == pytest.approx(2.0 + walker.walked) and walker.z == pytest.approx(3.0, abs=1e-5)
+
+
+@pytest.mark.parametrize("speed", [0.5, 0.9, 1.3])
+def test_the_joints_of_an_orthosis_say_how_fast_its_belt_is(speed: float) -> None:
+    """The curves at a speed, given as joints only: the way is the belt's within 12 %, all steps are counted."""
+    legs, orthosis = Legs(GAITS["healthy"]), OrthosisLegs()
+    walker, way, steps = Walker(GAITS["healthy"], 1), 0.0, 0
+    for number in range(60 * 14):
+        given = legs.step(speed, FRAME)
+        if number == 240:
+            walker.begin()
+        walker.step_by_legs(orthosis.read(given[:4], FRAME), 0.0, FRAME)
+        way += speed * FRAME if number >= 240 else 0.0
+        steps = walker.footfalls.count
+    assert walker.walked == pytest.approx(way, rel=0.12)
+    assert steps == pytest.approx(way / natural_step(speed), abs=2)
+
+
+def test_only_a_gait_orthosis_walks_by_its_joints() -> None:
+    assert legs_in(TaskContext((0.0,) * 4, limb="left foot")) is not None
+    assert legs_in(TaskContext((0.0,) * 3)) is None

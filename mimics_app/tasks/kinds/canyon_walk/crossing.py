@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mimics_app.contracts.messages.leg_motion import LegMotion
 from mimics_app.tasks.kinds.canyon_walk.wind import Wind, exposure
 from mimics_app.tasks.walking.legs import Impairment
 from mimics_app.tasks.walking.walker import FootPlace, Walker
@@ -97,13 +98,16 @@ class Crossing:
         """Whether the person stands after a fall."""
         return self._rests_s > 0.0
 
-    def step(self, speed: float, lean: float, seconds: float) -> tuple[list[FootPlace], list[FootPlace], bool]:
+    def step(
+        self, speed: float, lean: float, seconds: float, legs: LegMotion | None = None
+    ) -> tuple[list[FootPlace], list[FootPlace], bool]:
         """Walk for a time.
 
         Args:
             speed: Wanted speed [m/s].
             lean: Lean to the right, -1 to 1.
             seconds: Time step [s].
+            legs: Legs in an orthosis, which walk instead; None: the person's own.
 
         Returns:
             The feet that came down, those of them that missed the beam, and whether a gust begins.
@@ -114,7 +118,11 @@ class Crossing:
         moving = 0.0 if self.rests else min(1.0, walker.speed / 0.2)
         aside = moving * (_LEAN * lean + _PUSH * self._wind.push)
         self._before = self.along
-        feet = walker.step(0.0 if self.rests else speed, 0.0, seconds, (aside, 0.0))
+        if legs is None:
+            feet = walker.step(0.0 if self.rests else speed, 0.0, seconds, (aside, 0.0))
+        else:
+            legs = legs._replace(belt_speed=0.0) if self.rests else legs
+            feet = walker.step_by_legs(legs, 0.0, seconds, (aside, 0.0))
         if not self.beam.carries(self.along):
             walker.x = min(max(walker.x, -_STREET), _STREET)
         missed = [foot for foot in feet if self._misses(foot)]

@@ -18,6 +18,7 @@ from mimics_app.tasks.kinds.canyon_walk.crossing import Beam, Crossing
 from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, TaskBlock, TaskKind, Values
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.legs import GAITS
+from mimics_app.tasks.walking.orthosis_legs import OrthosisLegs, legs_in
 from mimics_app.tasks.walking.throttle import Throttle
 from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, symmetry_card, walk_values
 from mimics_app.world.components.bounds import Extent
@@ -72,10 +73,12 @@ class CanyonWalkPlay(KindPlay):
     Args:
         spec: Section of the task.
         seed: Seed of gusts and feet.
+        orthosis: Reads the legs in a gait orthosis; None: the person's own walk.
     """
 
-    def __init__(self, spec: CanyonWalkSpec, seed: int) -> None:
+    def __init__(self, spec: CanyonWalkSpec, seed: int, orthosis: OrthosisLegs | None = None) -> None:
         self._spec, self._seed, self._number = spec, seed, 0
+        self._orthosis = orthosis
         self._throttle = Throttle(spec.deflection)
         self._beam = Beam(spec.begins, spec.begins + spec.span, spec.width)
         self._whole = SectionSpec(0.0, self._beam.ends + 5.0)
@@ -108,7 +111,11 @@ class CanyonWalkPlay(KindPlay):
         self._throttle.read(seen)
         crossing = self._crossing
         falls = crossing.falls
-        feet, missed, gust = crossing.step(self._spec.fastest * self._throttle.ahead, self._throttle.aside, seconds)
+        if self._orthosis is None:
+            throttle = self._throttle
+            feet, missed, gust = crossing.step(self._spec.fastest * throttle.ahead, throttle.aside, seconds)
+        else:
+            feet, missed, gust = crossing.step(0.0, 0.0, seconds, self._orthosis.read(seen.q, seconds))
         self._seconds += seconds
         self._trembles = max(self._trembles - 2.0 * seconds, 0.0)
         for foot in feet:
@@ -259,7 +266,7 @@ class CanyonWalkKind(TaskKind):
     def open(self, spec: TaskBlock, context: TaskContext, seed: int) -> CanyonWalkPlay:
         section = spec.find(CanyonWalkSpec)
         assert section is not None
-        return CanyonWalkPlay(section, seed)
+        return CanyonWalkPlay(section, seed, legs_in(context))
 
 
 KIND = CanyonWalkKind()

@@ -15,6 +15,7 @@ from mimics_app.tasks.deflection import DEAD_ZONE, deflection
 from mimics_app.tasks.kinds.kind import KindPlay, Measure, TaskBlock, TaskKind, Values
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.legs import GAITS
+from mimics_app.tasks.walking.orthosis_legs import OrthosisLegs, legs_in
 from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, symmetry_card, walk_values
 from mimics_app.tasks.walking.walker import Walker
 from mimics_app.world.components.registry import Component
@@ -52,10 +53,11 @@ class CityWalkPlay(KindPlay):
     Args:
         spec: Section of the task.
         metres: Distance to be walked [m].
+        orthosis: Reads the legs in a gait orthosis; None: the person's own walk.
     """
 
-    def __init__(self, spec: CityWalkSpec, metres: float) -> None:
-        self._spec, self._metres = spec, metres
+    def __init__(self, spec: CityWalkSpec, metres: float, orthosis: OrthosisLegs | None = None) -> None:
+        self._spec, self._metres, self._orthosis = spec, metres, orthosis
         self._hand_from = 0.0
         self.begin_attempt()
 
@@ -72,7 +74,10 @@ class CityWalkPlay(KindPlay):
     def travel(self, seen: Observation, seconds: float) -> None:
         """Walk for a frame."""
         raised = deflection(seen.hip_world[1] - self._hand_from, self._spec.deflection)
-        self._walker.step(self._spec.fastest * max(raised, 0.0), 0.0, seconds)
+        if self._orthosis is None:
+            self._walker.step(self._spec.fastest * max(raised, 0.0), 0.0, seconds)
+        else:
+            self._walker.step_by_legs(self._orthosis.read(seen.q, seconds), 0.0, seconds)
         self._speed, self._along = self._walker.speed, self._walker.walked
         self._seconds += seconds
 
@@ -144,7 +149,7 @@ class CityWalkKind(TaskKind):
         section = spec.find(CityWalkSpec)
         assert section is not None
         metres = [goal.metres for goal in spec.goals if isinstance(goal, Walked)]
-        return CityWalkPlay(section, max(metres, default=100.0))
+        return CityWalkPlay(section, max(metres, default=100.0), legs_in(context))
 
 
 KIND = CityWalkKind()

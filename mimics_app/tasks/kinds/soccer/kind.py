@@ -19,6 +19,7 @@ from mimics_app.tasks.kinds.soccer.match import Happening, Match, Pitch
 from mimics_app.tasks.kinds.soccer.mind import Mind
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.legs import GAITS
+from mimics_app.tasks.walking.orthosis_legs import OrthosisLegs, legs_in
 from mimics_app.tasks.walking.throttle import Throttle
 from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, symmetry_card, walk_values
 from mimics_app.world.components.bounds import Figure, Share
@@ -77,9 +78,11 @@ class SoccerPlay(KindPlay):
         spec: Section of the task.
         seed: Seed of all that is random.
         advises: Tell the scenario how a simulated person plays.
+        orthosis: Reads the legs in a gait orthosis; None: the person's own walk.
     """
 
-    def __init__(self, spec: SoccerSpec, seed: int, *, advises: bool) -> None:
+    def __init__(self, spec: SoccerSpec, seed: int, *, advises: bool, orthosis: OrthosisLegs | None = None) -> None:
+        self._orthosis = orthosis
         self._spec, self._seed, self._number, self._advises = spec, seed, 0, advises
         self._throttle = Throttle(spec.deflection)
         self._sounds: list[SoundTrigger] = []
@@ -110,9 +113,12 @@ class SoccerPlay(KindPlay):
     def travel(self, seen: Observation, seconds: float) -> None:
         self._throttle.read(seen)
         throttle, match = self._throttle, self._match
-        happened = match.step(
-            self._spec.fastest * throttle.ahead, -_MOST_TURN * throttle.aside, throttle.kicks, seconds
-        )
+        if self._orthosis is None:
+            ahead, turn = self._spec.fastest * throttle.ahead, -_MOST_TURN * throttle.aside
+            happened = match.step(ahead, turn, throttle.kicks, seconds)
+        else:  # legs walk and kick; the heading goes to the ball
+            turn = self._mind.decide(match.view_of_person()).turn
+            happened = match.step(0.0, turn, throttle.kicks, seconds, self._orthosis.read(seen.q, seconds))
         self._seconds += seconds
         for each in happened:
             self._take(each, seen)
@@ -257,7 +263,7 @@ class SoccerKind(TaskKind):
     def open(self, spec: TaskBlock, context: TaskContext, seed: int) -> SoccerPlay:
         section = spec.find(SoccerSpec)
         assert section is not None
-        return SoccerPlay(section, seed, advises=context.simulated)
+        return SoccerPlay(section, seed, advises=context.simulated, orthosis=legs_in(context))
 
 
 KIND = SoccerKind()

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.messages.leg_motion import LegMotion
 from mimics_app.tasks.kinds.soccer.ball import SoccerBall
 from mimics_app.tasks.kinds.soccer.mind import Act, Mind, PlayerView
 from mimics_app.tasks.walking.footfalls import ankle
@@ -124,12 +125,15 @@ class Player:
         back, front = _SWING
         return 0.5 * (back + front) - 0.5 * (front - back) * math.cos(math.pi * self.kick)
 
-    def move(self, speed: float, turn: float, seconds: float) -> tuple[F8, F8]:
-        """Walk for a time; return the tips of both feet before and after [m], [2, 3] each."""
+    def move(self, speed: float, turn: float, seconds: float, legs: LegMotion | None = None) -> tuple[F8, F8]:
+        """Walk for a time, by legs in an orthosis if given; return the tips of both feet before and after, [2, 3]."""
         if self.kick >= 0.0:
             back, front = _SWING
             self.kick += 2.0 * self.kick_speed / (math.pi * (front - back)) * seconds
-        self.walker.step(speed, turn, seconds)
+        if legs is None:
+            self.walker.step(speed, turn, seconds)
+        else:
+            self.walker.step_by_legs(legs, turn, seconds)
         after = self._feet()
         before, self._tips = (after if self._tips is None else self._tips), after
         if self.kick >= 1.0:
@@ -206,14 +210,16 @@ class Match:
         """Return what the person sees."""
         return self._view(self.person, self.opponent, complex(0.0, -self.pitch.half_length))
 
-    def step(self, speed: float, turn: float, kicks: bool, seconds: float) -> list[Happening]:
-        """Play for a frame of the person's speed [m/s], turn to the left [rad/s] and kick; return what happened."""
+    def step(
+        self, speed: float, turn: float, kicks: bool, seconds: float, legs: LegMotion | None = None
+    ) -> list[Happening]:
+        """Play for a frame of the person's speed [m/s] or legs, turn to the left [rad/s] and kick."""
         happened: list[Happening] = []
         if self.pause_s > 0.0:
             return self._wait(seconds)
         if kicks:
             self.person.begin_kick()
-        moves = [(self.person, self.person.move(speed, turn, seconds))]
+        moves = [(self.person, self.person.move(speed, turn, seconds, legs))]
         self._fastest = max(self._fastest, self.person.walker.speed)
         if self.mind is not None:
             moves.append((self.opponent, self._move_opponent(self.mind, seconds)))
