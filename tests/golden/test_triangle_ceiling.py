@@ -15,11 +15,11 @@ from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.world.files.scene.file import build_world
 
 CEILING = 80_000
-HIGHER = {"city_walk": 100_000, "avatar_gallery": 100_000}
-"""A town; and nine people side by side."""
+HIGHER = {"city_walk": 100_000, "soccer": 100_000, "avatar_gallery": 100_000}
+"""A town; two players and people on stands in it; and nine people side by side."""
 
 SMALL_CEILING = 30_000
-SMALL_HIGHER = {"city_walk": 70_000}
+SMALL_HIGHER = {"city_walk": 70_000, "soccer": 90_000, "canyon_walk": 45_000}
 """Of a picture of 64 x 36: no body needs more than a triangle or two a pixel. Houses have no coarser forms; in the town
 one's own body is before the camera."""
 

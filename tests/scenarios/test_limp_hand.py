@@ -28,6 +28,8 @@ KINDS = {
     "wavy_tunnel": "tunnel",
     "pick_and_place": "carry",
     "city_walk": "city_walk",
+    "canyon_walk": "canyon_walk",
+    "soccer": "soccer",
     "guided_walk": "guided_walk",
     "avatar_cord": "avatar_cord",
 }
