@@ -124,6 +124,15 @@ def test_a_reference_that_cannot_be_followed_is_refused(tmp_path: Path, referenc
     assert done.returncode == 3 and said in done.stdout + done.stderr
 
 
+def test_a_parameter_of_a_joint_that_the_device_does_not_have_is_refused(tmp_path: Path) -> None:
+    file = guided_scene(tmp_path)
+    scene = json.loads(file.read_text())
+    scene["task"]["parameters"]["knee"] = _parameter(0.0, 1.0, 1.0, 5.0, "curves.ankle.guidance")
+    file.write_text(json.dumps(scene))
+    done = command("check", file)
+    assert done.returncode == 3 and 'unknown haptic parameter "curves.ankle.guidance"' in done.stdout + done.stderr
+
+
 def test_a_recorded_cycle_is_played_at_its_own_pace(tmp_path: Path) -> None:
     from mimics_app.app.scenes.loading import check_scene, read_scene
     from mimics_app.rendering.haptic.scene_reference import reference_of_scene, sample_curve

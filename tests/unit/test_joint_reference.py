@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,9 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.loop.haptic import SCENE
 from mimics_app.contracts.loop.reference_rows import CURVE, CurveKind
 from mimics_app.maths.gait_series import knee_series, natural_cadence, series_at, step_of, thigh_series
+from mimics_app.recording.column_layout import layout_of, samples_schema
+from mimics_app.recording.columns import column_names, column_units
+from mimics_app.rendering.haptic.descriptors.leg import LEG
 from mimics_app.rendering.haptic.kernels.state import STATE
 from mimics_app.rendering.haptic.reference.cycle_curves import SLOPES, curve_at
 from mimics_app.rendering.haptic.reference.generator import step_reference
@@ -154,6 +158,20 @@ def test_a_parameter_keeps_its_rate_and_does_not_overshoot_whatever_its_target_d
     steady = np.zeros((4000, 3))
     _lead(np.zeros(1, RAMP), np.ones(4000), limit, steady)
     assert steady[:, 0].max() <= 1.0 and steady[-1, 0] == pytest.approx(1.0, abs=1e-6)
+
+
+# columns
+
+
+def test_only_scenes_with_a_reference_record_its_columns() -> None:
+    names = {"phase", "amplitude", "q_reference[0]", "dq_reference[1]", "ddq_reference[0]", "guidance[1]"}
+    units = dict(zip(column_names(LEG.extent), column_units(LEG.extent), strict=True))
+    assert not names & units.keys()
+    extent = replace(LEG.extent, reference=True)
+    units = dict(zip(column_names(extent), column_units(extent), strict=True))
+    assert names <= units.keys() and units["ddq_reference[0]"] == "rad/s^2" and "q_reference[2]" not in units
+    layout, problem = layout_of(samples_schema(extent))
+    assert problem == "" and layout.extent == extent and layout.current
 
 
 # the reference
