@@ -296,5 +296,5 @@ def test_the_session_ends_by_the_page_when_it_is_asked_twice(room: Room) -> None
     assert room.given("end", lambda: room.press("End? Press once more"))["done"] and room.play.frames.desk.ended
     room.play.link.close(orderly=True)
     room.tab.get_by_text("The session is over.").wait_for()
-    assert room.tab.locator("#before").is_visible() and room.tab.locator("main").is_hidden()
+    assert room.tab.locator("#before").is_visible() and room.tab.locator("#columns").is_hidden()
     assert not room.faults

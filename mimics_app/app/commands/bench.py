@@ -22,6 +22,8 @@ _FRAME_SECONDS, _ALL_FRAME_SECONDS = 12.0, 6.0
 """Default lengths of measurements [s]; `_ALL...`: limits where everything is measured. Stages of frames are timed last:
 a measurement ends before the simulated patient has played its scene to the end."""
 
+_PRESSES = 40
+"""Default number of presses of STOP."""
 _REPEATS = 5
 """Default number of sessions per way to kill one and per fault."""
 
@@ -41,7 +43,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "software: what each part of drawing without a graphics card saves; "
         "displays: stereo and headsets; lokomat: control of the gait orthosis; "
         "record: what a killed session loses; faults: time from a fault to zero "
-        "force; render: the renderer beside OGRE; all: methods, audio, haptic, frame and realtime",
+        "force; console: STOP, rate and cost of the operator's page; render: the renderer beside OGRE; all: methods, "
+        "audio, haptic, frame and realtime",
     )
     _add_render_arguments(parser)
     parser.add_argument(
@@ -65,7 +68,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--scene",
         type=Path,
         default=Path("scenes/wavy_tunnel.json"),
-        help="scene of realtime, displays, record, faults and --soak",
+        help="scene of realtime, displays, record, faults, console and --soak",
     )
     parser.add_argument(
         "--seconds",
@@ -122,7 +125,7 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
         type=_nodes,
         default=0,
         help="with render: number of nodes, people or particles, 0: the default of the workload; with record and "
-        "faults: number of sessions per kind of kill and per fault (default: 5)",
+        "faults: number of sessions per kind of kill and per fault (default: 5); with console: presses of STOP (40)",
     )
     parser.add_argument(
         "--opt", default="", help="with render: options of the renderer, separated by commas, e.g. noocc,noshadow"
@@ -335,6 +338,14 @@ def _measure_faults(args: argparse.Namespace) -> dict[str, Any]:
     return measure_faults(find_scene(args.scene), args.n or _REPEATS, _say)
 
 
+def _measure_console(args: argparse.Namespace) -> dict[str, Any]:
+    """Measure STOP, rate and cost of the operator's page, and what it does to the haptic loop."""
+    from mimics_app.app.bench.console_bench import measure_console
+    from mimics_app.app.scenes.scene_search import find_scene
+
+    return measure_console(find_scene(args.scene), args.n or _PRESSES, args.rounds, _say)
+
+
 def _measure_lokomat(_: argparse.Namespace) -> dict[str, Any]:
     """Measure the control of the gait orthosis: cost, wall, transparency, and the search of the obstacle sequence."""
     from mimics_app.lab.lokomat_bench import measure_lokomat
@@ -400,5 +411,6 @@ _MEASURES = {
     "displays": _measure_displays,
     "record": _measure_record,
     "faults": _measure_faults,
+    "console": _measure_console,
     "lokomat": _measure_lokomat,
 }

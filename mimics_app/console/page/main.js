@@ -80,7 +80,7 @@ class Page {
     view.showAlarm(card ? "" : t(why), orderly);
     this.steering.setSession(card);
     this.before.show(!card);
-    document.querySelector("main").hidden = !card;
+    byId("columns").hidden = !card;
     for (const [, plot] of this.bands) plot.clear();
     byId("picture-image").hidden = true;
     byId("picture-none").hidden = false;

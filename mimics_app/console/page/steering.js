@@ -213,7 +213,7 @@ export class Steering {
 
   #enable() {
     const may = this.#operates && this.#card !== null;
-    for (const node of document.querySelectorAll("main button, main input")) node.disabled = !may;
+    for (const node of document.querySelectorAll("#columns button, #columns input")) node.disabled = !may;
     byId("stop").disabled = false;
   }
 }
