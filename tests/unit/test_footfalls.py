@@ -7,8 +7,8 @@ import pytest
 from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.walking.footfalls import Footfalls
 from mimics_app.tasks.walking.legs import GAITS, Legs, natural_step
-from mimics_app.tasks.walking.orthosis_legs import OrthosisLegs, legs_in
 from mimics_app.tasks.walking.walker import Walker
+from mimics_app.tasks.walking.worn_orthosis import OrthosisLegs, legs_in
 
 FRAME = 1.0 / 60.0
 

@@ -18,9 +18,9 @@ from mimics_app.tasks.kinds.canyon_walk.crossing import Beam, Crossing
 from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, TaskBlock, TaskKind, Values
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.legs import GAITS
-from mimics_app.tasks.walking.orthosis_legs import OrthosisLegs, legs_in
 from mimics_app.tasks.walking.throttle import Throttle
 from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, symmetry_card, walk_values
+from mimics_app.tasks.walking.worn_orthosis import OrthosisLegs, legs_in
 from mimics_app.world.components.bounds import Extent
 from mimics_app.world.components.registry import Component
 

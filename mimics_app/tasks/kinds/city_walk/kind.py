@@ -15,9 +15,9 @@ from mimics_app.tasks.deflection import DEAD_ZONE, deflection
 from mimics_app.tasks.kinds.kind import KindPlay, Measure, TaskBlock, TaskKind, Values
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.legs import GAITS
-from mimics_app.tasks.walking.orthosis_legs import OrthosisLegs, legs_in
 from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, symmetry_card, walk_values
 from mimics_app.tasks.walking.walker import Walker
+from mimics_app.tasks.walking.worn_orthosis import OrthosisLegs, legs_in
 from mimics_app.world.components.registry import Component
 from mimics_app.world.components.walking import PathWalker
 

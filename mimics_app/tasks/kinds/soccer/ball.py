@@ -29,7 +29,7 @@ _RESTS = 0.12
 """Vertical speed after a bounce below which the ball stays on the ground [m/s]."""
 _STILL = 1e-9
 """Speed that counts as none [m/s]."""
-_HEARD = 0.4
+_AUDIBLE_SPEED = 0.4
 """Speed from which a bounce off a wall is heard [m/s]."""
 _CONTACT_S = 0.010
 """Duration of the contact of a kick [s]."""
@@ -148,9 +148,9 @@ class SoccerBall:
         if beyond * wall <= 0.0 or self.velocity[axis] * wall <= 0.0:
             return False
         self.place[axis] = inside
-        heard = bool(abs(self.velocity[axis]) > _HEARD)
+        audible = bool(abs(self.velocity[axis]) > _AUDIBLE_SPEED)
         self.velocity[axis] *= -restitution
-        return heard
+        return audible
 
     def _gained(self, approach: float, foot_mass: float) -> float:
         """Return the speed that the ball gains in a contact: a linear spring and damper between two masses."""

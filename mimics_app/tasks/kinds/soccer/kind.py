@@ -19,9 +19,9 @@ from mimics_app.tasks.kinds.soccer.match import Happening, Match, Pitch
 from mimics_app.tasks.kinds.soccer.mind import Mind
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.legs import GAITS
-from mimics_app.tasks.walking.orthosis_legs import OrthosisLegs, legs_in
 from mimics_app.tasks.walking.throttle import Throttle
 from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, symmetry_card, walk_values
+from mimics_app.tasks.walking.worn_orthosis import OrthosisLegs, legs_in
 from mimics_app.world.components.bounds import Figure, Share
 from mimics_app.world.components.registry import Component
 

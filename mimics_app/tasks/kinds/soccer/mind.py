@@ -32,7 +32,7 @@ _LATE_S, _ASKEW = 0.9, 0.45
 """Delay of what is seen [s] and standard deviation of the aim [rad] without any skill."""
 _KEEPS = 1.6
 """Distance before the own goal at which a keeper stands [m]."""
-_FORESEES_S = 0.4
+_LOOKAHEAD_S = 0.4
 """How far ahead a player with skill 1 sees the ball [s]."""
 _CORNER = 1.0
 """How far aside of the goal's middle a player with skill 1 aims, past the other one [m]."""
@@ -109,7 +109,7 @@ class Mind:
         ball = self._seen[max(len(self._seen) - 1 - late, 0)]
         if self.skill <= 0.0:
             return self._go(view, self._keeping(view, ball), Act.KEEP)
-        ball += self.skill * _FORESEES_S * view.ball_velocity
+        ball += self.skill * _LOOKAHEAD_S * view.ball_velocity
         if self._threatened(view, ball):
             return self._go(view, self._keeping(view, ball), Act.KEEP)
         way = self._target(view, ball) - ball
