@@ -14,9 +14,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from mimics_app.contracts.arrays import F8, Records
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import SECOND_NS, TICK_NS, TICKS_PER_SECOND
-from mimics_app.recording.columns import present_columns, recorded_fields, rows_of
+from mimics_app.recording.columns import present_columns, recorded_fields, rows_of, samples_of
 from mimics_app.recording.report_values import mapping, number
 from mimics_app.recording.run import Run
 from mimics_app.recording.signals import SampledSignal, sampled_signals
@@ -127,18 +127,19 @@ def _ticks(run: Run) -> Iterator[Batch]:
     stop_s = number(mapping(run.session.get("safety")).get("late_stop_s"))
     stop_ns = np.inf if stop_s is None else stop_s * SECOND_NS
     dropped_before = 0.0
-    for records in _joined(run.blocks()):
+    for all_columns in _joined(map(rows_of, run.blocks())):
+        records = samples_of(all_columns)
         late_ns = np.nan_to_num(records["lateness_ns"])
         dropped = np.where(late_ns > stop_ns, late_ns // _MS_NS, 0.0)
         before = dropped_before + np.cumsum(dropped) - dropped
         dropped_before += float(dropped.sum())
-        rows = rows_of(records)[:, columns]
+        rows = all_columns[:, columns]
         yield Batch((records["tick"] + before) * TICK_NS / SECOND_NS, rows[:, 0], rows[:, 1:])
 
 
-def _joined(blocks: Iterable[Records]) -> Iterator[Records]:
-    """Yield the rows of blocks in batches of equal length."""
-    waiting: list[Records] = []
+def _joined(blocks: Iterable[F8]) -> Iterator[F8]:
+    """Yield the rows of blocks, each of shape [n, columns], in batches of equal length."""
+    waiting: list[F8] = []
     rows = 0
     for block in blocks:
         waiting.append(block)

@@ -199,5 +199,7 @@ def sampled_signals(folder: Path) -> dict[str, SampledSignal]:
         return found
     for part in scan_stream(path, decode_signals, read_schema(path) or signals_schema()):
         for row in part.block.records if isinstance(part, Found) else ():
-            found.setdefault(row.block.name, SampledSignal()).add(row.block)
+            if row.block.name not in found:
+                found[row.block.name] = SampledSignal()
+            found[row.block.name].add(row.block)
     return found
