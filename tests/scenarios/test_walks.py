@@ -110,3 +110,22 @@ def test_steps_on_the_beam_sound_of_wood_and_before_it_of_the_street(tmp_path: P
     assert {material for material, z in steps if z < -20.5} == {"wood"}
     assert {material for material, z in steps if z > -19.5} == {"asphalt"}
     assert len(steps) > 10
+
+
+def test_the_steps_of_the_opponent_are_heard_where_the_opponent_is(tmp_path: Path) -> None:
+    """D2.1 6.3: from behind, louder as it comes nearer; the level follows from the place by the inverse law."""
+    file = _changed(tmp_path, "soccer", skill=1.0)
+    listener = Listener()
+    with open_core(prepare_scene(load_checked_scene(file), RunSettings(file))) as core:
+        core.sound = listener  # type: ignore[assignment]
+        play = Frames(core)
+        play.play_to_start()
+        away = []
+        for _ in range(60 * 6):
+            play.advance_frame()
+            at = core.world.find("opponent").world_matrix()[:3, 3]
+            heard = [place for kind, _, place in listener.heard if kind == "opponent_step"][len(away) :]
+            away += [float(np.linalg.norm((place - at)[::2])) for place in heard]
+    assert len(away) > 6 and max(away) < 0.6, "at the feet"
+    sound = next(e for e in json.loads(file.read_text())["entities"] if e["id"] == "opponent_steps")["components"]
+    assert sound["sound"]["reference_distance"] == 1.0
