@@ -129,3 +129,30 @@ def test_the_steps_of_the_opponent_are_heard_where_the_opponent_is(tmp_path: Pat
     assert len(away) > 6 and max(away) < 0.6, "at the feet"
     sound = next(e for e in json.loads(file.read_text())["entities"] if e["id"] == "opponent_steps")["components"]
     assert sound["sound"]["reference_distance"] == 1.0
+
+
+@pytest.mark.slow
+def test_legs_in_the_gait_orthosis_walk_towards_the_beam(tmp_path: Path) -> None:
+    """The same scene with the simulated Lokomat and a person in it, weak on the left side: nobody moves a hand."""
+    document = json.loads((SCENES / "canyon_walk.json").read_text())
+    swing = json.loads((SCENES / "examples" / "lokomat_free_swing.json").read_text())
+    robot = next(entity for entity in swing["entities"] if entity["id"] == "robot")
+    robot["components"]["robot"]["settings"]["person"] = "hemiparetic_left"
+    robot["components"] |= {
+        "joint_reference": {"body_height": 1.75, "speed": 0.4},
+        "controller": {"name": "lokomat_impedance"},
+        "safety": {"velocity_limit": 2.5},
+    }
+    foot = {"id": "foot", "transform": {"translation": [0.145, 0.114, -0.09975]}}
+    foot["components"] = {"ball": {"radius_min": 0.03, "radius_max": 0.03}}
+    rest = [entity for entity in document["entities"] if entity["id"] not in ("robot", "patient")]
+    document["entities"] = [*rest, robot, foot, {"id": "patient", "components": {"patient": {}}}]
+    file = tmp_path / "canyon_walk.json"
+    file.write_text(json.dumps(document))
+    with open_core(prepare_scene(load_checked_scene(file), RunSettings(file))) as core:
+        play = Frames(core)
+        play.play_to_start()
+        for _ in range(60 * 12):
+            play.advance_frame()
+        result = core.tasks.result()
+    assert result["steps"] >= 10 and result["distance_m"] > 1.5
