@@ -21,7 +21,12 @@ from mimics_app.contracts.loop.loop_ports import (
     DATA_GRASP,
     DATA_LENGTH,
     DATA_Q,
+    INBOX_ACTIVE,
+    INBOX_BUTTONS,
+    INBOX_GRASP,
     INBOX_LENGTH,
+    INBOX_TARGET,
+    INBOX_TRIAL,
 )
 from mimics_app.rendering.haptic.devices import serial_frames as frames
 from mimics_app.rendering.haptic.devices import serial_payloads as payloads
@@ -157,11 +162,14 @@ def test_command_and_screen_come_out_as_they_went_in(numbers: list[float], enabl
     command[COMMAND_DQ : COMMAND_DQ + 3], command[COMMAND_FORCE : COMMAND_FORCE + 3] = numbers[:3], numbers[3:]
     command[COMMAND_ENABLED], command[COMMAND_STATE] = enabled, 4
     out[COMMAND_FORCE + 3 : COMMAND_ENABLED] = out[COMMAND_DQ + 3 : COMMAND_FORCE] = 0.0  # it has no such joints
+    out[COMMAND_STATE + 1 :] = 0.0  # and no belt
     payloads.pack_command(command, usable, payload)
     payloads.unpack_command(payload, out)
     assert np.array_equal(out, command if usable else np.zeros(COMMAND_LENGTH))
     inbox, seen = np.zeros(INBOX_LENGTH), np.ones(INBOX_LENGTH)
-    inbox[:] = [*numbers[:3], numbers[3], 3.0, float(enabled), 70000.0]
+    inbox[INBOX_TARGET : INBOX_TARGET + 3], inbox[INBOX_GRASP] = numbers[:3], numbers[3]
+    inbox[INBOX_BUTTONS], inbox[INBOX_ACTIVE], inbox[INBOX_TRIAL] = 3.0, float(enabled), 70000.0
     payloads.pack_screen(inbox, payload)
     payloads.unpack_screen(payload, seen)
-    assert np.array_equal(seen[:6], inbox[:6]) and seen[6] == 70000 % 65536
+    shown = [INBOX_TARGET, INBOX_TARGET + 1, INBOX_TARGET + 2, INBOX_GRASP, INBOX_BUTTONS, INBOX_ACTIVE]
+    assert np.array_equal(seen[shown], inbox[shown]) and seen[INBOX_TRIAL] == 70000 % 65536

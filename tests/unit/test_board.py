@@ -22,7 +22,9 @@ GREEN, ORANGE, RED = (0.36, 0.78, 0.47), (0.96, 0.62, 0.16), (0.90, 0.22, 0.20)
 
 def _colours(margin: float, energy: float = 0.0) -> set[tuple[float, ...]]:
     hud = Hud()
-    snapshot = SimpleNamespace(margin=margin, energy=energy, stiffness_share=1.0, calm=1.0)
+    point = SimpleNamespace(margin=margin, energy=energy, stiffness_share=1.0, calm=1.0)
+    calm = SimpleNamespace(margin=99.0, energy=0.0, stiffness_share=1.0, calm=1.0)
+    snapshot = SimpleNamespace(points=(calm, point))  # the worst of all points counts
     BoardLayout().lay(hud, Board({"margin": stability_card(snapshot)}), ["margin"], 30.0)
     return {tuple(np.round(row["tint"][:3], 2).tolist()) for row in hud.rows()}
 

@@ -18,13 +18,14 @@ NS = 1_000_000_000
 
 
 def snapshot(user=(0.0, 0.0, 0.0), measured=(0.0, 0.0, 0.0), grip=(0.0, 0.0, 0.0)):
-    return SimpleNamespace(
+    point = SimpleNamespace(
         hip_world=np.array([0.1, 1.0, 0.2]),
         ball_radius=0.02,
         f_user_world=np.array(user),
         f_meas_world=np.array(measured),
         f_grip=np.array(grip),
     )
+    return SimpleNamespace(points=(point,))
 
 
 def contact(kind: EventKind, **values) -> np.ndarray:
