@@ -52,6 +52,7 @@ MODULES = (
     f"{_LOKOMAT}.load_compensation",
     f"{_LOKOMAT}.leg_control",
     f"{_LOKOMAT}.gait_limits",
+    "mimics_app.rendering.haptic.controllers.orthosis_walk",
 )
 """Where records of touch are declared: every dtype with fields that a module of these names in capitals."""
 

@@ -51,7 +51,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--surface", choices=("egl", "window"), default="egl", help="with frame: draw off screen (egl) or in a window"
     )
     parser.add_argument(
-        "--charts", type=Path, metavar="DIR", help="with physio, audio and frame: folder to write their figures to"
+        "--charts",
+        type=Path,
+        metavar="DIR",
+        help="with physio, audio, frame, lokomat: folder to write their figures to",
     )
     parser.add_argument(
         "--people",
@@ -346,11 +349,16 @@ def _measure_console(args: argparse.Namespace) -> dict[str, Any]:
     return measure_console(find_scene(args.scene), args.n or _PRESSES, args.rounds, _say)
 
 
-def _measure_lokomat(_: argparse.Namespace) -> dict[str, Any]:
+def _measure_lokomat(args: argparse.Namespace) -> dict[str, Any]:
     """Measure the control of the gait orthosis: cost, wall, transparency, and the search of the obstacle sequence."""
     from mimics_app.lab.lokomat_bench import measure_lokomat
 
-    return measure_lokomat(_say)
+    figures = measure_lokomat(_say)
+    if args.charts is not None:
+        from mimics_app.lab.lokomat_figure import write_figures
+
+        figures["charts"] = write_figures(args.charts)
+    return figures
 
 
 def _measure_physio(args: argparse.Namespace) -> dict[str, Any]:

@@ -1369,3 +1369,16 @@ class LegLimitsRecord:
     rise: float
     power: float
     stiffness: float
+
+class WalkRecord:
+    """`mimics_app.rendering.haptic.controllers.orthosis_walk.WALK`."""
+
+    sequence: SequenceRecord
+    settings: SequenceSettingsRecord
+    facts: SequenceFactsRecord
+    limits: LegLimitsRecord
+    walked: float
+    x: Floats
+    distance: Floats
+    jacobian: Floats
+    last: Floats

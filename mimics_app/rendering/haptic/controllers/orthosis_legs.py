@@ -27,6 +27,13 @@ from mimics_app.rendering.haptic.control.lokomat.leg_control import (
     control_impedance,
 )
 from mimics_app.rendering.haptic.control.lokomat.sagittal_outline import put_box, put_circle, put_kerb, put_wall
+from mimics_app.rendering.haptic.controllers.orthosis_walk import (
+    WALK,
+    begin_walk,
+    guide_leg,
+    limit_walking_leg,
+    step_walk,
+)
 from mimics_app.rendering.haptic.kernels.leg_kinematics import GEOMETRY, SHANK, THIGH
 from mimics_app.rendering.haptic.kernels.lokomat.linkage import FIXED_ARM, MOVED_ARM, OFFSET, TURNED
 from mimics_app.rendering.haptic.kernels.two_link import (
@@ -47,7 +54,7 @@ if TYPE_CHECKING:
         LegSettingsRecord,
     )
 
-__all__ = ["PARAMETERS", "HardObject", "control_legs", "refuse_unless_two_legs"]
+__all__ = ["PARAMETERS", "WALK_PLACES", "HardObject", "control_legs", "refuse_unless_two_legs"]
 
 
 class HardObject(IntEnum):
@@ -73,32 +80,41 @@ PARAMETERS = (
     ControllerParameter("impulse_ticks", 0.0, 0.0, 50.0),
     ControllerParameter("restitution", 0.0, 0.0, 1.0),
     ControllerParameter("wall_force", 60.0, 1.0, 300.0, "N"),
-    ControllerParameter("virtual_mass", 500.0, 20.0, 5000.0, "kg", size=2),  # of hip and knee shaft
+    ControllerParameter("hip_virtual_mass", 500.0, 20.0, 5000.0, "kg"),  # of the shaft
+    ControllerParameter("knee_virtual_mass", 150.0, 20.0, 5000.0, "kg"),
     ControllerParameter("virtual_damping", 60.0, 0.0, 5000.0, "N s/m", size=2),
     ControllerParameter("deadband", 2.0, 0.0, 100.0, "N", size=2),
     ControllerParameter("bandwidth", 40.0, 5.0, 200.0, "rad/s"),
     ControllerParameter("pd_stiffness", 2000.0, 10.0, 20_000.0, "N m/rad", size=2),
     ControllerParameter("computed_torque", 1.0, 0.0, 1.0),
     ControllerParameter("guidance_stiffness", 150.0, 0.0, 2000.0, "N m/rad", size=2),
-    ControllerParameter("guidance_damping", 8.0, 0.0, 200.0, "N m s/rad", size=2),
+    ControllerParameter("guidance_damping", 30.0, 0.0, 200.0, "N m s/rad", size=2),
     ControllerParameter("compensation", 0.95, 0.0, 1.0),  # share of the drives' friction
     ControllerParameter("coulomb", 45.0, 0.0, 500.0, "N", size=2),
     ControllerParameter("viscous", 150.0, 0.0, 5000.0, "N s/m", size=2),
     ControllerParameter("motor_mass", 22.1, 0.1, 500.0, "kg", size=2),
-    ControllerParameter("orthosis_mass", 2.0, 0.0, 20.0, "kg", size=2),  # at thigh and shank
-    ControllerParameter("leg_mass", 7.5, 0.5, 30.0, "kg", size=2),  # thigh; shank with foot
-    ControllerParameter("hip_link", 0.32, 0.01, 2.0, "m", size=2),  # fixed and moved arm
+    ControllerParameter("thigh_orthosis", 2.0, 0.0, 20.0, "kg"),
+    ControllerParameter("shank_orthosis", 1.0, 0.0, 20.0, "kg"),
+    ControllerParameter("thigh", 7.5, 0.5, 30.0, "kg"),
+    ControllerParameter("shank", 4.575, 0.5, 30.0, "kg"),  # with the foot
+    ControllerParameter("hip_fixed_arm", 0.32, 0.01, 2.0, "m"),
+    ControllerParameter("hip_moved_arm", 0.085, 0.01, 2.0, "m"),
     ControllerParameter("hip_offset", 1.70, 0.0, 3.2, "rad"),
-    ControllerParameter("knee_link", 0.30, 0.01, 2.0, "m", size=2),
+    ControllerParameter("knee_fixed_arm", 0.30, 0.01, 2.0, "m"),
+    ControllerParameter("knee_moved_arm", 0.065, 0.01, 2.0, "m"),
     ControllerParameter("knee_offset", 2.20, 0.0, 3.2, "rad"),
+    ControllerParameter("sequence", 0.0, 0.0, 1.0),  # 1: the patient walks, and the obstacle follows D2.1 4.3.6
+    ControllerParameter("obstacle_after", 0.0, 0.0, 600.0, "s"),  # of walking; 0: never
+    ControllerParameter("exploring_leg", 0.0, 0.0, 1.0),  # 0 left, 1 right
 )
 """Parameters of both controllers."""
 
 (
     _AS_PRINTED, _COMBINED, _OBJECT_KIND, _OBJECT, _OBJECT_SIZE, _ROUNDING, _STIFFNESS, _DAMPING, _FRICTION,
-    _IMPULSE_TICKS, _RESTITUTION, _WALL_FORCE, _VIRTUAL_MASS, _VIRTUAL_DAMPING, _DEADBAND, _BANDWIDTH, _PD_STIFFNESS,
-    _COMPUTED, _GUIDANCE_STIFFNESS, _GUIDANCE_DAMPING, _COMPENSATION, _COULOMB, _VISCOUS, _MOTOR_MASS, _ORTHOSIS_MASS,
-    _LEG_MASS, _HIP_LINK, _HIP_OFFSET, _KNEE_LINK, _KNEE_OFFSET,
+    _IMPULSE_TICKS, _RESTITUTION, _WALL_FORCE, _VIRTUAL_MASS, _KNEE_MASS, _VIRTUAL_DAMPING, _DEADBAND, _BANDWIDTH,
+    _PD_STIFFNESS, _COMPUTED, _GUIDANCE_STIFFNESS, _GUIDANCE_DAMPING, _COMPENSATION, _COULOMB, _VISCOUS, _MOTOR_MASS,
+    _ORTHOSIS_MASS, _SHANK_ORTHOSIS, _LEG_MASS, _SHANK_WITH_FOOT, _HIP_LINK, _HIP_MOVED, _HIP_OFFSET, _KNEE_LINK,
+    _KNEE_MOVED, _KNEE_OFFSET, _SEQUENCE, _OBSTACLE_AFTER, _EXPLORING_LEG,
 ) = places_of(PARAMETERS)  # fmt: skip
 
 _THIGH_COM, _SHANK_COM, _THIGH_GYRATION, _SHANK_GYRATION = 0.433, 0.606, 0.323, 0.416
@@ -125,13 +141,24 @@ _SPEED_LIMIT = 0.5
 _FORCE_LIMIT = 3000.0
 """Largest measured force that moves it [N]."""
 
+_JOINTS = 4
+"""Hip and knee of both legs."""
+
 _HOLD = 2.0
 """Pull at which a foot leaves a hard object [N]."""
 
 _SETTINGS = LEG_SETTINGS.itemsize // 8
 _INPUT = _SETTINGS + LEG_INPUT.itemsize // 8
 _STATE = LEG_STATE.itemsize // 8
-"""Places of the records in a controller's memory: numbers of a leg, input of a leg, then the states of both legs."""
+_WALK = _INPUT + 2 * _STATE
+_LENGTH = _WALK + WALK.itemsize // 8
+"""Places of the records in a controller's memory: numbers of a leg, input of a leg, states of both legs, gait state."""
+
+WALK_PLACES = slice(_WALK, _LENGTH)
+"""Places of the gait state, a WALK record."""
+
+_STANDS = 1e-6
+"""Speed of a reference that stands [rad/s]."""
 
 
 @kernel
@@ -178,7 +205,7 @@ def _write_laws(settings: LegSettingsRecord, numbers: Vec) -> None:
     position.bandwidth, position.ratio = numbers[_BANDWIDTH], 1.0
     position.computed = 1 if numbers[_COMPUTED] != 0.0 else 0
     for joint in range(2):
-        shafts.mass[joint] = numbers[_VIRTUAL_MASS + joint]
+        shafts.mass[joint] = numbers[_VIRTUAL_MASS if joint == 0 else _KNEE_MASS]
         shafts.damping[joint] = numbers[_VIRTUAL_DAMPING + joint]
         shafts.deadband[joint] = numbers[_DEADBAND + joint]
         shafts.speed_limit[joint], shafts.force_limit[joint] = _SPEED_LIMIT, _FORCE_LIMIT
@@ -195,16 +222,17 @@ def _write_machine(settings: LegSettingsRecord, numbers: Vec, geometry: Vec) -> 
     for i in range(GEOMETRY):
         frame.geometry[i] = geometry[i]
     for joint in range(2):
-        place = _HIP_LINK if joint == 0 else _KNEE_LINK
         link = frame.links[joint]
-        link[FIXED_ARM], link[MOVED_ARM], link[TURNED] = numbers[place], numbers[place + 1], -1.0
+        link[FIXED_ARM] = numbers[_HIP_LINK if joint == 0 else _KNEE_LINK]
+        link[MOVED_ARM] = numbers[_HIP_MOVED if joint == 0 else _KNEE_MOVED]
+        link[TURNED] = -1.0
         link[OFFSET] = numbers[_HIP_OFFSET] if joint == 0 else numbers[_KNEE_OFFSET]
         load.coulomb[joint], load.viscous[joint] = numbers[_COULOMB + joint], numbers[_VISCOUS + joint]
     load.weight, load.friction, load.slow = 1.0, numbers[_COMPENSATION], _SLOW
-    thigh, shank = numbers[_ORTHOSIS_MASS], numbers[_ORTHOSIS_MASS + 1]
+    thigh, shank = numbers[_ORTHOSIS_MASS], numbers[_SHANK_ORTHOSIS]
     _write_links(load.links, geometry, thigh, shank)
     _write_links(position.carried, geometry, thigh, shank)
-    _write_links(position.links, geometry, thigh + numbers[_LEG_MASS], shank + numbers[_LEG_MASS + 1])
+    _write_links(position.links, geometry, thigh + numbers[_LEG_MASS], shank + numbers[_SHANK_WITH_FOOT])
 
 
 @kernel
@@ -217,6 +245,23 @@ def _read_leg(own: LegInputRecord, now: ControlInputRecord, leg: int) -> None:
         own.guidance[joint] = now.guidance[place]
     own.force[0], own.force[1] = now.f_user[3 * leg], now.f_user[3 * leg + 2]
     own.hard, own.dt = 1, now.dt
+
+
+@kernel
+def _reference_stands(now: ControlInputRecord) -> bool:
+    """Whether no leg is led along a walk: only then a hard object may act."""
+    for place in range(_JOINTS):
+        if now.guidance[place] > 0.0 and abs(now.dq_reference[place]) > _STANDS:
+            return False
+    return True
+
+
+@kernel
+def _far_side(parameters: Vec) -> float:
+    """Place of the far side of the hard object [m]."""
+    kind = int(parameters[_OBJECT_KIND])
+    depth = 0.5 * parameters[_OBJECT_SIZE] if kind == HardObject.BOX or kind == HardObject.ROUND else 0.0
+    return parameters[_OBJECT] + depth
 
 
 @kernel
@@ -234,17 +279,29 @@ def control_legs(
     """
     settings = memory[:_SETTINGS].view(LEG_SETTINGS)[0]
     own = memory[_SETTINGS:_INPUT].view(LEG_INPUT)[0]
+    walk, walks = memory[_WALK:_LENGTH].view(WALK)[0], parameters[_SEQUENCE] != 0.0
     if now.started == 1:
         _write_machine(settings, parameters, now.geometry)
+        begin_walk(walk, now.dt)
     _write_laws(settings, parameters)
     _write_object(settings, parameters)
+    if walks:
+        after, leg = parameters[_OBSTACLE_AFTER], int(parameters[_EXPLORING_LEG])
+        step_walk(walk, now, leg, after, _far_side(parameters))
+    stands = _reference_stands(now)
     for leg in range(2):
         state = memory[_INPUT + leg * _STATE : _INPUT + (leg + 1) * _STATE].view(LEG_STATE)[0]
         _read_leg(own, now, leg)
+        if walks:
+            guide_leg(walk, leg, own)
+        elif not stands:
+            own.hard = 0
         if combined and parameters[_COMBINED + leg] != 0.0:
             control_combined(settings, own, state)
         else:
             control_impedance(settings, own, state)
+        if walks:
+            limit_walking_leg(walk, leg, settings, own, state)
         for joint in range(2):
             out.torque[2 * leg + joint] = state.tau[joint]
 
