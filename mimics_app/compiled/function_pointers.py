@@ -15,10 +15,13 @@ from numba.core import cgutils
 from numba.extending import lower_builtin, type_callable
 from numpy.typing import NDArray
 
-__all__ = ["functions_at", "pointers_to"]
+__all__ = ["FUNCTION_WORDS", "functions_at", "pointers_to"]
 
 _MEMBERS = ("c_addr", "py_addr", "jit_addr")
 """Words of a compiled function's machine value."""
+
+FUNCTION_WORDS = len(_MEMBERS)
+"""How many each has."""
 
 
 def pointers_to(functions: Sequence[Any], kind: Any) -> NDArray[np.int64]:
@@ -43,7 +46,7 @@ def pointers_to(functions: Sequence[Any], kind: Any) -> NDArray[np.int64]:
 
 
 def functions_at(pointers: NDArray[np.int64], kind: Any) -> Any:
-    """Return the functions as a tuple of type `kind`; for compiled code only."""
+    """Return the functions as a tuple of type `kind`, or the one function of that type; for compiled code only."""
     raise TypeError("functions_at is for compiled code")
 
 

@@ -143,7 +143,6 @@ Tick = Callable[
         Simulate,
         Fields,
         Kin,
-        Controllers,
         Table[StateRecord],
         Floats,
         int,
@@ -157,7 +156,7 @@ Tick = Callable[
     None,
 ]
 LoopTick = Callable[
-    [Channels, Work, Tick, Read, Write, Floats, Simulate, Fields, Kin, Controllers, int, int, float, int, float], int
+    [Channels, Work, Tick, Read, Write, Floats, Simulate, Fields, Kin, int, int, float, int, float], int
 ]
 """
 

@@ -16,8 +16,7 @@ from numba import from_dtype, types
 
 from mimics_app.compiled.borrowed import borrowed
 from mimics_app.compiled.kernel import kernel, typed_kernel
-from mimics_app.contracts.loop.controller_port import CONTROLLERS
-from mimics_app.contracts.loop.controller_slots import Slot, names_in
+from mimics_app.contracts.loop.controller_slots import Slot
 from mimics_app.contracts.loop.device_descriptor import KINEMATICS_SET
 from mimics_app.contracts.loop.haptic import SAMPLE, SCENE
 from mimics_app.contracts.loop.haptic_objects import EffectKind, ShapeKind
@@ -36,17 +35,16 @@ from mimics_app.contracts.loop.loop_ports import (
     FIELD,
     FIELDS,
 )
-from mimics_app.rendering.haptic.controllers.registry import controllers_of
 from mimics_app.rendering.haptic.kernels.kinematics import apply_jacobian
 from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
-from mimics_app.rendering.haptic.kernels.state import STATE, new_states
+from mimics_app.rendering.haptic.kernels.state import STATE
 from mimics_app.rendering.haptic.kernels.vectors import norm
 from mimics_app.rendering.haptic.loop_tick import SIMULATION, TICK, tick
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, load_simulation, no_objects
 from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROWS
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from tests.support.body_play import Play
-from tests.support.haptic_bench import KIN, add_forms, wavy
+from tests.support.haptic_bench import KIN, add_forms, states_of, wavy
 from tests.support.object_bench import FACING_UP
 from tests.support.touch_play import KINDS, SOLIDS, add_point, new_touch_play
 
@@ -172,7 +170,7 @@ def _change_objects(noise, scene, tables):
 @typed_kernel(
     types.void(
         types.int64, types.int64, from_dtype(SCENE)[::1], ROWS, OBJECT_WORK, types.FunctionType(TICK), SIMULATION,
-        FIELDS, KINEMATICS_SET, CONTROLLERS, from_dtype(STATE)[::1], _VECTOR, _VECTOR, from_dtype(SAMPLE)[::1],
+        FIELDS, KINEMATICS_SET, from_dtype(STATE)[::1], _VECTOR, _VECTOR, from_dtype(SAMPLE)[::1],
         types.int64[::1], types.int64[::1], types.int64[::1],
     )
 )  # fmt: skip
@@ -186,7 +184,6 @@ def _attack(
     simulate,
     fields,
     kin,
-    controllers,
     states,
     data,
     command,
@@ -259,7 +256,6 @@ def _attack(
             simulate,
             fields,
             kin,
-            controllers,
             states,
             data,
             status,
@@ -355,8 +351,9 @@ def _check(seed: int, ticks: int, among: bool = False) -> None:
         wavy().fill(play.rows.tunnels[0])
     simulate, fields = (load_simulation(), (_breaks,) * len(NO_FIELDS)) if among else (no_objects, NO_FIELDS)
     room = (np.zeros(DATA_LENGTH), np.zeros(COMMAND_LENGTH), np.zeros(1, SAMPLE))
-    plugins = (tick, simulate, fields, KIN, controllers_of(names_in(scene[0]["controller_names"])))
-    _attack(seed, ticks, scene, play.rows, play.work, *plugins, new_states(), *room, broken, met, at)
+    plugins = (tick, simulate, fields, KIN)
+    states = states_of(scene)
+    _attack(seed, ticks, scene, play.rows, play.work, *plugins, states, *room, broken, met, at)
     assert dict(zip(LAWS, broken.tolist(), strict=True)) == dict.fromkeys(LAWS, 0)
     habits = dict(zip(HABITS, met.tolist()[:-1], strict=True))
     assert all(count >= 2e-4 * ticks for count in habits.values()), habits

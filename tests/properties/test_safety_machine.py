@@ -15,8 +15,7 @@ from numba import from_dtype, types
 
 from mimics_app.compiled.borrowed import borrowed
 from mimics_app.compiled.kernel import kernel, typed_kernel
-from mimics_app.contracts.loop.controller_port import CONTROLLERS
-from mimics_app.contracts.loop.controller_slots import Slot, names_in
+from mimics_app.contracts.loop.controller_slots import Slot
 from mimics_app.contracts.loop.device_descriptor import KINEMATICS_SET
 from mimics_app.contracts.loop.haptic import SAMPLE, SCENE, SafetyState, TripCause
 from mimics_app.contracts.loop.loop_fields import MAX_JOINTS
@@ -36,15 +35,14 @@ from mimics_app.contracts.loop.loop_ports import (
     FIELDS,
 )
 from mimics_app.contracts.loop.object_rows import ObjectCapacities, new_rows
-from mimics_app.rendering.haptic.controllers.registry import controllers_of
 from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
-from mimics_app.rendering.haptic.kernels.state import STATE, new_states
+from mimics_app.rendering.haptic.kernels.state import STATE
 from mimics_app.rendering.haptic.kernels.vectors import norm
 from mimics_app.rendering.haptic.loop_tick import SIMULATION, TICK, tick
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
 from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROWS, new_object_work
 from mimics_app.rendering.haptic.scene_block import scene_from_components
-from tests.support.haptic_bench import KIN, add_forms, wavy
+from tests.support.haptic_bench import KIN, add_forms, states_of, wavy
 
 PERSON = int(Slot.PERSON)
 """The slots behind hold the other two forms of admittance."""
@@ -153,7 +151,7 @@ def _spoil(law, scene, state, command, before, last_force, last_command, poisone
 @typed_kernel(
     types.void(
         types.int64, types.int64, types.int64, from_dtype(SCENE)[::1], ROWS, OBJECT_WORK, types.FunctionType(TICK),
-        SIMULATION, FIELDS, KINEMATICS_SET, CONTROLLERS, from_dtype(STATE)[::1], _VECTOR, _VECTOR,
+        SIMULATION, FIELDS, KINEMATICS_SET, from_dtype(STATE)[::1], _VECTOR, _VECTOR,
         from_dtype(SAMPLE)[::1], types.int64[::1], types.int64[:, ::1],
     )
 )  # fmt: skip
@@ -168,7 +166,6 @@ def _walk(
     simulate,
     fields,
     kin,
-    controllers,
     states,
     data,
     command,
@@ -268,7 +265,6 @@ def _walk(
             simulate,
             fields,
             kin,
-            controllers,
             states,
             data,
             status,
@@ -334,8 +330,7 @@ def _run(seed: int, ticks: int, spoilt: int = -1) -> tuple[dict[str, int], np.nd
         no_objects,
         NO_FIELDS,
         KIN,
-        controllers_of(names_in(scene[0]["controller_names"])),
-        new_states(),
+        states_of(scene),
         np.zeros(DATA_LENGTH),
         np.zeros(COMMAND_LENGTH),
         np.zeros(1, SAMPLE),

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.compiled.kernel import kernel, typed_kernel
-from mimics_app.contracts.loop.controller_slots import Slot
+from mimics_app.contracts.loop.controller_slots import Slot, names_in
 from mimics_app.contracts.loop.device_descriptor import Kinematics
 from mimics_app.contracts.loop.haptic import INBOX, SAMPLE
 from mimics_app.contracts.loop.loop_ports import (
@@ -28,6 +28,7 @@ from mimics_app.contracts.loop.loop_ports import (
 from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.contracts.shared_memory import ring
 from mimics_app.contracts.shared_memory.session_memory import Capacities, SessionMemory
+from mimics_app.rendering.haptic.controllers.registry import controllers_of, set_controllers
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.dynamics import servo_dynamics
 from mimics_app.rendering.haptic.devices.registry import build_device
@@ -35,6 +36,7 @@ from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_hapticmaster import write_robot, write_robot_memory
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.kernels.robot import ROBOT_LENGTH, sense, step_robot
+from mimics_app.rendering.haptic.kernels.state import new_states
 from mimics_app.rendering.haptic.replay import replay_run
 from mimics_app.rendering.haptic.scene_block import controller_values, dynamics_of, scene_from_components
 from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel
@@ -164,6 +166,13 @@ def add_forms(block: NDArray[Any]) -> None:
     for slot, name in enumerate(("admittance_polar", "admittance_seed"), Slot.PERSON + 1):
         for each, value in controller_values(block, slot, name).items():
             block[0][each] = value
+
+
+def states_of(block: NDArray[Any]) -> NDArray[Any]:
+    """Initial states of a loop with the controllers of a block."""
+    states = new_states()
+    set_controllers(states, controllers_of(names_in(block[0]["controller_names"])))
+    return states
 
 
 def bench_of(

@@ -12,7 +12,8 @@ tick, whose output is held. The arguments:
     parameters  its own parameters, shape [CONTROLLER_PARAMETERS], in the order that it declares
     memory      its own state, shape [CONTROLLER_MEMORY]; zeros when `now.started` is 1
     work        record CONTROL_WORK, scratch
-    out         record CONTROL_OUTPUT; on entry the motion commanded in the last tick, as limited, and zero forces
+    out         record CONTROL_OUTPUT; on entry, of a controller of velocities, the motion commanded in the last tick as
+                limited; of others, zero forces and torques
 
 The rules of every plug-in of the loop apply: no allocation, no exception, no index out of range. A controller wishes;
 the loop limits what it wishes (speed and acceleration of joints and points, joint brake, force with its rise and power,
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
 __all__ = [
     "CONTROLLER",
     "CONTROLLERS",
+    "CONTROLLER_FUNCTION",
     "CONTROLLER_MEMORY",
     "CONTROL_INPUT",
     "CONTROL_OUTPUT",
@@ -144,8 +146,11 @@ CONTROLLER = types.void(
 )
 """Signature of `compute(kin, now, parameters, memory, work, out)`; compile it with `typed_kernel(CONTROLLER)`."""
 
-CONTROLLERS = types.UniTuple(types.FunctionType(CONTROLLER), MAX_CONTROLLERS)  # type: ignore[no-untyped-call]
-"""Compiled type of a session's controllers: first-class, so that the loop's code does not depend on them."""
+CONTROLLER_FUNCTION = types.FunctionType(CONTROLLER)
+"""Compiled type of a controller: first-class, so that the loop's code does not depend on it."""
+
+CONTROLLERS = types.UniTuple(CONTROLLER_FUNCTION, MAX_CONTROLLERS)  # type: ignore[no-untyped-call]
+"""Compiled type of a session's controllers."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,14 +22,13 @@ from numpy.typing import NDArray
 from mimics_app.compiled.borrowed import borrowed
 from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.loop.controller_port import CONTROLLERS
 from mimics_app.contracts.loop.controller_slots import names_in
 from mimics_app.contracts.loop.device_descriptor import KINEMATICS_SET, Kin
 from mimics_app.contracts.loop.haptic import SAMPLE, SCENE
 from mimics_app.contracts.loop.loop_ports import COMMAND_LENGTH, DATA_DQ, DATA_LENGTH, DATA_Q, FIELDS
 from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.lab.stability.linear import find_limit
-from mimics_app.rendering.haptic.controllers.registry import controllers_of
+from mimics_app.rendering.haptic.controllers.registry import controllers_of, set_controllers
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
 from mimics_app.rendering.haptic.kernels.safety import HOLD, IN_TIME, LATE_DAMP
@@ -42,7 +41,6 @@ from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import (
-        Controllers,
         Fields,
         Ints,
         ObjectWork,
@@ -188,7 +186,6 @@ _KIN = tuple(HAPTICMASTER.kinematics)
         SIMULATION,
         FIELDS,
         KINEMATICS_SET,
-        CONTROLLERS,
         _VECTOR,
         _VECTOR,
         types.int64[::1],
@@ -207,7 +204,6 @@ def _stroke(
     simulate: Simulate,
     fields: Fields,
     kin: Kin,
-    controllers: Controllers,
     depth: Vec,
     rate: Vec,
     held: Ints,
@@ -230,7 +226,6 @@ def _stroke(
             simulate,
             fields,
             kin,
-            controllers,
             states,
             data,
             0,
@@ -280,9 +275,11 @@ def energy_of(wakes: Wakes, damping: float, policy: bool, stroke: Stroke = Strok
     samples, observers = np.zeros(1, SAMPLE), np.zeros(1, OBSERVER)
     objects = new_object_work(ObjectCapacities())
     scene = _scene()
-    plugins = (tick, no_objects, NO_FIELDS, _KIN, controllers_of(names_in(scene[0]["controller_names"])))
+    plugins = (tick, no_objects, NO_FIELDS, _KIN)
     motion = (depth, rate, held, PERIOD)
-    _stroke(scene, _rows(damping), objects, *plugins, *motion, new_states(), samples, observers, out)
+    states = new_states()
+    set_controllers(states, controllers_of(names_in(scene[0]["controller_names"])))
+    _stroke(scene, _rows(damping), objects, *plugins, *motion, states, samples, observers, out)
     return float(out[-1])
 
 

@@ -15,7 +15,6 @@ from mimics_app.compiled.function_pointers import pointers_to
 from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.loop.controller_port import CONTROLLERS
 from mimics_app.contracts.loop.controller_slots import names_in
 from mimics_app.contracts.loop.haptic import EVENT, INBOX
 from mimics_app.contracts.loop.loop_ports import COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH, DevicePlugin
@@ -26,7 +25,7 @@ from mimics_app.contracts.shared_memory.session_memory import ControlWord, Sessi
 from mimics_app.rendering.haptic import scheduler
 from mimics_app.rendering.haptic.block_check import check_block
 from mimics_app.rendering.haptic.channels import channels_of, new_work, newest_snapshot
-from mimics_app.rendering.haptic.controllers.registry import NO_CONTROLLERS, controllers_of
+from mimics_app.rendering.haptic.controllers.registry import NO_CONTROLLERS, controllers_of, set_controllers
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.histogram import LatenessReport, percentile_us
 from mimics_app.rendering.haptic.loop import advance_ticks
@@ -98,8 +97,8 @@ class HapticEngine:
         # Kept alive here: the loop holds addresses without references.
         self._controllers, self._named = NO_CONTROLLERS, b""
         self._functions = (loop_tick, tick, plugin.read, plugin.write, simulate, fields, kin)
-        self._pointers = pointers_to((*self._functions, self._controllers), LOOP_FUNCTIONS)
-        self._loop_args = (self._channels, self._work, self._pointers, plugin.memory)
+        pointers = pointers_to(self._functions, LOOP_FUNCTIONS)
+        self._loop_args = (self._channels, self._work, pointers, plugin.memory)
         advance_ticks(*self._loop_args, 0, self._period_ns)
 
     @property
@@ -155,8 +154,7 @@ class HapticEngine:
         if self.running:
             raise ValueError("SCENE.controller_names differ from those that the live loop began with")
         self._controllers = controllers_of(names_in(named))
-        words = pointers_to(self._controllers, CONTROLLERS)
-        self._pointers[-len(words) :] = words  # the last of LOOP_FUNCTIONS
+        set_controllers(self._work.state, self._controllers)
         self._named = named.tobytes()
 
     def send(self, inbox: Records) -> None:

@@ -93,7 +93,7 @@ def run_live(
     duration are counted after the first second. `pointers` are the addresses of `loop_tick.LOOP_FUNCTIONS`, `memory`
     belongs to the device.
     """
-    loop_tick, tick, read, write, simulate, fields, kin, controllers = functions_at(pointers, LOOP_FUNCTIONS)
+    loop_tick, tick, read, write, simulate, fields, kin = functions_at(pointers, LOOP_FUNCTIONS)
     channels, work = borrowed(channels), borrowed(work)
     state = work.state[0]
     sample = work.sample[0]
@@ -125,7 +125,6 @@ def run_live(
             simulate,
             fields,
             kin,
-            controllers,
             late,
             missed_in_row,
             squares / total,

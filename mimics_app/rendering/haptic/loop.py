@@ -31,7 +31,7 @@ def advance_ticks(
 
     `pointers` are the addresses of `loop_tick.LOOP_FUNCTIONS`, `memory` belongs to the device.
     """
-    loop_tick, tick, read, write, simulate, fields, kin, controllers = functions_at(pointers, LOOP_FUNCTIONS)
+    loop_tick, tick, read, write, simulate, fields, kin = functions_at(pointers, LOOP_FUNCTIONS)
     channels, work = borrowed(channels), borrowed(work)
     state = work.state[0]
     sample = work.sample[0]
@@ -47,7 +47,6 @@ def advance_ticks(
             simulate,
             fields,
             kin,
-            controllers,
             0,
             0,
             dt,

@@ -13,7 +13,6 @@ from mimics_app.compiled.atomics import load_acquire
 from mimics_app.compiled.borrowed import borrowed, borrowed_type
 from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.loop.controller_port import CONTROLLERS
 from mimics_app.contracts.loop.device_descriptor import KINEMATICS_SET, Kin
 from mimics_app.contracts.loop.haptic import SAMPLE, SCENE, SECOND_NS, DeviceStatus, SafetyState
 from mimics_app.contracts.loop.loop_ports import (
@@ -48,7 +47,6 @@ from mimics_app.rendering.haptic.struck import publish_forces
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import (
-        Controllers,
         Fields,
         Read,
         SceneRecord,
@@ -80,7 +78,6 @@ TICK = types.void(
     SIMULATION,
     FIELDS,
     KINEMATICS_SET,
-    CONTROLLERS,
     borrowed_type(from_dtype(STATE)[::1]),
     _VECTOR,
     types.int64,
@@ -103,7 +100,6 @@ LOOP_TICK = types.int64(
     SIMULATION,
     FIELDS,
     KINEMATICS_SET,
-    CONTROLLERS,
     types.int64,
     types.int64,
     types.float64,
@@ -121,11 +117,9 @@ LOOP_FUNCTIONS = types.Tuple(  # type: ignore[no-untyped-call]
         SIMULATION,
         FIELDS,
         KINEMATICS_SET,
-        CONTROLLERS,
     )
 )
-"""Types of the compiled functions that a loop gets: both layers of the tick, the device's, and the objects' part, and
-the controllers."""
+"""Types of the compiled functions that a loop gets: both layers of the tick, the device's, and the objects' part."""
 
 
 tick: Tick = typed_kernel(TICK)(ticking.tick.py_func)  # type: ignore[attr-defined]
@@ -206,7 +200,6 @@ def loop_tick(
     simulate: Simulate,
     fields: Fields,
     kin: Kin,
-    controllers: Controllers,
     late_ns: int,
     missed_in_row: int,
     period: float,
@@ -231,7 +224,6 @@ def loop_tick(
         simulate,
         fields,
         kin,
-        controllers,
         work.state,
         work.data,
         status,

@@ -63,7 +63,6 @@ Tick = Callable[
         Simulate,
         Fields,
         Kin,
-        Controllers,
         Table[StateRecord],
         Floats,
         int,
@@ -77,7 +76,7 @@ Tick = Callable[
     None,
 ]
 LoopTick = Callable[
-    [Channels, Work, Tick, Read, Write, Floats, Simulate, Fields, Kin, Controllers, int, int, float, int, float], int
+    [Channels, Work, Tick, Read, Write, Floats, Simulate, Fields, Kin, int, int, float, int, float], int
 ]
 
 class ObjectCountsRecord:
@@ -1009,6 +1008,7 @@ class ActingRecord:
 class ControlRecord:
     """`mimics_app.rendering.haptic.kernels.controller_slot.CONTROL`."""
 
+    functions: Ints
     slot: int
     now: ControlInputRecord
     out: ControlOutputRecord

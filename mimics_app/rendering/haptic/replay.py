@@ -18,7 +18,7 @@ from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows, count_
 from mimics_app.contracts.shared_memory import ring
 from mimics_app.contracts.shared_memory.session_memory import Capacities, SessionMemory
 from mimics_app.rendering.haptic.channels import channels_of, new_work, newest_snapshot
-from mimics_app.rendering.haptic.controllers.registry import controllers_of
+from mimics_app.rendering.haptic.controllers.registry import controllers_of, set_controllers
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.loop_tick import tick
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, load_simulation, no_objects
@@ -85,10 +85,12 @@ def replay_run(
     which = np.searchsorted(np.array(numbers, np.int64), inputs["sequence"].astype(np.int64)).astype(np.int64)
     memory = SessionMemory(Capacities(capacities, samples=1, events=_EVENTS, lateness_bins=1))
     channels = channels_of(memory)
+    controllers = controllers_of(_names_of(blocks))
     work = new_work(new_object_work(capacities) if statics is None else statics.work(capacities))
+    set_controllers(work.state, controllers)
     simulate = load_simulation() if any(has_objects(block["objects"]) for block in blocks) else no_objects
     fields = NO_FIELDS if statics is None else statics.functions()
-    kin, controllers = tuple(kinematics), controllers_of(_names_of(blocks))
+    kin = tuple(kinematics)
     outputs = np.zeros(inputs.shape[0], inputs.dtype)
     events: list[Records] = []
     taken = np.zeros(_EVENTS, EVENT)
@@ -108,7 +110,6 @@ def replay_run(
             simulate,
             fields,
             kin,
-            controllers,
             period_ns,
             replayed,
         )

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from mimics_app.compiled.borrowed import borrowed
 from mimics_app.compiled.kernel import typed_kernel
-from mimics_app.contracts.loop.controller_port import CONTROLLERS
 from mimics_app.contracts.loop.device_descriptor import KINEMATICS_SET, Kin
 from mimics_app.contracts.loop.haptic import (
     NANOSECOND,
@@ -27,7 +26,6 @@ from mimics_app.rendering.haptic.publish import publish_events, publish_state
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import (
-        Controllers,
         Fields,
         SampleRecord,
         SceneRecord,
@@ -51,7 +49,6 @@ __all__ = ["replay_recorded"]
         SIMULATION,
         FIELDS,
         KINEMATICS_SET,
-        CONTROLLERS,
         types.int64,
         from_dtype(SAMPLE)[::1],
     )
@@ -67,7 +64,6 @@ def replay_recorded(
     simulate: Simulate,
     fields: Fields,
     kin: Kin,
-    controllers: Controllers,
     period_ns: int,
     outputs: Table[SampleRecord],
 ) -> int:
@@ -84,7 +80,6 @@ def replay_recorded(
         simulate: The objects' part of the tick.
         fields: Force fields of the objects.
         kin: Kinematics functions of the device.
-        controllers: Controllers by slot.
         period_ns: Tick [ns].
         outputs: SAMPLE rows out, shape [n]; timing fields are zero.
 
@@ -107,7 +102,6 @@ def replay_recorded(
             simulate,
             fields,
             kin,
-            controllers,
             work.state,
             data,
             status,

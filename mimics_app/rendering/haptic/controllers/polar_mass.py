@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
-from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor, Kin
+from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
 from mimics_app.rendering.haptic.control.admittance import admit
-from mimics_app.rendering.haptic.kernels.joints import to_tool
+from mimics_app.rendering.haptic.kernels.kinematics import robot_to_tool
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import ControlInputRecord, ControlOutputRecord, ControlWorkRecord
@@ -16,11 +16,9 @@ __all__ = ["admit_at_tool", "refuse_unless_polar"]
 
 
 @kernel
-def admit_at_tool(
-    form: int, kin: Kin, now: ControlInputRecord, work: ControlWorkRecord, out: ControlOutputRecord
-) -> None:
+def admit_at_tool(form: int, now: ControlInputRecord, work: ControlWorkRecord, out: ControlOutputRecord) -> None:
     """Advance the virtual mass by one tick in a form (AdmittanceForm), and write its motion to `out`."""
-    to_tool(kin, now, now.q, now.f_user, work.forces)
+    robot_to_tool(now.q, now.f_user, work.forces)
     for i in range(3):
         work.forces[i] += now.f_meas[i]
     admit(

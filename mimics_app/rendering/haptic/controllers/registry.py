@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, cast
 
+from mimics_app.compiled.function_pointers import pointers_to
 from mimics_app.contracts.errors import UsageError, nearest
-from mimics_app.contracts.loop.controller_port import CONTROLLER, ControllerPlugin
+from mimics_app.contracts.loop.controller_port import CONTROLLER, CONTROLLERS, ControllerPlugin
 from mimics_app.contracts.loop.controller_slots import MAX_CONTROLLERS
 from mimics_app.contracts.ports.members import load_member, member_names
 from mimics_app.contracts.ports.plugins import PluginError, PluginGroup
@@ -14,9 +15,18 @@ from mimics_app.rendering.haptic.controllers import built_in
 from mimics_app.rendering.haptic.controllers.no_controller import no_controller
 
 if TYPE_CHECKING:
+    from mimics_app.contracts.arrays import Records
     from mimics_app.rendering.haptic.record_types import Controller, Controllers
 
-__all__ = ["BUILT_IN", "NO_CONTROLLERS", "PLUGINS", "controller_names", "controllers_of", "find_controller"]
+__all__ = [
+    "BUILT_IN",
+    "NO_CONTROLLERS",
+    "PLUGINS",
+    "controller_names",
+    "controllers_of",
+    "find_controller",
+    "set_controllers",
+]
 
 NO_CONTROLLERS: Controllers = (no_controller,) * MAX_CONTROLLERS
 """Controllers of a session before its first parameter block."""
@@ -56,6 +66,11 @@ def find_controller(name: str) -> ControllerPlugin:
         return cast("ControllerPlugin", PLUGINS.load(name))
     except PluginError as error:
         raise UsageError(f'the controller "{name}" is not available: {error}') from error
+
+
+def set_controllers(states: Records, controllers: Controllers) -> None:
+    """Write the addresses of a session's controllers into its states; whoever does so keeps the functions alive."""
+    states["control"]["functions"] = pointers_to(controllers, CONTROLLERS).reshape(MAX_CONTROLLERS, -1)
 
 
 def controllers_of(names: Sequence[str]) -> Controllers:

@@ -239,7 +239,7 @@ def _cap_effects(scene: SceneRecord, state: StateRecord, totals: TotalsRecord) -
     """Set the rendered share of effects and held bodies; it does not rise while one of them holds."""
     acting = state.acting
     k, b, share = totals.even_stiffness, totals.even_damping, 1.0
-    if scene.cap == 1:
+    if scene.cap == 1 and (k != 0.0 or b != 0.0):
         share = contact_share(state.region, k, b, scene.cap_margin)
     acting.effect_share = share_in_touch(acting.effect_share, share, k > 0.0 or b > 0.0)
 

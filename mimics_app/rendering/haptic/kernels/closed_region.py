@@ -230,7 +230,8 @@ def find_region(scene: SceneRecord, delay: float, period: float, region: RegionR
     own = scene.virtual_damping + scene.device_damping + scene.arm_damping
     same = region.known == 1 and region.mass == mass and region.damping == own - rendered and region.driven == driven
     same = same and region.quantum == scene.device_quantum
-    if not same or _has_changed(region.period, period) or _has_changed(region.delay, delay):
+    changed = not same or _has_changed(region.period, period) or _has_changed(region.delay, delay)
+    if changed:
         region.known, region.period, region.delay = 1, period, delay
         region.mass, region.damping, region.driven = mass, own - rendered, driven
         region.quantum = scene.device_quantum
@@ -238,12 +239,14 @@ def find_region(scene: SceneRecord, delay: float, period: float, region: RegionR
         if mass > 0.0:
             _follow_curve(region, scene.device_lag, scene.device_filter)
             _bound_noise(region, scene.device_filter)
-    region.viscosity = rendered
+    last, region.viscosity = region.viscosity, rendered
     if scene.cap == 1:
         region.viscosity = min(rendered, region.most_damping / (1.0 + scene.cap_margin))
     region.stiffness_factor[0] = 0.5 * period + delay
     region.damping_factor[0] = -1.0
     region.bound[0] = own - (rendered - region.viscosity)
+    if not changed and region.viscosity == last:
+        return
     for i in range(1, SIDES):
         region.bound[i] = region.edge[i] - region.damping_factor[i] * region.viscosity
 

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mimics_app.compiled.function_pointers import FUNCTION_WORDS
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.loop.controller_port import CONTROL_INPUT, CONTROL_OUTPUT, CONTROLLER_MEMORY
-from mimics_app.contracts.loop.controller_slots import CommandKind, Lead
+from mimics_app.contracts.loop.controller_slots import MAX_CONTROLLERS, CommandKind, Lead
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import SceneRecord
@@ -17,6 +18,7 @@ __all__ = ["CONTROL", "drives_to_target", "moves_mass", "person_leads", "renders
 
 CONTROL = np.dtype(
     [
+        ("functions", "i8", (MAX_CONTROLLERS, FUNCTION_WORDS)),  # addresses of the controllers, by slot
         ("slot", "i8"),  # of the controller that acted in the last tick, 0: none
         ("now", CONTROL_INPUT),
         ("out", CONTROL_OUTPUT),

@@ -10,8 +10,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mimics_app.compiled.function_pointers import functions_at
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
+from mimics_app.contracts.loop.controller_port import CONTROLLER_FUNCTION
 from mimics_app.contracts.loop.controller_slots import CommandKind, Slot, TargetKind
 from mimics_app.contracts.loop.device_descriptor import Kin
 from mimics_app.contracts.loop.haptic import SafetyState, TripCause
@@ -39,7 +41,7 @@ from mimics_app.rendering.haptic.kernels.safety import HOLD, is_stopped, latch
 from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill, norm, scale
 
 if TYPE_CHECKING:
-    from mimics_app.rendering.haptic.record_types import Controllers, SceneRecord, StateRecord, Table
+    from mimics_app.rendering.haptic.record_types import SceneRecord, StateRecord, Table
 
 __all__ = ["control", "note_arrival"]
 
@@ -85,10 +87,24 @@ def _describe(scene: SceneRecord, state: StateRecord) -> None:
 
 
 @kernel
+def _begin_output(scene: SceneRecord, states: Table[StateRecord]) -> None:
+    """Write to control.out the motion commanded in the last tick or, of a controller of forces, no force."""
+    state, out = states[0], states[0].control.out
+    if scene.commands[scene.controller] != CommandKind.VELOCITY:
+        fill(out.force, 0.0)
+        fill(out.torque, 0.0)
+        return
+    out.points_given = 0
+    copy(state.dq_virtual, out.dq)
+    for c in range(scene.contacts):
+        for i in range(3):
+            out.v[3 * c + i] = states[c].v_virtual[i]
+
+
+@kernel
 def _observe(scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
-    """Write to control.now what a controller sees in this tick, and to control.out the last motion and no force."""
-    state = states[0]
-    now, out = state.control.now, state.control.out
+    """Write to control.now what a controller sees in this tick."""
+    state, now = states[0], states[0].control.now
     damping = scene.virtual_damping
     if state.safety != SafetyState.ACTIVE:
         damping += _EXTRA_DAMPING
@@ -96,16 +112,14 @@ def _observe(scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
     now.dt, now.tick, now.safety, now.ramp = dt, state.tick, state.safety, state.ramp
     copy(state.q, now.q)
     copy(state.dq, now.dq)
-    copy(state.torque_meas, now.torque_meas)
+    if scene.torques == 1:
+        copy(state.torque_meas, now.torque_meas)
     if scene.objects.curves > 0:
         now.phase = state.phase
         copy(state.q_reference, now.q_reference)
         copy(state.dq_reference, now.dq_reference)
         copy(state.ddq_reference, now.ddq_reference)
         copy(state.guidance, now.guidance)
-    copy(state.dq_virtual, out.dq)
-    out.points_given = 0
-    fill(out.torque, 0.0)
     for c in range(scene.contacts):
         point = states[c]
         for i in range(3):
@@ -113,8 +127,6 @@ def _observe(scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
             now.v[3 * c + i] = point.v[i]
             now.f_meas[3 * c + i] = point.f_meas[i]
             now.f_user[3 * c + i] = point.f_user[i]
-            out.v[3 * c + i] = point.v_virtual[i]
-            out.force[3 * c + i] = 0.0
 
 
 @kernel
@@ -128,12 +140,14 @@ def _take_over(scene: SceneRecord, state: StateRecord) -> None:
 
 
 @kernel
-def _compute(kin: Kin, controllers: Controllers, scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
+def _compute(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
     """Let the selected controller write control.out."""
     control, slot = states[0].control, scene.controller
     _take_over(scene, states[0])
     _observe(scene, states, dt)
-    controllers[slot](
+    _begin_output(scene, states)
+    controller = functions_at(control.functions[slot], CONTROLLER_FUNCTION)
+    controller(
         kin,
         control.now,
         scene.controller_parameters[slot],
@@ -200,7 +214,8 @@ def note_arrival(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> No
 def _follow_mass(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> None:
     """Take the motion of what the controller simulates: its joint velocities, and those of the points."""
     state, out = states[0], states[0].control.out
-    copy(out.dq, state.dq_virtual)
+    for j in range(scene.joints):
+        state.dq_virtual[j] = out.dq[j]
     if out.points_given == 1:
         for c in range(scene.contacts):
             copy(out.v[3 * c : 3 * c + 3], states[c].v_virtual)
@@ -287,13 +302,12 @@ def _control_motion(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt
     else:
         _drive_to_target(kin, scene, states, dt)
     each = scene.each_joint[scene.controller] == 1
-    limited = limit_joints(
-        state.command, scene.joint_velocity, scene.joint_acceleration, each, dt, work.step, state.dq_virtual
-    )
-    if brake_at_limits(state.q, scene.joint_min, scene.joint_max, state.dq_virtual) or limited:
+    dq, step = state.dq_virtual[: scene.joints], work.step[: scene.joints]
+    limited = limit_joints(state.command, scene.joint_velocity, scene.joint_acceleration, each, dt, step, dq)
+    if brake_at_limits(state.q, scene.joint_min, scene.joint_max, dq) or limited:
         _find_velocities(kin, scene, states, state.dq_virtual)
     _keep_speed(kin, scene, states)
-    if all_finite(state.dq_virtual) and _velocities_finite(scene, states):
+    if all_finite(dq) and _velocities_finite(scene, states):
         copy(state.dq_virtual, state.command)
     else:
         _stop_not_finite(scene, states, dt)
@@ -501,9 +515,7 @@ def _rest(scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
 
 
 @kernel
-def control(
-    kin: Kin, controllers: Controllers, scene: SceneRecord, states: Table[StateRecord], held: int, dt: float
-) -> None:
+def control(kin: Kin, scene: SceneRecord, states: Table[StateRecord], held: int, dt: float) -> None:
     """Set this tick's command, velocities, forces or torques: of the controller, held in a late tick, or decaying."""
     state = states[0]
     if state.parameters_taken == 1:
@@ -514,13 +526,14 @@ def control(
         _hold_command(kin, scene, states)
     else:
         if drives_to_target(scene) or (person_leads(scene) and state.safety >= SafetyState.READY):
-            _compute(kin, controllers, scene, states, dt)
+            _compute(kin, scene, states, dt)
         else:
             state.control.slot = Slot.OFF
         if scene.force_driven == 1:
             _control_force(kin, scene, states, dt)
         else:
-            _render_forces(scene, states)
+            for c in range(scene.contacts):
+                copy(states[c].f_user, states[c].f_command)
             _control_motion(kin, scene, states, dt)
     if scene.torques == 1:
         _command_torques(kin, scene, states, held, dt)

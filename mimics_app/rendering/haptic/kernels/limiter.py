@@ -174,13 +174,13 @@ def brake_at_limits(q: Vec, lowest: Vec, highest: Vec, dq: Vec) -> bool:
     """Slow joint velocities towards a joint limit, to zero at the limit; return whether any was slowed."""
     braked = False
     for i in range(dq.shape[0]):
-        room_up = max(0.0, highest[i] - q[i]) / _BRAKE_TIME
-        room_down = max(0.0, q[i] - lowest[i]) / _BRAKE_TIME
-        if dq[i] > room_up:
-            dq[i] = room_up
+        room = highest[i] - q[i] if dq[i] > 0.0 else q[i] - lowest[i]
+        fastest = max(0.0, room) / _BRAKE_TIME
+        if dq[i] > fastest:
+            dq[i] = fastest
             braked = True
-        elif dq[i] < -room_down:
-            dq[i] = -room_down
+        elif dq[i] < -fastest:
+            dq[i] = -fastest
             braked = True
     return braked
 

@@ -38,10 +38,10 @@ _ABSURD = 1e6
 @kernel
 def _is_plausible(data: Vec) -> bool:
     """Whether all numbers are finite and below `_ABSURD`; the comparison is false for NaN."""
-    for i in range(data.shape[0]):
-        if not abs(data[i]) < _ABSURD:
-            return False
-    return data[DATA_BUTTONS] >= 0.0
+    plausible = data[DATA_BUTTONS] >= 0.0
+    for i in range(data.shape[0]):  # without a branch, so that several are compared at once
+        plausible &= abs(data[i]) < _ABSURD
+    return plausible
 
 
 @kernel

@@ -38,7 +38,6 @@ from mimics_app.rendering.haptic.reference.generator import step_reference
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import (
-        Controllers,
         Fields,
         ObjectWork,
         Rows,
@@ -147,7 +146,6 @@ def tick(
     simulate: Simulate,
     fields: Fields,
     kin: Kin,
-    controllers: Controllers,
     states: Table[StateRecord],
     data: Vec,
     status: int,
@@ -167,7 +165,6 @@ def tick(
         simulate: The objects' part of the tick, see rendering.haptic.objects.SIMULATE.
         fields: Force fields of the objects.
         kin: Kinematics functions of the device, in the order of contracts.loop.device_descriptor.
-        controllers: Controllers by slot, see contracts.loop.controller_port.
         states: STATE records, one for each point of contact, advanced by one tick.
         data: Data vector from the device's read function, shape [DATA_LENGTH].
         status: DeviceStatus of that read.
@@ -192,7 +189,7 @@ def tick(
     if scene.objects.curves > 0:
         leads = is_felt(state) and person_leads(scene)
         step_reference(scene, rows.curves, state, leads, dt)
-    control(kin, controllers, scene, states, held, dt)
+    control(kin, scene, states, held, dt)
     if state.safety != stepped:  # force or controller latched a stop
         state.state_changed = 1
     _write_results(scene, objects, states, command, row)

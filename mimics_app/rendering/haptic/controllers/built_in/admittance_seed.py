@@ -22,7 +22,7 @@ __all__ = ["CONTROLLER"]
 def _compute(
     kin: Kin, now: ControlInputRecord, parameters: Vec, memory: Vec, work: ControlWorkRecord, out: ControlOutputRecord
 ) -> None:
-    admit_at_tool(AdmittanceForm.SEED, kin, now, work, out)
+    admit_at_tool(AdmittanceForm.SEED, now, work, out)
 
 
 CONTROLLER = controller_port.ControllerPlugin(
