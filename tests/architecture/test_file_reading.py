@@ -11,6 +11,7 @@ READERS |= {"SoundFile", "loadtxt", "genfromtxt", "fromfile", "memmap", "File"}
 """Functions that open a file, of the standard library and of others."""
 
 OWN_DATA = {
+    "app/bench/console_bench.py": "/proc",
     "app/bench/ogre_particles.py": "written by the harness that starts it",
     "app/bench/record_bench.py": "/proc",
     "app/commands/completion.py": "package data",
