@@ -16,8 +16,9 @@ from tests.support.scene_play import ScenePlay
 
 MAY = {
     "virtual_mass", "virtual_damping", "ball_radius_min", "ball_radius_max", "grasp_force_full", "target",
+    "reference_cadence", "reference_speed", "reference_amplitude", "guidance",
 }  # fmt: skip
-"""Of SCENE itself: what is felt, and where a drive leads."""
+"""Of SCENE itself: what is felt, where a drive leads, and how the reference of the joints goes, within its rates."""
 
 GEOMETRY = {
     "kind", "body", "material", "mesh", "law", "size", "rounding", "field", "path", "on_body", "flags", "integrator",
