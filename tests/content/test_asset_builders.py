@@ -55,7 +55,9 @@ def test_wrong_use_is_one_line(arguments: list[str], said: str, capsys: pytest.C
     assert said in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("name", ["alley", "canyon", "city", "market", "room", "skies", "sprites", "stadium", "touch"])
+@pytest.mark.parametrize(
+    "name", ["alley", "canyon", "city", "market", "orthosis", "room", "skies", "sprites", "stadium", "touch"]
+)
 def test_shipped_files_are_the_bytes_of_seed_1(name: str) -> None:
     """Nothing is written: `compose` gives bytes by name; sines may differ in their last digit on another machine."""
     folder = root() / "assets" / ("" if name == "sprites" else "models") / name

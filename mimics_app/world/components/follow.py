@@ -21,6 +21,9 @@ class Follow(Component, frozen=True):
     entity: Annotated[Name, Meta(description="Entity that is followed")]
     offset: Annotated[Point, Meta(description="Place relative to the followed entity [m]")]
     aim: Annotated[Point, Meta(description="Point looked at, relative to the followed entity [m]")] = (0.0, 0.0, 0.0)
+    at: Annotated[
+        Name | None, Meta(description="Entity looked at, as a rod at its other end; absent: the point `aim`")
+    ] = None
     turns: Annotated[
         bool,
         Meta(description="True: offset and aim turn with the entity's heading; false: they keep the world's axes"),
@@ -39,7 +42,9 @@ def _check_follow(follow: Follow, pointer: str, scene: CheckedScene) -> list[Iss
     if follow.entity in {name for name, _, _ in scene.components(Follow)}:
         what = f'"{follow.entity}" follows an entity itself'
         issues.append(scene.issue(f"{pointer}/entity", what, 'name an entity without "follow"'))
-    if follow.offset == follow.aim:
+    if follow.at is not None:
+        issues += scene.check_entity(f"{pointer}/at", follow.at)
+    elif follow.offset == follow.aim:
         issues.append(scene.issue(f"{pointer}/aim", "is where the follower stands", "give another offset or aim"))
     return issues
 

@@ -16,6 +16,9 @@ __all__ = ["Follower"]
 _REPOSITIONED = 5.0
 """Distance between a follower and its place from which it is put there at once [m]: the followed one was put back."""
 
+_TOUCHING = 1e-6
+"""Distance from what a follower looks at below which it keeps its orientation [m]."""
+
 
 class Follower:
     """One node that follows another one.
@@ -44,9 +47,10 @@ class Follower:
         self._place = self._place + share * (place - self._place)
         self._aim = self._aim + share * (aim - self._aim)
         index, turn = graph.find(self._name), np.empty(4)
-        quat.from_matrix(mat.look_at(self._place, self._aim)[:3, :3], turn)
         graph.transforms.set_translation(index, self._place)
-        graph.transforms.set_rotation(index, turn)
+        if np.linalg.norm(self._aim - self._place) > _TOUCHING:
+            quat.from_matrix(mat.look_at(self._place, self._aim)[:3, :3], turn)
+            graph.transforms.set_rotation(index, turn)
 
     def _wanted(self, graph: SceneGraph) -> tuple[F8, F8]:
         """Return where the follower belongs and what it looks at, world [m], float64 [3] each."""
@@ -54,6 +58,8 @@ class Follower:
         turn = _heading(pose) if self._spec.turns else np.eye(3)
         offsets = np.array([self._spec.offset, self._spec.aim])
         place, aim = offsets @ turn.T + pose[:3, 3]
+        if self._spec.at is not None and self._spec.at in graph:
+            aim = graph.world_matrix(graph.find(self._spec.at))[:3, 3].copy()
         return place, aim
 
     def _share(self, elapsed: float) -> float:

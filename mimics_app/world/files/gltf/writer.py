@@ -93,20 +93,22 @@ class GltfWriter:
         colour: Sequence[float] = (1.0, 1.0, 1.0, 1.0),
         texture: int | None = None,
         roughness: float = 1.0,
+        metallic: float = 0.0,
         mask: float | None = None,
         unlit: bool = False,
     ) -> int:
-        """Add a single-sided, non-metallic material.
+        """Add a single-sided material.
 
         Args:
             name: Unique name.
             colour: Linear RGBA.
             texture: Index returned by `add_picture`.
             roughness: 0 (mirror) to 1 (matt).
+            metallic: 0 (paint, plastic, cloth) to 1 (metal).
             mask: Opacity below which nothing is drawn; None: opaque.
             unlit: True: not affected by light.
         """
-        shading: dict[str, Any] = {"metallicFactor": 0.0, "roughnessFactor": roughness}
+        shading: dict[str, Any] = {"metallicFactor": metallic, "roughnessFactor": roughness}
         if any(part != 1.0 for part in colour):
             shading["baseColorFactor"] = list(colour)
         if texture is not None:
