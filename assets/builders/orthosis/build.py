@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 from assets.builders.kit.lattice_noise import hash_noise, pixels
 from assets.builders.kit.palette_texture import Canvas
-from assets.builders.orthosis.frame import compose_belt, compose_frame, compose_pelvis, compose_treadmill
 from assets.builders.orthosis.harness import compose_harness
-from assets.builders.orthosis.legs import compose_drive, compose_foot, compose_rod, compose_shank, compose_thigh
+from assets.builders.orthosis.leg_parts import compose_drive, compose_foot, compose_rod, compose_shank, compose_thigh
+from assets.builders.orthosis.standing_machine import compose_belt, compose_frame, compose_pelvis, compose_treadmill
 from mimics_app.world.files.gltf.writer import GltfWriter, MeshPart
 
 __all__ = ["compose"]

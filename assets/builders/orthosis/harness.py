@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from assets.builders.kit.sketch import Point
-from assets.builders.orthosis.assembly import ALUMINIUM, BLACK, BLUE, Assembly, ring
-from assets.builders.orthosis.measures import HIP_HEIGHT, SCALE, SPREADER
+from assets.builders.orthosis.machine_part import ALUMINIUM, BLACK, BLUE, MachinePart, ring
+from assets.builders.orthosis.orthosis_measures import HIP_HEIGHT, SCALE, SPREADER
 from mimics_app.contracts.arrays import F8
 
 __all__ = ["CHEST", "compose_harness"]
@@ -52,9 +52,9 @@ _STRAP, _ASIDE = 0.046, 0.092
 """Width of that strap, and its distance from the middle [m]."""
 
 
-def compose_harness() -> Assembly:
+def compose_harness() -> MachinePart:
     """Return vest, straps and their hooks in the frame of the chest."""
-    part = Assembly()
+    part = MachinePart()
     angles = np.linspace(2.0 * np.pi, 0.0, 49)
     vest = [_around(height, _OFF, angles) for height in _TRUNK]
     part.band("fabric", BLUE, vest, closed=True)
@@ -77,7 +77,7 @@ def _around(height: float, off: float, angles: F8) -> F8:
     return ring((0.0, height, 0.0), radii, angles) - CHEST
 
 
-def _add_shoulder(part: Assembly, side: float) -> None:
+def _add_shoulder(part: MachinePart, side: float) -> None:
     """Add a strap over a shoulder, its pad, and the straps up to the spreader."""
     line = np.array(_OVER_SHOULDER)
     for colour, rows, half, lift in ((BLACK, line, 0.5 * _STRAP, 0.0), (BLUE, line[5:12], 0.64 * _STRAP, 0.003)):

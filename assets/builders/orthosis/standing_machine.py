@@ -5,8 +5,8 @@ from __future__ import annotations
 import itertools
 
 from assets.builders.kit.sketch import Point, Sketch
-from assets.builders.orthosis.assembly import ALUMINIUM, ANTHRACITE, BLACK, BLUE, CHROME, WHITE, Assembly
-from assets.builders.orthosis.measures import (
+from assets.builders.orthosis.machine_part import ALUMINIUM, ANTHRACITE, BLACK, BLUE, CHROME, WHITE, MachinePart
+from assets.builders.orthosis.orthosis_measures import (
     BAR_ASIDE,
     BELT_HEIGHT,
     DRIVE_ASIDE,
@@ -43,9 +43,9 @@ def compose_belt() -> Sketch:
     return sketch
 
 
-def compose_treadmill() -> Assembly:
+def compose_treadmill() -> MachinePart:
     """Return the deck with side rails, end caps, and the column with its panel in front."""
-    part, length = Assembly(), _AHEAD - _BEHIND
+    part, length = MachinePart(), _AHEAD - _BEHIND
     middle = 0.5 * (_AHEAD + _BEHIND)
     part.box("paint", ANTHRACITE, (0.0, 0.032, middle), (2 * _DECK - 0.04, 0.060, length + 0.06), 0.010)
     for side in (1.0, -1.0):
@@ -61,7 +61,7 @@ def compose_treadmill() -> Assembly:
     return part
 
 
-def _add_column(part: Assembly) -> None:
+def _add_column(part: MachinePart) -> None:
     """Add the column in front of the person with a screen for what the legs do."""
     z = _AHEAD + 0.13
     part.box("paint", ANTHRACITE, (0.0, 0.020, z), (0.42, 0.040, 0.22), 0.010)
@@ -78,9 +78,9 @@ def _add_column(part: Assembly) -> None:
         part.beam("screen", colour, at[0], at[1], (0.030, 0.004), 0.001)
 
 
-def compose_frame() -> Assembly:
+def compose_frame() -> MachinePart:
     """Return posts, the arch with its pulleys, rope and spreader, and the rails for the hands."""
-    part = Assembly()
+    part = MachinePart()
     part.beam("paint", WHITE, (-_POST - 0.05, 0.05, _REAR), (_POST + 0.05, 0.05, _REAR), (0.09, 0.09), 0.014)
     corner = _ARCH - 0.16
     for side in (1.0, -1.0):
@@ -101,7 +101,7 @@ def compose_frame() -> Assembly:
     return part
 
 
-def _add_hoist(part: Assembly) -> None:
+def _add_hoist(part: MachinePart) -> None:
     """Add the rope from the winch over two pulleys down to the spreader, and its hooks."""
     rear = (0.0, _ARCH - 0.075, _REAR + 0.20)
     part.pipe("fabric", BLACK, [(0.0, 1.64, _REAR + 0.03), (0.0, _ARCH - 0.06, _REAR + 0.19)], 0.0055, 8)
@@ -118,7 +118,7 @@ def _add_hoist(part: Assembly) -> None:
         part.disc("plastic", BLUE, (side * x - 0.012, y, z), (side * x + 0.012, y, z), 0.022)
 
 
-def _add_rail(part: Assembly, side: float) -> None:
+def _add_rail(part: MachinePart, side: float) -> None:
     """Add a rail for a hand, with its posts on the treadmill and a grip."""
     x, post = side * GRIP[0], side * (_DECK - 0.03)
     line: list[Point] = [(post, 0.10, -0.62), (post, 0.90, -0.62), (x, _RAIL, -0.40), (x, _RAIL, 0.46)]
@@ -129,9 +129,9 @@ def _add_rail(part: Assembly, side: float) -> None:
         part.disc("plastic", ANTHRACITE, (post, 0.098, z), (post, 0.128, z), 0.036, 0.028)
 
 
-def compose_pelvis() -> Assembly:
+def compose_pelvis() -> MachinePart:
     """Return the bracket that carries both hips: pad, beam, arms to the hip axes, and the links to the frame."""
-    part, y = Assembly(), HIP_HEIGHT
+    part, y = MachinePart(), HIP_HEIGHT
     back = HIP_DRIVE_PIVOT[2]
     part.beam("paint", WHITE, (-0.30, y, back), (0.30, y, back), (0.070, 0.080), 0.014)
     part.box("plastic", ANTHRACITE, (0.0, y, back + 0.075), (0.12, 0.10, 0.080), 0.012)

@@ -1,4 +1,4 @@
-"""Assembly: meshes of a part of a machine by finish, placed by simple measures."""
+"""MachinePart: meshes of a part of a machine by finish, placed by simple measures."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from mimics_app.world.content.meshes.mesh import MeshData
 from mimics_app.world.content.meshes.primitives import cylinder, tube
 from mimics_app.world.files.gltf.writer import MeshPart
 
-__all__ = ["ALUMINIUM", "ANTHRACITE", "BLACK", "BLUE", "CHROME", "WHITE", "Assembly", "ring"]
+__all__ = ["ALUMINIUM", "ANTHRACITE", "BLACK", "BLUE", "CHROME", "WHITE", "MachinePart", "ring"]
 
 WHITE: Colour = (0.80, 0.81, 0.82)
 ANTHRACITE: Colour = (0.075, 0.080, 0.090)
@@ -27,7 +27,7 @@ _FACETS = 16
 """Facets around a disc."""
 
 
-class Assembly:
+class MachinePart:
     """Meshes of one node of the model.
 
     Args:

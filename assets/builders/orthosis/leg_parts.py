@@ -8,8 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from assets.builders.kit.sketch import Point
-from assets.builders.orthosis.assembly import ALUMINIUM, ANTHRACITE, BLACK, BLUE, CHROME, WHITE, Assembly, ring
-from assets.builders.orthosis.measures import (
+from assets.builders.orthosis.machine_part import ALUMINIUM, ANTHRACITE, BLACK, BLUE, CHROME, WHITE, MachinePart, ring
+from assets.builders.orthosis.orthosis_measures import (
     BAR_ASIDE,
     DRIVE_ASIDE,
     HIP,
@@ -31,9 +31,9 @@ _GAP = 0.007
 """Distance of a cuff from what it lies on [m]: skin moves below it."""
 
 
-def compose_thigh(side: float) -> Assembly:
+def compose_thigh(side: float) -> MachinePart:
     """Return bar, hub, lever, bracket and cuffs of a thigh; origin: the hip."""
-    part, aside = Assembly(side, 1.0 / SCALE), BAR_ASIDE - HIP[0]
+    part, aside = MachinePart(side, 1.0 / SCALE), BAR_ASIDE - HIP[0]
     _add_hub(part, (aside, 0.0, 0.0), 0.046)
     part.beam("paint", WHITE, (aside, -0.03, 0.0), (aside, -0.27, KNEE[2]), (0.030, 0.050))
     part.beam("metal", ALUMINIUM, (aside, -0.25, KNEE[2]), (aside, KNEE[1] + 0.02, KNEE[2]), (0.022, 0.036))
@@ -46,9 +46,9 @@ def compose_thigh(side: float) -> Assembly:
     return part
 
 
-def compose_shank(side: float) -> Assembly:
+def compose_shank(side: float) -> MachinePart:
     """Return bar, hub, lever and cuffs of a shank, and the straps of the foot lifter; origin: the knee."""
-    part, aside = Assembly(side, 1.0 / SCALE), BAR_ASIDE - HIP[0] - KNEE[0]
+    part, aside = MachinePart(side, 1.0 / SCALE), BAR_ASIDE - HIP[0] - KNEE[0]
     _add_hub(part, (aside, 0.0, 0.0), 0.038)
     part.beam("paint", WHITE, (aside, -0.03, 0.0), (aside, -0.21, -0.006), (0.028, 0.044))
     part.beam("metal", ALUMINIUM, (aside, -0.19, -0.006), (aside, -0.33, -0.010), (0.020, 0.032))
@@ -63,9 +63,9 @@ def compose_shank(side: float) -> Assembly:
     return part
 
 
-def compose_foot(side: float) -> Assembly:
+def compose_foot(side: float) -> MachinePart:
     """Return the strap over the forefoot that the foot lifter pulls at; origin: the ankle."""
-    part = Assembly(side, 1.0 / SCALE)
+    part = MachinePart(side, 1.0 / SCALE)
     angles = np.radians(np.linspace(-8.0, 188.0, 18))
     rows = []
     for z in (0.116, 0.146):
@@ -80,9 +80,9 @@ def compose_foot(side: float) -> Assembly:
     return part
 
 
-def compose_drive(length: float) -> Assembly:
+def compose_drive(length: float) -> MachinePart:
     """Return the housing of a drive of a length [m]; origin: its pivot, the rod comes out along -z."""
-    part = Assembly()
+    part = MachinePart()
     _add_eye(part, 0.017)
     part.disc("plastic", ANTHRACITE, (0.0, 0.0, 0.006), (0.0, 0.0, -0.070), 0.029, 0.031)
     part.disc("paint", BLUE, (0.0, 0.0, -0.070), (0.0, 0.0, -0.078), 0.0315)
@@ -91,21 +91,21 @@ def compose_drive(length: float) -> Assembly:
     return part
 
 
-def compose_rod(length: float) -> Assembly:
+def compose_rod(length: float) -> MachinePart:
     """Return the rod of a drive of a length [m]; origin: where it holds the lever, its housing lies along -z."""
-    part = Assembly()
+    part = MachinePart()
     _add_eye(part, 0.015)
     part.disc("metal", ALUMINIUM, (0.0, 0.0, 0.0), (0.0, 0.0, -0.030), 0.014)
     part.disc("metal", CHROME, (0.0, 0.0, -0.030), (0.0, 0.0, -length), 0.0095)
     return part
 
 
-def _add_eye(part: Assembly, radius: float) -> None:
+def _add_eye(part: MachinePart, radius: float) -> None:
     part.disc("metal", ALUMINIUM, (-0.011, 0.0, 0.0), (0.011, 0.0, 0.0), radius)
     part.disc("metal", CHROME, (-0.016, 0.0, 0.0), (0.016, 0.0, 0.0), 0.007)
 
 
-def _add_hub(part: Assembly, at: Point, radius: float) -> None:
+def _add_hub(part: MachinePart, at: Point, radius: float) -> None:
     """Add the bearing of a joint, its axis along x."""
     x, y, z = at
     part.disc("metal", ALUMINIUM, (x - 0.024, y, z), (x + 0.012, y, z), radius)
@@ -113,7 +113,7 @@ def _add_hub(part: Assembly, at: Point, radius: float) -> None:
     part.disc("paint", BLUE, (x + 0.022, y, z), (x + 0.024, y, z), 0.55 * radius)
 
 
-def _add_lever(part: Assembly, root: Point, tip: Point) -> None:
+def _add_lever(part: MachinePart, root: Point, tip: Point) -> None:
     """Add a plate from the bar to where a drive holds it, and the pin there."""
     reach = DRIVE_ASIDE - BAR_ASIDE - 0.022
     first, last = (root[0] + reach, root[1], root[2]), (root[0] + reach, tip[1], tip[2])
@@ -123,7 +123,7 @@ def _add_lever(part: Assembly, root: Point, tip: Point) -> None:
 
 
 def _add_cuff(
-    part: Assembly, aside: float, centre: Point, height: float, leg: Sequence[float], reach: tuple[float, float]
+    part: MachinePart, aside: float, centre: Point, height: float, leg: Sequence[float], reach: tuple[float, float]
 ) -> None:
     """Add a shell behind and beside a leg, straps before it with a buckle, and the bracket to the bar.
 
@@ -159,7 +159,7 @@ def _add_cuff(
     part.box("plastic", ANTHRACITE, (aside, y, z), (0.036, 0.044, 0.062))
 
 
-def _add_lifter(part: Assembly, aside: float) -> None:
+def _add_lifter(part: MachinePart, aside: float) -> None:
     """Add the bow before the shank, and elastic straps from it to the forefoot, which is at a right angle."""
     y, front = -0.275, 0.088
     bow: list[Point] = [(aside, y, -0.008), (aside, y, front - 0.02), (aside - 0.03, y, front)]
