@@ -14,9 +14,12 @@ from mimics_app.app.session.core import open_core
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
+from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.messages.stage_messages import TaskOrders
 from mimics_app.contracts.system.resources import root
+from mimics_app.maths.gait_series import natural_cadence
 from mimics_app.world.components.follow import Follow
+from mimics_app.world.components.robot import Robot
 from mimics_app.world.components.visible import CameraComponent
 from mimics_app.world.content.world import World
 
@@ -131,28 +134,30 @@ def test_the_steps_of_the_opponent_are_heard_where_the_opponent_is(tmp_path: Pat
     assert sound["sound"]["reference_distance"] == 1.0
 
 
-@pytest.mark.slow
-def test_legs_in_the_gait_orthosis_walk_towards_the_beam(tmp_path: Path) -> None:
-    """The same scene with the simulated Lokomat and a person in it, weak on the left side: nobody moves a hand."""
-    document = json.loads((SCENES / "canyon_walk.json").read_text())
-    swing = json.loads((SCENES / "examples" / "lokomat_free_swing.json").read_text())
-    robot = next(entity for entity in swing["entities"] if entity["id"] == "robot")
-    robot["components"]["robot"]["settings"]["person"] = "hemiparetic_left"
-    robot["components"] |= {
-        "joint_reference": {"body_height": 1.75, "speed": 0.4},
-        "controller": {"name": "lokomat_impedance"},
-        "safety": {"velocity_limit": 2.5},
-    }
-    foot = {"id": "foot", "transform": {"translation": [0.145, 0.114, -0.09975]}}
-    foot["components"] = {"ball": {"radius_min": 0.03, "radius_max": 0.03}}
-    rest = [entity for entity in document["entities"] if entity["id"] not in ("robot", "patient")]
-    document["entities"] = [*rest, robot, foot, {"id": "patient", "components": {"patient": {}}}]
-    file = tmp_path / "canyon_walk.json"
-    file.write_text(json.dumps(document))
-    with open_core(prepare_scene(load_checked_scene(file), RunSettings(file))) as core:
+def test_legs_in_the_gait_orthosis_walk_the_shipped_scene() -> None:
+    """With `--device lokomat:sim` nobody moves a hand; the healthy person keeps step with the reference, unstopped."""
+    file = SCENES / "canyon_walk.json"
+    settings = RunSettings(file, device="lokomat:sim")
+    with open_core(prepare_scene(load_checked_scene(file, device=settings.device), settings)) as core:
         play = Frames(core)
         play.play_to_start()
-        for _ in range(60 * 12):
+        for _ in range(60 * 9):
             play.advance_frame()
-        result = core.tasks.result()
-    assert result["steps"] >= 10 and result["distance_m"] > 1.5
+        result, snapshot = core.tasks.result(), play.snapshot
+    assert snapshot is not None and snapshot.state == SafetyState.ACTIVE
+    assert result["distance_m"] > 2.0
+    natural = 9.0 * 2.0 * natural_cadence(0.4, 1.75)
+    assert natural - 3.0 <= result["steps"] <= natural + 1.0, "a step of a foot a cycle, not two"
+    assert result["symmetry"] > 0.9
+
+
+def test_every_walk_is_played_in_the_gait_orthosis_and_by_hand() -> None:
+    for name in ("city_walk", "canyon_walk", "soccer"):
+        hand = load_checked_scene(SCENES / f"{name}.json")
+        legs = load_checked_scene(SCENES / f"{name}.json", device="lokomat:udp:10.0.0.2:5000")
+        assert hand.devices == ("lokomat",)
+        assert (hand.first(Robot) or Robot()).device == "simulated_hapticmaster"
+        robot = legs.first(Robot)
+        assert robot is not None and robot.device == "lokomat:sim"
+        assert {each.id for each in hand.entities} - {each.id for each in legs.entities} == set()
+        assert hand.hash != legs.hash

@@ -7,7 +7,7 @@ import json
 import pytest
 
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.contracts.errors import Issue
+from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.world.components.registry import Component, register_section
 from mimics_app.world.components.robot import Ball, Safety
@@ -62,6 +62,27 @@ def test_a_file_included_on_two_ways_counts_once(tmp_path):
     loaded = load_scene(write(tmp_path, scene(include=["left.json", "right.json"])))
     assert [entity.id for entity in loaded.entities] == ["sun"]
     assert len(loaded.files) == 4
+
+
+def test_a_device_brings_its_own_entities(tmp_path):
+    """Those of the same id are replaced, wherever they are written; the others stay."""
+    legs = {"devices": {"legs": [thing("robot", ball={"radius_max": 0.5}), thing("foot")]}}
+    write(tmp_path, scene(thing("robot", ball={"radius_max": 0.25})) | legs, "part.json")
+    path = write(tmp_path, scene(thing("sun"), include=["part.json"]))
+    own, other = load_scene(path), load_scene(path, device="legs")
+    assert own.devices == other.devices == ("legs",)
+    assert [each.id for each in own.entities] == ["sun", "robot"]
+    assert sorted(each.id for each in other.entities) == ["foot", "robot", "sun"]
+    assert own.by_id["robot"].components["ball"].radius_max == 0.25
+    assert other.by_id["robot"].components["ball"].radius_max == 0.5
+    assert load_scene(path, device="arm").hash == own.hash != other.hash
+
+
+def test_a_fault_in_what_a_device_brings_is_reported_where_it_is_written(tmp_path):
+    path = write(tmp_path, scene() | {"devices": {"legs": [thing("foot", bal={})]}})
+    with pytest.raises(SceneError) as error:
+        load_scene(path, device="legs")
+    assert error.value.issues[0].pointer == "/devices/legs/0/components/bal"
 
 
 def test_ids_of_two_files_that_collide_name_the_other_file(tmp_path):

@@ -18,6 +18,7 @@ from mimics_app.app.play.launching import (
     remember,
     settings_of_choice,
 )
+from mimics_app.app.play.players import refusals
 from mimics_app.app.scenes import shipped
 from mimics_app.app.scenes.scene_search import find_scene
 from mimics_app.app.scenes.shipped import GROUPS, find_shipped, shipped_scenes, thumbnail_of
@@ -26,6 +27,8 @@ from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.launcher.launcher import LauncherChoice
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.world.components.robot import Robot
+from mimics_app.world.files.reading.paths import SHIPPED
+from mimics_app.world.files.scene.file import load_scene
 
 
 def test_every_shipped_scene_is_listed_with_what_it_takes(capsys: pytest.CaptureFixture[str]) -> None:
@@ -43,6 +46,23 @@ def test_every_shipped_scene_is_listed_with_what_it_takes(capsys: pytest.Capture
 
 def test_the_usual_length_of_a_trial_is_the_tasks_own() -> None:
     assert shipped._SECONDS == TaskSpec().time_limit_s
+
+
+def test_what_begins_the_place_of_a_shipped_file_is_that_of_the_reader() -> None:
+    assert shipped._SHIPPED == SHIPPED
+
+
+def test_other_devices_of_a_scene_are_those_of_its_files() -> None:
+    for name, devices in (("canyon_walk", ("lokomat",)), ("free_objects", ())):
+        scene = find_shipped(name)
+        assert scene is not None and scene.also == load_scene(scene.file).devices == devices
+
+
+def test_a_walk_may_be_started_with_the_orthosis_and_not_with_a_leg() -> None:
+    walk = find_shipped("canyon_walk")
+    assert walk is not None
+    refused = {value for _, value in refusals(walk)}
+    assert "lokomat" not in refused and "simulated_leg" in refused
 
 
 @pytest.mark.parametrize("asked", ["free_objects", "examples/free_objects", "scenes/examples/free_objects.json"])

@@ -63,6 +63,8 @@ def examine(file: Path) -> dict[str, Any]:
 
     scene = load_checked_scene(file)
     _check_devices(scene)
+    for device in scene.devices:  # with the entities that it has for others
+        _check_devices(load_checked_scene(file, device=device))
     from mimics_app.app.scenes.hints import hints
 
     notes = [*scene.notes, *_notes_on_play(scene), *_notes_on_limits(scene), *map(with_line, hints(scene))]

@@ -37,7 +37,7 @@ def refusals(scene: ShippedScene) -> Mapping[tuple[str, str], str]:
     if not scene.device:
         return {}
     captions, wanted = players(), descriptor_of(scene.device)
-    fitting = [value for value in captions if _fits(value, wanted)]
+    fitting = [value for value in captions if _fits(value, wanted) or value.partition(":")[0] in scene.also]
     named = scene.device if scene.device in fitting else next(iter(fitting), scene.device)
     words = f"This scene is played with {scene.takes}. Choose: {captions.get(named, named)}"
     return {("device", value): words for value in captions if value not in fitting}

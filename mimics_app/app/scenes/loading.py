@@ -17,12 +17,13 @@ from mimics_app.world.files.scene.scene import Scene
 __all__ = ["check_scene", "load_checked_scene", "read_scene"]
 
 
-def load_checked_scene(path: Path | str, before: Scene | None = None) -> Scene:
+def load_checked_scene(path: Path | str, before: Scene | None = None, *, device: str = "") -> Scene:
     """Read a scene with the files it names, and check it.
 
     Args:
         path: The scene file, or the name of a shipped scene.
         before: The scene that it replaces, see `load_scene`.
+        device: NAME or NAME:ADDRESS of the device that plays it, see `load_scene`.
 
     Raises:
         SceneError: Every fault of the files and, where they can be read, every fault that a stage has found, each with
@@ -30,7 +31,7 @@ def load_checked_scene(path: Path | str, before: Scene | None = None) -> Scene:
         DeviceError: The device of the scene's robot does not exist.
     """
     try:
-        scene = read_scene(path, before)
+        scene = read_scene(path, before, device=device)
     except FaultyScene as error:
         raise SceneError(dict.fromkeys([*error.issues, *_also_in(error.scene)])) from error
     return check_scene(scene)
@@ -45,13 +46,13 @@ def _also_in(scene: Scene | None) -> list[Issue]:
     return check_apart(scene)
 
 
-def read_scene(path: Path | str, before: Scene | None = None) -> Scene:
+def read_scene(path: Path | str, before: Scene | None = None, *, device: str = "") -> Scene:
     """Do the first half of `load_checked_scene`, the check of the files, which imports no compiled code.
 
     Raises:
         SceneError: Every fault of the files.
     """
-    return load_scene(find_scene(Path(path)), before=before)
+    return load_scene(find_scene(Path(path)), before=before, device=device.partition(":")[0])
 
 
 def check_scene(scene: Scene) -> Scene:

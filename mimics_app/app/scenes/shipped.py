@@ -40,6 +40,9 @@ _FIRST = ("wavy_tunnel", "pick_and_place", *_WALKS, "guided_walk")
 _SECONDS = 60.0
 """Default duration of a trial [s], the same as `tasks.task.TaskSpec.time_limit_s` (a test compares them)."""
 
+_SHIPPED = "mimics:"
+"""Begins the URI of a shipped file, the same as `reading.paths.SHIPPED` (a test compares them)."""
+
 _ANSWER_S, _PROBE_S = 10.0, 20.0
 """Typical time for an item of a questionnaire, and for the localisation probe [s]."""
 
@@ -56,6 +59,7 @@ class ShippedScene:
         takes: Body part or tracker that a person plays it with.
         lasts: Number of trials and longest duration; "" without a task.
         device: Robot that it is made for; "" where it is only looked at.
+        also: Devices of another shape for which it has other entities.
         limits: Limits that it sets beyond the usual ones; "" for none.
     """
 
@@ -67,6 +71,7 @@ class ShippedScene:
     takes: str
     lasts: str
     device: str
+    also: tuple[str, ...] = ()
     limits: str = ""
 
 
@@ -121,6 +126,7 @@ def _describe(file: Path) -> ShippedScene:
         takes="a look round" if looked_at else _takes(document),
         lasts="" if looked_at else _lasts(document.get("task") or {}),
         device="" if looked_at else next(iter(_devices(document)), SIMULATED),
+        also=_also(document),
         limits=_limits(document),
     )
 
@@ -150,6 +156,13 @@ def _devices(document: Mapping[str, Any]) -> list[str]:
     """Return the devices that the robots of a scene name."""
     robots = [each.get("components", {}).get("robot", {}) for each in document.get("entities", ())]
     return [robot["device"] for robot in robots if robot.get("device")]
+
+
+def _also(document: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return the devices for which a scene, or a shipped part that it includes, has other entities."""
+    parts = [root() / uri.removeprefix(_SHIPPED) for uri in document.get("include", ()) if uri.startswith(_SHIPPED)]
+    documents = [document, *(json.loads(part.read_text(encoding="utf-8")) for part in parts)]
+    return tuple(dict.fromkeys(name for each in documents for name in each.get("devices", {})))
 
 
 def _lasts(task: Mapping[str, Any]) -> str:

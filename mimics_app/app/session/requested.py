@@ -24,7 +24,7 @@ def read_requested(settings: RunSettings) -> Scene:
         SceneError: The scene or the file of the display is faulty.
         UsageError: The session has no such trial.
     """
-    scene = read_scene(settings.scene)
+    scene = read_scene(settings.scene, device=settings.device)
     if settings.display or scene.system(DisplaySettings) is not None:
         from mimics_app.app.picture.shown_on import check_display
 

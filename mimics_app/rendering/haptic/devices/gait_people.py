@@ -143,6 +143,11 @@ _CLONUS_STARTS, _CLONUS_LASTS = 2.0, 0.8
 """Speed of a stretch that starts clonus [rad/s], and time constant of its decay [s]."""
 
 
+_FIRST_LEG = 0.5
+"""Phase at which the own gait begins: with the leg with which a reference of the joints does, its left one being half a
+cycle later."""
+
+
 def write_person_in(memory: NDArray[np.float64], name: str, weight: float, rate: int, seed: int) -> None:
     """Fill the memory of a person, shape [gait_person.WALKER].
 
@@ -159,6 +164,7 @@ def write_person_in(memory: NDArray[np.float64], name: str, weight: float, rate:
     require_choice(name, PERSONS, "person in the orthosis")
     person = PERSONS[name]
     memory[gait_person.STRIDE] = memory[gait_person.STRIDE_NOW] = person.stride
+    memory[gait_person.PHASE] = _FIRST_LEG
     memory[gait_person.VARIATION] = person.variation
     memory[gait_person.AMPLITUDE] = person.amplitude
     memory[gait_person.GAIT : gait_person.GAIT + 2 * gait_person.SERIES] = (*_HIP, *_KNEE)

@@ -94,6 +94,7 @@ SETTINGS = {
     "support": 0.3,  # share of the weight that the pre-tension carries
     "support_stiffness": 1500.0,  # [N/m]
     "support_limit": 900.0,  # [N]
+    "stride": 0.0,  # mean of the person's own strides [s]; 0: the preset's, which is that of free walking
     "clearance": 0.12,  # of the soles above the belt in the standing pose where the pelvis is held [m]
 }
 """Numbers of `robot.settings` and their defaults; those of the machine are of a plausible size, and not verified."""
@@ -111,6 +112,7 @@ _MAY_BE_ZERO = (
     "encoder",
     "belt_speed",
     "support",
+    "stride",
 )
 
 _PELVIS = ("held", "free")
@@ -219,6 +221,8 @@ def build_simulated_lokomat(request: DeviceRequest) -> DevicePlugin:
     memory[_REACHING] = float(_FEET.index(reaching))
     memory[_ACTS] = float(request.patient is not None and request.patient.intent)
     write_person_in(memory[_WALKER:_MACHINE], person, own.weight, request.rate, 2 * request.seed + 1)
+    if numbers["stride"] > 0.0:
+        memory[_WALKER + gait_person.STRIDE] = memory[_WALKER + gait_person.STRIDE_NOW] = numbers["stride"]
     plant = memory[PLANT]
     _write_plant(plant, request, own, numbers, free=pelvis == "free")
     _write_treadmill(plant, own, numbers)

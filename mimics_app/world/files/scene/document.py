@@ -80,12 +80,13 @@ class SceneDocument:
         return pointer
 
 
-def resolve(sources: list[SceneSource], issues: list[Issue]) -> SceneDocument:
+def resolve(sources: list[SceneSource], issues: list[Issue], device: str = "") -> SceneDocument:
     """Merge the files of a scene, the first one strongest.
 
     Args:
         sources: From `source.read_sources`; faults of shape were reported there and are skipped here.
         issues: Receives ids defined twice, unknown prefabs and prefabs that contain themselves.
+        device: Name of the device that plays; entities that the files give for it replace those of the same id.
 
     Raises:
         SceneError: there are more entities than a scene may have.
@@ -96,11 +97,27 @@ def resolve(sources: list[SceneSource], issues: list[Issue]) -> SceneDocument:
             _join_table(document, name, source.layer, issues)
         _join_sections(document, source.layer)
     unfolding = _Unfolding(document, issues, whole=sources[0].whole)
+    instead = [layer for source in sources for layer in _entities_for(device, source)]
+    replaced = {layer.value["id"] for layer in instead}
     for source in sources:
-        for i, value in enumerate(_list(source.document.get("entities"))):
-            if isinstance(value, dict) and isinstance(value.get("id"), str):
-                unfolding.unfold(source.layer.child(f"entities/{i}", value))
+        for layer in _entities_at("entities", source.document.get("entities"), source):
+            if layer.value["id"] not in replaced:
+                unfolding.unfold(layer)
+    for layer in instead:
+        unfolding.unfold(layer)
     return document
+
+
+def _entities_for(device: str, source: SceneSource) -> Iterator[Layer]:
+    """Yield the entities that a file has for a device."""
+    given = _dict(source.document.get("devices")).get(device)
+    yield from _entities_at(f"devices/{escape(device)}", given, source)
+
+
+def _entities_at(pointer: str, values: object, source: SceneSource) -> Iterator[Layer]:
+    for i, value in enumerate(_list(values)):
+        if isinstance(value, dict) and isinstance(value.get("id"), str):
+            yield source.layer.child(f"{pointer}/{i}", value)
 
 
 def _join_table(document: SceneDocument, name: str, layer: Layer, issues: list[Issue]) -> None:

@@ -44,13 +44,14 @@ class FaultyScene(SceneError):
         self.scene = scene
 
 
-def load_scene(path: Path | str, root: Path | None = None, before: Scene | None = None) -> Scene:
+def load_scene(path: Path | str, root: Path | None = None, before: Scene | None = None, *, device: str = "") -> Scene:
     """Read a scene file and all files it names.
 
     Args:
         path: The scene file.
         root: Folder that all its files must be inside; default: see `paths.find_root`.
         before: Scene it replaces; data derived from equal sources is reused.
+        device: Name of the device that plays it, whose entities replace others where the files have such; "": none.
 
     Raises:
         SceneError: every fault found, each with file, JSON pointer, what is wrong, and the nearest right name.
@@ -61,7 +62,7 @@ def load_scene(path: Path | str, root: Path | None = None, before: Scene | None 
     folder = find_root(path) if root is None else root
     sources = read_sources(path, folder, issues)
     _stop_after_many(issues, path)
-    scene = SceneLoader(sources, folder, issues).load()
+    scene = SceneLoader(sources, folder, issues, device).load()
     if before is not None:
         scene.take_over(before)
     _stop_after_many(issues, path)

@@ -12,7 +12,7 @@ from mimics_app.world.components.plugins import fault_of_plugin
 from mimics_app.world.components.registry import component_types, section_of, system_types
 from mimics_app.world.files.reading.json_text import escape
 from mimics_app.world.files.reading.paths import PathFault, find_file
-from mimics_app.world.files.reading.struct_reader import FAILED, read_struct
+from mimics_app.world.files.reading.struct_reader import FAILED, is_comment, read_struct
 from mimics_app.world.files.scene.assets import read_asset, sounds_of_model
 from mimics_app.world.files.scene.document import EntityDraft, SceneDocument, resolve
 from mimics_app.world.files.scene.materials import load_materials, load_techniques
@@ -27,10 +27,11 @@ __all__ = ["SceneLoader"]
 class SceneLoader:
     """Decoder of a resolved document; every fault goes to `issues` with its place in the files."""
 
-    def __init__(self, sources: list[SceneSource], root: Path, issues: list[Issue]) -> None:
+    def __init__(self, sources: list[SceneSource], root: Path, issues: list[Issue], device: str = "") -> None:
         self._sources = sources
         self._issues = issues
-        self._document: SceneDocument = resolve(sources, issues)
+        self._device = device
+        self._document: SceneDocument = resolve(sources, issues, device)
         main = sources[0]
         self._scene = Scene(_text(main, "name") or main.path.stem, main.path, root, {}, self._document.origins)
 
@@ -40,6 +41,8 @@ class SceneLoader:
         scene.title = _text(main, "title") or scene.name.replace("_", " ")
         scene.description = _text(main, "description")
         scene.scenario = _text(main, "scenario") or scene.name
+        scene.device = self._device
+        scene.devices = tuple(dict.fromkeys(name for each in self._sources for name in _named_devices(each)))
         scene.files = [source.path.resolve() for source in self._sources]
         self._load_assets()
         load_techniques(scene, self._document, self._issues)
@@ -154,3 +157,9 @@ class SceneLoader:
 def _text(source: SceneSource, key: str) -> str:
     value = source.document.get(key)
     return value if isinstance(value, str) else ""
+
+
+def _named_devices(source: SceneSource) -> list[str]:
+    """Return the devices for which a file has entities."""
+    value = source.document.get("devices")
+    return [name for name in value if not is_comment(name)] if isinstance(value, dict) else []

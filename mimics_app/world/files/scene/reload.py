@@ -58,7 +58,7 @@ def reload_scene(world: World, old: Scene) -> tuple[Scene, Changes]:
     Raises:
         SceneError: the file has faults now; world and old scene are untouched.
     """
-    new = load_scene(old.path, old.root)
+    new = load_scene(old.path, old.root, device=old.device)
     return new, apply_scene(world, old, new)
 
 

@@ -73,6 +73,8 @@ class Scene:
         document: The whole scene as one plain JSON object, includes and prefabs resolved.
         title, description, picture: Shown by the launcher; `picture` is an image file, or None.
         scenario: Name of the scenario that runs it.
+        device: Name of the device whose entities it has, see `devices`; "": its own.
+        devices: Names of the devices for which its files have other entities.
         hash: SHA-256 of `document` and of every asset's bytes, in hexadecimal.
         entities: Entities in the order of the files.
         materials: Materials by id; their textures are asset ids.
@@ -99,6 +101,8 @@ class Scene:
     description: str = ""
     scenario: str = ""
     picture: Path | None = None
+    device: str = ""
+    devices: tuple[str, ...] = ()
     hash: str = ""
     entities: list[SceneEntity] = field(default_factory=list)
     materials: dict[str, Material] = field(default_factory=dict)

@@ -175,6 +175,10 @@ class SceneSpec(Component, frozen=True):
     entities: Annotated[list[EntitySpec], Meta(max_length=MAX_ENTITIES, description="Entities of the scene")] = (
         msgspec.field(default_factory=list)
     )
+    devices: Annotated[
+        dict[str, list[EntitySpec]],
+        Meta(description="Entities where a device of this name plays, instead of those of the same id"),
+    ] = msgspec.field(default_factory=dict)
     systems: Annotated[dict[str, dict[str, Any]], Meta(description="Settings of the stages, by name")] = msgspec.field(
         default_factory=dict
     )
