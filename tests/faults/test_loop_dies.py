@@ -139,5 +139,5 @@ def test_a_stopped_engine_is_not_started_again_over_a_closed_device():
     bench.engine.stop()
     assert closed == [1]
     for again in (bench.engine.start, lambda: bench.engine.advance(1)):
-        with pytest.raises(RuntimeError, match="closed"):
+        with pytest.raises(DeviceError, match="finalised"):
             again()

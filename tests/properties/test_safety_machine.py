@@ -17,6 +17,7 @@ from mimics_app.compiled.borrowed import borrowed
 from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.loop.controller_slots import Slot
 from mimics_app.contracts.loop.device_descriptor import KINEMATICS_SET
+from mimics_app.contracts.loop.device_life import LIFE_IN, LIFE_STEPS, DeviceLife
 from mimics_app.contracts.loop.haptic import SAMPLE, SCENE, SafetyState, TripCause
 from mimics_app.contracts.loop.loop_fields import MAX_JOINTS
 from mimics_app.contracts.loop.loop_ports import (
@@ -356,6 +357,15 @@ def _check_reached(met: np.ndarray, ticks: int) -> None:
     for cause in TripCause:
         assert cause is TripCause.NONE or causes[cause] >= 1e-5 * ticks, f"{cause.name}: {causes.tolist()}"
     assert (met[9, :4] >= [0.05 * ticks, 20, 20, 100]).all(), met[9, :4].tolist()
+
+
+def test_every_transition_is_a_step_of_the_devices_life_or_none_and_a_stop_takes_its_power():
+    steps = {(life, after) for (life, _), after in LIFE_STEPS.items()}
+    for before, afters in TRANSITIONS.items():
+        for after in afters:
+            lives = LIFE_IN[SafetyState(before)], LIFE_IN[SafetyState(after)]
+            assert lives in steps or lives[0] is lives[1]
+            assert lives[1] is DeviceLife.INACTIVE or after not in (SAFE_STOP, E_STOP)
 
 
 def test_a_million_ticks_break_no_law_and_go_everywhere():

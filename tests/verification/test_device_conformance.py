@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,16 @@ import pytest
 
 from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.loop.device_descriptor import KINEMATICS, DeviceDescriptor
-from mimics_app.contracts.loop.loop_ports import DATA_AGE, DATA_DQ, READ, WRITE, DevicePlugin
+from mimics_app.contracts.loop.loop_ports import (
+    COMMAND_DQ,
+    COMMAND_ENABLED,
+    DATA_AGE,
+    DATA_DQ,
+    DATA_Q,
+    READ,
+    WRITE,
+    DevicePlugin,
+)
 from mimics_app.rendering.haptic.descriptors.leg import LEG
 from mimics_app.rendering.haptic.devices.conformance import CHECKS, Finding, check_device
 from mimics_app.rendering.haptic.devices.registry import build_device
@@ -24,6 +34,7 @@ NEEDS_FAULTS = {
     "bears lost bytes",
     "reports a pulled plug",
     "comes back when plugged in",
+    "is inactive after a fault",
 }
 
 
@@ -34,7 +45,8 @@ def _verdicts(findings: list[Finding]) -> dict[str, str]:
 
 @pytest.mark.parametrize("name", ["simulated_hapticmaster", "simulated_impedance", "pointer", "lokomat"])
 def test_simulated_devices_conform(name: str):
-    findings = check_device(build_device(Robot(device=name), Patient()))
+    build = partial(build_device, Robot(device=name), Patient())
+    findings = check_device(build(), configure=build)
     assert _verdicts(findings) == {}
     assert {one.check for one in findings if one.verdict == "not applicable"} == NEEDS_FAULTS
 
@@ -43,9 +55,10 @@ def test_simulated_devices_conform(name: str):
 @pytest.mark.parametrize("mode", ["motion", "torque"])
 def test_legs_conform_in_both_modes(name: str, mode: str):
     robot = Robot(device=name, settings={"mode": mode})
-    plugin = build_device(robot, Patient(intent=False))
+    build = partial(build_device, robot, Patient(intent=False))
+    plugin = build()
     assert plugin.follows == {"motion": "velocity", "torque": "torque"}[mode]
-    findings = check_device(plugin, robot)
+    findings = check_device(plugin, robot, configure=build)
     assert _verdicts(findings) == {}
     assert {one.check for one in findings if one.verdict == "not applicable"} == NEEDS_FAULTS
 
@@ -87,14 +100,14 @@ def test_the_kit_fails_a_descriptor_that_does_not_fit_its_device(descriptor: Dev
 
 
 def test_the_replay_device_conforms():
-    samples = np.tile(patient_bench().advance(300), 30)
-    findings = check_device(build_device(Robot(device="replay"), samples=samples))
+    build = partial(build_device, Robot(device="replay"), samples=np.tile(patient_bench().advance(300), 30))
+    findings = check_device(build(), configure=build)
     assert _verdicts(findings) == {}
 
 
 def test_the_serial_robot_conforms_with_all_its_faults(tmp_path: Path):
     with serial_rig(tmp_path) as rig:
-        findings = check_device(rig.build(), other_side=rig)
+        findings = check_device(rig.build(), other_side=rig, configure=rig.build)
     assert _verdicts(findings) == {}
     assert {one.verdict for one in findings} == {"passed"}
 
@@ -102,7 +115,7 @@ def test_the_serial_robot_conforms_with_all_its_faults(tmp_path: Path):
 @pytest.mark.parametrize("line", ["serial", "udp"])
 def test_the_gait_orthosis_conforms_on_its_lines_with_all_their_faults(tmp_path: Path, line: str):
     with lokomat_rig(tmp_path, line) as rig:
-        findings = check_device(rig.build(), Robot(device="lokomat"), other_side=rig)
+        findings = check_device(rig.build(), Robot(device="lokomat"), rig, rig.build)
     assert _verdicts(findings) == {}
     assert {one.verdict for one in findings} == {"passed"}
 
@@ -190,6 +203,112 @@ def test_a_device_that_breaks_a_rule_fails_the_check_of_it(read, check: str):
     assert check in _verdicts(check_device(plugin))
 
 
+PLACE, SPEED, GOAL, LAST, AWAKE = 0, 1, 2, 2, 4
+"""Memory of a device of one mass; the HapticMaster's last joint is its third."""
+
+
+@typed_kernel(READ)
+def read_mass(memory, inbox, data, tick):
+    data[DATA_Q + LAST], data[DATA_DQ + LAST] = memory[PLACE], memory[SPEED]
+    return 0
+
+
+@typed_kernel(READ)
+def read_mass_once_active(memory, inbox, data, tick):
+    data[DATA_Q + LAST], data[DATA_DQ + LAST] = memory[PLACE], memory[SPEED]
+    return 0 if memory[AWAKE] == 1.0 else 1
+
+
+@typed_kernel(WRITE)
+def move_always(memory, command, tick):
+    ordered = command[COMMAND_DQ + LAST]
+    memory[SPEED] = ordered if abs(ordered) < 1.0 else 0.0
+    memory[PLACE] += 1e-3 * memory[SPEED]
+    return 0
+
+
+@typed_kernel(WRITE)
+def move_while_active(memory, command, tick):
+    ordered = command[COMMAND_DQ + LAST]
+    memory[SPEED] = ordered if command[COMMAND_ENABLED] == 1.0 and abs(ordered) < 1.0 else 0.0
+    memory[AWAKE] = max(memory[AWAKE], command[COMMAND_ENABLED])
+    memory[PLACE] += 1e-3 * memory[SPEED]
+    return 0
+
+
+@typed_kernel(WRITE)
+def make_up_for_it(memory, command, tick):
+    ordered, before = command[COMMAND_DQ + LAST], memory[PLACE]
+    memory[GOAL] += 1e-3 * ordered if abs(ordered) < 1.0 else 0.0
+    if command[COMMAND_ENABLED] == 1.0:
+        memory[PLACE] = memory[GOAL]
+    memory[SPEED] = 0.0 if abs(memory[PLACE] - before) > 1e-3 else (memory[PLACE] - before) / 1e-3
+    return 0
+
+
+@pytest.mark.parametrize(
+    ("read", "write", "checks"),
+    [
+        (read_mass, move_while_active, set()),
+        (read_mass, move_always, {"is inactive at first", "lets go when not enabled", "is configured again"}),
+        (read_mass, make_up_for_it, {"is activated again"}),
+        (read_mass_once_active, move_while_active, {"answers", "is inactive at first", "is configured again"}),
+    ],
+)
+def test_the_kit_fails_a_device_that_breaks_its_life_cycle(read, write, checks: set[str]):
+    def build() -> DevicePlugin:
+        return DevicePlugin("mass", read, write, np.zeros(8))
+
+    assert set(_verdicts(check_device(build(), configure=build))) == checks
+
+
+PLUG = 5
+"""1: pulled, 2: put in again."""
+
+
+class Plug:
+    """Remote side of which only the plug can be pulled."""
+
+    can_fail = True
+
+    def __init__(self, memory: np.ndarray) -> None:
+        self.memory = memory
+
+    def step(self) -> None:
+        """Nothing moves by itself."""
+
+    def spoil(self, what: str) -> None:
+        self.memory[PLUG] = {"unplug": 1.0, "plug": 2.0}.get(what, self.memory[PLUG])
+
+
+@typed_kernel(READ)
+def read_plugged_mass(memory, inbox, data, tick):
+    data[DATA_Q + LAST], data[DATA_DQ + LAST] = memory[PLACE], memory[SPEED]
+    return 2 if memory[PLUG] == 1.0 else 0
+
+
+@typed_kernel(WRITE)
+def go_on_when_plugged_in(memory, command, tick):
+    ordered, goes_on = command[COMMAND_DQ + LAST], command[COMMAND_ENABLED] == 1.0 or memory[PLUG] == 2.0
+    memory[SPEED] = ordered if goes_on and abs(ordered) < 1.0 else 0.0
+    memory[PLACE] += 1e-3 * memory[SPEED]
+    return 0
+
+
+@pytest.mark.parametrize(("write", "fails"), [(move_while_active, False), (go_on_when_plugged_in, True)])
+def test_the_kit_fails_a_device_that_moves_when_its_plug_is_put_in_again(write, fails: bool):
+    memory = np.zeros(8)
+    findings = check_device(DevicePlugin("mass", read_plugged_mass, write, memory), other_side=Plug(memory))
+    verdict = {one.check: one.verdict for one in findings}
+    assert verdict["reports a pulled plug"] == verdict["comes back when plugged in"] == "passed"
+    assert verdict["is inactive after a fault"] == ("failed" if fails else "passed")
+
+
+def test_a_real_device_that_takes_commands_when_it_is_closed_fails():
+    plugin = DevicePlugin("mass", read_mass, move_while_active, np.zeros(8), real_time=True)
+    assert set(_verdicts(check_device(plugin))) == {"is quiet when closed", "takes no command when closed"}
+
+
 def test_a_device_that_stands_still_fails_and_so_does_one_of_other_types():
     @typed_kernel(READ)
     def stand(memory, inbox, data, tick):
@@ -221,6 +340,6 @@ def test_a_device_that_cannot_be_closed_twice_fails():
 
 def test_the_hapticmaster_conforms_with_all_its_faults():
     with hapticmaster_rig() as rig:
-        findings = check_device(rig.build(), other_side=rig)
+        findings = check_device(rig.build(), other_side=rig, configure=rig.build)
     assert _verdicts(findings) == {}
     assert {one.verdict for one in findings} == {"passed"}

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from mimics_app.contracts.clock import TICK_NS, MonotonicClock
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.recording.run import Run
 from mimics_app.rendering.haptic.devices.conformance import Finding, check_device
 from mimics_app.rendering.haptic.devices.device_names import recording_of
@@ -48,7 +49,11 @@ def check_by_name(device: str, recording: Path | None) -> list[Finding]:
     robot = Robot(device=device)
     folder = recording or recording_of(device)
     samples = None if folder is None else Run.open(folder).haptic
-    plugin = build_device(robot, Patient(), samples=samples)
+
+    def configure() -> DevicePlugin:
+        return build_device(robot, Patient(), samples=samples)
+
+    plugin = configure()
     if plugin.real_time and plugin.follows != "nothing":
         sys.stderr.write("mimics: the device moves: up to 60 mm or mrad of its last joint\n")
-    return check_device(plugin, robot, _WallTime() if plugin.real_time else None)
+    return check_device(plugin, robot, _WallTime() if plugin.real_time else None, configure)

@@ -26,6 +26,7 @@ def summarise(session: Session, frames: Frames, sound: AudioReport | None, wall_
         "scene_hash": session.scene.hash,
         "run_dir": str(session.folder),
         "task": session.tasks.result(),
+        "device_life": str(session.haptics.life),
         "safety": frames.safety.summary(session.haptics.snapshot().state, late),
         **(_punctuality(late) if session.live else {}),  # on a virtual clock no tick can be late
         "stability": stability.as_dict() | {"contacts": stability.contacts(session.side.shape_entities)},

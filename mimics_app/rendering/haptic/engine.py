@@ -16,7 +16,8 @@ from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.loop.controller_slots import names_in
-from mimics_app.contracts.loop.haptic import EVENT, INBOX
+from mimics_app.contracts.loop.device_life import LIFE_IN, DeviceLife, LifeStep, life_after
+from mimics_app.contracts.loop.haptic import EVENT, INBOX, SafetyState
 from mimics_app.contracts.loop.loop_ports import COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH, DevicePlugin
 from mimics_app.contracts.loop.object_rows import Rows, slot_of
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot, PointerState
@@ -87,7 +88,8 @@ class HapticEngine:
         self._beside: list[tuple[float, ...]] = []  # from the first point of contact to each other, world [m]
         self._beside_in = -1  # trial at whose begin they were so
         self._resets = 0
-        self._closed = self._released = False
+        self._life = DeviceLife.INACTIVE  # its builder has configured it
+        self._released = False
         self._granted: scheduler.Granted | None = None
         self._arranged = threading.Event()
         self._thread: threading.Thread | None = None
@@ -105,6 +107,13 @@ class HapticEngine:
     def plugin(self) -> DevicePlugin:
         """The device in use."""
         return self._plugin
+
+    @property
+    def life(self) -> DeviceLife:
+        """State of the device's life cycle; between the engine's own steps that of the loop's safety machine."""
+        if self._life is not DeviceLife.INACTIVE or self._released:
+            return self._life
+        return LIFE_IN[SafetyState(self.snapshot().state)]
 
     @property
     def running(self) -> bool:
@@ -209,12 +218,12 @@ class HapticEngine:
         """Run `ticks` ticks on the virtual clock at full speed; return the total number of ticks done.
 
         Raises:
-            RuntimeError: The live loop is running, or the device is closed.
+            RuntimeError: The live loop is running.
+            DeviceError: The device is finalised.
         """
         if self.running:
             raise RuntimeError("the live loop is running; stop() it before advance()")
-        if self._closed:
-            raise RuntimeError("the device is closed; build another engine")
+        self._check_configured()
         return int(advance_ticks(*self._loop_args, ticks, self._period_ns))
 
     def start(self) -> scheduler.Granted:
@@ -224,13 +233,12 @@ class HapticEngine:
         creates its GL context.
 
         Raises:
-            RuntimeError: The loop is running, or the device is closed.
-            DeviceError: The thread could not be scheduled.
+            RuntimeError: The loop is running.
+            DeviceError: The device is finalised, or the thread could not be scheduled.
         """
         if self.running:
             raise RuntimeError("the live loop is running already")
-        if self._closed:
-            raise RuntimeError("the device is closed; build another engine")
+        self._check_configured()
         if sys.platform.startswith("linux") and threading.current_thread() is threading.main_thread():
             signal.signal(signal.SIGXCPU, self._demote)
         from mimics_app.rendering.haptic.live_loop import run_live  # compiled before the first deadline
@@ -245,7 +253,7 @@ class HapticEngine:
         return self.granted
 
     def stop(self) -> None:
-        """End the live loop, if it runs, disable the device and close it; a second call does nothing more.
+        """End the live loop, if it runs; deactivate, clean up and finalise the device. A second call does nothing more.
 
         Raises:
             DeviceError: The loop did not end, or ended with an error.
@@ -255,9 +263,9 @@ class HapticEngine:
             self._thread.join(_JOIN_S)
             if self._thread.is_alive():
                 raise DeviceError("the haptic loop did not stop", "switch the robot off at its own switch")
-        if not self._closed:
-            self._closed = True
-            self._release_device()
+        if self._life is not DeviceLife.FINALISED:
+            self._deactivate_device()
+            self._life = life_after(life_after(self._life, LifeStep.CLEANUP), LifeStep.SHUTDOWN)
             self._plugin.close()
         if self._failure is not None:
             raise DeviceError(f"the haptic loop ended with an error: {self._failure}")
@@ -292,22 +300,28 @@ class HapticEngine:
             with suppress(ProcessLookupError):  # the thread has ended meanwhile
                 self._granted = scheduler.demote(self._thread.native_id)
 
-    def _release_device(self) -> None:
-        """Send a real device commands with zero force and disabled drives, once; the loop must have ended.
+    def _check_configured(self) -> None:
+        """Refuse a loop over a finalised device: its descriptor may be another file's by now."""
+        if self._life is not DeviceLife.INACTIVE:
+            raise DeviceError(f"the device is {self._life}; no loop runs over it", "build another engine")
 
-        A device may hold the last command for as long as it has power, also after its line is closed.
+    def _deactivate_device(self) -> None:
+        """Send the device commands with zero force and disabled drives, once; the loop must have ended.
+
+        A real device gets some: it may hold the last one for as long as it has power, also after its line is closed.
         """
-        if self._released or self._plugin.simulated:
+        if self._released:
             return
         self._released = True
         plugin, clock, ticks = self._plugin, MonotonicClock(), self.ticks
         command, data = np.zeros(COMMAND_LENGTH), np.zeros(DATA_LENGTH)
         inbox = np.zeros(INBOX_LENGTH)
         try:
-            for tick in range(ticks, ticks + _RELEASE_TICKS):
-                plugin.write(plugin.memory, command, tick)
+            plugin.write(plugin.memory, command, ticks)
+            for tick in range(ticks + 1, ticks + (1 if plugin.simulated else _RELEASE_TICKS + 1)):
                 clock.sleep_until_ns(clock.now_ns() + _RELEASE_NS)
-                plugin.read(plugin.memory, inbox, data, tick + 1)
+                plugin.read(plugin.memory, inbox, data, tick)
+                plugin.write(plugin.memory, command, tick)
         except Exception as failure:  # noqa: BLE001  whatever a plug-in raises, its device is closed next
             self._failure = self._failure or failure
 
@@ -326,4 +340,4 @@ class HapticEngine:
         except BaseException as failure:  # noqa: BLE001  raised by stop()
             self._failure = failure
         finally:
-            self._release_device()
+            self._deactivate_device()

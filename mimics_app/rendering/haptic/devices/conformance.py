@@ -5,7 +5,8 @@
     assert not [finding for finding in findings if finding.verdict == "failed"]
 
 The device moves: 15 mm or mrad of its last joint (of the HapticMaster upwards). A device with a remote side that can
-inject faults (an emulator) is also tested with silence, garbage, lost bytes and a pulled plug.
+inject faults (an emulator) is also tested with silence, garbage, lost bytes and a pulled plug. Given what builds the
+device again, its whole life cycle is tested (contracts/loop/device_life.py).
 """
 
 from __future__ import annotations
@@ -14,21 +15,30 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.loop.loop_ports import COMMAND_FORCE, DevicePlugin
 from mimics_app.rendering.haptic.descriptors.joint_limits import joint_limits
 from mimics_app.rendering.haptic.devices.conformance_finding import Failed, Finding, NotApplicable, must
-from mimics_app.rendering.haptic.devices.device_bench import DeviceBench, OtherSide, Track
+from mimics_app.rendering.haptic.devices.device_bench import DeviceBench, OtherSide
 from mimics_app.rendering.haptic.devices.kinematics_checks import KINEMATICS_CHECKS
+from mimics_app.rendering.haptic.devices.kit_orders import (
+    DT,
+    MOVE_TICKS,
+    REST_TICKS,
+    SPEED,
+    gives_data_again,
+    is_at_rest,
+    lift,
+    needs_motion,
+    needs_other_side,
+    order,
+)
+from mimics_app.rendering.haptic.devices.life_checks import CLEANED_UP, FAULTED, FIRST, MOVING
 from mimics_app.world.components.robot import Robot
 
 __all__ = ["CHECKS", "Finding", "check_device"]
 
-_DT = 1e-3
 _PATIENCE = 500
 """Ticks within which a device must answer."""
 
@@ -37,15 +47,6 @@ _STALE_S = 0.020
 
 _MARGIN = 0.02
 """Tolerance of joint limits [m, rad]."""
-
-_SPEED = 0.05
-"""Commanded velocity of the last joint [m/s, rad/s]."""
-
-_MOVE_TICKS = 300
-_REST_TICKS = 400
-
-_AT_REST = 0.006
-"""Largest velocity of a joint at rest [m/s, rad/s]."""
 
 _JUMP = 2e-3
 """Largest motion after a command that is not finite [m, rad]."""
@@ -58,38 +59,6 @@ _LARGEST_PLAUSIBLE = 1e6
 
 _FAULT_TICKS = 5
 """Ticks within which a pulled plug must be reported."""
-
-_PLUG_TICKS = 4000
-_PATIENCE_NS = 20_000_000_000
-"""With _PLUG_TICKS, the time within which data must come back [ns]."""
-
-_PUSH = 5.0
-"""Commanded force [N], or torque at the last joint [N, N m], that must move a device that follows such."""
-
-
-def _needs_other_side(bench: DeviceBench) -> None:
-    if bench.other_side is None or not bench.other_side.can_fail:
-        raise NotApplicable("its remote side cannot inject faults")
-
-
-def _needs_motion(bench: DeviceBench) -> None:
-    if bench.plugin.follows in ("nothing", "vibration"):
-        raise NotApplicable("it follows no command")
-
-
-def _order(bench: DeviceBench, *, enabled: bool = True) -> NDArray[np.float64]:
-    """Return the command that moves the device upwards, or along its last joint."""
-    last = bench.joints - 1
-    if bench.plugin.follows == "velocity":
-        return bench.command((*(0.0,) * last, _SPEED), enabled=enabled)
-    active = SafetyState.ACTIVE
-    if bench.plugin.follows == "torque":
-        return bench.command(torque=(*(0.0,) * last, _PUSH), enabled=enabled, state=active)
-    return bench.command(force=(0.0, 0.0, _PUSH), enabled=enabled, state=active)
-
-
-def _lift(bench: DeviceBench, ticks: int = _MOVE_TICKS) -> Track:
-    return bench.run(ticks, _order(bench))
 
 
 def _has_name(bench: DeviceBench, robot: Robot) -> None:
@@ -109,14 +78,14 @@ def _states_its_delay(bench: DeviceBench, robot: Robot) -> None:
 
 def _has_the_signatures(bench: DeviceBench, robot: Robot) -> None:
     try:
-        bench.run(1)
+        bench.run(1, bench.command(enabled=False))
     except DeviceError as error:
         raise Failed(error.what) from error
 
 
 def _answers(bench: DeviceBench, robot: Robot) -> None:
     for _ in range(_PATIENCE // 10):
-        if len(bench.run(10).fresh):
+        if len(bench.run(10, bench.command(enabled=False)).fresh):
             return
     raise Failed(f"no fresh data in {_PATIENCE} ticks; {bench.plugin.trouble()}")
 
@@ -157,7 +126,7 @@ def _has_sane_grasp_and_buttons(bench: DeviceBench, robot: Robot) -> None:
 def _reports_an_age(bench: DeviceBench, robot: Robot) -> None:
     track = bench.run(300)
     must(bool(np.all((track.age >= 0.0) & (track.age < _STALE_S))), "age of fresh data below 0 or stale")
-    taken = track.ticks * _DT - track.age
+    taken = track.ticks * DT - track.age
     must(bool(np.all(np.diff(taken) > -1e-9)), "data is older than the data before it")
 
 
@@ -191,38 +160,38 @@ def _is_short(bench: DeviceBench, robot: Robot) -> None:
 
 
 def _follows_its_command(bench: DeviceBench, robot: Robot) -> None:
-    _needs_motion(bench)
+    needs_motion(bench)
     before = bench.run(20).q[-1]
-    _lift(bench)
+    lift(bench)
     moved = bench.run(20).q[-1] - before
-    wanted = _SPEED * _MOVE_TICKS * _DT if bench.plugin.follows == "velocity" else 2e-3
+    wanted = SPEED * MOVE_TICKS * DT if bench.plugin.follows == "velocity" else 2e-3
     must(moved[-1] > 0.5 * wanted, f"its last joint moved {moved[-1]:.4f} instead of {wanted:.4f}")
 
 
 def _reports_the_speed_it_moves_with(bench: DeviceBench, robot: Robot) -> None:
-    _needs_motion(bench)
-    track = _lift(bench)
+    needs_motion(bench)
+    track = lift(bench)
     moved = track.q[-1] - track.q[0]
-    reported = float(np.mean(track.dq[:, -1])) * (track.ticks[-1] - track.ticks[0]) * _DT
+    reported = float(np.mean(track.dq[:, -1])) * (track.ticks[-1] - track.ticks[0]) * DT
     must(abs(reported - moved[-1]) < 0.2 * abs(moved[-1]) + 1e-3, "its velocities are not the rates of its joints")
 
 
 def _comes_to_rest(bench: DeviceBench, robot: Robot) -> None:
-    _needs_motion(bench)
-    _lift(bench, 100)
+    needs_motion(bench)
+    lift(bench, 100)
     # A device that takes torques keeps swinging until its drives brake.
     at_rest = bench.command(enabled=bench.plugin.follows != "torque")
-    bench.run(_REST_TICKS, at_rest)
-    must(float(np.abs(bench.run(20, at_rest).dq[-1]).max()) < _AT_REST, "it continues to move without a command")
+    bench.run(REST_TICKS, at_rest)
+    must(is_at_rest(bench.run(20, at_rest)), "it continues to move without a command")
 
 
 def _lets_go_when_not_enabled(bench: DeviceBench, robot: Robot) -> None:
-    _needs_motion(bench)
-    _lift(bench, 100)
-    order = _order(bench, enabled=False)
-    bench.run(_REST_TICKS, order)
-    track = bench.run(50, order)
-    must(float(np.abs(track.dq[-1]).max()) < _AT_REST, "it follows a command that is not enabled")
+    needs_motion(bench)
+    lift(bench, 100)
+    inactive = order(bench, enabled=False)
+    bench.run(REST_TICKS, inactive)
+    track = bench.run(50, inactive)
+    must(is_at_rest(track), "it follows a command that is not enabled")
 
 
 def _leaves_what_is_not_its_own(bench: DeviceBench, robot: Robot) -> None:
@@ -233,11 +202,11 @@ def _leaves_what_is_not_its_own(bench: DeviceBench, robot: Robot) -> None:
 
 
 def _bears_a_poisoned_command(bench: DeviceBench, robot: Robot) -> None:
-    _needs_motion(bench)
+    needs_motion(bench)
     before = bench.run(20).q[-1]
     for poison in (np.nan, np.inf, -np.inf):
         bench.run(3, bench.command((poison,) * bench.joints, (0.0, poison, 0.0), (poison,) * bench.joints))
-    bench.run(_REST_TICKS)
+    bench.run(REST_TICKS)
     track = bench.run(50)
     must(float(np.abs(track.q[-1] - before).max()) < _JUMP, "a command that is not finite moves it")
     finite = len(track.fresh) > 0 and bool(np.all(np.abs(track.fresh) < _LARGEST_PLAUSIBLE))
@@ -249,39 +218,29 @@ def _bears_a_poisoned_inbox(bench: DeviceBench, robot: Robot) -> None:
     bench.inbox[:] = np.nan
     bench.run(5)
     bench.inbox[:] = kept
-    bench.run(_REST_TICKS)
+    bench.run(REST_TICKS)
     track = bench.run(50)
     finite = len(track.fresh) > 0 and bool(np.all(np.abs(track.fresh) < _LARGEST_PLAUSIBLE))
     must(finite, "it does not recover from an inbox that is not finite")
 
 
 def _is_silent_when_nothing_comes(bench: DeviceBench, robot: Robot) -> None:
-    _needs_other_side(bench)
+    needs_other_side(bench)
     bench.spoil("silence")
     bench.run(_FAULT_TICKS)
     fresh = len(bench.run(100).fresh)
     bench.spoil("silence off")
     must(fresh == 0, f"fresh data in {fresh} ticks of a silent line")
-    must(_gives_data_again(bench), "no data after the silence")
+    must(gives_data_again(bench), "no data after the silence")
 
 
-def _gives_data_again(bench: DeviceBench) -> bool:
-    """Whether data comes again in ticks and wall-clock time: the line is reopened by a thread on the wall clock."""
-    clock = MonotonicClock()
-    first, end = bench.tick, clock.now_ns() + _PATIENCE_NS
-    while bench.tick - first < _PLUG_TICKS or clock.now_ns() < end:
-        if len(bench.run(20).fresh) > 0:
-            return True
-    return False
-
-
-def _survives(bench: DeviceBench, order: str, off: str) -> None:
-    _needs_other_side(bench)
-    bench.spoil(order)
+def _survives(bench: DeviceBench, fault: str, off: str) -> None:
+    needs_other_side(bench)
+    bench.spoil(fault)
     track = bench.run(300)
     bench.spoil(off)
     must(bool(np.all(np.abs(track.fresh) < 1e3)), "it accepts garbage as data")
-    must(_gives_data_again(bench), "it does not resynchronise")
+    must(gives_data_again(bench), "it does not resynchronise")
 
 
 def _finds_its_place_after_garbage(bench: DeviceBench, robot: Robot) -> None:
@@ -293,18 +252,19 @@ def _bears_lost_bytes(bench: DeviceBench, robot: Robot) -> None:
 
 
 def _reports_a_pulled_plug(bench: DeviceBench, robot: Robot) -> None:
-    _needs_other_side(bench)
+    needs_other_side(bench)
+    lift(bench, 100)
     bench.spoil("unplug")
-    bench.run(1)
-    status = bench.run(_FAULT_TICKS).status
+    lift(bench, 1)
+    status = lift(bench, _FAULT_TICKS).status
     must(bool(status[-1] == 2), f"no FAULT within {_FAULT_TICKS} ticks of a pulled plug")
     must(bool(np.all(bench.run(50).status == 2)), "the FAULT does not last")
 
 
 def _comes_back_when_plugged_in(bench: DeviceBench, robot: Robot) -> None:
-    _needs_other_side(bench)
+    needs_other_side(bench)
     bench.spoil("plug")
-    back = _gives_data_again(bench)
+    back = gives_data_again(bench, order(bench, enabled=False))
     must(back, f"no data after the plug is in again; {bench.plugin.trouble()}")
 
 
@@ -327,6 +287,7 @@ CHECKS: dict[str, Callable[[DeviceBench, Robot], None]] = {
         _states_its_delay,
         _has_the_signatures,
         _answers,
+        *FIRST,
         _reports_a_known_status,
         _gives_finite_data,
         _stays_in_its_limits,
@@ -344,21 +305,27 @@ CHECKS: dict[str, Callable[[DeviceBench, Robot], None]] = {
         _leaves_what_is_not_its_own,
         _bears_a_poisoned_command,
         _bears_a_poisoned_inbox,
+        *MOVING,
         _is_silent_when_nothing_comes,
         _finds_its_place_after_garbage,
         _bears_lost_bytes,
         _reports_a_pulled_plug,
         _comes_back_when_plugged_in,
+        *FAULTED,
         *KINEMATICS_CHECKS,
         _closes_twice,
         _is_quiet_when_closed,
+        *CLEANED_UP,
     )
 }
 """Checks by name, in the order they run; the closing ones are last."""
 
 
 def check_device(
-    plugin: DevicePlugin, robot: Robot | None = None, other_side: OtherSide | None = None
+    plugin: DevicePlugin,
+    robot: Robot | None = None,
+    other_side: OtherSide | None = None,
+    configure: Callable[[], DevicePlugin] | None = None,
 ) -> list[Finding]:
     """Run all checks on a device.
 
@@ -366,11 +333,12 @@ def check_device(
         plugin: The device, newly built; it is closed afterwards.
         robot: The robot component it was built for, with the joint limits, speeds and force range to keep.
         other_side: Remote side of the device, if it has one.
+        configure: Builds the device again after it was closed, for the checks of its life cycle.
 
     Returns:
         One finding for each of CHECKS, in order.
     """
-    bench, limits = DeviceBench(plugin, other_side), robot or Robot()
+    bench, limits = DeviceBench(plugin, other_side, configure), robot or Robot()
     return [_try(name, check, bench, limits) for name, check in CHECKS.items()]
 
 

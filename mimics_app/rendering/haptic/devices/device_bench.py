@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
@@ -181,10 +182,17 @@ class DeviceBench:
     Args:
         plugin: The device.
         other_side: Its remote side; None for a device inside this process.
+        configure: Builds the device again after it was cleaned up; None where nothing here can.
     """
 
-    def __init__(self, plugin: DevicePlugin, other_side: OtherSide | None = None) -> None:
+    def __init__(
+        self,
+        plugin: DevicePlugin,
+        other_side: OtherSide | None = None,
+        configure: Callable[[], DevicePlugin] | None = None,
+    ) -> None:
         self.plugin = plugin
+        self.configure = configure
         self.descriptor = plugin.descriptor or HAPTICMASTER
         self.joints = len(self.descriptor.joints)
         self.other_side = other_side
