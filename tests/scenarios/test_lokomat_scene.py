@@ -11,8 +11,8 @@ import pytest
 from mimics_app.app.scenes.loading import check_scene, read_scene
 from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.system.resources import root
-from mimics_app.rendering.haptic.devices.simulated_lokomat import PLANT
-from mimics_app.rendering.haptic.kernels.lokomat import orthosis, treadmill
+from mimics_app.rendering.haptic.devices.simulated_lokomat import PLANT, SETTINGS
+from mimics_app.rendering.haptic.kernels.lokomat import linkage, orthosis, treadmill
 from tests.support.core_play import CorePlay
 
 SWING = root() / "scenes" / "examples" / "lokomat_free_swing.json"
@@ -47,6 +47,13 @@ def test_both_legs_swing_down_and_come_to_hang():
     assert np.all(active["torque_command"] == 0.0), "zero force is asked for"
     assert np.all(np.diff(active["q"][[0, -1], 1:4:2], axis=0) < -0.1), "both knees swing down"
     assert np.abs(active["dq"][-1, :4]).max() < 0.01
+    for number, (side, name) in enumerate((side, name) for side in ("left", "right") for name in ("hip", "knee")):
+        pivot, lever = (play.core.world.find(f"{side}_{name}_{end}").world_matrix() for end in ("pivot", "lever"))
+        link = np.array([*(SETTINGS[f"{name}_{what}"] for what in ("fixed_arm", "moved_arm", "offset")), -1.0])
+        shaft = linkage.eta_of(link, float(active["q"][-1, number]))
+        assert np.linalg.norm((lever - pivot)[:3, 3]) == pytest.approx(shaft, abs=1e-3), (
+            "the drawn drive is the simulated one"
+        )
     play.core.stop()
 
 

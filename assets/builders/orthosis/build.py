@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from assets.builders.kit.lattice_noise import hash_noise, pixels
 from assets.builders.kit.palette_texture import Canvas
+from assets.builders.orthosis.clinic import compose_clinic
 from assets.builders.orthosis.harness import compose_harness
 from assets.builders.orthosis.leg_parts import compose_drive, compose_foot, compose_rod, compose_shank, compose_thigh
 from assets.builders.orthosis.standing_machine import compose_belt, compose_frame, compose_pelvis, compose_treadmill
@@ -31,7 +32,7 @@ def compose(seed: int) -> dict[str, bytes]:
     """Return all files by name.
 
     Args:
-        seed: Of the grain of the belt.
+        seed: Of the grain of belt and floor.
     """
     writer = GltfWriter("mimics_app assets build orthosis")
     materials = {
@@ -43,7 +44,7 @@ def compose(seed: int) -> dict[str, bytes]:
     for name, parts in _nodes().items():
         written = [(writer.add_part(part), materials[finish]) for finish, part in parts.items()]
         writer.add_node(name, mesh=writer.add_mesh(name, written))
-    return {"orthosis.glb": writer.to_bytes()}
+    return {"orthosis.glb": writer.to_bytes(), "clinic.glb": compose_clinic(seed)}
 
 
 def _nodes() -> dict[str, Mapping[str, MeshPart]]:

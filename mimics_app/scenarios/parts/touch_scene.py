@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.ports.scenario_port import Scenario, TaskContext
 from mimics_app.rendering.haptic.devices.robot_reach import Reach
@@ -19,6 +20,7 @@ from mimics_app.scenarios.parts.next_station import NextStation
 from mimics_app.scenarios.parts.robot_scene import SPACING, Places, even_points, robot_block, robot_facts, start_at
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task import PointGoal
+from mimics_app.world.components.animation import Avatar
 from mimics_app.world.components.objects import HapticObject, HapticPath, InteractionPoints
 from mimics_app.world.components.robot import Ball, Patient, Robot
 from mimics_app.world.content.meshes.primitives import tube
@@ -64,6 +66,7 @@ class TouchScene(Scenario):
             for point in (points.points if points else ())
             if point.entity is not None
         ]
+        self._worn = self._wears_device()
         self._show_paths()
         patient = scene.first(Patient)
         visits = patient.visits if patient is not None else ()
@@ -94,8 +97,26 @@ class TouchScene(Scenario):
         if self._ball is not None:
             self._ball.set_position(snapshot.hip_world)
             self._ball.set_scale((snapshot.ball_radius,) * 3)
+        if self._worn:
+            self._world.motion.joints = snapshot.q
         for node, contact, offset in self._points:
             node.set_position(snapshot.points[contact].hip_world + offset)
+
+    def _wears_device(self) -> bool:
+        """Return whether a person's legs turn by the joints of the device.
+
+        Raises:
+            SceneError: the device is no gait orthosis.
+        """
+        from mimics_app.world.content.motion.worn_legs import JOINTS
+
+        for _, avatar, pointer in self._scene.components(Avatar):
+            if avatar.joints:
+                if len(self._reach.descriptor.joints) != JOINTS:
+                    what = f"{self._robot.device} has not the joints of two legs"
+                    raise SceneError(self._scene.issue(f"{pointer}/joints", what, "remove it, or take another device"))
+                return True
+        return False
 
     def _contact(self, name: str | None) -> int:
         """Number of a point of contact of the device."""

@@ -120,6 +120,9 @@ class Avatar(Component, frozen=True):
     look_at: Annotated[Name | None, Meta(description='Entity the head turns to; "camera": the first camera')] = None
     look_limit: Annotated[float, Meta(ge=0, le=3.2, description="Largest angle of the head [rad]")] = 1.2
     reach: Annotated[tuple[Reach, ...], Meta(max_length=4, description="Limbs that reach for entities")] = ()
+    joints: Annotated[
+        bool, Meta(description="Hips and knees turn by the joints of the device, a gait orthosis that the person wears")
+    ] = False
     blink: Annotated[bool, Meta(description="Blinks every few seconds, by the morph target of that name")] = True
     breathe: Annotated[bool, Meta(description="Breathes at a quarter of a hertz, by the morph target of that name")] = (
         True
@@ -166,6 +169,9 @@ def _check_avatar(avatar: Avatar, pointer: str, scene: CheckedScene) -> list[Iss
         issues += scene.check_entity(f"{pointer}/reach/{i}/target", reach.target)
         if reach.ball and reach.limb.endswith("arm"):
             issues.append(scene.issue(f"{pointer}/reach/{i}/ball", "an arm has no foot", "leave it out, or name a leg"))
+        if avatar.joints and reach.limb.endswith("leg"):
+            what = f"the {reach.limb.replace('_', ' ')} turns by the joints of the device"
+            issues.append(scene.issue(f"{pointer}/reach/{i}/limb", what, 'remove this reach, or "joints"'))
     return issues
 
 

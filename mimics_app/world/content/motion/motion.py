@@ -34,6 +34,7 @@ class Motion:
         body_of: The body a mesh of the world belongs to.
         machines: State machines by the entity index of their model.
         happened: Events of the clips in the last update: (entity index, event).
+        joints: Joints of the gait orthosis that models wear [rad], as `WornLegs` reads them; empty: there is none.
         eye_world: Position of the camera [m], [3]: distant models are animated at a lower rate; None: none is.
     """
 
@@ -44,6 +45,7 @@ class Motion:
         self.body_of: dict[str, SkinnedBody] = {}
         self.machines: dict[int, StateMachine] = {}
         self.happened: list[tuple[int, ClipEvent]] = []
+        self.joints: NDArray[np.float64] = np.zeros(0)
         self.eye_world: NDArray[np.float64] | None = None
         self._owed: dict[int, float] = {}
         self._stepped = 0.0

@@ -91,6 +91,7 @@ def _encourage(world: World, node: SceneNode, animator: Animator, wanted: Encour
 def _enliven(world: World, scene: Scene, entity: SceneEntity, animator: Animator, wanted: Avatar) -> None:
     from mimics_app.world.content.motion.humanoid import find_humanoid
     from mimics_app.world.content.motion.looking import Blink, Breath, LookAt, find_morphs
+    from mimics_app.world.content.motion.worn_legs import WornLegs
 
     seed = zlib.crc32(entity.id.encode())
     rig = animator.rig
@@ -98,13 +99,16 @@ def _enliven(world: World, scene: Scene, entity: SceneEntity, animator: Animator
         slots = find_morphs(rig, *words) if wish else []
         if slots:
             animator.steps.append(kind(slots, seed))
-    if wanted.look_at is None and not wanted.reach:
+    if wanted.look_at is None and not wanted.reach and not wanted.joints:
         return
     bones = find_humanoid(rig)
     node = world.find(entity.id)
     if bones.missing:
         what = f"the model has no humanoid skeleton: {', '.join(bones.missing)} missing"
         raise SceneError(scene.issue(f"{entity.pointer}/components/avatar", what, "see mimics avatar import"))
+    if wanted.joints:
+        animator.steps.append(WornLegs(rig, bones, lambda: world.motion.joints))
+        animator.moves = True
     for number, reach in enumerate(wanted.reach):
         if reach.ball and f"{reach.limb.partition('_')[0]}Toes" not in bones.slots:
             what = f"the model has no toes on its {reach.limb.replace('_', ' ')}"
