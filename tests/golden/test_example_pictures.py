@@ -32,7 +32,7 @@ def draw(name: str, folder: Path, backend: str, *, frames: int = 1, seed: int = 
 
 
 @pytest.mark.parametrize("backend", ["egl", "osmesa"])
-@pytest.mark.parametrize("name", ["billboards_and_particles", "decals"])
+@pytest.mark.parametrize("name", ["billboards_and_particles", "decals", "lokomat_free_swing"])
 def test_a_scene_looks_as_it_did(name, backend, tmp_path, assert_golden):
     picture, driver = draw(name, tmp_path, backend)
     # A rounding apart moves single pixels of a spark or a leaf's edge on another driver.
