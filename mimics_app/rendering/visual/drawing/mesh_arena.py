@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from operator import is_
 from typing import TYPE_CHECKING
+from weakref import ref
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,6 +98,7 @@ class MeshArena:
         self.uploaded = 0
         self.rebuilt = 0
         self._solid = False
+        self._of: Callable[[], World | None] = lambda: None
         self._seen: dict[str, tuple[int, int]] = {}
         self._held: tuple[int, list[str], list[MeshData]] = (0, [], [])
         self._vertices = ctx.buffer(reserve=_VERTEX.itemsize)
@@ -118,8 +120,9 @@ class MeshArena:
             True when the buffers were rebuilt; False where meshes were only `rewritten`.
         """
         self.rewritten, self.uploaded = [], 0
-        if solid != self._solid:
-            self._solid, self._seen = solid, {}
+        if solid != self._solid or self._of() is not world:
+            # The revisions and ranges of another world say nothing of the meshes that are here.
+            self._solid, self._of, self._seen = solid, ref(world), {}
         elif self._is_unchanged(world):
             return False
         self._held = world.meshes_published, list(world.meshes), list(world.meshes.values())

@@ -241,7 +241,7 @@ class Presenter:
             self._ask(lambda display: display.end_frame(frame))
 
     def _show_on_surface(self) -> None:
-        if isinstance(self.drawn, EyeBuffer):
+        if isinstance(self.drawn, EyeBuffer) and self.drawn is not self.surface:  # the surface may be one itself
             if self._compose is None:
                 self._compose = ComposePass(self.surface.ctx, self.display.composing or _SHOW)
             self._compose.draw(self.drawn, self.surface, [eye.rectangle for eye in self._eyes])
