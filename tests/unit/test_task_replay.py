@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from mimics_app.app.session.replay import TaskFrame, play_again
+from mimics_app.app.session.replay import RecordedTask, TaskFrame, play_again
 from mimics_app.contracts.errors import PartialDataError
 from mimics_app.contracts.loop.haptic import EventKind
 from mimics_app.contracts.messages.stage_messages import TaskAction
@@ -69,7 +69,7 @@ class Kept:
         manager.end_session(self.end_ns)
 
     def again(self, frames: list[TaskFrame] | None = None, seed: int = 5) -> Any:
-        return play_again(*task_of_record(self.record), seed, frames or self.frames, self.end_ns)
+        return play_again(RecordedTask(*task_of_record(self.record), seed), frames or self.frames, self.end_ns)
 
     def differing(self, again: Any) -> str:
         plain = [json.loads(json.dumps({"source": "app", **line})) for line in self.lines]

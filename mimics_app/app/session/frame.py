@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.app.cues.effect_cues import EffectCues
-from mimics_app.app.cues.motion_cues import MotionCues
 from mimics_app.app.picture.board import stability_card
 from mimics_app.app.session.command_desk import CommandDesk
 from mimics_app.app.session.core import SessionCore
 from mimics_app.app.session.safety_watch import SafetyWatch
+from mimics_app.app.session.visible_scene import VisibleScene
 from mimics_app.app.session.watches import RecorderWatch, SignalWatch, TactileWatch
 from mimics_app.app.stage_timer import UNTIMED
 from mimics_app.app.touch.loss_watch import LossWatch
@@ -34,8 +33,6 @@ from mimics_app.contracts.messages.stage_messages import (
 from mimics_app.contracts.ports.display_port import FrameTiming
 from mimics_app.contracts.ports.tracker_port import TrackedPose
 from mimics_app.maths.length import length
-from mimics_app.world.components.systems import VisualSettings
-from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["Frames"]
 
@@ -61,8 +58,7 @@ class Frames:
 
     def __init__(self, core: SessionCore) -> None:
         self._core = core
-        self._effects = EffectCues(core.world)
-        self._motion = MotionCues(core.world, _levels_from(core.scene))
+        self._visible = VisibleScene(core.scene, core.world)
         self._action: TaskAction | None = None
         self.desk = CommandDesk(core)
         self.timer = UNTIMED
@@ -145,14 +141,13 @@ class Frames:
             self._touch(vr, orders, snapshot)
             self._drive_vibrators(orders, now_ns)
         with stage("scenario"):
-            self._track(now_ns, timing.display_ns)
-            self._play(orders, snapshot)
+            self._track(now_ns)
+            self._play(orders, snapshot, timing.display_ns)
         with stage("world update"):
-            self._motion.step(orders, events, now_ns)
-            core.world.update()
+            self._visible.update(orders, events, now_ns)
             self._report_cords()
         with stage("sound"):
-            self._effects.step(orders, events, timing.display_ns)
+            self._visible.light(orders, events, timing.display_ns)
             core.sound.step(orders, core.world, now_ns)
         with stage("record"):
             core.inputs.take_experience(_experience_of(orders, snapshot, core.trackers.pose("head", now_ns), now_ns))
@@ -162,19 +157,18 @@ class Frames:
         self.number, self.orders, self.snapshot, self.events = self.number + 1, orders, snapshot, events
         self.signals = vr.signals
 
-    def _track(self, now_ns: int, shown_ns: int) -> None:
-        """Poll the trackers, and let the scenario see the body at the time of display."""
+    def _track(self, now_ns: int) -> None:
+        """Poll the trackers."""
         core = self._core
         core.trackers.take_window(core.inputs.frame)
         core.trackers.poll(now_ns)
         for problem in core.trackers.take_problems():
             core.report(problem)
-        core.scenario.set_tracked_body(core.part_of_body, shown_ns)
 
-    def _play(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
+    def _play(self, orders: TaskOrders, snapshot: HapticSnapshot, shown_ns: int) -> None:
         """Let the scenario move its entities, and pass on its parameters and the next action of the hand."""
         core = self._core
-        core.scenario.apply(orders, snapshot)
+        self._visible.play(core.scenario, core.part_of_body, orders, snapshot, shown_ns)
         self._tell(core.parameter_store.order(core.scenario.haptic_orders()))
         core.inputs.aim(core.scenario.aim(snapshot))
 
@@ -233,12 +227,6 @@ class Frames:
             core.inputs.hold_at((float(x), float(y), float(z)))
         trial = int(core.parameter_store.block["trial"][0])
         self._core.haptics.send_pointer(vr.pointer, trial=trial, may_act=orders.person_may_act)
-
-
-def _levels_from(scene: Scene) -> str:
-    """Return the entity from which distant models move in coarser steps; "": the person's eyes."""
-    settings = scene.system(VisualSettings)
-    return "" if settings is None else settings.levels_from or ""
 
 
 def _experience_of(orders: TaskOrders, snapshot: HapticSnapshot, head: TrackedPose | None, now_ns: int) -> Experience:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.commands.vocabulary import Command, Reply
 from mimics_app.contracts.errors import PartialDataError
 from mimics_app.contracts.loop.device_descriptor import Kinematics
-from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskAction, VRInput
+from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskAction, TaskOrders, VRInput
 from mimics_app.contracts.messages.trial_state import TaskView
 from mimics_app.contracts.ports.display_port import FrameTiming
 from mimics_app.contracts.ports.scenario_port import TaskContext
@@ -38,7 +38,17 @@ from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.task_manager import TaskManager
 from mimics_app.tasks.task_record import task_of_record
 
-__all__ = ["PlayedAgain", "TaskFrame", "play_again", "play_loop", "play_task"]
+__all__ = [
+    "PlayedAgain",
+    "RecordedTask",
+    "TaskFrame",
+    "TaskReplay",
+    "play_again",
+    "play_loop",
+    "play_task",
+    "recorded_task",
+    "task_frames",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +65,23 @@ class TaskFrame:
     events: NDArray[Any]
     now_ns: int
     timing: FrameTiming | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedTask:
+    """The task of a recording.
+
+    Attributes:
+        spec: The task.
+        context: Its context.
+        seed: Seed of the session.
+        first_trial: First trial, 0 first.
+    """
+
+    spec: TaskSpec
+    context: TaskContext
+    seed: int
+    first_trial: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,20 +137,28 @@ def play_task(run: Run, snapshots: Mapping[int, HapticSnapshot]) -> tuple[dict[s
     """
     if "task" not in run.session:
         return None, None
+    task = recorded_task(run)
+    journalled = {*TASK_KINDS, *(kind for each in task_kinds() for kind in each.journals)}
+    recorded = gather_task(run, journalled)
+    again = play_again(task, task_frames(run, recorded.frames, snapshots), recorded.end_ns)
+    difference = compare_lines(recorded.lines, [line for line in again.lines if line[0] in journalled])
+    difference = difference or _compare_replies(recorded.frames, again.replies)
+    difference = difference or compare_rows(recorded.rows, again.rows, whole=recorded.whole)
+    return {"events": len(recorded.lines), "rows": min(len(recorded.rows), len(again.rows))}, difference
+
+
+def recorded_task(run: Run) -> RecordedTask:
+    """Return the task of a recording that has one.
+
+    Raises:
+        PartialDataError: Its record cannot be used.
+    """
     try:
         spec, context = task_of_record(run.session["task"])
     except ValueError as error:
         fix = "install the kinds of task that it was recorded with"
         raise PartialDataError(f"{run.folder}: session.json#/task cannot be used: {error}", fix) from error
-    journalled = {*TASK_KINDS, *(kind for each in task_kinds() for kind in each.journals)}
-    recorded = gather_task(run, journalled)
-    frames = _frames(run, recorded.frames, snapshots)
-    seed, first = int(run.session.get("seed", 0)), _first_trial(run.session)
-    again = play_again(spec, context, seed, frames, recorded.end_ns, first)
-    difference = compare_lines(recorded.lines, [line for line in again.lines if line[0] in journalled])
-    difference = difference or _compare_replies(recorded.frames, again.replies)
-    difference = difference or compare_rows(recorded.rows, again.rows, whole=recorded.whole)
-    return {"events": len(recorded.lines), "rows": min(len(recorded.rows), len(again.rows))}, difference
+    return RecordedTask(spec, context, int(run.session.get("seed", 0)), _first_trial(run.session))
 
 
 def _compare_replies(frames: Sequence[FrameLine], replayed: Sequence[Reply]) -> TaskDifference | None:
@@ -142,38 +177,56 @@ def _first_trial(session: Mapping[str, Any]) -> int:
     return max(0, first - 1) if isinstance(first, int) else 0
 
 
-def play_again(
-    spec: TaskSpec,
-    context: TaskContext,
-    seed: int,
-    frames: Iterable[TaskFrame],
-    end_ns: int | None,
-    first_trial: int = 0,
-) -> PlayedAgain:
+class TaskReplay:
+    """A recorded task that is done again, frame by frame.
+
+    Args:
+        task: The task.
+
+    Attributes:
+        again: What it has given so far.
+    """
+
+    def __init__(self, task: RecordedTask) -> None:
+        again = self.again = PlayedAgain()
+        self._manager = TaskManager(
+            task.spec,
+            task.context,
+            task.seed,
+            again.rows.append,
+            lambda kind, data: again.lines.append((kind, dict(data))),
+            task.first_trial,
+        )
+        self._view = TaskView()
+
+    def step(self, frame: TaskFrame) -> TaskOrders:
+        """Do the next frame, and return the orders of the task."""
+        commands = _commands_of_keys(frame.pressed, self._view) if frame.commands is None else frame.commands
+        vr = VRInput(pressed=frame.pressed, commands=commands)
+        orders = self._manager.step(vr, frame.action, frame.snapshot, frame.events, frame.now_ns, frame.timing)
+        self.again.replies.extend(orders.replies)
+        self._view = orders.view
+        return orders
+
+    def end(self, end_ns: int) -> None:
+        """End the session, at a time [ns]."""
+        self._manager.end_session(end_ns)
+
+
+def play_again(task: RecordedTask, frames: Iterable[TaskFrame], end_ns: int | None) -> PlayedAgain:
     """Do a task again with its recorded frames.
 
     Args:
-        spec: The task.
-        context: Context of the task.
-        seed: Seed of the session.
+        task: The task.
         frames: All frames in order.
         end_ns: Time at which the session was ended [ns]; None where it was not.
-        first_trial: First trial, 0 first.
     """
-    again = PlayedAgain()
-    manager = TaskManager(
-        spec, context, seed, again.rows.append, lambda kind, data: again.lines.append((kind, dict(data))), first_trial
-    )
-    view = TaskView()
+    replay = TaskReplay(task)
     for frame in frames:
-        commands = _commands_of_keys(frame.pressed, view) if frame.commands is None else frame.commands
-        vr = VRInput(pressed=frame.pressed, commands=commands)
-        orders = manager.step(vr, frame.action, frame.snapshot, frame.events, frame.now_ns, frame.timing)
-        again.replies.extend(orders.replies)
-        view = orders.view
+        replay.step(frame)
     if end_ns is not None:
-        manager.end_session(end_ns)
-    return again
+        replay.end(end_ns)
+    return replay.again
 
 
 def _commands_of_keys(pressed: Sequence[str], view: TaskView) -> tuple[Command, ...]:
@@ -181,7 +234,12 @@ def _commands_of_keys(pressed: Sequence[str], view: TaskView) -> tuple[Command, 
     return tuple(command for command in found if isinstance(command, TASK_COMMANDS))
 
 
-def _frames(run: Run, lines: list[FrameLine], snapshots: Mapping[int, HapticSnapshot]) -> Iterator[TaskFrame]:
+def task_frames(run: Run, lines: list[FrameLine], snapshots: Mapping[int, HapticSnapshot]) -> Iterator[TaskFrame]:
+    """Yield the inputs of the task in each frame.
+
+    Raises:
+        PartialDataError: The tick that a frame saw is missing.
+    """
     first, commanded = 0, "commands" in run.session.get("settings", ())
     for line in lines:
         if line.tick not in snapshots:

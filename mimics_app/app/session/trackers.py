@@ -9,14 +9,14 @@ from mimics_app.contracts.errors import SceneError, UsageError
 from mimics_app.contracts.ports.tracker_port import TrackerSource
 from mimics_app.inputs.trackers.calibration import UNITS, Calibration, axis_map, fit_room
 from mimics_app.inputs.trackers.hub import MountedTracker, TrackerHub
-from mimics_app.inputs.trackers.tape import TapeWriter
+from mimics_app.inputs.trackers.tape import TapeTracker, TapeWriter
 from mimics_app.inputs.trackers.tracker_kinds import TrackerRequest, build_tracker
 from mimics_app.maths.poses import pose_from_parts
 from mimics_app.world.components.trackers import TrackerSpec, TrackersSettings
 from mimics_app.world.files.reading.paths import PathFault
 from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["make_hub"]
+__all__ = ["make_hub", "replayed_hub"]
 
 _TAPE = "trackers.jsonl"
 """Name of the tape in a run folder."""
@@ -41,6 +41,33 @@ def make_hub(scene: Scene, clock: Clock, seed: int, folder: Path | None = None) 
         mounted.append(_mount(scene, spec, _source(scene, spec, pointer, clock, seed), pointer))
     tape = TapeWriter(folder / _TAPE) if folder is not None and settings.tape and mounted else None
     return TrackerHub(mounted, tape)
+
+
+def replayed_hub(scene: Scene, clock: Clock, seed: int, folder: Path) -> tuple[TrackerHub, list[str]]:
+    """Return the trackers of a recorded session, and the names of those whose poses were not recorded.
+
+    No device is opened: a scripted person moves again, and all others are played from the tape of the run folder.
+
+    Args:
+        scene: The scene.
+        clock: Clock of the replay.
+        seed: Seed of the session.
+        folder: The run folder.
+
+    Raises:
+        SceneError: Axes, calibration or tape of a tracker are faulty.
+    """
+    settings, tape = scene.system(TrackersSettings) or TrackersSettings(), folder / _TAPE
+    mounted, left_out = [], []
+    for number, spec in enumerate(settings.devices):
+        pointer = f"/systems/trackers/devices/{number}"
+        source = _source(scene, spec, pointer, clock, seed)
+        if not source.simulated and not tape.is_file():
+            left_out.append(spec.name)
+            continue
+        played = source if source.simulated else TapeTracker(spec.name, tape)
+        mounted.append(_mount(scene, spec, played, pointer))
+    return TrackerHub(mounted), left_out
 
 
 def _source(scene: Scene, spec: TrackerSpec, pointer: str, clock: Clock, seed: int) -> TrackerSource:
