@@ -1,27 +1,143 @@
-"""`mimics replay RUN`: simulate a recorded run again from its inputs and compare every output, bit for bit."""
+"""`mimics replay RUN`: simulate a recorded run again from its inputs, and compare every output, or look at it."""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
 
-from mimics_app.app.terminal.output import answer
+from mimics_app.app.settings import PICTURE_SIZE
+from mimics_app.app.terminal.arguments import add_window_size_argument, file_to_write
+from mimics_app.app.terminal.output import answer, say
 from mimics_app.contracts.errors import counted
 
-__all__ = ["add_arguments", "run"]
+__all__ = ["SPEEDS", "add_arguments", "run"]
+
+SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
+"""Speeds of `app.replay_view.playhead`, repeated so that --help imports nothing of it (a test compares them)."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics replay`."""
+    parser.epilog = (
+        "In the window of --view: Space plays or holds, left and right step by a frame, + and - change the speed, a "
+        "click on the bar shows that time, 1 to 9 show the views of the scene; H lists all keys. Marks on the bar are "
+        "contacts, begins and ends of trials, notes, and stops. An earlier time is computed from the first frame on. "
+        "There is no sound."
+    )
     parser.add_argument("run_folder", type=Path, metavar="RUN", help="run folder")
+    parser.add_argument("--view", action="store_true", help="look at the run in a window instead of comparing it")
+    parser.add_argument(
+        "--video",
+        type=file_to_write,
+        metavar="FILE",
+        help="draw the run into a film without a window, e.g. run.mp4 (needs ffmpeg)",
+    )
+    parser.add_argument(
+        "--beside", type=Path, metavar="RUN2", help="with --view or --video: a second run, to the right of the first"
+    )
+    parser.add_argument(
+        "--camera",
+        default="",
+        metavar="ENTITY",
+        help="with --view or --video: entity whose camera is used first (default: as the scene says)",
+    )
+    parser.add_argument(
+        "--plain", action="store_true", help="with --view or --video: draw no forces and contacts (F5 in the window)"
+    )
+    parser.add_argument(
+        "--speed",
+        type=float,
+        choices=SPEEDS,
+        default=1.0,
+        help="with --view or --video: session time per time of the film, or at first in the window",
+    )
+    parser.add_argument(
+        "--scene",
+        type=Path,
+        metavar="FILE",
+        help="with --view or --video: scene file of the run, where it is no longer at its place",
+    )
+    add_window_size_argument(parser)
+    parser.add_argument(
+        "--backend", choices=("auto", "egl", "osmesa"), default="auto", help="with --video: OpenGL context to draw with"
+    )
 
 
 def run(args: argparse.Namespace) -> int:
-    """Replay and compare: first the haptic loop, then the task on the snapshots of the loop.
+    """Replay and compare: first the haptic loop, then the task on the snapshots of the loop; or show the run.
 
     Raises:
         PartialDataError: A tick or the task differs, or the run misses ticks, parameters or frames.
+        UsageError: An option of the picture is given without one.
+        DeviceError: There is no display for a window.
     """
+    if args.view or args.video is not None:
+        return _show(args)
+    _check_without_picture(args)
+    return _compare(args)
+
+
+def _check_without_picture(args: argparse.Namespace) -> None:
+    from mimics_app.contracts.errors import UsageError
+
+    given = {
+        "--beside": args.beside is not None,
+        "--camera": bool(args.camera),
+        "--plain": args.plain,
+        "--speed": args.speed != 1.0,
+        "--scene": args.scene is not None,
+        "--size": args.size is not None,
+    }
+    named = [name for name, is_given in given.items() if is_given]
+    if named:
+        raise UsageError(f"{named[0]} is of a picture, and without one replay compares", "add --view or --video FILE")
+
+
+def _show(args: argparse.Namespace) -> int:
+    """Open the window, or draw the film."""
+    from mimics_app.app.terminal.display import has_display
+    from mimics_app.app.terminal.first_start import say_if_cold
+    from mimics_app.contracts.errors import DeviceError, UsageError
+    from mimics_app.recording.run import Run
+
+    if args.view and args.video is not None:
+        raise UsageError("--view opens a window, --video draws a film without one", "give one of them")
+    if args.view and not has_display():
+        raise DeviceError("--view needs a display", "without one: --video run.mp4")
+    recorded = [Run.open(folder) for folder in (args.run_folder, args.beside) if folder is not None]
+    say_if_cold()
+    from mimics_app.app.replay_view.replayed_scene import open_replay
+
+    runs = [open_replay(each, args.scene) for each in recorded]
+    for replayed in runs:
+        for note in replayed.notes:
+            say(f"{replayed.run.folder}: {note}")
+    shown = {"run_dir": args.run_folder, "frames": [replayed.count for replayed in runs]}
+    if args.view:
+        from mimics_app.app.replay_view.replay_window import ReplayWindow
+
+        with ReplayWindow(runs, args.size, args.camera, forces=not args.plain, speed=args.speed) as window:
+            window.run()
+        answer(args, {**shown, "files": []}, [f"{counted(runs[0].count, 'frames')} looked at"])
+        return 0
+    from mimics_app.app.replay_view.replay_film import draw_replay
+
+    drawn = draw_replay(
+        runs,
+        args.video,
+        args.size or PICTURE_SIZE,
+        args.camera,
+        forces=not args.plain,
+        speed=args.speed,
+        backend=args.backend,
+    )
+    line = f"{drawn.backend}: {drawn.gl}, {drawn.ms_median:.1f} ms a frame"
+    answer(args, {**shown, "backend": drawn.backend, "files": drawn.files}, [line, *map(str, drawn.files)])
+    return 0
+
+
+def _compare(args: argparse.Namespace) -> int:
+    """Simulate the run again and compare every output."""
     from mimics_app.app.terminal.first_start import say_if_cold
     from mimics_app.recording.run import Run
 

@@ -14,7 +14,7 @@ from mimics_app.contracts.messages.stage_messages import HapticSnapshot
 from mimics_app.rendering.visual.figures.hud import Colour
 from mimics_app.rendering.visual.overlay.layers import Arrow
 
-__all__ = ["ForceArrows"]
+__all__ = ["SEEN_NS", "ForceArrows"]
 
 
 _METRES_PER_NEWTON = 0.012
@@ -23,7 +23,7 @@ _METRES_PER_SPEED = 0.15
 """Length of an impact's arrow per speed of approach [m per m/s]."""
 _SHORTEST, _LONGEST = 0.004, 0.35
 """Length below which an arrow is left out, and to which a longer one is limited [m]."""
-_SEEN_NS = 700_000_000
+SEEN_NS = 700_000_000
 """Time for which a contact is shown, fading [ns]."""
 _MAX_CONTACTS = 60
 """Largest number of contacts shown."""
@@ -58,10 +58,10 @@ class ForceArrows:
             normal = np.asarray(event["normal_world"], np.float64)
             vector = min(float(length), _LONGEST) * normal
             self._contacts.append((now_ns, np.asarray(event["position_world"], np.float64), vector))
-        self._contacts = [each for each in self._contacts if now_ns - each[0] < _SEEN_NS][-_MAX_CONTACTS:]
+        self._contacts = [each for each in self._contacts if now_ns - each[0] < SEEN_NS][-_MAX_CONTACTS:]
         red, green, blue, _ = _CONTACT
         return [
-            Arrow(place, vector, (red, green, blue, 1.0 - (now_ns - since) / _SEEN_NS))
+            Arrow(place, vector, (red, green, blue, 1.0 - (now_ns - since) / SEEN_NS))
             for since, place, vector in self._contacts
         ]
 
