@@ -12,7 +12,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, Extent
+from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, MAX_NUMBERS, Extent
 from mimics_app.recording.columns import (
     HAPTICMASTER,
     column_name,
@@ -183,4 +183,6 @@ def _extent_of(text: bytes | None) -> Extent:
         raise ValueError("a device of no or too many joints or points of contact")
     if set(extent.joints) - {"m", "rad"}:
         raise ValueError("joints in unknown units")
+    if len(extent.numbers) > MAX_NUMBERS:
+        raise ValueError("too many columns of a controller")
     return extent

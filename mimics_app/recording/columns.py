@@ -77,6 +77,7 @@ class RecordedField:
         point: Number of the point of contact; 0 also where the field is one of the device.
         units: Unit of each component that the device fills.
         vector: Whether its components are numbered, even where there is one.
+        first: Place of its first component in the field of the samples.
     """
 
     name: str
@@ -84,15 +85,22 @@ class RecordedField:
     point: int
     units: tuple[str, ...]
     vector: bool
+    first: int = 0
 
 
 def recorded_fields(extent: Extent) -> tuple[RecordedField, ...]:
     """Return the fields that a device fills, in the order of the recording."""
-    fields = (
-        RecordedField(_field_name(field, point), field.name, point, field.present(extent), bool(field.shape))
-        for _, field, point in _places(extent.contacts)
-    )
-    return tuple(field for field in fields if field.units)
+    fields = []
+    for _, field, point in _places(extent.contacts):
+        units = field.present(extent)
+        if field.per is Per.CONTROLLER:
+            fields += [
+                RecordedField(name, field.name, point, (unit,), vector=False, first=i)
+                for i, (name, unit) in enumerate(extent.numbers)
+            ]
+        elif units:
+            fields.append(RecordedField(_field_name(field, point), field.name, point, units, bool(field.shape)))
+    return tuple(fields)
 
 
 def _field_name(field: LoopField, point: int) -> str:
@@ -117,7 +125,7 @@ def _places(contacts: int) -> list[tuple[int, LoopField, int]]:
 def _present(extent: Extent) -> tuple[tuple[int, str, str], ...]:
     """Return index in a sample, name and unit of every column that a device fills."""
     return tuple(
-        (start + i, column_name(field, i, point), unit)
+        (start + i, extent.numbers[i][0] if field.per is Per.CONTROLLER else column_name(field, i, point), unit)
         for start, field, point in _places(extent.contacts)
         for i, unit in enumerate(field.present(extent))
     )

@@ -19,6 +19,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.loop.gait_state import GaitState
 from mimics_app.contracts.loop.haptic import EVENT, EventKind
 from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.recording.json_text import parse_object
@@ -46,6 +47,7 @@ _VALUE_NAMES = {
     "left_out": "pairs",
     "quarantine": "effect",
     "oscillation": "rms_n",
+    "gait_state": "state",
 }
 """Name of the value of an event in its line, by kind; `force` [N] for the other kinds. In memory, and in the lines of
 older recordings, all kinds hold it in the field `force`."""
@@ -94,6 +96,8 @@ def encode_event(event: NDArray[Any], n: int) -> bytes:
     except ValueError:
         kind = f"kind_{int(event['kind'])}"
     fields = {name: event[name].item() for name in _SCALARS} | {name: event[name].tolist() for name in _VECTORS}
+    if event["kind"] == EventKind.GAIT_STATE:
+        fields["name"] = GaitState(int(event["force"])).name.lower()
     return encode_line("loop", kind, {"n": n, **{_name(kind, field): value for field, value in fields.items()}})
 
 

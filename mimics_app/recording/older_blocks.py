@@ -55,10 +55,12 @@ _WITHOUT = {
     "guidance_rate": 0.0,
     "natural_step": 0.0,
     "longest_step": 0.0,
+    "obstacle_calls": 0,
+    "obstacle": 0,
 }
 """Parameters that earlier versions lack, with the value of their behaviour: late ticks always latched, forces never,
-the stability limit knew nothing of the device but its delay, a robot drove to a start at 0.3 m/s, and no scene had a
-reference of the joints."""
+the stability limit knew nothing of the device but its delay, a robot drove to a start at 0.3 m/s, no scene had a
+reference of the joints, and nobody called an obstacle."""
 
 _WIDER = {"target", "joint_min", "joint_max"}
 """Vectors that had three joints, or one point."""

@@ -39,6 +39,10 @@ _WORDS: Mapping[TripCause, tuple[str, str]] = {
         "the rendered force shook the hand and did not calm down",
         "make what was touched softer and less damped, or look at the device's delay",
     ),
+    TripCause.CONTROLLER: (
+        "the walk in the orthosis waited too long in a step",
+        "see that both legs hang free and the patient stands, then reset",
+    ),
     TripCause.ENERGY: ("a contact gave more energy than energy_limit", "make what was touched softer or more damped"),
 }
 """What happened and what to do, by cause."""

@@ -10,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mimics_app.contracts.loop.controller_port import CONTROL_INPUT, CONTROL_OUTPUT, CONTROLLER_MEMORY
+from mimics_app.contracts.loop.gait_state import GAIT_STATES
 from mimics_app.contracts.loop.loop_ports import (
     COMMAND_ENABLED,
     COMMAND_LENGTH,
@@ -20,7 +21,6 @@ from mimics_app.contracts.loop.loop_ports import (
     DATA_TORQUE,
     INBOX_LENGTH,
 )
-from mimics_app.rendering.haptic.control.lokomat.obstacle_sequence import GAIT_STATES
 from mimics_app.rendering.haptic.controllers.orthosis_legs import WALK_PLACES, control_legs
 from mimics_app.rendering.haptic.controllers.orthosis_walk import WALK
 from mimics_app.rendering.haptic.controllers.parameter_vector import parameter_vector

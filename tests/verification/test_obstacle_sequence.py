@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from mimics_app.contracts.loop.gait_state import GAIT_STATES, GaitState
 from mimics_app.lab.haptic.sequence_search import Rule, broken_rule, search_sequence, small_settings
 from mimics_app.rendering.haptic.control.lokomat.obstacle_sequence import (
-    GAIT_STATES,
     SEQUENCE,
     SEQUENCE_FACTS,
-    GaitState,
     SequenceCommand,
     SequenceFault,
     begin_sequence,

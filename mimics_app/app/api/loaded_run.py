@@ -73,7 +73,11 @@ class Recording:
         columns = {}
         for column in recorded_fields(extent):
             values = samples[column.field] if column.point == 0 else point_rows(samples, column.point)[column.field]
-            kept = values[:, : len(column.units)] if values.ndim > 1 else values
+            kept = values
+            if values.ndim > 1 and column.vector:
+                kept = values[:, : len(column.units)]
+            elif values.ndim > 1:
+                kept = values[:, column.first]
             columns[column.name] = Quantity(kept, ", ".join(dict.fromkeys(column.units)))
         return Table(columns)
 

@@ -29,9 +29,11 @@ from mimics_app.contracts.commands.vocabulary import (
     refusal,
 )
 from mimics_app.contracts.errors import counted
+from mimics_app.contracts.loop.gait_state import GaitState
 from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot
 from mimics_app.contracts.shared_memory.command_ring import Answer, CommandReceiver, Given
+from mimics_app.rendering.haptic.controllers.registry import obstacle_names
 from mimics_app.tasks.steering import TASK_COMMANDS
 
 if TYPE_CHECKING:
@@ -77,7 +79,7 @@ class CommandDesk:
             End: lambda command: self._end(),
             Note: lambda command: _DONE,
             Mark: lambda command: _DONE,
-            Obstacle: lambda command: _refused("this scene has no obstacles"),
+            Obstacle: lambda command: self._call_obstacle(command.name),
             View: lambda command: core.show_view(command.name),
             Fault: lambda command: _refused("this device takes no faults while it runs"),
             Calibrate: lambda command: _refused("this device has no steps of calibration"),
@@ -133,6 +135,19 @@ class CommandDesk:
         if self._snapshot is None or self._snapshot.state not in _LATCHED:
             return _refused("no stop is latched")
         self._core.parameter_store.reset()
+        return _DONE
+
+    def _call_obstacle(self, name: str) -> Reply:
+        """Let the controller of the person begin an obstacle, by one of the names that it has."""
+        store = self._core.parameter_store
+        known = obstacle_names(store.block)
+        if not known:
+            return _refused("this scene has no obstacles")
+        if name not in known:
+            return _refused(f"this scene has the obstacles {', '.join(known)}")
+        if self._stopped or self._snapshot is None or self._snapshot.gait_state != GaitState.WALKING:
+            return _refused("an obstacle appears only while the patient walks in the orthosis")
+        store.call_obstacle(known.index(name))
         return _DONE
 
     def _end(self) -> Reply:

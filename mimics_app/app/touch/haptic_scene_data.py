@@ -13,13 +13,14 @@ from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.contracts.loop.object_rows import Rows, count_rows, has_objects
 from mimics_app.contracts.shared_memory.session_memory import Capacities, SessionMemory
 from mimics_app.recording.statics import Statics
+from mimics_app.rendering.haptic.controllers.registry import find_controller
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.device_objects import DEFAULT_INERTIA, DeviceObject
 from mimics_app.rendering.haptic.devices.objects_of_rows import device_objects_of
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.rendering.haptic.scene_work import Names, fits, row_names, statics_of
-from mimics_app.world.components.robot import Robot
+from mimics_app.world.components.robot import Controller, Robot
 from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["HapticSceneData"]
@@ -34,6 +35,7 @@ class HapticSceneData:
 
     def __init__(self, scene: Scene) -> None:
         self._objects = objects_of_scene(scene)
+        self._controller = scene.first(Controller)
         self._some = has_objects(self._objects.counts[0])
         self._statics = statics_of(self._objects)
 
@@ -64,9 +66,12 @@ class HapticSceneData:
         return objects
 
     def memory(self, plugin: DevicePlugin) -> SessionMemory:
-        """Return shared memory with room for the objects and for the fields of the device."""
+        """Return shared memory with room for the objects, and for the fields of device and controller."""
         some = bool(len(self._objects.curve_joints))
         extent = replace((plugin.descriptor or HAPTICMASTER).extent, reference=some)
+        if self._controller is not None:
+            own = find_controller(self._controller.name)
+            extent = replace(extent, numbers=tuple((each.name, each.unit) for each in own.columns), gait=own.gait)
         return SessionMemory(Capacities(objects=self._objects.capacities, extent=extent))
 
     def parameter_store(self, block: NDArray[Any]) -> ParameterStore:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import UsageError, counted, nearest
-from mimics_app.contracts.loop.controller_slots import MAX_CONTROLLERS
+from mimics_app.contracts.loop.controller_slots import MAX_CONTROLLERS, MAX_OBSTACLES
 from mimics_app.contracts.loop.field_ranges import Range, range_of, writable_names
 from mimics_app.contracts.loop.haptic import LIMIT_NAMES, SCENE
 from mimics_app.contracts.loop.object_rows import Rows
@@ -112,7 +112,7 @@ class ParameterStore:
         Returns:
             Whether the new parameters have other limits, or other controllers.
         """
-        for name in ("sequence", "resets"):
+        for name in ("sequence", "resets", "obstacle_calls", "obstacle"):
             block[name] = self._block[name]
         kept = {name: self._block[0][name].copy() for name in LIMIT_NAMES}
         if not np.array_equal(block["controller_names"], self._block["controller_names"]):
@@ -170,6 +170,18 @@ class ParameterStore:
     def reset(self) -> None:
         """Let the loop leave a latched stop; only for a person's own key or button."""
         self._block[0]["resets"] += 1
+        self._publish()
+
+    def call_obstacle(self, number: int) -> None:
+        """Let the loop's controller begin an obstacle, by its number among the controller's; only for a person's order.
+
+        Raises:
+            ValueError: The parameter block has no such number.
+        """
+        if not 0 <= number < MAX_OBSTACLES:
+            raise ValueError(f"obstacle {number} of {MAX_OBSTACLES}")
+        self._block[0]["obstacle"] = number
+        self._block[0]["obstacle_calls"] += 1
         self._publish()
 
     def _write(self, values: Mapping[str, object], may: Mapping[str, Range]) -> bool:

@@ -43,7 +43,7 @@ from mimics_app.contracts.loop.controller_slots import (
 )
 from mimics_app.contracts.loop.device_descriptor import KINEMATICS_SET
 from mimics_app.contracts.loop.haptic import MAX_GEOMETRY
-from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS, MAX_JOINTS
+from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, MAX_NUMBERS
 
 if TYPE_CHECKING:
     from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
@@ -56,6 +56,7 @@ __all__ = [
     "CONTROL_INPUT",
     "CONTROL_OUTPUT",
     "CONTROL_WORK",
+    "ControllerColumn",
     "ControllerParameter",
     "ControllerPlugin",
     "places_of",
@@ -86,6 +87,7 @@ CONTROL_INPUT = np.dtype(
         ("safety", "i8"),  # SafetyState
         ("ramp", "f8"),  # soft-start factor 0-1 of the virtual force, and of the forces a controller adds
         ("started", "i8"),  # 1 in the first tick after another controller, or none
+        ("obstacle", "i8"),  # 1 + number of the obstacle that a person called in this tick, 0: none
         ("virtual_damping", "f8"),  # [N s/m] of the virtual mass, with what the safety state adds
         ("q", "f8", (MAX_JOINTS,)),  # measured joints [m, rad]
         ("dq", "f8", (MAX_JOINTS,)),
@@ -112,10 +114,18 @@ CONTROL_OUTPUT = np.dtype(
         ("points_given", "i8"),  # 1: v is as the controller simulated it; 0: the loop computes it from dq
         ("force", "f8", (_POINTS,)),  # added to the virtual force on the user at each point, robot frame [N]
         ("torque", "f8", (MAX_JOINTS,)),  # added at the joints [N, N m]
+        ("braked", "i8"),  # 1: the drives are off, and the device's own brakes hold it
+        ("stop", "i8"),  # 1: latch a safety stop in this tick, with the same effect until a person resets it
+        ("belt", "f8"),  # share 0-1 of the reference's speed that a treadmill's belt gets
+        ("gait", "i8"),  # 1 + GaitState, 0: none
+        ("numbers", "f8", (MAX_NUMBERS,)),  # its columns of the recording, as it declares them; 0 at its start
     ],
     align=True,
 )
-"""What a controller writes; read is what its `CommandKind` names."""
+"""What a controller writes; read of the motion is what its `CommandKind` names.
+
+On entry `braked`, `stop` and `gait` are 0, and `belt` is 1.
+"""
 
 CONTROL_WORK = np.dtype(
     [
@@ -174,6 +184,19 @@ class ControllerParameter:
     size: int = 1
 
 
+@dataclass(frozen=True, slots=True)
+class ControllerColumn:
+    """One number that a controller writes to CONTROL_OUTPUT.numbers, and so to every recording of a scene that has it.
+
+    Attributes:
+        name: Name of the column.
+        unit: SI unit, "1" for none.
+    """
+
+    name: str
+    unit: str
+
+
 def places_of(parameters: Sequence[ControllerParameter]) -> tuple[int, ...]:
     """Return the index of each parameter's first component in the vector of parameters."""
     places, place = [], 0
@@ -185,6 +208,10 @@ def places_of(parameters: Sequence[ControllerParameter]) -> tuple[int, ...]:
 
 def _takes_any(_: DeviceDescriptor) -> str:
     return ""
+
+
+def _no_obstacles(_: Sequence[float]) -> tuple[str, ...]:
+    return ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,9 +228,12 @@ class ControllerPlugin:
         each_joint: True: joint velocities are clamped one by one, as the mask of D2.1 4.2.7 says; False: all are scaled
             by one factor, which keeps the direction.
         refusal: Why a device cannot have this controller, in a sentence without a subject; "" where it can.
+        columns: Its columns of the recording, in the order of CONTROL_OUTPUT.numbers.
+        gait: Whether it has gait states.
+        obstacles: Names of the obstacles that a person may call, by its parameters; CONTROL_INPUT.obstacle counts them.
 
     Raises:
-        ValueError: Name or parameters do not fit the parameter block.
+        ValueError: Name, parameters or columns do not fit the records of the loop, or a name of a column is taken.
     """
 
     name: str
@@ -214,9 +244,17 @@ class ControllerPlugin:
     target: TargetKind = TargetKind.JOINTS
     each_joint: bool = False
     refusal: Callable[[DeviceDescriptor], str] = _takes_any
+    columns: tuple[ControllerColumn, ...] = ()
+    gait: bool = False
+    obstacles: Callable[[Sequence[float]], tuple[str, ...]] = _no_obstacles
 
     def __post_init__(self) -> None:
         if not (self.name.isascii() and 0 < len(self.name) <= CONTROLLER_NAME):
             raise ValueError(f"a controller's name has 1 to {CONTROLLER_NAME} ASCII characters, not {self.name!r}")
         if sum(each.size for each in self.parameters) > CONTROLLER_PARAMETERS:
             raise ValueError(f"{self.name}: a controller has at most {CONTROLLER_PARAMETERS} parameters")
+        names = {column.name for column in self.columns}
+        if not len(names) == len(self.columns) <= MAX_NUMBERS:
+            raise ValueError(f"{self.name}: a controller has at most {MAX_NUMBERS} columns, each of its own name")
+        if taken := names & {field.name for field in LOOP_FIELDS}:
+            raise ValueError(f"{self.name}: the loop has columns {', '.join(sorted(taken))} of its own")

@@ -16,6 +16,7 @@ __all__ = [
     "CONTROLLER_NAME",
     "CONTROLLER_PARAMETERS",
     "MAX_CONTROLLERS",
+    "MAX_OBSTACLES",
     "CommandKind",
     "Lead",
     "Slot",
@@ -29,6 +30,9 @@ MAX_CONTROLLERS = 6
 
 CONTROLLER_PARAMETERS = 64
 """Number of parameters of a controller; those it does not use are 0."""
+
+MAX_OBSTACLES = 16
+"""Largest number of obstacles of a controller that a person may call by name."""
 
 CONTROLLER_NAME = 32
 """Longest name of a controller, ASCII characters."""

@@ -23,6 +23,7 @@ from mimics_app.contracts.loop.controller_slots import (
     CONTROLLER_NAME,
     CONTROLLER_PARAMETERS,
     MAX_CONTROLLERS,
+    MAX_OBSTACLES,
     CommandKind,
     Lead,
     TargetKind,
@@ -103,6 +104,7 @@ class TripCause(IntEnum):
     SENSOR = 12
     NOT_FOLLOWING = 13
     OSCILLATION = 14
+    CONTROLLER = 15
 
 
 class AdmittanceForm(IntEnum):
@@ -144,6 +146,7 @@ class EventKind(IntEnum):
     QUARANTINE = 11
     OSCILLATION = 12
     FORCE_LIMIT = 13
+    GAIT_STATE = 14
 
 
 LIMITS: list[tuple[Any, ...]] = [
@@ -219,6 +222,8 @@ SCENE = record(
         ("each_joint", Bounded(1, "i1"), (MAX_CONTROLLERS,)),  # 1: joint velocities are clamped one by one
         ("controller_parameters", "f8", (MAX_CONTROLLERS, CONTROLLER_PARAMETERS)),  # of each controller, as it declares
         ("target", "f8", (3 * MAX_CONTACTS,)),  # of a controller that drives to one: joints, or points, robot frame [m]
+        ("obstacle_calls", "i8"),  # counts obstacles called by a person; a change lets the controller begin one
+        ("obstacle", Bounded(MAX_OBSTACLES - 1, "i8")),  # the last one called, as the controller counts them
         ("drive_rate", "f8"),  # [1/s] with which such a drive slows down at its target
         ("force_driven", "i8"),  # 1: the device takes forces (COMMAND_FORCE, _TORQUE), 0: velocities (COMMAND_DQ)
         ("drive_stiffness", "f8"),  # [N/m] of the spring that draws a force driven device to a target
@@ -284,7 +289,7 @@ EVENT = np.dtype(
         ("force", "f4"),  # [N]; STATE, TRIP, PARAMETERS, MARGIN: the new state, cause, sequence or margin;
         # CAP: remaining share of the stiffness; OSCILLATION: its root mean square [N]; STALE: age of the device's data
         # [s]; LEFT_OUT: number of pairs of close shapes beyond the capacity, which do not collide; QUARANTINE: row of
-        # the effect of the force field; FORCE_LIMIT: the virtual force that it cuts [N]
+        # the effect of the force field; FORCE_LIMIT: the virtual force that it cuts [N]; GAIT_STATE: the GaitState
         ("value", "f4"),  # kind-specific: tunnel parameter s of a contact
     ]
 )

@@ -25,6 +25,7 @@ __all__ = [
     "LOOP_FIELDS",
     "MAX_CONTACTS",
     "MAX_JOINTS",
+    "MAX_NUMBERS",
     "Extent",
     "HapticSnapshot",
     "LoopField",
@@ -50,6 +51,9 @@ MAX_JOINTS = 8
 
 MAX_CONTACTS = 4
 """Largest number of points of contact of a device."""
+
+MAX_NUMBERS = 16
+"""Largest number of columns that a controller declares for itself."""
 
 FURTHER = "further"
 """Field of samples and snapshots with one row for each point of contact after the first, shape [MAX_CONTACTS - 1]."""
@@ -79,12 +83,16 @@ class Extent:
         contacts: Number of points of contact.
         torques: Whether the device measures and takes joint torques.
         reference: Whether the scene has a reference of the joints.
+        numbers: Name and unit of each column of the scene's controller, as it declares them.
+        gait: Whether that controller has gait states.
     """
 
     joints: tuple[str, ...] = ("m", "rad", "m")
     contacts: int = 1
     torques: bool = False
     reference: bool = False
+    numbers: tuple[tuple[str, str], ...] = ()
+    gait: bool = False
 
 
 class Per(Enum):
@@ -97,6 +105,8 @@ class Per(Enum):
     JOINT_SHARE = "one for each joint, dimensionless"
     TORQUE = "one for each joint of a device with torques, N or N m"
     POINT = "fixed components for each point of contact"
+    CONTROLLER = "one for each column that the controller declares"
+    GAIT = "one, of a controller with gait states"
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,6 +168,10 @@ class LoopField:
             return ("1",) * len(extent.joints)
         if self.per is Per.TORQUE:
             return tuple(_TORQUE_UNITS[unit] for unit in extent.joints) if extent.torques else ()
+        if self.per is Per.CONTROLLER:
+            return tuple(unit for _, unit in extent.numbers)
+        if self.per is Per.GAIT and not extent.gait:
+            return ()
         return self.units
 
     @property
@@ -273,6 +287,9 @@ LOOP_FIELDS: tuple[LoopField, ...] = (
     _of_reference("dq_reference", Per.JOINT_RATE),
     _of_reference("ddq_reference", Per.JOINT_ACCELERATION),
     _of_reference("guidance", Per.JOINT_SHARE),  # share of the pull towards it
+    # of the controller while the person leads
+    LoopField("gait_state", "1", Replay.OUTPUT, kind="i8", reader="app", per=Per.GAIT),  # GaitState, -1: none
+    LoopField("numbers", "1", Replay.OUTPUT, "state.control.out.numbers", size=MAX_NUMBERS, per=Per.CONTROLLER),
     # of the trial so far, over the ticks in which the person leads
     _of_points("force_peak", "N", Replay.ABSENT, reader="tasks"),  # largest force felt
     _of_points("distance_peak", "m", Replay.ABSENT, reader="tasks"),  # largest distance of the ball from the bisector
@@ -327,6 +344,7 @@ class HapticSnapshot(PointSnapshot):
     state: int
     cause: int
     phase: float
+    gait_state: int
     quiet_ticks: int
     poses: Vec
     further: tuple[PointSnapshot, ...] = ()

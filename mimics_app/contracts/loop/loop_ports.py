@@ -102,7 +102,8 @@ COMMAND_ENABLED = COMMAND_VIBRATION + MAX_CONTACTS
 COMMAND_STATE = COMMAND_ENABLED + 1
 """SafetyState, for devices that show it."""
 COMMAND_BELT = COMMAND_STATE + 1
-"""Speed of a treadmill's belt backwards [m/s]: of the reference of the joints, times its amplitude; 0 without one."""
+"""Speed of a treadmill's belt backwards [m/s]: of the reference of the joints, times its amplitude and the share that
+the controller gives it; 0 without a reference, and while no controller acts."""
 COMMAND_LENGTH = COMMAND_ENABLED + 3
 
 INBOX_TARGET = 0

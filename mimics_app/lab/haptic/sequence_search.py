@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.loop.gait_state import GaitState
 from mimics_app.rendering.haptic.control.lokomat.obstacle_sequence import (
     SEQUENCE,
     SEQUENCE_FACTS,
     SEQUENCE_SETTINGS,
-    GaitState,
     SequenceCause,
     SequenceCommand,
     SequenceFault,

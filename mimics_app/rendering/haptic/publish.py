@@ -51,7 +51,7 @@ def _publish(channels: Channels, work: Work, kind: int, force: float) -> None:
 
 @kernel
 def publish_events(channels: Channels, work: Work, rows: Rows, scene: SceneRecord, t_ns: int) -> None:
-    """Publish this tick's events: parameters, state, trip, margin, cap, stale data, contacts, impact, losses."""
+    """Publish the events of this tick: of state, monitors, contacts, impacts and losses."""
     counts = scene.objects
     _publish_tick(channels, work, t_ns)
     for c in range(max(1, scene.contacts)):
@@ -119,7 +119,7 @@ def _publish_wall(channels: Channels, work: Work, contact: int, t_ns: int) -> No
 @kernel
 def _publish_tick(channels: Channels, work: Work, t_ns: int) -> None:
     state = work.state[0]
-    news = state.parameters_taken + state.state_changed + state.tripped
+    news = state.parameters_taken + state.state_changed + state.tripped + state.gait_changed
     news += state.margin_lost + state.cap_began + state.limit_began + state.swing_reported + state.stale_began
     if news == 0:
         return
@@ -130,6 +130,8 @@ def _publish_tick(channels: Channels, work: Work, t_ns: int) -> None:
         _publish(channels, work, EventKind.STATE, float(state.safety))
     if state.tripped == 1:
         _publish(channels, work, EventKind.TRIP, float(state.cause))
+    if state.gait_changed == 1:
+        _publish(channels, work, EventKind.GAIT_STATE, float(state.gait_state))
     _publish_monitor(channels, work, state)
 
 

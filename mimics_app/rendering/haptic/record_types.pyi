@@ -224,6 +224,8 @@ class SceneRecord:
     each_joint: Ints8
     controller_parameters: Floats
     target: Floats
+    obstacle_calls: int
+    obstacle: int
     drive_rate: float
     force_driven: int
     drive_stiffness: float
@@ -366,6 +368,8 @@ class SampleRecord:
     dq_reference: Floats
     ddq_reference: Floats
     guidance: Floats
+    gait_state: float
+    numbers: Floats
     further: Table[PointSampleRecord]
 
 class SnapshotRecord:
@@ -395,6 +399,7 @@ class SnapshotRecord:
     stiffness_share: float
     calm: float
     phase: float
+    gait_state: int
     force_peak: float
     distance_peak: float
     progress_peak: float
@@ -557,6 +562,7 @@ class ControlInputRecord:
     safety: int
     ramp: float
     started: int
+    obstacle: int
     virtual_damping: float
     q: Floats
     dq: Floats
@@ -579,6 +585,11 @@ class ControlOutputRecord:
     points_given: int
     force: Floats
     torque: Floats
+    braked: int
+    stop: int
+    belt: float
+    gait: int
+    numbers: Floats
 
 class ControlWorkRecord:
     """`mimics_app.contracts.loop.controller_port.CONTROL_WORK`."""
@@ -1076,6 +1087,7 @@ class StateRecord:
     dq_reference: Floats
     ddq_reference: Floats
     guidance: Floats
+    gait_state: int
     force_peak: float
     distance_peak: float
     progress_peak: float
@@ -1085,6 +1097,7 @@ class StateRecord:
     resets: int
     sequence: int
     trial: int
+    obstacle_calls: int
     strained_ticks: int
     lag: Floats
     refused_ticks: int
@@ -1102,6 +1115,7 @@ class StateRecord:
     limit_began: int
     stale_began: int
     parameters_taken: int
+    gait_changed: int
     contact_change: int
     margin_lost: int
     reported_margin: float
@@ -1380,5 +1394,6 @@ class WalkRecord:
     walked: float
     x: Floats
     distance: Floats
+    away: Floats
     jacobian: Floats
     last: Floats

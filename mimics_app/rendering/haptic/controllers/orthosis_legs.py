@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.loop.controller_port import ControllerParameter, places_of
+from mimics_app.contracts.loop.controller_port import ControllerColumn, ControllerParameter, places_of
 from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
+from mimics_app.contracts.loop.gait_state import GaitState
 from mimics_app.rendering.haptic.control.lokomat.constrained_shafts import SurfaceFriction
 from mimics_app.rendering.haptic.control.lokomat.leg_control import (
     LEG_INPUT,
@@ -35,7 +36,7 @@ from mimics_app.rendering.haptic.controllers.orthosis_walk import (
     step_walk,
 )
 from mimics_app.rendering.haptic.kernels.leg_kinematics import GEOMETRY, SHANK, THIGH
-from mimics_app.rendering.haptic.kernels.lokomat.linkage import FIXED_ARM, MOVED_ARM, OFFSET, TURNED
+from mimics_app.rendering.haptic.kernels.lokomat.linkage import FIXED_ARM, MOVED_ARM, OFFSET, TURNED, eta_of
 from mimics_app.rendering.haptic.kernels.two_link import (
     SHANK_COM,
     SHANK_INERTIA,
@@ -47,14 +48,25 @@ from mimics_app.rendering.haptic.kernels.two_link import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from mimics_app.rendering.haptic.record_types import (
         ControlInputRecord,
         ControlOutputRecord,
         LegInputRecord,
         LegSettingsRecord,
+        LegStateRecord,
     )
 
-__all__ = ["PARAMETERS", "WALK_PLACES", "HardObject", "control_legs", "refuse_unless_two_legs"]
+__all__ = [
+    "COLUMNS",
+    "PARAMETERS",
+    "WALK_PLACES",
+    "HardObject",
+    "control_legs",
+    "obstacles_of",
+    "refuse_unless_two_legs",
+]
 
 
 class HardObject(IntEnum):
@@ -106,6 +118,7 @@ PARAMETERS = (
     ControllerParameter("sequence", 0.0, 0.0, 1.0),  # 1: the patient walks, and the obstacle follows D2.1 4.3.6
     ControllerParameter("obstacle_after", 0.0, 0.0, 600.0, "s"),  # of walking; 0: never
     ControllerParameter("exploring_leg", 0.0, 0.0, 1.0),  # 0 left, 1 right
+    ControllerParameter("exploration", 30.0, 1.0, 300.0, "s"),  # longest; a foot that oversteps ends it before
 )
 """Parameters of both controllers."""
 
@@ -114,8 +127,22 @@ PARAMETERS = (
     _IMPULSE_TICKS, _RESTITUTION, _WALL_FORCE, _VIRTUAL_MASS, _KNEE_MASS, _VIRTUAL_DAMPING, _DEADBAND, _BANDWIDTH,
     _PD_STIFFNESS, _COMPUTED, _GUIDANCE_STIFFNESS, _GUIDANCE_DAMPING, _COMPENSATION, _COULOMB, _VISCOUS, _MOTOR_MASS,
     _ORTHOSIS_MASS, _SHANK_ORTHOSIS, _LEG_MASS, _SHANK_WITH_FOOT, _HIP_LINK, _HIP_MOVED, _HIP_OFFSET, _KNEE_LINK,
-    _KNEE_MOVED, _KNEE_OFFSET, _SEQUENCE, _OBSTACLE_AFTER, _EXPLORING_LEG,
+    _KNEE_MOVED, _KNEE_OFFSET, _SEQUENCE, _OBSTACLE_AFTER, _EXPLORING_LEG, _EXPLORATION,
 ) = places_of(PARAMETERS)  # fmt: skip
+
+_OF_A_LEG = (("x_real", "m"), ("x_des", "m"), ("f_x", "N"), ("eta_1", "m"), ("eta_2", "m"), ("guidance", "1"))
+"""Columns of a leg (D2.1 4.3): measured and desired foot and force of the hard object, forward; shaft lengths of hip
+and knee; share of the guidance, the gait state's times the reference's at the hip."""
+
+COLUMNS = tuple(ControllerColumn(f"{leg}_{name}", unit) for leg in ("left", "right") for name, unit in _OF_A_LEG)
+"""Columns of both controllers."""
+
+_COLUMNS_OF_A_LEG = len(_OF_A_LEG)
+_X_REAL, _X_DES, _F_X, _ETA, _GUIDANCE = 0, 1, 2, 3, 5
+"""Places among the columns of a leg; of both shafts one behind the other."""
+
+_CALLED_LEGS = ("", " left", " right")
+"""Legs for which a person may call an obstacle, as its name ends: the scene's, or the named one."""
 
 _THIGH_COM, _SHANK_COM, _THIGH_GYRATION, _SHANK_GYRATION = 0.433, 0.606, 0.323, 0.416
 """Centres of mass from the upper joint and radii of gyration about them, as shares of the lengths (Winter)."""
@@ -265,6 +292,15 @@ def _far_side(parameters: Vec) -> float:
 
 
 @kernel
+def _write_columns(settings: LegSettingsRecord, own: LegInputRecord, state: LegStateRecord, numbers: Vec) -> None:
+    """Write the columns of a leg."""
+    numbers[_X_REAL], numbers[_X_DES], numbers[_F_X] = state.x_real[0], state.x_des[0], state.f_x[0]
+    for joint in range(2):
+        numbers[_ETA + joint] = eta_of(settings.frame.links[joint], own.q[joint])
+    numbers[_GUIDANCE] = own.guidance[0]
+
+
+@kernel
 def control_legs(
     combined: bool, now: ControlInputRecord, parameters: Vec, memory: Vec, out: ControlOutputRecord
 ) -> None:
@@ -282,12 +318,14 @@ def control_legs(
     walk, walks = memory[_WALK:_LENGTH].view(WALK)[0], parameters[_SEQUENCE] != 0.0
     if now.started == 1:
         _write_machine(settings, parameters, now.geometry)
-        begin_walk(walk, now.dt)
+        begin_walk(walk, parameters[_EXPLORATION], now.dt)
     _write_laws(settings, parameters)
     _write_object(settings, parameters)
     if walks:
-        after, leg = parameters[_OBSTACLE_AFTER], int(parameters[_EXPLORING_LEG])
-        step_walk(walk, now, leg, after, _far_side(parameters))
+        leg = int(parameters[_EXPLORING_LEG]) if now.obstacle <= 1 else now.obstacle - 2
+        step_walk(walk, now, leg, now.obstacle > 0, parameters[_OBSTACLE_AFTER], _far_side(parameters))
+        out.gait, out.braked, out.belt = 1 + walk.sequence.state, walk.sequence.braked, walk.sequence.belt
+        out.stop = 1 if walk.sequence.state == GaitState.STANDING and walk.sequence.cause != 0 else 0
     stands = _reference_stands(now)
     for leg in range(2):
         state = memory[_INPUT + leg * _STATE : _INPUT + (leg + 1) * _STATE].view(LEG_STATE)[0]
@@ -304,6 +342,15 @@ def control_legs(
             limit_walking_leg(walk, leg, settings, own, state)
         for joint in range(2):
             out.torque[2 * leg + joint] = state.tau[joint]
+        _write_columns(settings, own, state, out.numbers[leg * _COLUMNS_OF_A_LEG : (leg + 1) * _COLUMNS_OF_A_LEG])
+
+
+def obstacles_of(parameters: Sequence[float]) -> tuple[str, ...]:
+    """Return the names by which a person may call the hard object of a walk: "wall", "wall left", "wall right"."""
+    kind = HardObject(int(parameters[_OBJECT_KIND]))
+    if parameters[_SEQUENCE] == 0.0 or kind is HardObject.NONE:
+        return ()
+    return tuple(kind.name.lower() + leg for leg in _CALLED_LEGS)
 
 
 def refuse_unless_two_legs(descriptor: DeviceDescriptor) -> str:

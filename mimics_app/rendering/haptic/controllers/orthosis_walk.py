@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.loop.gait_state import GaitState
 from mimics_app.rendering.haptic.control.lokomat.gait_limits import LEG_LIMITS, limit_leg, role_of, set_limits
 from mimics_app.rendering.haptic.control.lokomat.obstacle_sequence import (
     SEQUENCE,
     SEQUENCE_FACTS,
     SEQUENCE_SETTINGS,
-    GaitState,
     SequenceCommand,
     begin_sequence,
     step_sequence,
@@ -44,6 +44,7 @@ WALK = np.dtype(
         ("walked", np.float64),  # time in `walking` [s]
         ("x", np.float64, 2),  # place of each foot, forward [m]
         ("distance", np.float64, 2),  # of each foot from the hard object [m]
+        ("away", np.float64, (2, 2)),  # of each leg's reference from where the gait state leads it: hip, knee [rad]
         ("jacobian", np.float64, 4),  # scratch
         ("last", np.float64, (2, 2)),  # limited torques of each leg in the last tick [N m]
     ],
@@ -51,8 +52,8 @@ WALK = np.dtype(
 )
 """Gait state of both legs."""
 
-_LONGEST = (0.0, 10.0, 10.0, 5.0, 5.0, 30.0, 10.0, 10.0, 20.0, 0.0)
-"""Time limit of each state [s], 0: none."""
+_LONGEST = (0.0, 10.0, 10.0, 5.0, 5.0, 0.0, 10.0, 10.0, 20.0, 0.0)
+"""Time limit of each state [s], 0: none; that of an exploration is a parameter."""
 
 _GUIDANCE_TIME, _BELT_TIME, _SHOWN = 1.0, 1.5, 0.5
 """Times in which guidance and belt change from 0 to 1, and for which an obstacle is announced [s]."""
@@ -72,13 +73,16 @@ _STANDING_HIP, _STANDING_KNEE = 0.0, 0.05
 _NEAR = 0.12
 """Largest distance of a joint from the start pose [rad]."""
 
+_RETURN = 0.3
+"""Speed at which the reference of a joint comes back from where its leg was taken up [rad/s]."""
+
 _BEYOND = 0.05
 """Distance by which a foot oversteps [m]."""
 
 
 @kernel
-def begin_walk(walk: WalkRecord, dt: float) -> None:
-    """Begin on the brakes, with times in ticks of dt [s]."""
+def begin_walk(walk: WalkRecord, exploration: float, dt: float) -> None:
+    """Begin on the brakes, with the time limit of an exploration [s], and times in ticks of dt [s]."""
     begin_sequence(walk.sequence)
     settings = walk.settings
     settings.guidance[0] = settings.guidance[1] = 1.0
@@ -86,6 +90,7 @@ def begin_walk(walk: WalkRecord, dt: float) -> None:
     settings.shown = int(_SHOWN / dt)
     for state in range(len(_LONGEST)):
         settings.longest[state] = int(_LONGEST[state] / dt)
+    settings.longest[GaitState.EXPLORING] = int(exploration / dt)
     walk.walked = 0.0
 
 
@@ -101,13 +106,14 @@ def _at_start(now: ControlInputRecord, leg: int) -> bool:
 
 
 @kernel
-def step_walk(walk: WalkRecord, now: ControlInputRecord, leg: int, after: float, beyond: float) -> None:
+def step_walk(walk: WalkRecord, now: ControlInputRecord, leg: int, called: bool, after: float, beyond: float) -> None:
     """Advance the sequence by one tick.
 
     Args:
         walk: WALK record.
         now: CONTROL_INPUT record.
         leg: Leg that is to explore, 0 left, 1 right.
+        called: Whether a person calls the obstacle in this tick.
         after: Time of walking after which the obstacle appears [s]; 0: never.
         beyond: Place of the far side of the obstacle [m].
     """
@@ -117,7 +123,7 @@ def step_walk(walk: WalkRecord, now: ControlInputRecord, leg: int, after: float,
     if sequence.state == GaitState.STANDING and sequence.cause == 0:
         facts.command = SequenceCommand.CONFIRM  # a person has started the session, or reset the stop
     walk.walked = walk.walked + now.dt if sequence.state == GaitState.WALKING else 0.0
-    if 0.0 < after < walk.walked:
+    if called or 0.0 < after < walk.walked:
         facts.command = SequenceCommand.OBSTACLE
     limit = _STUMBLES if facts.standing == 1 else _STILL
     still = _is_still(now, 1 - free, limit) and (released or _is_still(now, free, limit))
@@ -133,12 +139,22 @@ def step_walk(walk: WalkRecord, now: ControlInputRecord, leg: int, after: float,
 
 @kernel
 def guide_leg(walk: WalkRecord, leg: int, own: LegInputRecord) -> None:
-    """Scale reference and guidance of a leg by the gait state, and say whether the hard object acts on it."""
-    sequence = walk.sequence
+    """Scale reference and guidance of a leg by the gait state, and say whether the hard object acts on it.
+
+    A leg that brakes hold, or that nothing leads, is taken up where it is, and led back slowly.
+    """
+    sequence, step = walk.sequence, _RETURN * own.dt
+    loose = sequence.braked == 1 or sequence.guidance[leg] == 0.0
     for joint in range(2):
         rest = _STANDING_HIP if joint == 0 else _STANDING_KNEE
-        own.q_ref[joint] = rest + sequence.belt * (own.q_ref[joint] - rest)
+        led = rest + sequence.belt * (own.q_ref[joint] - rest)
+        away = walk.away[leg, joint]
+        left = own.q[joint] - led if loose else min(away + step, max(away - step, 0.0))
+        own.q_ref[joint] = led + left
         own.dq_ref[joint] *= sequence.belt
+        if not loose:
+            own.dq_ref[joint] += (left - away) / own.dt
+        walk.away[leg, joint] = left
         own.guidance[joint] *= sequence.guidance[leg]
     own.hard = 1 if sequence.hard == 1 and leg == sequence.free_leg else 0
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, cast
 from mimics_app.compiled.function_pointers import pointers_to
 from mimics_app.contracts.errors import UsageError, nearest
 from mimics_app.contracts.loop.controller_port import CONTROLLER, CONTROLLERS, ControllerPlugin
-from mimics_app.contracts.loop.controller_slots import MAX_CONTROLLERS
+from mimics_app.contracts.loop.controller_slots import MAX_CONTROLLERS, Slot, names_in
 from mimics_app.contracts.ports.members import load_member, member_names
 from mimics_app.contracts.ports.plugins import PluginError, PluginGroup
 from mimics_app.rendering.haptic.controllers import built_in
@@ -25,6 +25,7 @@ __all__ = [
     "controller_names",
     "controllers_of",
     "find_controller",
+    "obstacle_names",
     "set_controllers",
 ]
 
@@ -66,6 +67,16 @@ def find_controller(name: str) -> ControllerPlugin:
         return cast("ControllerPlugin", PLUGINS.load(name))
     except PluginError as error:
         raise UsageError(f'the controller "{name}" is not available: {error}') from error
+
+
+def obstacle_names(block: Records) -> tuple[str, ...]:
+    """Return the obstacles that a person may call by name, of the controller under which the person leads.
+
+    Args:
+        block: SCENE record, shape [1].
+    """
+    name = names_in(block[0]["controller_names"])[Slot.PERSON]
+    return find_controller(name).obstacles(block[0]["controller_parameters"][Slot.PERSON]) if name else ()
 
 
 def set_controllers(states: Records, controllers: Controllers) -> None:

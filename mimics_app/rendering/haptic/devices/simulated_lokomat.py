@@ -45,11 +45,12 @@ _FOOT = _SHAPE + GEOMETRY
 _REACHING = _FOOT + 6
 _ACTS = _REACHING + 1
 _BELT = _ACTS + 1
-_WALKER = _BELT + 1
+_SLOWEST = _BELT + 1
+_WALKER = _SLOWEST + 1
 _MACHINE = _WALKER + gait_person.WALKER
 _LENGTH = _MACHINE + orthosis.MACHINE
 """Memory: the limb that reaches, geometry, place and velocity of its foot, which foot reaches, 1 where the person may
-act, the belt's speed without a reference, the person who walks, then the machine."""
+act, the belt's speed without a reference, that below which the person stands, who walks, then the machine."""
 
 PLANT = slice(_MACHINE, _LENGTH)
 """Places of the record of `orthosis` in the memory."""
@@ -87,6 +88,7 @@ SETTINGS = {
     "rod_range": 4000.0,  # [N]
     "encoder": 2e-5,  # [rad]
     "belt_speed": 0.0,  # besides that of the scene's reference [m/s]
+    "slowest_walk": 0.0,  # speed of the belt below which the person stands [m/s]; 0: walks without a belt, too
     "belt_lag": 0.25,  # [s]
     "sole_stiffness": 4e4,  # [N/m]
     "sole_damping": 4e4,  # [N s/m^2]
@@ -111,6 +113,7 @@ _MAY_BE_ZERO = (
     "rod_quantum",
     "encoder",
     "belt_speed",
+    "slowest_walk",
     "support",
     "stride",
 )
@@ -161,6 +164,7 @@ def _move_person(memory: Vec, inbox: Vec, data: Vec) -> None:
     plant, person = memory[_MACHINE:_LENGTH], memory[_WALKER:_MACHINE]
     reaches = memory[VIA_POINTS] > 1.0
     acting = memory[_ACTS] != 0.0 and all_finite(inbox) and inbox[INBOX_ACTIVE] != 0.0 and not reaches
+    acting = acting and plant[orthosis.BELT + treadmill.BELT_SPEED] >= memory[_SLOWEST]
     gait_person.move_walker(person, acting, plant[orthosis.TICK])
     for number in range(_LEGS):
         state = orthosis.state_of(plant, number)
@@ -226,7 +230,7 @@ def build_simulated_lokomat(request: DeviceRequest) -> DevicePlugin:
     plant = memory[PLANT]
     _write_plant(plant, request, own, numbers, free=pelvis == "free")
     _write_treadmill(plant, own, numbers)
-    memory[_BELT] = numbers["belt_speed"]
+    memory[_BELT], memory[_SLOWEST] = numbers["belt_speed"], numbers["slowest_walk"]
     for number in range(_LEGS):
         _write_leg(plant, request, own, numbers, number)
     orthosis.place_drives(plant)

@@ -16,6 +16,7 @@ from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.controller_port import CONTROLLER_FUNCTION
 from mimics_app.contracts.loop.controller_slots import CommandKind, Slot, TargetKind
 from mimics_app.contracts.loop.device_descriptor import Kin
+from mimics_app.contracts.loop.gait_state import GaitState
 from mimics_app.contracts.loop.haptic import SafetyState, TripCause
 from mimics_app.contracts.loop.loop_fields import MAX_JOINTS
 from mimics_app.rendering.haptic.control.admittance import limit_motion
@@ -90,6 +91,8 @@ def _describe(scene: SceneRecord, state: StateRecord) -> None:
 def _begin_output(scene: SceneRecord, states: Table[StateRecord]) -> None:
     """Write to control.out the motion commanded in the last tick or, of a controller of forces, no force."""
     state, out = states[0], states[0].control.out
+    out.braked = out.stop = out.gait = 0
+    out.belt = 1.0
     if scene.commands[scene.controller] != CommandKind.VELOCITY:
         fill(out.force, 0.0)
         fill(out.torque, 0.0)
@@ -137,6 +140,15 @@ def _take_over(scene: SceneRecord, state: StateRecord) -> None:
     if control.now.started == 1:
         control.slot = scene.controller
         fill(control.memory, 0.0)
+        fill(control.out.numbers, 0.0)
+
+
+@kernel
+def _take_call(scene: SceneRecord, state: StateRecord) -> None:
+    """Write to control.now.obstacle what a person called since the last tick; not what was called in a stop."""
+    now, called = state.control.now, scene.obstacle_calls != state.obstacle_calls
+    state.obstacle_calls = scene.obstacle_calls
+    now.obstacle = 1 + scene.obstacle if called and now.started == 0 else 0
 
 
 @kernel
@@ -144,6 +156,7 @@ def _compute(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: float
     """Let the selected controller write control.out."""
     control, slot = states[0].control, scene.controller
     _take_over(scene, states[0])
+    _take_call(scene, states[0])
     _observe(scene, states, dt)
     _begin_output(scene, states)
     controller = functions_at(control.functions[slot], CONTROLLER_FUNCTION)
@@ -256,10 +269,10 @@ def _hold_command(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> N
 
 
 @kernel
-def _stop_not_finite(scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
-    """Latch SAFE_STOP for a command that is not finite; no force, and the last command decays."""
+def _stop(scene: SceneRecord, states: Table[StateRecord], cause: int, dt: float) -> None:
+    """Latch SAFE_STOP for a TripCause of the controller; no force, and the last command decays."""
     state = states[0]
-    latch(state, SafetyState.SAFE_STOP, TripCause.NOT_FINITE)
+    latch(state, SafetyState.SAFE_STOP, cause)
     state.state_changed = 1
     _drop_added(state)
     for c in range(scene.contacts):
@@ -310,7 +323,7 @@ def _control_motion(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt
     if all_finite(dq) and _velocities_finite(scene, states):
         copy(state.dq_virtual, state.command)
     else:
-        _stop_not_finite(scene, states, dt)
+        _stop(scene, states, TripCause.NOT_FINITE, dt)
 
 
 @kernel
@@ -451,7 +464,7 @@ def _control_force(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt:
         fill(state.dq_virtual, 0.0)
     fill(state.command, 0.0)
     if not finite:
-        _stop_not_finite(scene, states, dt)
+        _stop(scene, states, TripCause.NOT_FINITE, dt)
 
 
 @kernel
@@ -515,6 +528,19 @@ def _rest(scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
 
 
 @kernel
+def _note_gait(state: StateRecord) -> None:
+    """Note the gait state of the controller, and whether it changed: where it does not act, the brakes hold both legs.
+
+    A controller without gait states has none; nor has one that never acted.
+    """
+    out, before = state.control.out, state.gait_state
+    if state.control.slot == Slot.OFF and out.gait != 0:
+        out.gait = 1 + GaitState.STANDING
+    state.gait_state = out.gait - 1
+    state.gait_changed = 1 if state.gait_state != before and out.gait != 0 else 0
+
+
+@kernel
 def control(kin: Kin, scene: SceneRecord, states: Table[StateRecord], held: int, dt: float) -> None:
     """Set this tick's command, velocities, forces or torques: of the controller, held in a late tick, or decaying."""
     state = states[0]
@@ -535,5 +561,8 @@ def control(kin: Kin, scene: SceneRecord, states: Table[StateRecord], held: int,
             for c in range(scene.contacts):
                 copy(states[c].f_user, states[c].f_command)
             _control_motion(kin, scene, states, dt)
+        if state.control.slot != Slot.OFF and state.control.out.stop == 1:
+            _stop(scene, states, TripCause.CONTROLLER, dt)
+    _note_gait(state)
     if scene.torques == 1:
         _command_torques(kin, scene, states, held, dt)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from mimics_app.compiled.kernel import kernel
 from mimics_app.compiled.record_copy import field_copier
 from mimics_app.contracts.arrays import Vec
+from mimics_app.contracts.loop.controller_slots import Slot
 from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, Per, moves_of
 from mimics_app.contracts.loop.loop_ports import (
@@ -61,9 +62,12 @@ def write_command(scene: SceneRecord, states: Table[StateRecord], command: Vec) 
             command[COMMAND_FORCE + 3 * c + i] = states[c].f_command[i]
         felt = norm(states[c].f_user_world)
         command[COMMAND_VIBRATION + c] = min(1.0, felt / scene.force_limit) if felt > 0.0 else 0.0
-    command[COMMAND_ENABLED] = 1.0 if SafetyState.HOMED <= state.safety < SafetyState.SAFE_STOP else 0.0
+    moves = SafetyState.HOMED <= state.safety < SafetyState.SAFE_STOP
+    braked = state.control.slot != Slot.OFF and state.control.out.braked == 1
+    command[COMMAND_ENABLED] = 1.0 if moves and not braked else 0.0
     command[COMMAND_STATE] = float(state.safety)
-    command[COMMAND_BELT] = state.reference_state.speed.value * state.reference_state.amplitude.value
+    share = state.control.out.belt if state.control.slot != Slot.OFF else 0.0
+    command[COMMAND_BELT] = share * state.reference_state.speed.value * state.reference_state.amplitude.value
 
 
 @kernel

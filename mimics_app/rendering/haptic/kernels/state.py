@@ -30,6 +30,7 @@ STATE = np.dtype(
         ("resets", "i8"),  # SCENE.resets as last seen
         ("sequence", "i8"),  # SCENE.sequence as last seen
         ("trial", "i8"),  # SCENE.trial as last seen
+        ("obstacle_calls", "i8"),  # SCENE.obstacle_calls as last seen
         ("strained_ticks", "i8"),  # ticks in a row with a measured force beyond measured_force_limit
         ("lag", "f8", (3,)),  # way by which a driven device stayed behind its commands, robot frame [m]
         ("refused_ticks", "i8"),  # ticks in a row whose command the device did not take
@@ -48,6 +49,7 @@ STATE = np.dtype(
         ("limit_began", "i8"),  # 1: the force reached force_limit
         ("stale_began", "i8"),  # 1: the data became older than stale_warn
         ("parameters_taken", "i8"),
+        ("gait_changed", "i8"),  # 1: the gait state of the controller is another
         ("contact_change", "i8"),  # CONTACT_... with the tunnel
         ("margin_lost", "i8"),  # 1: a margin fell below 0
         ("reported_margin", "f8"),  # that margin

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.loop.gait_state import GaitState
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import (
@@ -30,36 +31,15 @@ if TYPE_CHECKING:
     )
 
 __all__ = [
-    "GAIT_STATES",
     "SEQUENCE",
     "SEQUENCE_FACTS",
     "SEQUENCE_SETTINGS",
-    "GaitState",
     "SequenceCause",
     "SequenceCommand",
     "SequenceFault",
     "begin_sequence",
     "step_sequence",
 ]
-
-
-class GaitState(IntEnum):
-    """State of the sequence; 0 to 8 are the nine steps of D2.1 4.3.6 in their order."""
-
-    WALKING = 0
-    OBSTACLE_ENABLED = 1
-    STOPPING = 2
-    COLLISION_ENABLED = 3
-    LEG_RELEASED = 4
-    EXPLORING = 5
-    GUIDANCE_RESTORED = 6
-    TO_START = 7
-    RESUMING = 8
-    STANDING = 9  # held by the device's own brakes
-
-
-GAIT_STATES = tuple(state.name.lower() for state in GaitState)
-"""Names of the states in events, recordings and reports."""
 
 
 class SequenceCommand(IntEnum):

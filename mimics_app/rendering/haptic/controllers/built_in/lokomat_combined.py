@@ -9,7 +9,13 @@ from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop import controller_port
 from mimics_app.contracts.loop.controller_slots import CommandKind, Lead
 from mimics_app.contracts.loop.device_descriptor import Kin
-from mimics_app.rendering.haptic.controllers.orthosis_legs import PARAMETERS, control_legs, refuse_unless_two_legs
+from mimics_app.rendering.haptic.controllers.orthosis_legs import (
+    COLUMNS,
+    PARAMETERS,
+    control_legs,
+    obstacles_of,
+    refuse_unless_two_legs,
+)
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import ControlInputRecord, ControlOutputRecord, ControlWorkRecord
@@ -31,4 +37,7 @@ CONTROLLER = controller_port.ControllerPlugin(
     CommandKind.TORQUE,
     PARAMETERS,
     refusal=refuse_unless_two_legs,
+    columns=COLUMNS,
+    gait=True,
+    obstacles=obstacles_of,
 )
