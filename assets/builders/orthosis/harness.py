@@ -55,7 +55,7 @@ _STRAP, _ASIDE = 0.046, 0.092
 def compose_harness() -> MachinePart:
     """Return vest, straps and their hooks in the frame of the chest."""
     part = MachinePart()
-    angles = np.linspace(2.0 * np.pi, 0.0, 49)
+    angles = np.linspace(2.0 * np.pi, 0.0, 33)
     vest = [_around(height, _OFF, angles) for height in _TRUNK]
     part.band("fabric", BLUE, vest, closed=True)
     for low, high in ((1.01, 1.05), (1.12, 1.16), (1.225, 1.265)):

@@ -140,7 +140,7 @@ def _add_cuff(
     if reach[1] - reach[0] >= 360.0:
         angles["strap"] = (28.0, 200.0)
     for what, (first, last) in angles.items():
-        turns = np.radians(np.linspace(last, first, 22))
+        turns = np.radians(np.linspace(last, first, 17))
         thick = 0.009 if what == "shell" else 0.005
         half = 0.5 * height if what == "shell" else 0.27 * height
         radii = [SCALE * r + _GAP + thick for r in leg]

@@ -23,7 +23,7 @@ BLUE: Colour = (0.030, 0.180, 0.420)
 ALUMINIUM: Colour = (0.60, 0.61, 0.63)
 CHROME: Colour = (0.78, 0.79, 0.80)
 
-_FACETS = 16
+_FACETS = 12
 """Facets around a disc."""
 
 
@@ -70,7 +70,7 @@ class MachinePart:
         mesh = cylinder(radius, float(np.linalg.norm(end - begin)), top_radius=end_radius, segments=_FACETS)
         self._add(finish, colour, mesh, _along(end - begin), 0.5 * (begin + end))
 
-    def pipe(self, finish: str, colour: Colour, points: Sequence[Point], radius: float, sides: int = 12) -> None:
+    def pipe(self, finish: str, colour: Colour, points: Sequence[Point], radius: float, sides: int = 9) -> None:
         """Add a round bar along points, rounded where it bends: radius [m]."""
         line = _softened(np.array(points), 4.0 * radius)
         normals, binormals = _frames(line)

@@ -123,8 +123,8 @@ def _add_rail(part: MachinePart, side: float) -> None:
     x, post = side * GRIP[0], side * (_DECK - 0.03)
     line: list[Point] = [(post, 0.10, -0.62), (post, 0.90, -0.62), (x, _RAIL, -0.40), (x, _RAIL, 0.46)]
     line += [(post, 0.86, 0.68), (post, 0.10, 0.68)]
-    part.pipe("metal", ALUMINIUM, line, 0.019, 14)
-    part.pipe("plastic", BLACK, [(x, _RAIL, 0.02), (x, _RAIL, 0.40)], 0.024, 14)
+    part.pipe("metal", ALUMINIUM, line, 0.019, 12)
+    part.pipe("plastic", BLACK, [(x, _RAIL, 0.02), (x, _RAIL, 0.40)], 0.024, 12)
     for z in (-0.62, 0.68):
         part.disc("plastic", ANTHRACITE, (post, 0.098, z), (post, 0.128, z), 0.036, 0.028)
 
