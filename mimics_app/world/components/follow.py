@@ -28,6 +28,10 @@ class Follow(Component, frozen=True):
         bool,
         Meta(description="True: offset and aim turn with the entity's heading; false: they keep the world's axes"),
     ] = True
+    within: Annotated[
+        tuple[Point, Point] | None,
+        Meta(description="Opposite corners of a box, world [m], that the place keeps within: before walls"),
+    ] = None
     lag: Annotated[
         float, Meta(ge=0, le=10, description="Time constant with which place and aim follow [s]; 0: rigidly")
     ] = 0.0

@@ -58,6 +58,9 @@ class Follower:
         turn = _heading(pose) if self._spec.turns else np.eye(3)
         offsets = np.array([self._spec.offset, self._spec.aim])
         place, aim = offsets @ turn.T + pose[:3, 3]
+        if self._spec.within is not None:
+            corners = np.array(self._spec.within)
+            place = np.clip(place, corners.min(axis=0), corners.max(axis=0))
         if self._spec.at is not None and self._spec.at in graph:
             aim = graph.world_matrix(graph.find(self._spec.at))[:3, 3].copy()
         return place, aim

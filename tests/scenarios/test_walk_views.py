@@ -1,0 +1,103 @@
+"""The six views of each walk: from the eye to who is followed over the whole way, no wall and no ground between."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.system.resources import root
+from mimics_app.scenarios.figures.ground_path import GroundPath
+from mimics_app.world.components.follow import Follow
+from mimics_app.world.components.walking import WalkingPath
+from mimics_app.world.content.following import Follower
+from mimics_app.world.content.raycast import meet_triangles
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.file import build_world, load_scene
+from mimics_app.world.files.scene.scene import Scene
+
+VIEWS = ("ego", "shoulder", "side", "front", "top", "free")
+SURROUNDINGS = {"city_walk": ("city",), "canyon_walk": ("canyon", "beam"), "soccer": ("city", "stadium")}
+HEIGHTS = {"person": 1.2, "ball": 0.9}  # [m] of who is at the ball, too
+LONGEST = 60.0  # [s] a follower has come to its place after it
+SEEN_THROUGH = ("leaves", "_net")  # crowns of trees over a sidewalk, nets of goals
+NEAR = 45.0  # [m] no eye is farther away
+LEAST = 0.1  # [m] before an eye nothing is nearer than its near plane
+
+
+def _places(name: str, scene: Scene) -> Iterator[tuple[F8, float]]:
+    """Where the followed one may be [m], and the heading: angle about +y from +z [rad]."""
+    if name == "city_walk":
+        (route,) = [path for entity, path, _ in scene.components(WalkingPath) if entity == "route"]
+        path = GroundPath(route)
+        for along in np.linspace(0.0, path.length, 36):
+            yield path.at(float(along)), path.heading(float(along))
+    elif name == "canyon_walk":
+        for z in np.linspace(0.0, -232.0, 36):
+            yield np.array([0.0, 0.0, z]), math.pi
+    else:
+        for x in (-2.9, 0.0, 2.9):
+            for z in (-7.5, -3.7, 0.0, 3.7, 7.5):
+                for yaw in np.arange(4) * 0.5 * math.pi:
+                    yield np.array([x, 0.02, 60.0 + z]), float(yaw)
+
+
+def _triangles(world: World, solid: tuple[str, ...]) -> F8:
+    """Triangles of what stands still and is not seen through, world [m], [n, 3, 3]."""
+    bodies = {world.find(name).index for name in solid}
+    listed, found = world.subentities(), []
+    for part in np.flatnonzero((listed.visible != 0) & (listed.level == 0)).tolist():
+        index = int(listed.entity[part])
+        while index >= 0 and index not in bodies:
+            index = world.graph.parent(index)
+        mesh = world.meshes.get(listed.mesh[part])
+        seen_through = str(listed.material[part]).endswith(SEEN_THROUGH)
+        if index < 0 or mesh is None or seen_through:
+            continue
+        matrix = world.transforms.world[listed.row[part]]
+        points = world.mesh_positions(listed.mesh[part]) @ matrix[:3, :3].T + matrix[:3, 3]
+        found.append(points[mesh.indices.reshape(-1, 3)])
+    return np.concatenate(found)
+
+
+def test_an_eye_keeps_within_its_box() -> None:
+    """And only on the axes on which it would leave it."""
+    world = World()
+    world.create_node("walker")
+    world.create_node("eye")
+    spec = Follow("walker", (3.0, 2.0, -1.0), within=((1.0, 5.0, 4.0), (-1.0, 0.0, -4.0)))
+    world.followers["eye"] = Follower("eye", spec)
+    world.update()
+    assert world.find("eye").world_matrix()[:3, 3].tolist() == [1.0, 2.0, -1.0]
+
+
+@pytest.mark.parametrize("name", SURROUNDINGS)
+def test_no_view_goes_through_a_wall_or_the_ground(name: str) -> None:
+    scene = load_scene(root() / "scenes" / f"{name}.json")
+    world = build_world(scene)
+    world.update()
+    corners = _triangles(world, SURROUNDINGS[name])
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    follows = {entity: follow.entity for entity, follow, _ in scene.components(Follow)}
+    faults, seen = [], 0
+    for place, yaw in _places(name, scene):
+        for each in {"person", *follows.values()}:
+            node, turn = world.find(each), yaw + math.pi  # who walks goes along -z
+            node.set_position(place)
+            node.set_orientation((0.0, math.sin(0.5 * turn), 0.0, math.cos(0.5 * turn)))
+        world.motion.time += LONGEST
+        world.update()
+        near = corners[((low < place + NEAR) & (high > place - NEAR)).all(axis=1)]
+        for view in VIEWS:
+            eye = world.find(view).world_matrix()[:3, 3].copy()
+            aim = place + (0.0, HEIGHTS[follows.get(view, "person")], 0.0)
+            way = float(np.linalg.norm(aim - eye))
+            blocked = float(meet_triangles(eye, (aim - eye) / way, near).min(initial=np.inf))
+            ground = float(meet_triangles(eye, np.array([0.0, -1.0, 0.0]), near).min(initial=np.inf))
+            seen += 1
+            if blocked < way or ground < LEAST:
+                faults.append((view, place.round(1).tolist(), round(yaw, 1), eye.round(1).tolist(), blocked, way))
+    assert seen > 100 and not faults, faults
