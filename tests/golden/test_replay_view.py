@@ -47,6 +47,14 @@ def replayed(folder: Path) -> ReplayedScene:
     return open_replay(Run.open(folder))
 
 
+@pytest.fixture(scope="module")
+def renamed(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> ReplayedScene:
+    """The same run with a scene file whose title was changed, which no picture shows."""
+    scene = tmp_path_factory.mktemp("renamed") / "wavy_tunnel.json"
+    scene.write_text((_ROOT / "scenes/wavy_tunnel.json").read_text().replace('"Wavy tunnel"', '"Other tunnel"'))
+    return open_replay(Run.open(folder), scene)
+
+
 def drawn(panes: Panes, surface, run: ReplayedScene, number: int) -> np.ndarray:
     assert run.to(number)
     panes.draw(run.now_ns)
@@ -78,29 +86,28 @@ def test_forces_are_drawn_over_the_world_and_can_be_left_out(replayed):
     assert 5 < changed[42:].sum() < 0.05 * changed.size  # below the cards
 
 
-def test_two_runs_stand_side_by_side_each_as_alone(folder, replayed):
-    other = open_replay(Run.open(folder))
+def test_two_runs_stand_side_by_side_each_as_alone(replayed, renamed):
     with open_offscreen("auto", _SIZE) as surface:
         surface.resize((160, 180))
         alone = [Panes(surface, [replayed], quality_of, "", forces=False) for _ in range(2)]
         single = [drawn(*each) for each in zip(alone, [surface] * 2, [replayed] * 2, (60, 340), strict=True)]
         surface.resize(_SIZE)
-        panes = Panes(surface, [replayed, other], quality_of, "", forces=False)
+        panes = Panes(surface, [replayed, renamed], quality_of, "", forces=False)
         replayed.to(60)
-        both = drawn(panes, surface, other, 340)
+        both = drawn(panes, surface, renamed, 340)
     assert np.array_equal(both[:, :160], single[0]) and np.array_equal(both[:, 160:], single[1])
 
 
 def test_a_film_has_a_picture_of_every_sixtieth_second_and_fewer_at_a_higher_speed(folder, tmp_path, capsys):
     film = tmp_path / "film"
-    words = ["--video", str(film), "--speed", "8", "--plain", "--size", "160x90", "--json"]
+    words = ["--video", str(film), "--speed", "8", "--plain", "--size", "96x54", "--json"]
     assert main(["replay", str(folder), *words]) == 0
     answer = json.loads(capsys.readouterr().out)
     pictures = sorted(film.glob("frame_*.png"))
     assert answer["files"] == [str(film)] and answer["frames"] == [360]
     assert len(pictures) == 1 + round(359 / 8)  # 359 sixtieths from the first frame to the last
     ball = [np.array(Image.open(file)).astype(int) for file in (pictures[0], pictures[-1])]
-    assert (np.abs(ball[0] - ball[1]).max(axis=-1) > 20).sum() > 20
+    assert (np.abs(ball[0] - ball[1]).max(axis=-1) > 20).sum() > 5
 
 
 @pytest.mark.parametrize(
@@ -118,10 +125,8 @@ def test_what_cannot_be_shown_is_said(folder, words, message, capsys, tmp_path, 
     assert message in capsys.readouterr().err
 
 
-def test_a_scene_that_was_changed_since_is_told(folder, tmp_path):
-    scene = tmp_path / "wavy_tunnel.json"
-    scene.write_text((_ROOT / "scenes/wavy_tunnel.json").read_text().replace('"Wavy tunnel"', '"Other tunnel"'))
-    assert "changed since" in " ".join(open_replay(Run.open(folder), scene).notes)
+def test_a_scene_that_was_changed_since_is_told(renamed):
+    assert "changed since" in " ".join(renamed.notes)
 
 
 def test_the_playhead_goes_by_its_speed_and_stays_within_the_run():
@@ -194,10 +199,10 @@ def test_a_person_holds_steps_and_seeks_in_the_window(folder):
             """The picture that fits and stands still."""
             same, last = 0, shown()
             for _ in range(300):
-                time.sleep(0.2)
+                time.sleep(0.15)
                 last, earlier = shown(), last
                 same = same + 1 if np.array_equal(last, earlier) and fits(last) else 0
-                if same == 3:
+                if same == 2:
                     return last
             pytest.fail(f"the window did not show {what}")
 
