@@ -9,8 +9,8 @@ from mimics_app.contracts.messages.board import Bar, Card, Tone
 
 __all__ = ["CARDS", "count_card", "force_card", "progress_card", "state_card", "time_card", "trial_card"]
 
-CARDS = ("progress", "time", "contacts", "force", "score", "state", "trial", "margin")
-"""Cards of every task; "margin" belongs to the stability monitor."""
+CARDS = ("progress", "time", "contacts", "force", "score", "state", "trial", "margin", "gait")
+"""Cards of every task; "margin" belongs to the stability monitor, "gait" to a walk in a gait orthosis."""
 
 _WITH_BAR = 290.0
 _IN_MINUTES_S = 100.0

@@ -10,6 +10,8 @@ import pytest
 
 import mimics_app as mimics
 from mimics_app.app.api.loaded_run import Recording
+from mimics_app.app.cues.cue_watch import gait_triggers
+from mimics_app.app.picture.loop_cards import gait_card
 from mimics_app.contracts.loop.controller_port import ControllerColumn, ControllerPlugin
 from mimics_app.contracts.loop.controller_slots import CommandKind, Lead
 from mimics_app.contracts.loop.gait_state import GAIT_STATES
@@ -36,7 +38,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         session.step(6.0)
         wrong = session.command(mimics.Obstacle("moon"))
         called = session.command(mimics.Obstacle("wall left"))
-        session.step(8.5)
+        session.step(1.0)
+        assert session._frames.board.cards["gait"].text.startswith("Stop.")
+        session.step(7.5)
         plant = session._begun.haptics.plugin.memory[PLANT]
         assert _drives(plant, linear_drive.BRAKED).tolist() == [0.0] * 4
         session.command(mimics.Stop())
@@ -85,6 +89,14 @@ def test_columns_of_both_legs_say_what_the_legs_do(recording: Recording) -> None
         np.abs(np.asarray(haptic["right_eta_1"])[explored] - np.asarray(haptic["right_eta_1"])[explored][0]).max()
         < 5e-3
     )
+
+
+def test_each_state_has_words_and_a_trigger_of_sounds(recording: Recording) -> None:
+    triggers = [trigger.kind for trigger in gait_triggers(recording.run.events)]
+    assert triggers == [line["name"] for line in recording.run.lines if line["kind"] == "gait_state"]
+    assert gait_card(-1) is None
+    words = {card.text for state in range(len(GAIT_STATES)) if (card := gait_card(state)) is not None}
+    assert len(words) == len(GAIT_STATES)
 
 
 def test_stop_takes_the_current_away_and_a_braked_leg_does_not_move(recording: Recording) -> None:

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.loop.gait_state import GAIT_STATES
 from mimics_app.contracts.loop.haptic import EventKind
-from mimics_app.contracts.messages.stage_messages import TaskOrders
+from mimics_app.contracts.messages.stage_messages import SoundTrigger, TaskOrders
 from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.world.components.effects import Trigger
 
-__all__ = ["TOUCHES", "CueWatch"]
+__all__ = ["TOUCHES", "CueWatch", "gait_triggers"]
 
 _CUES: Mapping[TrialState, Trigger] = {TrialState.TRAVEL: "start", TrialState.FINISHED: "goal"}
 """Trigger at the beginning of a state of a trial."""
@@ -20,6 +24,12 @@ TOUCHES: Mapping[int, Trigger] = {
     EventKind.IMPACT: "impact",
 }
 """Trigger of an event of the haptic loop."""
+
+
+def gait_triggers(events: NDArray[np.void]) -> tuple[SoundTrigger, ...]:
+    """Return a trigger for each new state of a walk in a gait orthosis among EVENT records [n], by its name."""
+    begun = events[events["kind"] == EventKind.GAIT_STATE] if len(events) else ()
+    return tuple(SoundTrigger(GAIT_STATES[int(event["force"])], int(event["t_ns"])) for event in begun)
 
 
 class CueWatch:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.app.picture.board import stability_card
+from mimics_app.app.picture.loop_cards import loop_cards
 from mimics_app.app.planner.plan import apply_plan
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.scenes.scenario_choice import open_scenario
@@ -137,7 +137,7 @@ class ReplayedScene:
         self._visible.update(orders, frame.events, now_ns)
         self._visible.light(orders, frame.events, shown_ns)
         self.number += 1
-        self.board = orders.board.with_cards({"margin": stability_card(frame.snapshot)})
+        self.board = orders.board.with_cards(loop_cards(frame.snapshot))
 
     def _part_of_body(self, role: str, at_ns: int) -> F8 | None:
         found = self._hub.pose(role, at_ns)

@@ -7,6 +7,7 @@ from difflib import get_close_matches
 import numpy as np
 
 from mimics_app.contracts.errors import Issue
+from mimics_app.contracts.loop.gait_state import GAIT_STATES
 from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.inputs.trackers.network_place import hears_the_network, listening, place_of
 from mimics_app.rendering.haptic.devices.robot_reach import Reach
@@ -33,7 +34,10 @@ _WIDEST = 10.0
 _FARTHEST = 2.0
 """Distance from the centre of the workspace beyond which nothing is felt [m]."""
 
-_TRIGGERS = ("contact", "contact_end", "impact", "start", "goal", "step", *(state.name.lower() for state in TrialState))
+_TRIGGERS = (
+    "contact", "contact_end", "impact", "start", "goal", "step",
+    *GAIT_STATES, *(state.name.lower() for state in TrialState),
+)  # fmt: skip
 """Triggers of the loop, the task and walkers. Models and scenarios have more, so an unknown name is no fault."""
 
 _ALIKE = 0.75

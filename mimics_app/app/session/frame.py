@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.app.picture.board import stability_card
+from mimics_app.app.cues.cue_watch import gait_triggers
+from mimics_app.app.picture.loop_cards import loop_cards
 from mimics_app.app.session.command_desk import CommandDesk
 from mimics_app.app.session.core import SessionCore
 from mimics_app.app.session.safety_watch import SafetyWatch
@@ -77,10 +78,10 @@ class Frames:
 
     @property
     def board(self) -> Board:
-        """Overlay of the picture: the task's board, and the stability margin of the touched object."""
+        """Overlay of the picture: the task's board, the stability margin of the touched object, and a gait state."""
         if self.snapshot is None:
             return self.orders.board
-        return self.orders.board.with_cards({"margin": stability_card(self.snapshot)})
+        return self.orders.board.with_cards(loop_cards(self.snapshot))
 
     def advance_frame(self) -> TaskOrders:
         """On the virtual clock: run the ticks up to the next frame, then that frame; return the task's orders.
@@ -148,7 +149,8 @@ class Frames:
             self._report_cords()
         with stage("sound"):
             self._visible.light(orders, events, timing.display_ns)
-            core.sound.step(orders, core.world, now_ns)
+            with_cues = replace(orders, cues=(*orders.cues, *gait_triggers(events)))
+            core.sound.step(with_cues, core.world, now_ns)
         with stage("record"):
             core.inputs.take_experience(_experience_of(orders, snapshot, core.trackers.pose("head", now_ns), now_ns))
             core.signal_recorder.step(self.number, vr.signals, features, state)

@@ -150,7 +150,7 @@ class Sound(Component, frozen=True):
         Annotated[str, Meta(pattern="^[a-z][a-z0-9_]{0,39}$")] | None,
         Meta(
             description="Kind of event that starts it on its own: contact, contact_end, impact (of the haptic loop), "
-            "goal, start (of the task), step and others (of avatars and scenarios)",
+            "goal, start (of the task), stopping, leg_released and other gait states, step and others (of avatars)",
         ),
     ] = None
     material: Annotated[
@@ -253,8 +253,8 @@ class Hud(Component, frozen=True):
         tuple[str, ...],
         Meta(
             max_length=20,
-            description="Cards shown, in order: progress, time, contacts, force, score, state, trial, margin, and "
-            "those of the kind of task (carry: grasp, placed, drops)",
+            description="Cards shown, in order: progress, time, contacts, force, score, state, trial, margin, gait, "
+            "and those of the kind of task (carry: grasp, placed, drops)",
         ),
     ] = ("progress", "time", "contacts", "force")
     depth: Annotated[Length, Meta(description="Distance before the eyes [m]")] = 1.0
