@@ -33,3 +33,23 @@ def test_the_example_looks_as_it_did(backend, name, assert_golden):
         settings = picture_quality(scene, "training")
         picture = draw_world(surface, world, desktop_views(world.cameras[0], SIZE), settings)
     assert_golden(picture, f"example_{name}", *((1, 0.999) if software else (12, 0.97)))
+
+
+@pytest.mark.parametrize("backend", ["egl", "osmesa"])
+@pytest.mark.parametrize(("name", "view"), [("city_walk", "main_street"), ("canyon_walk", "free"), ("soccer", "free")])
+def test_the_walk_looks_as_it_did(backend, name, view, assert_golden):
+    """Through one of its cameras, before anybody has moved but for the person on the beam."""
+    scene = load_scene(root() / "scenes" / f"{name}.json")
+    world = build_world(scene)
+    if name == "canyon_walk":
+        world.find("person").set_position((0.0, 0.0, -60.0))
+    world.update()
+    (camera,) = [each for each in world.cameras if each.node.name == view]
+    try:
+        surface = create_surface(backend, SIZE)
+    except DeviceError as error:
+        pytest.skip(str(error))
+    with surface:
+        software = "llvmpipe" in surface.ctx.info["GL_RENDERER"]
+        picture = draw_world(surface, world, desktop_views(camera, SIZE), picture_quality(scene, "training"))
+    assert_golden(picture, f"walk_{name}", *((1, 0.999) if software else (12, 0.97)))
