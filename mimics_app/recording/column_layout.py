@@ -18,6 +18,7 @@ from mimics_app.recording.columns import (
     column_name,
     column_names,
     column_units,
+    name_of,
     present_columns,
     row_length,
 )
@@ -71,6 +72,11 @@ class SampleLayout:
     def missing(self) -> tuple[str, ...]:
         """Absent columns among those that every version has recorded."""
         return tuple(name for name in self.absent if name.partition("[")[0] in _EVER)
+
+    @property
+    def uncompared(self) -> tuple[str, ...]:
+        """Names of the columns that a replay does not compare: absent ones, and those that the device does not have."""
+        return (*self.absent, *(name_of(int(i)) for i in np.flatnonzero(self.places == _NOTHING)))
 
     @property
     def current(self) -> bool:

@@ -106,7 +106,7 @@ def compare(recorded: NDArray[Any], replayed: NDArray[Any], absent: Sequence[str
     Args:
         recorded: SAMPLE records, shape [n].
         replayed: SAMPLE records, shape [n], the same ticks.
-        absent: Names of columns that were not recorded and are left out, see `SampleLayout`.
+        absent: Names of columns that are left out, see `SampleLayout.uncompared`.
 
     Raises:
         ValueError: They do not cover the same number of ticks.

@@ -149,7 +149,7 @@ def _compare(args: argparse.Namespace) -> int:
 
     data, end = gather(recorded), recorded.comparable_end
     replayed = play_loop(recorded, data)
-    difference = compare(data.samples, replayed.samples, recorded.layout.absent)
+    difference = compare(data.samples, replayed.samples, recorded.layout.uncompared)
     difference = difference or compare_events(recorded.events, replayed.events, end)
     task, task_difference = (None, None) if difference else play_task(recorded, replayed.snapshots)
     if difference or task_difference:

@@ -166,7 +166,7 @@ def open_replay(run: Run, scene: Path | None = None) -> ReplayedScene:
     if not lines:
         raise PartialDataError(f"{run.folder} has no frame", "there is nothing to look at")
     frames = list(task_frames(run, lines, replayed.snapshots))
-    difference = compare(data.samples, replayed.samples, run.layout.absent)
+    difference = compare(data.samples, replayed.samples, run.layout.uncompared)
     notes = [] if difference is None else [f"the touch differs from the recording: {difference}"]
     return ReplayedScene(_Recorded(run, task, frames, checked, (*notes, *_notes_on(run, checked, task.seed))))
 
