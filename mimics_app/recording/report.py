@@ -20,6 +20,7 @@ from mimics_app.recording.columns import row_norms
 from mimics_app.recording.json_text import indented_json
 from mimics_app.recording.report_figures import draw_path, draw_states, draw_traces
 from mimics_app.recording.report_front import Front, front_of
+from mimics_app.recording.report_gait import draw_gait
 from mimics_app.recording.report_person import Person, person_of
 from mimics_app.recording.report_real_time import RealTime, late_card, real_time_of
 from mimics_app.recording.report_stability import smallest_margin, stability_tables
@@ -78,12 +79,13 @@ class Movement:
 
 @dataclass(frozen=True, slots=True)
 class Safety:
-    """Figures by name, unusual limits, states, trips, what was not simulated, the seconds before trips, stability."""
+    """Figures by name, unusual limits, states, walk, trips, what was not simulated, what led to trips, stability."""
 
     cards: dict[str, str]
     words: str
     limits: list[str]
     states: Plot
+    walk: list[Plot]
     trips: Table | None
     losses: Table | None
     changes: Table | None
@@ -345,6 +347,7 @@ def _safety(run: Run) -> Safety:
         words=_TRIPS.format(", ".join(f"{name}: {number}" for name, number in counts.items())),
         limits=[shown(line) for line in beyond] if isinstance(beyond, list) else [],
         states=draw_states(run.haptic),
+        walk=draw_gait(run.haptic, run.layout.extent),
         trips=trip_table(run),
         losses=loss_table(run),
         changes=state_table(run),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import msgspec
@@ -16,6 +17,7 @@ from mimics_app.contracts.loop.controller_port import ControllerColumn, Controll
 from mimics_app.contracts.loop.controller_slots import CommandKind, Lead
 from mimics_app.contracts.loop.gait_state import GAIT_STATES
 from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.recording.report_gait import draw_gait, gait_spans
 from mimics_app.recording.run import Run
 from mimics_app.rendering.haptic.controllers.no_controller import no_controller
 from mimics_app.rendering.haptic.devices.simulated_lokomat import PLANT
@@ -117,6 +119,17 @@ def test_the_recording_names_the_columns_of_its_controller(folder: Path) -> None
     assert [name for name, _ in Run.open(folder).layout.extent.numbers] == [
         f"{leg}_{name}" for leg in LEGS for name in ("x_real", "x_des", "f_x", "eta_1", "eta_2", "guidance")
     ]
+
+
+def test_the_report_draws_the_states_and_both_feet_below_them(folder: Path) -> None:
+    run = Run.open(folder)
+    lines = [line for line in run.lines if line["kind"] == "gait_state"]
+    begun = [(name, round(1000 * begin)) for name, begin, _ in gait_spans(run.haptic)]
+    assert begun == [(line["name"], line["tick"]) for line in lines]
+    assert not draw_gait(run.haptic, replace(run.layout.extent, gait=False))
+    command("report", folder)
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert all(f"gait-{name}" in page for name in GAIT_STATES) and "height of the foot" in page
 
 
 def test_a_column_has_a_name_of_its_own() -> None:
