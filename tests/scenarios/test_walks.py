@@ -64,13 +64,17 @@ def test_the_six_views_are_the_first_cameras(name: str) -> None:
 @pytest.mark.parametrize(
     ("name", "sounds"),
     [
+        ("city_walk", {"steps"}),
         ("canyon_walk", {"steps", "steps_on_beam", "wind_place"}),
         ("soccer", {"steps", "opponent_steps", "kick", "crowd_ahead", "crowd_behind", "cheer"}),
     ],
 )
 def test_the_sounds_of_table_1_are_played_in_time(tmp_path: Path, name: str, sounds: set[str]) -> None:
-    section = {"sections": {"begin": {"begin": 16.0, "end": 40.0}}} if name == "canyon_walk" else {"skill": 1.0}
-    report = write_sound(RunSettings(_changed(tmp_path, name, **section)), tmp_path / "walk.wav", 14.0)
+    sections = {"canyon_walk": {"sections": {"begin": {"begin": 16.0, "end": 40.0}}}, "soccer": {"skill": 1.0}}
+    section = sections.get(name, {})
+    report = write_sound(
+        RunSettings(_changed(tmp_path, name, **section)), tmp_path / "walk.wav", 6.0 if name == "city_walk" else 14.0
+    )
     heard = {row.sound.split(":")[0] for row in report.rows}
     missing = sounds - heard - {"wind_place", "crowd_ahead", "crowd_behind", "cheer"}
     assert not missing, (missing, heard)
@@ -115,23 +119,26 @@ def test_steps_on_the_beam_sound_of_wood_and_before_it_of_the_street(tmp_path: P
     assert len(steps) > 10
 
 
-def test_the_steps_of_the_opponent_are_heard_where_the_opponent_is(tmp_path: Path) -> None:
-    """D2.1 6.3: from behind, louder as it comes nearer; the level follows from the place by the inverse law."""
-    file = _changed(tmp_path, "soccer", skill=1.0)
-    listener = Listener()
+def test_the_sounds_of_soccer_are_where_their_cause_is(tmp_path: Path) -> None:
+    """Table 1: steps at the feet of who steps, a kick at the ball; the level follows by the inverse law."""
+    file, listener = _changed(tmp_path, "soccer", skill=1.0), Listener()
     with open_core(prepare_scene(load_checked_scene(file), RunSettings(file))) as core:
         core.sound = listener  # type: ignore[assignment]
         play = Frames(core)
         play.play_to_start()
-        away = []
-        for _ in range(60 * 6):
+        far: dict[str, list[float]] = {"step": [], "opponent_step": [], "kick": []}
+        causes = {"step": "person", "opponent_step": "opponent", "kick": "ball"}
+        for _ in range(60 * 14):
+            before = len(listener.heard)
             play.advance_frame()
-            at = core.world.find("opponent").world_matrix()[:3, 3]
-            heard = [place for kind, _, place in listener.heard if kind == "opponent_step"][len(away) :]
-            away += [float(np.linalg.norm((place - at)[::2])) for place in heard]
-    assert len(away) > 6 and max(away) < 0.6, "at the feet"
+            for kind, _, place in listener.heard[before:]:
+                if kind in far:
+                    at = core.world.find(causes[kind]).world_matrix()[:3, 3]
+                    far[kind].append(float(np.linalg.norm((place - at)[::2])))
+    assert min(len(each) for each in far.values()) >= 1 and len(far["step"]) > 8
+    assert max(far["step"] + far["opponent_step"]) < 0.6 and max(far["kick"]) < 0.4, far
     sound = next(e for e in json.loads(file.read_text())["entities"] if e["id"] == "opponent_steps")["components"]
-    assert sound["sound"]["reference_distance"] == 1.0
+    assert sound["sound"]["reference_distance"] == 1.0 and len(far["opponent_step"]) > 6
 
 
 def test_legs_in_the_gait_orthosis_walk_the_shipped_scene() -> None:
