@@ -53,6 +53,7 @@ def make_snapshot(now_ns: int = 0, **changes: Any) -> HapticSnapshot:
         "own_work": 1.0,
         "quiet_ticks": 1000,
         "phase": 0.0,
+        "gait_state": -1,
         "poses": np.zeros((0, 7)),
     }
     return HapticSnapshot(**(values | changes))
