@@ -8,9 +8,7 @@ edit recompiles the importers alone, and the folder is accessible to this user o
 
 from __future__ import annotations
 
-import hashlib
 import os
-import sys
 import tempfile
 import zlib
 from collections.abc import Callable, Sequence
@@ -20,49 +18,22 @@ from pathlib import Path
 from typing import Any
 
 import llvmlite.binding as ll
-import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, NullCache, _CacheLocator
 from numba.core.compiler import CR_FIELDS, CompileResult
 from numba.core.runtime.nrt import _nrt, rtsys  # type: ignore[attr-defined]
 
+from mimics_app.compiled.cache_folder import cache_folder, compile_listeners
 from mimics_app.compiled.kernel_sources import ROOT, changed_since_start, source_key
 from mimics_app.compiled.kernel_sweep import mark_used, sweep
-from mimics_app.compiled.private_folder import private_folder
 
 __all__ = [
     "KernelCache",
     "KernelFiles",
-    "cache_folder",
-    "compile_listeners",
     "enable_cache",
     "rebuilt",
     "seal",
     "unseal",
 ]
-
-# --- which folder ---------------------------------------------------------------------------------------------------
-
-
-_FORM = 3
-"""Version of the file format."""
-
-
-def _compiler_key() -> str:
-    """Return the hash of what affects machine code besides sources; numba's own index has the processor."""
-    bounds = os.environ.get("NUMBA_BOUNDSCHECK", "0")
-    return hashlib.sha256(f"{numba.__version__} {sys.version_info[:2]} {bounds} {_FORM}".encode()).hexdigest()[:8]
-
-
-def _choose_cache_folder() -> Path | None:
-    base = private_folder()
-    return None if base is None else base / f"kernels-{_compiler_key()}"
-
-
-cache_folder: Path | None = _choose_cache_folder()
-"""Folder of the machine code, or None where nothing is writable (then each start compiles again)."""
-
-
-# --- numba's side ---------------------------------------------------------------------------------------------------
 
 
 class _Locator(_CacheLocator):
@@ -221,10 +192,6 @@ def rebuilt(target_context: Any, library: Any, payload: Any, entry_point: Any = 
         for each in environments:
             library.codegen.set_env(each.env_name, each)
     return CompileResult(**known)
-
-
-compile_listeners: list[Callable[[], None]] = []
-"""Callbacks after each function that this process compiled and stored."""
 
 
 class KernelCache(FunctionCache):

@@ -8,16 +8,19 @@ be unused, and are more than half of the time of a cold start.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 from llvmlite.binding import parse_bitcode
 from numba.core import compiler
 from numba.core.codegen import JITCodeLibrary
+from numba.core.errors import TypingError
 from numba.core.registry import CPUDispatcher
+from numba.core.types import IntEnumMember, unliteral
 
 from mimics_app.compiled.kernel_cache import KernelCache, KernelFiles, enable_cache, rebuilt, seal, unseal
 
-__all__ = ["callee_of"]
+__all__ = ["keep_and_link"]
 
 
 class _Entry:
@@ -110,7 +113,7 @@ def _compile_linked(dispatcher: Any, args: Any, return_type: Any) -> Any:
     return known
 
 
-def callee_of(function: Callable[..., object], options: dict[str, Any]) -> Any:
+def _callee_of(function: Callable[..., object], options: dict[str, Any]) -> Any:
     """Return the dispatcher of `function` for compiled callers.
 
     Args:
@@ -122,3 +125,62 @@ def callee_of(function: Callable[..., object], options: dict[str, Any]) -> Any:
     callee._compiler._compile_core = lambda args, return_type: _compile_linked(callee, args, return_type)
     enable_cache(callee, _LinkedCache)
     return callee
+
+
+_unliteral: Callable[[Any], Any] = unliteral
+
+
+def _plain(kind: Any) -> Any:
+    """Return int64 for the type of the constant 7 and of a member of an IntEnum; other types unchanged."""
+    return kind.dtype if isinstance(kind, IntEnumMember) else _unliteral(kind)
+
+
+def _of_its_callee(
+    function: Callable[..., object], options: dict[str, Any]
+) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """Return the call template and overload functions of the callee, which is made at the first call.
+
+    A constant argument is treated like any other argument: numba would compile the function for each constant.
+    """
+
+    @cache
+    def callee() -> Any:
+        return _callee_of(function, options)
+
+    def get_call_template(args: Any, kws: Any) -> Any:
+        plain = tuple(map(_plain, args)), {name: _plain(kind) for name, kind in kws.items()}
+        try:
+            return callee().get_call_template(*plain)
+        except TypingError:
+            if plain == (tuple(args), kws):
+                raise
+            return callee().get_call_template(args, kws)  # the constant is needed, such as an index of a tuple
+
+    return get_call_template, lambda signature: callee().get_overload(signature)
+
+
+def _with_environments(compile_core: Callable[..., Any]) -> Callable[..., Any]:
+    """Wrap the compiler so that callees linked into a function get their environments, as loaded functions do."""
+
+    def compile_all(args: Any, return_type: Any) -> Any:
+        made = compile_core(args, return_type)
+        codegen = made.library.codegen
+        for environment in made._find_referenced_environments():
+            if codegen._engine.is_symbol_defined(environment.env_name):
+                codegen.set_env(environment.env_name, environment)
+        return made
+
+    return compile_all
+
+
+def keep_and_link(compiled: Any, function: Callable[..., object], options: dict[str, Any]) -> None:
+    """Have a compiled function keep its machine code, and its compiled callers link its callee.
+
+    Args:
+        compiled: What numba made of the function.
+        function: The Python function.
+        options: Options of the decorator.
+    """
+    enable_cache(compiled)
+    compiled.get_call_template, compiled.get_overload = _of_its_callee(function, options)
+    compiled._compiler._compile_core = _with_environments(compiled._compiler._compile_core)

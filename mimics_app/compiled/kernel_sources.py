@@ -29,7 +29,8 @@ _PACKAGE = "__init__.py"
 """Source file of a package itself."""
 
 _CACHE_MODULES = frozenset(
-    Path(__file__).resolve().with_name(f"kernel_{name}.py") for name in ("cache", "sources", "sweep")
+    Path(__file__).resolve().with_name(f"{name}.py")
+    for name in ("cache_folder", "kernel_cache", "kernel_sources", "kernel_sweep")
 )
 """Modules that store machine code but do not affect it; not part of any key."""
 

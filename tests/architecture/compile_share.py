@@ -9,7 +9,7 @@ from __future__ import annotations
 import statistics
 from pathlib import Path
 
-from mimics_app.compiled.kernel_cache import cache_folder
+from mimics_app.compiled.cache_folder import cache_folder
 from mimics_app.compiled.kernel_sources import source_key, sources_reached
 from tests.architecture.sources import PACKAGE
 

@@ -71,7 +71,7 @@ DEVIATIONS: dict[str, tuple[tuple[str, ...], str]] = {
     "compiled/atomics.py": (("llvmlite.ir", "time"), "writes the instructions itself; the clock is the one of `time`"),
     "compiled/file_descriptors.py": (("os", "select"), "numbers of the system's calls on descriptors"),
     "compiled/kernel.py": (
-        ("mimics_app.compiled.kernel_cache", "mimics_app.compiled.kernel_callee", "warnings"),
+        ("mimics_app.compiled.cache_folder", "mimics_app.compiled.kernel_callee", "warnings"),
         "makes the compiler of all others",
     ),
     "lab/probe.py": (("mimics_app.contracts.clock",), "times what it calls"),

@@ -10,7 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from mimics_app.compiled.kernel_cache import cache_folder
+from mimics_app.compiled.cache_folder import cache_folder
 
 ROOT = Path(__file__).parents[2]
 

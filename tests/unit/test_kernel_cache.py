@@ -57,7 +57,7 @@ def key():
         known.cache_clear()
     return cache.source_key(root)
 
-KEEPERS = ("kernel_cache.py", "kernel_sources.py", "kernel_sweep.py", "private_folder.py")
+KEEPERS = ("cache_folder.py", "kernel_cache.py", "kernel_sources.py", "kernel_sweep.py", "private_folder.py")
 root = Path(loop.__file__).resolve()
 base = Path(cache.__file__).resolve().parents[2]
 loaded = {Path(m.__file__).resolve() for m in list(sys.modules.values()) if getattr(m, "__file__", None)}

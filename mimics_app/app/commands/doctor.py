@@ -119,10 +119,13 @@ def _machine() -> dict[str, Any]:
 
 def _kernel_cache() -> dict[str, Any]:
     try:
-        from mimics_app.compiled.kernel_cache import cache_folder
+        from mimics_app.compiled.cache_folder import KNOWN_SERIES, cache_folder, is_known_series
         from mimics_app.compiled.kernel_sweep import cache_bytes
     except ImportError as error:
         return {"folder": None, "compiled": 0, "bytes": 0, "fix": str(error)}
+    if not is_known_series():
+        advice = f"each start compiles again: install numba {KNOWN_SERIES}, whose series this version knows"
+        return {"folder": None, "compiled": 0, "bytes": 0, "fix": advice}
     if cache_folder is None:
         advice = "make the home folder writable, or set NUMBA_CACHE_DIR"
         return {"folder": None, "compiled": 0, "bytes": 0, "fix": advice}

@@ -33,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Compile every kernel of a run that is not in the cache yet."""
-    from mimics_app.compiled.kernel_cache import cache_folder
+    from mimics_app.compiled.cache_folder import cache_folder
     from mimics_app.compiled.kernel_sweep import cache_bytes
     from mimics_app.contracts.clock import MonotonicClock
 

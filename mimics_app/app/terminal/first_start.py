@@ -24,7 +24,7 @@ def say_if_cold(tell: Callable[[str], None] | None = None) -> None:
     Args:
         tell: Receives the progress once a second, for the window that waits; None: there is none.
     """
-    from mimics_app.compiled.kernel_cache import cache_folder, compile_listeners
+    from mimics_app.compiled.cache_folder import cache_folder, compile_listeners
 
     line = CompileLine(sys.stderr, MonotonicClock(), tell)
     compile_listeners[:] = [line.count]

@@ -135,7 +135,7 @@ def _middle(costs: Collection[float]) -> float:
 
 def saved_file() -> Path | None:
     """Return the file of this machine's table; None where nothing is writable."""
-    from mimics_app.compiled.kernel_cache import cache_folder
+    from mimics_app.compiled.cache_folder import cache_folder
     from mimics_app.contracts.system.machine import machine_key
 
     return None if cache_folder is None else cache_folder.parent / f"methods-{machine_key()}.json"

@@ -62,7 +62,7 @@ class MachineMemory(Generic[T]):
 
 def machine_file(subject: str) -> Path | None:
     """Return the file of a subject on this machine; None where no folder can be written."""
-    from mimics_app.compiled.kernel_cache import cache_folder
+    from mimics_app.compiled.cache_folder import cache_folder
     from mimics_app.contracts.system.machine import machine_key
 
     return None if cache_folder is None else cache_folder.parent / f"{subject}-{machine_key()}.json"
