@@ -16,6 +16,7 @@ from mimics_app.app.play.pace import run_live
 from mimics_app.app.play.play import play
 from mimics_app.app.session.assembly import build_session, start_loop
 from mimics_app.app.session.frame import Frames
+from mimics_app.app.session.operator_link import OperatorLink
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
@@ -155,7 +156,7 @@ def test_a_picture_that_is_lost_for_good_ends_the_run_in_order(tmp_path, capsys,
     def refuse(self: Surface) -> None:
         raise DeviceError("the driver gives no context any more")
 
-    def play_before(session, frames: Frames) -> None:
+    def play_before(session, frames: Frames, _link: OperatorLink) -> None:
         start_loop(session)
         session.picture = open_picture(session)
         monkeypatch.setattr(type(session.picture.surface), "renew", refuse)

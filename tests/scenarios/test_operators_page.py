@@ -15,15 +15,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import connect
 
 from mimics_app.console.meeting_place import PageAddress
 from mimics_app.contracts.commands.command_records import CommandSource
 from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.shared_memory.shared_words import STOP_STRIDE
 from tests.support.operators_page import LinkedSession, answers, enter, post, served
-
-websockets = pytest.importorskip("websockets", reason="the extra console is not installed")
-from websockets.sync.client import connect  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +70,7 @@ def test_no_wrong_or_foreign_client_gets_in(page: PageAddress) -> None:
     assert post(f"{origin}/enter", {"token": page.url.partition("#")[2]})[0] == 403, "no origin"
     assert post(f"{origin}/enter", {"token": page.url.partition("#")[2]}, origin="http://evil.example")[0] == 403
     for changes in ({"cookie": ""}, {"cookie": cookie[:-1] + "0"}, {"origin": "http://evil.example"}, {"origin": None}):
-        with pytest.raises(websockets.exceptions.InvalidStatus) as refused:
+        with pytest.raises(InvalidStatus) as refused:
             open_socket(page, **changes)
         assert refused.value.response.status_code == 403
     assert press(page, cookie="") == press(page, origin="http://evil.example") == 403
@@ -111,7 +110,7 @@ def test_a_press_and_a_request_count_once(page: PageAddress, play: LinkedSession
 def test_long_messages_are_refused(page: PageAddress) -> None:
     origin, cookie = enter(page)
     assert post(f"{page.stop_url}/stop", b"{" + b" " * 100_000, origin=origin, cookie=cookie)[0] == 400
-    with open_socket(page) as client, pytest.raises(websockets.exceptions.ConnectionClosed) as closed:
+    with open_socket(page) as client, pytest.raises(ConnectionClosed) as closed:
         client.send("x" * 1_000_000)
         for _ in range(2000):
             client.recv(timeout=20)

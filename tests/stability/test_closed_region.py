@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.signal import butter, lfilter, sosfilt
 
+from mimics_app.contracts.loop.controller_slots import CommandKind, Lead, Slot
 from mimics_app.rendering.haptic.kernels.closed_region import (
     contact_share,
     curve_end,
@@ -125,12 +126,16 @@ def test_every_point_of_the_curve_is_an_eigenvalue_on_the_unit_circle(loop: Loop
     assert near.min() < 1e-7
 
 
+RENDERING = {"controller": Slot.PERSON, "leads": Lead.PERSON, "commands": CommandKind.FORCE}
+"""Fields of SCENE of a controller by which the drives render the virtual force; the person's is in every slot."""
+
+
 def test_damping_rendered_with_every_force_is_part_of_the_contacts():
     """40 N s/m of viscosity and 40 of a wall are as near to the end as 80 of a wall; alone it is bounded too."""
-    apart = LIGHT.region(virtual_damping=40.0, controller=4)
+    apart = LIGHT.region(virtual_damping=40.0, **RENDERING)
     together = LIGHT.region()
     assert stiffness_limit(apart, 40.0) == pytest.approx(stiffness_limit(together, 80.0), rel=1e-9)
-    wild = LIGHT.region(virtual_damping=4000.0, controller=4, cap=1, cap_margin=0.2)
+    wild = LIGHT.region(virtual_damping=4000.0, **RENDERING, cap=1, cap_margin=0.2)
     assert LIGHT.radius(SOFT, float(wild["viscosity"])) < 1.0
 
 

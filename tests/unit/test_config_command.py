@@ -45,7 +45,7 @@ def test_every_value_names_what_set_it(tmp_path):
     for key, (value, unit, origin) in expected.items():
         assert (shown[key]["value"], shown[key]["unit"], shown[key]["origin"]) == (value, unit, origin), key
     assert "value" not in shown["run", "seconds"]
-    hidden = {"journey"}
+    hidden = {"despite", "journey"}
     assert {name for section, name in shown if section == "run"} == {f.name for f in fields(RunSettings)} - hidden
     assert {name for section, name in shown if section == "safety"} >= set(Safety.__struct_fields__)
     limits = [row for (section, _), row in shown.items() if section == "safety"]

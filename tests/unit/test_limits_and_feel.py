@@ -26,14 +26,14 @@ from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.scene_block import apply_safety, safety_of, scene_from_components
 from mimics_app.tasks.check import check_task
 from mimics_app.tasks.task import TaskSpec
-from mimics_app.world.components.robot import Admittance, Ball, JointPd, Robot, Safety
+from mimics_app.world.components.robot import Admittance, Ball, Robot, Safety, WorldPd
 
 FELT = {name for name, _ in FEEL} | {f"tunnel.{name}" for name in TUNNEL.names if TUNNEL[name] == np.float64}
 NAMES = [*SCENE.names, *(f"tunnel.{name}" for name in TUNNEL.names)]
 
 
 def faults_of(target: str) -> list[Any]:
-    parameter = {"default": 1.0, "min": 0.5, "max": 2.0, "maps": [{"to": f"haptic.{target}"}]}
+    parameter = {"default": 1.0, "min": 0.5, "max": 1.0, "maps": [{"to": f"haptic.{target}"}]}
     return check_task(msgspec.convert({"parameters": {"p": parameter}}, TaskSpec), "/task", "scene.json")
 
 
@@ -83,7 +83,7 @@ def test_a_reloaded_scene_keeps_the_limits_of_the_start_and_says_whether_it_asks
 
 
 def test_a_scene_without_a_component_runs_that_component_s_own_defaults():
-    block = scene_from_components(Robot(), Admittance(), Ball(), Safety(), JointPd())
+    block = scene_from_components(Robot(), Admittance(), Ball(), Safety(), WorldPd())
     assert scene_from_components().tobytes() == block.tobytes()
     assert (Safety().force_limit, Safety().force_rate_limit, Safety().velocity_limit) == (60.0, 2000.0, 1.2)
 
@@ -109,7 +109,9 @@ def test_limits_read_back_from_the_block_are_those_that_were_asked_for(force, la
 def test_the_header_states_the_limits_that_run(scene: str):
     """The first has no `safety`: it ran 60 N, 2,000 N/s and 1.5 m/s, and stated 80 N, 20,000 N/s and 1.2 m/s."""
     parts = prepare(RunSettings(root() / f"scenes/{scene}.json"), live=False)
-    parts.parameter_store.fit({**device_values(parts.plugin, parts.scene), "passivity": 0, "force_limit": 41.0})
+    parts.parameter_store.fit(
+        {**device_values(parts.plugin, parts.scene, parts.parameter_store.block), "passivity": 0, "force_limit": 41.0}
+    )
     reported = describe_session(parts)["safety"]
     record = parts.parameter_store.block[0]
     for name in ("force_limit", "force_rate_limit", "velocity_limit", "power_limit", "energy_limit", "arm_damping"):
@@ -124,19 +126,22 @@ def test_the_header_states_the_limits_that_run(scene: str):
 def test_late_ticks_latch_no_stop_of_a_simulated_device(device: str, latches: int):
     plugin = build_device(Robot(device=device))
     scene: Any = SimpleNamespace(first=lambda kind: None)
-    assert device_values(plugin, scene)["late_latches"] == latches
+    assert device_values(plugin, scene, scene_from_components())["late_latches"] == latches
 
 
 def test_the_passivity_controller_is_off_where_the_device_renders_a_mass_of_its_own():
     """The credit of the loop's virtual mass ran out while the hand pressed on: the wall let it through."""
     plugin = replace(build_device(Robot(device="simulated_hapticmaster")), own_mass=True)
     scene: Any = SimpleNamespace(first=lambda kind: None)
-    assert device_values(plugin, scene)["passivity"] == 0
-    assert "passivity" not in device_values(replace(plugin, own_mass=False), scene)
+    assert device_values(plugin, scene, scene_from_components())["passivity"] == 0
+    assert "passivity" not in device_values(replace(plugin, own_mass=False), scene, scene_from_components())
 
 
 def test_late_ticks_latch_a_stop_of_every_device_that_does_not_say_it_is_simulated(tmp_path: Path):
     plugin = build_device(Robot(device="simulated_hapticmaster"))
     real = replace(plugin, simulated=False)
     scene: Any = SimpleNamespace(first=lambda kind: None)
-    assert device_values(real, scene)["late_latches"] == 1 and scene_from_components()["late_latches"][0] == 1
+    assert (
+        device_values(real, scene, scene_from_components())["late_latches"] == 1
+        and scene_from_components()["late_latches"][0] == 1
+    )

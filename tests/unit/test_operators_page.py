@@ -14,6 +14,20 @@ import numpy as np
 import pytest
 
 from mimics_app.app.cli import parse
+from mimics_app.console.access import COOKIE, Access, new_tokens
+from mimics_app.console.clients import Clients
+from mimics_app.console.handover import AttachedSession
+from mimics_app.console.meeting_place import MeetingPlace, PageAddress
+from mimics_app.console.readiness import (
+    Choice,
+    device_light,
+    machine_lights,
+    scene_light,
+    signal_light,
+    start_words,
+)
+from mimics_app.console.stop_server import StopButton
+from mimics_app.console.telemetry import VALUES, Telemetry
 from mimics_app.contracts.commands.command_records import CommandSource
 from mimics_app.contracts.commands.vocabulary import Note, Pause, Stop, refusal
 from mimics_app.contracts.errors import OutputError
@@ -23,23 +37,6 @@ from mimics_app.contracts.shared_memory.newest_bytes import NEWEST_WORDS, Newest
 from mimics_app.contracts.shared_memory.ring_history import HistoryWriter, RingHistory
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.contracts.shared_memory.shared_words import RING_WORDS, STOP_STRIDE
-
-starlette = pytest.importorskip("starlette", reason="the extra console is not installed")
-
-from mimics_app.console.access import COOKIE, Access, new_tokens  # noqa: E402
-from mimics_app.console.clients import Clients  # noqa: E402
-from mimics_app.console.handover import AttachedSession  # noqa: E402
-from mimics_app.console.meeting_place import MeetingPlace, PageAddress  # noqa: E402
-from mimics_app.console.readiness import (  # noqa: E402
-    Choice,
-    device_light,
-    machine_lights,
-    scene_light,
-    signal_light,
-    start_words,
-)
-from mimics_app.console.stop_server import StopButton  # noqa: E402
-from mimics_app.console.telemetry import VALUES, Telemetry  # noqa: E402
 
 
 def test_the_newest_value_is_whole_while_its_writer_never_rests() -> None:

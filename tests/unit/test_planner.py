@@ -232,6 +232,8 @@ def test_the_printed_form_runs_only_where_a_scene_asks_for_it(scene):
 
 
 NOT_PLANNED = {
+    "joint reference": "the curves of a reference are what its author has: a table, or the series of a gait",
+    "joint reference jerk": "the same, by the jerk that each adds",
     "integrator": 'the integrators of bodies on one wall alone; "colliding bodies" chooses among all a body can have',
     "bounding geometry": "the shape of an object is its author's choice",
     "effects": "each is another force: its author's choice",

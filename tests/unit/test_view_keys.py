@@ -69,7 +69,8 @@ def press(name: str) -> InputEvent:
 def make_frames() -> SimpleNamespace:
     push = np.array([4.0, 0.0, 0.0])
     still = np.zeros(3)
-    snapshot = SimpleNamespace(ball_radius=0.02, hip_world=still, f_user_world=push, f_meas_world=still, f_grip=still)
+    point = SimpleNamespace(ball_radius=0.02, hip_world=still, f_user_world=push, f_meas_world=still, f_grip=still)
+    snapshot = SimpleNamespace(points=(point,), **vars(point))
     return SimpleNamespace(snapshot=snapshot, events=np.zeros(0, EVENT), orders=TaskOrders())
 
 

@@ -21,7 +21,9 @@ def plugin_groups() -> tuple[PluginGroup, ...]:
     from mimics_app.inputs.physio import sources
     from mimics_app.learning import registry as policies
     from mimics_app.recording import exporter_kinds
+    from mimics_app.rendering.audio import mixer_kinds, recipe
     from mimics_app.rendering.haptic import force_fields
+    from mimics_app.rendering.haptic.controllers import registry as controllers
     from mimics_app.rendering.haptic.devices import device_names
     from mimics_app.tasks.kinds import registry as kinds
     from mimics_app.world.components import plugins as components
@@ -29,7 +31,8 @@ def plugin_groups() -> tuple[PluginGroup, ...]:
 
     contracts = (scenario_port, display_choice, tracker_port)
     signals = (sources, channel_kinds, estimators, policies)
-    stages = (device_names, components, kinds, force_fields, *signals, method_plugins, exporter_kinds)
+    touch = (device_names, controllers, force_fields)
+    stages = (*touch, components, kinds, *signals, recipe, mixer_kinds, method_plugins, exporter_kinds)
     return tuple(owner.PLUGINS for owner in (*contracts, *stages))
 
 

@@ -235,9 +235,7 @@ class CanyonWalkKind(TaskKind):
     measures = (
         *WALK_MEASURES,
         Measure.totalled("missteps", "missteps", "Feet that came down beside the beam.", 0.0, 10.0, sums=True),
-        Measure.totalled(
-            "on_beam_share", "on_beam", "Share of the feet that came down on the beam.", 1.0, 0.5, weight=1.0
-        ),
+        Measure.totalled("on_beam_share", "on_beam", "Share of the feet that came down on the beam.", 1.0, 0.5),
         Measure.totalled("foot_off_m", "foot_off", "Mean distance of the feet from the beam's middle [m].", 0.06, 0.3),
         Measure.totalled("falls", "falls", "Falls from the beam.", 0.0, 3.0, sums=True),
     )

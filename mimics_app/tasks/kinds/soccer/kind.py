@@ -241,7 +241,7 @@ class SoccerKind(TaskKind):
     name, section, goals = "soccer", SoccerSpec, (FinalWhistle,)
     measures = (
         *WALK_MEASURES,
-        Measure.totalled("goals", "goals", "Goals.", 3.0, 0.0, weight=1.0, sums=True),
+        Measure.totalled("goals", "goals", "Goals.", 3.0, 0.0, sums=True),
         Measure.totalled("opponent_goals", "opponent_goals", "Goals of the opponent.", 0.0, 3.0, sums=True),
         Measure.totalled("kicks", "kicks", "Touches of the ball by the person's feet.", 20.0, 0.0, sums=True),
     )
