@@ -354,8 +354,8 @@ def _check_reached(met: np.ndarray, ticks: int) -> None:
         for after in ways:
             assert crossings[state, after] >= 5e-6 * ticks, f"{state.name} -> {SafetyState(after).name}"
     assert visits[ACTIVE] >= 0.3 * ticks, visits.tolist()
-    for cause in TripCause:
-        assert cause is TripCause.NONE or causes[cause] >= 1e-5 * ticks, f"{cause.name}: {causes.tolist()}"
+    for cause in set(TripCause) - {TripCause.NONE, TripCause.CONTROLLER}:  # the one of this walk asks for no stop
+        assert causes[cause] >= 1e-5 * ticks, f"{cause.name}: {causes.tolist()}"
     assert (met[9, :4] >= [0.05 * ticks, 20, 20, 100]).all(), met[9, :4].tolist()
 
 

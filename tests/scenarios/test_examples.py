@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +23,8 @@ TUNNELS = [
 
 @pytest.mark.parametrize("file", sorted(SCENES.rglob("*.json")), ids=lambda file: file.stem)
 def test_scene_is_right(file: Path):
-    assert load_checked_scene(file).entities
+    """A part may have entities for some devices only."""
+    assert load_checked_scene(file).entities or json.loads(file.read_text(encoding="utf-8"))["devices"]
 
 
 @pytest.mark.parametrize("file", TUNNELS, ids=lambda file: file.stem)

@@ -59,6 +59,7 @@ __all__ = [
     "Stroke",
     "Wakes",
     "classes_of",
+    "energy_and_calm",
     "energy_of",
     "exact_energy",
     "exact_needed",
@@ -269,6 +270,14 @@ def classes_of(wakes: Wakes, policy: bool) -> NDArray[np.int64]:
 
 def energy_of(wakes: Wakes, damping: float, policy: bool, stroke: Stroke = Stroke()) -> float:
     """Return the energy that the wall took from the user in total, by tick and observer [J]; < 0: generated."""
+    return energy_and_calm(wakes, damping, policy, stroke)[0]
+
+
+def energy_and_calm(wakes: Wakes, damping: float, policy: bool, stroke: Stroke = Stroke()) -> tuple[float, float]:
+    """Return that energy, and the least share of the force that the detector of oscillation left.
+
+    Where it is below 1 the held forces swung, and the sum of `exact_energy` does not hold.
+    """
     depth, rate = stroke.at(wakes.t)
     out = np.zeros(len(wakes.t))
     held = classes_of(wakes, policy)
@@ -280,7 +289,7 @@ def energy_of(wakes: Wakes, damping: float, policy: bool, stroke: Stroke = Strok
     states = new_states()
     set_controllers(states, controllers_of(names_in(scene[0]["controller_names"])))
     _stroke(scene, _rows(damping), objects, *plugins, *motion, states, samples, observers, out)
-    return float(out[-1])
+    return float(out[-1]), float(states[0]["swing"]["least_calm"])
 
 
 def exact_energy(wakes: Wakes, damping: float, policy: bool, stroke: Stroke = Stroke()) -> float:
