@@ -26,7 +26,7 @@ from mimics_app.contracts.system.resources import root
 __all__ = ["LinkedSession", "enter", "post", "served"]
 
 ROOT = Path(__file__).resolve().parents[2]
-_LONGEST_S = 60.0
+_LONGEST_S = 180.0
 
 
 @contextmanager
