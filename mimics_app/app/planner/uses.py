@@ -7,6 +7,7 @@ from typing import TypeVar
 
 import msgspec
 
+from mimics_app.contracts.ports.members import member_names
 from mimics_app.contracts.ports.methods import Settings
 from mimics_app.world.components.animation import Animation, Avatar
 from mimics_app.world.components.effects import Particles
@@ -173,13 +174,11 @@ def _audio_of(scene: Scene) -> AudioSettings:
     return scene.system(AudioSettings) or AudioSettings()
 
 
-_CHARTED = ("openal", "spectral")
-"""Mixers whose cost and error are known."""
-
-
 def _named_spatialiser(scene: Scene) -> Settings | None:
     audio = _audio_of(scene)
-    if audio.mixer not in ("auto", *_CHARTED):  # of a package: no rival, and of unknown cost
+    from mimics_app.rendering.audio import mixers
+
+    if audio.mixer not in ("auto", *member_names(mixers)):  # of a package: no rival, and of unknown cost
         return {"hrtf": audio.hrtf is not False, "mixer": audio.mixer}
     if audio.hrtf == "auto" or audio.mixer == "auto":
         return None
