@@ -2,7 +2,7 @@
 # The targets of the Makefile, for any machine with a POSIX shell:
 #
 #   sh .ci/dev.sh run [arguments of mimics run]      install what is missing, then run the wavy tunnel
-#   sh .ci/dev.sh setup | test | test-long | nightly | check | bench | docs | fresh | clean | pins
+#   sh .ci/dev.sh setup | test | test-long | nightly | planted | check | bench | docs | fresh | clean | pins
 #
 # It is never interactive. Python packages are installed into .venv, pinned and verified by hash: those of requirements.txt to
 # run, those of requirements-test.txt besides to test. System packages are installed by apt if this user is root or may use sudo without a password; otherwise the command is printed.
@@ -351,6 +351,10 @@ case $word in
         prepare run test
         pytest_beside --hypothesis-profile=random "$@"
         ;;
+    planted) # a line of the product changed at a time: the named test has to turn red
+        prepare run test
+        exec "$vpython" -m tests.planted "$@"
+        ;;
     nightly) # property tests only, many new examples of each; failing ones are kept in tests/properties/found
         prepare run test
         # shellcheck disable=SC2046
@@ -383,7 +387,7 @@ case $word in
         pins
         ;;
     *)
-        say "sh .ci/dev.sh setup | run | test | test-long | nightly | check | bench | docs | fresh | clean | pins"
+        say "sh .ci/dev.sh setup | run | test | test-long | nightly | planted | check | bench | docs | fresh | clean | pins"
         exit 2
         ;;
 esac

@@ -172,6 +172,16 @@ def test_the_belt_runs_as_fast_as_the_loop_asks_for():
     assert write_lokomat(plugin.memory, command, 3000) == 1, "no belt runs at what is no number"
 
 
+def test_the_rope_only_pulls():
+    rope = np.zeros(treadmill.TREADMILL)
+    rope[treadmill.PRETENSION], rope[treadmill.ROPE_STIFFNESS], rope[treadmill.ROPE_MAX] = 300.0, 5000.0, 400.0
+    rope[treadmill.ROPE_LENGTH] = 0.9
+    assert treadmill.rope_force(rope, 0.9) == pytest.approx(300.0)
+    assert treadmill.rope_force(rope, 0.89) == pytest.approx(350.0), "a pelvis that sinks is pulled more"
+    assert treadmill.rope_force(rope, 0.8) == 400.0
+    assert treadmill.rope_force(rope, 1.0) == 0.0, "slack"
+
+
 @pytest.mark.parametrize("support", [0.0, 0.4, 0.8])
 def test_the_feet_carry_what_the_support_leaves(support: float):
     """A person who stands on braked legs: soles and rope carry the weight, the rope its share of it."""
