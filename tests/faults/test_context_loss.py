@@ -119,6 +119,7 @@ def open_picture(session) -> Picture:
     return Picture(create_surface("egl", SIZE), session.scene, session.world, quality)
 
 
+@pytest.mark.requirement("R28")
 def test_touch_runs_on_while_the_picture_is_made_anew(tmp_path, capsys):
     """Ticks go on in the loop's own thread: their number grows while the main thread makes the context anew."""
     with live_session(tmp_path, 60.0) as session:

@@ -549,6 +549,7 @@ print(len(files), len(opened) >= len(files), outside, connected)
 """
 
 
+@pytest.mark.requirement("R33")
 def test_no_hostile_file_opens_anything_outside_its_folder_or_a_socket(tmp_path):
     for name, (data, _, _) in CORPUS.items():
         place(tmp_path, name, data)

@@ -105,6 +105,7 @@ def test_a_pulled_plug_is_told_in_words(tmp_path: Path):
 
 
 @pytest.mark.parametrize("joint", range(4))
+@pytest.mark.requirement("R26")
 def test_a_lost_encoder_stops_the_loop_in_its_tick_and_brakes_both_legs(tmp_path: Path, joint: int):
     """An encoder that gives no number: the state that brings it latches, and the next command brakes."""
 

@@ -67,6 +67,7 @@ def read_moving_until_fault(memory, inbox, data, tick):
 
 
 @pytest.mark.parametrize("read", [read_moving, read_moving_until_fault])
+@pytest.mark.requirement("R20")
 def test_a_device_is_disabled_when_the_loop_ends(read):
     """Also when the loop ends with an error: a machine may keep its last force after the program is gone."""
     bench = bench_of(DevicePlugin("keeps", read, keep_command, np.zeros(3)))

@@ -110,6 +110,7 @@ def _start_apps(tmp_path: Path, count: int) -> list[App]:
 
 
 @pytest.mark.parametrize("moments", [_moments(10)[:5], _moments(10)[5:]], ids=["first five", "last five"])
+@pytest.mark.requirement("R21")
 def test_app_killed_loses_at_most_100_ms_and_no_finished_trial(tmp_path: Path, moments: list[float]) -> None:
     _kill_apps(tmp_path, moments)
 

@@ -38,6 +38,7 @@ def _force(samples: np.ndarray) -> np.ndarray:
     return np.linalg.norm(samples["f_user_world"], axis=1)
 
 
+@pytest.mark.requirement("R09")
 def test_way_from_off_to_active_and_the_soft_start():
     bench = scripted(_pressing())
     samples = bench.advance(LONG)
@@ -66,6 +67,7 @@ def test_no_soft_start_while_the_force_would_be_high():
 
 @pytest.mark.parametrize("column", [0, 4, 8, 9, 10, 11])
 @pytest.mark.parametrize("poison", [np.nan, np.inf, -np.inf, 1e7])
+@pytest.mark.requirement("R05")
 def test_nan_from_the_device_latches_in_the_same_tick_and_never_leaves(column: int, poison: float):
     rows = _pressing()
     rows[900, column] = poison
@@ -82,6 +84,7 @@ def test_nan_from_the_device_latches_in_the_same_tick_and_never_leaves(column: i
     assert _trips(bench) == [TripCause.NOT_FINITE]
 
 
+@pytest.mark.requirement("R08")
 def test_stop_key_takes_the_force_away_within_two_ticks_and_latches():
     bench = scripted(_pressing(3000))
     bench.advance(900)
@@ -94,6 +97,7 @@ def test_stop_key_takes_the_force_away_within_two_ticks_and_latches():
     assert np.all(bench.advance(100)["state"] == SafetyState.E_STOP)
 
 
+@pytest.mark.requirement("R08")
 def test_device_button_stops_like_the_key():
     rows = _pressing()
     rows[900:905, 10] = Button.STOP | Button.PRIMARY
@@ -104,6 +108,7 @@ def test_device_button_stops_like_the_key():
     assert samples["cause"][-1] == TripCause.DEVICE_BUTTON
 
 
+@pytest.mark.requirement("R09")
 def test_reset_goes_the_whole_way_again():
     bench = scripted(script(20))
     bench.advance(10)
@@ -127,6 +132,7 @@ def test_reset_waits_for_the_button_and_for_good_data():
         assert states[50] == SafetyState.INIT and states[52] == SafetyState.READY
 
 
+@pytest.mark.requirement("R10")
 def test_e_stop_follows_safe_stop_but_not_the_other_way():
     rows = script(100)
     rows[50, 0] = np.nan
@@ -145,6 +151,7 @@ def test_device_fault_latches():
     assert samples["cause"][900] == TripCause.DEVICE_FAULT and np.all(_force(samples)[900:] == 0.0)
 
 
+@pytest.mark.requirement("R06")
 def test_stale_data_warns_after_3_ms_and_latches_after_20():
     rows = _pressing()
     rows[900:, -1] = DeviceStatus.NO_DATA
@@ -172,6 +179,7 @@ def test_no_data_at_all_never_leaves_init_and_does_not_trip():
 
 
 @pytest.mark.parametrize(("joint", "value"), [(0, 0.191), (0, -0.191), (1, 0.511), (2, -0.211)])
+@pytest.mark.requirement("R04")
 def test_workspace_latches_beyond_the_margin(joint: int, value: float):
     rows = script(400)
     near = value * 0.999 if abs(value) < 0.19 else np.sign(value) * (abs(value) - 0.0015)
@@ -182,6 +190,7 @@ def test_workspace_latches_beyond_the_margin(joint: int, value: float):
     assert samples["cause"][300] == TripCause.WORKSPACE and samples["state"][300] == SafetyState.SAFE_STOP
 
 
+@pytest.mark.requirement("R03")
 def test_measured_speed_latches():
     rows = script(400)
     rows[200:, 3] = 1.19
@@ -227,6 +236,7 @@ def test_hold_repeats_force_and_command():
     assert _force(out)[710] > 0.0
 
 
+@pytest.mark.requirement("R07")
 def test_damp_class_ramps_down_and_returns_by_soft_start():
     rows = script(2500)
     glide(rows, 300, 2, 0.012)  # 2 mm into the wall: 4 N, below ramp_force
@@ -246,6 +256,7 @@ def test_damp_class_ramps_down_and_returns_by_soft_start():
 
 
 @pytest.mark.parametrize(("held", "cause"), [(3, TripCause.LATE_TICK), (4, TripCause.MISSED_IN_ROW)])
+@pytest.mark.requirement("R07")
 def test_very_late_or_always_late_latches(held: int, cause: TripCause):
     bench = scripted(_pressing())
     inputs = bench.advance(LONG)
@@ -381,6 +392,7 @@ def test_pd_is_homed_on_the_way_and_ready_at_the_target():
 
 @pytest.mark.parametrize("speed", [0.25, 0.1, 0.02])
 @pytest.mark.parametrize(("late_latches", "stops"), [(1, True), (0, False)], ids=["a real device", "a simulated one"])
+@pytest.mark.requirement("R16")
 def test_a_position_that_sticks_on_the_way_to_a_target_ends_the_drive(late_latches: int, stops: bool, speed: float):
     """A device whose position never changes never arrives: it would be driven on against its end, a person attached.
 

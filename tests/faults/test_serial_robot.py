@@ -106,6 +106,7 @@ def test_silence_warns_latches_after_20_ms_and_data_comes_back_without_force(tmp
         bench.engine.stop()
 
 
+@pytest.mark.requirement("R19")
 def test_pulling_the_plug_in_contact_is_zero_force_within_5_ticks_and_a_reset_brings_it_back(tmp_path: Path):
     with pushed_serial_rig(tmp_path) as rig:
         bench = _in_contact(rig)
@@ -200,6 +201,7 @@ def test_a_robot_that_hears_nothing_is_a_fault_after_50_ticks(tmp_path: Path):
         bench.engine.stop()
 
 
+@pytest.mark.requirement("R20")
 def test_a_robot_without_commands_lets_go_by_itself(tmp_path: Path):
     with pushed_serial_rig(tmp_path) as rig:
         bench = _in_contact(rig)

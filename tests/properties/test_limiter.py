@@ -122,6 +122,7 @@ def _check(seed: int, cases: int) -> None:
     assert all(reached[name] >= share * cases for name, share in floors.items()), reached
 
 
+@pytest.mark.requirement("R01")
 def test_a_million_forces():
     _check(20240, 1_000_000)
 
@@ -156,6 +157,7 @@ def _limited(last: tuple[float, ...], wanted: tuple[float, ...], rise: float = 2
         ((0.0, 30.0, 0.0), (40.0, 10.0, 0.0), (2.0, 10.0, 0.0)),  # and beside the one that falls
     ],
 )
+@pytest.mark.requirement("R02")
 def test_a_fall_is_free_and_a_rise_a_turn_or_a_reversal_is_not(last, wanted, felt):
     """By hand: the nearest force between zero and the last one, then 2 N towards the wanted one."""
     assert _limited(last, wanted) == pytest.approx(np.array(felt), abs=1e-14)
@@ -202,6 +204,7 @@ def _brake_violations(seed, cases):
     return out, slowed, kept
 
 
+@pytest.mark.requirement("R04")
 def test_no_wish_leads_a_joint_over_its_limit():
     out, slowed, kept = _brake_violations(5, 1_000_000)
     assert out == 0

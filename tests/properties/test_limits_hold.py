@@ -362,6 +362,7 @@ def _check(seed: int, ticks: int, among: bool = False) -> None:
     assert not among or met[-1] > 0.05 * ticks, met[-1]
 
 
+@pytest.mark.requirement("R03")
 def test_a_hundred_thousand_cases_break_no_limit():
     _check(11, 100_000)
 

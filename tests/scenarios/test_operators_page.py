@@ -64,6 +64,7 @@ def press(page: PageAddress, **changes: str) -> int:
     return post(f"{page.stop_url}/stop", {"nonce": str(uuid.uuid4())}, **headers)[0]
 
 
+@pytest.mark.requirement("R22")
 def test_no_wrong_or_foreign_client_gets_in(page: PageAddress) -> None:
     origin, cookie = enter(page)
     assert post(f"{origin}/enter", {"token": "x" * 43}, origin=origin)[0] == 403
@@ -136,6 +137,7 @@ def test_stop_acts_while_a_thousand_sockets_and_slow_requests_hold_both_servers(
         assert answers(page)
 
 
+@pytest.mark.requirement("R23")
 def test_stop_acts_while_the_page_hangs_and_a_dead_page_comes_back(page: PageAddress, play: LinkedSession) -> None:
     with open_socket(page) as client:
         ask(client, 1, ask="operate")

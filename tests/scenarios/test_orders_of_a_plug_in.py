@@ -46,6 +46,7 @@ def _ordered(play: ScenePlay, orders: dict[str, Any], seconds: float = 0.1) -> l
 
 
 @pytest.mark.parametrize("name", sorted(set(SCENE.names or ()) - MAY))
+@pytest.mark.requirement("R17")
 def test_nothing_else_of_the_block_is_written(play: ScenePlay, name: str):
     """Among them resets, which leave a stop, and contacts and joints, without which nothing is watched."""
     before = np.copy(play.parameter_store.block[0][name])
@@ -71,6 +72,7 @@ def test_what_a_scene_is_built_of_is_not_rewritten(play: ScenePlay, table: str):
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -1.0, 1e12, "stiff", None, (1.0, 2.0), ()])
+@pytest.mark.requirement("R05")
 def test_a_bad_number_ends_its_order_and_not_the_run(play: ScenePlay, value: Any):
     kept, mass = float(play.parameter_store.block["virtual_damping"][0]), 4.0
     told = _ordered(play, {"virtual_damping": value, "virtual_mass": mass})
@@ -90,6 +92,7 @@ def test_numbers_that_belong_together_are_taken_or_refused_together(play: SceneP
     assert "must not be above ball_radius_max" in told and store.block["ball_radius_min"][0] == least
 
 
+@pytest.mark.requirement("R10")
 def test_a_latched_stop_is_left_by_a_person_alone():
     play = ScenePlay(root() / "scenes" / "wavy_tunnel.json", seed=2).run(2.5)
     request_stop(play.memory)

@@ -199,6 +199,7 @@ def test_a_share_of_what_the_virtual_damping_takes_flows_into_the_tank(returned:
 
 
 @given(level=st.floats(0, 10), power=st.floats(-100, 100), inflow=st.floats(0, 5), size=st.floats(0, 10))
+@pytest.mark.requirement("R12")
 def test_no_tick_overdraws_the_tank(level: float, power: float, inflow: float, size: float):
     level = min(level, size)
     share = payable_share(level, power, inflow)
@@ -217,6 +218,7 @@ def _jumping(way: float, *, silent: int = 0) -> np.ndarray:
     return scripted(rows, straight=None).advance(600)
 
 
+@pytest.mark.requirement("R13")
 def test_a_position_that_jumps_stops_the_loop_although_the_reported_velocity_stays():
     """Reach: 1.2 m/s for the tick and 2 ms of lateness that nothing else notices, and 1 mm."""
     assert _jumping(0.0045)["state"][-1] == SafetyState.ACTIVE
@@ -232,6 +234,7 @@ def test_after_a_silence_the_position_may_be_further_away():
 
 
 @pytest.mark.parametrize(("force", "ticks", "stops"), [(300.0, 21, True), (300.0, 20, False), (249.0, 200, False)])
+@pytest.mark.requirement("R14")
 def test_a_force_sensor_that_sticks_beyond_its_limit_stops_the_loop(force: float, ticks: int, stops: bool):
     """The limit is 250 N for 20 ms: a spike passes, and what a hand can do."""
     rows = script(700)
@@ -245,6 +248,7 @@ def test_a_force_sensor_that_sticks_beyond_its_limit_stops_the_loop(force: float
     assert (rows["f_user_world"][420:] == 0.0).all()
 
 
+@pytest.mark.requirement("R12")
 def test_one_contact_that_gives_too_much_stops_the_loop():
     """A tap of 10 mm at 0.1 m/s draws K T v d = 2 mJ from an undamped wall of 2 kN/m; the limit is 1 mJ."""
     rows = script(1500)

@@ -65,6 +65,7 @@ def _assert_quiet_or_told(device: str, stiffness: float, damping: float) -> None
 
 
 @pytest.mark.parametrize("seed", range(FEW))
+@pytest.mark.requirement("R11")
 def test_any_surface_is_quiet_or_told(seed: int):
     _assert_quiet_or_told(*_random_surface(seed))
 
@@ -99,6 +100,7 @@ def test_an_ordinary_surface_is_left_as_it_is(device: str, stiffness: float, dam
         assert rows["state"][-1] == SafetyState.ACTIVE
 
 
+@pytest.mark.requirement("R11")
 def test_what_no_model_knows_is_softened_and_then_stopped():
     """Without the cap a wall far beyond the region shakes the light robot; it fades, and stops where it stays."""
     rows, bench = press("simulated_impedance", 50000.0, 300.0, cap=0, passivity=0, force_limit=25.0)

@@ -64,6 +64,7 @@ def test_every_limit_of_a_scene_has_a_ceiling():
         assert bound.held(bound.conservative, bound.farthest) == bound.conservative, name
 
 
+@pytest.mark.requirement("R18")
 def test_a_scene_that_asks_for_everything_gets_the_ceiling_and_is_named_line_by_line(tmp_path: Path):
     parts = _prepared(_scene(tmp_path, **DANGEROUS))
     block = parts.parameter_store.block[0]

@@ -67,6 +67,7 @@ def test_a_value_that_a_command_does_not_take_is_refused_at_its_source(command: 
     assert sender.send(Pause(), 0) == 0, "what was refused has no number"
 
 
+@pytest.mark.requirement("R24")
 def test_who_may_give_what() -> None:
     present = {CommandSource.KEYS, CommandSource.GAMEPAD, CommandSource.BUTTON, CommandSource.OPERATOR}
     for command in (Reset(), StartTrial(), SetAssistance(0.5)):

@@ -161,6 +161,7 @@ def test_electrodes_that_come_late_are_calibrated_first(name: str) -> None:
     assert state.arousal is not None and state.arousal.mean > 0.2
 
 
+@pytest.mark.requirement("R32")
 def test_a_state_without_observations_becomes_unknown() -> None:
     """A quality alone is no observation, as while the features' windows fill again after a loss of contact."""
     estimation = build_estimation("fusion", 30.0)

@@ -68,6 +68,7 @@ def test_help_is_read_while_the_clock_stands() -> None:
     assert player.manager.state == "travel" and not player.step(pressed=("p",)).view.paused
 
 
+@pytest.mark.requirement("R30")
 def test_the_robot_is_held_where_it_is_and_then_given_back() -> None:
     player = make_player(TASK)
     player.until("travel")

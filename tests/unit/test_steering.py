@@ -114,6 +114,7 @@ def test_what_cannot_be_is_refused() -> None:
     assert give(player, Skip())[0].why == "no trial is under way"
 
 
+@pytest.mark.requirement("R17")
 def test_a_parameter_is_set_within_its_limits_as_by_a_policy() -> None:
     player = make_player()
     player.step()

@@ -174,6 +174,7 @@ def test_a_crash_between_begin_and_end_is_an_interruption(study: StudyFolder, mo
     assert found.interrupted is not None and found.resume_at == 1
 
 
+@pytest.mark.requirement("R34")
 def test_names_stay_in_the_key_file_and_erase_leaves_nothing(study: StudyFolder, played: Played) -> None:
     named, other = study.of_name(NAME), study.find_or_add("P9")
     assert study.of_name(NAME) == named and re.fullmatch(r"P\d{3}", named.code)

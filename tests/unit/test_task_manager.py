@@ -121,6 +121,7 @@ def test_travel_waits_until_no_force_pushes_at_the_start():
     assert player.manager.state == "travel"
 
 
+@pytest.mark.requirement("R31")
 def test_until_the_go_the_robot_holds_the_start():
     player = Player(make_manager(task()))
     player.until("ready")
@@ -142,6 +143,7 @@ def test_a_start_that_is_not_held_has_no_go():
 @pytest.mark.parametrize(
     ("after", "announced"), [("begin", True), ("aborted", True), ("stopped", True), ("rest", False)]
 )
+@pytest.mark.requirement("R15")
 def test_the_drive_to_the_start_is_announced(after, announced):
     """A second in which the robot holds where it is and the line says what comes; the rest has said it already."""
     away = np.array([0.05, 0.1, 0.0])
@@ -192,6 +194,7 @@ def test_a_passive_task_says_so_and_may_end_well():
     assert [row["outcome"] for row in player.manager.rows] == ["finished"]
 
 
+@pytest.mark.requirement("R31")
 def test_assistance_that_leads_waits_for_the_hand_and_rises():
     help_ = {"min": 0.0, "max": 3.0, "default": 2.0, "maps": [{"to": "haptic.tunnel.advance"}]}
     player = Player(

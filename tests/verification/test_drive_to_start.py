@@ -66,6 +66,7 @@ def test_a_drive_is_slow_and_arrives(begin: Callable[[], Bench]):
 
 
 @pytest.mark.parametrize("begin", DRIVES)
+@pytest.mark.requirement("R15")
 def test_the_stop_key_stops_a_drive_within_a_centimetre(begin: Callable[[], Bench]):
     bench = begin()
     drive = bench.advance(700)

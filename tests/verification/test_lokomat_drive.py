@@ -111,6 +111,7 @@ def test_a_torque_that_holds_the_weight_moves_nothing_and_a_push_beyond_friction
     assert rows[-1, DATA_Q + 1] - start[1] > 0.02
 
 
+@pytest.mark.requirement("R27")
 def test_brakes_cut_the_current_within_two_ticks_and_hold_the_legs_within_a_degree():
     """From a swing of both legs: currents zero within two ticks of the order, then less than a degree of motion."""
     ticks, stop = 900, 300

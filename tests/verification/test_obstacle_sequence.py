@@ -70,6 +70,7 @@ def test_an_obstacle_leads_through_the_nine_steps_in_their_order() -> None:
     assert visited == [*STEPS, "walking"]
 
 
+@pytest.mark.requirement("R25")
 def test_the_exhaustive_search_finds_no_violation_and_reaches_every_state() -> None:
     found = search_sequence()
     assert found.violations == 0, found.broken

@@ -126,6 +126,7 @@ def test_forces_on_both_feet_reach_the_joints_by_the_transposed_jacobian():
     assert not last["torque_command"][4:].any()
 
 
+@pytest.mark.requirement("R01")
 def test_each_foot_has_its_own_force_limit():
     floor = _heights((*LEFT, *RIGHT)).min() + 0.08
     last = _bench(_rows(1500), height=floor, force_limit=22.0).advance(1400)[-1]

@@ -181,6 +181,7 @@ def test_mute_silences_every_group_and_the_room_without_a_click_and_lets_them_ba
     assert 20 * math.log10(np.abs(np.fft.irfft(np.concatenate((np.zeros(400), high)))).max()) < -80.0
 
 
+@pytest.mark.requirement("R29")
 def test_peaks_are_bent_after_all_groups_and_the_master(tmp_path):
     """However loud groups and master are, a file has the mix's sign everywhere and nothing beyond full scale."""
     file, specs = tmp_path / "loud.wav", {"crowd": SoundSpec(recipe="crowd", gain=4.0, bus="loud")}
