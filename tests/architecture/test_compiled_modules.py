@@ -34,6 +34,7 @@ KERNELS_MAY_IMPORT = (
     "mimics_app.contracts.loop.loop_fields",
     "mimics_app.contracts.loop.loop_ports",
     "mimics_app.contracts.loop.reference_rows",
+    "mimics_app.contracts.loop.spoiling",
     "mimics_app.compiled.record_copy",
     "mimics_app.rendering.haptic.record_types",  # a stub: no module at run time
     "mimics_app.dsp.record_types",  # likewise

@@ -7,7 +7,7 @@ machine, limiter and reports are those of a live session.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,6 @@ from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.loop.haptic import SAMPLE, SafetyState, TripCause
 from mimics_app.contracts.shared_memory.command_ring import request_stop
 from mimics_app.contracts.shared_memory.ring_reader import RingReader
-from mimics_app.lab.haptic.faulted_device import DeviceFault, FaultedDevice
 from mimics_app.rendering.haptic.devices.device_names import SIMULATED
 
 __all__ = ["Fault", "measure_faults"]
@@ -43,26 +42,26 @@ class Fault:
     name: str
     cause: TripCause
     bound_ms: float
-    begin: Callable[[SessionCore, FaultedDevice], None]
+    begin: Callable[[SessionCore], None]
 
 
-def _of_device(fault: DeviceFault) -> Callable[[SessionCore, FaultedDevice], None]:
-    return lambda core, device: device.begin(fault, core.haptics.ticks)
+def _of_device(fault: str) -> Callable[[SessionCore], None]:
+    return lambda core: core.haptics.inject(fault)
 
 
 _FAULTS = (
-    Fault("position not a number", TripCause.NOT_FINITE, 0.0, _of_device(DeviceFault.NOT_FINITE_POSITION)),
-    Fault("force infinite", TripCause.NOT_FINITE, 0.0, _of_device(DeviceFault.NOT_FINITE_FORCE)),
-    Fault("stop key", TripCause.STOP_KEY, 2.0, lambda core, device: request_stop(core.memory)),
-    Fault("stop button of the device", TripCause.DEVICE_BUTTON, 2.0, _of_device(DeviceFault.BUTTON)),
-    Fault("no data from the device", TripCause.STALE_DEVICE, 21.0, _of_device(DeviceFault.SILENT)),
-    Fault("drive fault", TripCause.DEVICE_FAULT, 1.0, _of_device(DeviceFault.DRIVE_FAULT)),
-    Fault("no command taken by the device", TripCause.DEVICE_FAULT, 22.0, _of_device(DeviceFault.DEAF)),
-    Fault("position jumps by 10 mm", TripCause.JUMP, 1.0, _of_device(DeviceFault.JUMP)),
-    Fault("velocity of 3 m/s", TripCause.VELOCITY, 1.0, _of_device(DeviceFault.TOO_FAST)),
-    Fault("sensor sticks at 300 N", TripCause.SENSOR, 22.0, _of_device(DeviceFault.SENSOR_STUCK)),
-    Fault("spike of 400 N at the sensor", TripCause.NONE, 0.0, _of_device(DeviceFault.SENSOR_SPIKE)),
-    Fault("sensor sticks at 249 N", TripCause.NONE, 0.0, _of_device(DeviceFault.SENSOR_PULLS)),
+    Fault("position not a number", TripCause.NOT_FINITE, 0.0, _of_device("encoder_not_finite")),
+    Fault("force infinite", TripCause.NOT_FINITE, 0.0, _of_device("sensor_not_finite")),
+    Fault("stop key", TripCause.STOP_KEY, 2.0, lambda core: request_stop(core.memory)),
+    Fault("stop button of the device", TripCause.DEVICE_BUTTON, 2.0, _of_device("button")),
+    Fault("no data from the device", TripCause.STALE_DEVICE, 21.0, _of_device("silent")),
+    Fault("drive fault", TripCause.DEVICE_FAULT, 1.0, _of_device("drive_fault")),
+    Fault("no command taken by the device", TripCause.DEVICE_FAULT, 22.0, _of_device("deaf")),
+    Fault("position jumps by 10 mm", TripCause.JUMP, 1.0, _of_device("encoder_jump")),
+    Fault("velocity of 3 m/s", TripCause.VELOCITY, 1.0, _of_device("velocity")),
+    Fault("sensor sticks at 300 N", TripCause.SENSOR, 22.0, _of_device("sensor_high")),
+    Fault("spike of 400 N at the sensor", TripCause.NONE, 0.0, _of_device("sensor_spike")),
+    Fault("sensor sticks at 249 N", TripCause.NONE, 0.0, _of_device("sensor_pulls")),
 )
 
 _PRESSED_N = 1.0
@@ -114,15 +113,13 @@ class _Outcome:
 
 def _measure(scene: Path, fault: Fault, seed: int) -> _Outcome:
     settings = RunSettings(scene, headless=True, seed=seed, patient="severe", device=SIMULATED, sound="off")
-    parts = prepare(settings, live=False)
-    device = FaultedDevice(parts.plugin)
     messages: list[str] = []
-    with open_core(replace(parts, plugin=device.plugin)) as core:
+    with open_core(prepare(settings, live=False)) as core:
         core.report = messages.append
         frames = Frames(core)
         reader = RingReader(core.memory.sample_words, core.memory.samples)
         _press(frames, scene)
-        fault.begin(core, device)
+        fault.begin(core)
         samples = np.concatenate([_samples_of_frame(frames, reader) for _ in range(_AFTER_FRAMES)])
         limit = float(core.parameter_store.block["force_limit"][0])
     return _evaluate(samples, limit, messages)

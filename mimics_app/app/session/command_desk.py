@@ -28,7 +28,7 @@ from mimics_app.contracts.commands.vocabulary import (
     name_of,
     refusal,
 )
-from mimics_app.contracts.errors import counted
+from mimics_app.contracts.errors import UsageError, counted
 from mimics_app.contracts.loop.gait_state import GaitState
 from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot
@@ -81,7 +81,7 @@ class CommandDesk:
             Mark: lambda command: _DONE,
             Obstacle: lambda command: self._call_obstacle(command.name),
             View: lambda command: core.show_view(command.name),
-            Fault: lambda command: _refused("this device takes no faults while it runs"),
+            Fault: lambda command: self._inject(command.name),
             Calibrate: lambda command: _refused("this device has no steps of calibration"),
         }
 
@@ -148,6 +148,14 @@ class CommandDesk:
         if self._stopped or self._snapshot is None or self._snapshot.gait_state != GaitState.WALKING:
             return _refused("an obstacle appears only while the patient walks in the orthosis")
         store.call_obstacle(known.index(name))
+        return _DONE
+
+    def _inject(self, fault: str) -> Reply:
+        """Inject a fault into the simulated device."""
+        try:
+            self._core.haptics.inject(fault)
+        except UsageError as error:
+            return _refused("; ".join(filter(None, (error.what, error.fix))))
         return _DONE
 
     def _end(self) -> Reply:

@@ -17,6 +17,7 @@ from mimics_app.contracts.loop.loop_ports import COMMAND_LENGTH, DATA_LENGTH, IN
 from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows
 from mimics_app.contracts.shared_memory import triple_buffer
 from mimics_app.contracts.shared_memory.session_memory import SHARED_ARRAYS, SessionMemory
+from mimics_app.rendering.haptic.kernels.spoiled_data import SPOILING_LENGTH
 from mimics_app.rendering.haptic.kernels.state import new_states
 from mimics_app.rendering.haptic.objects import ROW_STACK, ObjectWork, new_object_work
 
@@ -47,6 +48,7 @@ class Work(NamedTuple):
         data: Data vector from the device, shape [DATA_LENGTH].
         command: Command vector to the device, shape [COMMAND_LENGTH].
         inbox: Inbox vector to the device, shape [INBOX_LENGTH].
+        spoiling: Fault of a simulated device, shape [SPOILING_LENGTH]; zeros for none.
         timespec: Scratch of the clock, shape [2].
     """
 
@@ -59,6 +61,7 @@ class Work(NamedTuple):
     data: NDArray[np.float64]
     command: NDArray[np.float64]
     inbox: NDArray[np.float64]
+    spoiling: NDArray[np.float64]
     timespec: Words
 
 
@@ -79,6 +82,7 @@ def new_work(objects: ObjectWork) -> Work:
         data=np.zeros(DATA_LENGTH),
         command=np.zeros(COMMAND_LENGTH),
         inbox=np.zeros(INBOX_LENGTH),
+        spoiling=np.zeros(SPOILING_LENGTH),
         timespec=np.zeros(2, np.int64),
     )
 

@@ -14,12 +14,14 @@ import numpy as np
 from mimics_app.compiled.function_pointers import pointers_to
 from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.errors import DeviceError, UsageError
 from mimics_app.contracts.loop.controller_slots import names_in
+from mimics_app.contracts.loop.device_faults import fault_order
 from mimics_app.contracts.loop.device_life import LIFE_IN, DeviceLife, LifeStep, life_after
 from mimics_app.contracts.loop.haptic import EVENT, INBOX, SafetyState
 from mimics_app.contracts.loop.loop_ports import COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH, DevicePlugin
 from mimics_app.contracts.loop.object_rows import Rows, slot_of
+from mimics_app.contracts.loop.spoiling import Spoiling
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot, PointerState
 from mimics_app.contracts.shared_memory import ring, triple_buffer
 from mimics_app.contracts.shared_memory.session_memory import ControlWord, SessionMemory
@@ -29,6 +31,7 @@ from mimics_app.rendering.haptic.channels import channels_of, new_work, newest_s
 from mimics_app.rendering.haptic.controllers.registry import NO_CONTROLLERS, controllers_of, set_controllers
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.histogram import LatenessReport, percentile_us
+from mimics_app.rendering.haptic.kernels.spoiled_data import KIND, ORDERS, OTHER, PLACE, VALUE
 from mimics_app.rendering.haptic.loop import advance_ticks
 from mimics_app.rendering.haptic.loop_tick import LOOP_FUNCTIONS, loop_tick, tick
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, load_simulation, no_objects
@@ -203,6 +206,23 @@ class HapticEngine:
                 dx, dy, dz = self._beside[c]
                 target, grasp = (x + dx, y + dy, z + dz), pointer.grasp
             record["target_world"][c + 1], record["grasp"][c + 1] = target, grasp
+
+    def inject(self, fault: str) -> None:
+        """Let a fault of the simulated device begin at the next tick, or end the one before.
+
+        Args:
+            fault: "NAME" or "NAME:PLACE", see `contracts/loop/device_faults.py`; "none" ends one.
+
+        Raises:
+            UsageError: The device is not simulated, or has no such fault.
+        """
+        if not self._plugin.simulated:
+            raise UsageError("faults are injected into simulated devices only")
+        order, spoiling = fault_order(fault, self._descriptor), self._work.spoiling
+        spoiling[KIND] = Spoiling.NOTHING  # the loop runs: it must not see half of an order
+        spoiling[PLACE], spoiling[OTHER], spoiling[VALUE] = order.place, order.other, order.value
+        spoiling[KIND] = order.spoiling
+        spoiling[ORDERS] += 1.0
 
     def snapshot(self) -> HapticSnapshot:
         """Return the newest state of the loop; its arrays are copies."""

@@ -39,6 +39,7 @@ from mimics_app.rendering.haptic.kernels.safety import (
     MISSED_STOP,
     is_stopped,
 )
+from mimics_app.rendering.haptic.kernels.spoiled_data import ORDERS, is_deaf, spoil
 from mimics_app.rendering.haptic.kernels.state import STATE
 from mimics_app.rendering.haptic.kernels.vectors import rotate_back
 from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROWS, SIMULATE
@@ -213,6 +214,9 @@ def loop_tick(
     _take_inbox(channels, work, scene)
     state = work.state[0]
     status = read(memory, work.inbox, work.data, state.tick)
+    spoiled = work.spoiling[ORDERS] != 0.0
+    if spoiled:
+        status = spoil(work.spoiling, work.data, status, state.tick, dt)
     if status == DeviceStatus.FRESH and _takes_nothing(scene, state, dt):
         status = _FAULT
     stop_word = _stop_word(channels)
@@ -234,7 +238,7 @@ def loop_tick(
         work.command,
         work.sample[0],
     )
-    taken = write(memory, work.command, state.tick - 1) == 0
+    taken = False if spoiled and is_deaf(work.spoiling) else write(memory, work.command, state.tick - 1) == 0
     state.refused_ticks = 0 if taken else state.refused_ticks + 1
     control = channels.control
     control[_HELD] += 1 if held != IN_TIME else 0
