@@ -56,6 +56,10 @@ def played(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Any]:
         {"t": 10.0, "command": "set_parameter", "name": "cadence", "value": 0.8},
         {"t": 14.0, "command": "set_assistance", "share": 0.3},
         {"t": 16.0, "command": "set_parameter", "name": "amplitude", "value": 0.0},
+        {"t": 18.0, "command": "set_parameter", "name": "controller.stiffness", "value": 0.0},
+        {"t": 18.0, "command": "set_parameter", "name": "controller.damping", "value": -7.0},
+        {"t": 18.0, "command": "set_parameter", "name": "controller.force_limit", "value": 9.0},
+        {"t": 18.0, "command": "set_parameter", "name": "controller.stifness", "value": 9.0},
     ]
     commands = folder / "commands.json"
     commands.write_text(json.dumps(steered))
@@ -98,6 +102,17 @@ def test_it_ends_in_standing(played: tuple[Path, Any]) -> None:
     _, samples = played
     assert not samples["q_reference"][-1].any() and samples["phase"][-1] == 0.0
     assert samples["amplitude"][15_900] > 0.99
+
+
+def test_a_command_sets_the_parameters_of_the_controller_within_their_limits(played: tuple[Path, Any]) -> None:
+    run, samples = played
+    said = [line["why"] for line in Run.open(run).lines_of("app", "command") if line["t_ns"] > 17.9e9]
+    assert said[:2] == ["", "damping is limited to 0 1/s"]
+    assert '"force_limit" is a limit of the haptic loop' in said[2]
+    assert 'no parameter "stifness"; did you mean "stiffness"' in said[3]
+    speeds = np.abs(samples["dq"][:, JOINTS]).max(axis=1)
+    assert speeds[17_400:18_000].max() > 0.1, "drawn to and fro"
+    assert speeds[18_600:].max() < 0.05, "nothing draws the leg"
 
 
 def test_the_run_replays_bit_for_bit(played: tuple[Path, Any]) -> None:

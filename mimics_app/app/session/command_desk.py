@@ -21,6 +21,7 @@ from mimics_app.contracts.commands.vocabulary import (
     Recalibrate,
     Reply,
     Reset,
+    SetParameter,
     Stop,
     View,
     Volume,
@@ -30,10 +31,11 @@ from mimics_app.contracts.commands.vocabulary import (
 )
 from mimics_app.contracts.errors import UsageError, counted
 from mimics_app.contracts.loop.gait_state import GaitState
-from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.contracts.loop.haptic import LIMIT_NAMES, SafetyState
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot
 from mimics_app.contracts.shared_memory.command_ring import Answer, CommandReceiver, Given
-from mimics_app.rendering.haptic.controllers.registry import obstacle_names
+from mimics_app.rendering.haptic.controllers.parameter_vector import changed_components
+from mimics_app.rendering.haptic.controllers.registry import controller_of_person, obstacle_names
 from mimics_app.tasks.steering import TASK_COMMANDS
 
 if TYPE_CHECKING:
@@ -43,6 +45,8 @@ __all__ = ["CommandDesk"]
 
 _LATCHED = (SafetyState.SAFE_STOP, SafetyState.E_STOP)
 _DONE = Reply(done=True)
+_OF_CONTROLLER = "controller."
+"""Before the name of a parameter of the controller under which the person leads; all others are the task's."""
 
 
 def _refused(why: str) -> Reply:
@@ -120,6 +124,8 @@ class CommandDesk:
         why = refusal(command, given.source, simulated=self._core.haptics.plugin.simulated)
         if why:
             return _refused(why)
+        if isinstance(command, SetParameter) and command.name.startswith(_OF_CONTROLLER):
+            return self._set_controller(command)
         if isinstance(command, TASK_COMMANDS):
             return None
         return self._receivers[type(command)](command)
@@ -150,12 +156,27 @@ class CommandDesk:
         store.call_obstacle(known.index(name))
         return _DONE
 
+    def _set_controller(self, command: SetParameter) -> Reply:
+        """Set a parameter of the controller, within the limits that it declares."""
+        name, store = command.name.removeprefix(_OF_CONTROLLER), self._core.parameter_store
+        if name in LIMIT_NAMES:
+            return _refused(f'"{name}" is a limit of the haptic loop, set once at the start under "safety"')
+        controller = controller_of_person(store.block)
+        if controller is None:
+            return _refused("this session has no controller under which the person leads")
+        try:
+            components, value, remark = changed_components(controller, name, command.value)
+        except UsageError as error:
+            return _refused(str(error))
+        store.steer_controller(components, value)
+        return Reply(done=True, why=remark)
+
     def _inject(self, fault: str) -> Reply:
         """Inject a fault into the simulated device."""
         try:
             self._core.haptics.inject(fault)
         except UsageError as error:
-            return _refused("; ".join(filter(None, (error.what, error.fix))))
+            return _refused(str(error))
         return _DONE
 
     def _end(self) -> Reply:

@@ -7,7 +7,7 @@ as written, each within its range; by the task manager also controller and trial
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import UsageError, counted, nearest
-from mimics_app.contracts.loop.controller_slots import MAX_CONTROLLERS, MAX_OBSTACLES
+from mimics_app.contracts.loop.controller_slots import MAX_CONTROLLERS, MAX_OBSTACLES, Slot
 from mimics_app.contracts.loop.field_ranges import Range, range_of, writable_names
 from mimics_app.contracts.loop.haptic import LIMIT_NAMES, SCENE
 from mimics_app.contracts.loop.object_rows import Rows
@@ -68,6 +68,7 @@ class ParameterStore:
         self._receivers: tuple[Receiver, ...] = ()
         self._fitted: dict[str, object] = {}
         self._ordered: dict[str, object] = {}
+        self._steered: dict[int, float] = {}
 
     @property
     def block(self) -> NDArray[Any]:
@@ -125,6 +126,7 @@ class ParameterStore:
             with suppress(UsageError):
                 self._write({name: value}, _OF_TASK)
         others = [self._set(name, value) for name, value in kept.items()]
+        self._set_steered()
         self._publish()
         return any(others)
 
@@ -171,6 +173,22 @@ class ParameterStore:
         """Let the loop leave a latched stop; only for a person's own key or button."""
         self._block[0]["resets"] += 1
         self._publish()
+
+    def steer_controller(self, components: Iterable[int], value: float) -> None:
+        """Set parameters of the controller under which the person leads; only by a command, within declared limits.
+
+        Args:
+            components: Indices in SCENE.controller_parameters.
+            value: Value of each, finite.
+        """
+        self._steered |= dict.fromkeys(components, value)
+        self._set_steered()
+        self._publish()
+
+    def _set_steered(self) -> None:
+        parameters = self._block[0]["controller_parameters"][Slot.PERSON]
+        for component, value in self._steered.items():
+            parameters[component] = value
 
     def call_obstacle(self, number: int) -> None:
         """Let the loop's controller begin an obstacle, by its number among the controller's; only for a person's order.

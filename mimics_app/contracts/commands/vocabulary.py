@@ -85,10 +85,10 @@ class StartTrial(Command, frozen=True):
 
 
 class SetParameter(Command, frozen=True):
-    """Set an adaptable parameter of the task, within the limits that a policy has.
+    """Set an adaptable parameter of the task, within the limits that a policy has, or one of the controller.
 
     Attributes:
-        name: Name of the parameter.
+        name: Name of the parameter; "controller.NAME" is one of the controller under which the person leads.
         value: New value, in the parameter's unit; beyond the limits it is the nearest allowed one.
     """
 

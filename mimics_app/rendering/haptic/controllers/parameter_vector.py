@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.errors import UsageError, counted, nearest
-from mimics_app.contracts.loop.controller_port import ControllerParameter, ControllerPlugin
+from mimics_app.contracts.loop.controller_port import ControllerParameter, ControllerPlugin, places_of
 from mimics_app.contracts.loop.controller_slots import CONTROLLER_PARAMETERS
 
-__all__ = ["Values", "parameter_vector"]
+__all__ = ["Changed", "Values", "changed_components", "parameter_vector"]
 
 Values = Mapping[str, float | Sequence[float]]
 """Values of parameters by name."""
@@ -37,6 +39,37 @@ def parameter_vector(controller: ControllerPlugin, values: Values) -> Vec:
         used = np.concatenate(parts)
         vector[: used.size] = used
     return vector
+
+
+class Changed(NamedTuple):
+    """A parameter's new value.
+
+    Attributes:
+        components: Indices of its components in the vector.
+        value: Value of each, within the limits that the parameter declares.
+        remark: What a person is told: that the value is limited; "" otherwise.
+    """
+
+    components: range
+    value: float
+    remark: str = ""
+
+
+def changed_components(controller: ControllerPlugin, name: str, value: float) -> Changed:
+    """Return what one value of a parameter changes while a session runs, the nearest one that its limits allow.
+
+    Raises:
+        UsageError: The controller has no such parameter, or the value is no number.
+    """
+    known = {each.name: each for each in controller.parameters}
+    if name not in known:
+        raise UsageError(f'the controller "{controller.name}" has no parameter "{name}"', nearest(name, known))
+    if not math.isfinite(value):
+        raise UsageError(f'parameter "{name}" must be finite, not {value}')
+    parameter, first = known[name], places_of(controller.parameters)[list(known).index(name)]
+    allowed = min(parameter.most, max(parameter.least, value))
+    remark = "" if allowed == value else f"{name} is limited to {allowed:g} {parameter.unit}".rstrip()
+    return Changed(range(first, first + parameter.size), allowed, remark)
 
 
 def _components(controller: str, parameter: ControllerParameter, value: float | Sequence[float]) -> Vec:

@@ -23,6 +23,7 @@ __all__ = [
     "NO_CONTROLLERS",
     "PLUGINS",
     "controller_names",
+    "controller_of_person",
     "controllers_of",
     "find_controller",
     "obstacle_names",
@@ -69,14 +70,24 @@ def find_controller(name: str) -> ControllerPlugin:
         raise UsageError(f'the controller "{name}" is not available: {error}') from error
 
 
+def controller_of_person(block: Records) -> ControllerPlugin | None:
+    """Return the controller under which the person leads; None where there is none.
+
+    Args:
+        block: SCENE record, shape [1].
+    """
+    name = names_in(block[0]["controller_names"])[Slot.PERSON]
+    return find_controller(name) if name else None
+
+
 def obstacle_names(block: Records) -> tuple[str, ...]:
     """Return the obstacles that a person may call by name, of the controller under which the person leads.
 
     Args:
         block: SCENE record, shape [1].
     """
-    name = names_in(block[0]["controller_names"])[Slot.PERSON]
-    return find_controller(name).obstacles(block[0]["controller_parameters"][Slot.PERSON]) if name else ()
+    controller = controller_of_person(block)
+    return () if controller is None else controller.obstacles(block[0]["controller_parameters"][Slot.PERSON])
 
 
 def set_controllers(states: Records, controllers: Controllers) -> None:
