@@ -129,7 +129,7 @@ compare(
         ),
         Rival(
             "over the beats",
-            "Fourier integral over the beats, single ones left out filled in (decision 291)",
+            "Fourier integral over the beats, single ones left out filled in (decision 203)",
             "waves up to half of the heart rate",
             {},
             probed=(band_power,),

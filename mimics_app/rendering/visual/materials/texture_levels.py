@@ -1,7 +1,7 @@
 """Levels of a texture (mipmaps), each drawn from the next finer one by a shader of ours.
 
 `glGenerateMipmap` of a software driver compiles a shader of its own in every process and for every format, 70 ms each,
-which its cache of compiled shaders leaves out; ours is in that cache. The texels are the same, see decision 129.
+which its cache of compiled shaders leaves out; ours is in that cache. The texels are the same, see decision 060.
 """
 
 from __future__ import annotations
