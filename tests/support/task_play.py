@@ -47,6 +47,8 @@ def make_snapshot(now_ns: int = 0, **changes: Any) -> HapticSnapshot:
         "energy": 0.0,
         "stiffness_share": 1.0,
         "calm": 1.0,
+        "wall_force": 0.0,
+        "wall_normal": np.zeros(3),
         "force_peak": 0.0,
         "distance_peak": 0.0,
         "progress_peak": 0.0,

@@ -30,8 +30,12 @@ def session():
 def publish(memory, force=0.0):
     """A snapshot of a hand that moves, pressed against a wall with a force [N]."""
     snapshot = memory.audio_snapshots[triple_buffer.back_slot(memory.audio_words)]
-    snapshot["penetration"], snapshot["f_user_world"] = 0.001 * (force > 0.0), (force, 0.0, 0.0)
-    snapshot["hip_world"], snapshot["v_world"] = (0.1, 0.2, 0.3), (0.2, 0.0, 0.0)
+    snapshot["wall_force"], snapshot["wall_normal"], snapshot["f_user_world"] = (
+        force,
+        (1.0, 0.0, 0.0),
+        (force, 0.0, 0.0),
+    )
+    snapshot["hip_world"], snapshot["v_world"] = (0.1, 0.2, 0.3), (0.0, 0.2, 0.0)
     triple_buffer.publish(memory.audio_words)
 
 

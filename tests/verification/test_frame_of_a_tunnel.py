@@ -10,6 +10,7 @@ import numpy as np
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_rows
 from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel
+from tests.support.haptic_bench import pointer_bench
 from tests.support.tunnels import record_of, walk
 
 SCENE = Path(__file__).parents[2] / "scenes" / "wavy_tunnel.json"
@@ -57,3 +58,18 @@ def test_a_scene_chooses_the_frame(tmp_path: Path):
         file = tmp_path / f"{wanted}.json"
         file.write_text(json.dumps(document), encoding="utf-8")
         assert tunnel_rows(load_checked_scene(file))[0]["frenet"].tolist() == [number]
+
+
+def test_the_snapshot_says_how_the_wall_is_touched():
+    """In a straight tunnel along x the wall pushes straight to the axis; with drag the whole force does not."""
+    bench = pointer_bench()
+    bench.publish(tunnel__drag=4.0)
+    bench.send(target_world=(0.0, 0.0, 0.0), active=1)
+    bench.advance(1500)
+    assert bench.engine.snapshot().wall_force == 0.0
+    bench.send(target_world=(0.05, -0.03, 0.04), active=1)
+    bench.advance(300)
+    snapshot = bench.engine.snapshot()
+    aside = snapshot.hip_world * (0.0, 1.0, 1.0)
+    assert snapshot.wall_force > 1.0
+    np.testing.assert_allclose(snapshot.wall_normal, -aside / np.linalg.norm(aside), atol=1e-6)

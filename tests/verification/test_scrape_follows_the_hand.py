@@ -36,13 +36,14 @@ class Hand:
         self.mixer = open_mixer(settings, bank, self.clock, latency=0, origin_ns=0)
         self.director = SoundDirector(self.memory, self.mixer, bank, settings, self.clock)
 
-    def slide(self, speed: float, force: float, seconds: float) -> np.ndarray:
-        """Slide with a force [N] at a speed [m/s]; return the sound of both channels together."""
+    def slide(self, speed: float, force: float, seconds: float, outwards: float = 0.0) -> np.ndarray:
+        """Slide with a force [N] at a speed, moving out of the wall at another [m/s]; return both channels together."""
         blocks = []
         for _ in range(round(seconds * RATE / BLOCK)):
             snapshot = self.memory.audio_snapshots[triple_buffer.back_slot(self.memory.audio_words)]
-            snapshot["penetration"], snapshot["f_user_world"] = 0.001 * (force > 0.0), (0.0, force, 0.0)
-            snapshot["hip_world"], snapshot["v_world"] = (0.0, 0.0, -1.0), (speed, 0.0, 0.0)
+            snapshot["wall_force"], snapshot["wall_normal"] = force, (0.0, 1.0, 0.0)
+            snapshot["f_user_world"] = (-2.0 * speed, force, 0.0)  # and drag, which presses on no wall
+            snapshot["hip_world"], snapshot["v_world"] = (0.0, 0.0, -1.0), (speed, outwards, 0.0)
             triple_buffer.publish(self.memory.audio_words)
             self.clock.sleep_until_ns(self.clock.now_ns() + BLOCK * 1_000_000_000 // RATE)
             self.director.listen()
@@ -93,3 +94,14 @@ def test_a_hand_that_rests_or_lets_go_is_silent_and_takes_no_voice(hand: Hand) -
         hand.slide(0.2, 4.0, 0.1)
         assert np.abs(hand.slide(speed, force, 0.7)[RATE // 20 :]).max() < 1e-4
         assert hand.director._handles[-1] == 0
+
+
+def test_only_what_slides_along_the_wall_sounds(hand: Hand) -> None:
+    """A hand that is pressed straight into the wall, or comes straight out of it, does not scrape."""
+    for outwards in (-0.4, 0.4):
+        assert np.abs(hand.slide(0.0, 8.0, 0.3, outwards)).max() < 1e-4
+    along = whole_loop(hand, 0.4)
+    hand.slide(0.0, 0.0, 0.7)
+    askew = hand.slide(0.4, 4.0, 0.1 + LOOP_S * 0.5, -0.4)[RATE // 10 :]
+    assert level_db(askew) == pytest.approx(level_db(along), abs=0.3)
+    assert centre_hz(askew) == pytest.approx(centre_hz(along), rel=0.04)

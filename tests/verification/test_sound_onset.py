@@ -197,7 +197,7 @@ def test_rub_sounds_while_the_wall_is_pressed_and_the_hand_slides(tmp_path):
         pressed = 500_000_000 < now < 1_000_000_000
         snapshot["t_ns"], snapshot["hip_world"] = now, AHEAD
         snapshot["f_user_world"], snapshot["v_world"] = (0.0, 8.0, 0.0), (0.2, 0.0, 0.0)
-        snapshot["penetration"] = 0.002 if pressed else -0.01
+        snapshot["wall_force"], snapshot["wall_normal"] = (8.0 if pressed else 0.0), (0.0, 1.0, 0.0)
         triple_buffer.publish(memory.audio_words)
         audio.advance(now)
     report = audio.stop()

@@ -290,6 +290,9 @@ LOOP_FIELDS: tuple[LoopField, ...] = (
     # of the controller while the person leads
     LoopField("gait_state", "1", Replay.OUTPUT, kind="i8", reader="app", per=Per.GAIT),  # GaitState, -1: none
     LoopField("numbers", "1", Replay.OUTPUT, "state.control.out.numbers", size=MAX_NUMBERS, per=Per.CONTROLLER),
+    # the tunnel that holds the ball
+    _of_points("wall_force", "N", Replay.ABSENT, "state.tunnel.wall_force", reader="rendering"),  # of wall and cap
+    _of_points("wall_normal", "1", Replay.ABSENT, "state.tunnel.normal_world", size=3, reader="rendering"),  # unit
     # of the trial so far, over the ticks in which the person leads
     _of_points("force_peak", "N", Replay.ABSENT, reader="tasks"),  # largest force felt
     _of_points("distance_peak", "m", Replay.ABSENT, reader="tasks"),  # largest distance of the ball from the bisector
@@ -321,6 +324,8 @@ class PointSnapshot:
     energy: float
     stiffness_share: float
     calm: float
+    wall_force: float
+    wall_normal: Vec
     force_peak: float
     distance_peak: float
     progress_peak: float

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from math import sqrt
 from pathlib import Path
@@ -11,15 +11,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4
 from mimics_app.contracts.errors import Issue, SceneError, nearest
 from mimics_app.contracts.ports.plugins import PluginError, raised
 from mimics_app.rendering.audio import synth
 from mimics_app.rendering.audio.modal import ModeBank
 from mimics_app.rendering.audio.recipe import Recipe, Variant, find_recipe, recipe_names
 from mimics_app.rendering.audio.settings import SoundSpec
-from mimics_app.rendering.audio.sound_file import read_sound
+from mimics_app.rendering.audio.sound_file import is_streamed, read_sound, stream_sound
 
-__all__ = ["LIVE_VOICES", "Sound", "SoundBank"]
+__all__ = ["LIVE_VOICES", "STREAM_FRAMES", "LongSound", "Sound", "SoundBank", "fill_memory"]
 
 # An impact speed takes the nearest step by ratio: the border between two steps is their geometric mean.
 _BORDERS = tuple(sqrt(a * b) for a, b in zip(synth.CONTACT_SPEEDS, synth.CONTACT_SPEEDS[1:], strict=False))
@@ -42,6 +43,42 @@ class Sound:
     other: str | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class LongSound:
+    """A sound that is read while it plays.
+
+    Attributes:
+        spec: Settings of the sound, as the scene gives them.
+        head: Its first part, shape [n], or [n, 2] where it is not spatial.
+    """
+
+    spec: SoundSpec
+    head: F4
+
+    def parts_after_head(self, rate: int) -> Iterator[F4]:
+        """Yield the parts that follow, at `rate` [Hz]; a loop has no end.
+
+        Raises:
+            SceneError: The file cannot be read any further.
+        """
+        parts = _parts(self.spec, rate)
+        next(parts)
+        yield from parts
+
+
+def _parts(spec: SoundSpec, rate: int) -> Iterator[F4]:
+    """Yield a sound from its beginning."""
+    assert spec.file is not None
+    while True:
+        for part in stream_sound(spec.file, rate, spec.inside):
+            if spec.spatial:
+                yield part.mean(axis=1)
+            else:
+                yield np.ascontiguousarray(part[:, :2] if part.shape[1] > 1 else np.repeat(part, 2, axis=1))
+        if not spec.loop:
+            return
+
+
 LIVE_VOICES = 4
 """Force-driven voices of one sound that may play at once."""
 
@@ -49,8 +86,25 @@ _LIVE_S = 0.55
 """Length of a force-driven voice [s]: the time a contact is followed, plus the decay."""
 
 
+STREAM_FRAMES = 1 << 19
+"""Samples of a sound that is read while it plays which are held at a time: eleven seconds at 48 kHz, in a ring."""
+
+
 _SINGLE = Recipe(lambda _, rate: np.zeros(rate, np.float32))
 """What a sound of a file is: one take, at every speed."""
+
+
+def fill_memory(memory: F4, begin: int, samples: F4, *, loop: bool) -> None:
+    """Write samples into the memory of a sound from `begin` on, both of shape [n] or [n, 2].
+
+    What lies beyond the end is ignored; of a loop it goes on at the beginning, and `begin` may count its rounds.
+    """
+    if loop:
+        begin %= len(memory)
+    first = samples[: max(0, len(memory) - begin)]
+    memory[begin : begin + len(first)] = first
+    if loop and len(first) < len(samples):
+        fill_memory(memory, 0, samples[len(first) :], loop=True)
 
 
 class SoundBank:
@@ -59,7 +113,9 @@ class SoundBank:
     Attributes:
         rate: Samples per second.
         sounds: By name.
-        live: Force-driven sounds, named `hit:live:NUMBER`: silent until `driven` fills them while they play.
+        live: Sounds that are silent until they are filled while they play: force-driven ones, named
+            `hit:live:NUMBER`, by `driven`, and loops of STREAM_FRAMES, in `streams`, by `streamed`.
+        streams: Sounds too long to be held.
         modes: Modes of the force-driven sounds, by the name of the sound, one for each number.
     """
 
@@ -67,6 +123,7 @@ class SoundBank:
         self.rate = rate
         self.sounds: dict[str, Sound] = {}
         self.live: dict[str, Sound] = {}
+        self.streams: dict[str, LongSound] = {}
         self.modes: dict[str, list[ModeBank]] = {}
         self._recipes: dict[str, Recipe] = {}
         issues: list[Issue] = []
@@ -82,7 +139,7 @@ class SoundBank:
         return self.sounds[name] if name in self.sounds else self.live[name]
 
     def __contains__(self, name: str) -> bool:
-        return name in self.sounds
+        return name in self.sounds or name in self.streams
 
     def variant(self, name: str, speed: float, turn: int) -> str:
         """Return the name of the variant for an impact speed [m/s]; the contact number `turn` selects the take."""
@@ -141,6 +198,9 @@ class SoundBank:
 
     def _put_file(self, name: str, file: Path, spec: SoundSpec) -> None:
         """Add the sound of a file: mixed to one channel where it is spatial, else left and right as two sounds."""
+        if is_streamed(file, spec.inside):
+            self._add_stream(name, spec)
+            return
         channels = read_sound(file, self.rate, spec.inside)
         if spec.spatial or channels.shape[1] == 1:
             self._put(name, np.ascontiguousarray(channels.mean(axis=1)), spec)
@@ -148,6 +208,17 @@ class SoundBank:
         second = f"{name}:right"
         self.sounds[name] = Sound(np.ascontiguousarray(channels[:, 0]), spec, 1, second)
         self.sounds[second] = Sound(np.ascontiguousarray(channels[:, 1]), spec, 2)
+
+    def _add_stream(self, name: str, spec: SoundSpec) -> None:
+        """Add a sound that is read while it plays; one that is not spatial has two channels, which may be equal."""
+        self.streams[name] = LongSound(spec, next(_parts(spec, self.rate)))
+        spec = replace(spec, loop=True)
+        silence = np.zeros(STREAM_FRAMES, np.float32)
+        if spec.spatial:
+            self.live[name] = Sound(silence, spec)
+            return
+        second = f"{name}:right"
+        self.live |= {name: Sound(silence, spec, 1, second), second: Sound(silence, spec, 2)}
 
     def _put(self, name: str, samples: NDArray[np.float32], spec: SoundSpec) -> None:
         self.sounds[name] = Sound(samples, spec)

@@ -21,6 +21,7 @@ from mimics_app.maths.length import length
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.contact_gain import ContactGate, contact_gain, scrape_gain, scrape_pitch
 from mimics_app.rendering.audio.driven import DrivenSounds
+from mimics_app.rendering.audio.long_sounds import LongSounds
 from mimics_app.rendering.audio.settings import AudioSettings
 
 __all__ = ["TOUCHES", "SoundDirector"]
@@ -52,7 +53,14 @@ class SoundDirector:
     """
 
     def __init__(
-        self, memory: SessionMemory, mixer: Mixer, bank: SoundBank, settings: AudioSettings, clock: Clock
+        self,
+        memory: SessionMemory,
+        mixer: Mixer,
+        bank: SoundBank,
+        settings: AudioSettings,
+        clock: Clock,
+        *,
+        in_step: bool = False,
     ) -> None:
         self.rows: list[SoundRow] = []
         self.merged = 0
@@ -71,11 +79,21 @@ class SoundDirector:
         self._drained = np.zeros(256, EVENT)
         self._forces = np.zeros(1024, CONTACT_FORCE)
         self._driven = DrivenSounds(mixer, bank)
+        self._long = LongSounds(mixer, bank, clock, in_step=in_step)
 
     @property
     def driving(self) -> bool:
         """Whether a force-driven sound plays; the ring of contact forces must then be read every tick."""
         return self._driven.playing
+
+    def take_problem(self) -> str:
+        """Return what ended a sound before its end, once; "" for nothing."""
+        problem, self._long.problem = self._long.problem, ""
+        return problem
+
+    def close(self) -> None:
+        """End what reads long sounds."""
+        self._long.close()
 
     def take_contacts(self) -> None:
         """Drain the rings: start the sounds of new contacts and feed forces to the sounds they drive."""
@@ -141,6 +159,7 @@ class SoundDirector:
         scraped = bool(self._settings.scrape) and self._update_scrape()
         if fresh or scraped:
             self._mixer.set_listener(self._listener_state())
+        self._long.advance()
         self._rest_scrape(self._clock.now_ns())
 
     def _rest_scrape(self, now: int) -> None:
@@ -157,15 +176,16 @@ class SoundDirector:
         if not fresh:
             return False
         snapshot = self._memory.audio_snapshots[slot]
-        touched = snapshot["penetration"] > 0.0
+        touched = snapshot["wall_force"] > 0.0
         if not touched and self._scrape_state[6] == 0.0:
             return False
-        pressed = length(snapshot["f_user_world"]) if touched else 0.0
         place, velocity = snapshot["hip_world"], snapshot["v_world"]
         if not (np.isfinite(place).all() and np.isfinite(velocity).all()):
             return False
         self._scrape_state[:3], self._scrape_state[3:6] = place, velocity
-        speed = length(velocity)
+        normal = snapshot["wall_normal"]
+        pressed = max(0.0, float(snapshot["f_user_world"] @ normal)) if touched else 0.0
+        speed = length(velocity - (velocity @ normal) * normal)
         self._scrape_state[6:] = scrape_gain(speed, pressed), scrape_pitch(speed)
         return True
 
@@ -179,7 +199,7 @@ class SoundDirector:
             if name and self._handles[row] == 0 and gain[row] > 0.0 and np.isfinite(position[row]).all():
                 x, y, z = (float(value) for value in position[row])
                 t_ns = min(int(scene["t_ns"]), self._clock.now_ns())
-                self._handles[row] = self._mixer.start(name, t_ns, (x, y, z), float(gain[row])).handle
+                self._handles[row] = self._begin(name, t_ns, (x, y, z), float(gain[row])).handle
         return ListenerState(
             t_ns=int(scene["t_ns"]),
             head_position=scene["head_position"],
@@ -198,7 +218,12 @@ class SoundDirector:
         )
 
     def _start(self, cause: str, sound: str, t_ns: int, tick: int, place: Vec3 | None, gain: float) -> None:
-        self._note(self._mixer.start(sound, t_ns, place, gain), cause, sound, t_ns, tick, gain)
+        self._note(self._begin(sound, t_ns, place, gain), cause, sound, t_ns, tick, gain)
+
+    def _begin(self, sound: str, t_ns: int, place: Vec3 | None, gain: float) -> Start:
+        start = self._mixer.start(sound, t_ns, place, gain)
+        self._long.begin(sound, start)
+        return start
 
     def _note(self, start: Start, cause: str, sound: str, t_ns: int, tick: int, gain: float) -> None:
         """Append the row of a started sound."""

@@ -19,6 +19,7 @@ from mimics_app.contracts.shared_memory.shared_words import DROPPED
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.director import SoundDirector
 from mimics_app.rendering.audio.engine import Engine, open_engine_in_step, open_mixer
+from mimics_app.rendering.audio.long_sounds import LongSounds
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 
 __all__ = ["OfflineAudio", "render_offline"]
@@ -63,7 +64,7 @@ class OfflineAudio:
         engine.listener = self._keep_block
         self._engine, self._status = engine, engine.status
         if engine.mixer is not None:
-            self._director = SoundDirector(self._memory, engine.mixer, bank, settings, self._clock)
+            self._director = SoundDirector(self._memory, engine.mixer, bank, settings, self._clock, in_step=True)
 
     @property
     def ready(self) -> AudioStatus | None:
@@ -89,6 +90,8 @@ class OfflineAudio:
             return
         self._director.take_contacts()
         self._director.listen()
+        if problem := self._director.take_problem():
+            self._engine.status = self._status = replace(self._engine.status, notice=problem)
         self._write(self._engine, partial(self._engine.render_to, frame_at(now_ns, 0, self._mixer.rate), _BLOCK))
 
     def stop(self) -> AudioReport:
@@ -124,6 +127,7 @@ class OfflineAudio:
         director.take_contacts()
         director.ring_out()
         self._write(engine, partial(engine.ring_out, _BLOCK))
+        director.close()
         engine.close()
         return AudioReport(
             engine.status,
@@ -168,11 +172,12 @@ def render_offline(
         KeyError: An event names a sound that is not among `sounds`.
     """
     settings = AudioSettings(sounds=sounds, triggers={}, scrape="", hrtf=hrtf, rate=rate, voices=64, mixer=mixer)
-    opened = open_mixer(settings, SoundBank(sounds, rate), VirtualClock(), latency=0, origin_ns=0)
+    bank, clock = SoundBank(sounds, rate), VirtualClock()
+    opened = open_mixer(settings, bank, clock, latency=0, origin_ns=0)
     try:
         if listener is not None:
             opened.set_listener(_head_alone(listener))
-        return _render_events(opened, events, round(seconds * rate))
+        return _render_events(opened, LongSounds(opened, bank, clock, in_step=True), events, round(seconds * rate))
     finally:
         opened.close()
 
@@ -185,7 +190,9 @@ def _head_alone(pose: Pose) -> ListenerState:
     )
 
 
-def _render_events(mixer: Mixer, events: Sequence[SoundEvent], frames: int) -> tuple[NDArray[np.float32], list[int]]:
+def _render_events(
+    mixer: Mixer, long: LongSounds, events: Sequence[SoundEvent], frames: int
+) -> tuple[NDArray[np.float32], list[int]]:
     """Pass each event to the mixer one block before it is due, so that voices are busy only while they sound."""
     order = sorted(range(len(events)), key=lambda k: events[k].t_ns)
     onsets = [-1] * len(events)
@@ -197,8 +204,10 @@ def _render_events(mixer: Mixer, events: Sequence[SoundEvent], frames: int) -> t
         while following is not None and frame_at(events[following].t_ns, 0, mixer.rate) < end:
             event = events[following]
             start = mixer.start(event.sound, event.t_ns, event.position_world, event.gain)
+            long.begin(event.sound, start)
             if start.handle:
                 onsets[following] = mixer.first_sample(start, event.t_ns)[0]
             following = next(waiting, None)
+        long.advance()
         blocks.append(mixer.render(end - mixer.position))
     return np.concatenate(blocks) if blocks else np.zeros((0, 2), np.float32), onsets

@@ -24,7 +24,7 @@ from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.ports.audio_port import ListenerState, Start, Timing, frame_at
-from mimics_app.rendering.audio.bank import Sound, SoundBank
+from mimics_app.rendering.audio.bank import Sound, SoundBank, fill_memory
 from mimics_app.rendering.audio.openal_context import OpenALContext
 from mimics_app.rendering.audio.openal_library import AL
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
@@ -186,11 +186,14 @@ class OpenALMixer:
         return 0 if self.context.loopback else round(_LEAD_S * self.rate)
 
     def fill(self, handle: int, begin: int, samples: NDArray[np.float32]) -> None:
-        """Write samples of a playing sound from its sample `begin` on; those beyond its end are ignored."""
+        """Write samples of a playing sound from its sample `begin` on, of a loop round its end."""
         voice = self._by_handle.get(handle)
-        if voice is not None:
-            memory = self._filled[voice.sound]
-            memory[begin : begin + len(samples)] = samples[: max(0, len(memory) - begin)]
+        if voice is None:
+            return
+        sound, memory = self._bank[voice.sound], self._filled[voice.sound]
+        if sound.other is not None:  # see `_both_channels`
+            begin += self.timing.pipeline
+        fill_memory(memory, begin, samples, loop=sound.spec.loop)
 
     def render(self, frames: int) -> NDArray[np.float32]:
         """Render the next frames, shape [frames, 2], not limited to full scale; shape [0, 2] on a live device."""
@@ -243,17 +246,28 @@ class OpenALMixer:
         return np.pad(np.stack((sound.samples, second.samples), axis=1), ((delay, 0), (0, 0)))
 
     def _map_live(self) -> dict[str, NDArray[np.float32]]:
-        """Map the buffers of force-driven sounds; return none where the library cannot."""
+        """Map the buffers of sounds that are filled while they play; none where the library cannot.
+
+        Raises:
+            DeviceError: It cannot, and one of them is too long to be held.
+        """
+        if self._bank.streams and not self._library.maps:
+            raise DeviceError("this OpenAL plays no sound longer than a minute", "install OpenAL Soft 1.19 or newer")
         filled: dict[str, NDArray[np.float32]] = {}
+        second = {sound.other for sound in self._bank.live.values()}
         for name, sound in self._bank.live.items() if self._library.maps else ():
-            buffer, size, access = ctypes.c_uint(), sound.samples.nbytes, AL.MAP_WRITE | AL.MAP_PERSISTENT
+            if name in second:
+                continue
+            shape = (len(sound.samples),) if sound.other is None else (len(sound.samples), 2)
+            silence = np.zeros(shape, np.float32)
+            form = AL.FORMAT_MONO_FLOAT32 if sound.other is None else AL.FORMAT_STEREO_FLOAT32
+            buffer, size, access = ctypes.c_uint(), silence.nbytes, AL.MAP_WRITE | AL.MAP_PERSISTENT
             self._call.alGenBuffers(1, ctypes.byref(buffer))
-            silence = sound.samples.ctypes.data
-            self._call.alBufferStorageSOFT(buffer.value, AL.FORMAT_MONO_FLOAT32, silence, size, self._bank.rate, access)
+            self._call.alBufferStorageSOFT(buffer.value, form, silence.ctypes.data, size, self._bank.rate, access)
             place = self._call.alMapBufferSOFT(buffer.value, 0, size, access)
             self._library.check(f'share the memory of "{name}"')
-            memory = (ctypes.c_float * len(sound.samples)).from_address(place)
-            filled[name], self._buffers[name] = np.ctypeslib.as_array(memory), buffer.value
+            memory = (ctypes.c_float * silence.size).from_address(place)
+            filled[name], self._buffers[name] = np.ctypeslib.as_array(memory).reshape(shape), buffer.value
         return filled
 
     def _generate_sources(self, count: int) -> list[int]:

@@ -13,15 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.system.read_budget import READ_BUDGET, afford
+from mimics_app.contracts.system.read_budget import afford
 from mimics_app.contracts.system.regular_file import open_regular
 
 if TYPE_CHECKING:
     import soundfile
 
-__all__ = ["check_sound_file", "read_sound"]
+__all__ = ["check_sound_file", "is_streamed", "read_sound", "stream_sound"]
 
-_LONGEST_S = 1800.0
+_HELD_S = 60.0
+"""Longest sound that is held in memory as a whole [s]; a longer one is read while it plays."""
+
+_LONGEST_S = 12 * 3600.0
 """Longest sound that is read [s]."""
 
 _LARGEST_BYTES = 1 << 30
@@ -30,6 +33,8 @@ _MIX_RATE = 48_000
 _RATES = range(1000, 768_001)
 _BLOCK = 1 << 20
 """Frames that are resampled at once; a shorter sound in one piece."""
+_PART = 1 << 16
+"""Samples, at the rate of the mix, of a part of a sound that is read while it plays; a second at unusual rates."""
 _FADE = 1 << 13
 """Frames by which the blocks of a longer sound overlap on each side."""
 
@@ -37,15 +42,32 @@ _FADE = 1 << 13
 def check_sound_file(path: Path, inside: int | None, whole: bool) -> None:
     """Check that a file, or sound number `inside` of a model, can be played, by its header or by all of its samples.
 
-    It must fit in memory as `read_sound` holds it for a mix of 48 kHz.
+    Of a sound that is read while it plays the first and the last samples count.
 
     Raises:
         SceneError: See `read_sound`.
     """
     with _opened(path, inside) as sound:
+        if _is_long(sound):
+            _afford_part(path, sound)
+            next(_resampled(path, sound, _MIX_RATE, _part_of(sound, _MIX_RATE)))
+            sound.seek(sound.frames - 1)
+            if not len(sound.read(1)):
+                raise _refused(path, "is cut off before the length that its header states")
+            return
         _afford(path, sound, _MIX_RATE)
-        for _ in _resampled(path, sound, sound.samplerate) if whole else ():
+        for _ in _resampled(path, sound, sound.samplerate, _BLOCK) if whole else ():
             pass
+
+
+def is_streamed(path: Path, inside: int | None = None) -> bool:
+    """Return whether a sound is so long that it is read while it plays.
+
+    Raises:
+        SceneError: See `read_sound`.
+    """
+    with _opened(path, inside) as sound:
+        return _is_long(sound)
 
 
 def read_sound(path: Path, rate: int, inside: int | None = None) -> NDArray[np.float32]:
@@ -57,10 +79,22 @@ def read_sound(path: Path, rate: int, inside: int | None = None) -> NDArray[np.f
     with _opened(path, inside) as sound:
         count = _afford(path, sound, rate)
         samples, written = np.empty((count, sound.channels), np.float32), 0
-        for block in _resampled(path, sound, rate):
+        for block in _resampled(path, sound, rate, _BLOCK):
             samples[written : written + len(block)] = block
             written += len(block)
     return samples[:written]
+
+
+def stream_sound(path: Path, rate: int, inside: int | None = None) -> Iterator[NDArray[np.float32]]:
+    """Yield a sound at `rate` [Hz] from its beginning in parts of about a second, shape [n, channels].
+
+    Raises:
+        SceneError: See `read_sound`; also between two parts.
+    """
+    with _opened(path, inside) as sound:
+        _afford_part(path, sound)
+        for block in _resampled(path, sound, rate, _part_of(sound, rate)):
+            yield block.astype(np.float32)
 
 
 @contextmanager
@@ -74,21 +108,32 @@ def _opened(path: Path, inside: int | None) -> Iterator[soundfile.SoundFile]:
                 raise _refused(path, f"lasts {sound.frames / sound.samplerate:.0f} s", f"{_LONGEST_S:.0f} s at most")
             if sound.frames == 0 or sound.samplerate not in _RATES:
                 raise _refused(path, f"holds no sound, at {sound.samplerate} Hz")
-            # Decoding takes time even where little of it is kept.
-            afford(str(path), "", sound.frames * sound.channels, "cut it, or save it with fewer channels")
             yield sound
     except (MemoryError, OSError, RuntimeError, ValueError) as error:
         why = str(error).rpartition(": ")[2]
         raise _refused(path, f"cannot be read as a sound ({why[:80]})", "save it as WAV, FLAC or OGG") from error
 
 
+def _is_long(sound: soundfile.SoundFile) -> bool:
+    return bool(sound.frames > _HELD_S * sound.samplerate)
+
+
 def _afford(path: Path, sound: soundfile.SoundFile, rate: int) -> int:
     """Return the number of frames that a sound has at a rate, if they fit in memory."""
     count = round(sound.frames * rate / sound.samplerate)
-    longest = READ_BUDGET // (4 * sound.channels * rate)
-    fix = f"sounds are held in memory, a {sound.channels}-channel one for {longest // 60} min at most: cut or loop it"
-    afford(str(path), "", 4 * sound.channels * count, fix)
+    afford(str(path), "", 4 * sound.channels * max(count, sound.frames), "save it with fewer channels")
     return count
+
+
+def _part_of(sound: soundfile.SoundFile, rate: int) -> int:
+    """Return the frames of a file that make a part at a rate."""
+    return max(1, _PART * sound.samplerate // rate)
+
+
+def _afford_part(path: Path, sound: soundfile.SoundFile) -> None:
+    """Refuse a sound of which not even one part fits in memory, with what is decoded on both sides of it."""
+    part = 3 * max(_part_of(sound, _MIX_RATE), sound.samplerate, _FADE)
+    afford(str(path), "", 8 * sound.channels * part, "save it with fewer channels")
 
 
 def _stream(path: Path, inside: int | None) -> io.BufferedIOBase:
@@ -105,11 +150,14 @@ def _stream(path: Path, inside: int | None) -> io.BufferedIOBase:
     return stream
 
 
-def _resampled(path: Path, sound: soundfile.SoundFile, rate: int) -> Iterator[NDArray[np.float64]]:
-    """Yield the samples at a rate in blocks, shape [n, channels]; these overlap and are faded before resampling."""
+def _resampled(path: Path, sound: soundfile.SoundFile, rate: int, size: int) -> Iterator[NDArray[np.float64]]:
+    """Yield the samples at a rate in blocks of about `size` frames, shape [n, channels].
+
+    They overlap and are faded before resampling.
+    """
     own = sound.samplerate
     unit = own // math.gcd(own, rate)  # frames after which both rates have a sample at the same time
-    step = max(_BLOCK // unit, 1) * unit
+    step = max(size // unit, 1) * unit
     margin = 0 if rate == own else -(-_FADE // unit) * unit
     fade = 0.5 - 0.5 * np.cos(np.pi * (np.arange(margin) + 0.5) / max(margin, 1))
     for start in range(0, sound.frames, step):

@@ -149,6 +149,8 @@ class _LiveSession:
         elif mixer is not None:
             with suppress(DeviceError):  # a file that cannot be written any further keeps what it has
                 self.engine.ring_out(self._settings.block)
+        if self._director is not None:
+            self._director.close()
         return self.report()
 
     def _fade_out(self, mixer: Mixer) -> None:
@@ -201,6 +203,9 @@ class _LiveSession:
         if self._director is not None:
             self._director.take_contacts()
             self._director.listen()
+            if problem := self._director.take_problem():
+                self.engine.status = replace(self.engine.status, notice=problem)
+                self.send(self.engine.status)
         else:
             words = self._memory.audio_event_words
             ring.release(words, ring.waiting(words))
@@ -317,6 +322,8 @@ class _LiveSession:
         """Continue on a new output with the same master gain, and report its status."""
         if self.engine.mixer is not None:
             self.engine.mixer.master(self._gain)
+        if self._director is not None:
+            self._director.close()
         self._director = self._direct()
         self.send(self.engine.status)
 

@@ -400,6 +400,8 @@ class SnapshotRecord:
     calm: float
     phase: float
     gait_state: int
+    wall_force: float
+    wall_normal: Floats
     force_peak: float
     distance_peak: float
     progress_peak: float
@@ -464,6 +466,8 @@ class PointSnapshotRecord:
     energy: float
     stiffness_share: float
     calm: float
+    wall_force: float
+    wall_normal: Floats
     force_peak: float
     distance_peak: float
     progress_peak: float

@@ -138,8 +138,8 @@ class Sound(Component, frozen=True):
     asset: Annotated[
         str | None,
         Meta(
-            description="Sound file of the scene's `assets`: .wav, .ogg or .flac; held in memory, so at most 23 "
-            "minutes in one channel, 11 in two"
+            description="Sound file of the scene's `assets`: .wav, .ogg or .flac; longer than a minute, it plays once "
+            "at a time"
         ),
     ] = None
     synth: Annotated[str | None, Meta(description="Recipe of the built-in synthesiser")] = None

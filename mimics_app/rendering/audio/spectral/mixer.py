@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F4, Vec3
 from mimics_app.contracts.ports.audio_port import ListenerState, Start, Timing, frame_at
-from mimics_app.rendering.audio.bank import SoundBank
+from mimics_app.rendering.audio.bank import SoundBank, fill_memory
 from mimics_app.rendering.audio.settings import AudioSettings, Speakers
 from mimics_app.rendering.audio.spectral.buses import Buses
 from mimics_app.rendering.audio.spectral.computed_head import compute_head
@@ -171,12 +171,15 @@ class SpectralMixer:
         return 0
 
     def fill(self, handle: int, begin: int, samples: F4) -> None:
-        """Write samples of a playing sound from its sample `begin` on; those beyond its end are ignored."""
+        """Write samples of a playing sound from its sample `begin` on, of a loop round its end."""
         voice = self._store.row_of(handle)
-        if voice is not None:
-            sound = self._store.voices.sound[voice]
-            first, end = self._bank.begin[sound] + begin, self._bank.begin[sound] + self._bank.length[sound]
-            self._bank.samples[first : min(first + len(samples), end)] = samples[: max(0, end - first)]
+        if voice is None:
+            return
+        for row, channel in zip(self._store.channels_of(voice), samples.reshape(len(samples), -1).T, strict=False):
+            sound = self._store.voices.sound[row]
+            first = self._bank.begin[sound]
+            memory = self._bank.samples[first : first + self._bank.length[sound]]
+            fill_memory(memory, begin, channel, loop=bool(self._bank.loops[sound]))
 
     def render(self, frames: int) -> F4:
         """Mix the next frames, shape [frames, channels], not limited to full scale."""
