@@ -79,11 +79,12 @@ class Movement:
 
 @dataclass(frozen=True, slots=True)
 class Safety:
-    """Figures by name, unusual limits, states, walk, trips, what was not simulated, what led to trips, stability."""
+    """Figures by name, unusual limits, softened contacts, states, walk, trips, losses, what led to trips, stability."""
 
     cards: dict[str, str]
     words: str
     limits: list[str]
+    softened: list[str]
     states: Plot
     walk: list[Plot]
     trips: Table | None
@@ -340,12 +341,13 @@ def _person(run: Run) -> Person | None:
 
 
 def _safety(run: Run) -> Safety:
-    beyond = run.session.get("beyond_usual_limits")
+    beyond, softened = (run.session.get(name) for name in ("beyond_usual_limits", "softened"))
     counts = _stops_and_holds(run)
     return Safety(
         cards={name: text for name, text in _operators_cards(run).items() if text != NONE},
         words=_TRIPS.format(", ".join(f"{name}: {number}" for name, number in counts.items())),
         limits=[shown(line) for line in beyond] if isinstance(beyond, list) else [],
+        softened=[shown(line) for line in softened] if isinstance(softened, list) else [],
         states=draw_states(run.haptic),
         walk=draw_gait(run.haptic, run.layout.extent),
         trips=trip_table(run),

@@ -68,6 +68,8 @@ def play(settings: RunSettings, *, as_json: bool, read: Scene | None = None) -> 
         frames = Frames(session)
         if session.limit_notes:
             output.say(f"this scene goes beyond the usual limits: {'; '.join(session.limit_notes)}")
+        if session.softened:
+            output.say(f"softened, as this device cannot hold it: {'; '.join(session.softened)}")
         if not (windowed or settings.headless):
             sys.stderr.write(f"mimics: no display: {_WHO_PLAYS[session.live]}\n")
         if windowed:

@@ -61,6 +61,7 @@ class SessionCore:
     Attributes:
         side: Haptic objects of the scene, as they were when the loop was built.
         limit_notes: A line for each limit that the scene sets beyond its usual value.
+        softened: A line for each contact that the device cannot hold as the scene asks.
         report: Shows a line to the person; discards it unless the session is a run.
         outlets: Streams of the session for other programs.
         live: True when the haptic loop runs in real time; False on the virtual clock.
@@ -89,6 +90,7 @@ class SessionCore:
         self.clock: Clock = MonotonicClock() if parts.live else VirtualClock()
         self.parameter_store: ParameterStore = parts.parameter_store
         self.limit_notes = parts.held.notes
+        self.softened = parts.softened
         self.haptics: HapticEngine = parts.side.engine(memory, parts.plugin, recipe=parts.settings.recipe)
         seed = parts.settings.seed
         self.tasks = TaskManager(

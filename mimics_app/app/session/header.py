@@ -43,6 +43,7 @@ def describe_session(parts: SessionParts) -> dict[str, Any]:
             "late_latches": bool(parts.parameter_store.block["late_latches"][0]),
         },
         **({"beyond_usual_limits": list(parts.held.notes)} if parts.held.notes else {}),
+        **({"softened": list(parts.softened)} if parts.softened else {}),
         "settings": {
             name: str(value) if isinstance(value, Path) else value
             for name, value in asdict(settings).items()

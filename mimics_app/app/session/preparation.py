@@ -33,6 +33,7 @@ from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.devices.device_names import POINTER, SIMULATED, recording_of
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.devices.request import DeviceBuilder
+from mimics_app.rendering.haptic.stability_checks import softened_contacts
 from mimics_app.tasks.actions import fill_defaults
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.tailoring import at_difficulty
@@ -60,6 +61,7 @@ class SessionParts:
         side: The haptic objects of the scene.
         parameter_store: The haptic parameters.
         held: What the operator's ceiling makes of the scene's limits.
+        softened: A line for each contact that the device cannot hold as the scene asks.
         task: The task; its trial file has been read, and its parameters' defaults taken from the scene.
         body: Body signals, their processing, the estimated state, and the learning system.
         robot: The scene's robot, with the device of this run.
@@ -84,6 +86,7 @@ class SessionParts:
     robot: Robot
     patient: Patient
     plugin: DevicePlugin
+    softened: Sequence[str] = ()
     commands: Sequence[TimedCommand] = ()
     device_given: bool = False
     recorded: Mapping[str, object] | None = None
@@ -203,6 +206,7 @@ def prepare_scene(
         robot=robot,
         patient=patient,
         plugin=plugin,
+        softened=softened_contacts(scene, robot, plugin) if recorded is None else (),
         commands=commands,
         device_given=given.device is not None,
         recorded=None if recorded is None else recorded.session,

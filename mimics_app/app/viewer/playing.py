@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.app.viewer.shown import Shown
-from mimics_app.contracts.errors import Issue, OutputError, SceneError, UsageError
+from mimics_app.contracts.errors import Issue, OutputError, SceneError, UsageError, nearest
 from mimics_app.world.content.motion.animator import Animator
 from mimics_app.world.content.motion.clip import Clip
 from mimics_app.world.content.motion.humanoid import HumanoidMap
@@ -60,12 +60,12 @@ def play_clip(shown: Shown, name: str, at: float = 0.0, *, speed: float = 1.0) -
         speed: Clip time per time [-]; 0 holds the clip.
 
     Raises:
-        SceneError: No model has such a clip; the message names the existing ones.
+        SceneError: No model has such a clip; the message names the nearest one, or the existing ones.
     """
     playing = animators_of(shown)
     if name and not any(name in animator.clips for animator in playing):
         known = clips_of(shown)
-        hint = "clips: " + ", ".join(f'"{each}"' for each in known) if known else "there is nothing that moves in it"
+        hint = nearest(name, known) if known else "there is nothing that moves in it"
         raise SceneError(Issue(str(shown.path), "/animations", f'has no clip "{name}"', hint))
     for animator in playing:
         animator.layers.clear()

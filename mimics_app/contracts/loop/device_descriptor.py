@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypedDict, TypeVar
 
 import numpy as np
 from numba import types
@@ -39,6 +39,7 @@ __all__ = [
     "TO_TOOL",
     "VELOCITY",
     "DeviceDescriptor",
+    "Dynamics",
     "Joint",
     "Kin",
     "Kinematics",
@@ -130,6 +131,24 @@ class Joint:
     inertia: float = 0.0
 
 
+class Dynamics(TypedDict):
+    """What limits the stiffness and damping that a device can hold, as its `DevicePlugin` states it.
+
+    Attributes:
+        delay: From a command to its motion [s].
+        lag: Part of it that is the lag of a velocity servo [s].
+        filtering: Time constant of the filter of the velocity [s].
+        quantum: Resolution of the position [m].
+        mass: Of a device that takes forces, without a hand [kg]; 0: it takes velocities.
+    """
+
+    delay: float
+    lag: float
+    filtering: float
+    quantum: float
+    mass: float
+
+
 @dataclass(frozen=True, slots=True)
 class DeviceDescriptor:
     """Description of a device for the loop, available before the device is opened.
@@ -143,6 +162,8 @@ class DeviceDescriptor:
         polar: The joints are radial, angle about the vertical, vertical: the admittance forms of D2.1 4.2.7 apply, and
             the joints follow the velocity of the one point. Otherwise motion is computed in joint space.
         torques: The device measures joint torques, and takes torques.
+        dynamics: Computes from the scene's robot component and the ticks per second what `mimics check` may count on,
+            without opening the device; None: nothing is known before it is open.
     """
 
     joints: tuple[Joint, ...]
@@ -151,6 +172,7 @@ class DeviceDescriptor:
     geometry: Callable[[Any], Sequence[float]]
     polar: bool = False
     torques: bool = False
+    dynamics: Callable[[Any, int], Dynamics] | None = None
 
     def __post_init__(self) -> None:
         if not 1 <= len(self.joints) <= MAX_JOINTS:

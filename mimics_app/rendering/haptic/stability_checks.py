@@ -10,8 +10,10 @@ import numpy as np
 
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.loop.controller_slots import CommandKind, Slot
+from mimics_app.contracts.loop.device_descriptor import Dynamics
 from mimics_app.contracts.loop.haptic_objects import STATIC, EffectKind, ForceLaw, ShapeKind
-from mimics_app.rendering.haptic.devices.dynamics import Dynamics, known_dynamics
+from mimics_app.contracts.loop.loop_ports import DevicePlugin
+from mimics_app.rendering.haptic.devices.dynamics import known_dynamics, opened_dynamics
 from mimics_app.rendering.haptic.kernels.closed_region import REGION, find_region, stiffness_limit
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.scene_objects import SceneObjects, objects_of_scene
@@ -19,7 +21,7 @@ from mimics_app.world.components.objects import HapticEffect, HapticObject, Hapt
 from mimics_app.world.components.robot import Admittance, Impedance, Robot, Safety, Tunnel
 from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["check_stability"]
+__all__ = ["check_stability", "softened_contacts"]
 
 _PERIOD = 1e-3
 """Period of the loop [s]."""
@@ -95,6 +97,15 @@ def check_stability(scene: Scene) -> list[Issue]:
         return thin
     stable = _Stable(scene, robot, dynamics)
     return [*_check_controller(scene, dynamics, stable), *_check_contacts(scene, objects, stable), *thin]
+
+
+def softened_contacts(scene: Scene, robot: Robot, plugin: DevicePlugin) -> list[str]:
+    """Return a line for each contact that an open device cannot hold as the scene asks: the loop softens it."""
+    dynamics = opened_dynamics(plugin)
+    if dynamics is None:
+        return []
+    found = _check_contacts(scene, objects_of_scene(scene), _Stable(scene, robot, dynamics))
+    return [f"{issue.pointer}: {issue.what}" for issue in found]
 
 
 def _check_controller(scene: Scene, dynamics: Dynamics, stable: _Stable) -> Iterator[Issue]:

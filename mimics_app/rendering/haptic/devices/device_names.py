@@ -68,6 +68,7 @@ class BuiltInDevice(NamedTuple):
         address: Form of its address; "" for none.
         descriptor: "module:name" in `descriptors`.
         optional: True where the address may be left out.
+        dynamics: "module:function" in this package, of what is known of its dynamics before it is open; "" for nothing.
         walks: True where the simulated person in it acts without a path or target: it walks.
     """
 
@@ -77,6 +78,7 @@ class BuiltInDevice(NamedTuple):
     address: str = ""
     descriptor: str = "hapticmaster:HAPTICMASTER"
     optional: bool = False
+    dynamics: str = ""
     walks: bool = False
 
 

@@ -1,16 +1,31 @@
-"""Dynamics of the simulated robots for the stability limit: delay, servo, velocity filter and mass, from the scene."""
+"""Dynamics of the devices for the stability limit, before they are open and after: delay, servo, filter and mass."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, TypedDict
+from types import FunctionType
+from typing import TYPE_CHECKING, cast
 
+from mimics_app.contracts.loop.device_descriptor import Dynamics
+from mimics_app.contracts.loop.loop_ports import LIGHTEST_DEVICE
+from mimics_app.contracts.ports.members import load_member
+from mimics_app.rendering.haptic import devices
 from mimics_app.rendering.haptic.descriptors.segments import HEIGHT, WEIGHT, segments_of
+from mimics_app.rendering.haptic.devices.address import port_and_baud, split_device
+from mimics_app.rendering.haptic.devices.described import descriptor_of
+from mimics_app.rendering.haptic.devices.device_names import BUILT_IN, load_built_in
+from mimics_app.rendering.haptic.devices.serial_frames import (
+    BITS_PER_BYTE,
+    COMMAND_PAYLOAD,
+    OVERHEAD,
+    STATE_PAYLOAD,
+)
 from mimics_app.rendering.haptic.kernels import leg_machine, light_robot
 from mimics_app.rendering.haptic.kernels import robot as servo_robot
 from mimics_app.rendering.haptic.kernels.lokomat import orthosis
 
 if TYPE_CHECKING:
+    from mimics_app.contracts.loop.loop_ports import DevicePlugin
     from mimics_app.world.components.robot import Robot
 
 __all__ = [
@@ -23,12 +38,14 @@ __all__ = [
     "LOKOMAT_CURRENT_LAG",
     "LOKOMAT_NAME",
     "SHANK_MASS",
-    "Dynamics",
     "force_dynamics",
     "known_dynamics",
     "leg_dynamics",
     "lokomat_dynamics",
+    "opened_dynamics",
+    "serial_dynamics",
     "servo_dynamics",
+    "undelayed_dynamics",
 ]
 
 LIGHT_MASS = 0.2
@@ -50,25 +67,8 @@ SHANK_MASS, LEG_SERVO_HZ = 5.0, 15.0
 """Shank and foot (0.061 of a person of 75 kg) with their part of the orthosis, and bandwidth of the simulated leg's
 servo, unless the scene sets them [kg, Hz]."""
 
-_SERVO_DEVICES = ("simulated_hapticmaster", "pointer")
-_FORCE_DEVICES = ("simulated_impedance",)
-_LEGS = ("simulated_leg", "simulated_legs")
-
 LOKOMAT_NAME, LOKOMAT_CURRENT_LAG = "lokomat", 5e-4
 """Name of the gait orthosis, and time constant of its current control [s]; a setting, not verified."""
-
-_REAL_SERVO_DEVICES = ("hapticmaster",)
-"""Devices that take velocities and are not simulated."""
-
-
-class Dynamics(TypedDict):
-    """Fields of a `DevicePlugin`: delay, lag and filtering [s], quantum [m], mass [kg]."""
-
-    delay: float
-    lag: float
-    filtering: float
-    quantum: float
-    mass: float
 
 
 def servo_dynamics(robot: Robot, rate: int) -> Dynamics:
@@ -110,19 +110,41 @@ def _setting(robot: Robot, name: str, default: float) -> float:
     return float(given) if isinstance(given, int | float) and given > 0.0 else default
 
 
-def known_dynamics(robot: Robot, rate: int = 1000) -> Dynamics | None:
-    """Return what is known of a scene's robot before it runs; None: nothing, the live limit alone counts.
+def undelayed_dynamics(robot: Robot, rate: int) -> Dynamics:
+    """Return those of a real device that takes velocities, whose delay is measured: what it cannot hold without any."""
+    del robot, rate
+    return {"delay": 0.0, "lag": 0.0, "filtering": 0.0, "quantum": 0.0, "mass": 0.0}
 
-    Of a real device that takes velocities the virtual mass is known. Its delay is measured: what it cannot hold without
-    any, it never can. Of one that takes forces the mass is known to its plug-in only.
-    """
-    name = robot.device.partition(":")[0]
-    if name in _SERVO_DEVICES:
-        return servo_dynamics(robot, rate)
-    if name in _LEGS:
-        return leg_dynamics(robot, rate)
-    if name == LOKOMAT_NAME:
-        return lokomat_dynamics(robot, rate)
-    if name in _REAL_SERVO_DEVICES:
-        return {"delay": 0.0, "lag": 0.0, "filtering": 0.0, "quantum": 0.0, "mass": 0.0}
-    return force_dynamics(robot, rate) if name in _FORCE_DEVICES else None
+
+def serial_dynamics(robot: Robot, rate: int) -> Dynamics:
+    """Return those of a robot on a serial line: at least the time of a command and of a state on the line."""
+    address = split_device(robot.device).address
+    _, baud = port_and_baud(address) if address else ("", math.inf)
+    delay = BITS_PER_BYTE * (COMMAND_PAYLOAD + STATE_PAYLOAD + 2 * OVERHEAD) / baud
+    return {**undelayed_dynamics(robot, rate), "delay": delay}
+
+
+def opened_dynamics(plugin: DevicePlugin) -> Dynamics | None:
+    """Return those that an open device states; None of one that moves nothing."""
+    if plugin.follows not in ("velocity", "force", "torque"):
+        return None
+    mass = 0.0 if plugin.follows == "velocity" else plugin.mass or LIGHTEST_DEVICE
+    return {
+        "delay": plugin.delay,
+        "lag": plugin.lag,
+        "filtering": plugin.filtering,
+        "quantum": plugin.quantum,
+        "mass": mass,
+    }
+
+
+def known_dynamics(robot: Robot, rate: int = 1000) -> Dynamics | None:
+    """Return what is known of a scene's robot before it runs; None: nothing, the live limit alone counts."""
+    name = split_device(robot.device).name
+    if name in BUILT_IN:
+        module, _, function = load_built_in(name).dynamics.partition(":")
+        if not function:
+            return None
+        return cast("Dynamics", load_member(devices, module, function, FunctionType)(robot, rate))
+    declared = descriptor_of(name).dynamics
+    return None if declared is None else declared(robot, rate)

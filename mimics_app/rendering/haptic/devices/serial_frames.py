@@ -15,6 +15,7 @@ __all__ = [
     "ASK",
     "BAD_CHECKSUMS",
     "BEGIN",
+    "BITS_PER_BYTE",
     "BYTE",
     "COMMAND",
     "COMMAND_PAYLOAD",
@@ -62,6 +63,7 @@ PROTOCOL, LEG_PROTOCOL = 1, 2
 
 HEADER = 8
 OVERHEAD = HEADER + 2
+BITS_PER_BYTE = 10  # on the line: start, eight, stop
 MAX_PAYLOAD = 64
 
 COMMAND, STATE, SCREEN, ASK, INFO = 1, 2, 3, 16, 17

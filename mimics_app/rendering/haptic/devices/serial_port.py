@@ -22,6 +22,7 @@ from mimics_app.rendering.haptic.devices.link import LinkSupervisor
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.serial_frames import (
     ASK,
+    BITS_PER_BYTE,
     HEADER,
     INFO,
     INFO_PAYLOAD,
@@ -36,7 +37,6 @@ from mimics_app.rendering.haptic.devices.serial_frames import (
 
 __all__ = ["FrameLine", "RobotInfo", "build_serial", "info_payload", "link_robot", "serial_line"]
 
-_BITS_PER_BYTE = 10  # start, eight, stop
 _PATIENCE_NS = 1_500_000_000
 """Time-out of the identification [ns]."""
 
@@ -122,7 +122,7 @@ def serial_line(address: str) -> FrameLine:
         DeviceError: No port, or a speed that is not a positive integer.
     """
     port, baud = port_and_baud(address)
-    return FrameLine(port, baud / _BITS_PER_BYTE, lambda: _open_port(port, baud))
+    return FrameLine(port, baud / BITS_PER_BYTE, lambda: _open_port(port, baud))
 
 
 def link_robot(line: FrameLine, rate: int, protocol: int = PROTOCOL) -> tuple[Vec, LinkSupervisor]:

@@ -5,5 +5,9 @@ from mimics_app.rendering.haptic.devices.device_names import BuiltInDevice
 __all__ = ["DEVICE"]
 
 DEVICE = BuiltInDevice(
-    __doc__, "HapticMaster in the network", "hapticmaster_port:build_hapticmaster", address="HOST[:PORT]"
+    __doc__,
+    "HapticMaster in the network",
+    "hapticmaster_port:build_hapticmaster",
+    address="HOST[:PORT]",
+    dynamics="dynamics:undelayed_dynamics",
 )

@@ -12,4 +12,5 @@ DEVICE = BuiltInDevice(
     descriptor="lokomat:LOKOMAT",
     optional=True,
     walks=True,
+    dynamics="dynamics:lokomat_dynamics",
 )

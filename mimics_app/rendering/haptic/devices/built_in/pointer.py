@@ -4,4 +4,9 @@ from mimics_app.rendering.haptic.devices.device_names import BuiltInDevice
 
 __all__ = ["DEVICE"]
 
-DEVICE = BuiltInDevice(__doc__, "mouse, keys or gamepad", "pointer:build_pointer")
+DEVICE = BuiltInDevice(
+    __doc__,
+    "mouse, keys or gamepad",
+    "pointer:build_pointer",
+    dynamics="dynamics:servo_dynamics",
+)

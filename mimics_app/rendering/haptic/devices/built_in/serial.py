@@ -4,4 +4,10 @@ from mimics_app.rendering.haptic.devices.device_names import BuiltInDevice
 
 __all__ = ["DEVICE"]
 
-DEVICE = BuiltInDevice(__doc__, "robot on a serial port", "serial_port:build_serial", address="PORT[@BAUD]")
+DEVICE = BuiltInDevice(
+    __doc__,
+    "robot on a serial port",
+    "serial_port:build_serial",
+    address="PORT[@BAUD]",
+    dynamics="dynamics:serial_dynamics",
+)

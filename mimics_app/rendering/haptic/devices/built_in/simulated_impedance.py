@@ -4,4 +4,9 @@ from mimics_app.rendering.haptic.devices.device_names import BuiltInDevice
 
 __all__ = ["DEVICE"]
 
-DEVICE = BuiltInDevice(__doc__, "simulated patient, impedance robot", "simulated_impedance:build_simulated_impedance")
+DEVICE = BuiltInDevice(
+    __doc__,
+    "simulated patient, impedance robot",
+    "simulated_impedance:build_simulated_impedance",
+    dynamics="dynamics:force_dynamics",
+)

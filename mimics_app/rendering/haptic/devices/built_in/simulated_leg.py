@@ -4,4 +4,10 @@ from mimics_app.rendering.haptic.devices.device_names import BuiltInDevice
 
 __all__ = ["DEVICE"]
 
-DEVICE = BuiltInDevice(__doc__, "simulated patient, one leg", "simulated_leg:build_simulated_leg", descriptor="leg:LEG")
+DEVICE = BuiltInDevice(
+    __doc__,
+    "simulated patient, one leg",
+    "simulated_leg:build_simulated_leg",
+    descriptor="leg:LEG",
+    dynamics="dynamics:leg_dynamics",
+)

@@ -5,5 +5,9 @@ from mimics_app.rendering.haptic.devices.device_names import BuiltInDevice
 __all__ = ["DEVICE"]
 
 DEVICE = BuiltInDevice(
-    __doc__, "simulated patient, both legs", "simulated_leg:build_simulated_leg", descriptor="leg:LEGS"
+    __doc__,
+    "simulated patient, both legs",
+    "simulated_leg:build_simulated_leg",
+    descriptor="leg:LEGS",
+    dynamics="dynamics:leg_dynamics",
 )
