@@ -16,7 +16,7 @@ from mimics_app.contracts.shared_memory.session_memory import Capacities, Sessio
 
 __all__ = ["VERSION", "AttachedSession", "Lines", "SessionCard", "Slider", "attach", "send_line"]
 
-VERSION = 1
+VERSION = 2
 """Version of this handing over; sessions and pages of another version refuse each other."""
 
 _MOST_BYTES = 1 << 16
@@ -64,6 +64,7 @@ class SessionCard:
         lost: What a lost operator leads to: "continue", "pause" or "stop".
         sliders: Adaptable parameters.
         views: Names of the views.
+        second_views: Names of what can be shown beside the person's picture.
         signals: Names of the body signals, in the order of their index in `signal_samples`.
     """
 
@@ -81,6 +82,7 @@ class SessionCard:
     lost: str
     sliders: list[Slider] = field(default_factory=list)
     views: list[str] = field(default_factory=list)
+    second_views: list[str] = field(default_factory=list)
     signals: list[str] = field(default_factory=list)
 
     @property

@@ -9,9 +9,10 @@ from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Annotated, Any
 
 import msgspec
+from msgspec import Meta
 from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
@@ -26,7 +27,7 @@ from mimics_app.console.handover import Lines, attach, send_line
 from mimics_app.console.page_files import catalogue, page_files
 from mimics_app.console.readiness import Choice, find_choices, find_lights, start_words
 from mimics_app.console.session_view import SessionView, compressed
-from mimics_app.console.telemetry import PICTURE, TELEMETRY, VALUES, message
+from mimics_app.console.telemetry import TELEMETRY, VALUES, message
 from mimics_app.console.web_server import Certificate, WebServer
 from mimics_app.contracts.system.child_signals import ignore_signals
 
@@ -64,12 +65,14 @@ class _Ask(msgspec.Struct, forbid_unknown_fields=True):
         command: A command to the session; empty: none.
         ask: A request to the server.
         choice: Of requests before a session: what was chosen.
+        view: Of "look": the view to show beside the person's picture; "": none.
     """
 
     id: int
     command: msgspec.Raw = _NO_COMMAND
     ask: str = ""
     choice: Choice | None = None
+    view: Annotated[str, Meta(max_length=80)] = ""
 
 
 _TOKENS = msgspec.json.Decoder(_Token)
@@ -188,13 +191,15 @@ class PageServer:
     def _do(self, client: Client, ask: _Ask) -> str:
         if ask.ask == "start":
             return self._start(client, ask.choice)
-        if not bytes(ask.command):
+        if ask.ask and ask.ask != "look":
             deed = self._deeds.get(ask.ask)
             return "unknown request" if deed is None else deed(client)
         if not client.operates:
             return "this page views; ask for the operator's place first"
         if self._session is None:
             return "no session is attached"
+        if ask.ask:
+            return self._session.show_second(ask.view)
         return self._session.give(client, ask.id, bytes(ask.command))
 
     def _start(self, client: Client, choice: Choice | None) -> str:
@@ -231,10 +236,13 @@ class PageServer:
         """Compress pictures one after the other, in a thread: what waits meanwhile is only the newest."""
         while True:
             await asyncio.sleep(_PERIOD_S)
-            content = self._session.picture.read() if self._session is not None and self._clients.watchers else None
-            if content is not None:
-                picture = message(PICTURE, await asyncio.to_thread(compressed, content))
-                self._each(partial(_show_picture, picture))
+            session = self._session
+            if session is None or not self._clients.watchers:
+                continue
+            for kind, reader in session.pictures.items():
+                if (content := reader.read()) is not None:
+                    picture = message(kind, await asyncio.to_thread(compressed, content))
+                    self._each(partial(_show_picture, kind, picture))
 
     def _pass_status(self, session: SessionView) -> None:
         news = session.take_status()
@@ -289,9 +297,9 @@ def _watch(client: Client, *, on: bool) -> str:
     return ""
 
 
-def _show_picture(picture: bytes, client: Client) -> None:
+def _show_picture(kind: int, picture: bytes, client: Client) -> None:
     if client.wants_picture:
-        client.show(PICTURE, picture)
+        client.show(kind, picture)
 
 
 def _tell_entries(name: str, entries: list[dict[str, Any]], client: Client) -> None:

@@ -10,7 +10,7 @@ import msgspec
 import numpy as np
 
 from mimics_app.console.handover import AttachedSession
-from mimics_app.console.telemetry import SIGNALS, Telemetry, message
+from mimics_app.console.telemetry import PICTURE, SECOND_PICTURE, SIGNALS, Telemetry, message
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.commands.command_records import CommandSource
 from mimics_app.contracts.commands.vocabulary import read_command
@@ -48,6 +48,7 @@ class SessionView:
         card: What does not change.
         status: Newest status without its lists.
         kept: The newest entries of each list, for clients that come later.
+        pictures: Readers of the pictures by the kind of their message.
     """
 
     def __init__(self, session: AttachedSession) -> None:
@@ -55,7 +56,10 @@ class SessionView:
         self.card = session.card
         self.status: dict[str, Any] = {}
         self.kept: dict[str, list[dict[str, Any]]] = {name: [] for name in _ENTRIES}
-        self.picture = NewestReader(memory.picture_words, memory.picture)
+        self.pictures = {
+            PICTURE: NewestReader(memory.picture_words, memory.picture),
+            SECOND_PICTURE: NewestReader(memory.second_picture_words, memory.second_picture),
+        }
         self._memory = memory
         self._clock: Clock = MonotonicClock()
         self._sender = CommandSender(memory, CommandSource.OPERATOR, "operator's page")
@@ -79,6 +83,14 @@ class SessionView:
         self.status = msgspec.json.decode(written)
         fresh = {name: self._fresh(name, self.status.pop(name, [])) for name in _ENTRIES}
         return self.status, fresh
+
+    def show_second(self, view: str) -> str:
+        """Let the session draw one of its views beside the person's picture, "": none; return a refusal or ""."""
+        if view and view not in self.card.second_views:
+            return "the scene has no such view"
+        number = self.card.second_views.index(view) + 1 if view else 0
+        self._memory.attendance[AttendanceWord.SECOND_VIEW] = number
+        return ""
 
     def signals(self) -> bytes | None:
         """Return the body signals since the last call as a binary message."""

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from mimics_app.contracts.shared_memory.ring_history import RingHistory
 from mimics_app.contracts.shared_memory.session_memory import ControlWord, SessionMemory
 
-__all__ = ["EXTREMES", "PICTURE", "SIGNALS", "TELEMETRY", "VALUES", "Telemetry", "message"]
+__all__ = ["EXTREMES", "PICTURE", "SECOND_PICTURE", "SIGNALS", "TELEMETRY", "VALUES", "Telemetry", "message"]
 
-TELEMETRY, PICTURE, SIGNALS = 1, 2, 3
+TELEMETRY, PICTURE, SIGNALS, SECOND_PICTURE = 1, 2, 3, 4
 """Kinds of binary messages, their first word."""
 
 _SCALARS = (

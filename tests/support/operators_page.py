@@ -16,12 +16,14 @@ from typing import Any
 
 import pytest
 
+from mimics_app.app.picture.picture import Picture, live_quality
 from mimics_app.app.session.assembly import build_session
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.operator_link import OperatorLink
 from mimics_app.app.settings import RunSettings
 from mimics_app.console.meeting_place import MeetingPlace, PageAddress
 from mimics_app.contracts.system.resources import root
+from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 
 __all__ = ["LinkedSession", "enter", "post", "served"]
 
@@ -92,10 +94,18 @@ class LinkedSession:
         self.frames = Frames(self.session)
         self.play_until(lambda: self.link.attached and self.frames.number > 30)
 
+    def draw(self, size: tuple[int, int] = (320, 180)) -> None:
+        """Draw every frame from now on, without a window."""
+        surface = open_offscreen("egl", size)
+        scene, world = self.session.scene, self.session.world
+        self.session.show(Picture(surface, scene, world, live_quality(scene, "training", surface)))
+
     def play(self, frames: int) -> None:
         """Play frames a little faster than the wall clock would."""
         for _ in range(frames):
             self.frames.advance_frame()
+            if self.session.picture is not None:
+                self.session.picture.show_frame(self.frames.board, self.session.clock)
             self.link.after_frame(self.frames)
             time.sleep(0.002)
 

@@ -13,6 +13,7 @@ from mimics_app.app.picture.contact_shadow import ContactShadow
 from mimics_app.app.picture.lost_picture import draw_or_recover
 from mimics_app.app.picture.methods import with_methods
 from mimics_app.app.picture.operator_picture import OperatorPicture
+from mimics_app.app.picture.second_view import SecondView
 from mimics_app.app.picture.shown_on import open_display
 from mimics_app.app.picture.video import Film
 from mimics_app.app.planner.plan import plan_scene
@@ -120,7 +121,7 @@ class Picture:
         presenter: Presenter of the drawn frames on the display.
         renderer: The renderer.
         film: Video of the shown frames; None without one.
-        copies: Copies of them for the operator; None without.
+        copies: Takers of pictures for the operator; none without.
         page: Page over the picture; None for none.
         stats: Cost of the last frame; None before the first.
 
@@ -146,7 +147,7 @@ class Picture:
         self._lead_ns = FRAME_NS
         self.renderer = Renderer(self.presenter.drawn, world, settings, sparse=sparse)
         self.film: Film | None = None
-        self.copies: OperatorPicture | None = None
+        self.copies: list[OperatorPicture | SecondView] = []
         self.page: KeyPage | None = None
         self._contact: ContactShadow | None = None
         self._layout = BoardLayout()
@@ -254,6 +255,10 @@ class Picture:
             return clock.now_ns()
         return draw_or_recover(self.surface, lambda: self._show(board, clock), self.recover)
 
+    @property
+    def _takers(self) -> list[Film | OperatorPicture | SecondView]:
+        return [*([] if self.film is None else [self.film]), *self.copies]
+
     def start_film(self, wanted: Path, *, live: bool) -> Film:
         """Make a video of the frames shown from now on; see `Film`."""
         self.film = Film(self.surface, wanted, live=live)
@@ -265,9 +270,8 @@ class Picture:
         Raises:
             DeviceError: The context cannot be created.
         """
-        for taker in (self.film, self.copies):
-            if taker is not None:
-                taker.forget()
+        for taker in self._takers:
+            taker.forget()
         self._operators = None
         self.surface.renew()
         self.presenter.renew()
@@ -285,9 +289,8 @@ class Picture:
         with self.timer.stage("swap"):
             self.surface.swap()
         done_ns = clock.now_ns() if self._defers else waited_ns
-        for taker in (self.film, self.copies):
-            if taker is not None:
-                taker.take(done_ns)
+        for taker in self._takers:
+            taker.take(done_ns)
         self.report_issues()
         return done_ns
 
@@ -355,8 +358,8 @@ class Picture:
         """Finish the video and release everything, the surface included."""
         if self.film is not None:
             self.film.finish()
-        if self.copies is not None:
-            self.copies.release()
+        for copy in self.copies:
+            copy.release()
         if self._operators is not None:
             self._operators[0].release()
         self.renderer.release()

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mimics_app.app.picture.around_hand import AROUND
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.operator_status import status_of, trial_line
 from mimics_app.console.handover import VERSION, Lines, SessionCard, Slider, send_line
@@ -72,6 +73,8 @@ class OperatorLink:
         self._numbers = {"event": 0, "trial": 0}
         self._newest: dict[str, Mapping[str, object]] = {}
         self._seen_ns: int | None = None
+        self._noted_view = ""
+        self._hand = np.zeros(3)
         self._report = session.report
         session.report = self._say
         session.recorder.listener = self._note
@@ -92,11 +95,15 @@ class OperatorLink:
         if self._line is None:
             return
         self._watch_operator(now_ns)
+        if frames.snapshot is not None:
+            self._hand = frames.snapshot.hip_world
         self._put_signals(frames.signals)
         self._copy_picture()
+        self._watch_second_view()
         if frames.number % _STATUS_FRAMES == 0:
             entries = {"events": list(self._events), "trials": list(self._trials)}
-            self._status.write(to_json({**status_of(self._session, frames, self._newest), **entries}))
+            state = status_of(self._session, frames, self._newest) | {"second_view": self._second_view}
+            self._status.write(to_json({**state, **entries}))
 
     def close(self, *, orderly: bool) -> None:
         """Leave the page, which says whether the session ended as it should."""
@@ -155,6 +162,7 @@ class OperatorLink:
                 for each in session.tasks.parameters
             ],
             views=session.views,
+            second_views=self._second_views,
             signals=list(self._names),
         )
 
@@ -201,14 +209,37 @@ class OperatorLink:
     def _copy_picture(self) -> None:
         """Let the picture, which may open after the first frames, be copied while a page shows it."""
         picture, memory = self._session.picture, self._session.memory
-        if picture is None or picture.copies is not None:
+        if picture is None or picture.copies:
             return
         from mimics_app.app.picture.operator_picture import OperatorPicture
+        from mimics_app.app.picture.second_view import SecondView
 
-        slots = NewestWriter(memory.picture_words, memory.picture)
-        picture.copies = OperatorPicture(
-            picture.surface, slots, lambda: self.attached and bool(memory.attendance[AttendanceWord.WATCHERS])
-        )
+        first = NewestWriter(memory.picture_words, memory.picture)
+        second = NewestWriter(memory.second_picture_words, memory.second_picture)
+        picture.copies = [
+            OperatorPicture(picture.surface, first, lambda: self._watched),
+            SecondView(picture.surface, picture.renderer, second, lambda: self._second_view, lambda: self._hand),
+        ]
+
+    @property
+    def _watched(self) -> bool:
+        return self.attached and bool(self._session.memory.attendance[AttendanceWord.WATCHERS])
+
+    def _watch_second_view(self) -> None:
+        """Note which view is drawn beside the person's picture: it takes time of the frames."""
+        if (view := self._second_view) != self._noted_view:
+            self._noted_view = view
+            self._session.recorder.journal("second_view", {"t_ns": self._session.clock.now_ns(), "view": view})
+
+    @property
+    def _second_view(self) -> str:
+        """Name of the view that a page shows beside the person's picture; "": none."""
+        number = int(self._session.memory.attendance[AttendanceWord.SECOND_VIEW]) - 1
+        return self._second_views[number] if self._watched and 0 <= number < len(self._second_views) else ""
+
+    @property
+    def _second_views(self) -> list[str]:
+        return [*self._session.views, *AROUND]
 
     def _put_signals(self, blocks: tuple[SignalBlock, ...]) -> None:
         for block in blocks:

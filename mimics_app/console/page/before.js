@@ -53,7 +53,7 @@ export class Before {
   /** Ask for the lights and show them; returns them. */
   async check() {
     setText(byId("do-check"), t("Checking …"));
-    const { done, why, lights } = await this.#link.ask("check", this.choice());
+    const { done, why, lights } = await this.#link.ask("check", { choice: this.choice() });
     setText(byId("do-check"), t("Check"));
     if (!done) {
       toast(t(why));
@@ -77,7 +77,7 @@ export class Before {
     if (!checked && !(await this.check())) return;
     if (!checked && this.#red().length) return;
     const despite = this.#red().map((light) => `${light.name}: ${light.found}`).join("; ").slice(0, 300);
-    const { done, why } = await this.#link.ask("start", { ...this.choice(), despite });
+    const { done, why } = await this.#link.ask("start", { choice: { ...this.choice(), despite } });
     toast(done ? t("The session starts; this takes some seconds.") : t(why));
   }
 

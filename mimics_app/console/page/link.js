@@ -37,8 +37,8 @@ export class Link {
   }
 
   /** Ask the server for something by name; resolves to its answer. */
-  ask(ask, choice) {
-    return this.#send(choice ? { ask, choice } : { ask });
+  ask(ask, more = {}) {
+    return this.#send({ ask, ...more });
   }
 
   #send(content) {

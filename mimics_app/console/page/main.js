@@ -8,7 +8,7 @@ import { setStopAddress } from "./stop.js";
 import { loadTexts, t } from "./texts.js";
 import * as view from "./view.js";
 
-const TELEMETRY = 1, PICTURE = 2, SIGNALS = 3;
+const TELEMETRY = 1, PICTURE = 2, SIGNALS = 3, SECOND_PICTURE = 4;
 const HEADER = 8;
 const STILL_MS = 700; // ticks that come no more for this long: the application hangs or is gone
 
@@ -82,8 +82,7 @@ class Page {
     this.before.show(!card);
     byId("columns").hidden = !card;
     for (const [, plot] of this.bands) plot.clear();
-    byId("picture-image").hidden = true;
-    byId("picture-none").hidden = false;
+    view.hidePictures();
     byId("body").hidden = !(card && card.signals.length);
     byId("body-plots").replaceChildren();
     this.bodyPlots = (card ? card.signals : []).map((name) => ({ name, plot: null }));
@@ -100,6 +99,8 @@ class Page {
   takeBinary(data) {
     const kind = new DataView(data).getUint32(0, true);
     if (kind === PICTURE) view.showPicture(new Uint8Array(data, HEADER));
+    const second = byId("second").value;
+    if (kind === SECOND_PICTURE && second) view.showSecondPicture(new Uint8Array(data, HEADER), second);
     if (kind === SIGNALS) this.takeSignals(new DataView(data, HEADER));
     if (kind !== TELEMETRY || data.byteLength === HEADER) return;
     const numbers = new Float64Array(data, HEADER);

@@ -36,6 +36,7 @@ export class Steering {
     const volume = byId("volume");
     volume.addEventListener("change", () => this.give({ command: "volume", level: Number(volume.value) }));
     volume.addEventListener("input", () => setText(volume.nextElementSibling, `${Math.round(100 * volume.value)} %`));
+    byId("second").addEventListener("change", () => this.#look());
     document.addEventListener("keydown", (event) => this.#key(event));
     this.#policy();
     this.#enable();
@@ -71,6 +72,7 @@ export class Steering {
       const button = this.#button(byId("views"), name, () => this.give({ command: "view", name }));
       button.dataset.view = name;
     }
+    byId("second").replaceChildren(new Option(t("none"), ""), ...(card ? card.second_views : []).map((name) => new Option(t(name), name)));
     byId("policy").hidden = !(card && card.has_policy);
     this.#enable();
   }
@@ -97,6 +99,9 @@ export class Steering {
       if (document.activeElement !== input) input.value = value;
       setText(output, `${t("now")} ${plain(value)} ${unit}`);
     }
+    const second = byId("second");
+    if (document.activeElement !== second) second.value = status.second_view;
+    if (!status.second_view) byId("second-image").hidden = true;
     for (const button of byId("views").children) button.setAttribute("aria-pressed", `${button.dataset.view === status.view}`);
     this.#showPolicy(status.policy);
   }
@@ -186,13 +191,19 @@ export class Steering {
     byId("note").blur();
   }
 
+  async #look() {
+    const answer = await this.#link.ask("look", { view: byId("second").value });
+    byId("second-image").hidden = true;
+    if (!answer.done) toast(t(answer.why));
+  }
+
   async #askRole() {
     const answer = await this.#link.ask(byId("role-ask").dataset.ask);
     if (!answer.done) toast(t(answer.why));
   }
 
   #key(event) {
-    const typing = event.target instanceof HTMLInputElement && event.target.type !== "range";
+    const typing = event.target instanceof HTMLSelectElement || (event.target instanceof HTMLInputElement && event.target.type !== "range");
     if (typing && event.key === "Escape") event.target.blur();
     if (typing || event.repeat || event.ctrlKey || event.altKey || event.metaKey) return;
     const paused = this.#status && this.#status.task.paused;
@@ -213,7 +224,7 @@ export class Steering {
 
   #enable() {
     const may = this.#operates && this.#card !== null;
-    for (const node of document.querySelectorAll("#columns button, #columns input")) node.disabled = !may;
+    for (const node of document.querySelectorAll("#columns button, #columns input, #columns select")) node.disabled = !may;
     byId("stop").disabled = false;
   }
 }

@@ -211,11 +211,25 @@ export function toast(text) {
 
 /** Show a picture of the person, a JPEG. */
 export function showPicture(bytes) {
-  const image = byId("picture-image");
+  showJpeg(byId("picture-image"), bytes, t("what the person sees now"));
+  byId("picture-none").hidden = true;
+}
+
+/** Show a picture of another view, a JPEG. */
+export function showSecondPicture(bytes, name) {
+  showJpeg(byId("second-image"), bytes, t("the scene now, from the view {name}", { name }));
+}
+
+/** Hide the pictures until new ones come. */
+export function hidePictures() {
+  for (const id of ["picture-image", "second-image"]) byId(id).hidden = true;
+  byId("picture-none").hidden = false;
+}
+
+function showJpeg(image, bytes, alt) {
   const before = image.src;
   image.src = URL.createObjectURL(new Blob([bytes], { type: "image/jpeg" }));
-  image.alt = t("what the person sees now");
+  image.alt = alt;
   image.hidden = false;
-  byId("picture-none").hidden = true;
   if (before) URL.revokeObjectURL(before);
 }

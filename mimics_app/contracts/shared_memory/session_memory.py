@@ -28,6 +28,7 @@ from mimics_app.contracts.shared_memory.sound_scene import SOUND_SCENE
 __all__ = [
     "PICTURE_SIZE",
     "SHARED_ARRAYS",
+    "SECOND_PICTURE_SIZE",
     "SIGNAL_SAMPLE",
     "AttendanceWord",
     "Capacities",
@@ -58,6 +59,7 @@ class AttendanceWord(IntEnum):
     PASS_NS = 0  # monotonic time of the page's last pass [ns]
     OPERATORS = 1  # clients that may give commands
     WATCHERS = 2  # clients that show the subject's picture
+    SECOND_VIEW = 3  # view of the picture beside it: 1 + its place among the scene's views; 0: none
 
 
 SIGNAL_SAMPLE = np.dtype([("t_ns", np.int64), ("value", np.float32), ("signal", np.int16), ("kind", np.int16)])
@@ -65,6 +67,9 @@ SIGNAL_SAMPLE = np.dtype([("t_ns", np.int64), ("value", np.float32), ("signal", 
 
 PICTURE_SIZE = (640, 360)
 """Largest picture for the operator [px]."""
+
+SECOND_PICTURE_SIZE = (480, 270)
+"""Size of the picture of another view for the operator [px]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +84,7 @@ class Capacities:
     signal_samples: int = 16384  # of all body signals, for the operator: several seconds
     status_bytes: int = 65536  # of the state for the operator
     picture_bytes: int = 3 * PICTURE_SIZE[0] * PICTURE_SIZE[1] + 64  # of the subject's picture for the operator
+    second_picture_bytes: int = 3 * SECOND_PICTURE_SIZE[0] * SECOND_PICTURE_SIZE[1] + 64  # of another view beside it
     lateness_bins: int = 2048
     extent: Extent = field(default_factory=Extent)  # subset of the loop's numbers that the device has
 
@@ -163,6 +169,8 @@ class SessionMemory:
     status: Annotated[NDArray[np.uint8], Shared(np.uint8, (2, "status_bytes"))]
     picture_words: Annotated[Words, Shared(np.int64, (NEWEST_WORDS,))]
     picture: Annotated[NDArray[np.uint8], Shared(np.uint8, (2, "picture_bytes"))]
+    second_picture_words: Annotated[Words, Shared(np.int64, (NEWEST_WORDS,))]
+    second_picture: Annotated[NDArray[np.uint8], Shared(np.uint8, (2, "second_picture_bytes"))]
     signal_words: _Ends
     signal_samples: Annotated[Records, Shared(SIGNAL_SAMPLE, ("signal_samples",))]
 
