@@ -65,6 +65,7 @@ class SessionCard:
         sliders: Adaptable parameters.
         views: Names of the views.
         second_views: Names of what can be shown beside the person's picture.
+        faults: Faults that the device can be given, by name, and what happens; none for a real device.
         signals: Names of the body signals, in the order of their index in `signal_samples`.
     """
 
@@ -83,6 +84,7 @@ class SessionCard:
     sliders: list[Slider] = field(default_factory=list)
     views: list[str] = field(default_factory=list)
     second_views: list[str] = field(default_factory=list)
+    faults: dict[str, str] = field(default_factory=dict)
     signals: list[str] = field(default_factory=list)
 
     @property

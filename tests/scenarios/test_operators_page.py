@@ -6,11 +6,15 @@ import json
 import os
 import signal
 import socket
+import ssl
+import subprocess
+import sys
 import time
 import urllib.request
 import uuid
 from collections.abc import Iterator
 from contextlib import ExitStack
+from datetime import timedelta
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +22,15 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
-from mimics_app.console.meeting_place import PageAddress
+from mimics_app.app.play.launching import launcher_settings, settings_of_choice
+from mimics_app.app.play.operators_page import DEFAULT_PORT, open_page
+from mimics_app.console import own_certificate as own_certificate_module
+from mimics_app.console.meeting_place import MeetingPlace, PageAddress
+from mimics_app.console.own_certificate import fingerprint, own_certificate
 from mimics_app.contracts.commands.command_records import CommandSource
 from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.shared_memory.shared_words import STOP_STRIDE
+from mimics_app.rendering.visual.launcher.launcher import LauncherChoice
 from tests.support.operators_page import LinkedSession, answers, enter, post, served
 
 
@@ -216,3 +225,74 @@ def test_the_page_says_how_a_session_left_and_shows_the_next(
         assert left["card"] is None and says in left["why"]
         play.play_until(lambda: play.link.attached)
         assert next(sessions)["card"]["folder"] == play.session.folder.name
+
+
+def own_address() -> str:
+    """This computer's address in its network; "": it has none. Nothing is sent."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(("192.0.2.1", 9))
+            return str(probe.getsockname()[0])
+        except OSError:
+            return ""
+
+
+@pytest.mark.skipif(own_address() in ("", "127.0.0.1"), reason="this computer has no address in a network")
+def test_from_another_computer_the_page_is_seen_by_tls_and_does_not_operate(tmp_path: Path) -> None:
+    host, homes = own_address(), {"XDG_CONFIG_HOME": str(tmp_path / "own"), "XDG_RUNTIME_DIR": str(tmp_path)}
+    words = [sys.executable, "-m", "mimics_app", "console", "--port", "0", "--host", host, "--json"]
+    page = subprocess.Popen(words, env=os.environ | homes, stdout=subprocess.PIPE, text=True)
+    try:
+        address = json.loads(page.stdout.readline())
+        origin, _, token = address["view_url"].partition("/#")
+        assert origin.startswith("https://") and not address["url"]
+        port = int(origin.rpartition(":")[2])
+        shown = ssl.get_server_certificate((host, port), timeout=60)
+        kept = tmp_path / "own" / "mimics" / "certificates" / f"{host}.pem"
+        assert shown in kept.read_text() and all(file.stat().st_mode & 0o77 == 0 for file in kept.parent.iterdir())
+        trusting = ssl.create_default_context(cafile=str(kept))
+        trusting.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN  # it is trusted by itself, as a browser does when told
+        request = urllib.request.Request(f"{origin}/enter", json.dumps({"token": token}).encode(), {"origin": origin})
+        with urllib.request.urlopen(request, context=trusting, timeout=60) as entered:
+            assert json.load(entered)["role"] == "view" and "Secure" in entered.headers["set-cookie"]
+    finally:
+        page.terminate()
+        page.wait(timeout=20)
+
+
+def test_an_own_certificate_is_kept_and_made_anew_before_it_expires(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first = own_certificate(tmp_path, "fd00::2")
+    before = fingerprint(first)
+    assert own_certificate(tmp_path, "fd00::2") == first and fingerprint(first) == before
+    monkeypatch.setattr(own_certificate_module, "_RENEWED", timedelta(days=366))
+    assert fingerprint(own_certificate(tmp_path, "fd00::2")) != before
+
+
+def test_the_entry_of_the_launcher_opens_the_page_in_the_browser_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    offered = {setting.name: [choice.value for choice in setting.choices] for setting in launcher_settings()}
+    assert offered["console"] == ["", "open"]
+    usual = {name: values[0] if values else "" for name, values in offered.items()}
+    chosen = [
+        settings_of_choice(LauncherChoice(Path("a.json"), usual | {"console": each})).console for each in ("", "open")
+    ]
+    assert chosen == [None, DEFAULT_PORT]
+    browser, opened = tmp_path / "browser", tmp_path / "opened"
+    browser.write_text(f'#!/bin/sh\necho "$1" >> {opened}\n')
+    browser.chmod(0o700)
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    monkeypatch.setenv("BROWSER", f"{browser} %s")
+    open_page(0)
+    address = MeetingPlace().served()
+    assert address is not None
+    try:
+        open_page(0)  # of the next session
+        assert opened.read_text().split() == [address.url]
+        while not answers(address):
+            time.sleep(0.05)
+        assert enter(address)[1]
+    finally:
+        os.kill(address.pid, signal.SIGTERM)

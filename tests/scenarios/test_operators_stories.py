@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable, Iterator
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -78,6 +79,19 @@ class Room:
         if self.play.frames.orders.view.paused:
             self.given("resume", lambda: self.key("p"))
         self.until(lambda: self.play.frames.orders.person_may_act)
+
+
+def serious_findings(tab: Any) -> list[str]:
+    """What axe-core finds on a page as it is, serious or critical."""
+    tab.evaluate((files("axe_playwright_python") / "axe.min.js").read_text(encoding="utf-8"))
+    found = tab.evaluate("axe.run()")
+    assert found["passes"], "it has looked at something"
+    return [
+        f"{each['id']}: {node['html']}"
+        for each in found["violations"]
+        if each["impact"] in ("serious", "critical")
+        for node in each["nodes"]
+    ]
 
 
 @pytest.fixture(scope="module")
@@ -201,6 +215,18 @@ def test_a_proposal_waits_for_the_operator(room: Room, accept: bool, button: str
     room.given("policy", lambda: room.press("carried out"))
 
 
+def test_a_fault_of_the_simulated_device_is_trained(room: Room) -> None:
+    room.acting()
+    room.tab.locator("#fault").select_option(label="no data arrive")
+    line = room.given("fault", lambda: room.press("Let it happen"))
+    assert line["done"] and line["values"] == {"name": "silent"}
+    room.until(lambda: room.play.frames.snapshot.state == SafetyState.SAFE_STOP)
+    room.until(lambda: "STOPPED" in room.text("#safety"))
+    assert room.given("fault", lambda: room.press("End the fault"))["values"] == {"name": "none"}
+    assert room.given("reset", lambda: room.key("r"))["done"]
+    room.until(lambda: "STOPPED" not in room.text("#safety"))
+
+
 def test_the_volume_is_a_command_and_a_silent_session_says_so(room: Room) -> None:
     line = room.given("volume", lambda: room.tab.locator("#volume").fill("0.5"))
     assert line["values"] == {"level": 0.5} and not line["done"]
@@ -278,6 +304,13 @@ def test_stop_is_in_the_window_and_nothing_is_wider(room: Room, width: int, heig
     assert room.tab.evaluate("document.documentElement.scrollWidth") <= width
 
 
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_nothing_serious(room: Room, scheme: str) -> None:
+    room.tab.emulate_media(color_scheme=scheme)
+    room.play.play(10)
+    assert not serious_findings(room.tab)
+
+
 def test_every_control_has_a_name_and_is_reached_by_the_keyboard(room: Room) -> None:
     room.tab.set_viewport_size({"width": 1280, "height": 720})
     room.tab.reload()  # the first Tab goes to the first control, wherever the page was left before
@@ -300,4 +333,5 @@ def test_the_session_ends_by_the_page_when_it_is_asked_twice(room: Room) -> None
     room.play.link.close(orderly=True)
     room.tab.get_by_text("The session is over.").wait_for()
     assert room.tab.locator("#before").is_visible() and room.tab.locator("#columns").is_hidden()
+    assert not serious_findings(room.tab)
     assert not room.faults

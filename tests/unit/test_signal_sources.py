@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from unittest.mock import MagicMock
 
 import edfio
 import numpy as np
@@ -15,6 +16,7 @@ import pytest
 
 from mimics_app.app.cli import main
 from mimics_app.app.physio.watch import Watch
+from mimics_app.app.session.watches import SignalWatch
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
 from mimics_app.contracts.messages.stage_messages import Experience, SignalBlock
 from mimics_app.contracts.ports.plugins import PluginGroup
@@ -22,6 +24,7 @@ from mimics_app.dsp.stage import PhysioDsp
 from mimics_app.inputs.physio import sources
 from mimics_app.inputs.physio.amplifier_frames import AmplifierReader
 from mimics_app.inputs.physio.channel_names import unit_factor
+from mimics_app.inputs.physio.guarded_source import GuardedSource
 from mimics_app.inputs.physio.integrity import Grid
 from mimics_app.inputs.physio.recording import FileSource, read_signal_file
 from mimics_app.inputs.physio.serial_amplifier import SerialAmplifier
@@ -352,7 +355,12 @@ def test_a_stream_of_lsl() -> None:
     assert (np.diff(good) > 0.0).all()
     np.testing.assert_allclose(good, np.round(good), atol=1e-6)  # millivolts
     assert good[-1] < sent
-    assert source.offsets
+    assert source.clock_offset_s == pytest.approx(0.0, abs=1e-3), "one computer has one clock"
+    journal = MagicMock()
+    SignalWatch((GuardedSource(source, "the stream"),), journal, print).check(7)
+    journal.journal.assert_called_once_with(
+        "clock_offset", {"t_ns": 7, "signal_source": 0, "offset_s": source.clock_offset_s}
+    )
     assert source.lost == ""
     while source.read(time.monotonic_ns()):
         pass

@@ -21,6 +21,7 @@ __all__ = ["add_arguments", "run"]
 
 _PORT = 8765
 """As `play.operators_page.DEFAULT_PORT`, so that --help imports none of it."""
+_EVERYWHERE = ("0.0.0.0", "::", "")
 _WAIT_NS = 500_000_000
 """Period in which a page of a run looks whether it is needed [ns]."""
 
@@ -34,8 +35,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--port", type=whole_number("port", range(65536)), default=_PORT, help="port of the page (0: any free one)"
     )
-    parser.add_argument("--host", default="127.0.0.1", help="address to serve at; another than this computer needs TLS")
-    parser.add_argument("--certificate", type=Path, metavar="FILE", help="certificate for TLS (PEM)")
+    parser.add_argument(
+        "--host", default="127.0.0.1", help="address to serve at; any but that of this computer itself is served by TLS"
+    )
+    parser.add_argument(
+        "--certificate", type=Path, metavar="FILE", help="certificate for TLS (PEM); without it one is made and kept"
+    )
     parser.add_argument("--key", type=Path, metavar="FILE", help="key of the certificate (PEM)")
     parser.add_argument(
         "--lan-operate", action="store_true", help="let pages at other computers operate, not only view"
@@ -55,8 +60,8 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.app.play.operators_page import check_console
     from mimics_app.console.meeting_place import MeetingPlace
 
-    certificate = _certificate(args)
     check_console()
+    certificate = _certificate(args)
     import asyncio
 
     from mimics_app.console.supervisor import Serving, open_supervisor
@@ -77,6 +82,10 @@ def run(args: argparse.Namespace) -> int:
         answer(args, {"url": address.url, "view_url": address.view_url, "pid": address.pid}, ())
     else:
         say(f"operator's page: {shown}")
+        if certificate is not None:
+            from mimics_app.console.own_certificate import fingerprint
+
+            say(f"fingerprint of its certificate, as the browser shows it (SHA-256): {fingerprint(certificate)}")
     try:
         asyncio.run(supervisor.run())
     finally:
@@ -110,13 +119,22 @@ def _is_loopback(host: str) -> bool:
 
 
 def _certificate(args: argparse.Namespace) -> Certificate | None:
-    """Return the certificate; another address than this computer's needs one."""
-    from mimics_app.contracts.errors import UsageError
+    """Return the certificate; for another address than this computer's one is made where none is given."""
+    from mimics_app.contracts.errors import OutputError, UsageError
 
+    if args.host in _EVERYWHERE:
+        raise UsageError(f"--host {args.host} is no address that a browser can open", "give this computer's own")
     if args.certificate is None and args.key is None:
-        if not _is_loopback(args.host):
-            raise UsageError(f"--host {args.host} needs TLS", "give --certificate FILE and --key FILE")
-        return None
+        if _is_loopback(args.host):
+            return None
+        from mimics_app.app.terminal.user_files import config_folder
+        from mimics_app.console.own_certificate import own_certificate
+
+        folder = config_folder() / "certificates"
+        try:
+            return own_certificate(folder, args.host)
+        except OSError as error:
+            raise OutputError(folder, str(error.strerror), "give --certificate FILE and --key FILE") from error
     if args.certificate is None or args.key is None:
         raise UsageError("--certificate and --key belong together", "give both")
     for file in (args.certificate, args.key):

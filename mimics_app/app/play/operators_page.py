@@ -15,7 +15,7 @@ __all__ = ["DEFAULT_PORT", "can_serve", "check_console", "open_page", "start_pag
 
 DEFAULT_PORT = 8765
 """Port of the page where none is given."""
-_PACKAGES = ("starlette", "uvicorn", "websockets")
+_PACKAGES = ("starlette", "trustme", "uvicorn", "websockets")
 _WAIT_NS = 20_000_000_000
 """Time-out of the page's start [ns]."""
 _STEP_NS = 50_000_000

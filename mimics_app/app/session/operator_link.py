@@ -18,6 +18,7 @@ from mimics_app.console.meeting_place import MeetingPlace, has_unix_sockets
 from mimics_app.contracts.clock import SECOND_NS, Clock, MonotonicClock
 from mimics_app.contracts.commands.command_records import CommandSource
 from mimics_app.contracts.commands.vocabulary import Pause, Stop
+from mimics_app.contracts.loop.device_faults import FAULT_WORDS
 from mimics_app.contracts.messages.stage_messages import SignalBlock
 from mimics_app.contracts.shared_memory.command_ring import CommandSender
 from mimics_app.contracts.shared_memory.newest_bytes import NewestWriter
@@ -163,6 +164,7 @@ class OperatorLink:
             ],
             views=session.views,
             second_views=self._second_views,
+            faults=FAULT_WORDS if session.haptics.plugin.simulated else {},
             signals=list(self._names),
         )
 

@@ -43,7 +43,7 @@ class RecorderWatch:
 
 
 class SignalWatch:
-    """Reports a source of body signals that is lost or back; the session goes on.
+    """Reports a source of body signals that is lost or back, and notes the offsets of its clock; the session goes on.
 
     Args:
         sources: Sources of the session.
@@ -53,6 +53,7 @@ class SignalWatch:
 
     def __init__(self, sources: Sequence[SignalSource], recorder: RecorderPort, report: Callable[[str], None]) -> None:
         self._known: list[tuple[SignalSource, str]] = [(source, "") for source in sources]
+        self._offsets: list[float | None] = [None] * len(sources)
         self._recorder, self._report = recorder, report
 
     def check(self, now_ns: int) -> None:
@@ -62,6 +63,10 @@ class SignalWatch:
                 self._known[i] = (source, lost)
                 self._report(f"body signals are lost: {lost}" if lost else "body signals are back")
                 self._recorder.journal("signal_source", {"t_ns": now_ns, "lost": lost})
+            offset_s = getattr(source, "clock_offset_s", None)  # of a source whose sender has a clock of its own
+            if offset_s != self._offsets[i]:
+                self._offsets[i] = offset_s
+                self._recorder.journal("clock_offset", {"t_ns": now_ns, "signal_source": i, "offset_s": offset_s})
 
 
 class TactileWatch:

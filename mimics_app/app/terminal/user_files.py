@@ -12,12 +12,12 @@ from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.recording.run_folder import write_atomically
 
-__all__ = ["config_file", "read_config", "read_strictly", "write_config"]
+__all__ = ["config_file", "config_folder", "read_config", "read_strictly", "write_config"]
 
 _MOST_BYTES = 1 << 20
 
 
-def _config_folder() -> Path:
+def config_folder() -> Path:
     """Return the folder of this program's settings; it may not exist yet."""
     if sys.platform == "win32":
         return Path(os.environ.get("APPDATA") or Path.home() / "AppData" / "Roaming") / "mimics"
@@ -29,7 +29,7 @@ def _config_folder() -> Path:
 def read_config(name: str) -> dict[str, object]:
     """Return the contents of a file; {} where it is missing or cannot be read."""
     try:
-        content = json.loads(read_regular(_config_folder() / f"{name}.json", _MOST_BYTES))
+        content = json.loads(read_regular(config_folder() / f"{name}.json", _MOST_BYTES))
     except (OSError, ValueError, RuntimeError):  # RuntimeError: nested too deeply, or an account without a home folder
         return {}
     return content if isinstance(content, dict) else {}
@@ -37,7 +37,7 @@ def read_config(name: str) -> dict[str, object]:
 
 def config_file(name: str) -> Path:
     """Return the path of a settings file; it may not exist."""
-    return _config_folder() / f"{name}.json"
+    return config_folder() / f"{name}.json"
 
 
 def read_strictly(name: str) -> dict[str, object]:
@@ -61,7 +61,7 @@ def read_strictly(name: str) -> dict[str, object]:
 def write_config(name: str, content: Mapping[str, object]) -> None:
     """Write the contents of a file; nothing happens where the folder cannot be written."""
     try:
-        folder = _config_folder()
+        folder = config_folder()
         folder.mkdir(parents=True, exist_ok=True)
         write_atomically(folder / f"{name}.json", json.dumps(content, indent=1).encode())
     except (OSError, RuntimeError):

@@ -1,10 +1,10 @@
 // Before a session: the choice, the lights of what it needs, the start and its override.
 
-import { t } from "./texts.js";
+import { mark, t } from "./texts.js";
 import { setText, toast } from "./view.js";
 
 const byId = (id) => document.getElementById(id);
-const WORDS = { green: "ready", amber: "works without", red: "not ready" };
+const WORDS = { green: mark("ready"), amber: mark("works without"), red: mark("not ready") };
 const SIGNS = { green: "✓", amber: "!", red: "✗" };
 
 export class Before {
@@ -14,7 +14,7 @@ export class Before {
 
   constructor(link) {
     this.#link = link;
-    for (const value of ["usual", "easier", "harder"]) byId("choose-difficulty").append(new Option(t(value), value));
+    for (const value of [mark("usual"), mark("easier"), mark("harder")]) byId("choose-difficulty").append(new Option(t(value), value));
     byId("do-check").addEventListener("click", () => this.check());
     byId("before-form").addEventListener("submit", (event) => { event.preventDefault(); this.start(); });
     byId("before-form").addEventListener("input", () => this.#forget());

@@ -1,16 +1,16 @@
 // What the operator does: buttons, keys, sliders, notes, marks, the policy; each shows the session's answer.
 
 import { stop } from "./stop.js";
-import { t } from "./texts.js";
+import { mark, t } from "./texts.js";
 import { figure, setText, toast } from "./view.js";
 
 const byId = (id) => document.getElementById(id);
 
 const TRIAL = [
-  ["start_trial", "Start", "S"], ["pause", "Pause", "P"], ["resume", "Resume", "P"], ["skip", "Skip", ""],
-  ["repeat", "Repeat", ""], ["reset", "Force on again", "R"], ["end", "End session", ""],
+  ["start_trial", mark("Start"), "S"], ["pause", mark("Pause"), "P"], ["resume", mark("Resume"), "P"], ["skip", mark("Skip"), ""],
+  ["repeat", mark("Repeat"), ""], ["reset", mark("Force on again"), "R"], ["end", mark("End session"), ""],
 ];
-const MARKS = ["event", "pain", "fatigue", "help"];
+const MARKS = [mark("event"), mark("pain"), mark("fatigue"), mark("help")];
 const SURE_MS = 4000;
 
 /** Return a number with as many digits as it needs, three at most. */
@@ -38,6 +38,8 @@ export class Steering {
     volume.addEventListener("input", () => setText(volume.nextElementSibling, `${Math.round(100 * volume.value)} %`));
     byId("second").addEventListener("change", () => this.#look());
     document.addEventListener("keydown", (event) => this.#key(event));
+    this.#button(byId("fault-buttons"), t("Let it happen"), () => this.give({ command: "fault", name: byId("fault").value }));
+    this.#button(byId("fault-buttons"), t("End the fault"), () => this.give({ command: "fault", name: "none" }));
     this.#policy();
     this.#enable();
   }
@@ -73,6 +75,9 @@ export class Steering {
       button.dataset.view = name;
     }
     byId("second").replaceChildren(new Option(t("none"), ""), ...(card ? card.second_views : []).map((name) => new Option(t(name), name)));
+    const faults = Object.entries(card ? card.faults : {}).filter(([name]) => name !== "none");
+    byId("fault").replaceChildren(...faults.map(([name, words]) => new Option(t(words), name)));
+    byId("faults").hidden = !faults.length;
     byId("policy").hidden = !(card && card.has_policy);
     this.#enable();
   }
@@ -158,7 +163,7 @@ export class Steering {
     title.textContent = t("The computer's choices");
     const modes = document.createElement("div");
     modes.className = "buttons";
-    for (const [mode, caption] of [["on", "carried out"], ["propose", "proposed to me"], ["off", "ignored"]]) {
+    for (const [mode, caption] of [["on", mark("carried out")], ["propose", mark("proposed to me")], ["off", mark("ignored")]]) {
       this.#button(modes, t(caption), () => this.give({ command: "policy", mode })).dataset.mode = mode;
     }
     const choice = Object.assign(document.createElement("p"), { id: "policy-choice", className: "quiet" });

@@ -17,6 +17,11 @@ export async function loadTexts() {
   for (const node of document.querySelectorAll("[data-text]")) node.textContent = t(node.textContent);
 }
 
+/** Mark a text for the catalogues that `t` is given elsewhere. */
+export function mark(text) {
+  return text;
+}
+
 /** Return a text in the reader's language, with {name} replaced by values. */
 export function t(text, values = {}) {
   return (catalogue[text] || text).replace(/\{(\w+)\}/g, (_, name) => values[name] ?? "");

@@ -1,17 +1,17 @@
 // What a person reads of a session: texts, lamps, lists. Every text is set as text, never as markup.
 
-import { t } from "./texts.js";
+import { mark, t } from "./texts.js";
 
 const byId = (id) => document.getElementById(id);
 const MOST_LINES = 200;
 
 const TRIAL_STATES = {
-  approach: "The robot drives to the start", ready: "Ready to start", travel: "The person acts", finished: "Goal reached",
-  timeout: "Time is over", aborted: "Broken off", stopped: "Stopped", rest: "Rest", done: "The session is over",
+  approach: mark("The robot drives to the start"), ready: mark("Ready to start"), travel: mark("The person acts"), finished: mark("Goal reached"),
+  timeout: mark("Time is over"), aborted: mark("Broken off"), stopped: mark("Stopped"), rest: mark("Rest"), done: mark("The session is over"),
 };
 const SAFETY = {
-  ACTIVE: ["Force on", "calm"], READY: ["Ready", "calm"], HOMED: ["Ready", "calm"], INIT: ["Starting", "warn"], OFF: ["Off", "warn"],
-  DEGRADED: ["Force paused", "warn"], SAFE_STOP: ["STOPPED", "bad"], E_STOP: ["STOPPED by hand", "bad"],
+  ACTIVE: [mark("Force on"), "calm"], READY: [mark("Ready"), "calm"], HOMED: [mark("Ready"), "calm"], INIT: [mark("Starting"), "warn"], OFF: [mark("Off"), "warn"],
+  DEGRADED: [mark("Force paused"), "warn"], SAFE_STOP: [mark("STOPPED"), "bad"], E_STOP: [mark("STOPPED by hand"), "bad"],
 };
 const STAYS = new Set(["note", "mark"]);
 
@@ -104,7 +104,7 @@ function toneOf(tone) {
 function showPerson(status) {
   const { person, features } = status;
   const pairs = [];
-  for (const name of ["arousal", "valence", "effort"]) {
+  for (const name of [mark("arousal"), mark("valence"), mark("effort")]) {
     const estimate = person && person[name];
     pairs.push([t(name), estimate ? `${figure(estimate[0], 2)} ± ${figure(Math.sqrt(estimate[1]), 2)}` : t("unknown")]);
   }

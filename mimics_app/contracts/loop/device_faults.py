@@ -18,7 +18,7 @@ from mimics_app.contracts.loop.spoiling import Spoiling
 if TYPE_CHECKING:
     from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
 
-__all__ = ["FAULT_NAMES", "DeviceFault", "FaultOrder", "fault_order"]
+__all__ = ["FAULT_NAMES", "FAULT_WORDS", "DeviceFault", "FaultOrder", "fault_order"]
 
 
 class DeviceFault(NamedTuple):
@@ -62,6 +62,9 @@ _FAULTS = {
 
 FAULT_NAMES = tuple(_FAULTS)
 """Names of the faults, without places."""
+
+FAULT_WORDS = {name: fault.about for name, fault in _FAULTS.items()}
+"""What happens in each, for people."""
 
 _VERTICAL = 2
 """Axis of a force sensor that faults are about."""

@@ -27,8 +27,8 @@ from mimics_app.contracts.shared_memory.sound_scene import SOUND_SCENE
 
 __all__ = [
     "PICTURE_SIZE",
-    "SHARED_ARRAYS",
     "SECOND_PICTURE_SIZE",
+    "SHARED_ARRAYS",
     "SIGNAL_SAMPLE",
     "AttendanceWord",
     "Capacities",

@@ -44,6 +44,12 @@ class GuardedSource(SignalSource):
         return self._fault or found
 
     @property
+    def clock_offset_s(self) -> float | None:
+        """Newest offset of the sender's clock [s], of a source that measures one."""
+        none: float | None = None
+        return self._call(lambda: getattr(self._source, "clock_offset_s", none), none)
+
+    @property
     def faults(self) -> Mapping[str, Faults]:
         """Faults of each signal so far, of a source that counts them."""
         none: Mapping[str, Faults] = {}

@@ -1,8 +1,8 @@
 """Body signals from a stream of the lab streaming layer (LSL), by its name or type: lsl:NAME.
 
 Channels are identified by their labels in the stream's description, else by the stream's type, and converted from the
-unit stated there. Time stamps are those of the sender, corrected by the measured offset of its clock; the offsets are
-kept.
+unit stated there. Time stamps are those of the sender, corrected by the measured offset of its clock, which the
+journal notes.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class LslSource(LiveSignals):
         name: Name of the stream, or its type.
 
     Attributes:
-        offsets: Measured offsets from the sender's clock to this machine's [s], newest last.
+        clock_offset_s: Newest offset from the sender's clock to this computer's [s]; None before the first.
 
     Raises:
         UsageError: pylsl is not installed.
@@ -78,7 +78,7 @@ class LslSource(LiveSignals):
             raise DeviceError(f'the LSL stream "{name}" has no regular rate', "send it at a fixed rate")
         self._grids = {name: Grid(name, self._rate) for name in self._columns}
         self._clock = MonotonicClock()
-        self.offsets: list[float] = []
+        self.clock_offset_s: float | None = None
         self._ask_ns = 0
         self._ended = False
         self._measure_offset(_PATIENCE_S)
@@ -102,7 +102,7 @@ class LslSource(LiveSignals):
 
     def _blocks(self, rows: F8, times: F8, now_ns: int) -> tuple[SignalBlock, ...]:
         """Return samples as blocks; a jump of their time stamps within them begins another one."""
-        offset = self.offsets[-1] if self.offsets else 0.0
+        offset = self.clock_offset_s or 0.0
         here = self._pylsl.local_clock()
         jumps = np.abs(np.diff(times) - 1.0 / self._rate) > _JUMP_S
         blocks = []
@@ -128,9 +128,9 @@ class LslSource(LiveSignals):
             raise DeviceError(f'the LSL stream "{self._name}" does not answer', "start its sender again") from error
 
     def _measure_offset(self, patience_s: float) -> None:
-        """Append the offset of the sender's clock; after the first one the library measures in the background."""
+        """Note the offset of the sender's clock; after the first one the library measures in the background."""
         try:
-            self.offsets.append(float(self._inlet.time_correction(patience_s)))
+            self.clock_offset_s = float(self._inlet.time_correction(patience_s))
         except (self._pylsl.util.TimeoutError, self._pylsl.util.LostError, RuntimeError):
             return  # the sender does not answer; the last offset remains valid
 
