@@ -9,7 +9,12 @@ from pathlib import Path
 
 import pytest
 
+from mimics_app.app.play.script_reload import ScriptReload
+from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.scenes.scenario_choice import BUILT_IN
+from mimics_app.app.session.core import open_core
+from mimics_app.app.session.preparation import prepare_scene
+from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.system.resources import root
 from tests.support.plugin_site import write_package
@@ -163,3 +168,20 @@ def test_a_scenario_of_a_package_keeps_the_contract(installed: None, tmp_path: P
 def test_a_faulty_scenario_is_found(name: str, installed: None, tmp_path: Path) -> None:
     with pytest.raises((AssertionError, UsageError, TypeError), match=FAULTS[name]):
         check_scenario(played_by(name.lower(), tmp_path))
+
+
+def test_a_saved_script_plays_from_the_next_trial_on_and_a_broken_one_does_not(installed: None, tmp_path: Path) -> None:
+    script, scene = tmp_path / "lab_of_yards.py", load_checked_scene(played_by("yard", tmp_path))
+    with open_core(prepare_scene(scene, RunSettings(scene.path))) as core:
+        reload, before = ScriptReload(core), core.scenario  # type: ignore[arg-type]
+        assert type(before).__module__ == "lab_of_yards" and not reload.check(between=True)
+        source = script.read_text()
+        for fault, why in (("\n  x", "line "), ("\nraise ValueError(7)", "ValueError: 7"), ("\ndel Yard", "Yard")):
+            script.write_text(source + fault)
+            assert not reload.check(between=False), "within a trial it waits"
+            said = reload.check(between=True)
+            assert said.startswith("the script stays as it was") and why in said and core.scenario is before, said
+        script.write_text(source.replace("(TouchScene):\n", "(TouchScene):\n    mark = 5\n\n", 1))
+        assert reload.check(between=True) == "script reloaded: lab_of_yards.py"
+        assert core.scenario is not before and core.scenario.mark == 5
+        assert not reload.check(between=True)

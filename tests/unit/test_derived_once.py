@@ -114,7 +114,7 @@ def look_later(reload: SceneReload, core: SessionCore) -> None:
     """A look now, and one when the watcher has seen that the file rests."""
     for second in range(1, 4):
         core.clock.sleep_until_ns(second * 1_000_000_000)
-        reload.check()
+        reload.check(between=True)
 
 
 def many_things(folder: Path) -> Path:

@@ -18,6 +18,7 @@ from scipy import stats
 from mimics_app.app.study import study_runs
 from mimics_app.app.study.change import change_of, paired_difference
 from mimics_app.app.study.counterbalance import balanced_square, latin_square, order_of
+from mimics_app.app.study.forms import Form, Item, check_answers
 from mimics_app.app.study.study_folder import StudyFolder, folder_name
 from mimics_app.app.study.study_results import changes_of, effects_of, trials_of
 from mimics_app.app.study.study_runs import Next, find_next, play_next
@@ -243,3 +244,52 @@ def test_the_verbs_and_the_scene_beside_them(tmp_path: Path) -> None:
     assert mimics("study", "erase", tmp_path / "s", "P1").returncode == 0
     assert "no participants yet" in mimics("study", "status", tmp_path / "s").stdout
     assert mimics("study", "wavy_tunnel", "P1").returncode == 2
+
+
+def test_answers_to_forms_are_checked_kept_in_order_exported_and_erased(tmp_path: Path) -> None:
+    folder, out, tables = tmp_path / "s", tmp_path / "a.json", tmp_path / "tables"
+    mimics("study", "new", folder, "wavy_tunnel", "--form", "nasa_tlx", "--form", "person")
+    load = {"mental": 60, "physical": 35, "temporal": 0, "performance": 100, "effort": 55, "frustration": 5}
+    out.write_text(json.dumps(load))
+    shown = json.loads(mimics("study", "form", folder, "007", "nasa_tlx", "--json").stdout)
+    assert list(shown["items"]) == list(load)
+    mimics("study", "form", folder, "007", "nasa_tlx", "--answers", out)
+    mimics("study", "form", folder, "007", "nasa_tlx", "--answers", out, "effort=20")
+    mimics("study", "form", folder, "007", "person", "hand=left", "side=none")
+    mimics("study", "export", folder, "--out", tables)
+    rows = list(csv.DictReader((tables / "answers.csv").open()))
+    assert {row["participant"] for row in rows} == {"007"} and len(rows) == 2 * 6 + 2
+    assert [(row["time"], float(row["value"])) for row in rows if row["item"] == "effort"] == [("1", 55.0), ("2", 20.0)]
+    assert "55 → 20" in (tables / "participant_007.html").read_text()
+    mimics("study", "erase", folder, "007")
+    assert not [file for file in folder.rglob("*") if b"left" in file.read_bytes() and file.name != "study.json"]
+
+
+@pytest.mark.parametrize(
+    ("given", "why"),
+    [
+        ({"level": "11"}, '"11" is not a number that it takes'),
+        ({"level": "nan"}, "not a number"),
+        ({"level": "2.5"}, "in steps of 1"),
+        ({"level": ""}, '"level" has no answer'),
+        ({"level": "3", "leg": "middle"}, "none of the choices"),
+        ({"level": "3", "why": "a\nb"}, "control characters"),
+        ({"lvel": "3"}, 'no item "lvel"'),
+    ],
+)
+def test_an_answer_that_its_item_does_not_take_is_refused_with_its_name(given: dict[str, object], why: str) -> None:
+    items = {
+        "level": Item("Pain", "scale", low=0.0, high=10.0, step=1.0),
+        "leg": Item("Leg", "choice", ["left", "right"], required=False),
+        "why": Item("Why", required=False),
+    }
+    form = Form("Pain", items)
+    with pytest.raises(UsageError, match=re.escape(why)):
+        check_answers(form, given)
+    assert check_answers(form, {"level": "7", "why": "=cmd"}) == {"level": 7.0, "why": "=cmd"}
+
+
+def test_a_form_without_sense_is_an_error_of_the_protocol(tmp_path: Path) -> None:
+    wrong = protocol() | {"forms": {"f": {"title": "F", "items": {"a": {"label": "A", "kind": "scale"}}}}}
+    with pytest.raises(SceneError, match="/forms/f/items/a"):
+        StudyFolder.create(tmp_path / "s", wrong)

@@ -187,7 +187,7 @@ def test_a_picture_that_is_lost_is_reported_and_journalled(tmp_path, capsys):
 @pytest.mark.parametrize("issues", [[], [Issue("lit.frag", "line 7", "`what' undeclared")]])
 def test_a_broken_shader_is_reported_over_the_picture_and_on_stderr(tmp_path, capsys, issues):
     reload = SceneReload(make_session(tmp_path, Picture(issues)))
-    reload.check()
+    reload.check(between=True)
     wanted = "lit.frag#line 7: `what' undeclared"
     assert reload.message == (wanted if issues else "")
     assert capsys.readouterr().err == (f"mimics: {wanted}\n" if issues else "")

@@ -1,6 +1,6 @@
 """`mimics study SCENE`: run a scene for several simulated subjects, or join runs, into tidy tables and one page.
 
-`mimics study new|run|status|next|export|erase FOLDER`: a study with participants, sessions and a protocol.
+`mimics study new|run|form|status|next|export|erase FOLDER`: a study with participants, sessions and a protocol.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ __all__ = ["add_arguments", "run"]
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics study`."""
     parser.epilog = (
-        "With a verb: new FOLDER SCENE.. makes a study; run FOLDER CODE plays the next run of a participant; next and "
+        "With a verb: new FOLDER SCENE.. makes a study; run FOLDER CODE plays the next run of a participant; form "
+        "FOLDER CODE FORM ITEM=VALUE .. keeps the answers to a questionnaire, and without answers shows it; next and "
         "status FOLDER say what comes and what is done; export FOLDER --out DIR writes tables and pages; erase FOLDER "
         "CODE removes a participant. See docs/guide/studies.md."
     )
@@ -27,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "scene",
         type=Path,
         metavar="SCENE|VERB",
-        help="scene file or name of a shipped scene; or new, run, status, next, export, erase",
+        help="scene file or name of a shipped scene; or new, run, form, status, next, export, erase",
     )
     parser.add_argument(
         "words", nargs="*", metavar="WORD", help="with a verb: folder of the study, then its code or scenes"
@@ -66,6 +67,10 @@ def _add_verbs(group: Container) -> None:
         default=1,
         help="new: of each participant",
     )
+    group.add_argument(
+        "--form", action="append", default=[], metavar="NAME", help="new: take a shipped form: nasa_tlx, person"
+    )
+    group.add_argument("--answers", type=Path, metavar="FILE", help="form: answers as JSON, by item")
     group.add_argument(
         "--person", default="", metavar="NAME", help="run: name instead of a code; kept in the key file only"
     )

@@ -118,7 +118,7 @@ class LiveFrames:
             frames.timer = picture.begin_frame()
             frames.timing = picture.expect(begun_ns)
         with frames.timer.stage("reload"):
-            self._reload.check()
+            self._reload.check(between=frames.orders.view.between_trials)
         frames.step()
         trouble = self._watch.check()
         if picture is not None and governor is not None:

@@ -1,4 +1,4 @@
-"""Live reload: a saved scene file replaces the running scene; a broken one is reported and changes nothing."""
+"""Live reload: saved files of a scene, and its script, replace the running ones; broken ones change nothing."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from mimics_app.app.planner.plan import apply_plan
+from mimics_app.app.play.script_reload import ScriptReload
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.scenes.scenario_choice import open_scenario
 from mimics_app.app.session.session import Session
@@ -38,12 +39,17 @@ class SceneReload:
     def __init__(self, session: Session) -> None:
         self._session = session
         self._watcher = SceneWatcher(session.scene.files)
+        self._script = ScriptReload(session)
         self._next_ns = 0
         self._shown_until_ns = 0
         self.message = ""
 
-    def check(self) -> None:
-        """Reload changed files, twice a second."""
+    def check(self, *, between: bool) -> None:
+        """Reload changed files, twice a second.
+
+        Args:
+            between: Whether no trial is under way: a script is not exchanged within one.
+        """
         now_ns = self._session.clock.now_ns()
         if now_ns > self._shown_until_ns:
             self.message = ""
@@ -54,6 +60,9 @@ class SceneReload:
             self._take_shaders(self._session.picture, now_ns)
         if self._watcher.changed():
             self._take(now_ns)
+        if said := self._script.check(between=between):
+            self._say(now_ns, said)
+            say(said)
 
     def _take_shaders(self, picture: Picture, now_ns: int) -> None:
         """Reload changed shaders; a faulty one keeps its old version, and the line of the fault is reported."""

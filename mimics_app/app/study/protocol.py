@@ -12,6 +12,7 @@ from msgspec import Meta
 from mimics_app.app.scenes.scene_search import find_scene
 from mimics_app.app.settings import DIFFICULTIES
 from mimics_app.app.study.counterbalance import Order, order_of
+from mimics_app.app.study.forms import Form
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.recording.json_text import parse_object
@@ -62,6 +63,7 @@ class Protocol(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
         sessions: Number of sessions of each participant.
         seed: Seed of all orders and runs.
         title: Title for the reports.
+        forms: Forms and questionnaires by name.
         format, version: Of the file.
     """
 
@@ -70,6 +72,7 @@ class Protocol(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     sessions: Annotated[int, Meta(ge=1, le=1000)] = 1
     seed: int = 1
     title: str = ""
+    forms: dict[str, Form] = {}
     format: str = "mimics study"
     version: Annotated[int, Meta(ge=1, le=1)] = 1
 
@@ -113,6 +116,10 @@ def _faults(path: Path, protocol: Protocol) -> list[Issue]:
             if name not in protocol.conditions:
                 known = ", ".join(protocol.conditions) or "none"
                 found.append(Issue(str(path), f"/blocks/{i}", f'there is no condition "{name}"', f"known: {known}"))
+    for name, form in protocol.forms.items():
+        for item, about in form.items.items():
+            if about.fault:
+                found.append(Issue(str(path), f"/forms/{name}/items/{item}", about.fault))
     for name, condition in protocol.conditions.items():
         if condition.difficulty not in DIFFICULTIES:
             known = ", ".join(DIFFICULTIES)

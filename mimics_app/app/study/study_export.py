@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -18,11 +19,13 @@ from mimics_app.recording.run_folder import PRIVATE_FOLDER
 
 __all__ = ["export_study"]
 
+_ANSWER = ["participant", "form", "session", "time", "item", "label", "value", "utc"]
 _BEGIN = ["participant", "session", "run", "attempt", "condition"]
 
 
 def export_study(study: StudyFolder, folder: Path) -> list[Path]:
-    """Write trials.csv, changes.csv, effects.csv, study.html and a page for each participant.
+    """Write trials.csv, changes.csv, effects.csv, answers.csv (where there are forms), study.html and a page for each
+    participant.
 
     Raises:
         OutputError: The folder has files already.
@@ -40,12 +43,28 @@ def export_study(study: StudyFolder, folder: Path) -> list[Path]:
     lines = [_change_row(person, change) for person, found in changes.items() for change in found]
     write_table(folder / "changes.csv", lines)
     write_table(folder / "effects.csv", [_effect_row(effect) for effect in effects])
+    answers = {each: list(_answer_rows(study, each)) for each in study.participants}
+    if study.protocol.forms:
+        write_table(folder / "answers.csv", [row for rows in answers.values() for row in rows], _ANSWER)
     pages = {each: f"participant_{folder_name(each.code)}.html" for each in study.participants}
     _write_page(folder / "study.html", study, "", measures, effects=effects, pages=pages)
     for person, name in pages.items():
-        _write_page(folder / name, study, person.code, measures, changes=changes[person])
-    tables = [folder / f"{name}.csv" for name in ("trials", "changes", "effects")]
+        _write_page(folder / name, study, person.code, measures, changes=changes[person], answers=answers[person])
+    kept = ("trials", "changes", "effects", *(("answers",) if study.protocol.forms else ()))
+    tables = [folder / f"{name}.csv" for name in kept]
     return [*tables, folder / "study.html", *(folder / name for name in pages.values())]
+
+
+def _answer_rows(study: StudyFolder, person: Participant) -> Iterator[dict[str, Any]]:
+    """Yield a row for each answer of a participant, in order."""
+    times: Counter[str] = Counter()
+    for line in study.answers_of(person):
+        name, form = line["form"], study.protocol.forms.get(line["form"])
+        times[name] += 1
+        whose = {"participant": person.code, "form": name, "session": line["session"], "time": times[name]}
+        for item, value in line["answers"].items():
+            label = form.items[item].label if form is not None and item in form.items else ""
+            yield {**whose, "item": item, "label": label, "value": value, "utc": line["utc"]}
 
 
 def _change_row(person: Participant, change: Change) -> dict[str, Any]:
@@ -74,6 +93,7 @@ def _write_page(
     *,
     effects: Sequence[Effect] = (),
     changes: Sequence[Change] = (),
+    answers: Sequence[Mapping[str, Any]] = (),
     pages: Mapping[Participant, str] | None = None,
 ) -> None:
     environment = load_templates(Path(__file__).parent / "templates")
@@ -84,11 +104,22 @@ def _write_page(
         measures=measures,
         effects=effects,
         changes=changes,
+        answers=_by_item(answers),
         pages=[(person.code, name) for person, name in (pages or {}).items()],
         size=counted(len(study.participants), "participants"),
     )
     with private_text(file) as stream:
         stream.write(page)
+
+
+def _by_item(answers: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, str]]:
+    """Return form, question, and the answers over the times of each item."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for row in answers:
+        value = row["value"]
+        text = f"{value:g}" if isinstance(value, float) else str(value)
+        found.setdefault((row["form"], row["label"] or row["item"]), []).append(text)
+    return [(form, label, " → ".join(values)) for (form, label), values in found.items()]
 
 
 def _interval_words(interval: Interval | None) -> str:

@@ -2,6 +2,7 @@
 
     STUDY/study.json                            protocol
     STUDY/participants.jsonl                    code and row of the squares of each participant
+    STUDY/sub-CODE/answers.jsonl                forms and questionnaires as answered, a line each time
     STUDY/sub-CODE/ses-001/journal.jsonl        what began and ended
     STUDY/sub-CODE/ses-001/run-003-1/RUN        run folder of the first attempt at the third run
     STUDY.keys.json                             names behind the codes, beside the folder: never in it
@@ -23,6 +24,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+from mimics_app.app.study.forms import Answer
 from mimics_app.app.study.protocol import PlannedRun, Protocol, plan_of, read_protocol
 from mimics_app.app.terminal.participant import canonical_code, why_no_code
 from mimics_app.contracts.clock import wall_time
@@ -35,6 +37,7 @@ from mimics_app.recording.run_folder import PRIVATE_FILE, PRIVATE_FOLDER, write_
 __all__ = ["Attempt", "Participant", "StudyFolder", "folder_name"]
 
 _PROTOCOL, _PARTICIPANTS, _JOURNAL = "study.json", "participants.jsonl", "journal.jsonl"
+_ANSWERS = "answers.jsonl"
 _LONGEST_NAME = 120
 """Longest name of a participant's folder; a file system takes 255 bytes."""
 _NEW_CODE = "P{:03d}"
@@ -206,6 +209,15 @@ class StudyFolder:
         folder = self._session(participant, session)
         folder.mkdir(mode=PRIVATE_FOLDER, exist_ok=True)
         self._append(folder / _JOURNAL, {**line, "utc": wall_time().isoformat()})
+
+    def write_answers(self, participant: Participant, form: str, session: int, answers: Mapping[str, Answer]) -> None:
+        """Append the answers to a form; earlier ones stay. They are on the disk when this returns."""
+        line = {"form": form, "session": session, "answers": answers, "utc": wall_time().isoformat()}
+        self._append(self.folder_of(participant) / _ANSWERS, line)
+
+    def answers_of(self, participant: Participant) -> list[dict[str, Any]]:
+        """Return the answers of a participant in order: form, session, answers and utc of each time."""
+        return _lines(self.folder_of(participant) / _ANSWERS)
 
     def sessions_of(self, participant: Participant) -> list[int]:
         """Return the numbers of the sessions that began."""

@@ -1,4 +1,4 @@
-"""`mimics study new|run|status|next|export|erase`: what each verb does."""
+"""`mimics study new|run|form|status|next|export|erase`: what each verb does."""
 
 from __future__ import annotations
 
@@ -7,11 +7,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
+from mimics_app.app.study.forms import SHIPPED_FORMS, Form, check_answers, item_words
 from mimics_app.app.study.study_export import export_study
 from mimics_app.app.study.study_folder import Participant, StudyFolder
 from mimics_app.app.study.study_runs import Next, find_next, play_next
 from mimics_app.app.terminal.output import answer
-from mimics_app.contracts.errors import PartialDataError, UsageError
+from mimics_app.contracts.errors import PartialDataError, UsageError, nearest
 from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.recording.json_text import parse_object
 
@@ -52,10 +55,47 @@ def _new(args: argparse.Namespace, folder: Path, scenes: list[str]) -> int:
             "sessions": args.sessions,
             "conditions": conditions,
             "blocks": blocks,
+            "forms": {name: msgspec.to_builtins(_shipped(name)) for name in args.form},
         }
     study = StudyFolder.create(folder, protocol)
     counts = {"conditions": len(study.protocol.conditions), "sessions": study.protocol.sessions}
     answer(args, {"verb": "new", "folder": folder, **counts}, [str(study.protocol_file)])
+    return 0
+
+
+def _shipped(name: str) -> Form:
+    if name not in SHIPPED_FORMS:
+        raise UsageError(f'there is no shipped form "{name}"', nearest(name, SHIPPED_FORMS))
+    return SHIPPED_FORMS[name]
+
+
+def _form(args: argparse.Namespace, folder: Path, words: list[str]) -> int:
+    """Take the answers to a form; without any, show it."""
+    study = StudyFolder(folder)
+    if len(words) < 2:
+        raise UsageError("a participant and a form are named", "mimics study form FOLDER P07 FORM ITEM=VALUE ..")
+    participant, name = study.find_or_add(words[0]), words[1]
+    form = study.protocol.forms.get(name)
+    if form is None:
+        raise UsageError(f'the study has no form "{name}"', nearest(name, study.protocol.forms))
+    given: dict[str, object] = {} if args.answers is None else parse_object(read_regular(args.answers))
+    for word in words[2:]:
+        item, equals, value = word.partition("=")
+        if not equals:
+            raise UsageError(f'"{word}" is no answer', "give ITEM=VALUE")
+        given[item] = value
+    about = {"verb": "form", "participant": participant.code, "form": name}
+    if not given:
+        answer(
+            args,
+            {**about, "items": msgspec.to_builtins(form.items)},
+            [form.title, *(item_words(*item) for item in form.items.items())],
+        )
+        return 0
+    answers = check_answers(form, given)
+    session = find_next(study, participant).session
+    study.write_answers(participant, name, session, answers)
+    answer(args, {**about, "session": session, "answers": answers}, [f"{form.title}: {len(answers)} answers are kept"])
     return 0
 
 
@@ -150,6 +190,7 @@ def _erase(args: argparse.Namespace, folder: Path, words: list[str]) -> int:
 VERBS: dict[str, Callable[[argparse.Namespace, Path, list[str]], int]] = {
     "new": _new,
     "run": _run,
+    "form": _form,
     "status": _status,
     "next": _next,
     "export": _export,

@@ -50,4 +50,9 @@ class TaskView:
     @property
     def robot_leads(self) -> bool:
         """Whether the robot moves or holds the hand; the cursor then stays on the ball."""
-        return self.paused or self.state not in _PERSON_LEADS
+        return self.paused or self.between_trials
+
+    @property
+    def between_trials(self) -> bool:
+        """Whether no trial is under way."""
+        return self.state not in _PERSON_LEADS
