@@ -33,10 +33,11 @@ CLOCKS = re.compile(
 )
 IMPORTERS_BY_NAME = {
     "app/cli.py",
+    "app/play/script_reload.py",
     "contracts/ports/members.py",
     "rendering/visual/surfaces/rasteriser.py",
 }
-"""Modules that may import by a string: the command line, for its commands, the finder of a package's members, and the
+"""Modules that may import by a string: the command line, for its commands, the reload of a script, the finder of a package's members, and the
 seam to drawing in software, which only some drivers need."""
 
 PLATFORM_HOMES = {

@@ -86,6 +86,26 @@ def test_forces_are_drawn_over_the_world_and_can_be_left_out(replayed):
     assert 5 < changed[42:].sum() < 0.05 * changed.size  # below the cards
 
 
+def test_a_free_camera_turns_around_the_hand_until_a_view_is_selected(replayed):
+    with open_offscreen("auto", _SIZE) as surface:
+        panes = Panes(surface, [replayed], quality_of, "", forces=False)
+        plain = drawn(panes, surface, replayed, 100)
+        eye = panes.pictures[0].views[0].eye_world
+        panes.orbit(300.0, 0.0)
+        turned = drawn(panes, surface, replayed, 100)
+        (view,) = panes.pictures[0].views
+        clip = view.clip_from_world @ [*replayed.hand, 1.0]
+        assert np.abs(clip[:2] / clip[3]).max() < 1e-5, "the hand is in the centre"
+        before, now = eye - replayed.hand, view.eye_world - replayed.hand
+        assert now[1] == pytest.approx(before[1]) and before[[0, 2]] @ now[[0, 2]] == pytest.approx(0.0, abs=1e-6)
+        panes.zoom(1.0)
+        nearer = panes.pictures[0].views[0].eye_world - replayed.hand
+        assert np.linalg.norm(nearer) < np.linalg.norm(now) == pytest.approx(np.linalg.norm(before))
+        assert panes.is_free and (turned != plain).any()
+        panes.show_view(panes.views[0])
+        assert np.array_equal(drawn(panes, surface, replayed, 100), plain) and not panes.is_free
+
+
 def test_two_runs_stand_side_by_side_each_as_alone(replayed, renamed):
     with open_offscreen("auto", _SIZE) as surface:
         surface.resize((160, 180))
@@ -223,6 +243,12 @@ def test_a_person_holds_steps_and_seeks_in_the_window(folder):
             until("the middle", lambda picture: another(first)(picture) and another(second)(picture))
             send("key", "End")
             until("the end again", lambda picture: np.array_equal(picture, end))
+            send("mousemove", "320", "150", "mousedown", "3", "mousemove", "380", "130", "mouseup", "3")
+            turned = until("another side", another(end))
+            send("click", "4")
+            until("it from nearer", lambda picture: another(turned)(picture) and another(end)(picture))
+            send("key", "1")
+            until("the view of the scene", lambda picture: np.array_equal(picture, end))
             send("key", "Escape")
             told, _ = window.communicate(timeout=60)
         finally:

@@ -31,7 +31,7 @@ from mimics_app.contracts.commands.command_records import CommandSource
 from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.shared_memory.shared_words import STOP_STRIDE
 from mimics_app.rendering.visual.launcher.launcher import LauncherChoice
-from tests.support.operators_page import LinkedSession, answers, enter, post, served
+from tests.support.operators_page import LinkedSession, answers, enter, page_server_of, post, served
 
 
 @pytest.fixture(scope="module")
@@ -188,12 +188,6 @@ def spoken(client: Any) -> Iterator[dict[str, Any]]:
     while time.monotonic() < until:
         if isinstance(message := client.recv(timeout=20), str):
             yield json.loads(message)
-
-
-def page_server_of(page: PageAddress) -> int:
-    """Process of the page's server: the child of the supervisor that has no children of its own, and runs the page."""
-    children = Path(f"/proc/{page.pid}/task/{page.pid}/children").read_text().split()
-    return next(int(pid) for pid in children if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes())
 
 
 @pytest.mark.parametrize(("lost", "leads_to"), [("pause", "pause"), ("stop", "stop"), ("continue", "")])

@@ -25,7 +25,7 @@ from mimics_app.console.meeting_place import MeetingPlace, PageAddress
 from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 
-__all__ = ["LinkedSession", "enter", "post", "served"]
+__all__ = ["LinkedSession", "answers", "enter", "page_server_of", "post", "served"]
 
 ROOT = Path(__file__).resolve().parents[2]
 _LONGEST_S = 180.0
@@ -82,6 +82,12 @@ def enter(address: PageAddress, *, view: bool = False) -> tuple[str, str]:
     status, headers = post(f"{origin}/enter", {"token": token}, origin=origin)
     assert status == 200
     return origin, headers["set-cookie"].partition(";")[0]
+
+
+def page_server_of(page: PageAddress) -> int:
+    """Process of the page's server: the child of the supervisor that has no children of its own, and runs the page."""
+    children = Path(f"/proc/{page.pid}/task/{page.pid}/children").read_text().split()
+    return next(int(pid) for pid in children if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes())
 
 
 class LinkedSession:

@@ -13,12 +13,12 @@ from mimics_app.rendering.visual.presenting.presenter import SeenFrom
 from mimics_app.world.content.world import World
 from mimics_app.world.graph.camera import Camera
 
-__all__ = ["ActiveView", "view_names"]
+__all__ = ["ActiveView", "Placed", "view_names"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Between:
-    """A camera on its way; see `Camera`."""
+class Placed:
+    """A camera that is no entity's: on the way between two, or moved by a person; see `Camera`."""
 
     world_from_eye: F8
     vertical_fov: float
@@ -46,6 +46,7 @@ class ActiveView:
     def __init__(self, world: World, name: str = "", flight_s: float = 0.0) -> None:
         self._world, self._flight_ns = world, round(flight_s * 1e9)
         self._from: SeenFrom | None = None
+        self._free: Placed | None = None
         self._begun_ns = self._now_ns = 0
         self._camera = self._find(name or view_names(world)[0])
 
@@ -53,6 +54,11 @@ class ActiveView:
     def name(self) -> str:
         """Name of the view that is shown, or flown to."""
         return self._camera.node.name
+
+    @property
+    def is_free(self) -> bool:
+        """Whether a camera of the person's own is shown."""
+        return self._free is not None
 
     def select(self, name: str) -> None:
         """Show a view from the next frame on.
@@ -63,7 +69,11 @@ class ActiveView:
         wanted = self._find(name)
         if self._flight_ns and wanted != self._camera:
             self._from, self._begun_ns = self._held(), self._now_ns
-        self._camera = wanted
+        self._camera, self._free = wanted, None
+
+    def look_from(self, camera: Placed) -> None:
+        """Show what a camera of the person's own sees from the next frame on, until a view is selected."""
+        self._free = camera
 
     def advance(self, now_ns: int) -> None:
         """Go on with a flight at session time `now_ns` [ns]."""
@@ -73,7 +83,9 @@ class ActiveView:
 
     @property
     def camera(self) -> SeenFrom:
-        """The camera to draw from: that of the view, or one on the way to it."""
+        """The camera to draw from: the person's own, that of the view, or one on the way to it."""
+        if self._free is not None:
+            return self._free
         if self._from is None:
             return self._camera
         share = (self._now_ns - self._begun_ns) / self._flight_ns
@@ -82,7 +94,7 @@ class ActiveView:
     def _held(self) -> SeenFrom:
         """Return the camera as it is now, which stays when its entity moves on."""
         now = self.camera
-        return _Between(now.world_from_eye, now.vertical_fov, now.near, now.far)
+        return Placed(now.world_from_eye, now.vertical_fov, now.near, now.far)
 
     def _find(self, name: str) -> Camera:
         cameras = {camera.node.name: camera for camera in self._world.cameras}
@@ -100,4 +112,4 @@ def _between(begin: SeenFrom, end: SeenFrom, share: float) -> SeenFrom:
     quat.to_matrix(turns[2], pose[:3, :3])
     pose[:3, 3] = (1.0 - share) * begin.world_from_eye[:3, 3] + share * end.world_from_eye[:3, 3]
     fov = (1.0 - share) * begin.vertical_fov + share * end.vertical_fov
-    return _Between(pose, fov, min(begin.near, end.near), max(begin.far, end.far))
+    return Placed(pose, fov, min(begin.near, end.near), max(begin.far, end.far))

@@ -13,10 +13,13 @@ from mimics_app.app.touch.haptic_scene_data import HapticSceneData
 from mimics_app.contracts.errors import MimicsError
 from mimics_app.contracts.ports.plugins import raised
 from mimics_app.contracts.ports.scenario_port import PLUGINS
+from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.world.files.scene.file import build_world
 from mimics_app.world.files.scene.watcher import SceneWatcher
 
 __all__ = ["ScriptReload"]
+
+_MOST_BYTES = 1 << 24
 
 
 class ScriptReload:
@@ -61,7 +64,7 @@ class ScriptReload:
         try:
             sys.modules[self._name] = module = _empty_module(self._name, file)
             # Not by its loader: that takes stored code where a save is within a second and of the same size.
-            exec(compile(file.read_bytes(), str(file), "exec"), vars(module))  # noqa: S102 # what import does
+            exec(compile(read_regular(file, _MOST_BYTES), str(file), "exec"), vars(module))  # what import does
             # In a separate world, so that its faults leave this one intact.
             open_scenario(session.scene, build_world(session.scene))
             scenario = open_scenario(session.scene, session.world)

@@ -7,7 +7,9 @@ from collections.abc import Callable, Sequence
 from mimics_app.app.picture.force_arrows import SEEN_NS, ForceArrows
 from mimics_app.app.picture.picture import Picture
 from mimics_app.app.picture.shown_on import open_display
+from mimics_app.app.replay_view.free_camera import around_point, placed
 from mimics_app.app.replay_view.replayed_scene import ReplayedScene
+from mimics_app.app.viewer.orbit_camera import OrbitCamera
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.overlay.layers import Arrow
 from mimics_app.rendering.visual.passes.screen import ScreenPass
@@ -84,6 +86,26 @@ class Panes:
         """Show a view of `views` from the next frame on."""
         for picture in self.pictures:
             picture.show_view(name)
+
+    @property
+    def is_free(self) -> bool:
+        """Whether a free camera is shown instead of a view."""
+        return self.pictures[0].view.is_free
+
+    def orbit(self, right_px: float, up_px: float) -> None:
+        """Turn a free camera around the hand by a movement of the pointer [px]; it begins at the view that is shown."""
+        self._move(lambda camera: camera.orbit(right_px, up_px))
+
+    def zoom(self, steps: float) -> None:
+        """Bring the free camera nearer to the hand by steps of the wheel."""
+        self._move(lambda camera: camera.zoom(steps))
+
+    def _move(self, move: Callable[[OrbitCamera], None]) -> None:
+        first = self._panes[0]
+        camera = around_point(self.pictures[0].view.camera, first.replayed.hand)
+        move(camera)
+        for picture in self.pictures:
+            picture.view.look_from(placed(camera))
 
     def toggle_forces(self) -> None:
         """Draw forces and contacts from the next frame on, or no longer."""

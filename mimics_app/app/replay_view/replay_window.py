@@ -30,6 +30,7 @@ KEYS: tuple[tuple[str, str], ...] = (
     ("+ and -", "faster and slower, 0.1x to 8x"),
     ("Click or drag on the bar", "that time"),
     ("1 to 9, V", "the views of the scene; the next one"),
+    ("Right drag, wheel", "a camera of your own around the hand; a view ends it"),
     ("F5", "forces and contacts"),
     ("F11", "full screen"),
     ("H   Esc", "this page;  leave"),
@@ -69,6 +70,7 @@ class ReplayWindow:
         self._bar = TimeBar(marks_of(first.run, first.begun_ns), length_ns)
         self._commands = self._make_commands()
         self._keys_shown = self._left = self._dragged = False
+        self._held_at: tuple[float, float] | None = None
         self._dirty = True
 
     def run(self) -> None:
@@ -111,7 +113,8 @@ class ReplayWindow:
         page, first = self._page, self._runs[0]
         page.fit()
         page.hud.clear()
-        words = f"{self._panes.view}, frame {first.number} of {first.count}" if there else "on the way there ..."
+        view = "your camera" if self._panes.is_free else self._panes.view
+        words = f"{view}, frame {first.number} of {first.count}" if there else "on the way there ..."
         self._bar.draw(page.hud, self._head, words)
         page.hud.text(page.hud.width - 18.0, HEIGHT + 8.0, "H: keys", 13.0, FAINT, align="right")
         if self._keys_shown:
@@ -129,6 +132,13 @@ class ReplayWindow:
                 self._press(event.name)
             elif event.kind == "button" and event.name == "left":
                 self._dragged = event.pressed and self._seek(event)
+            elif event.kind == "button" and event.name == "right":
+                self._held_at = (event.x, event.y) if event.pressed else None
+            elif event.kind == "move" and self._held_at is not None:
+                self._orbit(event)
+            elif event.kind == "wheel":
+                self._panes.zoom(event.y)
+                self._dirty = True
             elif event.kind == "move" and self._dragged:
                 self._seek(event)
             elif event.kind == "resize":
@@ -152,6 +162,15 @@ class ReplayWindow:
             self._head.seek(time_ns)
             self._dirty = True
         return time_ns is not None
+
+    def _orbit(self, event: InputEvent) -> None:
+        """Turn the free camera by the way of the pointer since the last event."""
+        assert self._held_at is not None
+        width, height = self._surface.size
+        right, up = 0.5 * (event.x - self._held_at[0]) * width, 0.5 * (event.y - self._held_at[1]) * height
+        self._held_at = (event.x, event.y)
+        self._panes.orbit(right, up)
+        self._dirty = True
 
     def _step(self, frames: int) -> None:
         """Hold, and show a number of frames later; fewer than 0: earlier."""

@@ -87,6 +87,11 @@ class ReplayedScene:
         """Session time of the newest frame, from that of the first on [ns]."""
         return int(self.times_ns[self.number - 1])
 
+    @property
+    def hand(self) -> F8:
+        """Position of the hand in the newest frame, world [m], float64 [3]."""
+        return self._frames[self.number - 1].snapshot.hip_world
+
     def number_at(self, time_ns: float) -> int:
         """Return the number of frames done at a time from the first frame on [ns], 1 to `count`."""
         return min(max(1, int(np.searchsorted(self.times_ns, time_ns, side="right"))), self.count)

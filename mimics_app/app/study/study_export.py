@@ -24,8 +24,7 @@ _BEGIN = ["participant", "session", "run", "attempt", "condition"]
 
 
 def export_study(study: StudyFolder, folder: Path) -> list[Path]:
-    """Write trials.csv, changes.csv, effects.csv, answers.csv (where there are forms), study.html and a page for each
-    participant.
+    """Write the tables as CSV, study.html and a page for each participant.
 
     Raises:
         OutputError: The folder has files already.
