@@ -37,8 +37,8 @@ IMPORTERS_BY_NAME = {
     "contracts/ports/members.py",
     "rendering/visual/surfaces/rasteriser.py",
 }
-"""Modules that may import by a string: the command line, for its commands, the reload of a script, the finder of a package's members, and the
-seam to drawing in software, which only some drivers need."""
+"""Modules that may import by a string: the command line, for its commands, the reload of a script, the finder of a
+package's members, and the seam to drawing in software, which only some drivers need."""
 
 PLATFORM_HOMES = {
     "the shared memory": (

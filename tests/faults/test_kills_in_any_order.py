@@ -1,4 +1,4 @@
-"""Application, page and recorder of a live session killed in any order: what was seen on the page is in the recording."""
+"""Application, page and recorder of a live session killed in any order: what the page showed is recorded."""
 
 from __future__ import annotations
 
