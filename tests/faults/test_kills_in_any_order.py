@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
+from websockets.typing import Origin
 
 from mimics_app.console.meeting_place import PageAddress
 from mimics_app.console.telemetry import TELEMETRY, VALUES
@@ -40,10 +41,8 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[PageAddress]:
 class Watched:
     """What a page has seen of a session."""
 
-    def __init__(self, page: PageAddress) -> None:
-        origin, cookie = enter(page)
-        address = origin.replace("http", "ws") + "/live"
-        self.client = connect(address, origin=origin, additional_headers={"Cookie": cookie}, max_queue=None)  # type: ignore[arg-type]
+    def __init__(self, client: Any) -> None:
+        self.client = client
         self.folder, self.ticks, self.trials = "", 0, list[dict[str, Any]]()
 
     def look(self, seconds: float) -> None:
@@ -88,28 +87,20 @@ def recorder_of(folder: Path) -> int:
 
 
 def kill_in_order(page: PageAddress, runs: Path, order: tuple[str, ...], seed: int) -> None:
-    moments = random.Random(seed)
     words = ["run", "wavy_tunnel", "--headless", "--console", "0", "--operator-lost", "continue", "--pictures", "0"]
     words += ["--sound", "off", "--trials", "100", "--runs", str(runs)]
     run = subprocess.Popen([sys.executable, "-m", "mimics_app", *words], cwd=ROOT, stderr=subprocess.DEVNULL)
-    seen = Watched(page)
+    origin, cookie = enter(page)
+    address, headers = origin.replace("http", "ws") + "/live", {"Cookie": cookie}
     try:
-        waited("tick", lambda: seen.look(0.1) or seen.ticks > 500)
-        seen.look(moments.uniform(0.0, 1.0))
-        folder = runs / seen.folder
-        for victim in order:
-            pid = {
-                "application": lambda: run.pid,
-                "page": lambda: page_server_of(page),
-                "recorder": lambda: recorder_of(folder),
-            }[victim]()
-            if pid:  # a recorder whose application is gone ends by itself
-                os.kill(pid, signal.SIGKILL)
-            seen.look(moments.uniform(0.0, 0.3))
+        with connect(address, origin=Origin(origin), additional_headers=headers, max_queue=None) as client:
+            seen = Watched(client)
+            waited("tick", lambda: seen.look(0.1) or seen.ticks > 500)
+            kill_each(page, run.pid, runs / seen.folder, order, seen, random.Random(seed))
     finally:
         run.kill()
         run.wait()
-        seen.client.close()
+    folder = runs / seen.folder
     waited("end of the recorder", lambda: recorder_of(folder) == 0)
     waited("page", lambda: answers(page))
     kept = Run.open(folder)
@@ -117,6 +108,19 @@ def kill_in_order(page: PageAddress, runs: Path, order: tuple[str, ...], seed: i
     finished = {(row["trial"], row["attempt"]) for row in kept.trials}
     assert {(trial["trial"], trial["attempt"]) for trial in seen.trials} <= finished
     assert recover(folder).verdict.status in ("interrupted", "recovered")
+
+
+def kill_each(
+    page: PageAddress, application: int, folder: Path, order: tuple[str, ...], seen: Watched, moments: random.Random
+) -> None:
+    seen.look(moments.uniform(0.0, 1.0))
+    for number, victim in enumerate(order):
+        find = {"application": lambda: application, "page": lambda: page_server_of(page)}
+        pid = find.get(victim, lambda: recorder_of(folder))()
+        assert pid or "application" in order[:number], "a recorder ends by itself only after its application"
+        if pid:
+            os.kill(pid, signal.SIGKILL)
+        seen.look(moments.uniform(0.0, 0.3))
 
 
 def test_one_order_of_kills(page: PageAddress, tmp_path: Path) -> None:
