@@ -64,7 +64,7 @@ class Experiment:
         simulate: Simulates its grid with a number of points along each axis.
         tolerance: Largest `Outcome.disagreement` that passes.
         log_x, log_y: Logarithmic axes.
-        name: "S1" to "S17", with a letter for a further experiment; given by the catalogue, from the name of its file.
+        name: "S1" to "S18", with a letter for a further experiment; given by the catalogue, from the name of its file.
     """
 
     title: str

@@ -11,7 +11,7 @@ from mimics_app.lab.sweep.quantity import Columns, Quantity, SweepExperiment
 __all__ = ["NAMES", "find_experiment"]
 
 NAMES = ("wall_stability", "patient", *catalogue.NAMES)
-"""Names of the experiments: walls, patients, and the stability experiments S1 to S17."""
+"""Names of the experiments: walls, patients, and the stability experiments S1 to S18."""
 
 
 _FINEST = 64

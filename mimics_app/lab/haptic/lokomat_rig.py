@@ -44,13 +44,14 @@ from mimics_app.rendering.haptic.devices.simulated_lokomat import (
 from mimics_app.rendering.haptic.kernels import two_link
 from mimics_app.rendering.haptic.kernels.leg_kinematics import GEOMETRY, leg_jacobian
 from mimics_app.rendering.haptic.kernels.lokomat import linear_drive, orthosis
+from mimics_app.rendering.haptic.kernels.lokomat.linkage import lever
 from mimics_app.rendering.haptic.kernels.two_link import centrifugal, mass_matrix, weight
 from mimics_app.world.components.robot import Robot
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import LegInputRecord, LegSettingsRecord, LegStateRecord, Table
 
-__all__ = ["COMBINED", "CONTROLS", "IMPEDANCE", "Person", "Rig", "Rows"]
+__all__ = ["COMBINED", "CONTROLS", "IMPEDANCE", "Person", "Rest", "Rig", "Rows"]
 
 IMPEDANCE, COMBINED = 0, 1
 CONTROLS = ("impedance", "combined")
@@ -180,6 +181,32 @@ def _tick(
                 control_impedance(settings, now, states[leg])
 
 
+@dataclass(frozen=True, slots=True)
+class Rest:
+    """Loads of a leg at rest.
+
+    Attributes:
+        torques: Of the drives of hip and knee [N m].
+        state: LEG_STATE record of the control, shape [1].
+    """
+
+    torques: tuple[float, float]
+    state: NDArray[Any]
+
+
+def _load_drives(plant: Vec, torques: Vec) -> None:
+    """Give the drives of the left leg the currents, rod forces and commands under way of joint torques [N m]."""
+    leg, state = orthosis.leg_of(plant, 0), orthosis.state_of(plant, 0)
+    for joint in range(2):
+        drive = leg[orthosis.DRIVES + joint * linear_drive.DRIVE :][: linear_drive.DRIVE]
+        force = torques[joint] / lever(drive, state[joint])
+        drive[linear_drive.CURRENT] = force / drive[linear_drive.FORCE_PER_AMPERE]
+        leg[orthosis.ROD + joint] = force
+        state[orthosis.DRIVE_STATE + joint] += force / drive[linear_drive.ROD_STIFFNESS]
+    for _ in range(int(plant[orthosis.DELAY]) + 1):
+        orthosis.order_machine(plant, np.array([*torques, 0.0, 0.0]), True)
+
+
 @dataclass(slots=True)
 class Rig:
     """Left leg of the simulated orthosis with numbers of its control.
@@ -188,13 +215,14 @@ class Rig:
         machine: Settings of the device (`robot.settings`).
         rate: Ticks per second.
         settings: LEG_SETTINGS record, shape [1].
+        person_links: Links of the leg without the orthosis (`two_link`).
     """
 
     machine: dict[str, Any] = field(default_factory=dict)
     rate: int = 1000
     settings: NDArray[Any] = field(init=False)
+    person_links: Vec = field(init=False)
     _memory: Vec = field(init=False)
-    _links: Vec = field(init=False)
 
     def __post_init__(self) -> None:
         robot = Robot(device="lokomat:sim", settings=self.machine)
@@ -204,7 +232,7 @@ class Rig:
         leg = orthosis.leg_of(plant, 0)
         own = segments_of(self.machine.get("height", HEIGHT), self.machine.get("weight", WEIGHT))
         links = np.array(leg[orthosis.LEG_LINKS : orthosis.LEG_LINKS + two_link.LINKS])
-        self._links = links.copy()
+        self.person_links = links.copy()
         share = {
             two_link.THIGH_MASS: own.masses[0],
             two_link.THIGH_INERTIA: own.inertias[0],
@@ -213,7 +241,7 @@ class Rig:
         }
         orthosis_links = links.copy()
         for place, value in share.items():
-            self._links[place] = value
+            self.person_links[place] = value
             orthosis_links[place] = links[place] - value
         settings = self.settings = np.zeros(1, LEG_SETTINGS)
         settings["frame"]["geometry"] = LOKOMAT.geometry_of(robot)[:GEOMETRY]
@@ -227,17 +255,36 @@ class Rig:
         settings["position"]["carried"] = orthosis_links
         _write_defaults(settings)
 
-    def run(self, kind: int, person: Person, seconds: float, start: tuple[float, float] | None = None) -> Rows:
-        """Run the leg, and return its columns over time."""
+    def run(
+        self,
+        kind: int,
+        person: Person,
+        seconds: float,
+        start: tuple[float, float] | None = None,
+        rest: Rest | None = None,
+    ) -> Rows:
+        """Run under a control; return its columns over time.
+
+        Args:
+            kind: `IMPEDANCE` or `COMBINED`.
+            person: The person.
+            seconds: Length of the run [s].
+            start: Joints at the start [rad]; None: those of the device.
+            rest: Loads under which the leg rests there; None: it is released.
+        """
         memory, plant = (copied := self._memory.copy()), copied[-_LENGTH:]
+        state = np.zeros(1, LEG_STATE)
         if start is not None:
             plant[0:2] = start
             orthosis.place_drives(plant)
-        now, state = np.zeros(1, LEG_INPUT), np.zeros(1, LEG_STATE)
+        if rest is not None:
+            state = rest.state.copy()
+            _load_drives(plant, np.array(rest.torques))
+        now = np.zeros(1, LEG_INPUT)
         now["dt"], now["hard"] = 1.0 / self.rate, 1
         rows = np.zeros((round(seconds * self.rate), _COLUMNS))
         ports = np.zeros(DATA_LENGTH), np.zeros(COMMAND_LENGTH), np.zeros(INBOX_LENGTH)
-        _run(kind, memory, self.settings[0], now[0], state[0], person.numbers, self._links, ports, rows)
+        _run(kind, memory, self.settings[0], now[0], state[0], person.numbers, self.person_links, ports, rows)
         names = (
             "x_real",
             "x_des",
@@ -251,6 +298,11 @@ class Rig:
             "knee_rate",
         )
         return dict(zip(names, rows.T, strict=True)) | {"t": np.arange(len(rows)) / self.rate}
+
+    @property
+    def leg(self) -> Vec:
+        """Record of the left leg (`orthosis`)."""
+        return orthosis.leg_of(self._memory[-_LENGTH:], 0)
 
     def control(self, kind: int, ticks: int) -> None:
         """Run the control of two legs alone for a number of ticks, for timing."""

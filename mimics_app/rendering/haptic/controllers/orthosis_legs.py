@@ -6,11 +6,13 @@ the plane of the legs: a wall, a box, a kerb or a round one, placed in the robot
 between the hips). All other objects of a scene are soft, and reach the leg as the virtual force at its foot.
 
 The gait state comes from the obstacle sequence, which this tick steps: the belt's share scales the reference towards
-standing, the guidance of each leg that of the reference, and the limits of each leg follow its role.
+standing, the guidance of each leg that of the reference, and the limits of each leg follow its role. A machine that
+takes new torques less often than the loop ticks says so by the parameter `rate`: they are held for whole ticks.
 """
 
 from __future__ import annotations
 
+import math
 from enum import IntEnum
 from typing import TYPE_CHECKING
 
@@ -119,6 +121,7 @@ PARAMETERS = (
     ControllerParameter("obstacle_after", 0.0, 0.0, 600.0, "s"),  # of walking; 0: never
     ControllerParameter("exploring_leg", 0.0, 0.0, 1.0),  # 0 left, 1 right
     ControllerParameter("exploration", 30.0, 1.0, 300.0, "s"),  # longest; a foot that oversteps ends it before
+    ControllerParameter("rate", 1000.0, 500.0, 1000.0, "Hz"),  # of both legs' control; below it walls vibrate (S18)
 )
 """Parameters of both controllers."""
 
@@ -127,7 +130,7 @@ PARAMETERS = (
     _IMPULSE_TICKS, _RESTITUTION, _WALL_FORCE, _VIRTUAL_MASS, _KNEE_MASS, _VIRTUAL_DAMPING, _DEADBAND, _BANDWIDTH,
     _PD_STIFFNESS, _COMPUTED, _GUIDANCE_STIFFNESS, _GUIDANCE_DAMPING, _COMPENSATION, _COULOMB, _VISCOUS, _MOTOR_MASS,
     _ORTHOSIS_MASS, _SHANK_ORTHOSIS, _LEG_MASS, _SHANK_WITH_FOOT, _HIP_LINK, _HIP_MOVED, _HIP_OFFSET, _KNEE_LINK,
-    _KNEE_MOVED, _KNEE_OFFSET, _SEQUENCE, _OBSTACLE_AFTER, _EXPLORING_LEG, _EXPLORATION,
+    _KNEE_MOVED, _KNEE_OFFSET, _SEQUENCE, _OBSTACLE_AFTER, _EXPLORING_LEG, _EXPLORATION, _RATE,
 ) = places_of(PARAMETERS)  # fmt: skip
 
 _OF_A_LEG = (("x_real", "m"), ("x_des", "m"), ("f_x", "N"), ("eta_1", "m"), ("eta_2", "m"), ("guidance", "1"))
@@ -183,6 +186,9 @@ _LENGTH = _WALK + WALK.itemsize // 8
 
 WALK_PLACES = slice(_WALK, _LENGTH)
 """Places of the gait state, a WALK record."""
+
+_ROUNDED = 1e-9
+"""Excess of a quotient over a whole number that is rounding [-]."""
 
 _STANDS = 1e-6
 """Speed of a reference that stands [rad/s]."""
@@ -326,7 +332,7 @@ def control_legs(
         step_walk(walk, now, leg, now.obstacle > 0, parameters[_OBSTACLE_AFTER], _far_side(parameters))
         out.gait, out.braked, out.belt = 1 + walk.sequence.state, walk.sequence.braked, walk.sequence.belt
         out.stop = 1 if walk.sequence.state == GaitState.STANDING and walk.sequence.cause != 0 else 0
-    stands = _reference_stands(now)
+    stands, period = _reference_stands(now), math.ceil(1.0 / (parameters[_RATE] * now.dt) - _ROUNDED)
     for leg in range(2):
         state = memory[_INPUT + leg * _STATE : _INPUT + (leg + 1) * _STATE].view(LEG_STATE)[0]
         _read_leg(own, now, leg)
@@ -334,12 +340,14 @@ def control_legs(
             guide_leg(walk, leg, own)
         elif not stands:
             own.hard = 0
-        if combined and parameters[_COMBINED + leg] != 0.0:
-            control_combined(settings, own, state)
-        else:
-            control_impedance(settings, own, state)
-        if walks:
-            limit_walking_leg(walk, leg, settings, own, state)
+        if now.started == 1 or now.tick % period == 0:
+            own.dt = period * now.dt
+            if combined and parameters[_COMBINED + leg] != 0.0:
+                control_combined(settings, own, state)
+            else:
+                control_impedance(settings, own, state)
+            if walks:
+                limit_walking_leg(walk, leg, settings, own, state)
         for joint in range(2):
             out.torque[2 * leg + joint] = state.tau[joint]
         _write_columns(settings, own, state, out.numbers[leg * _COLUMNS_OF_A_LEG : (leg + 1) * _COLUMNS_OF_A_LEG])

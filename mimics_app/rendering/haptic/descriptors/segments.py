@@ -1,7 +1,9 @@
-"""Lengths and masses of the segments of a leg by height and weight (Winter, Biomechanics, table 4.1).
+"""Lengths and masses of the segments of a leg by height and weight (Winter, Biomechanics, table 4.1, after Dempster).
 
-The shares of lengths and masses agree with the table as others print it; the shares of centres of mass and radii of
-gyration are those of the book from memory, not verified against a copy.
+Masses, centres of mass and radii of gyration, rows "Thigh" (greater trochanter to femoral condyles) and "Foot and leg"
+(femoral condyles to medial malleolus), were read in two copies of the table that agree: the sheet "Dempster's Body
+Segment Parameter Data for 2-D Studies", which names the second edition of 1990, and `data/BSP_DempsterWinter.txt` of
+BMClab/BMC, which names that of 2009.
 """
 
 from __future__ import annotations

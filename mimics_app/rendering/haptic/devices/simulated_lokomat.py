@@ -121,8 +121,8 @@ _MAY_BE_ZERO = (
 _PELVIS = ("held", "free")
 _FEET = ("left", "right")
 
-_STEPS = 4
-"""Runge-Kutta steps in a tick of 1 ms: rod and spindle swing at some 200 Hz."""
+_STEP_RATE = 4000
+"""Runge-Kutta steps per second, at least: rod and spindle swing at some 200 Hz."""
 
 _BRISTLE = 2e7
 """Stiffness of friction below its level [N/m]; high enough that a braked joint moves by a fraction of a degree."""
@@ -259,7 +259,7 @@ def _write_plant(plant: Vec, request: DeviceRequest, own: Segments, numbers: dic
     values = {
         orthosis.HIP_HEIGHT: stand + (0.0 if free else numbers["clearance"]),
         orthosis.TICK: 1.0 / request.rate,
-        orthosis.STEPS: _STEPS,
+        orthosis.STEPS: math.ceil(_STEP_RATE / request.rate),
         orthosis.DELAY: request.robot.delay_ticks,
         orthosis.PELVIS_FREE: float(free),
         orthosis.PELVIS_DAMPING: _PELVIS_DAMPING,
