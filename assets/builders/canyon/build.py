@@ -7,7 +7,14 @@ import math
 
 import numpy as np
 
-from assets.builders.canyon.textures import LAYERED, paint_layers, paint_planks, paint_rubble, paint_water
+from assets.builders.canyon.textures import (
+    LAYERED,
+    paint_layers,
+    paint_planks,
+    paint_rubble,
+    paint_stone,
+    paint_water,
+)
 from assets.builders.city.textures import paint_road
 from assets.builders.kit.lattice_noise import hash_noise
 from assets.builders.kit.sketch import Point, Sketch, Uv
@@ -29,6 +36,8 @@ _FINE = 3
 """Pieces of each part of the profile."""
 _COLUMNS = tuple(sorted({*range(-520, 521, 40), *range(-80, 81, 8), *range(-12, 13, 4)}))
 """Places across the beam at which the walls bend [m]."""
+_RUBBLE = 17.0
+"""Width of ground that one repetition of the rubble covers [m]."""
 _STREET = 6.0
 """Half the width of the street [m]."""
 _KEPT, _MEANDER = 10.0, 46.0
@@ -61,12 +70,12 @@ def _compose_land(seed: int) -> bytes:
         "rubble": (paint_rubble(seed + 20), 1.0),
         "river": (paint_water(seed + 40), 0.35),
         "road": (paint_road(seed + 60), 1.0),
+        "stone": (paint_stone(seed + 90), 0.95),
     }
     materials = {
         name: writer.add_material(f"canyon_{name}", texture=writer.add_picture(name, png), roughness=rough)
         for name, (png, rough) in painted.items()
     }
-    materials["stone"] = writer.add_material("canyon_stone", colour=(0.56, 0.45, 0.35, 1.0), roughness=0.95)
     for name, sketch in (
         ("walls", _walls(seed)),
         ("land", _land(seed)),
@@ -186,7 +195,7 @@ def _add_rock(sketch: Sketch, material: str, corners: list[Point]) -> None:
         if material == "rock":
             uvs = [((x + 0.35 * z) / LAYERED, -y / LAYERED) for x, y, z in triangle]
         else:
-            uvs = [(x / 14.0, z / 14.0) for x, _, z in triangle]
+            uvs = [(x / _RUBBLE, z / _RUBBLE) for x, _, z in triangle]
         sketch.fan(material, triangle, uvs, shade)
 
 
@@ -208,7 +217,7 @@ def _land(seed: int) -> Sketch:
             if sign < 0.0:
                 corners.reverse()
             for triangle in (corners[:3], [corners[0], corners[2], corners[3]]):
-                sketch.fan("rubble", triangle, [(a / 14.0, c / 14.0) for a, _, c in triangle], 0.95)
+                sketch.fan("rubble", triangle, [(a / _RUBBLE, c / _RUBBLE) for a, _, c in triangle], 0.95)
     return sketch
 
 
@@ -222,7 +231,7 @@ def _river() -> Sketch:
             (right, -147.2, -155.0),
             (left, -147.2, -155.0),
         ]
-        sketch.fan("river", corners, [(x / 60.0, z / 30.0) for x, _, z in corners])
+        sketch.fan("river", corners, [(x / 110.0, z / 57.0) for x, _, z in corners])
     return sketch
 
 
@@ -244,7 +253,7 @@ def _mesas(seed: int) -> Sketch:
             for k in range(sides):
                 n = (k + 1) % sides
                 _add_rock(sketch, "rock", [lower[k], lower[n], upper[n], upper[k]])
-        sketch.fan("rubble", rings[-1], [(a / 14.0, c / 14.0) for a, _, c in rings[-1]])
+        sketch.fan("rubble", rings[-1], [(a / _RUBBLE, c / _RUBBLE) for a, _, c in rings[-1]])
     return sketch
 
 
