@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections import deque
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +30,10 @@ _FULL_TURN = 1.8
 _RADIUS = 0.11
 """Radius of the ball, which rolls by as much [m]."""
 _PLACES = ("ball.x", "ball.y", "ball.z")
+_REPLAY = "replay"
+"""Entity with the camera from which a goal is seen again, if the scene has one."""
+_KEPT_S = 6.0
+"""Time of play that is kept for it [s]."""
 
 
 class Soccer(TouchScene):
@@ -45,7 +51,12 @@ class Soccer(TouchScene):
         super().__init__(scene, world)
         spec = section_of(scene, SoccerSpec)
         self._person, self._ball_node = world.find(spec.person), world.find(spec.ball)
-        self._now = dict.fromkeys((*_PLACES, "advice.speed", "advice.turn", "advice.kicks"), 0.0)
+        self._ordered: dict[str, object] = {}
+        self._played: deque[tuple[float, Mapping[str, object]]] = deque()
+        self._scored, self._replays = 0.0, _REPLAY in world
+        self._now = dict.fromkeys(
+            (*_PLACES, "match.goals", "match.replay_s", "advice.speed", "advice.turn", "advice.kicks"), 0.0
+        )
         self._figures = [self._figure(world, self._person, "person", -1.0, "step")]
         if spec.opponent is not None:
             self._figures.append(self._figure(world, world.find(spec.opponent), "opponent", 1.0, "opponent_step"))
@@ -59,8 +70,13 @@ class Soccer(TouchScene):
     def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         super().apply(orders, snapshot)
         follow_numbers(self._now, orders.visual)
+        if self._now["match.goals"] > self._scored:
+            self._world.effects.trigger("scored")
+        self._scored = self._now["match.goals"]
+        shown = self._again(orders.visual, snapshot.t_ns * 1e-9)
+        follow_numbers(self._now, {name: number for name, number in shown.items() if not name.startswith("match.")})
         for figure in self._figures:
-            figure.follow(orders.visual)
+            figure.follow(shown)
         self._roll(np.array([self._now[name] for name in _PLACES]))
 
     def aim(self, snapshot: HapticSnapshot) -> Aim:
@@ -69,6 +85,18 @@ class Soccer(TouchScene):
         aside = -self._now["advice.turn"] / _FULL_TURN * _ASIDE
         up = self._now["advice.speed"] * _RAISED
         return Aim((x + min(max(aside, -_ASIDE), _ASIDE), y + up, z), close=self._now["advice.kicks"] > 0.0)
+
+    def _again(self, visual: Mapping[str, object], now_s: float) -> Mapping[str, object]:
+        """Return all numbers of what is shown: those of now, or after a goal those of before it, seen by its camera."""
+        self._ordered.update(visual)
+        self._played.append((now_s, dict(self._ordered)))
+        while self._played[0][0] < now_s - _KEPT_S:
+            self._played.popleft()
+        ago = self._now["match.replay_s"] if self._replays else 0.0
+        self._world.cut_to = _REPLAY if ago > 0.0 else ""
+        if ago == 0.0:
+            return self._ordered
+        return min(self._played, key=lambda each: abs(each[0] - now_s + ago))[1]
 
     def _figure(self, world: World, node: SceneNode, name: str, ahead: float, step: str) -> FreeFigure:
         """Return a player's figure, whose right leg kicks."""

@@ -56,7 +56,7 @@ class Listener:
 @pytest.mark.parametrize("name", ["canyon_walk", "soccer"])
 def test_the_six_views_are_the_first_cameras(name: str) -> None:
     scene = load_checked_scene(SCENES / f"{name}.json")
-    assert [entity for entity, _, _ in scene.components(CameraComponent)] == VIEWS
+    assert [entity for entity, _, _ in scene.components(CameraComponent)][:6] == VIEWS
     followed = {entity for entity, _, _ in scene.components(Follow)}
     assert {"shoulder", "side", "front"} <= followed
 

@@ -38,13 +38,14 @@ class ActiveView:
         world: The world; it has a camera.
         name: The first view; "": the first camera.
         flight_s: Duration of the flight from one view to the next [s]; 0: a cut.
+        cuts: Show the camera `World.cut_to` for as long as it is set; false where the eyes are the person's own.
 
     Raises:
         KeyError: The world has no camera of that name; the message names the nearest.
     """
 
-    def __init__(self, world: World, name: str = "", flight_s: float = 0.0) -> None:
-        self._world, self._flight_ns = world, round(flight_s * 1e9)
+    def __init__(self, world: World, name: str = "", flight_s: float = 0.0, *, cuts: bool = True) -> None:
+        self._world, self._flight_ns, self._cuts = world, round(flight_s * 1e9), cuts
         self._from: SeenFrom | None = None
         self._free: Placed | None = None
         self._begun_ns = self._now_ns = 0
@@ -83,9 +84,11 @@ class ActiveView:
 
     @property
     def camera(self) -> SeenFrom:
-        """The camera to draw from: the person's own, that of the view, or one on the way to it."""
+        """The camera to draw from: the person's own, that of a cut, that of the view, or one on the way to it."""
         if self._free is not None:
             return self._free
+        if self._cuts and self._world.cut_to:
+            return self._find(self._world.cut_to)
         if self._from is None:
             return self._camera
         share = (self._now_ns - self._begun_ns) / self._flight_ns

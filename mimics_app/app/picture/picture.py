@@ -165,7 +165,7 @@ class Picture:
         if self._wanted and self._wanted not in names:
             what = f'has no camera "{self._wanted}"'
             raise SceneError(scene.issue("/entities", what, nearest(self._wanted, names)))
-        self.view = ActiveView(world, self._wanted or visual.view or "", visual.flight)
+        self.view = ActiveView(world, self._wanted or visual.view or "", visual.flight, cuts=not self.presenter.worn)
         self.renderer.world = world
         if self._contact is not None and self._contact.world is not world:
             self._contact = ContactShadow(scene, world)

@@ -29,8 +29,8 @@ __all__ = ["Billboard", "Particles", "Projector", "SpriteShape", "Trigger"]
 SpriteShape = Literal["dot", "puff", "paper", "spark", "ring"]
 """Built-in sprite textures, see `sprite_pictures`."""
 
-Trigger = Literal["always", "start", "goal", "contact", "contact_end", "impact"]
-"""Events that start a burst of an emitter; "always": it emits continuously."""
+Trigger = Literal["always", "start", "goal", "scored", "contact", "contact_end", "impact"]
+"""Events that start a burst of an emitter; "always": it emits continuously; "scored": a scenario's own."""
 
 Rgba = tuple[Light, Light, Light, Share]
 Lifetime = Annotated[float, Meta(gt=0, le=86_400)]
@@ -74,7 +74,7 @@ class Particles(Component, frozen=True):
     shape: Annotated[SpriteShape, Meta(description="Built-in texture; paper tumbles in space")] = "dot"
     trigger: Annotated[
         Trigger,
-        Meta(description="always: `rate`, in the emitter's frame; else `count` at a trial's start, goal, a touch"),
+        Meta(description="always: `rate`, in the emitter's frame; else `count` at a start, goal, score or touch"),
     ] = "always"
     rate: Annotated[float, Meta(ge=0, le=100_000, description="Particles per second (always)")] = 20.0
     count: Annotated[int, Meta(ge=0, le=10_000, description="Particles of one burst")] = 100

@@ -47,6 +47,7 @@ class World:
         cords: By name of the node at their first end.
         mirrors, screens, insets: Views of the world itself, by name of the node (`world.live_pictures`).
         followers: Nodes that keep their place beside another one, by name.
+        cut_to: Name of the camera that a scenario shows in the place of the chosen view; "": none.
     """
 
     def __init__(self) -> None:
@@ -64,6 +65,7 @@ class World:
         self.screens: dict[str, Screen] = {}
         self.insets: dict[str, Inset] = {}
         self.followers: dict[str, Follower] = {}
+        self.cut_to = ""
         self._mesh_revisions: dict[str, int] = {}
         self.meshes_published = 0
         self._mesh_buffers: dict[str, MeshBuffer] = {}

@@ -15,7 +15,7 @@ from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.deflection import DEAD_ZONE
 from mimics_app.tasks.kinds.kind import KindPlay, Measure, TaskBlock, TaskKind, Values
-from mimics_app.tasks.kinds.soccer.match import Happening, Match, Pitch
+from mimics_app.tasks.kinds.soccer.match import PACE, Happening, Match, Pitch
 from mimics_app.tasks.kinds.soccer.mind import Mind
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.legs import GAITS
@@ -41,6 +41,8 @@ _SOUNDS = {
     "whistle": "whistle",
 }
 """Kind of the sound of what happens in a match."""
+_CHEERS = {"goal": "cheer", "opponent_goal": "applause"}
+"""What the crowd does after a goal: it is beside itself, or polite."""
 _MODERATE = 0.5
 """Skill with which a simulated person plays."""
 
@@ -55,6 +57,15 @@ class SoccerSpec(Component, frozen=True):
         tuple[Figure, Figure, Figure], Meta(description="Middle of the pitch, world [m]; its length is along z.")
     ] = (0.0, 0.0, 0.0)
     skill: Annotated[Share, Meta(description="Skill of the opponent, 0 to 1, unless a parameter sets it.")] = 0.4
+    pace: Annotated[
+        float,
+        Meta(
+            ge=0.5,
+            le=3.0,
+            description="Largest speed of the opponent over the fastest that the person has been, unless a parameter "
+            "sets it.",
+        ),
+    ] = PACE
     match_s: Annotated[float, Meta(ge=5.0, le=3600.0, description="Length of a match [s].")] = 90.0
     wins_at: Annotated[int, Meta(ge=1, le=99, description="Goals that end a match earlier.")] = 3
     gait: Annotated[
@@ -97,6 +108,7 @@ class SoccerPlay(KindPlay):
         spec, seed = self._spec, self._seed * 1000 + self._number
         skill = None if spec.opponent is None else spec.skill
         self._match = Match(Pitch(), GAITS[spec.gait], skill, seed, spec.kick_speed)
+        self._match.pace = spec.pace
         self._mind = Mind(_MODERATE, self._match.rng)
         self._seconds, self._hushed_s = 0.0, 0.0
         self._advice: dict[str, object] = {}
@@ -108,6 +120,9 @@ class SoccerPlay(KindPlay):
         skill = settings.get("opponent_skill")
         if isinstance(skill, int | float) and self._match.mind is not None:
             self._match.mind.skill = float(skill)
+        pace = settings.get("opponent_pace")
+        if isinstance(pace, int | float):
+            self._match.pace = float(pace)
         return structs.replace(seen, progress=min(self._seconds / self._spec.match_s, 1.0))
 
     def travel(self, seen: Observation, seconds: float) -> None:
@@ -147,6 +162,8 @@ class SoccerPlay(KindPlay):
             "ball.x": round(x, 4),
             "ball.y": round(y, 4),
             "ball.z": round(z, 4),
+            "match.goals": match.goals,
+            "match.replay_s": round(match.replay_s, 4),
             **self._advice,
         }
         for name, player in (("person", match.person), ("opponent", match.opponent)):
@@ -167,7 +184,8 @@ class SoccerPlay(KindPlay):
     def prompt(self) -> str:
         match = self._match
         if match.pause_s > 0.0:
-            return f"{match.goals} : {match.opponent_goals}"
+            again = "   seen again" if match.replay_s > 0.0 else ""
+            return f"{match.goals} : {match.opponent_goals}{again}"
         if match.person.walker.walked == 0.0:
             return "Raise the hand to walk, aside to turn. Close it (mouse button, G or K) to kick"
         return ""
@@ -205,8 +223,9 @@ class SoccerPlay(KindPlay):
         """Let something be heard, and written down."""
         x, y, z = (a + b for a, b in zip(happening.place, self._spec.middle, strict=True))
         self._sounds.append(SoundTrigger(_SOUNDS[happening.kind], seen.now_ns, (x, y, z), strength=happening.strength))
-        if happening.kind in ("goal", "opponent_goal"):
-            self._sounds.append(SoundTrigger("cheer", seen.now_ns, (x, 2.0, z)))
+        cheer = _CHEERS.get(happening.kind)
+        if cheer is not None:
+            self._sounds.append(SoundTrigger(cheer, seen.now_ns, (x, 2.0, z)))
         if happening.kind not in ("board", "bounce"):
             self._events.append(("soccer", {"t_ns": seen.now_ns, "what": happening.kind, "x": x, "z": z}))
 
@@ -218,7 +237,7 @@ class SoccerPlay(KindPlay):
         if near and self._hushed_s == 0.0:
             self._hushed_s = 6.0
             x, _, z = (ball.place + self._spec.middle).tolist()
-            self._sounds.append(SoundTrigger("cheer", seen.now_ns, (x, 2.0, z), strength=0.45))
+            self._sounds.append(SoundTrigger("gasp", seen.now_ns, (x, 2.0, z)))
 
 
 class SoccerSection(ReportSection):
@@ -245,7 +264,7 @@ class SoccerKind(TaskKind):
         Measure.totalled("opponent_goals", "opponent_goals", "Goals of the opponent.", 0.0, 3.0, sums=True),
         Measure.totalled("kicks", "kicks", "Touches of the ball by the person's feet.", 20.0, 0.0, sums=True),
     )
-    targets = ("opponent_skill",)
+    targets = ("opponent_skill", "opponent_pace")
     completes = "matches"
     cards = ("goals", "left", "steps", "kicks", "symmetry")
     journals = ("soccer",)

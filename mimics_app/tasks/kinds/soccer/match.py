@@ -18,7 +18,7 @@ from mimics_app.tasks.walking.footfalls import ankle
 from mimics_app.tasks.walking.legs import GAITS, Impairment
 from mimics_app.tasks.walking.walker import HALF_STEP_WIDTH, Walker
 
-__all__ = ["Happening", "Match", "Pitch", "Player"]
+__all__ = ["PACE", "Happening", "Match", "Pitch", "Player"]
 
 _TIP = 0.17
 """Tip of the toes ahead of the ankle [m]."""
@@ -33,6 +33,10 @@ _KICK_HEIGHT = 0.12
 """Height of the toes in a kick [m]."""
 _PIECES = 4
 """Steps of the ball in a frame."""
+_FAR = 2.0
+"""Distance from which on a player cannot touch the ball [m]."""
+_APART = 0.3
+"""Distance of a player from a board [m]."""
 _BODY = 0.20
 """Radius of a body that the ball bounces off [m]."""
 _BODY_RESTITUTION, _BOARD_RESTITUTION = 0.25, 0.6
@@ -42,9 +46,9 @@ _AGAIN_S = 0.2
 """Time between two touches of a walking foot that are counted [s]."""
 _OFF = 2.4
 """Where the players stand at a kick-off, from the middle [m]."""
-_PAUSE_S = 2.5
-"""Time after a goal until play goes on [s]."""
-_FAIR, _LEAST_PACE = 1.35, 0.35
+_CHEERS_S, _REPLAY_S, _REPLAY_SPEED, _REPLAY_FROM_S = 1.2, 3.2, 0.75, 2.0
+"""Time from a goal to its replay, duration of the replay [s], its speed, and how long before the goal it begins [s]."""
+PACE, _LEAST_PACE = 1.5, 0.35
 """Largest speed of the opponent over the fastest that the person has been, and the least that this counts as [m/s]."""
 _WEAK, _HARD = 0.7, 1.6
 """Speed of an opponent's kick over the person's, without skill and with skill 1."""
@@ -65,6 +69,11 @@ class Pitch:
     half_width: float = 3.2
     half_goal: float = 1.5
     bar: float = 1.9
+
+    @property
+    def bounds(self) -> complex:
+        """Greatest distances of a player's place from the middle, x + i z [m]."""
+        return complex(self.half_width - _APART, self.half_length - _APART)
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,6 +180,7 @@ class Match:
         kick_speed: Speed of a foot in a kick [m/s].
 
     Attributes:
+        pace: Largest speed of the opponent over the fastest that the person has been; it may change.
         person, opponent: The players.
         ball: The ball.
         mind: The opponent's.
@@ -189,7 +199,7 @@ class Match:
         self.ball = SoccerBall()
         self.goals = self.opponent_goals = self.kicks = 0
         self.act = Act.KEEP
-        self.pause_s = 0.0
+        self.pace, self.pause_s = PACE, 0.0
         self._fastest = 0.0
         self._untouched_s = 0.0
         self.kick_off()
@@ -205,6 +215,12 @@ class Match:
     def gap(self) -> float:
         """Distance of both players [m]."""
         return abs(self.person.at - self.opponent.at)
+
+    @property
+    def replay_s(self) -> float:
+        """How long ago was what is shown again after a goal [s]; 0: nothing is."""
+        since = _REPLAY_S - self.pause_s
+        return _CHEERS_S + _REPLAY_FROM_S + (1.0 - _REPLAY_SPEED) * since if 0.0 <= since < _REPLAY_S else 0.0
 
     def view_of_person(self) -> PlayerView:
         """Return what the person sees."""
@@ -262,17 +278,29 @@ class Match:
         if deed.kicks:
             self.opponent.begin_kick()
         own = _CAUTIOUS + _SPRINTS * mind.skill
-        pace = min(own, (_FAIR + mind.skill) * max(self._fastest, _LEAST_PACE))
+        pace = min(own, self.pace * max(self._fastest, _LEAST_PACE))
         return self.opponent.move(deed.speed * pace, deed.turn, seconds)
 
     def _view(self, me: Player, other: Player, goal: complex) -> PlayerView:
         ball, v = self.ball.place, self.ball.velocity
-        return PlayerView(me.at, me.walker.yaw, other.at, complex(ball[0], ball[2]), complex(v[0], v[2]), goal)
+        return PlayerView(
+            me.at,
+            me.walker.yaw,
+            other.at,
+            complex(ball[0], ball[2]),
+            complex(v[0], v[2]),
+            goal,
+            self.pitch.half_goal,
+            self.pitch.bounds,
+        )
 
     def _touch(self, player: Player, before: F8, after: F8, share: float, seconds: float) -> list[Happening]:
         """Let feet and body meet the ball, with the feet at a share of the frame."""
         happened = []
-        place, ball = before + share * (after - before), self.ball
+        ball = self.ball
+        if abs(complex(ball.place[0], ball.place[2]) - player.at) > _FAR:
+            return happened
+        place = before + share * (after - before)
         far = np.abs(place[:, ::2] - ball.place[::2]).sum(axis=1)
         yaw = player.walker.yaw
         facing = np.array([math.sin(yaw), 0.0, math.cos(yaw)])
@@ -326,7 +354,7 @@ class Match:
 
     def _count(self, end: float) -> Happening:
         """Count a goal at an end of the pitch."""
-        self.pause_s = _PAUSE_S
+        self.pause_s = _CHEERS_S + _REPLAY_S
         if end < 0.0:
             self.goals += 1
             return self._at("goal", 1.0)
@@ -335,9 +363,10 @@ class Match:
 
     def _keep_inside(self, player: Player) -> None:
         """Keep a player between the boards, and off the other one."""
-        walker, pitch = player.walker, self.pitch
-        walker.x = min(max(walker.x, 0.3 - pitch.half_width), pitch.half_width - 0.3)
-        walker.z = min(max(walker.z, 0.3 - pitch.half_length), pitch.half_length - 0.3)
+        walker = player.walker
+        most = self.pitch.bounds
+        walker.x = min(max(walker.x, -most.real), most.real)
+        walker.z = min(max(walker.z, -most.imag), most.imag)
         other = self.opponent if player is self.person else self.person
         away = player.at - other.at
         if self.mind is not None and 1e-6 < abs(away) < 2.0 * _BODY:

@@ -1,8 +1,8 @@
 """The mind of a soccer player: from what it sees to how it walks and when it kicks, by a skill of 0 to 1.
 
 One policy plays the opponent and a simulated person. It chases the ball from behind, dribbles it towards the goal,
-shoots where the way is straight, tackles who has the ball, and keeps its own goal. With a skill below 1 it is slower,
-sees the ball late, and aims badly; with skill 0 it only keeps its goal.
+shoots where the ball would go between the posts, tackles who has the ball, clears it when pressed, and keeps its own
+goal. With a skill below 1 it is slower, sees the ball late, and aims badly; with skill 0 it only keeps its goal.
 """
 
 from __future__ import annotations
@@ -18,24 +18,28 @@ __all__ = ["Act", "Deed", "Mind", "PlayerView"]
 
 _BEHIND = 0.85
 """How far behind the ball a player goes before dribbling it [m]."""
-_REACH = 0.95
-"""Distance of the ball at which a player shoots [m]."""
-_SHOOTS = 11.0
-"""Distance from the goal within which a player shoots [m]."""
-_ALIGNED, _PATIENCE = 0.26, 0.19
-"""Angle between heading and goal within which a player without skill shoots, and how much less it is with skill 1."""
+_REACH, _SWEPT = 0.95, 0.16
+"""Distance of the ball at which a player shoots, and how far it may be aside of the swinging leg [m]."""
+_SHOOTS, _FARTHER = 9.0, 7.0
+"""Distance from the goal within which a player without skill shoots, and from how much farther one with skill 1 [m]."""
+_CLEARS, _AWAY = 0.6, 0.3
+"""Skill from which on a player clears a ball that the other one may reach, and least cosine to the goal for it."""
+_BESIDE = 0.2
+"""Distance from where a player can get, aside, within which the ball lies at a board [m]."""
+_SETTLED = 0.4
+"""Angle between heading and a near ball from which on a player hardly walks until they have turned [rad]."""
+_INSIDE = 0.25
+"""Distance from a post within which a player does not aim [m]."""
 _OWNS = 0.9
 """Distance at which the other one has the ball [m]."""
-_TURN, _MOST_TURN = 4.0, 2.4
-"""Rate of turn per angle left [1/s], and the largest one [rad/s]."""
+_TURN, _MOST_TURN, _NIMBLE = 4.0, 2.4, 1.6
+"""Rate of turn per angle left [1/s], the largest one without skill, and what skill 1 adds to it [rad/s]."""
 _LATE_S, _ASKEW = 0.9, 0.45
 """Delay of what is seen [s] and standard deviation of the aim [rad] without any skill."""
 _KEEPS = 1.6
 """Distance before the own goal at which a keeper stands [m]."""
-_LOOKAHEAD_S = 0.4
-"""How far ahead a player with skill 1 sees the ball [s]."""
-_CORNER = 1.0
-"""How far aside of the goal's middle a player with skill 1 aims, past the other one [m]."""
+_LOOKAHEAD_S, _RUNS = 0.8, 3.0
+"""How far ahead a player with skill 1 sees the ball at most [s], and the speed for which they reckon [m/s]."""
 _FRAME_S = 1.0 / 60.0
 
 
@@ -58,6 +62,8 @@ class PlayerView:
         other: Place of the other player.
         ball, ball_velocity: The ball's.
         goal: Middle of the goal to be scored in; the own goal is at its opposite.
+        post: Half the width of a goal [m].
+        bounds: Greatest distances of a player's place from the middle of the pitch, x + i z [m].
     """
 
     me: complex
@@ -66,6 +72,8 @@ class PlayerView:
     ball: complex
     ball_velocity: complex
     goal: complex
+    post: float
+    bounds: complex
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,35 +117,47 @@ class Mind:
         ball = self._seen[max(len(self._seen) - 1 - late, 0)]
         if self.skill <= 0.0:
             return self._go(view, self._keeping(view, ball), Act.KEEP)
-        ball += self.skill * _LOOKAHEAD_S * view.ball_velocity
+        if self._would_score(view, ball):
+            self._askew = float(self._rng.normal(0.0, (1.0 - self.skill) * _ASKEW))
+            return Deed(Act.SHOOT, 1.0, 0.0, kicks=True)
+        ball += self.skill * min(abs(ball - view.me) / _RUNS, _LOOKAHEAD_S) * view.ball_velocity
         if self._threatened(view, ball):
             return self._go(view, self._keeping(view, ball), Act.KEEP)
-        way = self._target(view, ball) - ball
-        behind = ball - _BEHIND * way / max(abs(way), 1e-6)
-        ahead = ((ball - view.me) * way.conjugate()).real / max(abs(way), 1e-6)
-        aside = abs(((ball - view.me) * way.conjugate()).imag) / max(abs(way), 1e-6)
-        if ahead < 0.15 or aside > 0.6 * ahead + 0.12:
-            act = Act.TACKLE if abs(view.other - ball) < _OWNS else Act.CHASE
-            return self._go(view, self._round(view, ball, behind, ahead), act)
-        return self._attack(view, ball, way)
-
-    def _attack(self, view: PlayerView, ball: complex, way: complex) -> Deed:
-        """Dribble the ball, or shoot it."""
-        aim = math.atan2(way.real, way.imag) + self._askew
+        way = view.goal - ball
+        behind = _within(ball - _BEHIND * way / max(abs(way), 1e-6), view.bounds)
         to_ball = ball - view.me
-        near = abs(to_ball) < _REACH
-        off = math.remainder(aim - view.heading, 2.0 * math.pi)
-        if near and abs(way) < _SHOOTS and abs(off) < _ALIGNED - _PATIENCE * self.skill:
-            self._askew = float(self._rng.normal(0.0, (1.0 - self.skill) * _ASKEW))
-            return Deed(Act.SHOOT, 1.0, self._turn(off), kicks=True)
-        target = aim if near else math.atan2(to_ball.real, to_ball.imag)
-        return Deed(Act.DRIBBLE, 1.0, self._turn(math.remainder(target - view.heading, 2.0 * math.pi)))
+        if self._between_posts(view, ball, to_ball):
+            return self._attack(view, to_ball)
+        act = Act.TACKLE if abs(view.other - ball) < _OWNS else Act.CHASE
+        ahead = (to_ball * way.conjugate()).real / max(abs(way), 1e-6)
+        return self._go(view, self._round(view, ball, behind, ahead), act)
 
-    def _target(self, view: PlayerView, ball: complex) -> complex:
-        """Return the place in the goal to aim at: the corner that the other one does not cover."""
-        covered = ((view.other - ball) * (view.goal - ball).conjugate()).imag * (1.0 if view.goal.imag > 0.0 else -1.0)
-        side = -1.0 if covered < 0.0 else 1.0
-        return view.goal + side * _CORNER * self.skill
+    def _would_score(self, view: PlayerView, ball: complex) -> bool:
+        """Whether the leg would meet the ball, and send it between the posts as far as the player can tell."""
+        ahead = complex(math.sin(view.heading), math.cos(view.heading))
+        place = (ball - view.me) * ahead.conjugate()
+        if not (0.2 < place.real < _REACH and abs(place.imag) < _SWEPT):
+            return False
+        way = view.goal.imag - ball.imag
+        pressed = abs(view.other - ball) < 2.0 * _OWNS or abs(ball.real) > view.bounds.real - _BESIDE
+        if self.skill > _CLEARS and pressed and ahead.imag * way > _AWAY * abs(way):
+            return True
+        aim = ahead * complex(math.cos(self._askew), math.sin(self._askew))
+        return abs(way) < _SHOOTS + _FARTHER * self.skill and self._between_posts(view, ball, aim)
+
+    @staticmethod
+    def _between_posts(view: PlayerView, ball: complex, aim: complex) -> bool:
+        """Whether a ball that is sent along a direction goes between the posts."""
+        way = view.goal.imag - ball.imag
+        if aim.imag * way <= 0.0:
+            return False
+        return abs(ball.real + aim.real / aim.imag * way - view.goal.real) < view.post - _INSIDE
+
+    def _attack(self, view: PlayerView, to_ball: complex) -> Deed:
+        """Run at the ball, which is before the goal; near it, turn to it first."""
+        off = math.remainder(math.atan2(to_ball.real, to_ball.imag) - view.heading, 2.0 * math.pi)
+        speed = 1.0 if abs(to_ball) > _REACH else max(1.0 - abs(off) / _SETTLED, 0.1)
+        return Deed(Act.DRIBBLE, speed, self._turn(off))
 
     def _round(self, view: PlayerView, ball: complex, behind: complex, ahead: float) -> complex:
         """Return the way to behind the ball that does not push it back: past its side."""
@@ -172,6 +192,11 @@ class Mind:
         speed = max(math.cos(off), 0.15) * min(1.0, far / 0.4)
         return Deed(act, speed, self._turn(off))
 
-    @staticmethod
-    def _turn(off: float) -> float:
-        return min(max(_TURN * off, -_MOST_TURN), _MOST_TURN)
+    def _turn(self, off: float) -> float:
+        most = _MOST_TURN + _NIMBLE * self.skill
+        return min(max(_TURN * off, -most), most)
+
+
+def _within(place: complex, bounds: complex) -> complex:
+    """Return the place nearest to one at which a player can stand."""
+    return complex(min(max(place.real, -bounds.real), bounds.real), min(max(place.imag, -bounds.imag), bounds.imag))

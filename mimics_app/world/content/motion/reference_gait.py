@@ -120,7 +120,7 @@ def _quintic(x: F8, ends: tuple[float, ...]) -> F8:
     return np.asarray(y0 + x * (d0 + x * (0.5 * c0 + x * (cubic + x * (fourth + x * fifth)))))
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=512)
 def shape_gait(speed: float, stretch: float) -> F8:
     """Return the angles of a leg over a cycle: thigh forward, knee flexion, foot pitch [rad].
 
