@@ -31,6 +31,8 @@ __all__ = ["KIND", "CanyonWalkPlay", "CanyonWalkSpec"]
 
 _CREAK_PER_STEP = 0.35
 """Strength of the creak of the beam under a foot."""
+_GUST_FROM = 4.0
+"""Distance aside from which a gust is heard [m]."""
 
 
 class SectionSpec(Component, frozen=True):
@@ -126,7 +128,7 @@ class CanyonWalkPlay(KindPlay):
             self._sound("misstep", seen, (foot.x, 0.0, foot.z))
             self._note("misstep", seen, side=foot.side, off_m=round(abs(foot.x), 4))
         if gust:
-            self._sound("gust", seen, (crossing.walker.x - 4.0, 1.6, crossing.walker.z))
+            self._sound("gust", seen, (crossing.walker.x - _GUST_FROM * crossing.wind.side, 1.6, crossing.walker.z))
         if crossing.falls > falls:
             self._sound("fall", seen, (crossing.walker.x, 0.0, crossing.walker.z))
             self._note("fall", seen)

@@ -39,13 +39,14 @@ class Wind:
     Attributes:
         strength: Present strength, 0 to 1.
         push: Present push aside as a share of the strongest, negative to the left.
+        side: Side to which the newest gust pushes, -1 left, 1 right; 0 before the first.
     """
 
     def __init__(self, rng: np.random.Generator, *, calm: bool) -> None:
         self._rng, self._calm = rng, calm
         self._until = float(rng.exponential(_MEAN_PAUSE_S))
         self._since = math.inf
-        self._side = self._peak = 0.0
+        self.side = self._peak = 0.0
         self.strength = self.push = 0.0
 
     def blow(self, exposed: float, seconds: float) -> bool:
@@ -54,11 +55,11 @@ class Wind:
         self._until -= seconds
         begins = self._until <= 0.0 and not self._calm
         if begins:
-            self._since, self._side = 0.0, float(self._rng.choice((-1.0, 1.0)))
+            self._since, self.side = 0.0, float(self._rng.choice((-1.0, 1.0)))
             self._peak = float(self._rng.uniform(0.5, _STRONGEST))
             self._until = _GUST_S + float(self._rng.exponential(_MEAN_PAUSE_S))
         gust = self._peak * math.sin(math.pi * self._since / _GUST_S) ** 2 if self._since < _GUST_S else 0.0
         steady = _STEADY * (0.5 if self._calm else 1.0)
         self.strength = exposed * (steady + (1.0 - _STEADY) * gust)
-        self.push = exposed * gust * self._side
+        self.push = exposed * gust * self.side
         return begins and exposed > 0.0
