@@ -7,7 +7,7 @@ subject's head and hands; without trackers the subject does not move.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,19 +15,35 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import FRAME_NS, SECOND_NS
 from mimics_app.contracts.errors import SceneError
+from mimics_app.contracts.messages.orders import Feature, HapticField, HapticOrder, Shown
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.ports.scenario_port import BodyPose
 from mimics_app.maths import quat
 from mimics_app.maths.mat import look_at
 from mimics_app.scenarios.figures.walking_figure import OWN_HEAD
 from mimics_app.scenarios.parts.touch_scene import TouchScene
+from mimics_app.tasks.kinds.avatar_cord.features import (
+    CORD_LENGTH,
+    CORD_RADIUS,
+    CORD_SHOWN,
+    DELAY,
+    DISTANCE,
+    FEATURES,
+    MIMICRY,
+    OWN_BODY,
+    PROBE,
+    TAP,
+    THREAT,
+    VIEWPOINT,
+    ShownTap,
+)
 from mimics_app.world.components.cord import CordComponent
 from mimics_app.world.components.objects import ForceField
 from mimics_app.world.content.cords import Cord
 from mimics_app.world.content.world import World
 from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["SCENARIO", "AvatarCord", "Tap", "ball_motion"]
+__all__ = ["SCENARIO", "AvatarCord", "ball_motion"]
 
 
 _PARTS = ("head", "hand_left", "hand_right")
@@ -51,12 +67,11 @@ _THREAT_FROM, _THREAT_BALL, _G = 2.2, 0.16, 9.81
 """Threat: height above the avatar's head from which it falls [m], radius [m], gravity [m/s^2]."""
 _TOUCH, _TOUCH_BALL = "cord_touch", 0.012
 """Entity whose force field renders the contact with the cord; radius of the ball at the HIP [m]."""
+_TOUCH_AT, _TOUCH_FIELD = HapticField("position", "effects", _TOUCH), HapticField("parameters", "effects", _TOUCH)
 _SWING_HZ, _SWING_DAMPING, _SWING_PER_M_S = 0.8, 1.1, 0.35
 """Swing of the cord as a damped pendulum: frequency [Hz], damping [1/s], angle per lateral speed [rad s/m]."""
 
 
-Tap = tuple[int, str, float, float, int]
-"""Time of the touch [ns], "cord", "back" or "stomach", share of the cord's length, angle around it [rad], number."""
 _HOVER, _FALL_S = 0.09, 0.14
 """Height of the waiting ball above the surface [m], and duration of its descent or ascent [s]."""
 _QUICK = 0.35
@@ -97,24 +112,12 @@ class AvatarCord(TouchScene):
         fields = {entity: field for entity, field, _ in scene.components(ForceField)}
         self._touch = fields.get(_TOUCH)
         self._real_body_seen = False
-        self._settings: dict[str, Any] = {
-            "cord.shown": True,
-            "cord.length_factor": 1.0,
-            "cord.radius_factor": 1.0,
-            "avatar.distance": 1.2,
-            "avatar.mimicry": "same",
-            "avatar.delay_ms": 0.0,
-            "viewpoint": "first",
-            "own_body": True,
-            "tap": None,
-            "threat_ns": None,
-            "probe_m": None,
-        }
+        self._settings = Shown(FEATURES)
         self._shown_ns = 0
         self._parts: dict[str, Mapping[str, F8 | None]] = {"subject": _UNTRACKED, "avatar": _UNTRACKED}
         self._last_tap = -1
-        self._coming: Tap | None = None
-        self._before: Tap | None = None
+        self._coming: ShownTap | None = None
+        self._before: ShownTap | None = None
         self._swing = self._swing_speed = 0.0
         self._middle: F8 | None = None
         self._arrange()
@@ -126,9 +129,9 @@ class AvatarCord(TouchScene):
     def set_tracked_body(self, where: BodyPose, shown_ns: int) -> None:
         """Set the poses of the subject at the time of display, and those of the avatar by the mode of mimicry."""
         self._shown_ns = shown_ns
-        delay_ns = round(float(self._settings["avatar.delay_ms"]) * 1e6)
+        delay_ns = round(self._settings[DELAY] * 1e6)
         self._parts["subject"] = _parts(where, shown_ns)
-        mimicry = self._settings["avatar.mimicry"]
+        mimicry = self._settings[MIMICRY]
         if mimicry == "none":
             self._parts["avatar"] = _UNTRACKED
         else:
@@ -137,41 +140,45 @@ class AvatarCord(TouchScene):
 
     def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         super().apply(orders, snapshot)
-        self._settings.update({name: value for name, value in orders.visual.items() if name in self._settings})
+        self._settings.follow(orders.visual)
         self._arrange()
 
-    def haptic_orders(self) -> Mapping[str, object]:
+    @staticmethod
+    def features(scene: Scene) -> Sequence[Feature[Any]]:
+        return FEATURES
+
+    def haptic_orders(self) -> HapticOrder:
         """Return the parameters of the cord's force field, which follows the cord and is off while that is hidden."""
         touch = self._touch
         if touch is None:
-            return {}
+            return HapticOrder()
         curve, field = self._cord.curve, np.array([*touch.parameters, *[0.0] * (8 - len(touch.parameters))])
         flat = curve.along * [1.0, 0.0, 1.0]
         flat = flat / max(float(np.linalg.norm(flat)), 1e-9)
         field[:5] = (flat[0], flat[2], curve.a, curve.q, curve.length if self._cord.visible else 0.0)
         field[5] = self._cord.shown_radius + _TOUCH_BALL
-        return {f"effects.{_TOUCH}.position": curve.start, f"effects.{_TOUCH}.parameters": field}
+        return HapticOrder({_TOUCH_AT: curve.start, _TOUCH_FIELD: field})
 
     def hide_own_avatar(self) -> None:
         self._real_body_seen = True
         # At once: the display may open after the first frame was arranged.
-        self.subject.show(self._settings["viewpoint"] != "first")
+        self.subject.show(self._settings[VIEWPOINT] != "first")
 
     def _arrange(self) -> None:
         """Place all entities for this frame."""
         settings, shown_s = self._settings, self._shown_ns / SECOND_NS
         self._world.effects.time = max(self._world.effects.time, shown_s)
         front = np.eye(4)
-        front[2, 3] = -float(settings["avatar.distance"])
-        first = settings["viewpoint"] == "first"
+        front[2, 3] = -settings[DISTANCE]
+        first = settings[VIEWPOINT] == "first"
         self.subject.pose(np.eye(4), self._parts["subject"], self._shown_ns)
-        self.subject.show(not first or (bool(settings["own_body"]) and not self._real_body_seen))
+        self.subject.show(not first or (settings[OWN_BODY] and not self._real_body_seen))
         self.avatar.pose(front, self._parts["avatar"], self._shown_ns)
         self._place_camera(first, 0.5 * front[2, 3])
         self._hang_cord(shown_s)
-        self._tap(settings["tap"])
-        self._drop_threat(settings["threat_ns"])
-        self._show_probe(settings["probe_m"])
+        self._tap(settings[TAP])
+        self._drop_threat(settings[THREAT])
+        self._show_probe(settings[PROBE])
 
     def _place_camera(self, first: bool, middle: float) -> None:
         """Look from the subject's eyes, past its own head, or from aside at the place half-way to the avatar [m]."""
@@ -187,10 +194,10 @@ class AvatarCord(TouchScene):
         # The length factor scales the slack of the scene's own cord, at any distance of the avatar.
         chord = float(np.linalg.norm(cord.ends[1] - cord.ends[0]))
         slack = max(self._spec.length - 1.0, 0.02)
-        cord.length = chord * (1.0 + slack * (2.0 * float(settings["cord.length_factor"]) - 1.0))
+        cord.length = chord * (1.0 + slack * (2.0 * settings[CORD_LENGTH] - 1.0))
         cord.length = max(cord.length, chord)
-        cord.radius = self._spec.radius * float(settings["cord.radius_factor"])
-        cord.visible = bool(settings["cord.shown"])
+        cord.radius = self._spec.radius * settings[CORD_RADIUS]
+        cord.visible = settings[CORD_SHOWN]
         cord.swing = self._step_swing()
 
     def _step_swing(self) -> float:
@@ -205,7 +212,7 @@ class AvatarCord(TouchScene):
         self._swing = min(max(self._swing + dt * self._swing_speed, -0.6), 0.6)
         return self._swing
 
-    def _tap(self, tap: Tap | None) -> None:
+    def _tap(self, tap: ShownTap | None) -> None:
         cord = self._cord
         self._tap_ball.visible = tap is not None and (tap[1] != "cord" or cord.visible)
         cord.ball[3] = 0.0
@@ -222,7 +229,7 @@ class AvatarCord(TouchScene):
         if self._tap_ball.visible:
             cord.ball[:3], cord.ball[3] = at, _BALL
 
-    def _ball_at(self, tap: Tap) -> F8:
+    def _ball_at(self, tap: ShownTap) -> F8:
         """Return the centre of the tapping ball on its path from the previous touch to this one, world [m]."""
         before = self._before or tap
         since_s = math.inf if self._before is None else (self._shown_ns - before[0]) / SECOND_NS
@@ -242,7 +249,7 @@ class AvatarCord(TouchScene):
         surface, out = (self.avatar.back, 1.0) if name == "back" else (self.avatar.stomach, -1.0)
         return surface + [0.0, _TAPPED_OVER, out * (gap + _BALL)]
 
-    def _ripple(self, tap: Tap | None) -> None:
+    def _ripple(self, tap: ShownTap | None) -> None:
         """Start the ripple of a tap on the cord at the time of its touch, which may lie between two frames."""
         if tap is None or tap[1] != "cord" or tap[4] == self._last_tap or self._shown_ns + FRAME_NS // 2 < tap[0]:
             return

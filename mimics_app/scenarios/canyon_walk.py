@@ -7,13 +7,15 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.messages.orders import Shown
 from mimics_app.contracts.messages.stage_messages import Aim, HapticSnapshot, TaskOrders
 from mimics_app.maths import quat
 from mimics_app.scenarios.figures.free_figure import FreeFigure
-from mimics_app.scenarios.figures.walking_figure import follow_numbers, see_past_head
+from mimics_app.scenarios.figures.walking_figure import see_past_head
 from mimics_app.scenarios.parts.touch_scene import TouchScene
-from mimics_app.tasks.kinds.canyon_walk.kind import CanyonWalkSpec
+from mimics_app.tasks.kinds.canyon_walk.kind import BEAM_WIDTH, TREMBLES, WIND, CanyonWalkSpec
 from mimics_app.tasks.scene_section import section_of
+from mimics_app.tasks.walking.walker import PERSON
 from mimics_app.world.content.world import World
 from mimics_app.world.files.scene.scene import Scene
 
@@ -53,10 +55,10 @@ class CanyonWalk(TouchScene):
         self._beam = world.find(spec.beam)
         begins, ends = spec.begins, spec.begins + spec.span
         self._figure = FreeFigure(
-            world, self._person, "person", -1.0, lambda x, z: "wood" if begins < -z < ends else "asphalt"
+            world, self._person, PERSON, -1.0, lambda x, z: "wood" if begins < -z < ends else "asphalt"
         )
         see_past_head(world.cameras, self._person)
-        self._now = {"beam.width": spec.width, "beam.trembles": 0.0, "wind.strength": 0.0, "person.x": 0.0}
+        self._now, self._width = Shown((PERSON, BEAM_WIDTH, TREMBLES, WIND)), spec.width
         self._wind = world.find(_WIND) if _WIND in world else None
         names = [f"{_BIRDS}{number}" for number in range(len(_FLIGHT))]
         self._birds = [(world.find(name), way) for name, way in zip(names, _FLIGHT, strict=True) if name in world]
@@ -68,14 +70,14 @@ class CanyonWalk(TouchScene):
 
     def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         super().apply(orders, snapshot)
-        follow_numbers(self._now, orders.visual)
+        self._now.follow(orders.visual)
         self._figure.follow(orders.visual)
         seconds = snapshot.t_ns * 1e-9
-        sway = _TREMBLE * self._now["beam.trembles"] * math.sin(2.0 * math.pi * _TREMBLE_HZ * seconds)
+        sway = _TREMBLE * self._now[TREMBLES] * math.sin(2.0 * math.pi * _TREMBLE_HZ * seconds)
         self._beam.set_position(self._beam_at + (sway, -abs(sway), 0.0))
-        self._beam.set_scale((self._now["beam.width"], 1.0, 1.0))
+        self._beam.set_scale((self._now[BEAM_WIDTH] or self._width, 1.0, 1.0))
         if self._wind is not None:
-            away = _FAR + (_NEAR - _FAR) * self._now["wind.strength"]
+            away = _FAR + (_NEAR - _FAR) * self._now[WIND]
             x, y, z = self._person.world_matrix()[:3, 3]
             self._wind.set_position((x - away, y + 1.6, z))
         self._fly(seconds)
@@ -83,7 +85,7 @@ class CanyonWalk(TouchScene):
     def aim(self, snapshot: HapticSnapshot) -> Aim:
         """Return where the hand of a simulated person goes: up, and against what carries them off the middle."""
         x, y, z = self._start.tolist()
-        aside = min(max(-_STEERS * self._now["person.x"], -_MOST_ASIDE), _MOST_ASIDE)
+        aside = min(max(-_STEERS * self._now[PERSON].x, -_MOST_ASIDE), _MOST_ASIDE)
         return Aim((x + aside, y + _RAISED, z), close=False)
 
     def _fly(self, seconds: float) -> None:

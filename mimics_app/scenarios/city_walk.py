@@ -5,16 +5,17 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.messages.orders import Shown
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.maths import quat
 from mimics_app.scenarios.figures.ground_path import GroundPath
 from mimics_app.scenarios.figures.path_figure import PathFigure
-from mimics_app.scenarios.figures.walking_figure import follow_numbers, see_past_head
+from mimics_app.scenarios.figures.walking_figure import see_past_head
 from mimics_app.scenarios.parts.touch_scene import TouchScene
-from mimics_app.tasks.kinds.city_walk.kind import CityWalkSpec
+from mimics_app.tasks.kinds.city_walk.kind import ALONG, SPEED, CityWalkSpec
 from mimics_app.tasks.scene_section import section_of
-from mimics_app.tasks.walking.walker import blank_orders
+from mimics_app.tasks.walking.walker import PERSON
 from mimics_app.world.components.visible import CameraComponent
 from mimics_app.world.components.walking import PathWalker, WalkingPath
 from mimics_app.world.content.world import World
@@ -46,10 +47,10 @@ class CityWalk(TouchScene):
         spec = section_of(scene, CityWalkSpec)
         paths = {name: GroundPath(path) for name, path, _ in scene.components(WalkingPath)}
         walkers = {name: walker for name, walker, _ in scene.components(PathWalker)}
-        self._walk = {"walk.along": 0.0, "walk.speed": 0.0, **blank_orders("walker")}
+        self._walk = Shown((PERSON, ALONG, SPEED))
         figures = {}
         for name, walker in walkers.items():
-            ahead, own = (-1.0, self._walk) if name == spec.person else (1.0, None)
+            ahead, own = (-1.0, lambda: self._walk[PERSON]) if name == spec.person else (1.0, None)
             figures[name] = PathFigure(world, world.find(name), walker, paths[walker.path], ahead, own)
         led = {spec.person, *(name for name, walker in walkers.items() if walker.beside == spec.person)}
         self._led = [figures[name] for name in walkers if name in led]
@@ -67,10 +68,10 @@ class CityWalk(TouchScene):
 
     def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         super().apply(orders, snapshot)
-        follow_numbers(self._walk, orders.visual)
+        self._walk.follow(orders.visual)
         walks = orders.view.state is TrialState.TRAVEL and not orders.view.paused
         for figure in self._led:
-            figure.go(self._walk["walk.along"], self._walk["walk.speed"] if walks else 0.0)
+            figure.go(self._walk[ALONG], self._walk[SPEED] if walks else 0.0)
         seconds = snapshot.t_ns * 1e-9
         for figure, own in self._others:
             figure.go(own * seconds, own)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from mimics_app.contracts.messages.orders import Shown
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.scenarios.figures.alley_figure import AlleyFigure
-from mimics_app.scenarios.figures.walking_figure import follow_numbers, see_past_head
+from mimics_app.scenarios.figures.walking_figure import see_past_head
 from mimics_app.scenarios.parts.touch_scene import TouchScene
-from mimics_app.tasks.kinds.guided_walk.kind import PLACES, GuidedWalkSpec
+from mimics_app.tasks.kinds.guided_walk.kind import AVATAR_AT, DEED, PERSON_AT, GuidedWalkSpec
 from mimics_app.tasks.scene_section import section_of
 from mimics_app.world.content.world import World
 from mimics_app.world.files.scene.scene import Scene
@@ -42,12 +43,12 @@ class GuidedWalk(TouchScene):
         self._avatar = AlleyFigure(world, world.find(spec.avatar), 1.0)
         x, _, z = world.find(spec.place).world_matrix()[:3, 3].tolist()
         self._place = (-z, x)
-        self._places = dict.fromkeys(PLACES, 0.0) | {"walk.avatar": -2.0, "walk.deed": 3.0}
+        self._now = Shown((PERSON_AT, AVATAR_AT, DEED))
         self._before_ns: int | None = None
 
     def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         super().apply(orders, snapshot)
-        follow_numbers(self._places, orders.visual)
+        self._now.follow(orders.visual)
         seconds = 0.0 if self._before_ns is None else (snapshot.t_ns - self._before_ns) * 1e-9
         self._before_ns = snapshot.t_ns
         self._move(orders.view.state, min(max(seconds, 0.0), _LONGEST))
@@ -56,19 +57,16 @@ class GuidedWalk(TouchScene):
         """Move the figures: to the start before the travel, to the task's positions during it."""
         person, avatar = self._person, self._avatar
         if state in _SET_OUT:
-            person.put(*self._at("walk.person"))
-            avatar.put(*self._at("walk.avatar"))
+            person.put(*self._now[PERSON_AT])
+            avatar.put(*self._now[AVATAR_AT])
             person.face(avatar)
             avatar.face(person)
         elif state is TrialState.TRAVEL:
-            person.go(self._at("walk.person"), avatar, seconds)
-            gesture = _GESTURES.get(round(self._places["walk.deed"]), "still")
-            avatar.go(self._at("walk.avatar"), person, seconds, self._place if gesture == _POINT else None)
+            person.go(self._now[PERSON_AT], avatar, seconds)
+            gesture = _GESTURES.get(self._now[DEED], "still")
+            avatar.go(self._now[AVATAR_AT], person, seconds, self._place if gesture == _POINT else None)
             person.show("still")
             avatar.show(gesture)
-
-    def _at(self, name: str) -> tuple[float, float]:
-        return self._places[name], self._places[f"{name}_aside"]
 
 
 SCENARIO = GuidedWalk

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import count, takewhile
 from typing import Any
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.loop.haptic_objects import ShapeKind
+from mimics_app.contracts.messages.orders import Feature, HapticField, HapticOrder
 from mimics_app.contracts.messages.stage_messages import Aim, HapticSnapshot, TaskOrders
 from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.contracts.ports.scenario_port import Scenario, TaskContext
@@ -34,7 +35,12 @@ _HELP = "help"
 _HELP_STEP = 0.03
 """Step in which the guiding effect follows its target [m]: each needs a new parameter block."""
 
-_HELP_STIFFNESS = f"effects.{_HELP}.stiffness"
+_HELP_STIFFNESS, _HELP_AT = HapticField("stiffness", "effects", _HELP), HapticField("position", "effects", _HELP)
+
+_OBSTACLES = Feature("obstacles", 0.0)
+"""Number of obstacles."""
+_MARK = Feature("mark", 0.0)
+"""Radius of the mark [m]."""
 
 
 class PickAndPlace(Scenario):
@@ -100,9 +106,9 @@ class PickAndPlace(Scenario):
         self._guide(orders, snapshot)
         self._show_hand(snapshot)
         self._show_mark(orders, snapshot)
-        obstacles = orders.visual.get("obstacles")
-        if isinstance(obstacles, int | float):
-            self._show_obstacles(round(float(obstacles)))
+        obstacles = orders.visual.get(_OBSTACLES)
+        if obstacles is not None:
+            self._show_obstacles(round(obstacles))
 
     def aim(self, snapshot: HapticSnapshot) -> Aim | None:
         if not snapshot.poses[self._row, 3:7].any():
@@ -110,15 +116,19 @@ class PickAndPlace(Scenario):
         hand, body = triple(snapshot.hip_world), triple(snapshot.poses[self._row])
         return self._picker.aim(Percept(snapshot.t_ns * 1e-9, hand, body, snapshot.held_body == self._row))
 
-    def haptic_orders(self) -> Mapping[str, object]:
-        return {} if self._guided_to is None else {f"effects.{_HELP}.position": triple(self._guided_to)}
+    @staticmethod
+    def features(scene: Scene) -> Sequence[Feature[Any]]:
+        return (_OBSTACLES, _MARK)
+
+    def haptic_orders(self) -> HapticOrder:
+        return HapticOrder() if self._guided_to is None else HapticOrder({_HELP_AT: triple(self._guided_to)})
 
     def _guide(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         """Let the guiding effect pull to the object, then above the mark; while it is off its target is unchanged.
 
         Before the go it rests at the start, and at the hand until a force is felt: the soft start waits for small ones.
         """
-        stiffness = orders.haptic.get(_HELP_STIFFNESS)
+        stiffness = orders.haptic.numbers.get(_HELP_STIFFNESS)
         if isinstance(stiffness, int | float):
             self._helps = float(stiffness) > 0.0
         if not self._helps or _HELP not in self._objects.effect_entities:
@@ -155,10 +165,10 @@ class PickAndPlace(Scenario):
 
     def _show_mark(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         """Scale the mark to the radius that counts as placed, and highlight it while the object is above it."""
-        within = orders.visual.get("mark")
-        if isinstance(within, int | float):
-            self._picker.within = float(within)
-            share = float(within) / self._carry.within
+        within = orders.visual.get(_MARK)
+        if within is not None:
+            self._picker.within = within
+            share = within / self._carry.within
             self._mark_node.set_scale((share, 1.0, share))
         x, y, z = snapshot.poses[self._row, :3]
         level = float(np.hypot(x - self._mark[0], z - self._mark[2]))

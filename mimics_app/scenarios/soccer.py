@@ -9,13 +9,23 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.messages.orders import Shown, VisualOrder
 from mimics_app.contracts.messages.stage_messages import Aim, HapticSnapshot, TaskOrders
 from mimics_app.maths import quat
 from mimics_app.scenarios.figures.free_figure import FreeFigure
 from mimics_app.scenarios.figures.kicking_leg import add_kick
-from mimics_app.scenarios.figures.walking_figure import below, follow_numbers, see_past_head
+from mimics_app.scenarios.figures.walking_figure import below, see_past_head
 from mimics_app.scenarios.parts.touch_scene import TouchScene
-from mimics_app.tasks.kinds.soccer.kind import SoccerSpec
+from mimics_app.tasks.kinds.soccer.kind import (
+    ADVICE,
+    BALL,
+    GOALS,
+    OPPONENT_SHOWN,
+    PERSON_SHOWN,
+    REPLAY_S,
+    Player,
+    SoccerSpec,
+)
 from mimics_app.tasks.scene_section import section_of
 from mimics_app.world.content.world import World
 from mimics_app.world.files.scene.scene import Scene
@@ -29,7 +39,6 @@ _FULL_TURN = 1.8
 """Rate of turn at that deflection [rad/s]."""
 _RADIUS = 0.11
 """Radius of the ball, which rolls by as much [m]."""
-_PLACES = ("ball.x", "ball.y", "ball.z")
 _REPLAY = "replay"
 """Entity with the camera from which a goal is seen again, if the scene has one."""
 _KEPT_S = 6.0
@@ -53,13 +62,11 @@ class Soccer(TouchScene):
         self._person, self._ball_node = world.find(spec.person), world.find(spec.ball)
         self._ordered: dict[str, object] = {}
         self._played: deque[tuple[float, Mapping[str, object]]] = deque()
-        self._scored, self._replays = 0.0, _REPLAY in world
-        self._now = dict.fromkeys(
-            (*_PLACES, "match.goals", "match.replay_s", "advice.speed", "advice.turn", "advice.kicks"), 0.0
-        )
-        self._figures = [self._figure(world, self._person, "person", -1.0, "step")]
+        self._scored, self._replays = 0, _REPLAY in world
+        self._now, self._seen = Shown((GOALS, REPLAY_S)), Shown((BALL, ADVICE, PERSON_SHOWN[1], OPPONENT_SHOWN[1]))
+        self._figures = [self._figure(world, self._person, PERSON_SHOWN, -1.0, "step")]
         if spec.opponent is not None:
-            self._figures.append(self._figure(world, world.find(spec.opponent), "opponent", 1.0, "opponent_step"))
+            self._figures.append(self._figure(world, world.find(spec.opponent), OPPONENT_SHOWN, 1.0, "opponent_step"))
         see_past_head(world.cameras, self._person)
         self._rolled = np.array([0.0, 0.0, 0.0, 1.0])
         self._ball_at = np.array(self._ball_node.position)
@@ -69,42 +76,41 @@ class Soccer(TouchScene):
 
     def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         super().apply(orders, snapshot)
-        follow_numbers(self._now, orders.visual)
-        if self._now["match.goals"] > self._scored:
+        self._now.follow(orders.visual)
+        if self._now[GOALS] > self._scored:
             self._world.effects.trigger("scored")
-        self._scored = self._now["match.goals"]
-        shown = self._again(orders.visual, snapshot.t_ns * 1e-9)
-        follow_numbers(self._now, {name: number for name, number in shown.items() if not name.startswith("match.")})
+        self._scored = self._now[GOALS]
+        seen = self._again(orders.visual, snapshot.t_ns * 1e-9)
+        self._seen.follow(seen)
         for figure in self._figures:
-            figure.follow(shown)
-        self._roll(np.array([self._now[name] for name in _PLACES]))
+            figure.follow(seen)
+        self._roll(np.array(self._seen[BALL]))
 
     def aim(self, snapshot: HapticSnapshot) -> Aim:
         """Return where the hand of a simulated person goes to play as the task advises."""
         x, y, z = self._start.tolist()
-        aside = -self._now["advice.turn"] / _FULL_TURN * _ASIDE
-        up = self._now["advice.speed"] * _RAISED
-        return Aim((x + min(max(aside, -_ASIDE), _ASIDE), y + up, z), close=self._now["advice.kicks"] > 0.0)
+        advice = self._seen[ADVICE]
+        aside = -advice.turn / _FULL_TURN * _ASIDE
+        up = advice.speed * _RAISED
+        return Aim((x + min(max(aside, -_ASIDE), _ASIDE), y + up, z), close=advice.kicks)
 
-    def _again(self, visual: Mapping[str, object], now_s: float) -> Mapping[str, object]:
-        """Return all numbers of what is shown: those of now, or after a goal those of before it, seen by its camera."""
-        self._ordered.update(visual)
+    def _again(self, order: VisualOrder, now_s: float) -> VisualOrder:
+        """Return all of what is shown: as it is now, or after a goal as it was before, seen by its camera."""
+        self._ordered.update(order.values)
         self._played.append((now_s, dict(self._ordered)))
         while self._played[0][0] < now_s - _KEPT_S:
             self._played.popleft()
-        ago = self._now["match.replay_s"] if self._replays else 0.0
+        ago = self._now[REPLAY_S] if self._replays else 0.0
         self._world.cut_to = _REPLAY if ago > 0.0 else ""
         if ago == 0.0:
-            return self._ordered
-        return min(self._played, key=lambda each: abs(each[0] - now_s + ago))[1]
+            return VisualOrder(self._ordered)
+        return VisualOrder(min(self._played, key=lambda each: abs(each[0] - now_s + ago))[1])
 
-    def _figure(self, world: World, node: SceneNode, name: str, ahead: float, step: str) -> FreeFigure:
+    def _figure(self, world: World, node: SceneNode, shown: Player, ahead: float, step: str) -> FreeFigure:
         """Return a player's figure, whose right leg kicks."""
-        swing = {f"{name}.kick": -1.0, f"{name}.kick_ahead": 0.0}
-        self._now |= swing
-        figure = FreeFigure(world, node, name, ahead, lambda x, z: "grass", step)
-        kick = (f"{name}.kick", f"{name}.kick_ahead")
-        add_kick(below(node, world.motion.animators), figure.walk, lambda: (self._now[kick[0]], self._now[kick[1]]))
+        pose, kick = shown
+        figure = FreeFigure(world, node, pose, ahead, lambda x, z: "grass", step)
+        add_kick(below(node, world.motion.animators), figure.walk, lambda: self._seen[kick])
         return figure
 
     def _roll(self, place: NDArray[np.float64]) -> None:

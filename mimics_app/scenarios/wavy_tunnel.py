@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.messages.orders import Feature
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.ports.scenario_port import Scenario, TaskContext
 from mimics_app.maths.quat import from_matrix
@@ -23,6 +24,15 @@ from mimics_app.world.content.world import World
 from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["SCENARIO", "WavyTunnel"]
+
+
+def _features_of(entity: str, own: str) -> tuple[Feature[float], Feature[str]]:
+    """Return the features of a tunnel: its radius over that of its scene, and its material or "hidden".
+
+    Those of the task's own tunnel have no entity in their names.
+    """
+    prefix = "" if entity == own else f"{entity}."
+    return Feature(f"{prefix}radius_scale", 1.0), Feature(f"{prefix}tunnel_look", "")
 
 
 class WavyTunnel(Scenario):
@@ -81,9 +91,14 @@ class WavyTunnel(Scenario):
         self._ball.set_scale((snapshot.ball_radius,) * 3)
         self._show_touch(touching=snapshot.penetration > 0.0 and bool(np.any(snapshot.f_user_world)))
         for entity, appearance in self._looks.items():
-            prefix = "" if entity == self._own else f"{entity}."
-            appearance.set_radius_scale(orders.visual.get(f"{prefix}radius_scale"))
-            appearance.set_material(orders.visual.get(f"{prefix}tunnel_look"))
+            radius, look = _features_of(entity, self._own)
+            appearance.set_radius_scale(orders.visual.get(radius))
+            appearance.set_material(orders.visual.get(look))
+
+    @staticmethod
+    def features(scene: Scene) -> Sequence[Feature[Any]]:
+        own = own_tunnel(scene)
+        return [each for entity, _, _ in scene.components(Tunnel) for each in _features_of(entity, own)]
 
     def _show_tunnels(self) -> dict[str, TunnelAppearance]:
         """Every tunnel that has a view, by its entity; the task's own needs one, be it another entity's."""

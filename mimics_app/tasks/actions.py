@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import msgspec
 
 from mimics_app.contracts.messages.action_space import ActionSpace, Parameter
+from mimics_app.contracts.messages.orders import HapticField, haptic_field
 from mimics_app.contracts.messages.shared_fields import shared_fields
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.task import MapSpec, ParameterSpec, TaskSpec
@@ -21,7 +22,7 @@ __all__ = [
     "build_action_space",
     "build_learning_space",
     "fill_defaults",
-    "haptic_field",
+    "haptic_target",
     "settings_for",
     "task_targets",
 ]
@@ -32,12 +33,14 @@ TARGET_GROUPS = ("haptic", "visual", "audio", "task")
 
 _NEVER = object()
 
+K = TypeVar("K")
+
 
 @dataclass(frozen=True, slots=True)
 class Settings:
     """New values by target group; names without the first word of `MapSpec.to`."""
 
-    haptic: Mapping[str, object] = field(default_factory=dict)
+    haptic: Mapping[HapticField, object] = field(default_factory=dict)
     visual: Mapping[str, object] = field(default_factory=dict)
     audio: Mapping[str, object] = field(default_factory=dict)
     task: Mapping[str, object] = field(default_factory=dict)
@@ -66,7 +69,7 @@ def build_learning_space(spec: TaskSpec) -> ActionSpace:
     return ActionSpace(p for p in build_action_space(spec) if not spec.parameters[p.name].veto)
 
 
-def haptic_field(target: MapSpec) -> str:
+def haptic_target(target: MapSpec) -> str:
     """Return the dotted name of the haptic field that a map writes without a table, "" for none."""
     group, _, name = target.to.partition(".")
     return name if group == "haptic" and target.table is None and target.scale != 0.0 else ""
@@ -81,9 +84,9 @@ def fill_defaults(spec: TaskSpec, value_of: Callable[[str], float]) -> TaskSpec:
     """
     parameters = dict(spec.parameters)
     for name, parameter in parameters.items():
-        target = next((target for target in parameter.maps if haptic_field(target)), None)
+        target = next((target for target in parameter.maps if haptic_target(target)), None)
         if parameter.default is None and target is not None:
-            own = (value_of(haptic_field(target)) - target.offset) / target.scale
+            own = (value_of(haptic_target(target)) - target.offset) / target.scale
             default = min(max(own, parameter.min), parameter.max)
             parameters[name] = msgspec.structs.replace(parameter, default=default)
     return msgspec.structs.replace(spec, parameters=parameters)
@@ -106,23 +109,24 @@ def _map_value(value: float, parameter: ParameterSpec, target: MapSpec) -> float
 
 def settings_for(spec: TaskSpec, values: Mapping[str, float]) -> Settings:
     """Return the target values of parameter values, by group."""
-    groups: dict[str, dict[str, Any]] = {group: {} for group in TARGET_GROUPS}
+    groups: dict[str, dict[Any, Any]] = {group: {} for group in TARGET_GROUPS}
     for name, value in values.items():
         parameter = spec.parameters[name]
         for target in parameter.maps:
             group, _, key = target.to.partition(".")
-            groups[group][key] = _map_value(value, parameter, target)
+            place = haptic_field(key) if group == "haptic" else key
+            groups[group][place] = _map_value(value, parameter, target)
     return Settings(**groups)
 
 
-class Changes:
-    """Last value sent under each name."""
+class Changes(Generic[K]):
+    """Last value sent under each key."""
 
     def __init__(self) -> None:
-        self._sent: dict[str, object] = {}
-        self._last: Mapping[str, object] = {}
+        self._sent: dict[K, object] = {}
+        self._last: Mapping[K, object] = {}
 
-    def since_last(self, wanted: Mapping[str, object]) -> dict[str, object]:
+    def since_last(self, wanted: Mapping[K, object]) -> dict[K, object]:
         """Return the values that differ from those sent before; they count as sent. `wanted` stays as it is."""
         if wanted == self._last:
             return {}

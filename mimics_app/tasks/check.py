@@ -9,7 +9,8 @@ from mimics_app.contracts.errors import Issue, nearest
 from mimics_app.contracts.loop.field_ranges import RANGES, Range, range_of, writable_names
 from mimics_app.contracts.loop.haptic import LIMIT_NAMES, SCENE
 from mimics_app.contracts.loop.object_rows import ROW_DTYPES
-from mimics_app.tasks.actions import TARGET_GROUPS, haptic_field, task_targets
+from mimics_app.contracts.messages.stage_messages import GAIN
+from mimics_app.tasks.actions import TARGET_GROUPS, haptic_target, task_targets
 from mimics_app.tasks.kinds.kind import Fault
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.task import ActionDeed, MapSpec, ParameterSpec, ScorePartSpec, ScoreSpec, TaskSpec
@@ -88,7 +89,7 @@ def _range_of_target(name: str) -> Range | None:
 def _check_parameter(parameter: ParameterSpec, pointer: str) -> Iterator[Fault]:
     if parameter.max < parameter.min:
         yield f"{pointer}/max", f"{parameter.max:g} is below min, {parameter.min:g}", "exchange the two"
-    elif parameter.default is None and not any(haptic_field(target) for target in parameter.maps):
+    elif parameter.default is None and not any(haptic_target(target) for target in parameter.maps):
         yield f"{pointer}/default", "is missing, and no haptic field gives one", "write a number from min to max"
     elif parameter.default is not None and not parameter.min <= parameter.default <= parameter.max:
         yield f"{pointer}/default", _outside(parameter.default, parameter), "choose a default inside the limits"
@@ -109,10 +110,12 @@ def _check_map(target: MapSpec, parameter: ParameterSpec, pointer: str) -> Itera
     elif group == "haptic" and _range_of_target(name) is None:
         what = f'a task cannot change "{name}" of the haptic scene'
         yield f"{pointer}/to", what, nearest(name, haptic_targets())
+    elif group == "audio" and name != GAIN.name:
+        yield f"{pointer}/to", f'"{name}" is nothing of the sound that a task can change', f'write "audio.{GAIN.name}"'
     elif group == "task" and name not in task_targets():
         yield f"{pointer}/to", f'"{name}" is nothing a task can change', nearest(name, task_targets())
     words = [entry for entry in target.table or () if isinstance(entry, str)]
-    if words and group in ("haptic", "task"):
+    if words and group in ("haptic", "audio", "task"):
         yield f"{pointer}/table", f'"{words[0]}" is a word where a number is needed', "write numbers"
     yield from _check_table(target, parameter, pointer)
     if group == "haptic" and not words:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from itertools import chain, repeat
 
 from mimics_app.contracts.loop.controller_slots import Slot
+from mimics_app.contracts.messages.orders import CONTROLLER, TARGET, HapticField
 from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.contracts.ports.scenario_port import Home
 from mimics_app.tasks.observation import Observation
@@ -55,9 +56,9 @@ class RobotControl:
         """Restore controller and target of before the pause."""
         self._slot, self._target = self._before
 
-    def wanted(self) -> Mapping[str, object]:
-        """Return the present SCENE fields of the controller."""
-        return {"controller": int(self._slot), "target": self._target}
+    def wanted(self) -> Mapping[HapticField, object]:
+        """Return the present numbers of the controller."""
+        return {CONTROLLER: int(self._slot), TARGET: self._target}
 
 
 class Arrival:

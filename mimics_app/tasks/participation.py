@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from mimics_app.contracts.messages.orders import HapticField
 from mimics_app.tasks.observation import Observation
 
 __all__ = ["Participation"]
@@ -13,8 +14,12 @@ _SET_OUT_J = 0.005
 of a passive hand is never above zero, and the noise of a force sensor sums up to a tenth of this."""
 _RISE_S = 0.5
 """Time in which the assistance rises from nothing to all of it [s]."""
-_LEADING = ".advance"
-"""End of the names of haptic fields whose force leads the hand along a path by itself."""
+_LEADING = "advance"
+"""Name of haptic fields of tunnels whose force leads the hand along a path by itself."""
+
+
+def _leads(number: HapticField) -> bool:
+    return number.field == _LEADING and bool(number.table)
 
 
 class Participation:
@@ -45,9 +50,9 @@ class Participation:
         if self.acted:
             self._share = min(1.0, self._share + seconds / _RISE_S)
 
-    def allow(self, haptic: Mapping[str, object]) -> dict[str, object]:
+    def allow(self, haptic: Mapping[HapticField, object]) -> dict[HapticField, object]:
         """Return haptic orders with the present share of those that lead the hand."""
         return {
-            name: self._share * value if name.endswith(_LEADING) and isinstance(value, int | float) else value
-            for name, value in haptic.items()
+            field: self._share * value if _leads(field) and isinstance(value, int | float) else value
+            for field, value in haptic.items()
         }

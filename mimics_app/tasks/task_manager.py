@@ -14,11 +14,15 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.messages.action_space import Parameter
 from mimics_app.contracts.messages.board import Board
+from mimics_app.contracts.messages.orders import TRIAL, HapticField, HapticOrder, VisualOrder, shown
 from mimics_app.contracts.messages.stage_messages import (
+    GAIN,
+    AudioOrder,
     HapticSnapshot,
     SoundEvent,
     SoundTrigger,
     TactileEvent,
+    TactileOrder,
     TaskAction,
     TaskOrders,
     TrialResult,
@@ -108,7 +112,7 @@ class TaskManager:
         self._announcement, self._pause = Announcement(), Pause()
         self._countdown = Countdown(spec.start.countdown_s, introduced=context.introduced, waits=context.waits)
         self._seen: Observation | None = None
-        self._haptic, self._visual, self._audio = Changes(), Changes(), Changes()
+        self._haptic, self._visual, self._audio = Changes[HapticField](), Changes[str](), Changes[str]()
         self._settings, self._settings_values = Settings(), dict[str, float]()
         messages = {**built_in_messages(by_pointer=context.by_pointer), **spec.messages}
         captions = kinds[-1] if kinds else TaskKind
@@ -342,23 +346,22 @@ class TaskManager:
 
     def _orders(self, seen: Observation, sounds: tuple[SoundEvent, ...]) -> TaskOrders:
         haptic = dict(self._settings.haptic)
-        visual, touches, cues = dict(self._settings.visual), list[TactileEvent](), list[SoundTrigger]()
+        visual, taps, cues = dict(self._settings.visual), list[TactileEvent](), list[SoundTrigger]()
         for play in self._plays.values():
             haptic |= play.orders
-            visual |= play.visual
-            touches += play.take_touches()
+            visual |= shown(play.visual)
+            taps += play.take_touches()
             cues += play.take_sounds()
             for kind, data in play.take_events():
                 self._on_event(kind, data)
-        haptic = {**self._participation.allow(haptic), **self._control.wanted(), "trial": self._attempts.begun}
+        haptic = {**self._participation.allow(haptic), **self._control.wanted(), TRIAL: self._attempts.begun}
+        gain = self._audio.since_last(self._settings.audio).get(GAIN.name)
         view = self._view(seen)
         return TaskOrders(
-            haptic=self._haptic.since_last(haptic),
-            visual=self._visual.since_last(visual),
-            audio=self._audio.since_last(self._settings.audio),
-            sounds=sounds,
-            cues=tuple(cues),
-            touches=tuple(touches),
+            haptic=HapticOrder(self._haptic.since_last(haptic)),
+            visual=VisualOrder(self._visual.since_last(visual)),
+            audio=AudioOrder(None if gain is None else GAIN.read(gain), sounds, tuple(cues)),
+            tactile=TactileOrder(tuple(taps)),
             view=view,
             board=self._lay_out(seen, view),
             person_may_act=self.state is TrialState.TRAVEL and not self._pause.on,

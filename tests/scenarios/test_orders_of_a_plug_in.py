@@ -10,6 +10,7 @@ import pytest
 
 from mimics_app.contracts.loop.haptic import LIMIT_NAMES, SCENE, SafetyState
 from mimics_app.contracts.loop.object_rows import ROW_DTYPES
+from mimics_app.contracts.messages.orders import CONTROLLER, TRIAL, HapticOrder, haptic_field
 from mimics_app.contracts.shared_memory.command_ring import request_stop
 from mimics_app.contracts.system.resources import root
 from tests.support.scene_play import ScenePlay
@@ -39,9 +40,9 @@ def _ordered(play: ScenePlay, orders: dict[str, Any], seconds: float = 0.1) -> l
     core = play._play.core
     core.report = told.append
     play._play.frames._refused.clear()
-    core.scenario.haptic_orders = lambda: dict(orders)
+    core.scenario.haptic_orders = lambda: HapticOrder({haptic_field(name): value for name, value in orders.items()})
     play.run(seconds)
-    core.scenario.haptic_orders = dict
+    core.scenario.haptic_orders = HapticOrder
     return told
 
 
@@ -51,8 +52,8 @@ def test_nothing_else_of_the_block_is_written(play: ScenePlay, name: str):
     """Among them resets, which leave a stop, and contacts and joints, without which nothing is watched."""
     before = np.copy(play.parameter_store.block[0][name])
     shape = SCENE[name].shape
-    told = _ordered(play, {name: np.zeros(shape) if shape else 0, f"haptic.{name}": 7}, 1 / 60)
-    assert len(told) == 2
+    told = _ordered(play, {name: np.full(shape, 7) if shape else 7}, 1 / 60)
+    assert len(told) == 1
     assert all(f'"{name}"' in text and (name in LIMIT_NAMES or "may not be written" in text) for text in told)
     assert name == "sequence" or np.array_equal(play.parameter_store.block[0][name], before)
     assert play.snapshots[-1].state <= SafetyState.ACTIVE
@@ -100,7 +101,7 @@ def test_a_latched_stop_is_left_by_a_person_alone():
     assert play.snapshots[-1].state == SafetyState.E_STOP
     resets = int(play.parameter_store.block["resets"][0])
     _ordered(play, {"resets": resets + 1}, 0.3)
-    assert play.parameter_store.order({"resets": resets + 1}, of_task=True)
+    assert play.parameter_store.order(HapticOrder({haptic_field("resets"): resets + 1}), of_task=True)
     play.run(0.3)
     assert play.snapshots[-1].state == SafetyState.E_STOP
     play.parameter_store.reset()
@@ -113,7 +114,7 @@ def test_a_task_kind_does_not_choose_the_controller():
     play = ScenePlay(root() / "scenes" / "pick_and_place.json", seed=2).run(1.0)
     controller = int(play.parameter_store.block["controller"][0])
     (carry,) = play.tasks._plays.values()
-    carry._carried.orders = {"controller": 0, "trial": 99, "resets": 5}
+    carry._carried.orders = {CONTROLLER: 0, TRIAL: 99, haptic_field("resets"): 5}
     play.run(0.2)
     block = play.parameter_store.block[0]
     assert (block["controller"], block["resets"]) == (controller, 0) and block["trial"] < 99

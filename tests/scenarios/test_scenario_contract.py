@@ -25,6 +25,7 @@ YARD = '''
 """Scenarios of scenes with a robot, right and with a fault each."""
 from dataclasses import replace
 import numpy as np
+from mimics_app.contracts.messages.orders import HapticField, HapticOrder
 from mimics_app.contracts.messages.stage_messages import Aim
 from mimics_app.scenarios.parts.touch_scene import TouchScene
 
@@ -78,7 +79,7 @@ class Heavy(Yard):
 
 class Bold(Yard):
     def haptic_orders(self):
-        return {"force_limit": 500.0}
+        return HapticOrder({HapticField("force_limit"): 500.0})
 
 
 class Restless(Yard):
@@ -86,7 +87,7 @@ class Restless(Yard):
 
     def haptic_orders(self):
         self.full += 0.01
-        return {"grasp_force_full": self.full}
+        return HapticOrder({HapticField("grasp_force_full"): self.full})
 
 
 class Aimless(Yard):

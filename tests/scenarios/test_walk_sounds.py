@@ -168,10 +168,10 @@ def test_a_gust_comes_from_the_side_from_which_it_pushes() -> None:
         for sound in play.take_sounds():
             if sound.kind == "gust":
                 assert sound.position_world is not None
-                x = sound.position_world[0] - float(str(play.visual["person.x"]))
+                x = sound.position_world[0] - play._crossing.walker.pose().x
                 for _ in range(60):
                     play.travel(seen, 1.0 / 60.0)  # type: ignore[arg-type]
-                assert x * float(str(play.visual["wind.push"])) < 0.0
+                assert x * play._crossing.wind.push < 0.0
                 sides.append(math.copysign(1.0, x))
     assert set(sides) == {-1.0, 1.0}
 

@@ -46,7 +46,7 @@ class Listener:
         for index, event in world.motion.happened:
             place = world.find(f"{world.graph.name(index)}/{event.node}").world_matrix()[:3, 3].copy()
             self.heard.append((event.kind, now_ns, place))
-        for cue in orders.cues:
+        for cue in orders.audio.cues:
             self.heard.append((cue.kind, cue.t_ns, np.array(cue.position_world)))
 
     def stop(self) -> None:

@@ -74,8 +74,11 @@ def _check_frame(play: CorePlay) -> None:
     for tracked in (False, True):
         scenario.set_tracked_body(lambda role, at_ns, tracked=tracked: np.eye(4) if tracked else None, now_ns)
         scenario.apply(play.frames.orders, snapshot)
-        core.parameter_store.change(scenario.haptic_orders())
-        assert not core.parameter_store.change(scenario.haptic_orders()), "what was ordered is not ordered anew"
+        refused = core.parameter_store.order(scenario.haptic_orders())
+        assert not refused, refused
+        before = int(core.parameter_store.block["sequence"][0])
+        core.parameter_store.order(scenario.haptic_orders())
+        assert int(core.parameter_store.block["sequence"][0]) == before, "what was ordered is not ordered anew"
         _check_hand(scenario, scenario.aim(snapshot))
         core.world.update()
         scenario.hide_own_avatar()

@@ -106,7 +106,7 @@ class Player:
         commands = (*commands, *(command for command in keyed if isinstance(command, TASK_COMMANDS)))
         vr = VRInput(pressed=pressed, commands=commands)
         orders = self.manager.step(vr, action, snapshot, make_events(*rows), self.now_ns)
-        self.scene.update(orders.haptic)
+        self.scene.update({str(field): value for field, value in orders.haptic.numbers.items()})
         if self.scene["controller"] in (Slot.HOLD, Slot.START):
             self.q = np.array(self.scene["target"], float)
             if self.manager.state == "approach":

@@ -14,6 +14,7 @@ from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.loop import haptic_objects
 from mimics_app.contracts.loop.haptic import SCENE
 from mimics_app.contracts.messages.action_space import ActionSpace, Parameter
+from mimics_app.contracts.messages.orders import HapticField
 from mimics_app.contracts.messages.stage_messages import TaskAction, UserState
 from mimics_app.learning.action_sequence import ActionSequence, load_action_sequence
 from mimics_app.tasks.actions import build_action_space, settings_for
@@ -88,7 +89,11 @@ def test_clipping_twice_is_clipping_once(low, span, step, value):
 
 def test_maps_are_affine_and_go_to_their_groups():
     settings = settings_for(task(parameters=TUNNEL), {"radius": 1.5, "assistance": 0.5})
-    assert settings.haptic == {"tunnel.radius_scale": 1.5, "tunnel.centring": 100.0, "tunnel.advance": 3.0}
+    assert settings.haptic == {
+        HapticField("radius_scale", "tunnel"): 1.5,
+        HapticField("centring", "tunnel"): 100.0,
+        HapticField("advance", "tunnel"): 3.0,
+    }
     assert settings.visual == {"tunnel.radius_scale": 1.5}
 
 

@@ -10,6 +10,7 @@ import pytest
 
 from mimics_app.contracts.loop.controller_slots import Slot
 from mimics_app.contracts.loop.haptic import EventKind, SafetyState, TripCause
+from mimics_app.contracts.messages.orders import CONTROLLER, TARGET, TRIAL, HapticField, HapticOrder
 from mimics_app.contracts.messages.stage_messages import TaskAction
 from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.prompt import ABORTED_CAUSES
@@ -70,8 +71,8 @@ def test_approach_aims_at_the_start_and_holding_at_where_the_robot_is():
 
 def test_unchanged_orders_are_not_repeated():
     player = Player(make_manager(task()))
-    assert set(player.step().haptic) == {"controller", "target", "trial"}
-    assert player.step().haptic == {}
+    assert set(player.step().haptic.numbers) == {CONTROLLER, TARGET, TRIAL}
+    assert player.step().haptic == HapticOrder()
 
 
 def test_trial_counter_changes_with_every_attempt():
@@ -205,7 +206,7 @@ def test_assistance_that_leads_waits_for_the_hand_and_rises():
         assert player.scene["tunnel.advance"] == 0.0
         player.step()
     player.change = lambda frame, p: {"own_work": 0.006}
-    given = [player.step().haptic.get("tunnel.advance") for _ in range(40)]
+    given = [player.step().haptic.numbers.get(HapticField("advance", "tunnel")) for _ in range(40)]
     rise = np.diff([value for value in given if value is not None])
     assert given[0] < 0.1 and max(rise) < 0.1 and player.scene["tunnel.advance"] == 2.0
     player.until("done")
@@ -483,7 +484,7 @@ def triggered(**fields):
 
 
 def sounds(player):
-    return [sound.sound for orders in player.orders for sound in orders.sounds]
+    return [sound.sound for orders in player.orders for sound in orders.audio.sounds]
 
 
 def test_entry_and_exit_triggers_sound_once_per_trial():
@@ -496,8 +497,8 @@ def test_goal_sound_is_where_the_ball_is():
     player = triggered()
     player.until("travel")
     orders = player.step(progress=1.0, hip_world=np.array([0.1, 0.2, 0.3]))
-    assert orders.sounds[0].position_world == (0.1, 0.2, 0.3)
-    assert orders.sounds[0].t_ns == player.now_ns - FRAME_NS
+    assert orders.audio.sounds[0].position_world == (0.1, 0.2, 0.3)
+    assert orders.audio.sounds[0].t_ns == player.now_ns - FRAME_NS
 
 
 def test_progress_is_crossed_once_per_trial_even_when_it_swings():

@@ -20,7 +20,7 @@ from mimics_app.contracts.messages.trial_state import TaskView, TrialState
 from mimics_app.contracts.ports.scenario_port import Scenario
 from mimics_app.inputs.interaction.plane import FrontalPlane
 from mimics_app.inputs.interaction.window_reach import levered, pointed
-from mimics_app.tasks.kinds.city_walk.kind import CityWalkPlay, CityWalkSpec
+from mimics_app.tasks.kinds.city_walk.kind import SPEED, CityWalkPlay, CityWalkSpec
 from mimics_app.tasks.kinds.guided_walk.kind import GuidedWalkSpec
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task_manager import TaskManager
@@ -136,7 +136,7 @@ def test_the_mouse_stops_and_leads_the_walk():
         play.start_attempt(manager_sees[0])
         for _ in range(300):
             play.travel(manager_sees[1], 1.0 / 60.0)
-        assert play.visual["walk.speed"] == pytest.approx(speed)
+        assert play.visual[SPEED] == pytest.approx(speed)
 
 
 def make_seen(at: Pointed, up: float) -> Any:

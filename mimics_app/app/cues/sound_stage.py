@@ -78,18 +78,17 @@ class SoundStage:
     def step(self, orders: TaskOrders, world: World, now_ns: int, triggers: Sequence[SoundTrigger] = ()) -> None:
         """Do one frame at session time `now_ns` [ns]; never waits."""
         self._place(world, now_ns)
-        gain = orders.audio.get("gain")
-        if isinstance(gain, int | float):
-            self._of_task = float(gain)
+        if orders.audio.gain is not None:
+            self._of_task = orders.audio.gain
             self._set_master()
         cue = self._watch.poll(orders)
         own = [SoundTrigger(cue, now_ns)] if cue else []
         moved = (*_motion_triggers(world, now_ns), *self._surroundings.steps(world, now_ns))
-        for trigger in (*triggers, *orders.cues, *own, *moved):
+        for trigger in (*triggers, *orders.audio.cues, *own, *moved):
             sound = self._settings.sound_of(trigger.kind, trigger.material)
             if sound:
                 self.output.play(SoundEvent(sound, trigger.t_ns, trigger.position_world, trigger.strength))
-        for order in orders.sounds:
+        for order in orders.audio.sounds:
             self.output.play(order)
         self.output.advance(now_ns)
         self._show_notice(now_ns)

@@ -81,7 +81,7 @@ def _ends(parameter: ParameterSpec) -> list[float]:
 
 
 def _settings(task: TaskSpec, values: Mapping[str, float]) -> Mapping[str, object]:
-    return settings_for(task, values).haptic
+    return {str(field): value for field, value in settings_for(task, values).haptic.items()}
 
 
 def _fault(store: ParameterStore, values: Mapping[str, object]) -> UsageError | None:

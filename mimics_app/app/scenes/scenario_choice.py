@@ -5,12 +5,13 @@ A scene with a robot and no other scenario needs no code of its own: `TouchScene
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import cast
+from collections.abc import Callable, Sequence
+from typing import Any, cast
 
 from mimics_app import scenarios
 from mimics_app.app.scenes.shipped import ONLY_LOOKED_AT
 from mimics_app.contracts.errors import SceneError, nearest
+from mimics_app.contracts.messages.orders import Feature
 from mimics_app.contracts.ports.members import load_member, member_names
 from mimics_app.contracts.ports.plugins import PluginError
 from mimics_app.contracts.ports.scenario_port import PLUGINS, Scenario
@@ -19,7 +20,7 @@ from mimics_app.world.components.robot import Robot, Tunnel
 from mimics_app.world.content.world import World
 from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["BUILT_IN", "is_part", "is_playable", "open_scenario"]
+__all__ = ["BUILT_IN", "features_of", "is_part", "is_playable", "open_scenario"]
 
 _Builder = Callable[[Scene, World], Scenario]
 
@@ -39,6 +40,16 @@ def open_scenario(scene: Scene, world: World) -> Scenario:
         SceneError: No scenario can play the scene, or it lacks a part that its scenario needs.
     """
     return _find_builder(scene)(scene, world)
+
+
+def features_of(scene: Scene) -> Sequence[Feature[Any]]:
+    """Return what of its view a task may change: as the scene's scenario declares it.
+
+    Raises:
+        SceneError: No scenario can play the scene.
+    """
+    declared = getattr(_find_builder(scene), "features", None)
+    return () if declared is None else declared(scene)
 
 
 def is_part(scene: Scene) -> bool:

@@ -10,6 +10,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.app.scenes.feature_checks import check_features
 from mimics_app.app.scenes.parameter_checks import check_parameters
 from mimics_app.contracts.errors import DeviceError, Issue, SceneError, UsageError
 from mimics_app.estimation.registry import check_estimator
@@ -31,7 +32,7 @@ from mimics_app.rendering.haptic.scene_objects import check_objects
 from mimics_app.rendering.haptic.scene_reference import check_reference
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
 from mimics_app.rendering.haptic.stability_checks import check_stability
-from mimics_app.tasks.actions import build_learning_space, haptic_field
+from mimics_app.tasks.actions import build_learning_space, haptic_target
 from mimics_app.tasks.kinds.carry.spec import CarrySpec
 from mimics_app.tasks.kinds.tunnel.kind import own_tunnel
 from mimics_app.tasks.task import TaskSpec
@@ -78,7 +79,7 @@ def check_stages(scene: Scene) -> list[Issue]:
     found = [*check_components(scene), *_check_learning(scene)]
     if found:
         return [*found, *_check_scales(scene)]
-    for check in (_check_scales, _check_widest_tunnel, _check_reach, _check_carry_reach, check_objects):
+    for check in (_check_scales, _check_widest_tunnel, _check_reach, _check_carry_reach, check_objects, check_features):
         try:
             found += check(scene)
         except SceneError as error:
@@ -194,7 +195,7 @@ def _check_widest_tunnel(scene: Scene) -> list[Issue]:
     issues = []
     for name, parameter in task.parameters.items():
         for target in parameter.maps:
-            entity = targets.get(haptic_field(target))
+            entity = targets.get(haptic_target(target))
             if entity is None:
                 continue
             limit = tunnel_of_scene(scene, entity)[0].max_radius_scale

@@ -149,7 +149,7 @@ class Frames:
             self._report_cords()
         with stage("sound"):
             self._visible.light(orders, events, timing.display_ns)
-            with_cues = replace(orders, cues=(*orders.cues, *gait_triggers(events)))
+            with_cues = replace(orders, audio=replace(orders.audio, cues=(*orders.audio.cues, *gait_triggers(events))))
             core.sound.step(with_cues, core.world, now_ns)
         with stage("record"):
             core.inputs.take_experience(_experience_of(orders, snapshot, core.trackers.pose("head", now_ns), now_ns))
@@ -189,7 +189,7 @@ class Frames:
 
     def _drive_vibrators(self, orders: TaskOrders, now_ns: int) -> None:
         """Send the task's taps to the vibrators, and journal the time of each."""
-        self._taps.take(self._core.tactile.step(orders.touches, now_ns), now_ns)
+        self._taps.take(self._core.tactile.step(orders.tactile.taps, now_ns), now_ns)
 
     def _choose(self, state: UserState, result: TrialResult | None, now_ns: int) -> None:
         """Let the learning system choose, given the result of the task and its reward."""

@@ -19,6 +19,7 @@ from mimics_app.contracts.loop.controller_slots import MAX_CONTROLLERS, MAX_OBST
 from mimics_app.contracts.loop.field_ranges import Range, range_of, writable_names
 from mimics_app.contracts.loop.haptic import LIMIT_NAMES, SCENE
 from mimics_app.contracts.loop.object_rows import Rows
+from mimics_app.contracts.messages.orders import HapticOrder
 from mimics_app.rendering.haptic.block_check import check_values
 
 __all__ = ["ParameterStore"]
@@ -144,16 +145,19 @@ class ParameterStore:
             self._publish()
         return changed
 
-    def order(self, values: Mapping[str, object], *, of_task: bool = False) -> dict[str, str]:
-        """Set what may be set of the values of a task or a plug-in; the rest is refused, and the run goes on.
+    def order(self, order: HapticOrder, *, of_task: bool = False) -> dict[str, str]:
+        """Set what may be set of the order of a task or a plug-in; the rest is refused, and the run goes on.
 
         Args:
-            values: Values by dotted name.
+            order: The numbers.
             of_task: Whether they come from the task manager.
 
         Returns:
             Why a value was refused, by its name.
         """
+        if not order.numbers:
+            return {}
+        values = {str(field): value for field, value in order.numbers.items()}
         may = _OF_TASK if of_task else _OF_SCENE
         refused: dict[str, str] = {}
         try:

@@ -12,10 +12,13 @@ from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.commands.vocabulary import Command, Reply
 from mimics_app.contracts.loop.loop_fields import HapticSnapshot
 from mimics_app.contracts.messages.board import Board
+from mimics_app.contracts.messages.orders import Feature, HapticOrder, VisualOrder
 from mimics_app.contracts.messages.trial_state import TaskView
 
 __all__ = [
+    "GAIN",
     "Aim",
+    "AudioOrder",
     "Estimate",
     "Experience",
     "FeatureFrame",
@@ -26,6 +29,7 @@ __all__ = [
     "SoundEvent",
     "SoundTrigger",
     "TactileEvent",
+    "TactileOrder",
     "TaskAction",
     "TaskOrders",
     "TrialResult",
@@ -267,17 +271,45 @@ class TactileEvent:
     number: int = 0
 
 
+GAIN = Feature("gain", 1.0)
+"""Linear gain of all sound, 1 = as authored: the one feature of the mixer."""
+
+
+@dataclass(frozen=True, slots=True)
+class AudioOrder:
+    """Orders to the sound.
+
+    Attributes:
+        gain: New value of `GAIN`; None: unchanged.
+        sounds: Sounds to start.
+        cues: Events of the task's kind whose sounds the scene assigns.
+    """
+
+    gain: float | None = None
+    sounds: tuple[SoundEvent, ...] = ()
+    cues: tuple[SoundTrigger, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class TactileOrder:
+    """Orders to the vibrators.
+
+    Attributes:
+        taps: Taps, each with its time.
+    """
+
+    taps: tuple[TactileEvent, ...] = ()
+
+
 @dataclass(frozen=True, slots=True)
 class TaskOrders:
     """Orders of the task manager to the renderers for one frame.
 
     Attributes:
-        haptic: New values of SCENE fields by dotted name, e.g. {"tunnel.stiffness": 1500.0}; empty: unchanged.
-        visual: New values of named scene parameters, e.g. {"tunnel.radius_scale": 1.2}.
-        audio: New values of mixer parameters, e.g. {"gain": 0.5}.
-        sounds: Sounds to start.
-        cues: Events of the task's kind whose sounds the scene assigns.
-        touches: Taps of vibrators.
+        haptic: New numbers of the haptic scene.
+        visual: New values of the scenario's features.
+        audio: Gain, and sounds to start.
+        tactile: Taps of vibrators.
         view: State of the task.
         board: Heads-up display.
         person_may_act: True while the pointer or the simulated person may move the robot (INBOX.active).
@@ -287,12 +319,10 @@ class TaskOrders:
         replies: What became of each of the frame's commands, in their order.
     """
 
-    haptic: Mapping[str, object] = field(default_factory=dict)
-    visual: Mapping[str, object] = field(default_factory=dict)
-    audio: Mapping[str, object] = field(default_factory=dict)
-    sounds: tuple[SoundEvent, ...] = ()
-    cues: tuple[SoundTrigger, ...] = ()
-    touches: tuple[TactileEvent, ...] = ()
+    haptic: HapticOrder = field(default_factory=HapticOrder)
+    visual: VisualOrder = field(default_factory=VisualOrder)
+    audio: AudioOrder = field(default_factory=AudioOrder)
+    tactile: TactileOrder = field(default_factory=TactileOrder)
     view: TaskView = field(default_factory=TaskView)
     board: Board = field(default_factory=Board)
     person_may_act: bool = False

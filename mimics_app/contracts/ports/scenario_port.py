@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Vec3
+from mimics_app.contracts.messages.orders import Feature, HapticOrder
 from mimics_app.contracts.messages.stage_messages import Aim, HapticSnapshot, TaskOrders
 from mimics_app.contracts.ports.plugins import PluginGroup, fault_of_builder
 
@@ -113,13 +114,22 @@ class Scenario(Protocol):
         """Return the next action of the hand; None where the path alone defines it."""
         return None
 
-    def haptic_orders(self) -> Mapping[str, object]:
-        """Return haptic fields by dotted name from the scene itself; unchanged values cost nothing.
+    @staticmethod
+    def features(scene: Any) -> Sequence[Feature[Any]]:
+        """Return what of this scenario's view a task may change, by name: "visual.NAME" of a scene's parameters.
+
+        Args:
+            scene: The checked scene.
+        """
+        return ()
+
+    def haptic_orders(self) -> HapticOrder:
+        """Return numbers of the haptic scene from the scene itself; unchanged values cost nothing.
 
         Feel, targets, and numbers of tunnels, shapes, bodies and effects may be written, each within its range
         (`contracts.loop.field_ranges`). What is refused is reported and ends that order; the session continues.
         """
-        return {}
+        return HapticOrder()
 
 
 PLUGINS = PluginGroup("mimics_app.scenarios", fault_of_builder(Scenario))

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 import numpy as np
 
-from mimics_app.scenarios.figures.walking_figure import add_walk, below, follow_numbers, pace_with, stand
-from mimics_app.tasks.walking.walker import JOINTS, blank_orders
+from mimics_app.contracts.messages.orders import Feature, VisualOrder
+from mimics_app.scenarios.figures.walking_figure import add_walk, below, pace_with, stand
+from mimics_app.tasks.walking.walker import FigurePose
 from mimics_app.world.content.world import World
 from mimics_app.world.graph.scene_node import SceneNode
 
@@ -20,7 +21,7 @@ class FreeFigure:
     Args:
         world: The world of the node.
         node: The node; its model is at the node or at a child of it. Without a model only the node moves.
-        name: Name under which the task orders the numbers of the walker.
+        pose: Feature that poses the walker.
         ahead: 1: the figure looks along the node's +z, as models do; -1: along its -z, as cameras do.
         ground: Returns the material of the ground at a place, x and z [m].
         step: Kind of the event of a heel strike.
@@ -33,28 +34,25 @@ class FreeFigure:
         self,
         world: World,
         node: SceneNode,
-        name: str,
+        pose: Feature[FigurePose],
         ahead: float,
         ground: Callable[[float, float], str] = lambda x, z: "",
         step: str = "step",
     ) -> None:
-        self._node, self._name, self._ahead = node, name, ahead
-        self._now = blank_orders(name)
+        self._node, self._feature, self._ahead = node, pose, ahead
+        self._now = pose.default
         self.walk = add_walk(
             world.motion,
             below(node, world.motion.animators),
-            lambda: pace_with(self._of("speed"), self._of("step")),
-            lambda: (self._of("x"), self._of("z"), self._of("yaw")),
-            lambda: ground(self._of("x"), self._of("z")),
-            legs=lambda: np.array([self._of(each) for each in JOINTS]),
-            phase=lambda: self._of("phase"),
+            lambda: pace_with(self._now.speed, self._now.step),
+            lambda: (self._now.x, self._now.z, self._now.yaw),
+            lambda: ground(self._now.x, self._now.z),
+            legs=lambda: np.array(self._now.legs),
+            phase=lambda: self._now.phase,
             step=step,
         )
 
-    def follow(self, orders: Mapping[str, object]) -> None:
-        """Take the task's numbers of this frame, and stand where they say."""
-        follow_numbers(self._now, orders)
-        stand(self._node, (self._of("x"), self._of("y"), self._of("z")), self._of("yaw"), self._ahead)
-
-    def _of(self, word: str) -> float:
-        return self._now[f"{self._name}.{word}"]
+    def follow(self, order: VisualOrder) -> None:
+        """Take the task's pose of this frame, and stand where it says."""
+        self._now = order.get(self._feature) or self._now
+        stand(self._node, self._now[:3], self._now.yaw, self._ahead)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable
 
 import numpy as np
 
 from mimics_app.scenarios.figures.ground_path import GroundPath
 from mimics_app.scenarios.figures.walking_figure import add_walk, below, pace_at, stand
-from mimics_app.tasks.walking.walker import JOINTS
+from mimics_app.tasks.walking.walker import FigurePose
 from mimics_app.world.components.walking import PathWalker
 from mimics_app.world.content.world import World
 from mimics_app.world.graph.scene_node import SceneNode
@@ -26,7 +26,7 @@ class PathFigure:
         walker: Its component.
         path: The path of the component.
         ahead: 1: the figure looks along the node's +z, as models do; -1: along its -z, as cameras do.
-        own: Numbers of the person's own legs by name, see `Walker.visual`; None: the legs go by the speed.
+        own: Returns the pose of the person's own legs; None: the legs go by the speed.
     """
 
     def __init__(
@@ -36,7 +36,7 @@ class PathFigure:
         walker: PathWalker,
         path: GroundPath,
         ahead: float = 1.0,
-        own: Mapping[str, float] | None = None,
+        own: Callable[[], FigurePose] | None = None,
     ) -> None:
         self._node, self._walker, self._path, self._ahead = node, walker, path, ahead
         self._x = self._z = self._yaw = self._speed = 0.0
@@ -48,8 +48,8 @@ class PathFigure:
             lambda: pace_at(self._speed),
             lambda: (self._x, self._z, self._yaw),
             lambda: path.ground(self._s),
-            legs=None if own is None else lambda: np.array([own[f"walker.{joint}"] for joint in JOINTS]),
-            phase=None if own is None else lambda: own["walker.phase"],
+            legs=None if own is None else lambda: np.array(own().legs),
+            phase=None if own is None else lambda: own().phase,
         )
         self.go(0.0, 0.0)
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from mimics_app.world.content.motion.motion import Motion
     from mimics_app.world.graph.camera import Camera
 
-__all__ = ["OWN_HEAD", "add_walk", "below", "follow_numbers", "pace_at", "pace_with", "see_past_head", "stand"]
+__all__ = ["OWN_HEAD", "add_walk", "below", "pace_at", "pace_with", "see_past_head", "stand"]
 
 Part = TypeVar("Part")
 """An animator or a state machine."""
@@ -28,11 +28,6 @@ _CRAWL = 0.02
 """Speed below which the legs stand [m/s]."""
 OWN_HEAD = 0.15
 """Distance from the eyes within which everything of the own head is that could be seen [m]; a test measures it."""
-
-
-def follow_numbers(values: dict[str, float], orders: Mapping[str, object]) -> None:
-    """Replace each value by the number that the task orders under its name, if any."""
-    values.update({name: float(given) for name in values if isinstance(given := orders.get(name), int | float)})
 
 
 def stand(node: SceneNode, place: tuple[float, float, float], yaw: float, ahead: float) -> None:

@@ -64,16 +64,16 @@ class TunnelAppearance:
         self._show_wall()
         self._show_bisector(f"tunnel_bisector{suffix}")
 
-    def set_radius_scale(self, scale: object) -> None:
-        """Set the radius scale; values that are no number, or differ by less than is visible, change nothing."""
-        if isinstance(scale, float) and abs(scale - self._scale) >= _SCALE_STEP:
+    def set_radius_scale(self, scale: float | None) -> None:
+        """Set the radius scale; None, and what differs by less than is visible, changes nothing."""
+        if scale is not None and abs(scale - self._scale) >= _SCALE_STEP:
             self._scale = scale
             self._publish(self._wall_mesh, self._build_wall())
 
-    def set_material(self, appearance: object) -> None:
-        """Set the wall's material by its name in the scene, or hide the wall ("hidden")."""
+    def set_material(self, appearance: str | None) -> None:
+        """Set the wall's material by its name in the scene, or hide the wall ("hidden"); None changes nothing."""
         wall = self._node.entity
-        if wall is None or not isinstance(appearance, str):
+        if wall is None or appearance is None:
             return
         wall.visible = appearance != "hidden"
         if appearance != "hidden" and appearance in self._world.materials:

@@ -17,6 +17,7 @@ from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.messages.board import Card
+from mimics_app.contracts.messages.orders import Feature, HapticField
 from mimics_app.contracts.messages.report_section import ReportSection
 from mimics_app.contracts.messages.stage_messages import SoundTrigger, TactileEvent
 from mimics_app.contracts.ports.scenario_port import TaskContext
@@ -146,13 +147,13 @@ class KindPlay:
     """Behaviour of one kind of task during a session."""
 
     @property
-    def orders(self) -> Mapping[str, object]:
-        """Present haptic fields of this kind by dotted name; unchanged values cost nothing."""
+    def orders(self) -> Mapping[HapticField, object]:
+        """Present numbers of the haptic scene of this kind; unchanged values cost nothing."""
         return {}
 
     @property
-    def visual(self) -> Mapping[str, object]:
-        """Present parameters of the scenario by name; unchanged values cost nothing."""
+    def visual(self) -> Mapping[Feature[Any], object]:
+        """Present values of the scenario's features; unchanged values cost nothing."""
         return {}
 
     def take_touches(self) -> tuple[TactileEvent, ...]:

@@ -3,29 +3,56 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from mimics_app.contracts.messages.leg_motion import LegMotion
+from mimics_app.contracts.messages.orders import Feature
 from mimics_app.tasks.walking.footfalls import Footfalls
 from mimics_app.tasks.walking.legs import Impairment, Legs
 
-__all__ = ["HALF_STEP_WIDTH", "JOINTS", "FootPlace", "Walker", "blank_orders"]
+__all__ = ["HALF_STEP_WIDTH", "PERSON", "FigurePose", "FootPlace", "Walker"]
 
 HALF_STEP_WIDTH = 0.06
 """Distance of a foot from the person's middle line [m]."""
 _PUSH = 1.0
 """Largest acceleration of a walker [m/s^2]."""
-JOINTS = ("hip_left", "knee_left", "hip_right", "knee_right")
-"""Names of the angles of both legs."""
-_WORDS = ("x", "y", "z", "yaw", "speed", "step", "phase", *JOINTS)
 
 
-def blank_orders(name: str) -> dict[str, float]:
-    """Return the numbers that pose a figure, all 0: "NAME.x" and so on, see `Walker.visual`."""
-    return dict.fromkeys((f"{name}.{word}" for word in _WORDS), 0.0)
+class FigurePose(NamedTuple):
+    """What poses a figure that walks.
+
+    Attributes:
+        x, y, z: Its place, world [m].
+        yaw: Where it looks: angle about +y from +z [rad].
+        speed: Of the legs [m/s].
+        step: Their step [m].
+        phase: Of their cycle, 0 to 1.
+        hip_left, knee_left, hip_right, knee_right: Angles of the legs [rad].
+    """
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+    yaw: float = 0.0
+    speed: float = 0.0
+    step: float = 0.0
+    phase: float = 0.0
+    hip_left: float = 0.0
+    knee_left: float = 0.0
+    hip_right: float = 0.0
+    knee_right: float = 0.0
+
+    @property
+    def legs(self) -> tuple[float, float, float, float]:
+        """Angles of both legs [rad]."""
+        return self.hip_left, self.knee_left, self.hip_right, self.knee_right
+
+
+PERSON = Feature("person", FigurePose())
+"""The figure of the person who walks."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,14 +137,14 @@ class Walker:
         self.z += ahead * math.cos(self.yaw) + drift[1] * seconds
         return [self._place(fall.side, fall.length) for fall in self.footfalls.watch(legs, seconds)]
 
-    def visual(self, name: str, y: float = 0.0) -> Mapping[str, object]:
-        """Return the numbers that pose a figure, see `blank_orders`; `y` is the height of the ground [m]."""
+    def pose(self, y: float = 0.0) -> FigurePose:
+        """Return what poses the person's figure; `y` is the height of the ground [m]."""
         legs = self.legs
         numbers = (
             *(self.x, y, self.z, self.yaw, self.speed, self.footfalls.step_at(self.speed), self.footfalls.phase),
             *(legs.hip_left, legs.knee_left, legs.hip_right, legs.knee_right),
         )
-        return {f"{name}.{word}": round(number, 5) for word, number in zip(_WORDS, numbers, strict=True)}
+        return FigurePose(*(round(number, 5) for number in numbers))
 
     def _place(self, side: str, length: float) -> FootPlace:
         """Return where a foot came down, half its step ahead of the person and aside."""

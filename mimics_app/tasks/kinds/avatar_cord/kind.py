@@ -14,10 +14,25 @@ from msgspec import structs
 from mimics_app.contracts.clock import FRAME_NS, SECOND_NS
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.messages.board import Card
+from mimics_app.contracts.messages.orders import Feature
 from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.messages.stage_messages import TactileEvent
 from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.cards import count_card
+from mimics_app.tasks.kinds.avatar_cord.features import (
+    CORD_LENGTH,
+    CORD_RADIUS,
+    CORD_SHOWN,
+    DELAY,
+    DISTANCE,
+    MIMICRY,
+    OWN_BODY,
+    PROBE,
+    TAP,
+    THREAT,
+    VIEWPOINT,
+    ShownTap,
+)
 from mimics_app.tasks.kinds.avatar_cord.observations import ANSWERS, TAPS
 from mimics_app.tasks.kinds.avatar_cord.questionnaire_file import check_questionnaire, read_questionnaire
 from mimics_app.tasks.kinds.avatar_cord.questions import Asking
@@ -72,20 +87,20 @@ class AvatarCordPlay(KindPlay):
         self._forces: list[float] = []
 
     @property
-    def visual(self) -> Mapping[str, object]:
+    def visual(self) -> Mapping[Feature[Any], object]:
         condition, taps = self._condition, self._next_tap()
         return {
-            "cord.shown": condition.cord,
-            "cord.length_factor": condition.length_factor,
-            "cord.radius_factor": condition.radius_factor,
-            "avatar.distance": condition.distance_m,
-            "avatar.mimicry": condition.mimicry,
-            "avatar.delay_ms": condition.visuo_motor_ms,
-            "viewpoint": condition.viewpoint,
-            "own_body": condition.own_body,
-            "tap": taps,
-            "threat_ns": self._threat_ns,
-            "probe_m": self._asking.mark_m if self._phase is _Phase.QUESTIONS else None,
+            CORD_SHOWN: condition.cord,
+            CORD_LENGTH: condition.length_factor,
+            CORD_RADIUS: condition.radius_factor,
+            DISTANCE: condition.distance_m,
+            MIMICRY: condition.mimicry,
+            DELAY: condition.visuo_motor_ms,
+            VIEWPOINT: condition.viewpoint,
+            OWN_BODY: condition.own_body,
+            TAP: taps,
+            THREAT: self._threat_ns,
+            PROBE: self._asking.mark_m if self._phase is _Phase.QUESTIONS else None,
         }
 
     def take_touches(self) -> tuple[TactileEvent, ...]:
@@ -165,7 +180,7 @@ class AvatarCordPlay(KindPlay):
         begun = self._begin_ns or now_ns
         return min(max((now_ns - begun) / max(1.0, self._condition.duration_s * SECOND_NS), 0.0), 1.0)
 
-    def _next_tap(self) -> tuple[int, str, float, float, int] | None:
+    def _next_tap(self) -> ShownTap | None:
         """Return the present or next tap: time of the touch [ns], place, share, angle, number; None without one."""
         if self._phase is not _Phase.TAPS or self._begin_ns is None or not self._taps:
             return None

@@ -9,6 +9,7 @@ from msgspec import Meta, field, structs
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.messages.board import Bar, Card, Tone
+from mimics_app.contracts.messages.orders import Feature
 from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.messages.stage_messages import SoundTrigger
 from mimics_app.contracts.ports.scenario_port import TaskContext
@@ -20,6 +21,7 @@ from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.legs import GAITS
 from mimics_app.tasks.walking.throttle import Throttle
 from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, symmetry_card, walk_values
+from mimics_app.tasks.walking.walker import PERSON
 from mimics_app.tasks.walking.worn_orthosis import OrthosisLegs, legs_in
 from mimics_app.world.components.bounds import Extent
 from mimics_app.world.components.registry import Component
@@ -27,7 +29,14 @@ from mimics_app.world.components.registry import Component
 if TYPE_CHECKING:
     from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["KIND", "CanyonWalkPlay", "CanyonWalkSpec"]
+__all__ = ["BEAM_WIDTH", "KIND", "TREMBLES", "WIND", "CanyonWalkPlay", "CanyonWalkSpec"]
+
+BEAM_WIDTH = Feature("beam.width", 0.0)
+"""Width of the beam [m]."""
+TREMBLES = Feature("beam.trembles", 0.0)
+"""How much the beam trembles under a step, 0 to 1."""
+WIND = Feature("wind.strength", 0.0)
+"""Strength of the wind, 0 to 1."""
 
 _CREAK_PER_STEP = 0.35
 """Strength of the creak of the beam under a foot."""
@@ -144,14 +153,13 @@ class CanyonWalkPlay(KindPlay):
         return events
 
     @property
-    def visual(self) -> Mapping[str, object]:
+    def visual(self) -> Mapping[Feature[Any], object]:
         crossing = self._crossing
         return {
-            **crossing.walker.visual("person"),
-            "beam.width": crossing.beam.width,
-            "beam.trembles": round(self._trembles, 3),
-            "wind.strength": round(crossing.wind.strength, 3),
-            "wind.push": round(crossing.wind.push, 3),
+            PERSON: crossing.walker.pose(),
+            BEAM_WIDTH: crossing.beam.width,
+            TREMBLES: round(self._trembles, 3),
+            WIND: round(crossing.wind.strength, 3),
         }
 
     @property

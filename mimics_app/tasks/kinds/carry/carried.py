@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from mimics_app.contracts.arrays import Vec3
+from mimics_app.contracts.messages.orders import HapticField
 from mimics_app.tasks.kinds.carry.spec import BoxSpec, CarrySpec
 from mimics_app.tasks.observation import Observation
 
@@ -84,7 +85,7 @@ class Carried:
         self._target = target
         self._source = random.Random(seed * 1_000_003 + 11)
         self._spawn = _FIRST_SPAWN - 1
-        self.orders: dict[str, object] = {}
+        self.orders: dict[HapticField, object] = {}
         self._lost_since_ns: int | None = None
         self._restart()
 
@@ -199,16 +200,16 @@ class Carried:
 
     def _fall(self) -> None:
         box = self._spec.falls_from
-        name = f"bodies.{self._spec.body}"
+        body = self._spec.body
         self._spawn += 1
-        self.orders = {f"{name}.spawn": self._spawn}
+        self.orders = {HapticField("spawn", "bodies", body): self._spawn}
         if box is not None:
             place = tuple(
                 low + self._source.random() * (high - low) for low, high in zip(box.low, box.high, strict=True)
             )
             turn = math.pi * self._source.random()
-            self.orders[f"{name}.position"] = place
-            self.orders[f"{name}.orientation"] = (0.0, math.sin(turn), 0.0, math.cos(turn))
+            self.orders[HapticField("position", "bodies", body)] = place
+            self.orders[HapticField("orientation", "bodies", body)] = (0.0, math.sin(turn), 0.0, math.cos(turn))
 
 
 def _level(a: Vec3, b: Vec3) -> float:

@@ -10,6 +10,7 @@ from msgspec import Meta, structs
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.messages.board import Bar, Card, Tone
+from mimics_app.contracts.messages.orders import HapticField
 from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.kinds.carry.carried import Carried, CarriedFrame, Stage
@@ -72,7 +73,7 @@ class _CarryPlay(KindPlay):
         self._held_s = 0.0
 
     @property
-    def orders(self) -> Mapping[str, object]:
+    def orders(self) -> Mapping[HapticField, object]:
         return self._carried.orders
 
     @property

@@ -9,6 +9,7 @@ from msgspec import Meta, structs
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.messages.board import Bar, Card
+from mimics_app.contracts.messages.orders import Feature
 from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.deflection import DEAD_ZONE, deflection
@@ -16,7 +17,7 @@ from mimics_app.tasks.kinds.kind import KindPlay, Measure, TaskBlock, TaskKind, 
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.legs import GAITS
 from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, symmetry_card, walk_values
-from mimics_app.tasks.walking.walker import Walker
+from mimics_app.tasks.walking.walker import PERSON, Walker
 from mimics_app.tasks.walking.worn_orthosis import OrthosisLegs, legs_in
 from mimics_app.world.components.registry import Component
 from mimics_app.world.components.walking import PathWalker
@@ -24,7 +25,12 @@ from mimics_app.world.components.walking import PathWalker
 if TYPE_CHECKING:
     from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["KIND", "CityWalkPlay", "CityWalkSpec"]
+__all__ = ["ALONG", "KIND", "SPEED", "CityWalkPlay", "CityWalkSpec"]
+
+ALONG = Feature("walk.along", 0.0)
+"""Way of the person along the path [m]."""
+SPEED = Feature("walk.speed", 0.0)
+"""Speed of the person [m/s]."""
 
 
 class CityWalkSpec(Component, frozen=True):
@@ -82,9 +88,8 @@ class CityWalkPlay(KindPlay):
         self._seconds += seconds
 
     @property
-    def visual(self) -> Mapping[str, object]:
-        own = self._walker.visual("walker")
-        return {**own, "walk.along": round(self._along, 4), "walk.speed": round(self._speed, 4)}
+    def visual(self) -> Mapping[Feature[Any], object]:
+        return {PERSON: self._walker.pose(), ALONG: round(self._along, 4), SPEED: round(self._speed, 4)}
 
     @property
     def lever(self) -> bool:

@@ -10,6 +10,7 @@ from msgspec import Meta, structs
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.messages.board import Card
+from mimics_app.contracts.messages.orders import Feature
 from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.cards import count_card
@@ -22,15 +23,18 @@ from mimics_app.world.components.registry import Component
 if TYPE_CHECKING:
     from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["KIND", "NEAREST", "PLACES", "GuidedWalkPlay", "GuidedWalkSpec"]
+__all__ = ["AVATAR_AT", "DEED", "KIND", "NEAREST", "PERSON_AT", "GuidedWalkPlay", "GuidedWalkSpec"]
 
 Condition = Literal["intimate", "social", "random"]
 
 NEAREST: dict[str, float] = {"intimate": 0.38, "social": 1.2, "random": 0.38}
 """Smallest distance of the avatar in each condition [m]: Kastanis & Slater, ACM TAP 9(1), 2012."""
 
-PLACES = ("walk.person", "walk.person_aside", "walk.avatar", "walk.avatar_aside")
-"""Names of the orders of where the two are, along the alley and to its right [m]."""
+PERSON_AT = Feature("walk.person", (0.0, 0.0))
+AVATAR_AT = Feature("walk.avatar", (-2.0, 0.0))
+"""Where the two are, along the alley and to its right [m]."""
+DEED = Feature("walk.deed", 3)
+"""Number of the avatar's action."""
 _WORDS = ("approaches", "steps back", "walks round you", "waits", "beckons", "points")
 _WALKING = 0.8
 """Walking speed at full deflection of the hand [m/s]."""
@@ -109,9 +113,9 @@ class GuidedWalkPlay(KindPlay):
         return step
 
     @property
-    def visual(self) -> Mapping[str, object]:
-        places = [round(part, 4) for place in self._shown for part in (place.real, place.imag)]
-        return {**dict(zip(PLACES, places, strict=True)), "walk.deed": int(self._guide.deed)}
+    def visual(self) -> Mapping[Feature[Any], object]:
+        person, avatar = ((round(place.real, 4), round(place.imag, 4)) for place in self._shown)
+        return {PERSON_AT: person, AVATAR_AT: avatar, DEED: int(self._guide.deed)}
 
     @property
     def lever(self) -> bool:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 from msgspec import Meta, structs
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.messages.board import Card
+from mimics_app.contracts.messages.orders import Feature
 from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.messages.stage_messages import SoundTrigger
 from mimics_app.contracts.ports.scenario_port import TaskContext
@@ -21,6 +22,7 @@ from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.legs import GAITS
 from mimics_app.tasks.walking.throttle import Throttle
 from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, symmetry_card, walk_values
+from mimics_app.tasks.walking.walker import PERSON, FigurePose
 from mimics_app.tasks.walking.worn_orthosis import OrthosisLegs, legs_in
 from mimics_app.world.components.bounds import Figure, Share
 from mimics_app.world.components.registry import Component
@@ -28,7 +30,46 @@ from mimics_app.world.components.registry import Component
 if TYPE_CHECKING:
     from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["KIND", "SoccerPlay", "SoccerSpec"]
+__all__ = [
+    "ADVICE",
+    "BALL",
+    "GOALS",
+    "KIND",
+    "OPPONENT_SHOWN",
+    "PERSON_SHOWN",
+    "REPLAY_S",
+    "Advice",
+    "Player",
+    "SoccerPlay",
+    "SoccerSpec",
+]
+
+
+class Advice(NamedTuple):
+    """How a simulated person is advised to play.
+
+    Attributes:
+        speed: Share of full speed.
+        turn: Rate of turn [rad/s].
+        kicks: Whether to kick.
+    """
+
+    speed: float = 0.0
+    turn: float = 0.0
+    kicks: bool = False
+
+
+ADVICE = Feature("advice", Advice())
+BALL = Feature("ball", (0.0, 0.0, 0.0))
+"""Place of the ball, world [m]."""
+GOALS = Feature("match.goals", 0)
+"""Goals of the person."""
+REPLAY_S = Feature("match.replay_s", 0.0)
+"""How long ago the part of the match was that is shown again [s]; 0: none is."""
+Player = tuple[Feature[FigurePose], Feature[tuple[float, float]]]
+"""Features of a player: the pose, and the kick: its progress, below 0 for none, and the way of the ankle ahead [m]."""
+PERSON_SHOWN: Player = (PERSON, Feature("person.kick", (-1.0, 0.0)))
+OPPONENT_SHOWN: Player = (Feature("opponent", FigurePose()), Feature("opponent.kick", (-1.0, 0.0)))
 
 _MOST_TURN = 1.8
 """Rate of turn at full deflection of the hand [rad/s]."""
@@ -111,7 +152,7 @@ class SoccerPlay(KindPlay):
         self._match.pace = spec.pace
         self._mind = Mind(_MODERATE, self._match.rng)
         self._seconds, self._hushed_s = 0.0, 0.0
-        self._advice: dict[str, object] = {}
+        self._advice = Advice()
 
     def start_attempt(self, seen: Observation) -> None:
         self._throttle.start(seen)
@@ -140,11 +181,7 @@ class SoccerPlay(KindPlay):
         self._excite(seen, seconds)
         if self._advises:
             wanted = self._mind.decide(match.view_of_person())
-            self._advice = {
-                "advice.speed": round(wanted.speed, 3),
-                "advice.turn": round(wanted.turn, 3),
-                "advice.kicks": float(wanted.kicks),
-            }
+            self._advice = Advice(round(wanted.speed, 3), round(wanted.turn, 3), bool(wanted.kicks))
 
     def take_sounds(self) -> tuple[SoundTrigger, ...]:
         sounds, self._sounds = tuple(self._sounds), []
@@ -155,26 +192,16 @@ class SoccerPlay(KindPlay):
         return events
 
     @property
-    def visual(self) -> Mapping[str, object]:
+    def visual(self) -> Mapping[Feature[Any], object]:
         match, (mx, my, mz) = self._match, self._spec.middle
         x, y, z = (match.ball.place + (mx, my, mz)).tolist()
-        shown: dict[str, object] = {
-            "ball.x": round(x, 4),
-            "ball.y": round(y, 4),
-            "ball.z": round(z, 4),
-            "match.goals": match.goals,
-            "match.replay_s": round(match.replay_s, 4),
-            **self._advice,
-        }
-        for name, player in (("person", match.person), ("opponent", match.opponent)):
-            pose = {**player.walker.visual(name, my)}
-            pose[f"{name}.x"] = round(player.walker.x + mx, 5)
-            pose[f"{name}.z"] = round(player.walker.z + mz, 5)
-            kicked = player.kicking_ankle()
-            pose[f"{name}.kick"] = round(player.kick, 4)
-            pose[f"{name}.kick_ahead"] = round(0.0 if kicked is None else kicked, 4)
-            shown |= pose
-        return shown
+        seen: dict[Feature[Any], object] = {BALL: (round(x, 4), round(y, 4), round(z, 4)), ADVICE: self._advice}
+        seen |= {GOALS: match.goals, REPLAY_S: round(match.replay_s, 4)}
+        for (pose, kick), player in ((PERSON_SHOWN, match.person), (OPPONENT_SHOWN, match.opponent)):
+            walker, kicked = player.walker, player.kicking_ankle()
+            seen[pose] = walker.pose(my)._replace(x=round(walker.x + mx, 5), z=round(walker.z + mz, 5))
+            seen[kick] = (round(player.kick, 4), round(0.0 if kicked is None else kicked, 4))
+        return seen
 
     @property
     def lever(self) -> bool:
