@@ -29,7 +29,7 @@ from mimics_app.contracts.commands.vocabulary import (
     command_values,
     name_of,
 )
-from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.contracts.loop.haptic import Button, SafetyState
 from mimics_app.contracts.messages.stage_messages import TaskAction
 from mimics_app.contracts.shared_memory.command_ring import CommandSender
 from mimics_app.contracts.system.resources import root
@@ -62,7 +62,12 @@ class Steered(CorePlay):
 
         scene = check_scene(read_scene(TUNNEL))
         super().__init__(open_core(prepare_scene(scene, RunSettings(scene.path, **settings)), Journal))
-        free = set(CommandSource) - {CommandSource.KEYS, CommandSource.GAMEPAD, CommandSource.FILE}
+        free = set(CommandSource) - {
+            CommandSource.KEYS,
+            CommandSource.GAMEPAD,
+            CommandSource.BUTTON,
+            CommandSource.FILE,
+        }
         self.senders = {source: CommandSender(self.core.memory, source, source.name) for source in free}
 
     def give(self, *commands: Command, source: CommandSource = CommandSource.OPERATOR) -> list[dict[str, Any]]:
@@ -193,6 +198,18 @@ def test_what_no_part_of_the_session_can_do_is_refused_with_the_reason() -> None
         told = play.senders[CommandSource.OPERATOR].answers()
         assert len(told) == 7 and "limit of the haptic loop" in told[4].why
         assert {answer.frame for answer in told} == {play.frames.number - 1}
+
+
+def test_a_button_of_the_device_steers_the_session() -> None:
+    """The simulated robot passes on what its person presses; the loop takes it with the data of a tick."""
+    play = Steered(seed=2)
+    with play.core:
+        play.step()
+        play.core.haptics._inbox[0]["buttons"] = Button.PRIMARY
+        for _ in range(3):
+            play.step()
+        (line,) = [line for kind, line in play.recorder.lines if kind == "command"]
+        assert (line["from"], line["who"], line["command"]) == ("button", "device", "start_trial")
 
 
 def test_the_journal_holds_the_whole_command() -> None:

@@ -161,6 +161,12 @@ def _add_outputs(group: Container) -> None:
         help="write a video of the run, e.g. out.mp4 (needs ffmpeg); a folder: every frame as PNG",
     )
     group.add_argument(
+        "--markers",
+        default="",
+        metavar="NAME",
+        help="take notes, marks and stops from a marker stream of the lab streaming layer, live only (extra lsl)",
+    )
+    group.add_argument(
         "--lsl",
         action="store_true",
         help="send poses, forces, features, state and markers to the lab streaming layer (extra lsl)",

@@ -63,6 +63,7 @@ def play(settings: RunSettings, *, as_json: bool, read: Scene | None = None) -> 
         build_session(settings, live=windowed, read=read) as session,
         _say_where_kept(session),
         _linked(session) as link,
+        _marked(session),
         _sent_out(session),
     ):
         frames = Frames(session)
@@ -151,6 +152,21 @@ def _linked(session: Session) -> Iterator[OperatorLink]:
         raise
     finally:
         link.close(orderly=True)
+
+
+@contextmanager
+def _marked(session: Session) -> Iterator[None]:
+    """Take commands from a stream of markers where that is requested."""
+    if not session.settings.markers:
+        yield
+        return
+    from mimics_app.inputs.commands.marker_stream import MarkerStream
+
+    markers = MarkerStream(session.memory, session.settings.markers, session.clock, session.report)
+    try:
+        yield
+    finally:
+        markers.close()
 
 
 @contextmanager

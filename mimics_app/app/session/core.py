@@ -28,16 +28,19 @@ from mimics_app.contracts.ports.scenario_port import Scenario
 from mimics_app.contracts.ports.stages import Dsp, Estimation, Goal, Learning
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.inputs.commands.command_file import TimedCommands
+from mimics_app.inputs.commands.device_buttons import DeviceButtons
 from mimics_app.inputs.commands.keys import KeyCommands
 from mimics_app.inputs.interaction.simulated_patient import SimulatedPatient
 from mimics_app.inputs.stage import Inputs
 from mimics_app.learning.action_sequence import ActionSequence
 from mimics_app.rendering.haptic.devices.address import split_device
+from mimics_app.rendering.haptic.devices.button_commands import button_commands
 from mimics_app.rendering.haptic.devices.device_names import BUILT_IN, load_built_in
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.tactile.vibrators import NoVibrators, Vibrators
 from mimics_app.tasks.task_manager import TaskManager
 from mimics_app.world.components.robot import Patient, Robot
+from mimics_app.world.components.systems import VisualSettings
 from mimics_app.world.components.tactile import TactileSettings
 from mimics_app.world.content.world import World
 from mimics_app.world.files.scene.scene import Scene
@@ -70,6 +73,7 @@ class SessionCore:
         view: The view that a command wants; "": as the scene says.
         keys: Keys and gamepad as sources of commands.
         timed_commands: Commands of a file, each at its time.
+        buttons: Buttons of the device as a source of commands.
     """
 
     def __init__(
@@ -111,8 +115,10 @@ class SessionCore:
         self.has_policy = parts.settings.action is not None or not isinstance(body.learning, ActionSequence)
         self._has_signals = bool(parts.settings.physio)
         self.view = ""
-        self.keys = KeyCommands(memory, self._say, self.views)
+        first = (parts.scene.system(VisualSettings) or VisualSettings()).view or ""
+        self.keys = KeyCommands(memory, self._say, self.views, lambda: self.view or first)
         self.timed_commands = TimedCommands(memory, parts.commands, self._say)
+        self.buttons = DeviceButtons(memory, button_commands(parts.robot.buttons), self._say)
         self.recorder = recorder
         self.signal_recorder = SignalRecorder(recorder)
         self.report: Callable[[str], None] = say_nothing

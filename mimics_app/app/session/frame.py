@@ -119,6 +119,7 @@ class Frames:
             vr = core.inputs.poll(now_ns)
             core.keys.step(core.inputs.frame, vr.pressed, self.orders.view, now_ns)
             core.timed_commands.step(now_ns)
+            core.buttons.step(core.haptics.buttons, now_ns)
         with stage("signals"):
             features = core.dsp.process(vr.signals, now_ns)
             state = core.estimation.update(features)

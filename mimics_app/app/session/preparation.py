@@ -123,7 +123,8 @@ def prepare(
 ) -> SessionParts:
     """Read the scene, plan it, and open the device. Nothing moves, no process runs, and nothing is written.
 
-    A device that runs in real time, and an operator's page, make the session live, even where `live` is False.
+    A device that runs in real time, a stream of markers, and an operator's page make the session live, even where
+    `live` is False.
 
     Args:
         settings: Settings of the run.
@@ -188,7 +189,7 @@ def prepare_scene(
         objects=objects,
         given=given.device,
     )
-    live = live or plugin.real_time or settings.console is not None
+    live = live or plugin.real_time or settings.console is not None or bool(settings.markers)
     if settings.sound == "device" and not live:
         raise UsageError("the virtual clock is too fast for a sound device", "write --sound file")
     return SessionParts(

@@ -10,6 +10,8 @@ from msgspec import Meta
 from mimics_app.contracts.commands.command_records import CommandSource
 
 __all__ = [
+    "LONGEST_NAME",
+    "LONGEST_TEXT",
     "AnyCommand",
     "Calibrate",
     "Command",
@@ -42,8 +44,11 @@ __all__ = [
     "write_command",
 ]
 
-Text = Annotated[str, Meta(min_length=1, max_length=300)]
-Name = Annotated[str, Meta(min_length=1, max_length=80)]
+LONGEST_TEXT, LONGEST_NAME = 300, 80
+"""Lengths of a text and of a name [characters]."""
+
+Text = Annotated[str, Meta(min_length=1, max_length=LONGEST_TEXT)]
+Name = Annotated[str, Meta(min_length=1, max_length=LONGEST_NAME)]
 Share = Annotated[float, Meta(ge=0.0, le=1.0)]
 
 

@@ -19,6 +19,8 @@ _ASK_NS = 4_000_000_000
 """Time within which a second Escape ends a trial [ns]."""
 _UNDER_WAY = (TrialState.READY, TrialState.TRAVEL)
 _PAD = "pad_"
+_STEPS = {"pad_left_bumper": -1, "pad_right_bumper": 1}
+"""Buttons that show the view before and after the present one."""
 
 
 def _pause_or_resume(view: TaskView) -> Command:
@@ -67,19 +69,27 @@ class KeyCommands:
     Args:
         memory: Memory of the session.
         report: Shows a line to the person.
-        views: Views of the scene, for the keys 1 to 9 where there are several.
+        views: Views of the scene, for the keys 1 to 9 and the gamepad's shoulder buttons where there are several.
+        shown: Returns the name of the present view, "" for the first one.
 
     Attributes:
         message: Line for the person after Escape during a trial; "" otherwise.
     """
 
-    def __init__(self, memory: SessionMemory, report: Callable[[str], None], views: Sequence[str] = ()) -> None:
+    def __init__(
+        self,
+        memory: SessionMemory,
+        report: Callable[[str], None],
+        views: Sequence[str] = (),
+        shown: Callable[[], str] = str,
+    ) -> None:
         self._keys = CommandSender(memory, CommandSource.KEYS, "keyboard")
         self._pad = CommandSender(memory, CommandSource.GAMEPAD, "gamepad")
         self._report = report
         self._views = (
             {str(number): View(name) for number, name in enumerate(views[:9], start=1)} if len(views) > 1 else {}
         )
+        self._names, self._shown = list(views), shown
         self._space_held = False
         self._asked_ns: int | None = None
         self._waiting: dict[tuple[CommandSender, int], Command] = {}
@@ -98,10 +108,17 @@ class KeyCommands:
         if self._asked_ns is not None and now_ns - self._asked_ns > _ASK_NS:
             self._asked_ns, self.message = None, ""
         for name in pressed:
-            command = self._views.get(name) or command_of_key(name, view)
+            command = self._views.get(name) or self._next_view(name) or command_of_key(name, view)
             if command is not None and not (isinstance(command, End) and self._asks(view, now_ns)):
                 self._give(self._pad if name.startswith(_PAD) else self._keys, command, now_ns)
         self._hold_stops(window)
+
+    def _next_view(self, name: str) -> Command | None:
+        """Return the command of a shoulder button of the gamepad, where there are several views."""
+        if name not in _STEPS or len(self._names) < 2:
+            return None
+        present = self._names.index(self._shown()) if self._shown() in self._names else 0
+        return View(self._names[(present + _STEPS[name]) % len(self._names)])
 
     def _asks(self, view: TaskView, now_ns: int) -> bool:
         """Whether this is the first Escape during a trial, after the page of the task, which asks for another."""

@@ -124,6 +124,11 @@ class HapticEngine:
         return self._thread is not None and self._thread.is_alive()
 
     @property
+    def buttons(self) -> int:
+        """Buttons word of the device, of the newest data that the loop took."""
+        return int(self._work.state[0]["buttons"])
+
+    @property
     def ticks(self) -> int:
         """Ticks done so far; a constant count means a dead loop."""
         return int(self._memory.control[ControlWord.TICKS])

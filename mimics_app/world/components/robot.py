@@ -100,6 +100,10 @@ class RobotToWorld(Component, frozen=True):
     translation: Annotated[Point, Meta(description="WCS origin in the world [m]")] = (0.0, 0.0, 0.0)
 
 
+ButtonCommand = Literal["", "stop", "reset", "start_trial", "pause", "resume", "skip", "repeat", "end"]
+"""What a device's button may command."""
+
+
 @component("robot", limit=100, once=True)
 class Robot(Component, frozen=True):
     """The robot or its simulator. Workspace figures are the HapticMaster's vendor demo constants."""
@@ -110,6 +114,10 @@ class Robot(Component, frozen=True):
     settings: Annotated[dict[str, Any], Meta(description="Settings of a plug-in, see its own guide")] = msgspec.field(
         default_factory=dict
     )
+    buttons: Annotated[
+        dict[str, ButtonCommand],
+        Meta(description="Command of each of the device's buttons by its name; '' for none; absent: the device's own"),
+    ] = msgspec.field(default_factory=dict)
     robot_to_world: Annotated[RobotToWorld, Meta(description="Pose of the robot in the world")] = msgspec.field(
         default_factory=RobotToWorld
     )

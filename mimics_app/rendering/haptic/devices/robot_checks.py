@@ -10,6 +10,7 @@ from mimics_app.contracts.loop.controller_slots import Lead
 from mimics_app.rendering.haptic.controllers.parameter_vector import parameter_vector
 from mimics_app.rendering.haptic.controllers.registry import find_controller
 from mimics_app.rendering.haptic.descriptors.joint_limits import joint_limits
+from mimics_app.rendering.haptic.devices.button_commands import button_commands
 from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.world.components.objects import Connections, ForceField, HapticEffect, InteractionPoints
 from mimics_app.world.components.robot import Controller, Robot, Tunnel
@@ -40,6 +41,10 @@ def check_robot(robot: Robot, pointer: str, scene: Scene) -> list[Issue]:
         for name in _PER_JOINT
         if (given := getattr(robot, name)) is not None and len(given) != count
     ]
+    try:
+        button_commands(robot.buttons)
+    except UsageError as error:
+        issues.append(scene.issue(f"{pointer}/buttons", error.what, error.fix))
     return issues or _check_own(robot, descriptor, pointer, scene) or _check_range(robot, descriptor, pointer, scene)
 
 
