@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mimics_app.app.picture.orbit_camera import OrbitCamera
 from mimics_app.app.viewer.gizmo import axis_under, gizmo_arrows
-from mimics_app.app.viewer.orbit_camera import OrbitCamera
 from mimics_app.app.viewer.selection import Selection, drag_offset
 from mimics_app.app.viewer.shown import Shown, open_shown
 from mimics_app.contracts.errors import SceneError

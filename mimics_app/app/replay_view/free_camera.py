@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from mimics_app.app.picture.active_view import Placed
-from mimics_app.app.viewer.orbit_camera import OrbitCamera
+from mimics_app.app.picture.orbit_camera import OrbitCamera
 from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.presenting.presenter import SeenFrom
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from mimics_app.app.picture.force_arrows import SEEN_NS, ForceArrows
+from mimics_app.app.picture.orbit_camera import OrbitCamera
 from mimics_app.app.picture.picture import Picture
 from mimics_app.app.picture.shown_on import open_display
 from mimics_app.app.replay_view.free_camera import around_point, placed
 from mimics_app.app.replay_view.replayed_scene import ReplayedScene
-from mimics_app.app.viewer.orbit_camera import OrbitCamera
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.overlay.layers import Arrow
 from mimics_app.rendering.visual.passes.screen import ScreenPass

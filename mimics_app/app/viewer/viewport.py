@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from mimics_app.app.picture.lost_picture import draw_or_recover
+from mimics_app.app.picture.orbit_camera import OrbitCamera
 from mimics_app.app.picture.picture import pays_for_pixels, picture_quality
 from mimics_app.app.settings import Profile
 from mimics_app.app.terminal.output import say
-from mimics_app.app.viewer.orbit_camera import OrbitCamera
 from mimics_app.app.viewer.shown import Shown
 from mimics_app.app.viewer.studio import Studio, studio_settings
 from mimics_app.contracts.errors import Issue, SceneError, nearest

@@ -1,4 +1,4 @@
-"""Orbit camera of the viewer: it orbits a point, zooms, pans, or flies."""
+"""Orbit camera: it orbits a point, zooms, pans, or flies; of the viewer and of a replay in a window."""
 
 from __future__ import annotations
 
