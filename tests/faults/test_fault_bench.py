@@ -11,6 +11,7 @@ from mimics_app.contracts.loop.haptic import TripCause
 from mimics_app.contracts.system.resources import root
 
 
+@pytest.mark.fault("F03")
 def test_every_fault_during_contact_is_handled_as_stated():
     rows = measure_faults(root() / "scenes" / "wavy_tunnel.json", 1, lambda _: None)["rows"]
     failed = [row for row in rows if not row["passed"]]

@@ -208,6 +208,7 @@ def test_counts_are_those_that_are_promised():
 
 
 @pytest.mark.parametrize("name", READERS)
+@pytest.mark.fault("F13")
 def test_spoiled_files_are_read_or_refused(tmp_path, name):
     reader, few, _ = READERS[name]
     check(reader(tmp_path), range(few))

@@ -129,6 +129,7 @@ def test_space_stops_to_zero_force_and_escape_leaves_with_its_own_exit_code(wind
     assert (manifest["status"], manifest["summary"]["safety"]["state"]) == ("clean", "E_STOP")
 
 
+@pytest.mark.fault("F05")
 def test_a_machine_that_stalls_pauses_a_person_at_a_mouse_and_goes_on(window):
     """A third of a second is far beyond what latches a stop of a real device."""
     window.wait("force", lambda: window.rows["state"][-1] == SafetyState.ACTIVE)
@@ -145,6 +146,7 @@ def test_a_machine_that_stalls_pauses_a_person_at_a_mouse_and_goes_on(window):
     assert "force paused (1), it comes back: this computer was too busy" in window.terminal
 
 
+@pytest.mark.fault("F20")
 def test_saved_scene_is_taken_while_running_and_a_broken_one_changes_nothing(tmp_path):
     copy = tmp_path / "wavy_tunnel.json"
     copy.write_text(SCENE.read_text())
