@@ -17,8 +17,10 @@ from mimics_app.lab.audio.live_latency import Monitor, private_pulse_server, pul
 from mimics_app.rendering.audio.engine import open_engine
 from mimics_app.rendering.audio.process import AudioProcess
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec, Speakers
+from tests.support.pipewire_server import pipewire_missing, private_pipewire_server
 
-needs_pulse = pytest.mark.skipif(bool(pulse_missing()), reason=pulse_missing() or "PulseAudio is here")
+SERVERS = {"pulseaudio": private_pulse_server, "pipewire": private_pipewire_server}
+MISSING = {"pulseaudio": pulse_missing(), "pipewire": pipewire_missing()}
 
 MS = 1_000_000
 PLACES: Mapping[Speakers, Mapping[str, float | None]] = {
@@ -41,7 +43,7 @@ def tones_at(speakers: Speakers) -> dict[str, tuple[float, float]]:
     return {place: (331.0 + 97.0 * k, angle) for k, (place, angle) in enumerate(angles.items())}
 
 
-def play_all_around(speakers: Speakers, rate: int, folder: Path) -> np.ndarray:
+def play_all_around(server: str, speakers: Speakers, rate: int, folder: Path) -> np.ndarray:
     """A tone from where each loudspeaker stands, as the loudspeakers would have been given it, shape [n, channels]."""
     tones, sounds = tones_at(speakers), {}
     for place, (pitch, _) in tones.items():
@@ -50,7 +52,7 @@ def play_all_around(speakers: Speakers, rate: int, folder: Path) -> np.ndarray:
         soundfile.write(sounds[place].file, wave, 48_000, subtype="FLOAT")
     memory, clock = SessionMemory(), MonotonicClock()
     places = tuple(PLACES[speakers])
-    with private_pulse_server(rate, places) as environment, Monitor(environment, rate, places) as monitor:
+    with SERVERS[server](rate, places) as environment, Monitor(environment, rate, places) as monitor:
         settings = AudioSettings(
             sounds=sounds, triggers={}, scrape="", emitters=tuple(sounds), mixer="spectral", driver="pulse",
             environment=environment, hrtf=False, speakers=speakers,
@@ -87,7 +89,7 @@ def spectrum_of(heard: np.ndarray, rate: int) -> np.ndarray:
     return np.abs(np.fft.rfft(second * window, axis=0)) / (0.25 * rate)
 
 
-@needs_pulse
+@pytest.mark.parametrize("server", SERVERS)
 @pytest.mark.parametrize(
     ("speakers", "rate"),
     [
@@ -97,11 +99,15 @@ def spectrum_of(heard: np.ndarray, rate: int) -> np.ndarray:
         pytest.param("7.1", 44_100, marks=pytest.mark.slow),
     ],
 )
-def test_each_loudspeaker_has_what_is_where_it_stands(speakers: Speakers, rate: int, tmp_path: Path) -> None:
+def test_each_loudspeaker_has_what_is_where_it_stands(
+    server: str, speakers: Speakers, rate: int, tmp_path: Path
+) -> None:
     """A tone is in the channel of its direction alone, at its pitch whatever the rate of the device; a gap that a busy
     machine made would blur the spectrum, so one round of three counts."""
+    if MISSING[server]:
+        pytest.skip(MISSING[server])
     for last in (False, False, True):
-        found = spectrum_of(play_all_around(speakers, rate, tmp_path), rate)
+        found = spectrum_of(play_all_around(server, speakers, rate, tmp_path), rate)
         try:
             check_channels(found, speakers)
         except AssertionError:
