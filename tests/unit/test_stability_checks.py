@@ -48,7 +48,7 @@ def _box(size: tuple[float, float, float] = (0.1, 0.3, 0.3), **surface: float) -
         ("hapticmaster", 500.0, 50000.0, "damping"),
         ("hapticmaster:10.0.0.5:7654", 900000.0, 30000.0, "damping"),
         ("serial:/dev/ttyUSB0@9600", 10000.0, 1.0, "stiffness"),
-        ("serial:/dev/ttyUSB0@9600", 10.0, 2000.0, "damping"),
+        ("serial:/dev/ttyUSB0@9600", 500.0, 2000.0, "damping"),
     ],
 )
 def test_contact_that_no_cap_can_render_is_refused(
