@@ -52,8 +52,8 @@ class Room:
         return tab
 
     def until(self, happened: Callable[[], Any]) -> Any:
-        """Play until something is so, in the journal or on the page."""
-        return self.play.play_until(happened)
+        """Play until something is so, in the journal or on the page, at about the wall clock's pace: the page's."""
+        return self.play.play_until(happened, beside=0.012)
 
     def text(self, place: str, tab: Any = None) -> str:
         return str((tab or self.tab).locator(place).text_content())
@@ -78,7 +78,7 @@ class Room:
             self.given("reset", lambda: self.key("r"))
         if self.play.frames.orders.view.paused:
             self.given("resume", lambda: self.key("p"))
-        self.until(lambda: self.play.frames.orders.person_may_act)
+        self.play.play_until(lambda: self.play.frames.orders.person_may_act)
 
 
 def serious_findings(tab: Any) -> list[str]:

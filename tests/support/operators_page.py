@@ -106,21 +106,21 @@ class LinkedSession:
         scene, world = self.session.scene, self.session.world
         self.session.show(Picture(surface, scene, world, live_quality(scene, "training", surface)))
 
-    def play(self, frames: int) -> None:
-        """Play frames a little faster than the wall clock would."""
+    def play(self, frames: int, beside: float = 0.002) -> None:
+        """Play frames faster than the wall clock would, and leave `beside` seconds to the page after each."""
         for _ in range(frames):
             self.frames.advance_frame()
             if self.session.picture is not None:
                 self.session.picture.show_frame(self.frames.board, self.session.clock)
             self.link.after_frame(self.frames)
-            time.sleep(0.002)
+            time.sleep(beside)
 
-    def play_until(self, happened: Callable[[], Any]) -> Any:
+    def play_until(self, happened: Callable[[], Any], beside: float = 0.002) -> Any:
         """Play until something has happened, and return it."""
         until = time.monotonic() + _LONGEST_S
         while not (found := happened()):
             assert time.monotonic() < until, "it does not happen"
-            self.play(1)
+            self.play(1, beside)
         return found
 
     def journal(self, kind: str) -> list[dict[str, Any]]:

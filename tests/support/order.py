@@ -9,16 +9,22 @@ import pytest
 __all__ = ["LONGEST", "longest_first"]
 
 LONGEST = (
+    "test_operators_stories",
     "test_window_run",
     "test_window_journey",
     "test_live_sound",
     "test_bounds_checked",
     "test_window_pick",
+    "test_replay_view",
     "test_patients",
+    "test_python_interface",
     "test_wavy_tunnel_run",
     "test_avatars",
     "test_bench_realtime",
     "test_pick_and_place",
+    "test_limp_hand",
+    "test_lokomat_lines",
+    "test_operators_page",
     "test_serial_robot",
     "test_recordings_malformed",
     "test_hapticmaster",
@@ -33,6 +39,11 @@ LONGEST = (
     "test_explained_cost",
     "test_code_free",
     "test_exchange",
+    "test_device_life",
+    "test_orthosis",
+    "test_lokomat_session",
+    "test_walks",
+    "test_task_kind_contract",
 )
 """Files that take longest, by waiting or by computing: at the end one of them would keep everybody waiting."""
 

@@ -9,7 +9,7 @@ from mimics_app.lab.groups.culling import make_probe
 from mimics_app.maths.mat import compose, look_at
 from mimics_app.rendering.visual.drawing.culling import FlatCuller, TreeCuller, make_culler
 from mimics_app.rendering.visual.kernels.bounds import update_bounds
-from mimics_app.rendering.visual.kernels.order import make_keys, sort_by_key
+from mimics_app.rendering.visual.kernels.order import Sorted, make_keys, sort_by_key
 from mimics_app.rendering.visual.view import View, compute_frustum_planes
 from tests.support.boxes import as_items
 
@@ -137,7 +137,7 @@ def test_draw_order_is_layer_then_state_then_distance_then_mesh(count, layered):
     mirrored = rng.integers(0, 2, count).astype(np.uint8)
     picked, keys = np.arange(count, dtype=np.int32), np.zeros(count, np.uint64)
     scratch = np.zeros(count, np.float32)
-    make_keys(picked, count, np.zeros(3), centres, radii, states, mirrored, meshes, layered, scratch, keys)
+    make_keys(picked, count, np.zeros(3), Sorted(centres, radii, states, mirrored, meshes), layered, scratch, keys)
     wanted = keys.copy()
     sort_by_key(
         keys, picked, count, np.zeros(count, np.uint64), np.zeros(count, np.int32), np.zeros((8, 256), np.int32)

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mimics_app.lab.groups.friction import LAWS, hold
-from mimics_app.lab.haptic.friction_laws import karnopp, lugre_explicit, lugre_implicit, regularised
+from mimics_app.lab.haptic.friction_laws import Bristles, karnopp, lugre_explicit, lugre_implicit, regularised
 from mimics_app.lab.haptic.printed_equations import regularised_printed
 from mimics_app.rendering.haptic.kernels.contact_records import FRICTION
 from mimics_app.rendering.haptic.kernels.friction import forget_friction, hayward_armstrong
@@ -166,7 +166,7 @@ def slide(law, speed, dt, ticks=4000, mu_static=0.6, s0=1e5):
     """Force [N] after sliding at one speed under LuGre."""
     state, force = fresh(), np.zeros(1)
     for _ in range(ticks):
-        law(np.array([speed]), 1.0 / MU, MU, mu_static, 0.01, s0, 0.0, dt, state, force)
+        law(np.array([speed]), 1.0 / MU, Bristles(MU, mu_static, 0.01, s0, 0.0), dt, state, force)
     return float(force[0])
 
 
@@ -191,7 +191,7 @@ def test_lugre_forgets_its_bristles_when_the_contact_ends():
     state, force = fresh(), np.ones(2)
     for law in (lugre_explicit, lugre_implicit):
         state["bristle"] = 1.0
-        law(np.ones(2), 0.0, MU, MU, 0.01, 1e4, 1.0, 1e-3, state, force)
+        law(np.ones(2), 0.0, Bristles(MU, MU, 0.01, 1e4, 1.0), 1e-3, state, force)
         assert force.tolist() == [0.0, 0.0]
         assert state["bristle"].tolist() == [0.0, 0.0]
 
