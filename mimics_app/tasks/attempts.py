@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from mimics_app.contracts.messages.stage_messages import TrialResult
 from mimics_app.contracts.messages.trial_counts import ABORTED, FINISHED, SESSION_ENDED, count_trials, counted_rows
@@ -16,7 +16,7 @@ from mimics_app.tasks.tally import Measures, Tally
 from mimics_app.tasks.task import ScoreSpec
 from mimics_app.tasks.trials import Trial
 
-__all__ = ["TIMEOUT", "Attempts", "Row"]
+__all__ = ["TIMEOUT", "Attempts", "PlayedKinds", "Row"]
 
 Row = dict[str, Any]
 """One attempt: trial, attempt, block, label, repetition, practice, outcome, cause, begin_ns, end_ns, the fields of
@@ -26,6 +26,22 @@ where it does not apply or cannot be judged, the score where the attempt was abo
 did not reach its goal has no points."""
 
 TIMEOUT = "timeout"
+
+
+class PlayedKinds(NamedTuple):
+    """What the kinds of a task say of its attempts.
+
+    Attributes:
+        plays: The kinds as they play.
+        counts: Their names for the number of trials that reached their goal.
+        tell: Returns in words how the travel of a row ended.
+        touches: Whether contacts are counted.
+    """
+
+    plays: Sequence[KindPlay]
+    counts: Sequence[str]
+    tell: Callable[[Row], str]
+    touches: bool
 
 
 class Attempts:
@@ -44,10 +60,7 @@ class Attempts:
         score: Weights; None for a task without a score.
         most_attempts: Largest number of attempts at a trial.
         on_row: Called with each row.
-        plays: The task's kinds.
-        counts: Their names for the number of trials that reached their goal.
-        touches: Whether contacts are counted.
-        tell: Returns in words how the travel of a row ended.
+        kinds: What the task's kinds say of them.
         first: Trial to begin with, 0 first.
     """
 
@@ -57,12 +70,8 @@ class Attempts:
         score: ScoreSpec | None,
         most_attempts: int,
         on_row: Callable[[Row], None],
-        plays: Sequence[KindPlay] = (),
-        counts: Sequence[str] = (),
-        tell: Callable[[Row], str] = lambda row: "",
-        first: int = 0,
-        *,
-        touches: bool = True,
+        kinds: PlayedKinds,
+        first: int,
     ) -> None:
         self.plan = tuple(plan)
         self.number = first - 1
@@ -74,10 +83,7 @@ class Attempts:
         self._score_spec = score
         self._most = most_attempts
         self._on_row = on_row
-        self._plays = tuple(plays)
-        self._counts = tuple(counts)
-        self._tell = tell
-        self._touches = touches
+        self._kinds = kinds
         self._begin_ns = 0
         self._open = self._given_up = False
 
@@ -155,8 +161,8 @@ class Attempts:
 
     def start_attempt(self, seen: Observation) -> None:
         """Begin the travel with this frame."""
-        self.tally = Tally(seen, self._plays)
-        for play in self._plays:
+        self.tally = Tally(seen, self._kinds.plays)
+        for play in self._kinds.plays:
             play.start_attempt(seen)
 
     def end(self, outcome: str, cause: str, parameters: Mapping[str, float], now_ns: int) -> None:
@@ -198,11 +204,11 @@ class Attempts:
         if totals:
             totals["counted"] = which
         counts = count_trials(self.rows)
-        return {**counts.as_dict(), **totals, **dict.fromkeys(self._counts, counts.completed)}
+        return {**counts.as_dict(), **totals, **dict.fromkeys(self._kinds.counts, counts.completed)}
 
     def _row(self, outcome: str, cause: str, parameters: Mapping[str, float], now_ns: int) -> Row:
         measures = self.tally.row() if self.tally else self._blank()
-        if not self._touches:
+        if not self._kinds.touches:
             measures |= dict.fromkeys(("contacts", "contact_time_s"))
         row = {
             "trial": self.number,
@@ -218,7 +224,7 @@ class Attempts:
             **measures,
             "score": self._points(measures, outcome),
         }
-        row["happened"] = "" if outcome == ABORTED else self._tell(row)
+        row["happened"] = "" if outcome == ABORTED else self._kinds.tell(row)
         row["lost"] = largest_losses(self._score_spec, row) if self._score_spec and outcome == FINISHED else ""
         return row | {f"parameter.{name}": value for name, value in parameters.items()}
 
@@ -230,4 +236,4 @@ class Attempts:
 
     def _blank(self) -> dict[str, Any]:
         """Return the measures of an attempt without travel, with the same columns."""
-        return asdict(Measures()) | {column: None for play in self._plays for column in play.measures}
+        return asdict(Measures()) | {column: None for play in self._kinds.plays for column in play.measures}

@@ -34,7 +34,7 @@ from mimics_app.contracts.ports.display_port import FrameTiming
 from mimics_app.contracts.ports.scenario_port import Home, TaskContext
 from mimics_app.tasks.actions import Changes, Settings, build_action_space, settings_for
 from mimics_app.tasks.adaptation import Adaptation
-from mimics_app.tasks.attempts import TIMEOUT, Attempts, Row
+from mimics_app.tasks.attempts import TIMEOUT, Attempts, PlayedKinds, Row
 from mimics_app.tasks.board_layout import BoardLayout, Times
 from mimics_app.tasks.control import Approach, Arrival, RobotControl
 from mimics_app.tasks.countdown import Countdown
@@ -99,9 +99,9 @@ class TaskManager:
         score = spec.score if has_score else None
         plays = tuple(self._plays.values())
         self._participation, self._limb = Participation(passive=spec.passive), context.limb
-        self._times, touches = TrialTimes(spec), all(kind.touches for kind in kinds)
-        most, say = spec.start.attempts, self._tell
-        self._attempts = Attempts(plan, score, most, on_trial, plays, counts, say, first_trial, touches=touches)
+        self._times = TrialTimes(spec)
+        played = PlayedKinds(plays, counts, self._tell, all(kind.touches for kind in kinds))
+        self._attempts = Attempts(plan, score, spec.start.attempts, on_trial, played, first_trial)
         self._bodies = context.bodies
         self._fastest, self._least_s = context.fastest, 0.0
         self._control = RobotControl(context.home or Home(context.start_joints))

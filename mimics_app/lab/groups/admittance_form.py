@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.loop.haptic import AdmittanceForm
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 from mimics_app.rendering.haptic.control.admittance import admit
 from mimics_app.rendering.haptic.kernels.kinematics import apply_inverse_jacobian, apply_jacobian
 
@@ -88,7 +88,6 @@ compare(
             (AdmittanceForm.SEED,),
         ),
     ],
-    cost=_cost_us,
-    error=false_force,
+    Probes(_cost_us, false_force),
     default="cartesian",
 )

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 from mimics_app.lab.visual.hall import FEW, PLAIN, hall_us
 from mimics_app.lab.visual.probe import show_picture
 from mimics_app.maths.colour import linear_light
@@ -58,8 +58,7 @@ compare(
             (replace(PLAIN, ambient_occlusion=1.0),),
         ),
     ],
-    cost=hall_us,
-    error=_error,
+    Probes(hall_us, _error),
     default="none",
     few=FEW,
 )

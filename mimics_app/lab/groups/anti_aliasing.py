@@ -16,7 +16,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen, read_pixels
@@ -152,7 +152,6 @@ compare(
         Rival("4 samples", "coverage at four places of a pixel, one shading", _ANY, *_at(4)),
         Rival("4 samples, filter", "both, one after the other", _ANY, *_at(4, fxaa=True)),
     ],
-    cost=_cost_us,
-    error=edge_error,
+    Probes(_cost_us, edge_error),
     default="4 samples",
 )

@@ -10,7 +10,7 @@ import numpy as np
 from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.lab.haptic.probe import reference_us
 from mimics_app.lab.haptic.touch_probe import RADIUS, STIFFNESS, slide_path, touch_scene
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Growth, Probes, Rival, compare
 
 __all__ = ["false_force"]
 
@@ -46,10 +46,7 @@ compare(
         Rival("mesh of 1000", "1000 triangles: any form", _FIT, {"shape": "mesh"}, (ShapeKind.MESH, 1000), _FEW),
         Rival("mesh of 10000", "10,000 triangles: any form", _FIT, {"shape": "mesh"}, (ShapeKind.MESH, 10_000), _FEW),
     ],
-    cost=_cost_us,
-    error=false_force,
+    Probes(_cost_us, false_force, reference_us),
     default="sphere",
-    work="shapes in the scene",
-    sizes=(1, 10, 100, 1000, 10_000),
-    reference=reference_us,
+    growth=Growth(work="shapes in the scene", sizes=(1, 10, 100, 1000, 10_000)),
 )

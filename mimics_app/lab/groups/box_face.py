@@ -16,7 +16,7 @@ from mimics_app.lab.haptic.face_rules import cube_nearest_face
 from mimics_app.lab.haptic.printed_equations import cube_printed
 from mimics_app.lab.haptic.probe import reference_us
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 from mimics_app.rendering.haptic.kernels.contact import cube
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 
@@ -97,8 +97,6 @@ compare(
     "depth and normal in a box of 4 cm; error: false force of a slide to the corner, 3 mm deep on 2 kN/m",
     "N",
     _RIVALS,
-    cost=_cost_us,
-    error=false_force,
+    Probes(_cost_us, false_force, reference_us),
     default="face of entry",
-    reference=reference_us,
 )

@@ -19,7 +19,7 @@ from mimics_app.lab.groups.contact_law import restitution_spring_damper
 from mimics_app.lab.haptic.body_worlds import new_world, rest_on_floor
 from mimics_app.lab.haptic.probe import SIZES, reference_us
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Growth, Probes, Rival, compare
 
 __all__: list[str] = []
 
@@ -107,10 +107,7 @@ compare(
         ),
         Rival("semi-implicit, 4 steps", "collisions and motion four times a tick", "a sixteenth of the mass"),
     ],
-    cost=_step_us,
-    error=_bounce_error,
+    Probes(_step_us, _bounce_error, reference_us),
     default="semi-implicit",
-    work="moving bodies",
-    sizes=SIZES,
-    reference=reference_us,
+    growth=Growth(work="moving bodies", sizes=SIZES),
 )

@@ -15,7 +15,7 @@ from mimics_app.contracts.arrays import F8
 from mimics_app.lab.haptic.printed_equations import spring_damper_printed
 from mimics_app.lab.haptic.probe import SIZES, reference_us
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Growth, Probes, Rival, compare
 from mimics_app.rendering.haptic.kernels.contact_law import hunt_crossley, spring_damper
 from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
 
@@ -150,10 +150,7 @@ compare(
     "normal force of a contact; error: restitution of 0.2 kg at 1 ms against a contact that only pushes",
     "restitution",
     _RIVALS,
-    cost=_cost_us,
-    error=_restitution_error,
+    Probes(_cost_us, _restitution_error, reference_us),
     default="(9) clamped",
-    work="contacts",
-    sizes=SIZES,
-    reference=reference_us,
+    growth=Growth(work="contacts", sizes=SIZES),
 )

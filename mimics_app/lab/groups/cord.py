@@ -11,7 +11,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 from mimics_app.maths.cord import Catenary, Ripple, Ripples, hang
 from mimics_app.rendering.visual.passes.cord import CORD_BLOCK, RINGS, SIDES, fill_cord_block
 from mimics_app.world.content.cords import Cord
@@ -130,7 +130,6 @@ compare(
             for count in (1, 5, 20, 100)
         ),
     ],
-    cost=_rope_cost,
-    error=_rope_error,
+    Probes(_rope_cost, _rope_error),
     default="catenary in the shader",
 )

@@ -13,7 +13,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 from mimics_app.maths.cord import hang
 from mimics_app.maths.frames import (
     frenet_normals,
@@ -117,7 +117,6 @@ compare(
         for curve in _CURVES
         for named in [f"{name}, {curve}"]
     ],
-    cost=_cost_us,
-    error=_twist_error,
+    Probes(_cost_us, _twist_error),
     default=_RUNS,
 )

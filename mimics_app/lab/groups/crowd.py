@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from mimics_app.contracts.system.resources import root
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 from mimics_app.lab.visual.probe import differing_pixels, frame_us, show_picture
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
@@ -155,7 +155,6 @@ compare(
         Rival("both, 2 times as far", "the same from twice the distance on", _VALID, None, (Crowd(detail=2.0),)),
         Rival("both, 0.5 times as far", "the same from half the distance on", _VALID, None, (Crowd(detail=0.5),)),
     ],
-    cost=_cost_us,
-    error=lambda crowd: _crowd_error(crowd, _WHOLE),
+    Probes(_cost_us, lambda crowd: _crowd_error(crowd, _WHOLE)),
     default="both",
 )

@@ -14,7 +14,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8, I4
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Growth, Probes, Rival, compare
 from mimics_app.lab.visual.box_items import box_items
 from mimics_app.maths.mat import compose
 from mimics_app.rendering.visual.drawing.culling import Culler, FlatCuller, TreeCuller
@@ -146,12 +146,9 @@ compare(
             probed=(_flat_tree,),
         ),
     ],
-    cost=_cost_us,
-    error=_error,
+    Probes(_cost_us, _error),
     default="each node",
-    work="nodes",
-    sizes=SIZES,
-    typical=_NODES,
+    growth=Growth(work="nodes", sizes=SIZES, typical=_NODES),
     why_default="the product's setting is `auto`: each node is tested below some thousand nodes and groups above "
     "them; this chart leaves out what groups cost where nodes move, the chart `frame of nodes` has it",
 )

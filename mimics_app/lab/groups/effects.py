@@ -18,7 +18,7 @@ from mimics_app.contracts.loop.haptic_objects import OBJECT_COUNTS, STATIC, Effe
 from mimics_app.contracts.loop.object_rows import ObjectCapacities, new_rows
 from mimics_app.lab.haptic.probe import reference_us
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 from mimics_app.rendering.haptic.kernels.objects.force_effects import apply_effects
 from mimics_app.rendering.haptic.kernels.objects.object_inputs import (
     INPUT_LENGTH,
@@ -218,9 +218,7 @@ compare(
         )
         for name, spec in _EFFECTS.items()
     ],
-    cost=_effect_us,
-    error=_effect_error,
+    Probes(_effect_us, _effect_error, reference_us),
     default="spring",
-    reference=reference_us,
     why_default="each is another force: none replaces another",
 )

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Growth, Probes, Rival, compare
 from mimics_app.lab.visual.small_frame import PLAIN, MovingWorld, changed_share, cost_us, square_grid, view_over
 from mimics_app.rendering.visual.settings import Culling
 from mimics_app.rendering.visual.view import View
@@ -62,11 +62,8 @@ compare(
         _culled("scene graph", "groups of the scene graph first", "tree"),
         _culled("by number", "each node below some thousand, groups above", "auto"),
     ],
-    cost=cost_us,
-    error=lambda build, settings: changed_share(build, settings, _EACH_NODE, 10_000),
+    Probes(cost_us, lambda build, settings: changed_share(build, settings, _EACH_NODE, 10_000)),
     default="by number",
+    growth=Growth(work="nodes", sizes=_COUNTS, typical=10_000),
     why_default="where all nodes turn and are seen, as here, groups cost as much, and less where a view shows some",
-    work="nodes",
-    sizes=_COUNTS,
-    typical=10_000,
 )

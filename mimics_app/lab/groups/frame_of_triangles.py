@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Growth, Probes, Rival, compare
 from mimics_app.lab.visual.small_frame import PLAIN, MovingWorld, changed_share, cost_us, square_grid, view_over
 from mimics_app.world.content.meshes.primitives import icosphere
 from mimics_app.world.content.world import World
@@ -52,10 +52,7 @@ compare(
         _detailed("twice as far", "levels change at twice their distance", 2.0),
         _detailed("levels of detail", "coarser forms by how much of the picture a body covers", 1.0),
     ],
-    cost=cost_us,
-    error=lambda build, settings: changed_share(build, settings, _FINEST, 1_000_000),
+    Probes(cost_us, lambda build, settings: changed_share(build, settings, _FINEST, 1_000_000)),
     default="levels of detail",
-    work="triangles",
-    sizes=_COUNTS,
-    typical=1_000_000,
+    growth=Growth(work="triangles", sizes=_COUNTS, typical=1_000_000),
 )

@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8
-from mimics_app.lab.haptic.friction_laws import karnopp, lugre_explicit, lugre_implicit, regularised
+from mimics_app.lab.haptic.friction_laws import Bristles, karnopp, lugre_explicit, lugre_implicit, regularised
 from mimics_app.lab.haptic.printed_equations import regularised_printed
 from mimics_app.lab.haptic.probe import SIZES, reference_us
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Growth, Probes, Rival, compare
 from mimics_app.rendering.haptic.kernels.contact_records import FRICTION
 from mimics_app.rendering.haptic.kernels.friction import hayward_armstrong
 
@@ -89,10 +89,7 @@ def friction_by(
     v: F8,
     load: F8,
     normal: float,
-    mu: float,
-    threshold: float,
-    stiffness: float,
-    damping: float,
+    numbers: Bristles,
     dt: float,
     state: FrictionRecord,
     out: F8,
@@ -105,26 +102,25 @@ def friction_by(
         v: Its velocity [m/s].
         load: Tangential load on it [N].
         normal: Normal force [N].
-        mu: Coefficient of friction, static and dynamic.
-        threshold: Velocity of the law's transition to rest, and Stribeck velocity [m/s].
-        stiffness: Stiffness of anchor or bristles [N/m].
-        damping: Damping of the bristles [N s/m].
+        numbers: Of every law: its coefficient, the Stribeck velocity also that of a transition to rest, the stiffness
+            also that of an anchor.
         dt: Tick [s].
         state: State of the law.
         out: Receives the force on the body.
     """
+    mu, threshold, stiffness = numbers.mu, numbers.stribeck, numbers.stiffness
     if number == 0:
         regularised_printed(v, normal, mu, threshold, out)
     elif number == 1:
         regularised(v, normal, mu, threshold, out)
     elif number == KARNOPP:
-        karnopp(v, load, normal, mu, mu, threshold, state, out)
+        karnopp(v, load, normal, mu, numbers.mu_static, threshold, state, out)
     elif number == 3:
         hayward_armstrong(x, normal, mu, stiffness, state, out)
     elif number == _LUGRE_EXPLICIT:
-        lugre_explicit(v, normal, mu, mu, threshold, stiffness, damping, dt, state, out)
+        lugre_explicit(v, normal, numbers, dt, state, out)
     else:
-        lugre_implicit(v, normal, mu, mu, threshold, stiffness, damping, dt, state, out)
+        lugre_implicit(v, normal, numbers, dt, state, out)
 
 
 @kernel
@@ -141,7 +137,7 @@ def _hold(number: int, ticks: int, states: Table[FrictionRecord], vectors: F8, p
     for tick in range(ticks):
         path[tick] = x[0]
         load[0] = _load_at(tick) - _HAND * v[0]
-        friction_by(number, x, v, load, _NORMAL, _MU, _THRESHOLD, _BRISTLES, 0.0, _DT, state, force)
+        friction_by(number, x, v, load, _NORMAL, Bristles(_MU, _MU, _THRESHOLD, _BRISTLES, 0.0), _DT, state, force)
         greatest = max(greatest, abs(force[0]))
         v[0] += _DT * (load[0] + force[0]) / _MASS
         if number == KARNOPP and state.sticking:
@@ -179,7 +175,9 @@ def _slide(number: int, ticks: int, states: Table[FrictionRecord], x: F8, v: F8,
         for _ in range(ticks):
             v_i[0] -= _DT * _SQUARE_RATE * x_i[0]
             x_i[0] += _DT * v_i[0]
-            friction_by(number, x_i, v_i, load_i, _NORMAL, _MU, _THRESHOLD, _BRISTLES, 0.0, _DT, state_i, out_i)
+            friction_by(
+                number, x_i, v_i, load_i, _NORMAL, Bristles(_MU, _MU, _THRESHOLD, _BRISTLES, 0.0), _DT, state_i, out_i
+            )
 
 
 def _cost_us(law: str, contacts: int) -> float:
@@ -219,10 +217,7 @@ compare(
         ),
         Rival("LuGre implicit", "the same bristles, implicit Euler", "h^2 s0 < 4 m; creeps under a shaking load"),
     ],
-    cost=_cost_us,
-    error=_error,
+    Probes(_cost_us, _error, reference_us),
     default="Hayward-Armstrong",
-    work="contacts",
-    sizes=SIZES,
-    reference=reference_us,
+    growth=Growth(work="contacts", sizes=SIZES),
 )

@@ -18,7 +18,7 @@ from mimics_app.contracts.loop.haptic_objects import OBJECT_COUNTS, BodyFlag, Sh
 from mimics_app.contracts.loop.object_rows import ObjectCapacities, new_rows
 from mimics_app.lab.haptic.probe import reference_us
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 from mimics_app.rendering.haptic.kernels.objects.grip import grip_bodies
 from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
 from mimics_app.rendering.haptic.objects import new_object_work
@@ -104,9 +104,7 @@ compare(
     "a ball held between two fingers; error: difference of the force on the user from the weight at rest",
     "N",
     [Rival("two fingers", "kernels.objects.grip: friction cone of each finger and of its patch", "one body", {})],
-    cost=_grip_us,
-    error=_grip_error,
+    Probes(_grip_us, _grip_error, reference_us),
     default="two fingers",
-    reference=reference_us,
     few="without another way to hold a body",
 )

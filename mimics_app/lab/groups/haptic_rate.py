@@ -14,7 +14,7 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.lab.haptic.face_rules import rate_of_depth
 from mimics_app.lab.haptic.taps import observed_leak
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 from mimics_app.rendering.haptic.kernels.contact import wall
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
@@ -84,7 +84,6 @@ compare(
         )
         for rate in RATES
     ],
-    cost=_cost_us,
-    error=tap_leak,
+    Probes(_cost_us, tap_leak),
     default=f"{_OURS} Hz",
 )

@@ -20,7 +20,7 @@ from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows, new_ro
 from mimics_app.contracts.shared_memory import ring
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.replay import replay_run
@@ -152,8 +152,6 @@ compare(
         *(Rival(word, _PROJECTED, _VALID, {"projection": word}, (each,)) for word, each in PROJECTIONS.items()),
         Rival(_NO_TUNNEL, "kernels.tick alone", _VALID, {}, (None,)),
     ],
-    cost=tick_us,
-    error=_false_force,
+    Probes(tick_us, _false_force, reference_us),
     default="newton warm",
-    reference=reference_us,
 )

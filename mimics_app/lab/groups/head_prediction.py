@@ -12,7 +12,7 @@ from mimics_app.contracts.ports.tracker_port import TrackerSample
 from mimics_app.inputs.trackers.polhemus import euler_quaternion
 from mimics_app.inputs.trackers.track import Track
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 from mimics_app.maths.poses import rotation_vector
 
 __all__: list[str] = []
@@ -79,7 +79,6 @@ compare(
     "a head that turns +-30 degrees at 1 Hz, reported at 120 Hz; error: the largest angle off when it is seen",
     "rad",
     [rival for ms in (20, 30, 50, 100) for rival in _ahead(ms)],
-    cost=_cost,
-    error=_prediction_error,
+    Probes(_cost, _prediction_error),
     default="constant velocity, 50 ms ahead",
 )

@@ -15,7 +15,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 from mimics_app.dsp.spectrum import band_power
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 
 __all__ = ["resampled_power"]
 
@@ -135,7 +135,6 @@ compare(
             probed=(band_power,),
         ),
     ],
-    cost=_cost_us,
-    error=_error,
+    Probes(_cost_us, _error),
     default="over the beats",
 )

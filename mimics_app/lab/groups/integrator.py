@@ -17,7 +17,7 @@ from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.ports.methods import Settings
 from mimics_app.lab.haptic.probe import SIZES, reference_us
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Growth, Probes, Rival, compare
 from mimics_app.rendering.haptic.kernels.integrators import (
     step_exact,
     step_explicit,
@@ -190,10 +190,7 @@ compare(
             f"{_LINEAR} and constant within the step; any step",
         ),
     ],
-    cost=_cost_us,
-    error=contact_error,
+    Probes(_cost_us, contact_error, reference_us),
     default="semi-implicit, 1 kHz",
-    work="bodies",
-    sizes=SIZES,
-    reference=reference_us,
+    growth=Growth(work="bodies", sizes=SIZES),
 )

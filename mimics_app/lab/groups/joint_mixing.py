@@ -10,7 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Growth, Probes, Rival, compare
 from mimics_app.lab.visual.skinned_figure import RIGID, SIZES, VERTICES, bend_by_loops, cost_of_call, dual_quaternions
 from mimics_app.world.content.meshes.deform import VertexWeights
 from mimics_app.world.content.motion.posing import mix_duals, mix_matrices
@@ -63,11 +63,8 @@ compare(
             ("dual",),
         ),
     ],
-    cost=partial(cost_of_call, bend_by_loops),
-    error=lambda skinning: 1.0 - _ring_left(skinning, _TWIST),
+    Probes(partial(cost_of_call, bend_by_loops), lambda skinning: 1.0 - _ring_left(skinning, _TWIST)),
     default="matrices",
-    work="vertices",
-    sizes=SIZES,
-    typical=VERTICES,
+    growth=Growth(work="vertices", sizes=SIZES, typical=VERTICES),
     few="what else keeps the volume needs weights or centres that no file brings",
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mimics_app.lab.haptic.probe import reference_us
 from mimics_app.lab.haptic.reference_rivals import REFERENCE_RIVALS, cost_us, jerk_error
-from mimics_app.lab.rivals import compare
+from mimics_app.lab.rivals import Probes, compare
 
 __all__: list[str] = []
 
@@ -13,9 +13,7 @@ compare(
     "reference of a joint over a cycle of one second; error: the largest jerk that it adds at 1 kHz",
     "rad/s^3",
     REFERENCE_RIVALS,
-    cost=cost_us,
-    error=jerk_error,
+    Probes(cost_us, jerk_error, reference_us),
     default="series, 11",
-    reference=reference_us,
     why_default="its jerk is that of a movement without its higher harmonics, never a jump at a knot",
 )

@@ -10,7 +10,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec
 from mimics_app.rendering.visual.displays.lens import distort
 
@@ -74,7 +74,6 @@ compare(
             for cells in (16, 32, 64, 128)
         ),
     ],
-    cost=lambda cells: _cost(cells + 1),
-    error=_mesh_error,
+    Probes(lambda cells: _cost(cells + 1), _mesh_error),
     default="per pixel",
 )

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 from mimics_app.lab.visual.city import PLAIN, city_error, city_us
 
 __all__: list[str] = []
@@ -33,7 +33,6 @@ compare(
         _forms("0.5 times as far", _COVERED, 0.5),
         _forms("0.25 times as far", _COVERED, 0.25),
     ],
-    cost=lambda settings, _: city_us(settings),
-    error=city_error,
+    Probes(lambda settings, _: city_us(settings), city_error),
     default="as authored",
 )

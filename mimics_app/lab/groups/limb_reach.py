@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.ports.methods import Settings
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 from mimics_app.lab.visual.iterative_reach import reach_by_descent, reach_by_fabrik
 from mimics_app.world.content.motion.kernels.two_bone import reach_two_bones
 
@@ -112,7 +112,6 @@ compare(
         _rival("FABRIK, 200 rounds", "the same, to 1 um", "as above", _fabrik_long),
         _rival("coordinate descent, 10 rounds", "Wang & Chen 1991, to 1 mm", "slow near full stretch", _descent),
     ],
-    cost=_cost_us,
-    error=_error,
+    Probes(_cost_us, _error),
     default="closed form",
 )

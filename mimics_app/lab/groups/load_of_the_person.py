@@ -15,7 +15,7 @@ from mimics_app.estimation.load_people import shipped_people
 from mimics_app.estimation.registry import build_estimation
 from mimics_app.lab.physio.state_study import RIVALS, StateScore, state_study
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 
 __all__: list[str] = []
 
@@ -93,7 +93,6 @@ compare(
         Rival("threshold per person", "two heart rates from the first three trials", "after three trials"),
         Rival("majority", "the most frequent class", "always"),
     ],
-    cost=_study_us,
-    error=lambda rival: 1.0 - _scores()[rival].share,
+    Probes(_study_us, lambda rival: 1.0 - _scores()[rival].share),
     default="adaptive LDA",
 )

@@ -17,7 +17,7 @@ from mimics_app.contracts.clock import TICKS_PER_SECOND, MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.lab.python_loop import PythonLoop
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.scene_block import scene_from_components
@@ -142,7 +142,6 @@ compare(
             error=lambda: _measure_thread()[0],
         ),
     ],
-    cost=lambda recipe: _measure_recipe(recipe)[1],
-    error=lambda recipe: _measure_recipe(recipe)[0],
+    Probes(lambda recipe: _measure_recipe(recipe)[1], lambda recipe: _measure_recipe(recipe)[0]),
     default="fifo",
 )

@@ -16,7 +16,7 @@ from mimics_app.contracts.arrays import F8
 from mimics_app.lab.haptic.probe import reference_us
 from mimics_app.lab.haptic.touch_probe import RADIUS, STIFFNESS, ball_mesh, slide_path
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Growth, Probes, Rival, compare
 from mimics_app.rendering.haptic.kernels.objects.contact_scratch import CONTACT_SCRATCH
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
     ANY_DIRECTION,
@@ -119,11 +119,7 @@ compare(
         Rival("closest by tree", "closest triangle of every tick", "turns at edges: demonstration", None, (1,)),
         Rival("closest of all", "closest triangle, one by one", "small meshes: demonstration", None, (2,), _SIZES[:3]),
     ],
-    cost=_finger_us,
-    error=false_slide,
+    Probes(_finger_us, false_slide, reference_us),
     default="walk",
-    work="triangles",
-    sizes=_SIZES,
-    typical=1000,
-    reference=reference_us,
+    growth=Growth(work="triangles", sizes=_SIZES, typical=1000),
 )

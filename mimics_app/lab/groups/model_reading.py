@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Growth, Probes, Rival, compare
 from mimics_app.world.files.gltf.file import GltfDocument, load_gltf
 
 __all__ = ["KINDS", "count_parts"]
@@ -103,11 +103,8 @@ compare(
         Rival(kind, f"our reader on a file of many {kind}", "up to 100 000 of each and 256 MiB in all", {})
         for kind in KINDS
     ],
-    cost=_cost_us,
-    error=_lost,
+    Probes(_cost_us, _lost),
     default="meshes",
-    work="parts of the file",
-    sizes=(100, 1000, 10_000, 50_000),
-    typical=_TYPICAL,
+    growth=Growth(work="parts of the file", sizes=(100, 1000, 10_000, 50_000), typical=_TYPICAL),
     why_default="the rows are contents of files, which are not rivals; files of many meshes are the usual ones",
 )

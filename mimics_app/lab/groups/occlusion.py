@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 from mimics_app.lab.visual.city import PLAIN, city_error, city_us
 from mimics_app.rendering.visual.settings import Occlusion
 
@@ -32,8 +32,7 @@ compare(
         _boxes("authored", "boxes their authors wrote hide", "authored models"),
         _boxes("all", "both kinds of boxes hide"),
     ],
-    cost=lambda settings, _: city_us(settings),
-    error=city_error,
+    Probes(lambda settings, _: city_us(settings), city_error),
     default="all",
     why_default="it hides as well without authored boxes; the city, measured here, has boxes by its author",
 )

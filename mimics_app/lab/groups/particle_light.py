@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 from mimics_app.lab.visual.probe import differing_pixels, frame_us, show_picture
 from mimics_app.rendering.visual.settings import ParticleLight, RenderSettings
 from mimics_app.rendering.visual.view import View
@@ -96,8 +96,7 @@ compare(
         Rival("pixel", "light of sun, lamps and sky at each pixel", "any", {"particle_light": "pixel"}),
         Rival("vertex", "light at the vertices of the sprites (Gouraud 1971)", "any", {"particle_light": "vertex"}),
     ],
-    cost=_cost_us,
-    error=lambda light: differing_pixels(_show(light), _show("pixel"), level=_LEVEL),
+    Probes(_cost_us, lambda light: differing_pixels(_show(light), _show("pixel"), level=_LEVEL)),
     default="vertex",
     few="light is computed at pixels or at vertices; there is nothing between",
 )

@@ -19,7 +19,7 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8
 from mimics_app.lab.haptic.probe import reference_us
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.noise import quantised
 from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, stored_share
@@ -247,8 +247,6 @@ compare(
             {},
         ),
     ],
-    cost=_cost_us,
-    error=_error,
+    Probes(_cost_us, _error, reference_us),
     default="bounded by the energy",
-    reference=reference_us,
 )

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 from mimics_app.lab.visual.city import PLAIN, city_error, city_us
 from mimics_app.rendering.visual.settings import RenderSettings
 
@@ -37,8 +37,7 @@ compare(
             PLAIN,
         ),
     ],
-    cost=lambda settings, _: city_us(settings, _SIZE, _FRAMES),
-    error=city_error,
+    Probes(lambda settings, _: city_us(settings, _SIZE, _FRAMES), city_error),
     default="frame by frame",
     few="each thread on one core for good lost where the submitting thread is busy for long (decision 118)",
 )

@@ -11,7 +11,7 @@ from mimics_app.contracts.loop.haptic_objects import BodyFlag
 from mimics_app.lab.haptic.body_worlds import BodyWorld, rest_on_floor
 from mimics_app.lab.haptic.probe import SIZES, reference_us
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Growth, Probes, Rival, compare
 
 __all__: list[str] = []
 
@@ -51,11 +51,8 @@ compare(
         Rival("asleep", "left out of the work until something touches it", "any", {"sleeps": True}, (True,)),
         Rival("awake", "contacts, friction and motion of every tick", "any", {"sleeps": False}, (False,)),
     ],
-    cost=_rest_us,
-    error=_rest_drift,
+    Probes(_rest_us, _rest_drift, reference_us),
     default="asleep",
-    work="moving bodies",
-    sizes=SIZES,
-    reference=reference_us,
+    growth=Growth(work="moving bodies", sizes=SIZES),
     few="a body at rest is worked on or it is not",
 )

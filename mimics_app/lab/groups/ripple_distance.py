@@ -12,7 +12,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 
 __all__ = ["BENDS", "crest_error", "midway", "straight"]
 
@@ -98,7 +98,6 @@ compare(
     "distance of 3,200 vertices from a tap on a bent cord of 25 mm; error: of a crest after 50 mm",
     "m",
     [rival for bend in BENDS for rival in _bent(bend)],
-    cost=_cost_us,
-    error=crest_error,
+    Probes(_cost_us, crest_error),
     default="as if straight, bend 0",
 )

@@ -24,7 +24,7 @@ from mimics_app.lab.haptic.rotation_updates import (
     rotate_start,
 )
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Growth, Probes, Rival, compare
 
 __all__ = ["MOMENTS", "RATE", "Drift", "angle_between", "drift_of", "follow_top"]
 
@@ -175,10 +175,7 @@ compare(
     "a step of 1 ms of a free asymmetric top at 7 rad/s; error: its angle from the reference in 10 s",
     "rad",
     _UPDATES,
-    cost=_cost_us,
-    error=lambda name: drift_of(name).angle,
+    Probes(_cost_us, lambda name: drift_of(name).angle, reference_us),
     default="exponential, half step",
-    work="bodies",
-    sizes=SIZES,
-    reference=reference_us,
+    growth=Growth(work="bodies", sizes=SIZES),
 )

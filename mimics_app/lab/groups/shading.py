@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 from mimics_app.lab.visual.city import city_pictures, city_us
 from mimics_app.lab.visual.probe import show_picture
 from mimics_app.rendering.visual.settings import RenderSettings
@@ -82,7 +82,6 @@ compare(
         Rival("matt", _MATT_SOURCE, "any", {"shading": "matt"}, (replace(_FULL, shading="matt"),)),
         Rival("plain", _PLAIN_SOURCE, "any", {"shading": "plain"}, (replace(_FULL, shading="plain"),)),
     ],
-    cost=city_us,
-    error=_shading_error,
+    Probes(city_us, _shading_error),
     default="full",
 )

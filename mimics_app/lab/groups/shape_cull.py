@@ -16,7 +16,7 @@ from mimics_app.contracts.arrays import F8, I8, Vec, Words
 from mimics_app.lab.haptic.probe import reference_us
 from mimics_app.lab.haptic.touch_probe import RADIUS
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Growth, Probes, Rival, compare
 from mimics_app.rendering.haptic.kernels.objects.cull import find_near, reaches
 
 __all__ = ["find_near_plain", "misses"]
@@ -112,11 +112,7 @@ compare(
             "grid", "the cell of the point lists its shapes", "shapes at rest: filled again at each change", None, (2,)
         ),
     ],
-    cost=_cull_us,
-    error=misses,
+    Probes(_cull_us, misses, reference_us),
     default="groups of 16",
-    work="shapes",
-    sizes=(1, 10, 100, 1000, 10_000),
-    typical=_TYPICAL,
-    reference=reference_us,
+    growth=Growth(work="shapes", sizes=(1, 10, 100, 1000, 10_000), typical=_TYPICAL),
 )

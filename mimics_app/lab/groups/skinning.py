@@ -11,7 +11,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F4, F8
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Growth, Probes, Rival, compare
 from mimics_app.lab.visual.skinned_figure import (
     KEY,
     RIGID,
@@ -149,10 +149,10 @@ compare(
             for name, source, bend in _BY_NUMPY
         ),
     ],
-    cost=lambda bend, skinning, cost, vertices: cost(skinning, vertices),
-    error=lambda bend, skinning, cost: _error(bend, skinning),
+    Probes(
+        lambda bend, skinning, cost, vertices: cost(skinning, vertices),
+        lambda bend, skinning, cost: _error(bend, skinning),
+    ),
     default="compiled loops",
-    work="vertices",
-    sizes=SIZES,
-    typical=VERTICES,
+    growth=Growth(work="vertices", sizes=SIZES, typical=VERTICES),
 )

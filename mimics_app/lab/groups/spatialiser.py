@@ -18,7 +18,7 @@ from mimics_app.lab.audio.hearing import HearingErrors, hearing_errors
 from mimics_app.lab.audio.rendered import render_clicks
 from mimics_app.lab.audio.spherical_head import add_at_sphere
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Growth, Probes, Rival, compare
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.engine import open_mixer
 from mimics_app.rendering.audio.offline import render_offline
@@ -222,12 +222,9 @@ compare(
             (_measure_sphere_us, _sphere_delay_error_us),
         ),
     ],
-    cost=lambda cost, error, sources: cost(sources),
-    error=lambda cost, error: error(),
+    Probes(lambda cost, error, sources: cost(sources), lambda cost, error: error()),
     default="hrtf",
-    work="moving sources",
-    sizes=_SIZES,
-    typical=_SOURCES,
+    growth=Growth(work="moving sources", sizes=_SIZES, typical=_SOURCES),
     why_default="OpenAL starts in 0.4 s of processor time, the spectral mixer in 2.7 s (tables of the head), and a "
     "contact is heard 0.7 ms sooner (`mimics bench audio`, latency_ms); the planner takes the spectral mixer where a "
     "tolerance of the delay between the ears requires it",

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.clock import process_seconds
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Growth, Probes, Rival, compare
 from mimics_app.lab.visual.probe import differing_pixels
 from mimics_app.rendering.visual.displays.stereo import StereoDisplay
 from mimics_app.rendering.visual.presenting.presenter import Presenter
@@ -168,11 +168,9 @@ compare(
             "eyes side by side; no vertex shader that a scene brings",
         ),
     ],
-    cost=_cost_us,
-    error=_error,
+    Probes(_cost_us, _error),
     default="two halves",
-    work="bodies",
-    sizes=(1, 10, 100, 1000),
+    growth=Growth(work="bodies", sizes=(1, 10, 100, 1000)),
     why_default="one pass saves a quarter of a frame that is bound by its draws and costs no more elsewhere "
     "(`mimics bench displays` measures each kind of frame; this chart adds three of them)",
 )

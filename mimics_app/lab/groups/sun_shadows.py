@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Growth, Probes, Rival, compare
 from mimics_app.lab.visual.probe import frame_us, show_picture
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
@@ -161,10 +161,7 @@ compare(
             (replace(_PLAIN, shadow_size=512, shadows="stencil_modulative"),),
         ),
     ],
-    cost=_yard_us,
-    error=edge_error,
+    Probes(_yard_us, edge_error),
     default="map 512",
-    work="posts",
-    sizes=_SIZES,
-    typical=_POSTS,
+    growth=Growth(work="posts", sizes=_SIZES, typical=_POSTS),
 )

@@ -8,7 +8,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 from mimics_app.maths import frames
 
 __all__ = ["Helix", "helix", "twist_between"]
@@ -102,7 +102,6 @@ compare(
             (_projected_up,),
         ),
     ],
-    cost=_cost_us,
-    error=_error,
+    Probes(_cost_us, _error),
     default="double reflection",
 )

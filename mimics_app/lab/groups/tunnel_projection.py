@@ -12,7 +12,7 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.loop.haptic_objects import MAX_PIECES, TUNNEL
 from mimics_app.lab.probe import shortest_us
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Growth, Probes, Rival, compare
 from mimics_app.rendering.haptic.kernels.tunnel_projection import (
     project_brute_force,
     project_golden_section,
@@ -146,10 +146,7 @@ compare(
             (3,),
         ),
     ],
-    cost=_cost_us,
-    error=_error,
+    Probes(_cost_us, _error),
     default="newton warm",
-    work="pieces of the tunnel",
-    sizes=_SIZES,
-    typical=_PIECES,
+    growth=Growth(work="pieces of the tunnel", sizes=_SIZES, typical=_PIECES),
 )

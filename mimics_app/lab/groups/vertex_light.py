@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.system.resources import root
 from mimics_app.lab.groups.crowd import load_person
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 from mimics_app.lab.visual.probe import differing_pixels, frame_us, show_picture
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
@@ -96,7 +96,6 @@ compare(
         Rival("per pixel", "light at each pixel, whatever the triangles' size", "any", {"vertex_light": 0.0}, (0.0,)),
         *(_up_to(limit) for limit in (4.0, 8.0, 12.0, 16.0)),
     ],
-    cost=_cost_us,
-    error=_error,
+    Probes(_cost_us, _error),
     default="up to 16 px",
 )

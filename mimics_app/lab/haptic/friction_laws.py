@@ -7,7 +7,7 @@ vectors have out's shape and the same frame.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
@@ -15,7 +15,25 @@ from mimics_app.contracts.arrays import Vec
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import FrictionRecord
 
-__all__ = ["karnopp", "lugre_explicit", "lugre_implicit", "regularised", "sliding_speed"]
+__all__ = ["Bristles", "karnopp", "lugre_explicit", "lugre_implicit", "regularised", "sliding_speed"]
+
+
+class Bristles(NamedTuple):
+    """Numbers of the LuGre law.
+
+    Attributes:
+        mu: Coefficient while sliding fast.
+        mu_static: Coefficient while hardly sliding.
+        stribeck: Speed [m/s] > 0 of the change between the two.
+        stiffness: s0 [N/m] of the bristles.
+        damping: s1 [N s/m] of the bristles.
+    """
+
+    mu: float
+    mu_static: float
+    stribeck: float
+    stiffness: float
+    damping: float
 
 
 @kernel
@@ -87,25 +105,14 @@ def karnopp(
 
 
 @kernel
-def _stribeck(speed: float, normal_force: float, mu: float, mu_static: float, stribeck: float) -> float:
+def _stribeck(speed: float, normal_force: float, bristles: Bristles) -> float:
     """g(v) [N]: the friction of steady sliding, from mu_static F_N at rest down to mu F_N."""
-    ratio = speed / stribeck
-    return normal_force * (mu + (mu_static - mu) * math.exp(-ratio * ratio))
+    ratio = speed / bristles.stribeck
+    return normal_force * (bristles.mu + (bristles.mu_static - bristles.mu) * math.exp(-ratio * ratio))
 
 
 @kernel
-def lugre_explicit(
-    v: Vec,
-    normal_force: float,
-    mu: float,
-    mu_static: float,
-    stribeck: float,
-    stiffness: float,
-    damping: float,
-    dt: float,
-    state: FrictionRecord,
-    out: Vec,
-) -> None:
+def lugre_explicit(v: Vec, normal_force: float, bristles: Bristles, dt: float, state: FrictionRecord, out: Vec) -> None:
     """LuGre bristles (Canudas de Wit et al. 1995), z' = v - s0 |v| z / g(v), by explicit Euler.
 
     Stable only for dt < 2 g(v) / (s0 |v|): 20 us at s0 = 1e5 N/m, g = 1 N, v = 1 m/s.
@@ -113,11 +120,7 @@ def lugre_explicit(
     Args:
         v: Sliding velocity [m/s].
         normal_force: F_N [N] >= 0; 0 ends the contact.
-        mu: Coefficient while sliding fast.
-        mu_static: Coefficient while hardly sliding.
-        stribeck: Speed [m/s] > 0 of the change between the two.
-        stiffness: s0 [N/m] of the bristles.
-        damping: s1 [N s/m] of the bristles.
+        bristles: Numbers of the law.
         dt: Tick [s].
         state: Record of `FRICTION`.
         out: Receives the force on the body -(s0 z + s1 z') [N].
@@ -126,26 +129,15 @@ def lugre_explicit(
         _no_bristles(state, out)
         return
     speed = sliding_speed(v)
-    decay = stiffness * speed / _stribeck(speed, normal_force, mu, mu_static, stribeck)
+    decay = bristles.stiffness * speed / _stribeck(speed, normal_force, bristles)
     for i in range(out.shape[0]):
         z_rate = v[i] - decay * state.bristle[i]
         state.bristle[i] += dt * z_rate
-        out[i] = -(stiffness * state.bristle[i] + damping * z_rate)
+        out[i] = -(bristles.stiffness * state.bristle[i] + bristles.damping * z_rate)
 
 
 @kernel
-def lugre_implicit(
-    v: Vec,
-    normal_force: float,
-    mu: float,
-    mu_static: float,
-    stribeck: float,
-    stiffness: float,
-    damping: float,
-    dt: float,
-    state: FrictionRecord,
-    out: Vec,
-) -> None:
+def lugre_implicit(v: Vec, normal_force: float, bristles: Bristles, dt: float, state: FrictionRecord, out: Vec) -> None:
     """LuGre bristles by implicit Euler in z: z = (z + dt v) / (1 + dt s0 |v| / g(v)), stable in any tick.
 
     Arguments and result as `lugre_explicit`.
@@ -154,12 +146,12 @@ def lugre_implicit(
         _no_bristles(state, out)
         return
     speed = sliding_speed(v)
-    decay = stiffness * speed / _stribeck(speed, normal_force, mu, mu_static, stribeck)
+    decay = bristles.stiffness * speed / _stribeck(speed, normal_force, bristles)
     for i in range(out.shape[0]):
         before = state.bristle[i]
         after = (before + dt * v[i]) / (1.0 + dt * decay)
         state.bristle[i] = after
-        out[i] = -(stiffness * after + damping * (after - before) / dt)
+        out[i] = -(bristles.stiffness * after + bristles.damping * (after - before) / dt)
 
 
 @kernel

@@ -7,6 +7,7 @@ and their sum acts, held, n ticks later.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,6 +106,20 @@ class Device:
 Contacts = tuple[Contact, ...]
 
 
+class Pressed(NamedTuple):
+    """Contacts as the kernel has them.
+
+    Attributes:
+        normals: Shape [n, 3].
+        k: Stiffnesses [N/m], shape [n].
+        B: Dampings [N s/m], shape [n].
+    """
+
+    normals: Mat
+    k: Vec
+    B: Vec
+
+
 def _stiffer(contacts: Contacts, first: float) -> Contacts:
     """Return the contacts with another stiffness of the first [N/m]."""
     one = contacts[0]
@@ -127,14 +142,12 @@ def _contact_force(normals: Mat, k: Vec, B: Vec, x: Vec, last: Vec, dt: float, f
 
 @kernel
 def _press_contacts(
-    normals: Mat, k: Vec, B: Vec, m: float, b: float, dt: float, delay: int, ticks: int, line: Mat, peaks: Vec
+    pressed: Pressed, m: float, b: float, dt: float, delay: int, ticks: int, line: Mat, peaks: Vec
 ) -> None:
     """Simulate the device in the contacts, released at a distance from rest.
 
     Args:
-        normals: Shape [n, 3].
-        k: Stiffnesses [N/m], shape [n].
-        B: Dampings [N s/m], shape [n].
+        pressed: The contacts.
         m: Mass of the device [kg].
         b: Its own damping [N s/m].
         dt: Tick [s].
@@ -143,6 +156,7 @@ def _press_contacts(
         line: Delay line of the forces, zeros, shape [at least delay + 1, 3].
         peaks: Receives the peaks of the distance from rest by quarter of the run [m], shape [4], see `note_peak`.
     """
+    normals, k, B = pressed
     x, last, v = np.zeros(3), np.zeros(3), np.zeros(3)
     for c in range(k.shape[0]):
         for j in range(3):
@@ -162,14 +176,16 @@ def _press_contacts(
 
 def _is_stable(device: Device, contacts: Contacts) -> bool:
     """Whether the device in the contacts is stable, by simulation."""
-    normals = np.array([contact.normal for contact in contacts])
-    k = np.array([contact.stiffness for contact in contacts])
-    B = np.array([contact.damping for contact in contacts])
+    pressed = Pressed(
+        np.array([contact.normal for contact in contacts]),
+        np.array([contact.stiffness for contact in contacts]),
+        np.array([contact.damping for contact in contacts]),
+    )
 
     def run(ticks: int) -> Vec:
         peaks = np.zeros(4)
         line = np.zeros((device.delay + 1, 3))
-        _press_contacts(normals, k, B, device.mass, device.damping, 1.0 / device.rate, device.delay, ticks, line, peaks)
+        _press_contacts(pressed, device.mass, device.damping, 1.0 / device.rate, device.delay, ticks, line, peaks)
         return peaks
 
     return dies_away(run, SHORTEST, LONGEST)

@@ -16,6 +16,7 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.lab.experiment import Experiment, Outcome, Points
 from mimics_app.lab.groups.friction import KARNOPP, NUMBERS, friction_by
+from mimics_app.lab.haptic.friction_laws import Bristles
 from mimics_app.rendering.haptic.kernels.contact_records import FRICTION
 from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
 
@@ -49,7 +50,8 @@ _PUSH_BACK = 1e3
 @kernel
 def _friction(number: int, x: Vec, v: Vec, load: Vec, dt: float, state: FrictionRecord, out: Vec) -> None:
     """Force of a law with the coefficients of this experiment."""
-    friction_by(number, x, v, load, _NORMAL, _MU, _THRESHOLD, _STIFFNESS, _BRISTLE_DAMPING, dt, state, out)
+    numbers = Bristles(_MU, _MU, _THRESHOLD, _STIFFNESS, _BRISTLE_DAMPING)
+    friction_by(number, x, v, load, _NORMAL, numbers, dt, state, out)
 
 
 @kernel

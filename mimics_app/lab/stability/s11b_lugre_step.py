@@ -13,7 +13,7 @@ import numpy as np
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points
-from mimics_app.lab.haptic.friction_laws import lugre_explicit, lugre_implicit
+from mimics_app.lab.haptic.friction_laws import Bristles, lugre_explicit, lugre_implicit
 from mimics_app.lab.stability.linear import find_limit
 from mimics_app.rendering.haptic.kernels.contact_records import FRICTION
 
@@ -42,12 +42,13 @@ _RUNAWAY = 1e6
 def _slide(implicit: bool, speed: float, dt: float, ticks: int, states: Table[FrictionRecord]) -> float:
     """Return the largest deflection of the bristles in the last tenth of a slide at constant speed [m]."""
     v, force = np.full(1, speed), np.zeros(1)
+    bristles = Bristles(_MU, _MU_STATIC, _STRIBECK, _STIFFNESS, 0.0)
     worst = 0.0
     for i in range(ticks):
         if implicit:
-            lugre_implicit(v, _NORMAL, _MU, _MU_STATIC, _STRIBECK, _STIFFNESS, 0.0, dt, states[0], force)
+            lugre_implicit(v, _NORMAL, bristles, dt, states[0], force)
         else:
-            lugre_explicit(v, _NORMAL, _MU, _MU_STATIC, _STRIBECK, _STIFFNESS, 0.0, dt, states[0], force)
+            lugre_explicit(v, _NORMAL, bristles, dt, states[0], force)
         if i >= (_TENTHS - 1) * ticks // _TENTHS:
             worst = max(worst, abs(states[0].bristle[0]))
         if not abs(states[0].bristle[0]) < _RUNAWAY:

@@ -9,7 +9,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F8, I4, I8, U1
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.kernels.frustum import cull_flat
-from mimics_app.rendering.visual.kernels.tree import build_tree, count_below, cull_tree, refit_tree
+from mimics_app.rendering.visual.kernels.tree import Bounds, Entries, build_tree, count_below, cull_tree, refit_tree
 from mimics_app.rendering.visual.settings import Culling
 
 __all__ = ["Culler", "FlatCuller", "TreeCuller", "make_culler"]
@@ -85,7 +85,7 @@ class TreeCuller(Culler):
         capacity = 2 * rows + count + 64
         entries, skips, above = (np.zeros(capacity, np.int32) for _ in range(3))
         stack = np.zeros((2 * capacity, 3), np.int32)
-        built = build_tree(parents, children, first_child, by_row, first_item, below, stack, entries, skips, above)
+        built = build_tree(children, first_child, by_row, first_item, below, stack, entries, skips, above)
         self._count, self._groups = built
         self._entries, self._skips = entries[: self._count].copy(), skips[: self._count].copy()
         self._above = above[: self._groups].copy()
@@ -107,13 +107,8 @@ class TreeCuller(Culler):
             shown,
             self._items.rows,
             world,
-            centres,
-            radii,
-            self._items.half,
-            self._entries,
-            self._skips,
-            self._count,
-            self._boxes,
+            Bounds(centres, radii, self._items.half),
+            Entries(self._entries, self._skips, self._boxes),
             out,
         )
         self.tests += tests

@@ -29,6 +29,7 @@ from mimics_app.rendering.visual.drawing.skinning import SkinnedMeshes
 from mimics_app.rendering.visual.drawing.state_choice import StateChoice
 from mimics_app.rendering.visual.drawing.triangle_lists import SeenItems
 from mimics_app.rendering.visual.kernels.bounds import gather_casters, update_bounds
+from mimics_app.rendering.visual.kernels.commands import Drawn
 from mimics_app.rendering.visual.kernels.frustum import cull_flat
 from mimics_app.rendering.visual.kernels.levels import pick_levels
 from mimics_app.rendering.visual.materials.materials import MaterialStore
@@ -242,7 +243,8 @@ class DrawList:
         layered = not (shadow or frame.few_pixels)  # drawing a few pixels twice costs less than a draw
         self._order.sort(picked, count, origin, self.centres, self.radii, states, self._mirrored, layered=layered)
         parts = self._whole if shadow or not seen else self._parts
-        return frame.add(picked, count, origin, self.items, self._world, states, self._mirrored, parts, shadow=shadow)
+        drawn = Drawn(states, self._mirrored, self.items.meshes, self.items.ranges, parts)
+        return frame.add(picked, count, origin, self.items, self._world, drawn, shadow=shadow)
 
     def batch_views(
         self,
@@ -352,8 +354,8 @@ class DrawList:
         away = np.linalg.norm(self.centres[blended] - eye, axis=1)
         far_first = np.argsort(-away, kind="stable")
         order = np.ascontiguousarray(blended[far_first])
-        state = self._state.states, self._mirrored
-        runs = frame.add(order, len(order), eye, self.items, self._world, *state, self._whole, single=True)
+        drawn = Drawn(self._state.states, self._mirrored, self.items.meshes, self.items.ranges, self._whole)
+        runs = frame.add(order, len(order), eye, self.items, self._world, drawn, single=True)
         return runs, away[far_first]
 
     def _split(self, count: int) -> I4:

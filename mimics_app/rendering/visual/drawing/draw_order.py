@@ -6,7 +6,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8, I4, U1
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
-from mimics_app.rendering.visual.kernels.order import make_keys, sort_by_key
+from mimics_app.rendering.visual.kernels.order import Sorted, make_keys, sort_by_key
 
 __all__ = ["DrawOrder"]
 
@@ -50,17 +50,6 @@ class DrawOrder:
             mirrored: 1 where the winding of an item's faces is reversed, [n].
             layered: False sorts by states first.
         """
-        make_keys(
-            picked,
-            count,
-            eye,
-            centres,
-            radii,
-            states,
-            mirrored,
-            self._items.meshes,
-            layered,
-            self._away,
-            self._keys,
-        )
+        by = Sorted(centres, radii, states, mirrored, self._items.meshes)
+        make_keys(picked, count, eye, by, layered, self._away, self._keys)
         sort_by_key(self._keys, picked, count, self._spare_keys, self._spare_items, self._digits)

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mimics_app.contracts.arrays import F8, I4, U1
+from mimics_app.contracts.arrays import F8, I4
 from mimics_app.rendering.visual.drawing.draw_feed import DrawFeed
 from mimics_app.rendering.visual.drawing.mesh_arena import COMMAND_WORDS, MeshArena
-from mimics_app.rendering.visual.kernels.commands import write_commands, write_instances
+from mimics_app.rendering.visual.kernels.commands import Drawn, write_commands, write_instances
 from mimics_app.rendering.visual.materials.material_instance import MaterialInstance
 from mimics_app.rendering.visual.surfaces.rasteriser import rasteriser_of
 from mimics_app.world.graph.entity_ids import grown
@@ -89,9 +89,7 @@ class FrameBuffers:
         origin: F8,
         listed: DrawItems,
         world: F8,
-        states: I4,
-        mirrored: U1,
-        parts: I4,
+        drawn: Drawn,
         *,
         shadow: bool = False,
         single: bool = False,
@@ -104,9 +102,7 @@ class FrameBuffers:
             origin: Origin of the shaders' frame, world [m], [3].
             listed: The draw items.
             world: T_world_from_node per row, [rows, 4, 4].
-            states: State of each item before mirroring, [n].
-            mirrored: 1 where the winding of an item's faces is reversed, [n].
-            parts: First index and number of indices of each item's triangles, -1 for all of them; [n, 2].
+            drawn: With what each item is drawn.
             shadow: True where they are states of the shadow pass.
             single: True for one run per item.
         """
@@ -115,20 +111,7 @@ class FrameBuffers:
         self._reserve(self.instance_count + count, self.command_count + count, count)
         first, first_command = self.instance_count, self.command_count
         write_instances(items, count, first, origin, listed.rows, world, listed.instance_params, self._instances)
-        commands, runs = write_commands(
-            items,
-            count,
-            first,
-            first_command,
-            states,
-            mirrored,
-            listed.meshes,
-            listed.ranges,
-            parts,
-            single,
-            self._commands,
-            self._runs,
-        )
+        commands, runs = write_commands(items, count, first, first_command, drawn, single, self._commands, self._runs)
         self.instance_count += count
         self.command_count += commands
         of_state = listed.of_shadow if shadow else listed.of_state

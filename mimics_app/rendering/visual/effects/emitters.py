@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.rendering.visual.kernels.particles import BIRTH, EMITTER, SPRITE, fill_particles
+from mimics_app.rendering.visual.kernels.particles import BIRTH, EMITTER, SPRITE, BirthPlace, Series, fill_particles
 from mimics_app.world.components.effects import Particles
 from mimics_app.world.content.effects import Burst
 from mimics_app.world.graph.entity_ids import grown
@@ -72,7 +72,8 @@ class Emitter:
             if spec.rate > 0.0:
                 last = math.floor(now * spec.rate)
                 first = max(math.ceil((now - spec.lifetime[1]) * spec.rate), last + 1 - spec.capacity)
-                self._add(first, last + 1 - first, first / spec.rate, 1.0 / spec.rate, now, world_from_emitter, rows)
+                series = Series(first, last + 1 - first, first / spec.rate, 1.0 / spec.rate)
+                self._add(series, now, world_from_emitter, rows)
             return
         left = spec.capacity
         for burst in reversed(bursts):
@@ -80,19 +81,17 @@ class Emitter:
             left -= count
             interval = spec.spread / max(spec.count, 1)
             number = burst.number * _NUMBERS_OF_BURST
-            self._add(number, count, burst.born_s, interval, now, burst.world_from_emitter, rows)
+            self._add(Series(number, count, burst.born_s, interval), now, burst.world_from_emitter, rows)
 
-    def _add(
-        self, first: int, count: int, born: float, interval: float, now: float, pose: F8, rows: SpriteRows
-    ) -> None:
-        if count <= 0:
+    def _add(self, series: Series, now: float, pose: F8, rows: SpriteRows) -> None:
+        if series.births <= 0:
             return
         box = pose[:3, :3] * np.asarray(self.spec.box)
         corner = pose[:3, 3] - 0.5 * box.sum(axis=1)
         axes = axes_about(pose[:3, :3] @ np.asarray(self.spec.direction))
-        rows.reserve(count)
+        rows.reserve(series.births)
         rows.count = fill_particles(
-            self._record, self._births, first, count, born, interval, now, corner, box, axes, rows.rows, rows.count
+            self._record, self._births, series, now, BirthPlace(corner, box, axes), rows.rows, rows.count
         )
 
 

@@ -22,6 +22,8 @@ from mimics_app.rendering.visual.kernels.sprites import (
     LEVEL,
     MIN_OUTLINED,
     SPRITE_VERTEX,
+    Picked,
+    SortScratch,
     cut_order,
     cut_sprites,
     pick_sprites,
@@ -198,10 +200,9 @@ class SpriteField:
     def _pick(self, view: View, eye: F8) -> tuple[int, int]:
         """Fill `_order` with masked sprites by state, then blended ones far to near, with their `_keys`."""
         rows, planes = self._rows, view.frustum_planes
-        return pick_sprites(
-            rows.rows, rows.count, planes, eye, self._masked, self._order, self._blended, self._away,
-            self._keys, self._spare_keys, self._spare, self._digits,
-        )  # fmt: skip
+        picked = Picked(self._order, self._blended, self._away, self._keys)
+        scratch = SortScratch(self._spare_keys, self._spare, self._digits)
+        return pick_sprites(rows.rows, rows.count, planes, eye, self._masked, picked, scratch)
 
     def _note_changes(self, count: int) -> None:
         """Note the state of each sprite in `_order`, and where another state begins."""

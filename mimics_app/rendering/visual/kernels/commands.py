@@ -2,13 +2,33 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F4, F8, I4, I8, U1, U4
 
-__all__ = ["MAX_TRIANGLES", "write_commands", "write_instances"]
+__all__ = ["MAX_TRIANGLES", "Drawn", "write_commands", "write_instances"]
 
 MAX_TRIANGLES = 6_000
 """Number of triangles after which a command of many instances ends, and a flush follows."""
+
+
+class Drawn(NamedTuple):
+    """With what each item is drawn.
+
+    Attributes:
+        states: State of each item before mirroring, [n].
+        mirrored: 1 where the winding is reversed, [n].
+        meshes: Number of each item's mesh, [n].
+        ranges: Indices, first index and base vertex of each mesh, [meshes, 3].
+        parts: First index and number of indices of each item's triangles, -1 for all of them; [n, 2].
+    """
+
+    states: I4
+    mirrored: U1
+    meshes: I4
+    ranges: I4
+    parts: I4
 
 
 @kernel
@@ -44,11 +64,7 @@ def write_commands(
     count: int,
     first: int,
     first_command: int,
-    states: I4,
-    mirrored: U1,
-    meshes: I4,
-    ranges: I4,
-    parts: I4,
+    drawn: Drawn,
     single: bool,
     commands: U4,
     runs: I8,
@@ -60,11 +76,7 @@ def write_commands(
         count: Number of items.
         first: Number of the first instance.
         first_command: Number of the first command.
-        states: State of each item before mirroring, [n].
-        mirrored: 1 where the winding is reversed, [n].
-        meshes: Number of each item's mesh, [n].
-        ranges: Indices, first index and base vertex of each mesh, [meshes, 3].
-        parts: First index and number of indices of each item's triangles, -1 for all of them; [n, 2].
+        drawn: With what each item is drawn.
         single: True for one command and one run per item.
         commands: Written from `first_command` on: indices, instances, first index, base vertex, base instance.
         runs: Written: state (twice its number, plus 1 where mirrored), first command, commands, triangles.
@@ -72,6 +84,7 @@ def write_commands(
     Returns:
         Number of commands and of runs.
     """
+    states, mirrored, meshes, ranges, parts = drawn
     command, run = first_command - 1, -1
     state_before, mesh_before = -1, -1
     for i in range(count):

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F4, F8, I4, U1, U8
 from mimics_app.rendering.visual.kernels.frustum import distance_key
 
-__all__ = ["make_keys", "sort_by_key"]
+__all__ = ["Sorted", "make_keys", "sort_by_key"]
 
 
 _FINE_COUNT = 4096
@@ -26,20 +28,26 @@ _DIGITS, _DIGIT_BITS, _DIGIT = 8, 8, 255
 """Digits of a 64-bit key: their number, bits per digit, and mask."""
 
 
+class Sorted(NamedTuple):
+    """What items are sorted by.
+
+    Attributes:
+        centres: Centres of the spheres, world [m], [n, 3].
+        radii: Their radii [m], [n].
+        states: State of each item before mirroring, [n].
+        mirrored: 1 where the winding is reversed, [n].
+        meshes: Number of each item's mesh, [n].
+    """
+
+    centres: F8
+    radii: F8
+    states: I4
+    mirrored: U1
+    meshes: I4
+
+
 @kernel
-def make_keys(
-    items: I4,
-    count: int,
-    eye: F8,
-    centres: F8,
-    radii: F8,
-    states: I4,
-    mirrored: U1,
-    meshes: I4,
-    layered: bool,
-    away: F4,
-    keys: U8,
-) -> None:
+def make_keys(items: I4, count: int, eye: F8, by: Sorted, layered: bool, away: F4, keys: U8) -> None:
     """Write the sort keys of items: layer of distance (6 bits), state (18), distance (20), mesh (20).
 
     The order of two items does not depend on the others: where they have equal depths, one is seen in any view.
@@ -48,15 +56,12 @@ def make_keys(
         items: Numbers of items, [>= count].
         count: Number of items.
         eye: Position of the camera, world [m], [3].
-        centres: Centres of the spheres, world [m], [n, 3].
-        radii: Their radii [m], [n].
-        states: State of each item before mirroring, [n].
-        mirrored: 1 where the winding is reversed, [n].
-        meshes: Number of each item's mesh, [n].
+        by: What they are sorted by.
         layered: False to sort by state first.
         away: Scratch, [>= count].
         keys: Written, [>= count].
     """
+    centres, radii, states, mirrored, meshes = by
     for i in range(count):
         away[i] = distance_key(eye, centres, radii, items[i])
     drop = np.uint64(_FINE_DROP if count <= _FINE_COUNT else _COARSE_DROP)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F4, F8, Records
 
-__all__ = ["BIRTH", "EMITTER", "SPRITE", "ease", "fall", "fill_particles", "hash_unit"]
+__all__ = ["BIRTH", "EMITTER", "SPRITE", "BirthPlace", "Series", "ease", "fall", "fill_particles", "hash_unit"]
 
 
 _MAX_COLOURS = 8
@@ -231,18 +232,43 @@ def _place(emitter: Records, birth: Records, age: float, corner: F8, box: F8, ax
     return moving
 
 
+class Series(NamedTuple):
+    """Particles that are born one after the other.
+
+    Attributes:
+        first: Number of the first particle.
+        births: Their number.
+        born: Time of the first birth [s].
+        interval: Time between two births [s].
+    """
+
+    first: int
+    births: int
+    born: float
+    interval: float
+
+
+class BirthPlace(NamedTuple):
+    """Where and in which direction particles are born.
+
+    Attributes:
+        corner: Corner of the box they are born in, world [m], [3].
+        box: Edges of the box as columns, world [m], [3, 3].
+        axes: Two unit vectors across and one along the emitter's direction as columns, world, [3, 3].
+    """
+
+    corner: F8
+    box: F8
+    axes: F8
+
+
 @kernel
 def fill_particles(
     emitter: Records,
     births: Records,
-    first: int,
-    count: int,
-    born: float,
-    interval: float,
+    series: Series,
     now: float,
-    corner: F8,
-    box: F8,
-    axes: F8,
+    place: BirthPlace,
     sprites: Records,
     start: int,
 ) -> int:
@@ -251,20 +277,17 @@ def fill_particles(
     Args:
         emitter: EMITTER, [1].
         births: BIRTH, [slots]: cache kept from call to call; the number of slots affects the run time alone.
-        first: Number of the first particle.
-        count: Number of births.
-        born: Time of the first birth [s].
-        interval: Time between two births [s].
+        series: The births.
         now: Present time [s].
-        corner: Corner of the box they are born in, world [m], [3].
-        box: Edges of the box as columns, world [m], [3, 3].
-        axes: Two unit vectors across and one along the emitter's direction as columns, world, [3, 3].
+        place: Where they are born.
         sprites: SPRITE, written from `start` on.
         start: First row to write.
 
     Returns:
         The next free row of `sprites`.
     """
+    first, count, born, interval = series
+    corner, box, axes = place
     at = start
     for i in range(count):
         age, number = now - (born + interval * i), first + i

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,6 +17,8 @@ __all__ = [
     "MIN_OUTLINED",
     "SPRITE_VERTEX",
     "UPRIGHT",
+    "Picked",
+    "SortScratch",
     "cut_order",
     "cut_sprites",
     "pick_sprites",
@@ -51,6 +54,30 @@ _ALL_BITS = 0xFFFFFFFF
 
 _VERTICES, _NUMBERS = 4, 4
 """Vertices of a sprite, and components of its tint and style."""
+
+
+class Picked(NamedTuple):
+    """The sprites of a view in the order of drawing, as they are written.
+
+    Attributes:
+        order: Numbers of all sprites in order, [>= count].
+        blended: Numbers of the blended ones, [>= count].
+        away: Scratch, [>= count].
+        keys: Keys of the blended ones, which their distances follow from; [>= count].
+    """
+
+    order: I4
+    blended: I4
+    away: F8
+    keys: U8
+
+
+class SortScratch(NamedTuple):
+    """Scratch of `sort_by_key`: keys and items, [>= count] each, and digits, [8, 256]."""
+
+    keys: U8
+    items: I4
+    digits: I4
 
 
 @kernel
@@ -97,18 +124,7 @@ def _see_sprites(
 
 @kernel
 def pick_sprites(
-    sprites: Records,
-    count: int,
-    planes: F8,
-    eye: F8,
-    masked: U1,
-    order: I4,
-    blended: I4,
-    away: F8,
-    keys: U8,
-    spare_keys: U8,
-    spare: I4,
-    digits: I4,
+    sprites: Records, count: int, planes: F8, eye: F8, masked: U1, picked: Picked, scratch: SortScratch
 ) -> tuple[int, int]:
     """Cull sprites and sort them: masked ones by state, then blended ones far to near.
 
@@ -118,17 +134,14 @@ def pick_sprites(
         planes: Planes of the frustum.
         eye: Position of the camera.
         masked: 1 for a state with alpha test.
-        order: Written: numbers of all sprites in order, [>= count].
-        blended: Written: numbers of the blended ones, [>= count].
-        away: Scratch, [>= count].
-        keys: Written: keys of the blended ones, which their distances follow from; [>= count].
-        spare_keys: Scratch, [>= count].
-        spare: Scratch, [>= count].
-        digits: Scratch, see `sort_by_key`.
+        picked: Written.
+        scratch: Of the sort.
 
     Returns:
         Number of masked and of blended sprites.
     """
+    order, blended, away, keys = picked
+    spare_keys, spare, digits = scratch
     solids, others = _see_sprites(sprites, count, planes, eye, masked, order, blended, away)
     for i in range(solids):
         keys[i] = sprites[order[i]]["state"]

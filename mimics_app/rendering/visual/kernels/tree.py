@@ -7,6 +7,7 @@ siblings are split into groups of spatial neighbours.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,13 +15,41 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, I4, U1
 from mimics_app.rendering.visual.kernels.frustum import is_seen
 
-__all__ = ["build_tree", "count_below", "cull_tree", "refit_tree"]
+__all__ = ["Bounds", "Entries", "build_tree", "count_below", "cull_tree", "refit_tree"]
 
 
 _FAN_OUT = 8
 """Maximum number of siblings in a group before it is split."""
 
 _NODE, _ROW, _OPEN, _CLOSE = 0, 1, 2, 3
+
+
+class Entries(NamedTuple):
+    """The tree as a list.
+
+    Attributes:
+        items: An item, or -1 - group, [count].
+        skips: Index after the last entry below each entry, [count].
+        boxes: Bounding boxes of the groups, see `refit_tree`.
+    """
+
+    items: I4
+    skips: I4
+    boxes: F8
+
+
+class Bounds(NamedTuple):
+    """Where the items are.
+
+    Attributes:
+        centres: Centres of the spheres, world [m], [n, 3].
+        radii: Their radii [m], [n].
+        half: Half extents of the boxes around the same centres, in their nodes' frames [m], [n, 3].
+    """
+
+    centres: F8
+    radii: F8
+    half: F8
 
 
 @kernel
@@ -56,7 +85,6 @@ def _push_siblings(children: I4, below: I4, a: int, b: int, stack: I4, height: i
 
 @kernel
 def build_tree(
-    parents: I4,
     children: I4,
     first_child: I4,
     items: I4,
@@ -70,7 +98,6 @@ def build_tree(
     """Build the list of entries.
 
     Args:
-        parents: Row of each row's parent, -1: none; [rows].
         children: Rows sorted by parent, then by position, roots first; [rows].
         first_child: Index in `children` of each row's first child, roots at 0; [rows + 2].
         items: Items sorted by row, [n].
@@ -164,20 +191,7 @@ def _classify(planes: F8, boxes: F8, group: int) -> int:
 
 
 @kernel
-def cull_tree(
-    planes: F8,
-    shown: U1,
-    rows: I4,
-    world: F8,
-    centres: F8,
-    radii: F8,
-    half: F8,
-    entries: I4,
-    skips: I4,
-    count: int,
-    boxes: F8,
-    out: I4,
-) -> tuple[int, int]:
+def cull_tree(planes: F8, shown: U1, rows: I4, world: F8, bounds: Bounds, entries: Entries, out: I4) -> tuple[int, int]:
     """Cull groups first: items of a group outside are skipped, those of a group inside are accepted without a test.
 
     Args:
@@ -185,22 +199,19 @@ def cull_tree(
         shown: 1 where the item may be drawn at all, [n].
         rows: Row of the node per item, [n].
         world: T_world_from_node per row, [rows, 4, 4].
-        centres: Centres of the spheres, world [m], [n, 3].
-        radii: Their radii [m], [n].
-        half: Half extents of the boxes around the same centres, in their nodes' frames [m], [n, 3].
-        entries: See `build_tree`.
-        skips: See `build_tree`.
-        count: Number of entries.
-        boxes: Bounding boxes of the groups, see `refit_tree`.
+        bounds: Where the items are.
+        entries: The tree.
         out: Written: numbers of the items not wholly outside, [n].
 
     Returns:
         Number of items, and of tests.
     """
+    centres, radii, half = bounds
+    items, skips, boxes = entries
     found = tests = 0
     e = within = 0
-    while e < count:
-        item = entries[e]
+    while e < items.shape[0]:
+        item = items[e]
         if item < 0:
             if e < within:
                 e += 1
