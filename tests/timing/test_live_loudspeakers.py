@@ -89,7 +89,7 @@ def spectrum_of(heard: np.ndarray, rate: int) -> np.ndarray:
     return np.abs(np.fft.rfft(second * window, axis=0)) / (0.25 * rate)
 
 
-@pytest.mark.parametrize("server", SERVERS)
+@pytest.mark.parametrize("server", ["pulseaudio", pytest.param("pipewire", marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     ("speakers", "rate"),
     [
