@@ -549,6 +549,7 @@ def test_append_file_never_keeps_half_a_block(tmp_path: Path, monkeypatch: pytes
     with pytest.raises(OSError, match="full"):
         file.append(b"abcdef")
     monkeypatch.undo()
+    assert (tmp_path / "f").read_bytes() == b"whole", "also before anything else is appended"
     file.append(b"next")
     assert (tmp_path / "f").read_bytes() == b"wholenext"
 

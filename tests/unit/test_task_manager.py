@@ -231,7 +231,7 @@ def test_start_never_reached_is_aborted_tried_again_and_given_up():
     player.until("done")
     rows = player.manager.rows
     assert [(row["trial"], row["attempt"]) for row in rows] == [(0, 1), (0, 2), (0, 3), (1, 1), (1, 2), (1, 3)]
-    assert {(row["outcome"], row["cause"]) for row in rows} == {("aborted", "start not reached")}
+    assert {(row["outcome"], row["cause"], row["score"]) for row in rows} == {("aborted", "start not reached", None)}
     assert player.manager.result() == {"completed": 0, "trials": 2}  # nobody was let go: nothing was measured
 
 
