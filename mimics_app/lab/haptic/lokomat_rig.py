@@ -51,15 +51,17 @@ from mimics_app.world.components.robot import Robot
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import LegInputRecord, LegSettingsRecord, LegStateRecord, Table
 
-__all__ = ["COMBINED", "CONTROLS", "IMPEDANCE", "Person", "Rest", "Rig", "Rows"]
+__all__ = ["COMBINED", "CONTROLS", "IMPEDANCE", "Person", "Play", "Rest", "Rig", "Rows"]
 
 IMPEDANCE, COMBINED = 0, 1
 CONTROLS = ("impedance", "combined")
 """Names of the two controls by number."""
 
 _LENGTH = orthosis.MACHINE
-_COLUMNS = 10
-"""x_real, x_des, f_x, touching, the residual torques of hip and knee, joint angles and true joint speeds of the leg."""
+_NAMES = (
+    "x_real", "x_des", "f_x", "touching", "hip", "knee", "hip_angle", "knee_angle", "hip_rate", "knee_rate"
+)  # fmt: skip
+"""Columns of a run: place of the foot, force, residual torques of hip and knee, joint angles and true joint speeds."""
 
 Rows = dict[str, NDArray[np.float64]]
 
@@ -77,6 +79,8 @@ class Person:
         swing_hz: Its frequency [Hz].
         middle: Its middle [rad].
         stiffness: With which the person follows it [N m/rad].
+        bears: Share of the weight of the own leg that the person bears.
+        preset: Whether tissue and reflexes are those of the preset that the machine's settings name, not `damping`.
     """
 
     force: tuple[float, float] = (0.0, 0.0)
@@ -87,31 +91,36 @@ class Person:
     swing_hz: float = 0.0
     middle: tuple[float, float] = (0.15, 0.6)
     stiffness: float = 120.0
+    bears: float = 1.0
+    preset: bool = False
 
     @property
     def numbers(self) -> Vec:
         """All numbers in the order of their fields."""
         return np.array(
             [*self.force, self.sway, self.sway_hz, self.damping, *self.swing, self.swing_hz, *self.middle,
-             self.stiffness]
+             self.stiffness, self.bears, float(self.preset)]
         )  # fmt: skip
 
 
 _FORCE, _SWAY, _SWAY_HZ, _DAMPING, _SWING, _SWING_HZ, _MIDDLE, _STIFFNESS = 0, 2, 3, 4, 5, 7, 8, 10
+_BEARS, _PRESET = 11, 12
 _LAG = 0.04
 """Damping over stiffness with which a person follows a swing [s]."""
 
 
 @kernel
 def _move(person: Vec, links: Vec, geometry: Vec, state: Vec, t: float, tau: Vec) -> None:
-    """Set the torques of the person at the joints [N m]."""
+    """Set the torques of the person at the joints [N m]; on entry those of the preset."""
     q, dq = state[0:2], state[2:4]
     x1, x2, z1, z2 = leg_jacobian(geometry, q)
     push = person[_FORCE] + person[_SWAY] * math.sin(2.0 * math.pi * person[_SWAY_HZ] * t)
     up = person[_FORCE + 1]
     g1, g2 = weight(links, q[0], q[1])
-    tau[0] = g1 + x1 * push + z1 * up - person[_DAMPING] * dq[0]
-    tau[1] = g2 + x2 * push + z2 * up - person[_DAMPING] * dq[1]
+    for joint in range(2):
+        tau[joint] = tau[joint] if person[_PRESET] != 0.0 else -person[_DAMPING] * dq[joint]
+    tau[0] += person[_BEARS] * g1 + x1 * push + z1 * up
+    tau[1] += person[_BEARS] * g2 + x2 * push + z2 * up
     if person[_SWING_HZ] == 0.0:
         return
     w = 2.0 * math.pi * person[_SWING_HZ]
@@ -136,14 +145,15 @@ def _run(
     state: LegStateRecord,
     person: Vec,
     links: Vec,
-    ports: tuple[Vec, Vec, Vec],
+    ports: tuple[Vec, Vec, Vec, Vec],
+    first: int,
     rows: Mat,
 ) -> None:
-    """Run the left leg for as many ticks as `rows` has."""
-    data, command, inbox = ports
+    """Run the left leg from a tick on for as many as `rows` has; the last port is a torque added to the person."""
+    data, command, inbox, added = ports
     plant = memory[memory.shape[0] - _LENGTH :]
     leg, motion = orthosis.leg_of(plant, 0), orthosis.state_of(plant, 0)
-    for tick in range(rows.shape[0]):
+    for tick in range(first, first + rows.shape[0]):
         read_lokomat(memory, inbox, data, tick)
         for joint in range(2):
             now.q[joint], now.dq[joint] = data[DATA_Q + joint], data[DATA_DQ + joint]
@@ -155,10 +165,11 @@ def _run(
         place = orthosis.PERSON_TORQUE
         _move(person, links, settings.frame.geometry, motion, tick * now.dt, leg[place : place + 2])
         for joint in range(2):
+            leg[place + joint] += added[joint]
             command[COMMAND_TORQUE + joint] = state.tau[joint]
         command[COMMAND_ENABLED] = 1.0
         write_lokomat(memory, command, tick)
-        row = rows[tick]
+        row = rows[tick - first]
         row[0], row[1], row[2] = state.x_real[0], state.x_des[0], state.f_x[0]
         row[3] = 1.0 if state.f_x[0] != 0.0 else 0.0
         g1, g2 = weight(settings.load.links, now.q[0], now.q[1])
@@ -263,41 +274,30 @@ class Rig:
         start: tuple[float, float] | None = None,
         rest: Rest | None = None,
     ) -> Rows:
-        """Run under a control; return its columns over time.
+        """Run under a control; return its columns over time, see `begin`."""
+        return self.begin(kind, person, start, rest).go(seconds)
+
+    def begin(
+        self, kind: int, person: Person, start: tuple[float, float] | None = None, rest: Rest | None = None
+    ) -> Play:
+        """Begin a run under a control.
 
         Args:
             kind: `IMPEDANCE` or `COMBINED`.
             person: The person.
-            seconds: Length of the run [s].
             start: Joints at the start [rad]; None: those of the device.
             rest: Loads under which the leg rests there; None: it is released.
         """
         memory, plant = (copied := self._memory.copy()), copied[-_LENGTH:]
-        state = np.zeros(1, LEG_STATE)
+        play = Play(self, kind, person, memory)
         if start is not None:
             plant[0:2] = start
             orthosis.place_drives(plant)
         if rest is not None:
-            state = rest.state.copy()
+            play.state = rest.state.copy()
             _load_drives(plant, np.array(rest.torques))
-        now = np.zeros(1, LEG_INPUT)
-        now["dt"], now["hard"] = 1.0 / self.rate, 1
-        rows = np.zeros((round(seconds * self.rate), _COLUMNS))
-        ports = np.zeros(DATA_LENGTH), np.zeros(COMMAND_LENGTH), np.zeros(INBOX_LENGTH)
-        _run(kind, memory, self.settings[0], now[0], state[0], person.numbers, self.person_links, ports, rows)
-        names = (
-            "x_real",
-            "x_des",
-            "f_x",
-            "touching",
-            "hip",
-            "knee",
-            "hip_angle",
-            "knee_angle",
-            "hip_rate",
-            "knee_rate",
-        )
-        return dict(zip(names, rows.T, strict=True)) | {"t": np.arange(len(rows)) / self.rate}
+        play.now["dt"], play.now["hard"] = 1.0 / self.rate, 1
+        return play
 
     @property
     def leg(self) -> Vec:
@@ -309,6 +309,44 @@ class Rig:
         now, states = np.zeros(1, LEG_INPUT), np.zeros(2, LEG_STATE)
         now["dt"], now["hard"], now["q"] = 1.0 / self.rate, 1, (0.3, 0.6)
         _tick(kind, ticks, self.settings[0], now[0], states)
+
+
+@dataclass(slots=True)
+class Play:
+    """A run under way.
+
+    Attributes:
+        rig: Its rig, whose settings may change.
+        kind: `IMPEDANCE` or `COMBINED`.
+        person: The person.
+        memory: Memory of the device.
+        now: LEG_INPUT record, shape [1]; what the sensors do not set may be set between two parts of a run.
+        state: LEG_STATE record, shape [1].
+        added: Torques added to the person's [N m], shape [2].
+        ticks: Ticks gone.
+    """
+
+    rig: Rig
+    kind: int
+    person: Person
+    memory: Vec
+    now: NDArray[Any] = field(default_factory=lambda: np.zeros(1, LEG_INPUT))
+    state: NDArray[Any] = field(default_factory=lambda: np.zeros(1, LEG_STATE))
+    added: Vec = field(default_factory=lambda: np.zeros(2))
+    ticks: int = 0
+    _ports: tuple[Vec, Vec, Vec] = field(
+        default_factory=lambda: (np.zeros(DATA_LENGTH), np.zeros(COMMAND_LENGTH), np.zeros(INBOX_LENGTH))
+    )
+
+    def go(self, seconds: float) -> Rows:
+        """Go on for a time [s]; return the columns of that part."""
+        rig, rows = self.rig, np.zeros((round(seconds * self.rig.rate), len(_NAMES)))
+        numbers, links, ports = self.person.numbers, rig.person_links, (*self._ports, self.added)
+        settings, now, state = rig.settings[0], self.now[0], self.state[0]
+        _run(self.kind, self.memory, settings, now, state, numbers, links, ports, self.ticks, rows)
+        t = (self.ticks + np.arange(len(rows))) / rig.rate
+        self.ticks += len(rows)
+        return dict(zip(_NAMES, rows.T, strict=True)) | {"t": t}
 
 
 def _write_defaults(settings: NDArray[Any]) -> None:

@@ -1,0 +1,79 @@
+"""Every control of the orthosis with people of three structures on a wall: nothing shakes, whoever presses.
+
+A presser without tissue of its own, the presets with their reflexes, and a person of antagonist muscles with
+first-order activation that the product does not know. The band of 20 to 300 Hz is that of a vibration; the first
+100 ms of a contact are its impact.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.signal import butter, sosfilt
+
+from mimics_app.lab.haptic.lokomat_rig import COMBINED, CONTROLS, IMPEDANCE, Person, Play
+from mimics_app.lab.lokomat_bench import wall_rig
+from mimics_app.rendering.haptic.devices.gait_people import PERSONS
+from tests.support.muscle_person import ACTIVATIONS, PRESSING, RELAXED, muscle_torques
+
+MOST = 0.5
+"""Greatest force between 20 and 300 Hz [N]."""
+
+KINDS = pytest.mark.parametrize("kind", [IMPEDANCE, COMBINED], ids=CONTROLS)
+SECONDS = pytest.mark.parametrize("seconds", [4.0, pytest.param(60.0, marks=pytest.mark.slow)])
+
+
+def _band(rows: dict[str, np.ndarray], rate: int = 1000) -> float:
+    """Greatest force on the wall between 20 and 300 Hz [N] once it is pressed: after 2 s, 100 ms from a touch on."""
+    force, touching = rows["f_x"][2 * rate :], rows["touching"][2 * rate :] != 0.0
+    heard = np.abs(sosfilt(butter(4, (20.0, 300.0), "bandpass", fs=rate, output="sos"), force))
+    settled = np.convolve(touching, np.ones(rate // 10))[: len(force)] > rate // 10 - 0.5
+    settled[: rate // 5] = False  # the filter begins
+    return float(heard[settled].max(initial=0.0))
+
+
+@KINDS
+@SECONDS
+@pytest.mark.parametrize("person", PERSONS)
+def test_no_preset_makes_the_wall_shake(person: str, kind: int, seconds: float) -> None:
+    rig, _ = wall_rig({"person": person})
+    rows = rig.run(kind, Person(force=(60.0, 0.0), preset=True), seconds)
+    assert rows["touching"][-1000:].all() and _band(rows) <= MOST
+
+
+@KINDS
+@SECONDS
+def test_a_passive_leg_is_left_alone(kind: int, seconds: float) -> None:
+    """A leg that bears itself and does nothing else is not shaken; the combined control lets it drift slowly."""
+    rig, _ = wall_rig()
+    rows = rig.run(kind, Person(), seconds)
+    still = rows["t"] > 1.0
+    assert np.abs(rows["knee_rate"][still]).max() < 0.05 and _band(rows) <= MOST
+
+
+def _pressed(play: Play, nerve: np.ndarray, seconds: float) -> dict[str, np.ndarray]:
+    """Columns of a run in which muscles move the leg, tick by tick."""
+    activation, parts, q, dq = np.zeros(ACTIVATIONS), [], np.array([0.25, 0.45]), np.zeros(2)
+    for _ in range(round(seconds * play.rig.rate)):
+        muscle_torques(activation, nerve, q, dq, 1.0 / play.rig.rate, play.added)
+        parts.append(play.go(1.0 / play.rig.rate))
+        q[:] = parts[-1]["hip_angle"][0], parts[-1]["knee_angle"][0]
+        dq[:] = parts[-1]["hip_rate"][0], parts[-1]["knee_rate"][0]
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+@KINDS
+@SECONDS
+@pytest.mark.parametrize("nerve", [RELAXED, PRESSING], ids=["relaxed", "pressing"])
+def test_muscles_with_activation_do_not_make_it_shake(kind: int, seconds: float, nerve: np.ndarray) -> None:
+    rig, _ = wall_rig()
+    rows = _pressed(rig.begin(kind, Person(bears=float(nerve is RELAXED))), nerve, seconds)
+    assert np.isfinite(rows["f_x"]).all() and _band(rows) <= MOST
+
+
+def test_a_wall_beyond_its_boundary_is_lost_or_heard() -> None:
+    """The planted fault: without dry friction 15 kN/m are beyond the boundary of S18."""
+    rig, _ = wall_rig({"static_friction": 0.0, "coulomb_friction": 0.0})
+    rig.settings["foot"]["stiffness"] = 15_000.0
+    rows = rig.run(IMPEDANCE, Person(force=(60.0, 0.0)), 4.0)
+    assert not rows["touching"][-1000:].all() or _band(rows) > MOST
