@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import random
+
 import pytest
 
+from mimics_app.contracts.messages.leg_motion import LegMotion
 from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.walking.footfalls import Footfalls
 from mimics_app.tasks.walking.legs import GAITS, Legs, natural_step
@@ -30,6 +33,12 @@ def test_a_heel_strike_is_found_when_the_curves_have_it(speed: float) -> None:
                 late.append(off * 2.0 * natural_step(speed) / speed)
     assert len(late) > 8
     assert max(abs(each) for each in late) <= 0.020 + FRAME, "20 ms, and the frame in which it is seen"
+
+
+def test_noisy_legs_on_a_stopped_belt_take_no_step() -> None:
+    falls, rng = Footfalls(), random.Random(2)
+    for _ in range(60 * 60):
+        assert not falls.watch(LegMotion(*(0.2 + rng.gauss(0.0, 0.01) for _ in range(4)), 0.0), FRAME)
 
 
 def test_the_phase_follows_the_legs_and_the_steps_add_up_to_the_way() -> None:
