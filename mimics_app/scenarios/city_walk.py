@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.messages.orders import Shown
+from mimics_app.contracts.messages.orders import Feature, Shown
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.maths import quat
@@ -13,6 +16,7 @@ from mimics_app.scenarios.figures.ground_path import GroundPath
 from mimics_app.scenarios.figures.path_figure import PathFigure
 from mimics_app.scenarios.figures.walking_figure import see_past_head
 from mimics_app.scenarios.parts.touch_scene import TouchScene
+from mimics_app.scenarios.parts.weather import WEATHER, Weather
 from mimics_app.tasks.kinds.city_walk.kind import ALONG, SPEED, CityWalkSpec
 from mimics_app.tasks.scene_section import section_of
 from mimics_app.tasks.walking.walker import PERSON
@@ -57,6 +61,7 @@ class CityWalk(TouchScene):
         self._others = [(figures[name], walkers[name].speed) for name in walkers if name not in led]
         self._person = world.find(spec.person)
         see_past_head(world.cameras, self._person)
+        self._weather = Weather(world, self._person)
         self._eyes = [
             (node, np.array(node.orientation))
             for name, _, _ in scene.components(CameraComponent)
@@ -75,7 +80,12 @@ class CityWalk(TouchScene):
         seconds = snapshot.t_ns * 1e-9
         for figure, own in self._others:
             figure.go(own * seconds, own)
+        self._weather.follow(orders.visual, seconds)
         self._turn_camera(float(snapshot.hip_world[0] - self._start[0]))
+
+    @staticmethod
+    def features(scene: Scene) -> Sequence[Feature[Any]]:
+        return (WEATHER,)
 
     def _turn_camera(self, aside: float) -> None:
         angle = min(max(_GAZE_PER_METRE * aside, -_MOST_GAZE), _MOST_GAZE)

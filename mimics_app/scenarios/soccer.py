@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.messages.orders import Shown, VisualOrder
+from mimics_app.contracts.messages.orders import Feature, Shown, VisualOrder
 from mimics_app.contracts.messages.stage_messages import Aim, HapticSnapshot, TaskOrders
 from mimics_app.maths import quat
 from mimics_app.scenarios.figures.free_figure import FreeFigure
 from mimics_app.scenarios.figures.kicking_leg import add_kick
 from mimics_app.scenarios.figures.walking_figure import below, see_past_head
 from mimics_app.scenarios.parts.touch_scene import TouchScene
+from mimics_app.scenarios.parts.weather import WEATHER, Weather
 from mimics_app.tasks.kinds.soccer.kind import (
     ADVICE,
     BALL,
@@ -68,6 +70,7 @@ class Soccer(TouchScene):
         if spec.opponent is not None:
             self._figures.append(self._figure(world, world.find(spec.opponent), OPPONENT_SHOWN, 1.0, "opponent_step"))
         see_past_head(world.cameras, self._person)
+        self._weather = Weather(world, self._person)
         self._rolled = np.array([0.0, 0.0, 0.0, 1.0])
         self._ball_at = np.array(self._ball_node.position)
 
@@ -84,7 +87,12 @@ class Soccer(TouchScene):
         self._seen.follow(seen)
         for figure in self._figures:
             figure.follow(seen)
+        self._weather.follow(orders.visual, snapshot.t_ns * 1e-9)
         self._roll(np.array(self._seen[BALL]))
+
+    @staticmethod
+    def features(scene: Scene) -> Sequence[Feature[Any]]:
+        return (WEATHER,)
 
     def aim(self, snapshot: HapticSnapshot) -> Aim:
         """Return where the hand of a simulated person goes to play as the task advises."""
