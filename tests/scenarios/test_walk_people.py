@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,8 +16,9 @@ from mimics_app.tasks.kinds.canyon_walk.kind import CanyonWalkPlay, CanyonWalkSp
 from mimics_app.tasks.kinds.city_walk.kind import KIND as CITY
 from mimics_app.tasks.kinds.city_walk.kind import CityWalkPlay, CityWalkSpec
 from mimics_app.tasks.kinds.kind import KindPlay, TaskKind
+from mimics_app.tasks.kinds.soccer.kind import ADVICE, SoccerPlay, SoccerSpec
 from mimics_app.tasks.kinds.soccer.kind import KIND as SOCCER
-from mimics_app.tasks.kinds.soccer.kind import SoccerPlay, SoccerSpec
+from mimics_app.tasks.walking.walker import PERSON
 
 PEOPLE = ("healthy", "hemiparetic", "severe")
 WALKS: Mapping[str, TaskKind] = {"city_walk": CITY, "canyon_walk": CANYON, "soccer": SOCCER}
@@ -39,12 +41,13 @@ def _walk(walk: str, gait: str, seed: int, seconds: float) -> dict[str, float]:
     seen = SimpleNamespace(hip_world=(0.0, 0.0, 0.0), grasp=0.0, pressed=(), now_ns=0, q=())
     play.start_attempt(seen)  # type: ignore[arg-type]
     for _ in range(round(60 * seconds)):
-        now = {name: number for name, number in play.visual.items() if isinstance(number, int | float)}
+        shown: Mapping[Any, Any] = play.visual
         if walk == "soccer":
-            up, aside = RAISED * now.get("advice.speed", 0.0), -ASIDE * now.get("advice.turn", 0.0) / FULL_TURN
-            seen.grasp = 10.0 * now.get("advice.kicks", 0.0)
+            advice = shown[ADVICE]
+            up, aside = RAISED * advice.speed, -ASIDE * advice.turn / FULL_TURN
+            seen.grasp = 10.0 * advice.kicks
         else:
-            up, aside = 0.85 * RAISED, -0.25 * now.get("person.x", 0.0)
+            up, aside = 0.85 * RAISED, -0.25 * shown[PERSON].x
         seen.hip_world = (min(max(aside, -ASIDE), ASIDE), up, 0.0)
         play.travel(seen, 1.0 / 60.0)  # type: ignore[arg-type]
         play.take_sounds()

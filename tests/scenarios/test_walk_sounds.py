@@ -17,6 +17,7 @@ from mimics_app.app.session.core import open_core
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
+from mimics_app.contracts.messages.orders import VisualOrder
 from mimics_app.contracts.messages.stage_messages import SoundEvent, TaskOrders
 from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.audio.offline import render_offline
@@ -185,7 +186,7 @@ def test_the_wind_is_nearer_the_more_exposed_somebody_is() -> None:
         with open_core(prepare_scene(scene, RunSettings(file))) as core:
             play = Frames(core)
             play.play_to_start()
-            orders = SimpleNamespace(visual={"wind.strength": strength}, view=play.orders.view)
+            orders = SimpleNamespace(visual=VisualOrder({"wind.strength": strength}), view=play.orders.view)
             core.scenario.apply(orders, play.snapshot)  # type: ignore[arg-type]
             core.world.update()
             place = (
