@@ -1,15 +1,15 @@
-"""Compiled copies of many record fields, generated from a list: one load and one store per component."""
+"""Compiled copies of records: of many fields, generated from a list, and of the first bytes."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, cast
 
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-__all__ = ["Move", "field_copier"]
+__all__ = ["Move", "copy_front", "field_copier"]
 
 Move = tuple[int, tuple[str, ...], str]
 """Copy of a field: which of the two source records (0 or 1), path in it, and name of the target field."""
@@ -37,6 +37,19 @@ def field_copier(moves: Sequence[Move]) -> Callable[[Any, Any, Any], None]:
     compiled: Any = copy
     copier: Callable[[Any, Any, Any], None] = compiled
     return copier
+
+
+@intrinsic
+def _copy_front(typingctx, target, source, size):  # type: ignore[no-untyped-def]
+    def codegen(context, builder, signature, args):  # type: ignore[no-untyped-def]
+        cgutils.raw_memcpy(builder, args[0], args[1], args[2], 1)  # type: ignore[no-untyped-call]
+        return context.get_dummy_value()
+
+    return types.void(target, source, types.intp), codegen
+
+
+copy_front = cast("Callable[[Any, Any, int], None]", _copy_front)
+"""Copy the first bytes of a record, for kernels: `copy_front(target, source, size)`, both records of one type."""
 
 
 def _find(record: Any, path: Sequence[str]) -> tuple[int, Any]:

@@ -111,6 +111,7 @@ def _numbered(dtype: np.dtype[Any], start: int) -> np.ndarray:
 
 def test_writers_fill_every_number_from_where_the_table_says() -> None:
     states = np.concatenate([_numbered(STATE, 1 + 10_000 * c) for c in range(MAX_CONTACTS)])
+    states["contacts"] = MAX_CONTACTS
     all_totals = np.concatenate([_numbered(TOTALS, 5000 + 10_000 * c) for c in range(MAX_CONTACTS)])
     data = 0.5 + np.arange(DATA_LENGTH)
     row, snapshot = np.zeros(1, SAMPLE), np.zeros(1, SNAPSHOT)

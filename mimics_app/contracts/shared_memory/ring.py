@@ -7,10 +7,11 @@ from numpy.typing import NDArray
 
 from mimics_app.compiled.atomics import load_acquire, store_release
 from mimics_app.compiled.kernel import kernel
+from mimics_app.compiled.record_copy import copy_front
 from mimics_app.contracts.arrays import Words
 from mimics_app.contracts.shared_memory.shared_words import DROPPED, HEAD, TAIL
 
-__all__ = ["drain", "peek", "position", "push", "release", "room", "waiting"]
+__all__ = ["drain", "peek", "position", "push", "push_front", "release", "room", "waiting"]
 
 Records = NDArray[np.void]
 
@@ -18,13 +19,29 @@ Records = NDArray[np.void]
 @kernel
 def push(words: Words, slots: Records, record: Records) -> bool:
     """Producer: append record[0] to slots (structured, shape [2**k]); False, and counted, if the ring is full."""
-    head = words[HEAD]
-    if head - load_acquire(words, TAIL) >= slots.shape[0]:
-        words[DROPPED] += 1
+    if _is_full(words, slots):
         return False
-    slots[head & (slots.shape[0] - 1)] = record[0]
-    store_release(words, HEAD, head + 1)
+    slots[words[HEAD] & (slots.shape[0] - 1)] = record[0]
+    store_release(words, HEAD, words[HEAD] + 1)
     return True
+
+
+@kernel
+def push_front(words: Words, slots: Records, record: Records, size: int) -> bool:
+    """Producer: `push` of the first `size` bytes of the record; the others of its slot stay as they are."""
+    if _is_full(words, slots):
+        return False
+    copy_front(slots[words[HEAD] & (slots.shape[0] - 1)], record[0], size)
+    store_release(words, HEAD, words[HEAD] + 1)
+    return True
+
+
+@kernel
+def _is_full(words: Words, slots: Records) -> bool:
+    """Return whether there is no free slot, and count the record that finds none."""
+    full: bool = words[HEAD] - load_acquire(words, TAIL) >= slots.shape[0]
+    words[DROPPED] += 1 if full else 0
+    return full
 
 
 @kernel

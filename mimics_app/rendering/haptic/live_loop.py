@@ -19,12 +19,12 @@ from mimics_app.compiled.function_pointers import functions_at
 from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.haptic import NANOSECOND
-from mimics_app.contracts.shared_memory.ring import push
 from mimics_app.contracts.shared_memory.session_memory import ControlWord
 from mimics_app.rendering.haptic.channels import CHANNELS, WORK, Channels, Work
 from mimics_app.rendering.haptic.histogram import count
 from mimics_app.rendering.haptic.kernels.stability import follow_period
 from mimics_app.rendering.haptic.loop_tick import LOOP_FUNCTIONS
+from mimics_app.rendering.haptic.publish import publish_sample
 
 __all__ = ["follow_latency", "run_live"]
 
@@ -134,7 +134,7 @@ def run_live(
         ended = now_ns(timespec)
         sample.lateness_ns = float(late)
         sample.duration_ns = float(ended - woke)
-        push(channels.sample_words, channels.samples, work.sample)
+        publish_sample(channels, work)
         missed = ended - due > period_ns
         missed_in_row = _misses_in_row(missed_in_row, missed, not catching_up or ended - woke > period_ns)
         skipped = late // period_ns if 0 < late_stop_ns < late else 0

@@ -12,10 +12,10 @@ from mimics_app.compiled.function_pointers import functions_at
 from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.haptic import NANOSECOND
-from mimics_app.contracts.shared_memory.ring import push
 from mimics_app.contracts.shared_memory.session_memory import ControlWord
 from mimics_app.rendering.haptic.channels import CHANNELS, WORK, Channels, Work
 from mimics_app.rendering.haptic.loop_tick import LOOP_FUNCTIONS
+from mimics_app.rendering.haptic.publish import publish_sample
 
 __all__ = ["advance_ticks"]
 
@@ -55,6 +55,6 @@ def advance_ticks(
         )
         sample.lateness_ns = 0.0
         sample.duration_ns = 0.0
-        push(channels.sample_words, channels.samples, work.sample)
+        publish_sample(channels, work)
         store_release(channels.control, _TICKS, state.tick)
     return state.tick

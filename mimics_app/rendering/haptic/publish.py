@@ -1,24 +1,25 @@
-"""Publication after each tick: the newest snapshot with all poses, and the events."""
+"""Publication after each tick: the newest snapshot with all poses, the events, and the sample."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
+from mimics_app.compiled.record_copy import copy_front
 from mimics_app.contracts.loop.haptic import EventKind
-from mimics_app.contracts.shared_memory.ring import push
+from mimics_app.contracts.shared_memory.ring import push, push_front
 from mimics_app.contracts.shared_memory.triple_buffer import back_slot, publish
 from mimics_app.rendering.haptic.channels import Channels, Work
 from mimics_app.rendering.haptic.kernels.event_points import event_body
 from mimics_app.rendering.haptic.kernels.objects.published import write_poses
-from mimics_app.rendering.haptic.kernels.rows import write_snapshot
+from mimics_app.rendering.haptic.kernels.rows import sample_bytes, snapshot_bytes, write_snapshot
 from mimics_app.rendering.haptic.kernels.state import CONTACT_BEGAN, CONTACT_ENDED
 from mimics_app.rendering.haptic.kernels.vectors import copy, fill, norm
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import Rows, SceneRecord, ShapeRecord, StateRecord, Table
 
-__all__ = ["publish_events", "publish_state"]
+__all__ = ["publish_events", "publish_sample", "publish_state"]
 
 
 @kernel
@@ -34,9 +35,16 @@ def publish_state(channels: Channels, work: Work, scene: SceneRecord, t_ns: int)
     slot = back_slot(channels.snapshot_words)
     write_snapshot(scene.contacts, work.state, work.objects.totals, t_ns, channels.snapshots[slot])
     write_poses(work.objects.motions, scene.objects.bodies, channels.poses[slot])
-    channels.audio_snapshots[back_slot(channels.audio_words)] = channels.snapshots[slot]
+    of_audio = channels.audio_snapshots[back_slot(channels.audio_words)]
+    copy_front(of_audio, channels.snapshots[slot], snapshot_bytes(scene.contacts))
     publish(channels.snapshot_words)
     publish(channels.audio_words)
+
+
+@kernel
+def publish_sample(channels: Channels, work: Work) -> None:
+    """Push the sample of the tick, of as many points as the device has, to the recorder."""
+    push_front(channels.sample_words, channels.samples, work.sample, sample_bytes(work.state[0].contacts))
 
 
 @kernel

@@ -1097,6 +1097,7 @@ class StateRecord:
     progress_peak: float
     own_work: float
     tick: int
+    contacts: int
     safety: int
     resets: int
     sequence: int

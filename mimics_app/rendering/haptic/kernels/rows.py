@@ -4,12 +4,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from mimics_app.compiled.kernel import kernel
 from mimics_app.compiled.record_copy import field_copier
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.controller_slots import Slot
-from mimics_app.contracts.loop.haptic import SafetyState
-from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, Per, moves_of
+from mimics_app.contracts.loop.haptic import (
+    POINT_SAMPLE,
+    POINT_SNAPSHOT,
+    SAMPLE,
+    SNAPSHOT,
+    SafetyState,
+)
+from mimics_app.contracts.loop.loop_fields import FURTHER, LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, Per, moves_of
 from mimics_app.contracts.loop.loop_ports import (
     COMMAND_BELT,
     COMMAND_DQ,
@@ -39,7 +47,15 @@ if TYPE_CHECKING:
         TotalsRecord,
     )
 
-__all__ = ["read_inputs", "write_command", "write_inputs", "write_outputs", "write_snapshot"]
+__all__ = [
+    "read_inputs",
+    "sample_bytes",
+    "snapshot_bytes",
+    "write_command",
+    "write_inputs",
+    "write_outputs",
+    "write_snapshot",
+]
 
 
 _copy_outputs = field_copier(moves_of(LOOP_FIELDS, recorded=True))
@@ -48,6 +64,27 @@ _copy_published = field_copier(moves_of(LOOP_FIELDS, recorded=False))
 _OF_EACH_POINT = [field for field in LOOP_FIELDS if field.per is Per.POINT]
 _copy_further_outputs = field_copier(moves_of(_OF_EACH_POINT, recorded=True))
 _copy_further_published = field_copier(moves_of(_OF_EACH_POINT, recorded=False))
+
+
+def _front(dtype: np.dtype[np.void]) -> int:
+    """Return the length of what is before the rows of further points [bytes]."""
+    return int((dtype.fields or {})[FURTHER][1])
+
+
+_SAMPLE_OF_ONE, _SNAPSHOT_OF_ONE = _front(SAMPLE), _front(SNAPSHOT)
+_SAMPLE_OF_FURTHER, _SNAPSHOT_OF_FURTHER = POINT_SAMPLE.itemsize, POINT_SNAPSHOT.itemsize
+
+
+@kernel
+def sample_bytes(contacts: int) -> int:
+    """Return the length of the sample of a device with so many points of contact [bytes]; what follows is zero."""
+    return _SAMPLE_OF_ONE + max(0, contacts - 1) * _SAMPLE_OF_FURTHER
+
+
+@kernel
+def snapshot_bytes(contacts: int) -> int:
+    """Return the length of the snapshot of a device with so many points of contact [bytes]; what follows is zero."""
+    return _SNAPSHOT_OF_ONE + max(0, contacts - 1) * _SNAPSHOT_OF_FURTHER
 
 
 @kernel
@@ -84,7 +121,7 @@ def write_inputs(
     for i in range(3):
         row.f_meas[i] = data[DATA_FORCE + i]
     row.grasp = data[DATA_GRASP]
-    for c in range(1, MAX_CONTACTS):
+    for c in range(1, state.contacts):
         point = row.further[c - 1]
         for i in range(3):
             point.f_meas[i] = data[DATA_FORCE + 3 * c + i]

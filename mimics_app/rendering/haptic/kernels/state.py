@@ -26,6 +26,7 @@ STATE = np.dtype(
         *state_fields(LOOP_FIELDS),  # outputs of the loop: motion, forces, command, margins
         # safety
         ("tick", "i8"),  # ticks done
+        ("contacts", "i8"),  # SCENE.contacts as last seen
         ("safety", "i8"),  # SafetyState
         ("resets", "i8"),  # SCENE.resets as last seen
         ("sequence", "i8"),  # SCENE.sequence as last seen

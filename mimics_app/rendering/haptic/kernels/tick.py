@@ -56,6 +56,7 @@ def _begin_tick(scene: SceneRecord, objects: ObjectWork, states: Table[StateReco
     """Note whether parameters changed; a new trial restarts the tracking of the tunnels and the extremes."""
     state = states[0]
     state.tripped = 0
+    state.contacts = scene.contacts
     state.parameters_taken = 1 if scene.sequence != state.sequence else 0
     state.sequence = scene.sequence
     if scene.trial != state.trial:
