@@ -50,8 +50,14 @@ GRAVITY = 9.81
 @kernel
 def first_moments(links: Vec, sin_1: float, sin_psi: float) -> tuple[float, float]:
     """Derivatives of mass times height of the centre of mass with respect to hip and knee angle [kg m/rad]."""
-    thigh = (links[THIGH_MASS] * links[THIGH_COM] + links[SHANK_MASS] * links[THIGH_LENGTH]) * sin_1
-    shank = links[SHANK_MASS] * links[SHANK_COM] * sin_psi
+    return _pull(links, 1.0, sin_1, sin_psi)
+
+
+@kernel
+def _pull(links: Vec, field: float, sin_1: float, sin_psi: float) -> tuple[float, float]:
+    """Torques [N m] of hip and knee in a field [m/s^2]: each link's own product, whose rounding recordings hold."""
+    thigh = field * (links[THIGH_MASS] * links[THIGH_COM] + links[SHANK_MASS] * links[THIGH_LENGTH]) * sin_1
+    shank = field * links[SHANK_MASS] * links[SHANK_COM] * sin_psi
     return thigh + shank, -shank
 
 
@@ -66,8 +72,7 @@ def moment_rate(links: Vec, cos_1: float, cos_psi: float, d1: float, d2: float) 
 @kernel
 def weight(links: Vec, t1: float, t2: float) -> tuple[float, float]:
     """Gravity torques g(q) [N m] of hip and knee."""
-    hip, knee = first_moments(links, math.sin(t1), math.sin(t1 - t2))
-    return GRAVITY * hip, GRAVITY * knee
+    return _pull(links, GRAVITY, math.sin(t1), math.sin(t1 - t2))
 
 
 @kernel
