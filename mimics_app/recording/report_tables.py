@@ -43,7 +43,7 @@ _PARAMETER = "parameter."
 _METRES = "_m"
 _TITLES = {"smoothness": "smoothness (spectral arc length) [–]"}
 _TAKEN = (("frame after [ms]", "in the picture"), ("sound after [ms]", "heard"))
-_ENDINGS = (("_m_s", "m/s"), ("_s", "s"), (_METRES, "mm"), ("_n", "N"))
+_ENDINGS = (("_m_s", "m/s"), ("_s", "s"), (_METRES, "mm"), ("_n", "N"), ("_j", "J"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +121,10 @@ def trials_of(run: Run) -> Trials | None:
     measured = [name for name in names if name not in given]
     rows = [_in_mm(row) for row in trials]
     units = _parameter_units(run)
-    titles = {name: _column(name) for name in measured} | {name: _parameter_column(name, units) for name in given}
+    points = _points_of(run)
+    titles = {name: _column(name, points) for name in measured} | {
+        name: _parameter_column(name, units) for name in given
+    }
     first = [name for name in measured if name == "trial"]
     rest = [name for name in measured if name != "trial"]
     parts = [rest[i : i + _MOST_COLUMNS] for i in range(0, len(rest), _MOST_COLUMNS)] or [[]]
@@ -150,8 +153,17 @@ def _says_something(name: str, trials: Sequence[Mapping[str, Any]]) -> bool:
     return name not in _HIDDEN and any(row.get(name) not in (None, "", usual) for row in trials)
 
 
-def _column(name: str) -> str:
+def _points_of(run: Run) -> dict[str, str]:
+    """Return what the device calls each point of contact, by the beginning of its columns."""
+    names = mapping(run.session.get("names")).get("points")
+    return {f"point_{i}_": str(name) for i, name in enumerate(names)} if isinstance(names, list) else {}
+
+
+def _column(name: str, points: Mapping[str, str]) -> str:
     """Return the caption of a column: time_s becomes time [s]; lengths are in mm."""
+    of = next((point for point in points if name.startswith(point)), None)
+    if of is not None:
+        return f"{points[of]}, {_column(name.removeprefix(of), {})}"
     if name in _TITLES:
         return _TITLES[name]
     for ending, unit in _ENDINGS:

@@ -56,6 +56,8 @@ class PointObservation(msgspec.Struct, frozen=True):
         progress: In its own tunnel, 0-1: the task's where it has that one, else its first; 0 without one.
         distance: From the bisector of that tunnel [m]; 0 without one.
         force_peak: Largest force felt there in the trial so far, of every tick [N].
+        distance_peak: Largest distance from the bisector likewise [m]; 0 without a tunnel.
+        progress_peak: Largest progress likewise, 0-1; 0 without a tunnel.
         own_work: Work of the person there in the trial so far [J].
     """
 
@@ -69,6 +71,8 @@ class PointObservation(msgspec.Struct, frozen=True):
     progress: float
     distance: float
     force_peak: float
+    distance_peak: float
+    progress_peak: float
     own_work: float
 
 
@@ -198,6 +202,8 @@ def _point(snapshot: PointSnapshot, bodies: Sequence[str]) -> PointObservation:
         progress=snapshot.progress,
         distance=snapshot.distance,
         force_peak=snapshot.force_peak,
+        distance_peak=snapshot.distance_peak,
+        progress_peak=snapshot.progress_peak,
         own_work=snapshot.own_work,
     )
 

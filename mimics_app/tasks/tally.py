@@ -1,4 +1,7 @@
-"""Measures of a travel: time, path error, contacts, force, smoothness, and those of the task's kinds."""
+"""Measures of a travel: time, path error, contacts, force, smoothness, and those of the task's kinds.
+
+Those of a device with several points of contact are followed for each of them, too.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from mimics_app.tasks.kinds.kind import KindPlay
-from mimics_app.tasks.observation import Contact, Observation
+from mimics_app.tasks.observation import Contact, Observation, PointObservation
 from mimics_app.tasks.smoothness import RESAMPLE_HZ, resample_speed, sparc
 
-__all__ = ["Measures", "Tally"]
+__all__ = ["Measures", "PointMeasures", "Tally"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +49,138 @@ class Measures:
     path_m: float = 0.0
 
 
+@dataclass(frozen=True, slots=True)
+class PointMeasures:
+    """Measures of one point of contact in a travel, of a device with several; as in `Measures`.
+
+    Attributes:
+        contacts: Number of its contacts.
+        contact_time_s: Time in which it touched at least one partner [s].
+        force_mean_n: Time mean of the force felt there [N].
+        force_peak_n: Largest force felt there [N], of every tick.
+        path_m: Length of its path [m].
+        smoothness: SPARC of its speed [-], negative; None without movement.
+        path_error_rms_m: Root mean square distance from the bisector of its tunnel [m]; None without one.
+        path_error_max_m: Largest distance [m], of every tick; None without a tunnel.
+        progress: Largest progress in its tunnel, 0-1; None without one.
+        work_j: Work of the person there [J].
+    """
+
+    contacts: int
+    contact_time_s: float
+    force_mean_n: float
+    force_peak_n: float
+    path_m: float
+    smoothness: float | None
+    path_error_rms_m: float | None
+    path_error_max_m: float | None
+    progress: float | None
+    work_j: float
+
+
+class _Contacts:
+    """Contacts of one point, or of all together, with their times.
+
+    Attributes:
+        count: Contacts so far, those that lasted at the begin included.
+    """
+
+    def __init__(self, touching: int, now_ns: int) -> None:
+        self.count = self._partners = touching
+        self._begin_ns = self._parted_ns = now_ns
+        self._touched_ns = 0
+        self._since_ns = now_ns if touching else None
+
+    def see(self, contacts: Sequence[Contact], touching: int, now_ns: int) -> None:
+        """Take the contacts since the last frame, and the number of partners now."""
+        for contact in contacts:
+            self._take(contact)
+        if not contacts and not touching:
+            self.part(now_ns)
+
+    def part(self, t_ns: int) -> None:
+        """Let the hand touch nothing from a time on."""
+        self._partners = 0
+        if self._since_ns is not None:
+            self._parted_ns = max(t_ns, self._since_ns)
+            self._touched_ns += self._parted_ns - self._since_ns
+            self._since_ns = None
+
+    def seconds(self, now_ns: int) -> float:
+        """Return the time in contact [s]; a contact in progress counts up to now."""
+        lasting_ns = 0 if self._since_ns is None else max(0, now_ns - self._since_ns)
+        return (self._touched_ns + lasting_ns) / 1e9
+
+    def _take(self, contact: Contact) -> None:
+        if contact.t_ns < self._begin_ns:
+            return
+        if not contact.begins:
+            self._partners -= 1
+            if self._partners <= 0:
+                self.part(contact.t_ns)
+            return
+        self.count += 1
+        self._partners += 1
+        if self._since_ns is None:  # one whose event comes a frame late counts from where the last ended
+            self._since_ns = max(contact.t_ns, self._parted_ns)
+
+
+class _Movement:
+    """Path, speed and force of one point over the time of a travel."""
+
+    def __init__(self, point: PointObservation | Observation) -> None:
+        self.path = self._force_s = 0.0
+        self._times_s, self._speeds = [0.0], [point.speed]
+        self.last = point
+
+    def add(self, point: PointObservation | Observation, seconds: float, time_s: float) -> None:
+        """Take the next frame, `seconds` after the last, at a time of the travel [s]."""
+        self._force_s += 0.5 * seconds * (point.force + self.last.force)
+        self.path += math.dist(point.hip_world, self.last.hip_world)
+        self._times_s.append(time_s)
+        self._speeds.append(point.speed)
+        self.last = point
+
+    def mean_force(self, seconds: float) -> float:
+        """Return the mean of the force over the travel of a length [N]."""
+        return self._force_s / seconds if seconds > 0.0 else self.last.force
+
+    @property
+    def smoothness(self) -> float | None:
+        """SPARC [-]; None without movement."""
+        return sparc(resample_speed(np.array(self._times_s), np.array(self._speeds)), RESAMPLE_HZ)
+
+
+class _PointTally:
+    """Accumulator of one point of contact."""
+
+    def __init__(self, first: PointObservation, now_ns: int) -> None:
+        self.contacts, self._movement = _Contacts(first.touching, now_ns), _Movement(first)
+        self._squared_distance_s, self._first = 0.0, first
+
+    def add(self, point: PointObservation, seconds: float, time_s: float) -> None:
+        self._squared_distance_s += 0.5 * seconds * (point.distance**2 + self._movement.last.distance**2)
+        self._movement.add(point, seconds, time_s)
+
+    def measures(self, seconds: float, now_ns: int) -> PointMeasures:
+        last = self._movement.last
+        farthest = max(last.distance_peak, self._first.distance)
+        follows = farthest > 0.0  # a ball that is in a tunnel is never on its bisector to the last bit all the way
+        mean_square = self._squared_distance_s / seconds if seconds > 0.0 else last.distance**2
+        return PointMeasures(
+            contacts=self.contacts.count,
+            contact_time_s=self.contacts.seconds(now_ns),
+            force_mean_n=self._movement.mean_force(seconds),
+            force_peak_n=last.force_peak,
+            path_m=self._movement.path,
+            smoothness=self._movement.smoothness,
+            path_error_rms_m=math.sqrt(mean_square) if follows else None,
+            path_error_max_m=farthest if follows else None,
+            progress=max(last.progress_peak, self._first.progress) if follows else None,
+            work_j=last.own_work,
+        )
+
+
 class Tally:
     """Accumulator of one travel, frame by frame.
 
@@ -58,26 +193,25 @@ class Tally:
 
     Attributes:
         begin_ns: Time at which the travel began [ns].
-        contacts: Contacts so far, see `Measures`.
     """
 
     def __init__(self, first: Observation, plays: Sequence[KindPlay] = ()) -> None:
         self._plays = tuple(plays)
         self.begin_ns = self._last_ns = first.now_ns
         self._paused_ns = 0
-        self.contacts = self._partners = first.touching
-        self._contact_ns = 0
-        self._parted_ns = first.now_ns
-        self._touching_since_ns = first.now_ns if first.touching else None
+        self._contacts, self._movement = _Contacts(first.touching, first.now_ns), _Movement(first)
+        several = first.points if len(first.points) > 1 else ()
+        self._points = [_PointTally(point, first.now_ns) for point in several]
         self._squared_distance_s = 0.0
-        self._force_s = 0.0
         self._last = first
         self._on_path_s = 0.0
         self._first_distance = first.distance or 0.0
         self._farthest = first.progress
-        self._path = 0.0
-        self._times_s = [0.0]
-        self._speeds = [first.speed]
+
+    @property
+    def contacts(self) -> int:
+        """Contacts so far, see `Measures`."""
+        return self._contacts.count
 
     @property
     def time_s(self) -> float:
@@ -86,26 +220,27 @@ class Tally:
 
     def add(self, seen: Observation) -> None:
         """Take the next frame; of one that is not later than the last, only its contacts."""
-        for contact in seen.contacts:
-            self._take_contact(contact)
-        if not seen.contacts and not seen.touching:
-            self._close_contact(seen.now_ns)
+        self._contacts.see(seen.contacts, seen.touching, seen.now_ns)
+        for number, (tally, point) in enumerate(zip(self._points, seen.points, strict=False)):
+            own = [contact for contact in seen.contacts if contact.point == number]
+            tally.contacts.see(own, point.touching, seen.now_ns)
         if seen.now_ns <= self._last_ns:
             return
         seconds = (seen.now_ns - self._last_ns) / 1e9
+        time_s = (seen.now_ns - self.begin_ns - self._paused_ns) / 1e9
         self._add_distance(seen, seconds)
-        self._force_s += 0.5 * seconds * (seen.force + self._last.force)
         self._farthest = max(self._farthest, seen.progress, seen.progress_peak or 0.0)
-        self._path += math.dist(seen.hip_world, self._last.hip_world)
+        self._movement.add(seen, seconds, time_s)
+        for tally, point in zip(self._points, seen.points, strict=False):
+            tally.add(point, seconds, time_s)
         for play in self._plays:
             play.travel(seen, seconds)
-        self._times_s.append((seen.now_ns - self.begin_ns - self._paused_ns) / 1e9)
-        self._speeds.append(seen.speed)
         self._last, self._last_ns = seen, seen.now_ns
 
     def pause(self, now_ns: int, paused_ns: int) -> None:
         """Take a frame of a pause, `paused_ns` after the one before it, which does not count."""
-        self._close_contact(self._last_ns)
+        for contacts in (self._contacts, *(tally.contacts for tally in self._points)):
+            contacts.part(self._last_ns)
         self._paused_ns += paused_ns
         self._last_ns = now_ns
 
@@ -117,27 +252,29 @@ class Tally:
         self._squared_distance_s += 0.5 * seconds * (seen.distance**2 + before**2)
 
     def row(self) -> dict[str, Any]:
-        """Return all measures by column of the trial table."""
+        """Return all measures by column of the trial table; those of the second point as "point_1_force_peak_n"."""
         columns = asdict(self.measures())
         for play in self._plays:
             columns |= play.measures
+        for number, tally in enumerate(self._points):
+            measures = asdict(tally.measures(self.time_s, self._last_ns))
+            columns |= {f"point_{number}_{name}": value for name, value in measures.items()}
         return columns
 
     def measures(self) -> Measures:
         """Return the measures so far; a contact in progress counts up to the last frame."""
-        open_ns = 0 if self._touching_since_ns is None else max(0, self._last_ns - self._touching_since_ns)
         seconds = self.time_s
         return Measures(
             time_s=seconds,
             path_error_rms_m=self._path_error(),
             path_error_max_m=self._largest_distance(),
-            contacts=self.contacts,
-            contact_time_s=(self._contact_ns + open_ns) / 1e9,
-            smoothness=sparc(resample_speed(np.array(self._times_s), np.array(self._speeds)), RESAMPLE_HZ),
-            force_mean_n=self._force_s / seconds if seconds > 0.0 else self._last.force,
+            contacts=self._contacts.count,
+            contact_time_s=self._contacts.seconds(self._last_ns),
+            smoothness=self._movement.smoothness,
+            force_mean_n=self._movement.mean_force(seconds),
             force_peak_n=self._last.force_peak,
             progress=self._farthest if self._plays else None,
-            path_m=self._path,
+            path_m=self._movement.path,
         )
 
     def _path_error(self) -> float | None:
@@ -147,23 +284,3 @@ class Tally:
         """Return the largest distance of every tick, the one at which the travel began included [m]."""
         peak = self._last.distance_peak
         return None if peak is None else max(peak, self._first_distance)
-
-    def _take_contact(self, contact: Contact) -> None:
-        if contact.t_ns < self.begin_ns:
-            return
-        if not contact.begins:
-            self._partners -= 1
-            if self._partners <= 0:
-                self._close_contact(contact.t_ns)
-            return
-        self.contacts += 1
-        self._partners += 1
-        if self._touching_since_ns is None:  # one whose event comes a frame late counts from where the last ended
-            self._touching_since_ns = max(contact.t_ns, self._parted_ns)
-
-    def _close_contact(self, t_ns: int) -> None:
-        self._partners = 0
-        if self._touching_since_ns is not None:
-            self._parted_ns = max(t_ns, self._touching_since_ns)
-            self._contact_ns += self._parted_ns - self._touching_since_ns
-            self._touching_since_ns = None

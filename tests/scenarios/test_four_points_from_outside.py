@@ -153,11 +153,16 @@ def test_it_plays_and_is_recorded_and_reported_with_all_points(scene: tuple[Path
         assert abs(point["f_effects"][-1, 1]) == pytest.approx(1.0 if number == 3 else 0.0)
     begun = run.events[run.events["kind"] == EventKind.CONTACT_BEGIN]["body_a"]
     assert {*begun.tolist()} == {0, -2, -3, -4}
-    table = load(run_folder).haptic
-    assert np.array_equal(table["point_2_hip_world"], point_rows(run.haptic, 2)["hip_world"])
+    recording = load(run_folder)
+    assert np.array_equal(recording.haptic["point_2_hip_world"], point_rows(run.haptic, 2)["hip_world"])
+    trial = {name: values[0] for name, values in recording.trials.items()}
+    peaks = [trial[f"point_{number}_force_peak_n"] for number in range(4)]
+    assert min(peaks) > 1.0 and max(peaks) == trial["force_peak_n"], "of each point, and the largest of all"
+    assert sum(trial[f"point_{number}_contacts"] for number in range(4)) == trial["contacts"] >= 4
+    assert recording.trials.units["point_3_force_peak_n"] == "N"
     assert mimics("report", run_folder).returncode == 0
     page = (run_folder / "report.html").read_text()
-    assert "Points of contact" in page and all(name in page for name in POINTS)
+    assert "Points of contact" in page and all(f"{name}, force peak [N]" in page for name in POINTS)
 
 
 def test_a_task_sees_every_point(scene: tuple[Path, Path]) -> None:

@@ -10,6 +10,7 @@ import pytest
 from msgspec import structs
 
 from mimics_app.contracts.loop.haptic import EventKind
+from mimics_app.contracts.loop.loop_fields import PointSnapshot
 from mimics_app.tasks.observation import observe
 from mimics_app.tasks.score import part_marks, session_result, trial_points
 from mimics_app.tasks.smoothness import RESAMPLE_HZ, resample_speed, sparc
@@ -80,6 +81,32 @@ def test_the_distance_from_a_line_is_over_the_time_in_which_there_is_one():
     carried = [0.02 if 4.0 <= time <= 5.0 else None for time in times]
     assert travel(times, distance=carried).path_error_rms_m == pytest.approx(0.02)
     assert travel(times, distance=[None] * 601).path_error_rms_m is None
+
+
+def test_each_of_several_points_has_measures_of_its_own():
+    """The first rests and touches for 30 ms; the second goes 0.1 m/s at 3 N, from 2 to 4 mm off its tunnel's line."""
+
+    def seen(k):
+        point = {name: getattr(make_snapshot(), name) for name in PointSnapshot.__slots__}
+        point |= {"hip_world": np.array([0.1 * k / 60, 0.0, 0.0]), "v_world": np.array([0.1, 0.0, 0.0])}
+        point |= {"f_user_world": np.array([0.0, 3.0, 0.0]), "force_peak": 5.0, "own_work": 0.25}
+        point |= {"distance": 2e-3 + 2e-3 * k / 60, "distance_peak": 4.5e-3, "progress_peak": 0.5}
+        return make_snapshot(round(k * 1e9 / 60), further=(PointSnapshot(**point),), force_peak=0.5)
+
+    touch = make_events((100 * MS, EventKind.CONTACT_BEGIN, 1.0), (130 * MS, EventKind.CONTACT_END, 0.0))
+    tally = Tally(observe(seen(0), make_events(), 0))
+    for k in range(1, 61):
+        tally.add(observe(seen(k), touch if k == 8 else make_events(), round(k * 1e9 / 60)))
+    row = tally.row()
+    first, second = ({name[8:]: row[name] for name in row if name.startswith(f"point_{k}_")} for k in (0, 1))
+    assert (first["contacts"], first["contact_time_s"]) == (1, pytest.approx(0.03)) and first["force_peak_n"] == 0.5
+    assert (first["path_m"], first["path_error_rms_m"], first["progress"]) == (0.0, None, None)
+    assert (second["contacts"], second["contact_time_s"], second["work_j"]) == (0, 0.0, 0.25)
+    assert (second["path_m"], second["force_mean_n"]) == (pytest.approx(0.1), pytest.approx(3.0))
+    assert (second["force_peak_n"], second["path_error_max_m"], second["progress"]) == (5.0, 4.5e-3, 0.5)
+    # a ramp from a to b has the mean square (a^2 + ab + b^2) / 3; the trapezoidal rule adds (b - a)^2 / (6 n^2)
+    assert second["path_error_rms_m"] ** 2 == pytest.approx((28.0 / 3.0 + 4.0 / (6.0 * 60**2)) * 1e-6, rel=1e-9)
+    assert (row["contacts"], row["force_peak_n"], row["path_m"]) == (1, 5.0, 0.0), "of all points; of the first"
 
 
 def test_the_total_of_a_distance_keeps_its_fraction_and_that_of_a_count_is_whole():
