@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+import mimics_app as mimics
 from mimics_app.app.bench import realtime_load
 from mimics_app.app.picture.picture import Picture
-from mimics_app.app.play.pace import run_virtual
 from mimics_app.app.play.stills import draw_stills
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.app.session.assembly import build_session
 from mimics_app.app.session.body import Body, NullDsp
 from mimics_app.app.session.core import open_core
 from mimics_app.app.session.frame import Frames
@@ -42,11 +41,8 @@ class CountingDsp(NullDsp):
 
 
 def run(folder: Path) -> None:
-    settings = RunSettings(TUNNEL, headless=True, seconds=0.2, runs=folder, sound="off", pictures=0)
-    with build_session(settings, live=False) as session:
-        run_virtual(session, Frames(session), lambda frames: None)
-        session.end_stages()
-        session.finish({})
+    with mimics.open("wavy_tunnel", seconds=0.2, runs=folder) as session:
+        session.run()
 
 
 def render(folder: Path) -> None:
@@ -125,15 +121,11 @@ def test_a_still_of_a_trial_is_the_frame_a_run_has_there(tmp_path: Path) -> None
         frames.play_to_start()
         drawn = frames.number
         still = frames.snapshot
-    settings = RunSettings(TUNNEL, seed=3, headless=True, runs=tmp_path, sound="off", pictures=0)
-    with build_session(replace(settings, seconds=drawn / 60), live=False) as session:
-        same = Frames(session)
-        run_virtual(session, same, lambda frames: None)
-        session.end_stages()
-        session.finish({})
-    assert same.number == drawn
-    assert still is not None and same.snapshot is not None
-    assert (still.tick, still.hip_world.tobytes()) == (same.snapshot.tick, same.snapshot.hip_world.tobytes())
+    with mimics.open("wavy_tunnel", seed=3, runs=tmp_path) as session:
+        session.step(drawn / 60)
+        same = session.state
+    assert still is not None
+    assert (still.tick, still.hip_world.tobytes()) == (same["tick"][0], same["hip_world"].tobytes())
 
 
 def test_a_session_that_has_ended_plays_no_further_frame() -> None:

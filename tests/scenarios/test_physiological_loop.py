@@ -9,27 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mimics_app.app.play.pace import run_virtual
-from mimics_app.app.session.assembly import build_session
+import mimics_app as mimics
 from mimics_app.app.session.body_replay import replay_body
-from mimics_app.app.session.frame import Frames
-from mimics_app.app.settings import RunSettings
-from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.system.resources import root
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import FILES
 
-TUNNEL = root() / "scenes" / "wavy_tunnel.json"
-
 
 def play(folder: Path, seconds: float, **more: Any) -> Run:
-    settings = RunSettings(TUNNEL, headless=True, seconds=seconds, runs=folder, sound="off", pictures=0, **more)
-    with build_session(settings, live=False) as session:
-        frames = Frames(session)
-        run_virtual(session, frames, lambda frames: None)
-        session.end_stages()
-        session.finish({})
-        return Run.open(session.folder)
+    with mimics.open("wavy_tunnel", seconds=seconds, runs=folder, **more) as session:
+        session.run()
+    return mimics.load(session.run_dir).run
 
 
 @pytest.fixture(scope="module")
@@ -108,6 +97,6 @@ def test_a_run_without_signals_has_no_stream(tmp_path: Path) -> None:
     [{"learn": "kalmann"}, {"physio": "simm"}, {"learn": "kalman", "goal": "joy"}, {"physio": "sim", "estimator": "a"}],
 )
 def test_what_is_not_there_is_refused_before_a_run_begins(more: dict[str, str], tmp_path: Path) -> None:
-    with pytest.raises(UsageError):
+    with pytest.raises(mimics.errors.UsageError):
         play(tmp_path, 1.0, **more)
     assert not list(tmp_path.iterdir())

@@ -12,33 +12,22 @@ import edfio
 import numpy as np
 import pytest
 
-from mimics_app.app.play.pace import run_virtual
-from mimics_app.app.session.assembly import build_session
+import mimics_app as mimics
 from mimics_app.app.session.body_replay import replay_body
-from mimics_app.app.session.frame import Frames
-from mimics_app.app.settings import RunSettings
-from mimics_app.contracts.system.resources import root
 from mimics_app.recording.run import Run
 from tests.support.amplifier import AmplifierEmulator
 from tests.support.body_signals import body
 
-TUNNEL = root() / "scenes" / "wavy_tunnel.json"
 RATE = 1000
 
 
-def play(
-    folder: Path, source: str, seconds: float, after_frame: Callable[[int], None], reported: list[str] | None = None
-) -> Run:
-    """A headless run on the virtual clock; `after_frame` is called with the number of frames done."""
-    settings = RunSettings(TUNNEL, headless=True, seconds=seconds, runs=folder, sound="off", pictures=0, physio=source)
-    with build_session(settings, live=False) as session:
-        if reported is not None:
-            session.report = reported.append
-        frames = Frames(session)
-        run_virtual(session, frames, lambda frames: after_frame(frames.number))
-        session.end_stages()
-        session.finish({})
-        return Run.open(session.folder)
+def play(folder: Path, source: str, seconds: float, after_frame: Callable[[int], None]) -> tuple[Run, list[str]]:
+    """The recording of a session and what it said; `after_frame` is called with the number of frames done."""
+    with mimics.open("wavy_tunnel", runs=folder, physio=source) as session:
+        for frame in range(1, round(60 * seconds) + 1):
+            session.step()
+            after_frame(frame)
+    return mimics.load(session.run_dir).run, session.notices
 
 
 def ecg_of(run: Run) -> Any:
@@ -62,11 +51,10 @@ def test_an_amplifier_that_is_unplugged_ends_its_signals_and_not_the_run(tmp_pat
         elif frame == 120:
             amplifier.unplug()
 
-    reported: list[str] = []
     talk = threading.Thread(target=announce)
     talk.start()
     try:
-        run = play(tmp_path, f"serial:{amplifier.port}", 4.0, send, reported)
+        run, reported = play(tmp_path, f"serial:{amplifier.port}", 4.0, send)
     finally:
         opened.set()
         talk.join()
@@ -99,7 +87,7 @@ def test_a_run_on_a_stream_of_lsl(tmp_path: Path) -> None:
             outlet.push_chunk(ecg[begin:end].astype(np.float32).reshape(-1, 1).tolist())
         time.sleep(0.004)
 
-    run = play(tmp_path, f"lsl:{name}", 8.0, send)
+    run, _ = play(tmp_path, f"lsl:{name}", 8.0, send)
     found = ecg_of(run)
     good = found[np.isfinite(found)]
     assert len(good) > RATE
@@ -136,7 +124,7 @@ def write_wfdb(folder: Path, ecg: Any) -> Path:
 @pytest.mark.parametrize("write", [write_csv, write_edf, write_wfdb])
 def test_a_run_on_a_file_plays_what_stands_in_it(write: Callable[[Path, Any], Path], tmp_path: Path) -> None:
     ecg = body(3)[0]["ecg"]
-    run = play(tmp_path / "runs", f"file:{write(tmp_path, ecg)}", 2.0, lambda frame: None)
+    run, _ = play(tmp_path / "runs", f"file:{write(tmp_path, ecg)}", 2.0, lambda frame: None)
     found = ecg_of(run)
     assert len(found) >= 1.9 * RATE
     np.testing.assert_allclose(found, ecg[: len(found)], atol=1e-3)

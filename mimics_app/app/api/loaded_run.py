@@ -19,7 +19,7 @@ from mimics_app.recording.series import SIGNAL_UNITS
 
 __all__ = ["Recording", "Signal", "load"]
 
-_SUFFIXES = (("_ns", "ns"), ("_s", "s"), ("_m", "m"), ("_n", "N"), ("_mm", "mm"), ("_deg", "deg"))
+_SUFFIXES = (("_ns", "ns"), ("_s", "s"), ("_m", "m"), ("_n", "N"), ("_j", "J"), ("_mm", "mm"), ("_deg", "deg"))
 _LINE_UNITS = {"t_s": "s", "force": "N", "speed": "m/s", "position_world": "m"}
 
 

@@ -22,13 +22,13 @@ from mimics_app.app.session.preparation import Given
 from mimics_app.app.session.requested import read_requested
 from mimics_app.app.session.session import Session
 from mimics_app.app.settings import RunSettings
+from mimics_app.app.terminal.output import say
 from mimics_app.contracts.clock import FRAMES_PER_SECOND, SECOND_NS, MonotonicClock
 from mimics_app.contracts.commands.command_records import CommandSource
 from mimics_app.contracts.commands.vocabulary import Command, Reset, SetParameter
 from mimics_app.contracts.errors import UsageError, nearest
 from mimics_app.contracts.loop.haptic import SafetyState
-from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS
-from mimics_app.contracts.messages.stage_messages import HapticSnapshot
+from mimics_app.contracts.loop.loop_fields import FURTHER, LOOP_FIELDS, Extent, HapticSnapshot, PointSnapshot
 from mimics_app.contracts.shared_memory.command_ring import Answer, CommandSender
 from mimics_app.recording.run_folder import private_files
 from mimics_app.world.files.scene.edits import SceneEdits
@@ -98,6 +98,7 @@ class Opened:
         self._edits, self._settings, self._given, self._window = SceneEdits(scene), settings, given, window
         self._session: Session | None = None
         self._listeners: list[Callable[[Trial], None]] = []
+        self._notices: list[str] = []
         self._reported, self._reset_at = 0, -1
         self._picture: Picture | None = None
         self._size = (0, 0)
@@ -131,10 +132,14 @@ class Opened:
 
     @property
     def state(self) -> Table:
-        """Newest state of touch: the fields of the snapshot, each of shape [1] or [1, k], in SI units."""
+        """Newest state of touch: the fields of the snapshot, each of shape [1] or [1, k], in SI units.
+
+        Points of contact after the first are in fields as "point_1_hip_world".
+        """
         session = self._begun
         seen = self._frames.snapshot or session.haptics.snapshot()
-        return Table({name: Quantity(values[np.newaxis], unit) for name, values, unit in _fields_of(seen)})
+        shown = _fields_of(seen, session.memory.capacities.extent)
+        return Table({name: Quantity(values[np.newaxis], unit) for name, values, unit in shown})
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -145,6 +150,11 @@ class Opened:
     def trials(self) -> list[Trial]:
         """Rows of the attempts at trials that have ended so far; columns of trials.csv."""
         return [] if self._session is None else [dict(row) for row in self._session.tasks.rows]
+
+    @property
+    def notices(self) -> list[str]:
+        """What the session said so far of devices, signals and stops, oldest first."""
+        return list(self._notices)
 
     @property
     def result(self) -> dict[str, Any]:
@@ -271,6 +281,7 @@ class Opened:
             stack.callback(session.__exit__)
             if session.live and not self._window:
                 raise UsageError("the device runs in real time", "open the scene with window=True")
+            session.report = self._note
             self._frames = Frames(session)
             self._sender = CommandSender(session.memory, CommandSource.PYTHON, "python")
             self._hears = self._listen(session)
@@ -291,6 +302,10 @@ class Opened:
         summary = summarise(session, self._frames, sound, (MonotonicClock().now_ns() - self._begun_ns) * 1e-9)
         manifest = session.finish(summary)
         self._result = {**summary, "state_hash": manifest.state_hash}
+
+    def _note(self, text: str) -> None:
+        self._notices.append(text)
+        say(text)
 
     def _is_over(self) -> bool:
         """Whether the session is over: a stop may still be left by a command that waits."""
@@ -400,8 +415,10 @@ def _settings(scene: Path, given: Mapping[str, object], *, window: bool) -> RunS
     return replace(RunSettings(scene, headless=not window, pictures=0, sound="auto" if window else "off"), **plain)
 
 
-def _fields_of(snapshot: HapticSnapshot) -> list[tuple[str, NDArray[Any], str]]:
-    """Return name, value and unit of every field of a snapshot."""
-    units = {field.name: ", ".join(dict.fromkeys(field.units)) for field in LOOP_FIELDS}
-    names = [field.name for field in fields(HapticSnapshot)]
-    return [(name, np.array(getattr(snapshot, name)), units.get(name, "1")) for name in names]
+def _fields_of(snapshot: HapticSnapshot, extent: Extent) -> list[tuple[str, NDArray[Any], str]]:
+    """Return name, value and unit of every field of a device's snapshot."""
+    units = {field.name: ", ".join(dict.fromkeys(field.present(extent) or field.units)) for field in LOOP_FIELDS}
+    found = [(field.name, snapshot, field.name) for field in fields(HapticSnapshot) if field.name != FURTHER]
+    for number, point in enumerate(snapshot.further, 1):
+        found += [(f"point_{number}_{field.name}", point, field.name) for field in fields(PointSnapshot)]
+    return [(name, np.array(getattr(of, field)), units.get(field, "1")) for name, of, field in found]
