@@ -16,9 +16,10 @@ from contextlib import ExitStack, contextmanager, suppress
 from itertools import count
 from pathlib import Path
 from threading import Event, Thread
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mimics_app.app.play.operators_page import check_console
 from mimics_app.console.meeting_place import MeetingPlace, PageAddress
@@ -26,6 +27,8 @@ from mimics_app.console.telemetry import TELEMETRY, VALUES
 from mimics_app.contracts.clock import SECOND_NS, Clock, MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.recording.run import Run
+from mimics_app.recording.series import series_of
 
 if TYPE_CHECKING:
     from websockets.sync.client import ClientConnection
@@ -60,18 +63,22 @@ def measure_console(scene: Path, stops: int, rounds: int, say: Callable[[str], N
     with tempfile.TemporaryDirectory(prefix="mimics-bench-") as folder, _meeting_in(folder):
         say("sessions with and without clients")
         ratios = [_lateness(scene, folder, _CLIENTS) / _lateness(scene, folder, 0) for _ in range(rounds)]
-        with _page(), _session(scene, folder, None):
-            page = _served()
-            say("rate of the page and cost of its server")
-            rate, share = _watch(page)
-            say(f"{stops} presses of STOP")
-            free = _press_many(page, stops - stops // 2)
-            with _attackers(page):
-                attacked = _press_many(page, stops // 2)
-            tried, refused = _attacks(page)
+        with _page():
+            with _session(scene, folder, None):
+                page = _served()
+                say("rate of the page and cost of its server")
+                rate, share = _watch(page)
+                say(f"{stops} presses of STOP")
+                free = _press_many(page, stops - stops // 2)
+                with _attackers(page):
+                    attacked = _press_many(page, stops // 2)
+                tried, refused = _attacks(page)
+            stopped_ns = _stopped_ns(max(Path(folder).glob("*_*"), key=lambda run: run.stat().st_mtime_ns))
     return {
-        "stop_ms": _spread(free),
-        "stop_attacked_ms": _spread(attacked),
+        "stop_ms": _spread(_until_stopped_ms(free, stopped_ns)),
+        "stop_attacked_ms": _spread(_until_stopped_ms(attacked, stopped_ns)),
+        "stop_shown_ms": _spread([press.shown_ms for press in free]),
+        "stop_shown_attacked_ms": _spread([press.shown_ms for press in attacked]),
         "page_hz": rate,
         "server_cpu": share,
         "haptic_p99_ratio": float(np.median(ratios)),
@@ -220,16 +227,44 @@ def _cpu_s(page: PageAddress) -> float:
     return ticks / _TICKS_PER_SECOND
 
 
-def _press_many(page: PageAddress, presses: int) -> list[float]:
-    """Return the times from a press of STOP to the page's first number of a session without force [ms]."""
-    headers, times, numbers = _enter(page), list[float](), count(1)
+class _Press(NamedTuple):
+    """A press of STOP: when it was [ns], and after what time the page had its first number without force [ms]."""
+
+    at_ns: int
+    shown_ms: float
+
+
+def _stopped_ns(run: Path) -> NDArray[np.int64]:
+    """Return when the ticks of a recording were done in which a stop had taken the force away [ns]."""
+    recorded = Run.open(run)
+    (haptic,) = (each for each in series_of(recorded) if each.name == "haptic")
+    names = haptic.columns
+    forces = [names.index(f"f_user_world[{i}]") for i in range(3)]
+    found = []
+    for batch in haptic.batches():
+        still = np.linalg.norm(batch.values[:, forces], axis=1) < _NO_FORCE
+        stopped = still & (batch.values[:, names.index("state")] == SafetyState.E_STOP)
+        late_ns = batch.values[:, names.index("lateness_ns")] + batch.values[:, names.index("duration_ns")]
+        found.append((recorded.start_ns + SECOND_NS * batch.t_s + late_ns)[stopped])
+    return np.concatenate(found).astype(np.int64)
+
+
+def _until_stopped_ms(presses: Sequence[_Press], stopped_ns: NDArray[np.int64]) -> list[float]:
+    """Return the time from each press to the end of the first tick without force [ms]."""
+    firsts = np.searchsorted(stopped_ns, [press.at_ns for press in presses])
+    return [(int(stopped_ns[first]) - press.at_ns) / 1e6 for press, first in zip(presses, firsts, strict=True)]
+
+
+def _press_many(page: PageAddress, presses: int) -> list[_Press]:
+    """Press STOP a number of times, each after force was allowed again."""
+    headers, times, numbers = _enter(page), list[_Press](), count(1)
     with _connect(page) as client:
         for _ in range(presses):
             _allow_force(client, numbers)
             begun = _CLOCK.now_ns()
             _post(f"{page.stop_url}/stop", json.dumps({"nonce": str(uuid.uuid4())}).encode(), headers)
             _until(client, lambda values: values[_STATE] == SafetyState.E_STOP and values[_FORCE] < _NO_FORCE)
-            times.append((_CLOCK.now_ns() - begun) / 1e6)
+            times.append(_Press(begun, (_CLOCK.now_ns() - begun) / 1e6))
     return times
 
 

@@ -166,6 +166,7 @@ export function addTrials(entries) {
     }
     byId("trial-rows").prepend(row);
   }
+  keepNewest(byId("trial-rows"));
 }
 
 /** Add lines of the journal to the log, the newest first; the oldest are dropped. */
@@ -179,7 +180,11 @@ export function addEvents(entries, startNs) {
     line.append(time, text);
     byId("log").prepend(line);
   }
-  while (byId("log").children.length > MOST_LINES) byId("log").lastElementChild.remove();
+  keepNewest(byId("log"));
+}
+
+function keepNewest(list) {
+  while (list.children.length > MOST_LINES) list.lastElementChild.remove();
 }
 
 function clockTime(seconds) {
