@@ -38,6 +38,7 @@ COMMANDS: dict[str, str] = {
     "doctor": "report what this machine has, what it lacks and how to install it",
     "devices": "list devices, simulators, displays, gamepads and serial ports; check or emulate a device",
     "console": "serve the operator's page, from which sessions are watched and steered in a browser",
+    "mirror": "show the scene of a session on a second display, from its state, read only",
     "replay": "simulate a recorded run again and compare every output",
     "report": "write the report of a run as one HTML file",
     "physio": "read body signals from a file, a stream or a simulated person: plots, features, events, quality",

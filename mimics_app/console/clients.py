@@ -32,12 +32,13 @@ class Client:
     Attributes:
         operates: Whether it operates.
         wants_picture: Whether it shows the subject's picture.
+        wants_mirror: Whether it is a second display.
         left_out: Binary messages that were replaced by newer ones.
     """
 
     def __init__(self, socket: WebSocket, number: int, *, may_operate: bool) -> None:
         self.number, self.may_operate = number, may_operate
-        self.operates = self.wants_picture = False
+        self.operates = self.wants_picture = self.wants_mirror = False
         self.left_out = 0
         self._socket = socket
         self._texts: deque[bytes] = deque()
@@ -121,6 +122,11 @@ class Clients:
     def watchers(self) -> int:
         """Number of clients that show the picture."""
         return sum(client.wants_picture for client in self.open)
+
+    @property
+    def mirrors(self) -> int:
+        """Number of clients that are second displays."""
+        return sum(client.wants_mirror for client in self.open)
 
     def join(self, socket: WebSocket, role: Role) -> Client:
         """Add a page; the first that may operate does."""

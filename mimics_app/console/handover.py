@@ -55,6 +55,7 @@ class SessionCard:
         capacities: Layout of the shared memory.
         pid: Process of the session.
         scene: Name of the scene.
+        scene_hash: Hash of the scene's files.
         title: Title of the scene.
         folder: Name of the run folder.
         device: Device of the session.
@@ -79,6 +80,7 @@ class SessionCard:
     device: str
     simulated: bool
     participant: str
+    scene_hash: str
     has_policy: bool
     lost: str
     sliders: list[Slider] = field(default_factory=list)

@@ -27,7 +27,7 @@ from mimics_app.console.handover import Lines, attach, send_line
 from mimics_app.console.page_files import catalogue, page_files
 from mimics_app.console.readiness import Choice, find_choices, find_lights, start_words
 from mimics_app.console.session_view import SessionView, compressed
-from mimics_app.console.telemetry import TELEMETRY, VALUES, message
+from mimics_app.console.telemetry import MIRROR, TELEMETRY, VALUES, message
 from mimics_app.console.web_server import Certificate, WebServer
 from mimics_app.contracts.system.child_signals import ignore_signals
 
@@ -100,6 +100,7 @@ class PageServer:
             "keep": lambda client: self._clients.grant(client, accept=False),
             "picture_on": lambda client: _watch(client, on=True),
             "picture_off": lambda client: _watch(client, on=False),
+            "mirror_on": _follow,
         }
 
     def app(self) -> ASGIApp:
@@ -223,8 +224,12 @@ class PageServer:
             if self._passes % _SLOW == 0:
                 self._show(TELEMETRY, _NO_TICKS)
             return
-        session.attend(operators=self._clients.operators, watchers=self._clients.watchers)
+        session.attend(
+            operators=self._clients.operators, watchers=self._clients.watchers, mirrors=self._clients.mirrors
+        )
         self._show(TELEMETRY, session.telemetry.newest() or _NO_TICKS)
+        if self._clients.mirrors and (frame := session.mirror.read()) is not None:
+            self._each(partial(_show_mirror, message(MIRROR, frame)))
         if (signals := session.signals()) is not None:
             self._each(lambda client: client.append(signals))
         for client, answer in session.answers():
@@ -295,6 +300,16 @@ async def _prepare(client: Client, ask: _Ask) -> None:
 def _watch(client: Client, *, on: bool) -> str:
     client.wants_picture = on
     return ""
+
+
+def _follow(client: Client) -> str:
+    client.wants_mirror = True
+    return ""
+
+
+def _show_mirror(frame: bytes, client: Client) -> None:
+    if client.wants_mirror:
+        client.show(MIRROR, frame)
 
 
 def _show_picture(kind: int, picture: bytes, client: Client) -> None:

@@ -49,6 +49,7 @@ class SessionView:
         status: Newest status without its lists.
         kept: The newest entries of each list, for clients that come later.
         pictures: Readers of the pictures by the kind of their message.
+        mirror: Reader of the frames for second displays.
     """
 
     def __init__(self, session: AttachedSession) -> None:
@@ -60,6 +61,7 @@ class SessionView:
             PICTURE: NewestReader(memory.picture_words, memory.picture),
             SECOND_PICTURE: NewestReader(memory.second_picture_words, memory.second_picture),
         }
+        self.mirror = NewestReader(memory.mirror_words, memory.mirror)
         self._memory = memory
         self._clock: Clock = MonotonicClock()
         self._sender = CommandSender(memory, CommandSource.OPERATOR, "operator's page")
@@ -69,10 +71,11 @@ class SessionView:
         self._waiting: dict[int, tuple[object, int]] = {}
         self.telemetry = Telemetry(memory)
 
-    def attend(self, *, operators: int, watchers: int) -> None:
+    def attend(self, *, operators: int, watchers: int, mirrors: int) -> None:
         """Show the session that its page lives, and how many see it."""
         self._memory.attendance[AttendanceWord.OPERATORS] = operators
         self._memory.attendance[AttendanceWord.WATCHERS] = watchers
+        self._memory.attendance[AttendanceWord.MIRRORS] = mirrors
         self._memory.attendance[AttendanceWord.PASS_NS] = self._clock.now_ns()
 
     def take_status(self) -> tuple[dict[str, Any], Mapping[str, list[dict[str, Any]]]] | None:

@@ -10,10 +10,24 @@ from numpy.typing import NDArray
 from mimics_app.contracts.shared_memory.ring_history import RingHistory
 from mimics_app.contracts.shared_memory.session_memory import ControlWord, SessionMemory
 
-__all__ = ["EXTREMES", "PICTURE", "SECOND_PICTURE", "SIGNALS", "TELEMETRY", "VALUES", "Telemetry", "message"]
+__all__ = [
+    "EXTREMES",
+    "HEADER_BYTES",
+    "MIRROR",
+    "PICTURE",
+    "SECOND_PICTURE",
+    "SIGNALS",
+    "TELEMETRY",
+    "VALUES",
+    "Telemetry",
+    "message",
+]
 
-TELEMETRY, PICTURE, SIGNALS, SECOND_PICTURE = 1, 2, 3, 4
+TELEMETRY, PICTURE, SIGNALS, SECOND_PICTURE, MIRROR = 1, 2, 3, 4, 5
 """Kinds of binary messages, their first word."""
+
+HEADER_BYTES = 8
+"""Length of what precedes the content of a binary message."""
 
 _SCALARS = (
     "progress", "distance", "tunnel_radius", "penetration", "touching", "depth", "margin", "stiffness_share", "calm",

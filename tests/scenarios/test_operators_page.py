@@ -18,20 +18,28 @@ from datetime import timedelta
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from PIL import Image
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
+from mimics_app.app.mirror.mirror_buffer import MirrorBuffer
+from mimics_app.app.mirror.mirror_link import MirrorLink
+from mimics_app.app.mirror.mirrored_scene import MirroredScene
 from mimics_app.app.play.launching import launcher_settings, settings_of_choice
 from mimics_app.app.play.operators_page import DEFAULT_PORT, open_page
 from mimics_app.console import own_certificate as own_certificate_module
 from mimics_app.console.meeting_place import MeetingPlace, PageAddress
 from mimics_app.console.own_certificate import fingerprint, own_certificate
 from mimics_app.contracts.commands.command_records import CommandSource
+from mimics_app.contracts.errors import DeviceError, SceneError
 from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.contracts.messages.mirror_frame import MirrorFrame
+from mimics_app.contracts.shared_memory.session_memory import AttendanceWord
 from mimics_app.contracts.shared_memory.shared_words import STOP_STRIDE
 from mimics_app.rendering.visual.launcher.launcher import LauncherChoice
-from tests.support.operators_page import LinkedSession, answers, enter, page_server_of, post, served
+from tests.support.operators_page import ROOT, LinkedSession, answers, enter, page_server_of, post, served
 
 
 @pytest.fixture(scope="module")
@@ -292,3 +300,43 @@ def test_the_entry_of_the_launcher_opens_the_page_in_the_browser_once(
         assert enter(address)[1]
     finally:
         os.kill(address.pid, signal.SIGTERM)
+
+
+def test_a_second_display_shows_the_world_of_the_session_and_gives_no_command(
+    page: PageAddress, play: LinkedSession, tmp_path: Path
+) -> None:
+    buffer = MirrorBuffer(100_000_000)
+    link = MirrorLink(page.view_url, buffer, None)
+    try:
+        play.play_until(lambda: buffer.at(time.monotonic_ns()))
+        card, theirs = link.card, play.session.world.transforms
+        assert card is not None
+        mirrored = MirroredScene(card["scene"], card["scene_hash"])
+        ours = mirrored.world.transforms
+        mirrored.show(play.play_until(lambda: whole(buffer.at(time.monotonic_ns()), len(theirs))))
+        play.play(5)
+        until = time.monotonic() + 30.0
+        while (frame := buffer.at(time.monotonic_ns())).number < play.frames.number:
+            assert time.monotonic() < until
+            time.sleep(0.02)
+        mirrored.show(frame)
+        np.testing.assert_allclose(ours.world, theirs.world, atol=1e-5)
+        np.testing.assert_array_equal(ours.shown, theirs.shown)
+        assert play.commands("view") == [] and not play.session.memory.attendance[AttendanceWord.OPERATORS]
+        with pytest.raises(SceneError, match="another one than that of the session"):
+            MirroredScene(card["scene"], "0" * 64)
+    finally:
+        link.close()
+    file = tmp_path / "mirror.png"
+    words = ["mirror", page.view_url, "--output", str(file), "--seconds", "1", "--size", "320x180", "--json"]
+    mirror = subprocess.Popen([sys.executable, "-m", "mimics_app", *words], cwd=ROOT, stdout=subprocess.PIPE, text=True)
+    play.play_until(lambda: mirror.poll() is not None)
+    assert mirror.returncode == 0 and json.load(mirror.stdout)["frames"]
+    assert np.asarray(Image.open(file)).std() > 10.0
+    with pytest.raises(DeviceError, match="does not know this token"):
+        MirrorLink(page.view_url[:-1] + "0", buffer, None)
+
+
+def whole(frame: MirrorFrame | None, rows: int) -> MirrorFrame | None:
+    """The frame, if it has all rows."""
+    return frame if frame is not None and len(frame.rows) == rows else None

@@ -13,12 +13,14 @@ import numpy as np
 from mimics_app.app.picture.around_hand import AROUND
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.operator_status import status_of, trial_line
+from mimics_app.app.session.state_mirror import StateMirror
 from mimics_app.console.handover import VERSION, Lines, SessionCard, Slider, send_line
 from mimics_app.console.meeting_place import MeetingPlace, has_unix_sockets
 from mimics_app.contracts.clock import SECOND_NS, Clock, MonotonicClock
 from mimics_app.contracts.commands.command_records import CommandSource
 from mimics_app.contracts.commands.vocabulary import Pause, Stop
 from mimics_app.contracts.loop.device_faults import FAULT_WORDS
+from mimics_app.contracts.messages.mirror_frame import write_frame
 from mimics_app.contracts.messages.stage_messages import SignalBlock
 from mimics_app.contracts.shared_memory.command_ring import CommandSender
 from mimics_app.contracts.shared_memory.newest_bytes import NewestWriter
@@ -66,6 +68,8 @@ class OperatorLink:
         self._next_seek_ns = 0
         self._status = NewestWriter(memory.status_words, memory.status)
         self._signals = HistoryWriter(memory.signal_words, memory.signal_samples)
+        self._mirror = StateMirror(session.world)
+        self._mirrored = NewestWriter(memory.mirror_words, memory.mirror)
         self._sender = CommandSender(memory, CommandSource.ATTENDANCE, "session")
         self._names = {name: i for i, name in enumerate(_BODY_SIGNALS)} if session.settings.physio else {}
         self._first_ns: dict[str, int] = {}
@@ -98,6 +102,7 @@ class OperatorLink:
         self._watch_operator(now_ns)
         if frames.snapshot is not None:
             self._hand = frames.snapshot.hip_world
+        self._mirror_state(frames)
         self._put_signals(frames.signals)
         self._copy_picture()
         self._watch_second_view()
@@ -156,6 +161,7 @@ class OperatorLink:
             device=session.haptics.plugin.name,
             simulated=session.haptics.plugin.simulated,
             participant=session.settings.participant,
+            scene_hash=session.scene.hash,
             has_policy=session.has_policy,
             lost=self._lost,
             sliders=[
@@ -242,6 +248,12 @@ class OperatorLink:
     @property
     def _second_views(self) -> list[str]:
         return [*self._session.views, *AROUND]
+
+    def _mirror_state(self, frames: Frames) -> None:
+        """Publish the scene as it is now, while a second display follows it."""
+        self._mirror.listen(frames)
+        if self._session.memory.attendance[AttendanceWord.MIRRORS]:
+            self._mirrored.write(write_frame(self._mirror.frame(frames, self._session.clock.now_ns())))
 
     def _put_signals(self, blocks: tuple[SignalBlock, ...]) -> None:
         for block in blocks:

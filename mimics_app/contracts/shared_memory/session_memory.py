@@ -59,6 +59,7 @@ class AttendanceWord(IntEnum):
     PASS_NS = 0  # monotonic time of the page's last pass [ns]
     OPERATORS = 1  # clients that may give commands
     WATCHERS = 2  # clients that show the subject's picture
+    MIRRORS = 4  # second displays that follow the scene
     SECOND_VIEW = 3  # view of the picture beside it: 1 + its place among the scene's views; 0: none
 
 
@@ -85,6 +86,7 @@ class Capacities:
     status_bytes: int = 65536  # of the state for the operator
     picture_bytes: int = 3 * PICTURE_SIZE[0] * PICTURE_SIZE[1] + 64  # of the subject's picture for the operator
     second_picture_bytes: int = 3 * SECOND_PICTURE_SIZE[0] * SECOND_PICTURE_SIZE[1] + 64  # of another view beside it
+    mirror_bytes: int = 1 << 19  # of a frame for second displays: 10,000 moved nodes
     lateness_bins: int = 2048
     extent: Extent = field(default_factory=Extent)  # subset of the loop's numbers that the device has
 
@@ -171,6 +173,8 @@ class SessionMemory:
     picture: Annotated[NDArray[np.uint8], Shared(np.uint8, (2, "picture_bytes"))]
     second_picture_words: Annotated[Words, Shared(np.int64, (NEWEST_WORDS,))]
     second_picture: Annotated[NDArray[np.uint8], Shared(np.uint8, (2, "second_picture_bytes"))]
+    mirror_words: Annotated[Words, Shared(np.int64, (NEWEST_WORDS,))]
+    mirror: Annotated[NDArray[np.uint8], Shared(np.uint8, (2, "mirror_bytes"))]
     signal_words: _Ends
     signal_samples: Annotated[Records, Shared(SIGNAL_SAMPLE, ("signal_samples",))]
 

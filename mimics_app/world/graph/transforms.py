@@ -84,6 +84,11 @@ class TransformTable:
         return self._scales[: self._count]
 
     @property
+    def visible(self) -> NDArray[np.uint8]:
+        """Visibility flag of each row, uint8 [rows]; read only by convention."""
+        return self._visible[: self._count]
+
+    @property
     def world(self) -> F8:
         """T_world_from_node as of the last update, float64 [rows, 4, 4]."""
         return self._world[: self._count]

@@ -296,7 +296,7 @@ class Match:
 
     def _touch(self, player: Player, before: F8, after: F8, share: float, seconds: float) -> list[Happening]:
         """Let feet and body meet the ball, with the feet at a share of the frame."""
-        happened = []
+        happened: list[Happening] = []
         ball = self.ball
         if abs(complex(ball.place[0], ball.place[2]) - player.at) > _FAR:
             return happened

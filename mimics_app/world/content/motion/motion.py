@@ -86,6 +86,11 @@ class Motion:
             self.body_of.pop(name, None)
         return gone
 
+    def hold(self) -> None:
+        """Remove all animators: from now on others move the nodes, which bodies go on following."""
+        self.animators.clear()
+        self.machines.clear()
+
     def pose(self, transforms: TransformTable) -> None:
         """Advance all animators to the present time and write their poses to the nodes.
 

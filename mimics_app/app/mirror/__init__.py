@@ -1,0 +1,1 @@
+"""State mirror: a session's scene on a second display, which receives its state and sends nothing to it."""

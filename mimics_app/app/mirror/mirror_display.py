@@ -1,0 +1,119 @@
+"""What a mirror shows: a window, or a picture in a file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Self
+
+from mimics_app.app.mirror.mirror_buffer import MirrorBuffer
+from mimics_app.app.mirror.mirror_link import MirrorLink
+from mimics_app.app.mirror.mirrored_scene import MirroredScene
+from mimics_app.app.picture.active_view import view_names
+from mimics_app.app.picture.picture import Picture, live_quality
+from mimics_app.app.picture.shown_on import open_display
+from mimics_app.app.picture.window_opening import open_window
+from mimics_app.contracts.clock import FRAME_NS, SECOND_NS, Clock, MonotonicClock
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.rendering.visual.surfaces.headless import open_offscreen
+from mimics_app.rendering.visual.surfaces.surface import Size
+
+__all__ = ["MirrorDisplay"]
+
+_PATIENCE_NS = 60 * SECOND_NS
+"""Longest wait for a session [ns]."""
+_OFFSCREEN: Size = (1280, 720)
+_SOUND_NS = SECOND_NS
+"""Time for which the name of a sound is shown [ns]."""
+
+
+class MirrorDisplay:
+    """Shows the session of a connection, once there is one.
+
+    Args:
+        link: The connection.
+        buffer: Its frames.
+        scene: Scene file; "": that of the session's name.
+        camera: View that is shown first; "": as the scene says.
+        output: File for the last picture, without a window; None: a window.
+        size: Size of the picture [px]; None: as suits it.
+
+    Attributes:
+        scene: Name of the scene.
+
+    Raises:
+        DeviceError: No session begins within a minute, or there is no display.
+        SceneError: The scene is not here, or another one.
+    """
+
+    def __init__(
+        self, link: MirrorLink, buffer: MirrorBuffer, scene: str, camera: str, output: Path | None, size: Size | None
+    ) -> None:
+        self._clock: Clock = MonotonicClock()
+        self._link, self._buffer, self._output = link, buffer, output
+        card = self._wait_for_session()
+        self._shown = MirroredScene(scene or str(card["scene"]), str(card["scene_hash"]))
+        self.scene = self._shown.scene.name
+        title = f"{self._shown.scene.title or self.scene} - mimics mirror"
+        surface = open_window(size, title) if output is None else open_offscreen("auto", size or _OFFSCREEN)
+        display = open_display(self._shown.scene, "desktop", surface)
+        quality = live_quality(self._shown.scene, "training", surface)
+        self._picture = Picture(surface, self._shown.scene, self._shown.world, quality, camera, display)
+        self._sound, self._sound_until_ns = "", 0
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._picture.close()
+
+    def run(self, seconds: float | None) -> int:
+        """Show the session for a time [s], None: until the window is closed; return the number of pictures."""
+        begun = due = self._clock.now_ns()
+        count, left = 0, False
+        while not (self._picture.surface.should_close or left):
+            now_ns = self._clock.now_ns()
+            if seconds is not None and now_ns - begun > seconds * SECOND_NS:
+                break
+            left = self._handle()
+            count += self._draw(now_ns)
+            due = max(due + FRAME_NS, self._clock.now_ns() - FRAME_NS)
+            self._clock.sleep_until_ns(due)
+        if self._output is not None:
+            self._picture.save(self._output)
+        return count
+
+    def _wait_for_session(self) -> dict[str, object]:
+        until = self._clock.now_ns() + _PATIENCE_NS
+        while (card := self._link.card) is None:
+            if self._clock.now_ns() > until:
+                raise DeviceError(f"no session to be shown: {self._link.why}", "start it with --console")
+            self._clock.sleep_until_ns(self._clock.now_ns() + FRAME_NS)
+        return card
+
+    def _draw(self, now_ns: int) -> bool:
+        """Draw the state that is due; return whether there is one."""
+        frame = self._buffer.at(now_ns)
+        if frame is None:
+            return False
+        self._shown.show(frame)
+        if sounds := self._buffer.take_sounds(frame):
+            self._sound, self._sound_until_ns = sounds[-1].name, now_ns + _SOUND_NS
+        why = "" if self._link.card is not None else self._link.why
+        sound = f"sound: {self._sound}" if now_ns < self._sound_until_ns else ""
+        self._picture.draw(frame.board.saying(why or sound), now_ns)
+        self._picture.surface.swap()
+        return True
+
+    def _handle(self) -> bool:
+        """Take the keys of the window; return whether the person leaves."""
+        views = view_names(self._shown.world)
+        for event in self._picture.surface.poll():
+            if event.kind != "key" or not event.pressed:
+                continue
+            if event.name == "escape":
+                return True
+            if event.name == "v":
+                self._picture.show_view(views[(views.index(self._picture.view.name) + 1) % len(views)])
+            elif event.name.isdigit() and 0 < int(event.name) <= len(views):
+                self._picture.show_view(views[int(event.name) - 1])
+        return False
