@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 
+import numpy as np
+
+from mimics_app.app.picture.active_view import Placed
 from mimics_app.app.picture.force_arrows import SEEN_NS, ForceArrows
 from mimics_app.app.picture.orbit_camera import OrbitCamera
 from mimics_app.app.picture.picture import Picture
 from mimics_app.app.picture.shown_on import open_display
-from mimics_app.app.replay_view.free_camera import around_point, placed
 from mimics_app.app.replay_view.replayed_scene import ReplayedScene
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.overlay.layers import Arrow
 from mimics_app.rendering.visual.passes.screen import ScreenPass
+from mimics_app.rendering.visual.presenting.presenter import SeenFrom
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.eye_buffer import EyeBuffer
 from mimics_app.rendering.visual.surfaces.surface import Surface
@@ -21,6 +26,9 @@ __all__ = ["Panes", "QualityOf"]
 
 QualityOf = Callable[[ReplayedScene, Surface], RenderSettings]
 """Returns the quality of the picture of a run on a surface."""
+
+_NEAREST_M = 0.05
+"""Least distance from the point [m]."""
 
 
 class _Pane:
@@ -102,10 +110,10 @@ class Panes:
 
     def _move(self, move: Callable[[OrbitCamera], None]) -> None:
         first = self._panes[0]
-        camera = around_point(self.pictures[0].view.camera, first.replayed.hand)
+        camera = _around_point(self.pictures[0].view.camera, first.replayed.hand)
         move(camera)
         for picture in self.pictures:
-            picture.view.look_from(placed(camera))
+            picture.view.look_from(_placed(camera))
 
     def toggle_forces(self) -> None:
         """Draw forces and contacts from the next frame on, or no longer."""
@@ -149,3 +157,24 @@ def _arrows_of(replayed: ReplayedScene) -> list[Arrow]:
     for frame in replayed.recent(SEEN_NS):
         found = arrows.of(frame.snapshot, frame.events, frame.now_ns)
     return found
+
+
+def _around_point(camera: SeenFrom, point: F8) -> OrbitCamera:
+    """Return an orbit camera at a camera's place that looks at a point.
+
+    Args:
+        camera: The camera.
+        point: Centre of the orbit, world [m], float64 [3].
+    """
+    away = camera.world_from_eye[:3, 3] - point
+    orbit = OrbitCamera()
+    orbit.target, orbit.distance = point.copy(), max(float(np.linalg.norm(away)), _NEAREST_M)
+    orbit.yaw = math.atan2(away[0], away[2])
+    orbit.pitch = math.asin(min(1.0, max(-1.0, away[1] / orbit.distance)))
+    orbit.fov, orbit.near, orbit.far = camera.vertical_fov, camera.near, camera.far
+    return orbit
+
+
+def _placed(orbit: OrbitCamera) -> Placed:
+    """Return what an orbit camera sees, for a picture."""
+    return Placed(orbit.pose, orbit.fov, orbit.near, orbit.far)
