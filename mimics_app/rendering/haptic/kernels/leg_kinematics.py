@@ -52,8 +52,8 @@ def _side(geometry: Vec, leg: int) -> float:
 
 @kernel
 def foot_drop(geometry: Vec, cos_1: float, sin_psi: float, cos_psi: float) -> float:
-    """Depth -z of the foot below the hips [m]."""
-    return geometry[THIGH] * cos_1 + geometry[SHANK] * cos_psi - geometry[FOOT] * sin_psi
+    """Depth -z of the foot below the hips [m], summed in the order whose rounding recordings hold."""
+    return geometry[THIGH] * cos_1 - geometry[FOOT] * sin_psi + geometry[SHANK] * cos_psi
 
 
 @kernel
