@@ -49,6 +49,14 @@ def test_level_follows_the_law_of_distance(model, law, distance):
     assert fall == pytest.approx(20 * math.log10(law(distance)) - air, abs=0.1)
 
 
+@pytest.mark.parametrize("model", ["inverse", "exponential"])
+def test_beyond_its_largest_distance_and_within_the_reference_only_the_air_dampens(model):
+    spec = SoundSpec(loop=True, distance_model=model, max_distance=20.0)
+    for near, far in ((20.0, 30.0), (0.5, 1.0)):
+        fall = level_of(spec, (0.0, 0.0, -far)) - level_of(spec, (0.0, 0.0, -near))
+        assert fall == pytest.approx(-5e-3 * (far - near), abs=0.05)
+
+
 @pytest.mark.parametrize(("turned", "gain"), [(0.0, 1.0), (60.0, 0.6), (180.0, 0.2)])
 def test_a_cone_is_loud_ahead_and_quiet_behind(turned, gain):
     """Inner 60, outer 180 degrees, 0.2 behind: half way between the two at 60 degrees off its axis."""
