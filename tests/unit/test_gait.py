@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mimics_app.lab import published_gait
+from mimics_app.lab.haptic.gait_differences import speed_of
 from mimics_app.world.content.motion.animator import Animator
 from mimics_app.world.content.motion.gait import Pace, Walk, natural_step
 from mimics_app.world.content.motion.humanoid import find_humanoid
@@ -98,6 +100,14 @@ def test_the_walk_bends_hip_knee_and_ankle_as_published_at_natural_speed(animato
 @pytest.mark.parametrize("speed", [0.3, 0.4, 0.5, 0.6, 0.7, 0.85, 1.0])
 def test_the_knee_bends_as_published_at_slower_speeds(animator: Animator, speed: float) -> None:
     assert _against(animator, speed, "knee", knee_by_speed(speed)) <= 5.0
+
+
+@pytest.mark.parametrize("group", published_gait.SPEED)
+def test_the_hip_bends_as_published_at_slower_speeds(animator: Animator, group: str) -> None:
+    """Against a table that the walk was not made from (Schwartz 2008); as an adult, very slow is 0.5 m/s."""
+    table = np.array(published_gait.HIP[group]) - published_gait.TILT[group]
+    assert _against(animator, speed_of(group), "hip", table) <= 5.0
+    assert _against(animator, speed_of(group), "hip", np.roll(table, 5)) > 5.0  # a tenth of a cycle late
 
 
 def _joints(walk: Walk, rig: Rig, pace: Pace) -> np.ndarray:
