@@ -313,6 +313,17 @@ def test_a_player_that_cannot_play_a_scene_is_refused_in_words():
         assert launcher.choice.settings["who"] == "robot"
 
 
+def test_who_cannot_play_a_scene_is_not_among_the_choices():
+    who = replace(WHO, choices=[Choice(name, name) for name in ("mouse", "legs", "leg", "robot")])
+    card = replace(GROUPED[1], refuses={("who", name): "with one leg" for name in ("mouse", "legs", "robot")})
+    with create_surface("egl", (1280, 720)) as surface:
+        launcher = Launcher(surface, [card, GROUPED[0]], [who, PORT])
+        launcher.handle(keys("enter", "enter"))
+        assert launcher.values["who"] == "leg", "the next one that can, from where it was refused"
+        launcher.handle(keys("enter"))
+        assert launcher.values["who"] == "leg", "and no other"
+
+
 def test_an_earlier_session_opens_its_result(grouped):
     played = replace(GROUPED[3], run=Path("runs/x"), refuses={("who", "mouse"): "cannot be played"})
     with create_surface("egl", (1280, 720)) as surface:

@@ -11,6 +11,8 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
+from mimics_app.rendering.audio.worker import FIFO_PRIORITY
+
 __all__ = ["pipewire_missing", "private_pipewire_server"]
 
 _PROGRAMS = ("pipewire", "wireplumber", "pipewire-pulse")
@@ -55,8 +57,16 @@ def private_pipewire_server(rate: int, positions: Sequence[str]) -> Iterator[dic
         yield own
 
 
+def _may_prefer() -> bool:
+    """Whether it may have real-time priority, threads included: it stands for a sound card, which no load delays."""
+    if shutil.which("chrt") is None:
+        return False
+    return subprocess.run(["chrt", "--rr", "1", "true"], check=False, capture_output=True).returncode == 0
+
+
 @contextmanager
 def _running(command: Sequence[str], environment: dict[str, str]) -> Iterator[None]:
+    command = ("chrt", "--rr", str(FIFO_PRIORITY + 1), *command) if _may_prefer() else command
     process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
         yield

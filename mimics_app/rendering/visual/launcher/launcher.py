@@ -299,8 +299,15 @@ class Launcher:
         return shown[index] if kind == "option" and index < len(shown) else None
 
     def _change(self, index: int, step: int) -> None:
+        """Step a setting past the values with which the chosen scene cannot be played."""
         setting = shown_settings(self._settings, self.values)[index]
-        self.values[setting.name] = setting.stepped(self.values[setting.name], step)
+        refuses = self._cards[self._chosen].refuses if self._chosen in self._visible else {}
+        value = setting.stepped(self.values[setting.name], step)
+        for _ in setting.choices:
+            if (setting.name, value) not in refuses:
+                break
+            value = setting.stepped(value, step)
+        self.values[setting.name] = value
 
     def _open_tab(self, index: int) -> None:
         self._tab, self._search = index % len(self._tabs), ""
