@@ -7,8 +7,9 @@ import socket
 import numpy as np
 import pytest
 
-from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.errors import DeviceError, UsageError
 from mimics_app.contracts.loop.controller_slots import Slot
+from mimics_app.contracts.loop.device_life import DeviceLife
 from mimics_app.contracts.loop.haptic import DeviceStatus, SafetyState, TripCause
 from mimics_app.contracts.shared_memory.command_ring import request_stop
 from mimics_app.rendering.haptic.devices import hapticmaster_loop as loop
@@ -279,3 +280,31 @@ def test_objects_become_commands_that_the_machine_takes_and_renders(thing, x, v,
     answers = model.answer(";".join(hapticmaster_commands(thing)))
     assert "ERROR" not in answers and all(len(command) < 200 for command in hapticmaster_commands(thing))
     assert np.allclose(model.force_at(np.array(x, float), np.array(v, float)), force, atol=1e-9)
+
+
+def test_a_calibration_is_carried_out_while_the_device_is_inactive():
+    """By command the line is let go, and the machine calibrated over a new one; then a reset goes the whole way."""
+    with hapticmaster_rig() as rig:
+        bench, heard = _bench(rig), list[str]()
+        answer = rig.emulator.model.answer
+        rig.emulator.model.answer = lambda text: heard.append(text) or answer(text)
+        rig.advance(bench, 700)
+        with pytest.raises(UsageError, match="is active: it is calibrated while it is inactive"):
+            bench.engine.calibrate("force_sensor")
+        request_stop(bench.memory)
+        rig.advance(bench, 5)
+        assert bench.engine.life is DeviceLife.INACTIVE
+        with pytest.raises(UsageError, match='no step of this device\'s calibration "sensor"'):
+            bench.engine.calibrate("sensor")
+        rig._plug_wanted = True  # the supervisor's greeting may come at any moment
+        bench.engine.calibrate("force_sensor")
+        assert rig.advance(bench, 5)["status"][-1] == DeviceStatus.FAULT, "the line is let go"
+        for _ in range(PATIENCE // 20):
+            if rig.advance(bench, 20)["status"][-1] == DeviceStatus.FRESH:
+                break
+        assert "calibrateforcesensor" in heard and bench.engine.plugin.trouble() == ""
+        assert np.all(rig.advance(bench, 20)["state"] == SafetyState.E_STOP), "still inactive"
+        bench.publish(resets=1)
+        assert rig.advance(bench, 20)["state"][-1] == SafetyState.READY
+        assert bench.engine.life is DeviceLife.ACTIVE
+        bench.engine.stop()

@@ -53,6 +53,15 @@ def _refused(why: str) -> Reply:
     return Reply(done=False, why=why)
 
 
+def _tried(order: Callable[[str], None], name: str) -> Reply:
+    """Give the device an order by name; return why it refused."""
+    try:
+        order(name)
+    except UsageError as error:
+        return _refused(str(error))
+    return _DONE
+
+
 class CommandDesk:
     """Takes the commands of a frame.
 
@@ -85,8 +94,8 @@ class CommandDesk:
             Mark: lambda command: _DONE,
             Obstacle: lambda command: self._call_obstacle(command.name),
             View: lambda command: core.show_view(command.name),
-            Fault: lambda command: self._inject(command.name),
-            Calibrate: lambda command: _refused("this device has no steps of calibration"),
+            Fault: lambda command: _tried(core.haptics.inject, command.name),
+            Calibrate: lambda command: _tried(core.haptics.calibrate, command.step),
         }
 
     def take(self, snapshot: HapticSnapshot) -> tuple[Command, ...]:
@@ -170,14 +179,6 @@ class CommandDesk:
             return _refused(str(error))
         store.steer_controller(components, value)
         return Reply(done=True, why=remark)
-
-    def _inject(self, fault: str) -> Reply:
-        """Inject a fault into the simulated device."""
-        try:
-            self._core.haptics.inject(fault)
-        except UsageError as error:
-            return _refused(str(error))
-        return _DONE
 
     def _end(self) -> Reply:
         self.ended = True

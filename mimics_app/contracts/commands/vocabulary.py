@@ -140,7 +140,7 @@ class Fault(Command, frozen=True):
 
 
 class Calibrate(Command, frozen=True):
-    """Carry out a step of the device's calibration, by name."""
+    """Carry out a step of the device's calibration, by name, while the device is inactive."""
 
     step: Name
 

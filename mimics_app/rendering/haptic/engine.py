@@ -14,7 +14,8 @@ import numpy as np
 from mimics_app.compiled.function_pointers import pointers_to
 from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.errors import DeviceError, UsageError
+from mimics_app.contracts.errors import DeviceError, UsageError, require_choice
+from mimics_app.contracts.loop.calibrated_device import calibration_steps
 from mimics_app.contracts.loop.controller_slots import names_in
 from mimics_app.contracts.loop.device_faults import fault_order
 from mimics_app.contracts.loop.device_life import LIFE_IN, DeviceLife, LifeStep, life_after
@@ -211,6 +212,23 @@ class HapticEngine:
                 dx, dy, dz = self._beside[c]
                 target, grasp = (x + dx, y + dy, z + dz), pointer.grasp
             record["target_world"][c + 1], record["grasp"][c + 1] = target, grasp
+
+    def calibrate(self, step: str) -> None:
+        """Begin a step of the device's calibration; the device must be inactive.
+
+        Args:
+            step: Name of the step.
+
+        Raises:
+            UsageError: The device has no such step, or is active.
+        """
+        steps = calibration_steps(self._plugin)
+        if not steps:
+            raise UsageError("this device has no steps of calibration")
+        require_choice(step, steps, "step of this device's calibration")
+        if self.life is not DeviceLife.INACTIVE:
+            raise UsageError(f"the device is {self.life}: it is calibrated while it is inactive", "stop it first")
+        steps[step]()
 
     def inject(self, fault: str) -> None:
         """Let a fault of the simulated device begin at the next tick, or end the one before.

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError, nearest
+from mimics_app.contracts.loop.calibrated_device import CalibratedDevice
 from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic.descriptors.hapticmaster import axis_offset
 from mimics_app.rendering.haptic.devices import hapticmaster_loop as loop
@@ -114,22 +117,30 @@ def build_hapticmaster(request: DeviceRequest) -> DevicePlugin:
     memory[loop.OBJECTS] = float(settings["mode"] == "objects")
     memory[loop.OWN_DELAY] = _INNER_PERIOD
     objects = request.objects if settings["mode"] == "objects" else ()
-    may_move = True
+    may_move, wanted, lines = True, list[str](), list[socket.socket]()
 
     def open_line() -> tuple[int, Callable[[], None]]:
         nonlocal may_move
         talk = _Conversation(host, port)
         try:
+            while wanted:
+                _STEPS[wanted.pop(0)](talk)
             memory[loop.EMULATED] = _set_up(talk, settings["inertia"], objects, may_move=may_move)
         except DeviceError:
             talk.close()
             raise
         may_move = False
-        line = talk.hand_over()
-        return line.fileno(), line.close
+        lines[:] = [talk.hand_over()]
+        return lines[0].fileno(), lines[0].close
+
+    def calibrate(step: str) -> None:
+        """Let the loop let go of the line; the supervisor opens it again, and calibrates before anything else."""
+        wanted.append(step)
+        with suppress(OSError):  # it is gone already: the supervisor opens it
+            lines[0].shutdown(socket.SHUT_RDWR)
 
     supervisor = LinkSupervisor(memory, open_line, f"the HapticMaster at {host}:{port}")
-    return DevicePlugin(
+    return CalibratedDevice(
         "hapticmaster",
         loop.read_hapticmaster,
         loop.write_hapticmaster,
@@ -139,6 +150,7 @@ def build_hapticmaster(request: DeviceRequest) -> DevicePlugin:
         own_mass=True,
         real_time=True,
         trouble=supervisor.trouble,
+        steps={name: partial(calibrate, name) for name in _STEPS},
     )
 
 
@@ -182,7 +194,7 @@ def _set_up(talk: _Conversation, inertia: float, objects: tuple[DeviceObject, ..
 
 
 def _initialise(talk: _Conversation) -> None:
-    """Calibrate the machine: it moves to the ends of its axes."""
+    """Calibrate the axes of the machine: it moves to their ends."""
     clock = MonotonicClock()
     end = clock.now_ns() + _INIT_NS
     talk.ask("set state init")
@@ -190,3 +202,12 @@ def _initialise(talk: _Conversation) -> None:
         if clock.now_ns() > end:
             raise DeviceError("the HapticMaster does not find the ends of its axes")
         clock.sleep_until_ns(clock.now_ns() + _POLL_NS)
+
+
+def _zero_force_sensor(talk: _Conversation) -> None:
+    """Take the present reading of the force sensor as zero."""
+    talk.ask("calibrateforcesensor")
+
+
+_STEPS: Mapping[str, Callable[[_Conversation], None]] = {"position": _initialise, "force_sensor": _zero_force_sensor}
+"""Steps of the calibration by name; "position" moves the machine."""
