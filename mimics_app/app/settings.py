@@ -80,6 +80,7 @@ class RunSettings:
         trials: Number of trials that count, the scene's list repeated where it is shorter; 0: as in the scene.
         participant: Code of the person, for results over time; "": none.
         opt: One of PICTURE_OPTIONS, or "".
+        steer: Program of an installed package that gives commands; "": none.
         markers: Stream of markers of the lab streaming layer that may give notes, marks and stops; "": none.
         lsl: Whether poses, forces, features, state and markers are sent as streams of the lab streaming layer.
         console: Port of the operator's page, which makes the session run by the wall clock; None: no page is started.
@@ -116,6 +117,7 @@ class RunSettings:
     trials: int = 0
     participant: str = ""
     opt: str = ""
+    steer: str = ""
     markers: str = ""
     lsl: bool = False
     console: int | None = None

@@ -277,6 +277,8 @@ class Opened:
         self._begun_ns = MonotonicClock().now_ns()
         with ExitStack() as stack:
             stack.enter_context(private_files())
+            if self._settings.steer:
+                raise UsageError("a program gives its commands itself", "leave out steer")
             session = build_session(self._settings, live=self._window, read=self.scene, given=self._given)
             stack.callback(session.__exit__)
             if session.live and not self._window:

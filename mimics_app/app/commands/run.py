@@ -161,6 +161,9 @@ def _add_outputs(group: Container) -> None:
         help="write a video of the run, e.g. out.mp4 (needs ffmpeg); a folder: every frame as PNG",
     )
     group.add_argument(
+        "--steer", default="", metavar="NAME", help="let a program of an installed package give commands, by its name"
+    )
+    group.add_argument(
         "--markers",
         default="",
         metavar="NAME",
@@ -349,6 +352,10 @@ def check_names(args: argparse.Namespace) -> None:
         from mimics_app.inputs.physio.sources import find_source
 
         find_source(args.physio, say)
+    if args.steer:
+        from mimics_app.contracts.ports.command_port import open_steersman
+
+        open_steersman(args.steer).close()
     if args.learn or args.goal or args.estimator:
         check_adaptation(args.learn, args.goal, args.estimator)
     if args.recording is not None:

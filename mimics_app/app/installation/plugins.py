@@ -15,7 +15,7 @@ __all__ = ["PluginReport", "list_plugins", "plugin_groups", "report_group"]
 
 def plugin_groups() -> tuple[PluginGroup, ...]:
     """Return the groups of entry points, each from the stage that uses its plug-ins."""
-    from mimics_app.contracts.ports import display_choice, scenario_port, tracker_port
+    from mimics_app.contracts.ports import command_port, display_choice, scenario_port, tracker_port
     from mimics_app.dsp import channel_kinds
     from mimics_app.estimation import registry as estimators
     from mimics_app.inputs.physio import sources
@@ -29,7 +29,7 @@ def plugin_groups() -> tuple[PluginGroup, ...]:
     from mimics_app.world.components import plugins as components
     from mimics_app.world.files.scene import method_plugins
 
-    contracts = (scenario_port, display_choice, tracker_port)
+    contracts = (scenario_port, display_choice, tracker_port, command_port)
     signals = (sources, channel_kinds, estimators, policies)
     touch = (device_names, controllers, force_fields)
     stages = (*touch, components, kinds, *signals, recipe, mixer_kinds, method_plugins, exporter_kinds)

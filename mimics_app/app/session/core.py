@@ -24,12 +24,14 @@ from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.clock import Clock, MonotonicClock, VirtualClock
 from mimics_app.contracts.commands.vocabulary import Reply
 from mimics_app.contracts.errors import UsageError, nearest
+from mimics_app.contracts.ports.command_port import open_steersman
 from mimics_app.contracts.ports.scenario_port import Scenario
 from mimics_app.contracts.ports.stages import Dsp, Estimation, Goal, Learning
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.inputs.commands.command_file import TimedCommands
 from mimics_app.inputs.commands.device_buttons import DeviceButtons
 from mimics_app.inputs.commands.keys import KeyCommands
+from mimics_app.inputs.commands.steered import SteeredBy
 from mimics_app.inputs.interaction.simulated_patient import SimulatedPatient
 from mimics_app.inputs.stage import Inputs
 from mimics_app.learning.action_sequence import ActionSequence
@@ -74,6 +76,7 @@ class SessionCore:
         keys: Keys and gamepad as sources of commands.
         timed_commands: Commands of a file, each at its time.
         buttons: Buttons of the device as a source of commands.
+        steered: Program of an installed package as a source of commands.
     """
 
     def __init__(
@@ -118,6 +121,8 @@ class SessionCore:
         first = (parts.scene.system(VisualSettings) or VisualSettings()).view or ""
         self.keys = KeyCommands(memory, self._say, self.views, lambda: self.view or first)
         self.timed_commands = TimedCommands(memory, parts.commands, self._say)
+        steer = parts.settings.steer
+        self.steered = SteeredBy(memory, open_steersman(steer) if steer else None, steer, self._say)
         self.buttons = DeviceButtons(memory, button_commands(parts.robot.buttons), self._say)
         self.recorder = recorder
         self.signal_recorder = SignalRecorder(recorder)
@@ -189,6 +194,7 @@ class SessionCore:
         with ExitStack() as stack:  # the last first
             stack.callback(self.signal_recorder.flush)
             stack.callback(self.inputs.close)
+            stack.callback(self.steered.close)
             stack.callback(self.tactile.close)
             stack.callback(self.trackers.stop)
             stack.callback(self.haptics.stop)

@@ -132,6 +132,7 @@ class Frames:
             self._recorder.check()
             self._signals.check(now_ns)
         with stage("tasks"):
+            core.steered.step(snapshot, self.orders.view, now_ns)
             vr = replace(vr, commands=self.desk.take(snapshot))
             taken = self.desk.gate.take_confirmed() or self._action
             timing = self.timing or FrameTiming.expected(now_ns)
