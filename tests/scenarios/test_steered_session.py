@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import random
 from collections import Counter
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -29,6 +30,7 @@ from mimics_app.contracts.commands.vocabulary import (
     command_values,
     name_of,
 )
+from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.loop.haptic import Button, SafetyState
 from mimics_app.contracts.messages.stage_messages import TaskAction
 from mimics_app.contracts.shared_memory.command_ring import CommandSender
@@ -224,3 +226,20 @@ def test_the_journal_holds_the_whole_command() -> None:
         "values": command_values(SetParameter("radius", 1.1)),
     }  # fmt: skip
     assert line["t_ns"] - given_ns <= 17_000_000, "the next frame"
+
+
+def test_what_comes_too_fast_is_counted_and_told() -> None:
+    play, told = Steered(seed=2), list[str]()
+    with play.core:
+        play.step()
+        play.core.report = told.append
+        room, sender = play.core.memory.commands.shape[1], play.senders[CommandSource.OPERATOR]
+        for number in range(room + 6):
+            with suppress(UsageError):
+                sender.send(Note(str(number)), 0)
+        play.step()
+    assert [data for kind, data in play.recorder.lines if kind == "commands_dropped"] == [
+        {"from": "operator", "number": 6}
+    ]
+    assert sum(kind == "command" for kind, _ in play.recorder.lines) == room
+    assert told == ["6 commands from the operator came too fast and were lost"]
