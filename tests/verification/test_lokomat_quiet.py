@@ -27,9 +27,9 @@ def _band(rows: dict[str, np.ndarray], rate: int = 1000) -> float:
     """Greatest force on the wall between 20 and 300 Hz [N] once it is pressed: after 2 s, 100 ms from a touch on."""
     force, touching = rows["f_x"][2 * rate :], rows["touching"][2 * rate :] != 0.0
     heard = np.abs(sosfilt(butter(4, (20.0, 300.0), "bandpass", fs=rate, output="sos"), force))
-    settled = np.convolve(touching, np.ones(rate // 10))[: len(force)] > rate // 10 - 0.5
-    settled[: rate // 5] = False  # the filter begins
-    return float(heard[settled].max(initial=0.0))
+    pressed = np.convolve(touching, np.ones(rate // 10))[: len(force)] > rate // 10 - 0.5
+    pressed[: rate // 5] = False  # the filter begins
+    return float(heard[pressed].max(initial=0.0))
 
 
 @KINDS
