@@ -84,7 +84,7 @@ class FormStateRecord:
     energy_at: float
     energy: float
     variance: float
-    heard: float
+    noise_count: float
     fitted: float
     provisional: float
     searched: float

@@ -85,7 +85,7 @@ class PhysioDsp:
 
     def save(self) -> dict[str, Any]:
         """Return the whole state."""
-        rest = {"heard": dict(self._received_ns), "frame": self._frame, "second": self._second}
+        rest = {"received": dict(self._received_ns), "frame": self._frame, "second": self._second}
         channels = {name: (channel.rate, channel.save()) for name, channel in self.channels.items()}
         return copy.deepcopy({"channels": channels, **rest})
 
@@ -97,7 +97,7 @@ class PhysioDsp:
             assert channel is not None  # it was processed when it was saved
             channel.restore(state)
             self.channels[name] = channel
-        self._received_ns, self._frame, self._second = dict(saved["heard"]), saved["frame"], saved["second"]
+        self._received_ns, self._frame, self._second = dict(saved["received"]), saved["frame"], saved["second"]
 
     def _take(self, block: SignalBlock, now_ns: int) -> None:
         if block.name in self._only_recorded or not len(block.values):

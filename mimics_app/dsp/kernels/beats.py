@@ -66,7 +66,7 @@ FORM_STATE = np.dtype(
         ("energy_at", "f8"),  # strongest beat found by energy since the last beat
         ("energy", "f8"),  # its strength; 0: none
         ("variance", "f8"),  # of the whitened noise
-        ("heard", "f8"),  # samples of noise
+        ("noise_count", "f8"),  # samples of noise
         ("fitted", "f8"),  # last beat found by templates [samples of the signal]
         ("provisional", "f8"),  # 1: the templates never stood out clearly
         ("searched", "f8"),  # last search of a form
@@ -134,7 +134,7 @@ def choose_beats(wide: Floats, found: Floats, detector: FormDetector) -> int:
         if new:
             rings[SIGNAL, n % rings.shape[1]], rings[NEAR, n % rings.shape[1]] = wide[i], 0.0
         while used < found.shape[0] and found[used, 1] <= now:
-            _hear(found[used], n, detector)
+            _take_found(found[used], n, detector)
             used += 1
         if new and _prepare(n, detector):
             _decide(n, detector)
@@ -142,7 +142,7 @@ def choose_beats(wide: Floats, found: Floats, detector: FormDetector) -> int:
 
 
 @kernel
-def _hear(beat: Floats, n: int, detector: FormDetector) -> None:
+def _take_found(beat: Floats, n: int, detector: FormDetector) -> None:
     """Take a beat found by energy: report and learn it, or keep it for a gap."""
     state, bank, rate = detector.state[0], detector.bank, detector.rate
     rings = bank.rings
@@ -211,8 +211,8 @@ def _prepare(n: int, detector: FormDetector) -> bool:
     m, p = rings.shape[1], error.shape[0] - 1
     at = n - int(_LATER * rate)
     if at > p and state.rhythm.last >= 0.0 and rings[NEAR, at % m] == 0.0:
-        state.heard += 1.0
-        learn_noise(at, bank, max(1.0 / state.heard, 1.0 / (TUNING.noise_s * rate)))
+        state.noise_count += 1.0
+        learn_noise(at, bank, max(1.0 / state.noise_count, 1.0 / (TUNING.noise_s * rate)))
     due = n % max(int(_EVERY * rate), 1) == 0
     if due:
         state.variance = whiten(bank)
@@ -256,7 +256,7 @@ def _decide(n: int, detector: FormDetector) -> None:
     if value > state.candidate:
         state.candidate, state.candidate_at = value, n
     elif n - state.candidate_at > TUNING.hold_s * rate:
-        t = _judge(_peak(state, rate), state, rate)
+        t = _classify(_peak(state, rate), state, rate)
     if t < 0:
         t = _search_back(n, state, rate)
     if t < 0:
@@ -281,7 +281,7 @@ def _fill(n: int, state: FormStateRecord, rate: float) -> int:
 
 
 @kernel
-def _judge(t: int, state: FormStateRecord, rate: float) -> int:
+def _classify(t: int, state: FormStateRecord, rate: float) -> int:
     """Return the sample of the candidate if it is a beat, else -1."""
     over, since = state.candidate - _threshold(t, state, rate), t - state.rhythm.last
     state.candidate = -np.inf

@@ -17,7 +17,7 @@ import numpy as np
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.dsp.kernels.rhythm import RHYTHM, T_WAVE, USUAL_RR, add_beat, off_beat, steadiness
-from mimics_app.dsp.kernels.sections import Floats, run_sections, settle_sections
+from mimics_app.dsp.kernels.sections import Floats, run_sections, start_steady
 
 if TYPE_CHECKING:
     from mimics_app.dsp.record_types import EnergyStateRecord, Table
@@ -207,7 +207,7 @@ def _next_value(value: float, filters: Filters, state: EnergyStateRecord, rate: 
     gap = state.missing
     if gap > 0.5 * rate or gap == state.n:
         for band in range(filters.sos.shape[0]):
-            settle_sections(value, filters.sos[band], filters.z[band])
+            start_steady(value, filters.sos[band], filters.z[band])
         if state.learnt == 0.0 or gap > _FORGET_S * rate:
             state.rhythm.last, state.begin, state.kept, state.learnt = -1.0, state.n, 0.0, 0.0
             state.signal_level, state.noise_level, state.rhythm.rr, state.back = 0.0, 0.0, 0.0, 0.0
@@ -256,7 +256,7 @@ def _follow(n: int, energy: float, delay: float, detector: EnergyDetector) -> No
         if n - state.begin < learn:
             _keep(t, v, state, detector.kept)
         else:
-            _judge(t, v, n, delay, detector)
+            _classify(t, v, n, delay, detector)
     _end_wait(n, delay, detector)
     if n - state.begin >= learn and state.learnt == 0.0:
         _learn(n, delay, detector)
@@ -290,11 +290,11 @@ def _learn(n: int, delay: float, detector: EnergyDetector) -> None:
     sizes = np.sort(kept[:k, 1])
     state.signal_level, state.noise_level = _TUNING.first * sizes[max(k - 2, 0)], 0.5 * sizes[k // 2]
     for j in range(k):
-        _judge(int(kept[j, 0]), kept[j, 1], n, delay, detector)
+        _classify(int(kept[j, 0]), kept[j, 1], n, delay, detector)
 
 
 @kernel
-def _judge(t: int, v: float, n: int, delay: float, detector: EnergyDetector) -> None:
+def _classify(t: int, v: float, n: int, delay: float, detector: EnergyDetector) -> None:
     """Classify a peak of the energy as a beat or as noise."""
     state, rate = detector.state[0], detector.rate
     if state.waiting > 0.0:

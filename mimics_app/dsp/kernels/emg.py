@@ -32,7 +32,7 @@ EMG_STATE = np.dtype(
 )
 """State of the muscle."""
 
-_WINDOW, _ONSET, _SETTLES, _RELEASE, _LEARN = 0.05, 0.025, 0.2, 0.1, 1.0
+_WINDOW, _ONSET, _STEADY_S, _RELEASE, _LEARN = 0.05, 0.025, 0.2, 0.1, 1.0
 """Window of the envelope; time above the threshold before an onset counts; settling time of the filter at the start;
 time below before the activity ends; signal from which the first baseline is learnt, settling included [s]."""
 
@@ -129,10 +129,10 @@ def _begins(rms: float, signal: bool, n: int, state: EmgStateRecord, rate: float
 def _learn(rms: float, signal: bool, state: EmgStateRecord, rate: float) -> None:
     """Let the first baseline be the mean of the envelope, once the filter has settled."""
     if signal:
-        settled = state.learnt - _SETTLES * rate
+        since = state.learnt - _STEADY_S * rate
         state.learnt += 1.0
-        if settled >= 0.0:
-            _adapt(rms, 1.0 / (settled + 1.0), state)
+        if since >= 0.0:
+            _adapt(rms, 1.0 / (since + 1.0), state)
 
 
 @kernel

@@ -6,7 +6,7 @@ import numpy as np
 
 from mimics_app.compiled.kernel import kernel
 
-__all__ = ["Floats", "run_sections", "settle_sections"]
+__all__ = ["Floats", "run_sections", "start_steady"]
 
 Floats = np.ndarray[tuple[int, ...], np.dtype[np.float64]]
 
@@ -23,7 +23,7 @@ def run_sections(value: float, sos: Floats, z: Floats) -> float:
 
 
 @kernel
-def settle_sections(value: float, sos: Floats, z: Floats) -> None:
+def start_steady(value: float, sos: Floats, z: Floats) -> None:
     """Set the state to its steady state for a constant input."""
     for s in range(sos.shape[0]):
         gain = (sos[s, 0] + sos[s, 1] + sos[s, 2]) / (1.0 + sos[s, 4] + sos[s, 5])

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mimics_app.compiled.kernel import kernel
-from mimics_app.dsp.kernels.sections import Floats, run_sections, settle_sections
+from mimics_app.dsp.kernels.sections import Floats, run_sections, start_steady
 
 if TYPE_CHECKING:
     from mimics_app.dsp.record_types import TurnStateRecord
@@ -52,7 +52,7 @@ _SHORTEST_RESPONSE, _LONGEST_RESPONSE = 0.3, 8.0
 _WAY_BACK = 0.35
 """Return that confirms an extremum, as a share of the mean depth of a breath."""
 
-_SETTLES, _FIRST = 0.5, 5.0
+_STEADY_S, _FIRST = 0.5, 5.0
 """Settling time of the filter, and time at whose end the range of the signal is the first mean depth [s]."""
 
 _NOTHING = 1e-9
@@ -75,7 +75,7 @@ def _held(value: float, state: TurnStateRecord, sos: Floats, z: Floats, rate: fl
         state.missing += 1.0
         return state.held
     if state.missing == state.n or state.missing > rate:
-        settle_sections(value, sos, z)
+        start_steady(value, sos, z)
         state.rising, state.low, state.high, state.last_at = 0.0, np.inf, -np.inf, 0.0
     state.missing, state.held = 0.0, value
     return value
@@ -150,7 +150,7 @@ def find_responses(
 @kernel
 def _first_range(n: float, value: float, state: TurnStateRecord, rate: float) -> bool:
     """Take the range of the first seconds as the first mean depth; return whether they last."""
-    if n < _SETTLES * rate:
+    if n < _STEADY_S * rate:
         state.low, state.high = value, value
     elif n < _FIRST * rate:
         state.low, state.high = min(state.low, value), max(state.high, value)
