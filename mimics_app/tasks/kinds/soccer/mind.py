@@ -26,7 +26,7 @@ _CLEARS, _AWAY = 0.6, 0.3
 """Skill from which on a player clears a ball that the other one may reach, and least cosine to the goal for it."""
 _BESIDE = 0.2
 """Distance from where a player can get, aside, within which the ball lies at a board [m]."""
-_SETTLED = 0.4
+_TURNED = 0.4
 """Angle between heading and a near ball from which on a player hardly walks until they have turned [rad]."""
 _INSIDE = 0.25
 """Distance from a post within which a player does not aim [m]."""
@@ -156,7 +156,7 @@ class Mind:
     def _attack(self, view: PlayerView, to_ball: complex) -> Deed:
         """Run at the ball, which is before the goal; near it, turn to it first."""
         off = math.remainder(math.atan2(to_ball.real, to_ball.imag) - view.heading, 2.0 * math.pi)
-        speed = 1.0 if abs(to_ball) > _REACH else max(1.0 - abs(off) / _SETTLED, 0.1)
+        speed = 1.0 if abs(to_ball) > _REACH else max(1.0 - abs(off) / _TURNED, 0.1)
         return Deed(Act.DRIBBLE, speed, self._turn(off))
 
     def _round(self, view: PlayerView, ball: complex, behind: complex, ahead: float) -> complex:
