@@ -41,7 +41,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         wrong = session.command(mimics.Obstacle("moon"))
         called = session.command(mimics.Obstacle("wall left"))
         session.step(1.0)
-        assert session._frames.board.cards["gait"].text.startswith("Stop.")
+        assert session._frames.board.cards["gait"].text == "Stop. Wait until the left leg is free"
         session.step(7.5)
         plant = session._begun.haptics.plugin.memory[PLANT]
         assert _drives(plant, linear_drive.BRAKED).tolist() == [0.0] * 4
@@ -96,9 +96,9 @@ def test_columns_of_both_legs_say_what_the_legs_do(recording: Recording) -> None
 def test_each_state_has_words_and_a_trigger_of_sounds(recording: Recording) -> None:
     triggers = [trigger.kind for trigger in gait_triggers(recording.run.events)]
     assert triggers == [line["name"] for line in recording.run.lines if line["kind"] == "gait_state"]
-    assert gait_card(-1) is None
-    words = {card.text for state in range(len(GAIT_STATES)) if (card := gait_card(state)) is not None}
-    assert len(words) == len(GAIT_STATES)
+    assert gait_card(-1, -1) is None
+    words = {card.text for state in range(len(GAIT_STATES)) if (card := gait_card(state, 1)) is not None}
+    assert len(words) == len(GAIT_STATES) and "Explore the obstacle with the right foot" in words
 
 
 def test_stop_takes_the_current_away_and_a_braked_leg_does_not_move(recording: Recording) -> None:

@@ -56,6 +56,8 @@ def make_snapshot(now_ns: int = 0, **changes: Any) -> HapticSnapshot:
         "quiet_ticks": 1000,
         "phase": 0.0,
         "gait_state": -1,
+        "free_leg": -1,
+        "belt_travel": 0.0,
         "poses": np.zeros((0, 7)),
     }
     return HapticSnapshot(**(values | changes))

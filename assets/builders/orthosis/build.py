@@ -68,14 +68,13 @@ def _nodes() -> dict[str, Mapping[str, MeshPart]]:
 
 
 def _paint_belt(seed: int) -> bytes:
-    """Black rubber with fine ribs across, and a pale mark that shows how the belt moves."""
+    """Black rubber with pale edges, the same all along: marks that move are entities of the scene."""
     side = 256
     canvas = Canvas(side, side, [((12, 12, 13), (58, 58, 60)), ((120, 122, 124), (206, 208, 210))])
     x, y = pixels(side, side)
-    canvas.tone = 0.34 + 0.22 * (y % 8 < 3) + 0.10 * hash_noise(x // 2, y // 2, seed)
+    canvas.tone = 0.42 + 0.10 * hash_noise(x // 2, y // 2, seed)
     edge = (x < 9) | (x >= side - 9)
-    mark = ((y % side) < 7) & (abs(x - side // 2) < 96)
-    canvas.ramp[:] = (edge | mark).astype("uint8")
-    canvas.tone = canvas.tone + 0.25 * (edge | mark)
+    canvas.ramp[:] = edge.astype("uint8")
+    canvas.tone = canvas.tone + 0.25 * edge
     canvas.grain(0.12, seed + 1)
     return canvas.to_png()

@@ -15,28 +15,34 @@ _WIDTH = 560.0
 
 _WORDS: Mapping[GaitState, tuple[str, Tone]] = {
     GaitState.WALKING: ("Walk", Tone.CALM),
-    GaitState.OBSTACLE_ENABLED: ("An obstacle is ahead. Walk until the belt stops", Tone.WARN),
-    GaitState.STOPPING: ("Stop. Wait until one leg is free", Tone.WARN),
-    GaitState.COLLISION_ENABLED: ("Stand. The obstacle can be felt now", Tone.WARN),
-    GaitState.LEG_RELEASED: ("One leg is being released. Stand on the other", Tone.ACCENT),
-    GaitState.EXPLORING: ("Explore the obstacle with the free foot", Tone.ACCENT),
+    GaitState.OBSTACLE_ENABLED: ("An obstacle is ahead of the {free} foot. Walk until the belt stops", Tone.WARN),
+    GaitState.STOPPING: ("Stop. Wait until the {free} leg is free", Tone.WARN),
+    GaitState.COLLISION_ENABLED: ("Stand on the {other} leg. The obstacle can be felt now", Tone.WARN),
+    GaitState.LEG_RELEASED: ("The {free} leg is being released. Stand on the {other} one", Tone.ACCENT),
+    GaitState.EXPLORING: ("Explore the obstacle with the {free} foot", Tone.ACCENT),
     GaitState.GUIDANCE_RESTORED: ("Wait. The orthosis takes up both legs", Tone.WARN),
     GaitState.TO_START: ("Wait. The orthosis brings both legs to the start", Tone.WARN),
     GaitState.RESUMING: ("Walk on. The belt starts", Tone.CALM),
     GaitState.STANDING: ("Stand still. Brakes hold both legs", Tone.ALARM),
 }
-"""What the person is told, and how urgently, by state."""
+"""What the person is told, and how urgently, by state; {free} is the leg that an obstacle frees, {other} the other one."""
+
+_LEGS = ("left", "right")
 
 
 def loop_cards(snapshot: HapticSnapshot) -> dict[str, Card]:
     """Return the cards by their names: "margin", and "gait" during a walk in a gait orthosis."""
-    gait = gait_card(snapshot.gait_state)
+    gait = gait_card(snapshot.gait_state, snapshot.free_leg)
     return {"margin": stability_card(snapshot)} | ({} if gait is None else {"gait": gait})
 
 
-def gait_card(state: int) -> Card | None:
-    """Return the card of a gait state, by its number in a snapshot; None for -1, no walk."""
+def gait_card(state: int, free_leg: int) -> Card | None:
+    """Return the card of a gait state and the leg that an obstacle frees, by their numbers in a snapshot.
+
+    None for the state -1, no walk.
+    """
     if state < 0:
         return None
     text, tone = _WORDS[GaitState(state)]
-    return Card("Walk in the orthosis", text, tone, width=_WIDTH)
+    words = {} if free_leg < 0 else {"free": _LEGS[free_leg], "other": _LEGS[1 - free_leg]}
+    return Card("Walk in the orthosis", text.format(**words), tone, width=_WIDTH)

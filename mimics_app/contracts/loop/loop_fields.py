@@ -288,8 +288,11 @@ LOOP_FIELDS: tuple[LoopField, ...] = (
     _of_reference("ddq_reference", Per.JOINT_ACCELERATION),
     _of_reference("guidance", Per.JOINT_SHARE),  # share of the pull towards it
     # of the controller while the person leads
-    LoopField("gait_state", "1", Replay.OUTPUT, kind="i8", reader="app", per=Per.GAIT),  # GaitState, -1: none
+    LoopField("gait_state", "1", Replay.OUTPUT, kind="i8", reader="tasks", per=Per.GAIT),  # GaitState, -1: none
     LoopField("numbers", "1", Replay.OUTPUT, "state.control.out.numbers", size=MAX_NUMBERS, per=Per.CONTROLLER),
+    # which leg an obstacle frees: 0 left, 1 right, -1: none
+    LoopField("free_leg", "1", Replay.OUTPUT, kind="i8", reader="app", per=Per.GAIT),
+    LoopField("belt_travel", "m", Replay.OUTPUT, reader="scenarios", per=Per.GAIT),  # of a treadmill's belt backwards
     # the tunnel that holds the ball
     _of_points("wall_force", "N", Replay.ABSENT, "state.tunnel.wall_force", reader="rendering"),  # of wall and cap
     _of_points("wall_normal", "1", Replay.ABSENT, "state.tunnel.normal_world", size=3, reader="rendering"),  # unit
@@ -350,6 +353,8 @@ class HapticSnapshot(PointSnapshot):
     cause: int
     phase: float
     gait_state: int
+    free_leg: int
+    belt_travel: float
     quiet_ticks: int
     poses: Vec
     further: tuple[PointSnapshot, ...] = ()

@@ -17,6 +17,7 @@ from mimics_app.rendering.haptic.scene_effects import curve_of_path
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.scenarios.parts.body_nodes import BodyNodes
 from mimics_app.scenarios.parts.next_station import NextStation
+from mimics_app.scenarios.parts.orthosis_nodes import OrthosisNodes
 from mimics_app.scenarios.parts.robot_scene import SPACING, Places, even_points, robot_block, robot_facts, start_at
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task import PointGoal
@@ -67,6 +68,7 @@ class TouchScene(Scenario):
             if point.entity is not None
         ]
         self._worn = self._wears_device()
+        self._orthosis = OrthosisNodes(scene, world)
         self._show_paths()
         patient = scene.first(Patient)
         visits = patient.visits if patient is not None else ()
@@ -93,6 +95,7 @@ class TouchScene(Scenario):
 
     def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         self._bodies.follow(snapshot.poses)
+        self._orthosis.follow(snapshot)
         self._next.follow(snapshot.hip_world)
         if self._ball is not None:
             self._ball.set_position(snapshot.hip_world)

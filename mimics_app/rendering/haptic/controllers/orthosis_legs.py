@@ -1,9 +1,9 @@
 """Controllers of the gait orthosis in the loop: parameters, and both legs in a tick.
 
 Each leg is controlled on its own, by pure impedance or by admittance and impedance combined. The numbers of the machine
-are parameters with the defaults of the simulated one; a laboratory enters those of its own. One hard object stands in
-the plane of the legs: a wall, a box, a kerb or a round one, placed in the robot's frame (x forward, z up, origin
-between the hips). All other objects of a scene are soft, and reach the leg as the virtual force at its foot.
+are parameters with the defaults of the simulated one; a laboratory enters those of its own. One hard object at a time
+stands in the plane of the legs: a wall, a box, a kerb or a round one, placed in the robot's frame (x forward, z up,
+origin between the hips), or on a street the one that is called: kerb, box, low wall or door. All other objects of a scene are soft, and reach the leg as the virtual force at its foot.
 
 The gait state comes from the obstacle sequence, which this tick steps: the belt's share scales the reference towards
 standing, the guidance of each leg that of the reference, and the limits of each leg follow its role. A machine that
@@ -14,11 +14,19 @@ from __future__ import annotations
 
 import math
 from enum import IntEnum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.loop.controller_port import ControllerColumn, ControllerParameter, places_of
+from mimics_app.contracts.loop.controller_port import (
+    ControllerColumn,
+    ControllerParameter,
+    ControllerPlugin,
+    places_of,
+)
+from mimics_app.contracts.loop.controller_slots import CommandKind, Lead
 from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
 from mimics_app.contracts.loop.gait_state import GaitState
 from mimics_app.rendering.haptic.control.lokomat.constrained_shafts import SurfaceFriction
@@ -33,6 +41,7 @@ from mimics_app.rendering.haptic.control.lokomat.sagittal_outline import put_box
 from mimics_app.rendering.haptic.controllers.orthosis_walk import (
     WALK,
     begin_walk,
+    freed_leg,
     guide_leg,
     limit_walking_leg,
     step_walk,
@@ -50,7 +59,7 @@ from mimics_app.rendering.haptic.kernels.two_link import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from mimics_app.rendering.haptic.record_types import (
         ControlInputRecord,
@@ -66,8 +75,9 @@ __all__ = [
     "WALK_PLACES",
     "HardObject",
     "control_legs",
-    "obstacles_of",
-    "refuse_unless_two_legs",
+    "STREET_SIZES",
+    "StreetObject",
+    "orthosis_plugin",
 ]
 
 
@@ -79,12 +89,22 @@ class HardObject(IntEnum):
     BOX = 2
     KERB = 3  # upper edge at object[0], object[1]
     ROUND = 4  # of the diameter size[0]
+    STREET = 5  # the StreetObject that is called, from object[0] on, on the ground at object[1]
+
+
+class StreetObject(IntEnum):
+    """Obstacle of a street."""
+
+    KERB = 0
+    BOX = 1
+    LOW_WALL = 2
+    DOOR = 3
 
 
 PARAMETERS = (
     ControllerParameter("as_printed", 0.0, 0.0, 1.0),
     ControllerParameter("combined", 1.0, 0.0, 1.0, size=2),  # 1: combined control of the left and right leg
-    ControllerParameter("object_kind", 0.0, 0.0, 4.0),
+    ControllerParameter("object_kind", 0.0, 0.0, 5.0),
     ControllerParameter("object", 0.0, -3.0, 3.0, "m", size=2),
     ControllerParameter("object_size", 0.2, 0.01, 3.0, "m", size=2),
     ControllerParameter("rounding", 0.01, 0.001, 0.5, "m"),
@@ -147,6 +167,11 @@ _X_REAL, _X_DES, _F_X, _ETA, _GUIDANCE = 0, 1, 2, 3, 5
 _CALLED_LEGS = ("", " left", " right")
 """Legs for which a person may call an obstacle, as its name ends: the scene's, or the named one."""
 
+_LEGS_CALLED = len(_CALLED_LEGS)
+
+STREET_SIZES = np.array([(math.inf, 0.12), (0.36, 0.26), (0.18, 0.42), (math.inf, math.inf)])
+"""Depth and height of each StreetObject [m]."""
+
 _THIGH_COM, _SHANK_COM, _THIGH_GYRATION, _SHANK_GYRATION = 0.433, 0.606, 0.323, 0.416
 """Centres of mass from the upper joint and radii of gyration about them, as shares of the lengths (Winter)."""
 
@@ -205,11 +230,27 @@ def _write_links(links: Vec, geometry: Vec, thigh: float, shank: float) -> None:
 
 
 @kernel
-def _write_object(settings: LegSettingsRecord, numbers: Vec) -> None:
-    """Write the outline of the hard object."""
+def _write_street_object(settings: LegSettingsRecord, called: int, numbers: Vec) -> None:
+    """Write the outline of an obstacle of a street, which stands on the ground."""
+    x, ground, outline, rounding = numbers[_OBJECT], numbers[_OBJECT + 1], settings.outline, numbers[_ROUNDING]
+    deep, high = STREET_SIZES[called, 0], STREET_SIZES[called, 1]
+    if math.isinf(high):
+        put_wall(outline, x, 0.0, -1.0, 0.0)
+    elif math.isinf(deep):
+        put_kerb(outline, x, ground + high, rounding)
+    else:
+        put_box(outline, x + 0.5 * deep, ground + 0.5 * high, deep, high, rounding)
+
+
+@kernel
+def _write_object(settings: LegSettingsRecord, called: int, numbers: Vec) -> None:
+    """Write the outline of the hard object; of a street's that which is called."""
     x, z, outline = numbers[_OBJECT], numbers[_OBJECT + 1], settings.outline
     kind, rounding = int(numbers[_OBJECT_KIND]), numbers[_ROUNDING]
     outline.count = 0
+    if kind == HardObject.STREET:
+        _write_street_object(settings, called, numbers)
+        return
     if kind == HardObject.WALL:
         put_wall(outline, x, 0.0, -1.0, 0.0)
     elif kind == HardObject.BOX:
@@ -290,9 +331,12 @@ def _reference_stands(now: ControlInputRecord) -> bool:
 
 
 @kernel
-def _far_side(parameters: Vec) -> float:
-    """Place of the far side of the hard object [m]."""
+def _far_side(called: int, parameters: Vec) -> float:
+    """Place of the far side of the hard object [m]; of one without an end the near one."""
     kind = int(parameters[_OBJECT_KIND])
+    if kind == HardObject.STREET:
+        deep = STREET_SIZES[called, 0]
+        return parameters[_OBJECT] + (0.0 if math.isinf(deep) else deep)
     depth = 0.5 * parameters[_OBJECT_SIZE] if kind == HardObject.BOX or kind == HardObject.ROUND else 0.0
     return parameters[_OBJECT] + depth
 
@@ -326,11 +370,15 @@ def control_legs(
         _write_machine(settings, parameters, now.geometry)
         begin_walk(walk, parameters[_EXPLORATION], now.dt)
     _write_laws(settings, parameters)
-    _write_object(settings, parameters)
+    if now.obstacle > 0 and walk.sequence.state == GaitState.WALKING:
+        walk.called = (now.obstacle - 1) // _LEGS_CALLED
+    _write_object(settings, walk.called, parameters)
     if walks:
-        leg = int(parameters[_EXPLORING_LEG]) if now.obstacle <= 1 else now.obstacle - 2
-        step_walk(walk, now, leg, now.obstacle > 0, parameters[_OBSTACLE_AFTER], _far_side(parameters))
+        called = (now.obstacle - 1) % _LEGS_CALLED if now.obstacle > 0 else 0
+        leg = int(parameters[_EXPLORING_LEG]) if called == 0 else called - 1
+        step_walk(walk, now, leg, now.obstacle > 0, parameters[_OBSTACLE_AFTER], _far_side(walk.called, parameters))
         out.gait, out.braked, out.belt = 1 + walk.sequence.state, walk.sequence.braked, walk.sequence.belt
+        out.free_leg = freed_leg(walk)
         out.stop = 1 if walk.sequence.state == GaitState.STANDING and walk.sequence.cause != 0 else 0
     stands, period = _reference_stands(now), math.ceil(1.0 / (parameters[_RATE] * now.dt) - _ROUNDED)
     for leg in range(2):
@@ -353,15 +401,31 @@ def control_legs(
         _write_columns(settings, own, state, out.numbers[leg * _COLUMNS_OF_A_LEG : (leg + 1) * _COLUMNS_OF_A_LEG])
 
 
-def obstacles_of(parameters: Sequence[float]) -> tuple[str, ...]:
-    """Return the names by which a person may call the hard object of a walk: "wall", "wall left", "wall right"."""
+def _obstacles_of(parameters: Sequence[float]) -> tuple[str, ...]:
+    """Return the names by which a person may call a hard object of a walk: "wall", "wall left", "wall right"."""
     kind = HardObject(int(parameters[_OBJECT_KIND]))
     if parameters[_SEQUENCE] == 0.0 or kind is HardObject.NONE:
         return ()
-    return tuple(kind.name.lower() + leg for leg in _CALLED_LEGS)
+    objects = tuple(StreetObject) if kind is HardObject.STREET else (kind,)
+    return tuple(each.name.lower() + leg for each in objects for leg in _CALLED_LEGS)
 
 
-def refuse_unless_two_legs(descriptor: DeviceDescriptor) -> str:
+def _refuse_unless_two_legs(descriptor: DeviceDescriptor) -> str:
     """Return why a device cannot have a controller of the orthosis; "" where it can."""
     fits = descriptor.torques and descriptor.contacts == ("left foot", "right foot") and len(descriptor.joints) == 4
     return "" if fits else "needs hip and knee of two legs, with their torques measured, as lokomat:sim has"
+
+
+def orthosis_plugin(name: str, compute: Callable[..., Any]) -> ControllerPlugin:
+    """Return a controller of the orthosis: all but its name and its function is the same for both."""
+    return ControllerPlugin(
+        name,
+        compute,
+        Lead.PERSON,
+        CommandKind.TORQUE,
+        PARAMETERS,
+        refusal=_refuse_unless_two_legs,
+        columns=COLUMNS,
+        gait=True,
+        obstacles=_obstacles_of,
+    )

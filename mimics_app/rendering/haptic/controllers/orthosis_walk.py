@@ -33,7 +33,7 @@ if TYPE_CHECKING:
         WalkRecord,
     )
 
-__all__ = ["WALK", "begin_walk", "guide_leg", "limit_walking_leg", "step_walk"]
+__all__ = ["WALK", "begin_walk", "freed_leg", "guide_leg", "limit_walking_leg", "step_walk"]
 
 WALK = np.dtype(
     [
@@ -47,6 +47,7 @@ WALK = np.dtype(
         ("away", np.float64, (2, 2)),  # of each leg's reference from where the gait state leads it: hip, knee [rad]
         ("jacobian", np.float64, 4),  # scratch
         ("last", np.float64, (2, 2)),  # limited torques of each leg in the last tick [N m]
+        ("called", np.int64),  # number of the street's obstacle that was called last
     ],
     align=True,
 )
@@ -135,6 +136,15 @@ def step_walk(walk: WalkRecord, now: ControlInputRecord, leg: int, called: bool,
     for side in range(2):
         facts.extended[side] = 1 if now.q[2 * side + 1] < _STRAIGHT else 0
     step_sequence(sequence, walk.settings, facts)
+
+
+@kernel
+def freed_leg(walk: WalkRecord) -> int:
+    """Return the leg that an obstacle frees, from its announcement on: 1 left, 2 right, 0 none."""
+    state = walk.sequence.state
+    if GaitState.OBSTACLE_ENABLED <= state <= GaitState.GUIDANCE_RESTORED:
+        return 1 + int(walk.sequence.free_leg)
+    return 0
 
 
 @kernel

@@ -46,11 +46,14 @@ _REACHING = _FOOT + 6
 _ACTS = _REACHING + 1
 _BELT = _ACTS + 1
 _SLOWEST = _BELT + 1
-_WALKER = _SLOWEST + 1
+_PUSH = _SLOWEST + 1
+_PUSHED = _PUSH + 1
+_WALKER = _PUSHED + 1
 _MACHINE = _WALKER + gait_person.WALKER
 _LENGTH = _MACHINE + orthosis.MACHINE
 """Memory: the limb that reaches, geometry, place and velocity of its foot, which foot reaches, 1 where the person may
-act, the belt's speed without a reference, that below which the person stands, who walks, then the machine."""
+act, the belt's speed without a reference, that below which the person stands, the hip torque with which a standing one
+explores, time of the exploration [s], who walks, then the machine."""
 
 PLANT = slice(_MACHINE, _LENGTH)
 """Places of the record of `orthosis` in the memory."""
@@ -89,6 +92,7 @@ SETTINGS = {
     "encoder": 2e-5,  # [rad]
     "belt_speed": 0.0,  # besides that of the scene's reference [m/s]
     "slowest_walk": 0.0,  # speed of the belt below which the person stands [m/s]; 0: walks without a belt, too
+    "exploring_torque": 0.0,  # with which who stands pushes the foot that reaches forward, again and again [N m]
     "belt_lag": 0.25,  # [s]
     "sole_stiffness": 4e4,  # [N/m]
     "sole_damping": 4e4,  # [N s/m^2]
@@ -114,6 +118,7 @@ _MAY_BE_ZERO = (
     "encoder",
     "belt_speed",
     "slowest_walk",
+    "exploring_torque",
     "support",
     "stride",
 )
@@ -139,6 +144,9 @@ _STOP_GAP = math.radians(2.5)
 _PELVIS_DAMPING = 200.0
 """Of the pelvis' guide [N s/m]."""
 
+_PUSH_TIME = 3.0
+"""Time from one push of an exploring foot to the next [s]."""
+
 _START = (0.25, 0.45, 0.05, 0.15)
 """Joints at the start [rad]: a small step, so that both legs swing where nothing holds them."""
 
@@ -159,17 +167,30 @@ def _reach(memory: Vec, inbox: Vec, data: Vec) -> None:
 
 
 @kernel
+def _explore(memory: Vec) -> None:
+    """Let a person who stands push a foot forward from the hip and let it back, every few seconds."""
+    plant = memory[_MACHINE:_LENGTH]
+    memory[_PUSHED] += plant[orthosis.TICK]
+    leg = orthosis.leg_of(plant, int(memory[_REACHING]))
+    leg[orthosis.PERSON_TORQUE] += 0.5 * memory[_PUSH] * (1.0 - math.cos(2.0 * math.pi * memory[_PUSHED] / _PUSH_TIME))
+
+
+@kernel
 def _move_person(memory: Vec, inbox: Vec, data: Vec) -> None:
     """Set the torques of the person for this tick: walking where nothing is reached for; buttons to `data`."""
     plant, person = memory[_MACHINE:_LENGTH], memory[_WALKER:_MACHINE]
     reaches = memory[VIA_POINTS] > 1.0
-    acting = memory[_ACTS] != 0.0 and all_finite(inbox) and inbox[INBOX_ACTIVE] != 0.0 and not reaches
-    acting = acting and plant[orthosis.BELT + treadmill.BELT_SPEED] >= memory[_SLOWEST]
+    intends = memory[_ACTS] != 0.0 and all_finite(inbox) and inbox[INBOX_ACTIVE] != 0.0 and not reaches
+    acting = intends and plant[orthosis.BELT + treadmill.BELT_SPEED] >= memory[_SLOWEST]
     gait_person.move_walker(person, acting, plant[orthosis.TICK])
     for number in range(_LEGS):
         state = orthosis.state_of(plant, number)
         tau = orthosis.leg_of(plant, number)[orthosis.PERSON_TORQUE : orthosis.PERSON_TORQUE + 2]
         gait_person.limb_torques(person, number, state[0:2], state[2:4], acting, plant[orthosis.TICK], tau)
+    if acting:
+        memory[_PUSHED] = 0.0
+    elif intends:
+        _explore(memory)
     data[DATA_BUTTONS] = inbox[INBOX_BUTTONS] if math.isfinite(inbox[INBOX_BUTTONS]) else 0.0
     if reaches:
         _reach(memory, inbox, data)
@@ -206,7 +227,7 @@ def build_simulated_lokomat(request: DeviceRequest) -> DevicePlugin:
 
     `robot.settings` may hold the numbers of `SETTINGS`, height [m] and weight [kg] of the person, person (a preset of
     `gait_people.PERSONS`), pelvis ("held" over the belt, or "free": on the feet and the body-weight support) and
-    reaching ("left" or "right": the foot that follows the patient's path).
+    reaching ("left" or "right": the foot that follows the patient's path, or explores).
 
     Raises:
         DeviceError: An unknown setting, a number out of its range.
@@ -231,6 +252,7 @@ def build_simulated_lokomat(request: DeviceRequest) -> DevicePlugin:
     _write_plant(plant, request, own, numbers, free=pelvis == "free")
     _write_treadmill(plant, own, numbers)
     memory[_BELT], memory[_SLOWEST] = numbers["belt_speed"], numbers["slowest_walk"]
+    memory[_PUSH] = numbers["exploring_torque"]
     for number in range(_LEGS):
         _write_leg(plant, request, own, numbers, number)
     orthosis.place_drives(plant)

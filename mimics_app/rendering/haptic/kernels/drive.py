@@ -91,7 +91,7 @@ def _describe(scene: SceneRecord, state: StateRecord) -> None:
 def _begin_output(scene: SceneRecord, states: Table[StateRecord]) -> None:
     """Write to control.out the motion commanded in the last tick or, of a controller of forces, no force."""
     state, out = states[0], states[0].control.out
-    out.braked = out.stop = out.gait = 0
+    out.braked = out.stop = out.gait = out.free_leg = 0
     out.belt = 1.0
     if scene.commands[scene.controller] != CommandKind.VELOCITY:
         fill(out.force, 0.0)
@@ -535,8 +535,8 @@ def _note_gait(state: StateRecord) -> None:
     """
     out, before = state.control.out, state.gait_state
     if state.control.slot == Slot.OFF and out.gait != 0:
-        out.gait = 1 + GaitState.STANDING
-    state.gait_state = out.gait - 1
+        out.gait, out.free_leg = 1 + GaitState.STANDING, 0
+    state.gait_state, state.free_leg = out.gait - 1, out.free_leg - 1
     state.gait_changed = 1 if state.gait_state != before and out.gait != 0 else 0
 
 

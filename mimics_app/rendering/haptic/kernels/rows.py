@@ -88,8 +88,8 @@ def snapshot_bytes(contacts: int) -> int:
 
 
 @kernel
-def write_command(scene: SceneRecord, states: Table[StateRecord], command: Vec) -> None:
-    """Fill the command vector for the device."""
+def write_command(scene: SceneRecord, states: Table[StateRecord], dt: float, command: Vec) -> None:
+    """Fill the command vector for the device, and add up the way of a treadmill's belt over the tick of dt [s]."""
     state = states[0]
     for i in range(MAX_JOINTS):
         command[COMMAND_DQ + i] = state.command[i]
@@ -105,6 +105,7 @@ def write_command(scene: SceneRecord, states: Table[StateRecord], command: Vec) 
     command[COMMAND_STATE] = float(state.safety)
     share = state.control.out.belt if state.control.slot != Slot.OFF else 0.0
     command[COMMAND_BELT] = share * state.reference_state.speed.value * state.reference_state.amplitude.value
+    state.belt_travel += command[COMMAND_ENABLED] * command[COMMAND_BELT] * dt
 
 
 @kernel

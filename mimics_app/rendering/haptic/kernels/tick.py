@@ -131,10 +131,10 @@ def _watch_stability(
 
 @kernel
 def _write_results(
-    scene: SceneRecord, objects: ObjectWork, states: Table[StateRecord], command: Vec, row: SampleRecord
+    scene: SceneRecord, objects: ObjectWork, states: Table[StateRecord], dt: float, command: Vec, row: SampleRecord
 ) -> None:
     """Command for the device, and the outputs of the sample row."""
-    write_command(scene, states, command)
+    write_command(scene, states, dt, command)
     states[0].bodies = sum_motions(objects.motion_words, scene.objects.bodies)
     write_outputs(scene.contacts, states, objects.totals, row)
 
@@ -193,5 +193,5 @@ def tick(
     control(kin, scene, states, held, dt)
     if state.safety != stepped:  # force or controller latched a stop
         state.state_changed = 1
-    _write_results(scene, objects, states, command, row)
+    _write_results(scene, objects, states, dt, command, row)
     state.tick += 1

@@ -7,15 +7,8 @@ from typing import TYPE_CHECKING
 from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop import controller_port
-from mimics_app.contracts.loop.controller_slots import CommandKind, Lead
 from mimics_app.contracts.loop.device_descriptor import Kin
-from mimics_app.rendering.haptic.controllers.orthosis_legs import (
-    COLUMNS,
-    PARAMETERS,
-    control_legs,
-    obstacles_of,
-    refuse_unless_two_legs,
-)
+from mimics_app.rendering.haptic.controllers.orthosis_legs import control_legs, orthosis_plugin
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import ControlInputRecord, ControlOutputRecord, ControlWorkRecord
@@ -30,14 +23,4 @@ def _compute(
     control_legs(False, now, parameters, memory, out)
 
 
-CONTROLLER = controller_port.ControllerPlugin(
-    "lokomat_impedance",
-    _compute,
-    Lead.PERSON,
-    CommandKind.TORQUE,
-    PARAMETERS,
-    refusal=refuse_unless_two_legs,
-    columns=COLUMNS,
-    gait=True,
-    obstacles=obstacles_of,
-)
+CONTROLLER = orthosis_plugin("lokomat_impedance", _compute)
