@@ -46,6 +46,9 @@ from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["Given", "SessionParts", "prepare", "prepare_scene"]
 
+_PERSON = "person"
+"""Setting of a simulated device that names who moves it."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SessionParts:
@@ -217,10 +220,13 @@ def prepare_scene(
 def _who_moves(settings: RunSettings, scene: Scene, *, live: bool) -> tuple[Robot, Patient]:
     """Return the robot and the simulated patient of this run: the scene's, with device and preset of the settings.
 
-    In a window the pointer replaces the simulated device.
+    In a window the pointer replaces the simulated device. A preset of the settings also takes the place of the person
+    that a scene puts into its device.
     """
     robot, patient = scene.first(Robot) or Robot(), scene.first(Patient) or Patient()
     if settings.patient:
         patient = msgspec.structs.replace(patient, preset=settings.patient)
+        device_settings = {name: value for name, value in robot.settings.items() if name != _PERSON}
+        robot = msgspec.structs.replace(robot, settings=device_settings)
     device = settings.device or (POINTER if live and robot.device == SIMULATED else robot.device)
     return msgspec.structs.replace(robot, device=device), patient

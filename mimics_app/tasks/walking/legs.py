@@ -53,8 +53,8 @@ class Impairment:
 
 GAITS: Mapping[str, Impairment] = {
     "healthy": Impairment(fastest=1.4, short=0.0, stiff=0.0, spread=0.012),
-    "hemiparetic": Impairment(fastest=0.8, short=0.10, stiff=0.35, spread=0.025),
-    "severe": Impairment(fastest=0.45, short=0.18, stiff=0.60, spread=0.04),
+    "hemiparetic": Impairment(fastest=0.8, short=0.06, stiff=0.25, spread=0.025),
+    "severe": Impairment(fastest=0.45, short=0.10, stiff=0.40, spread=0.04),
 }
 """Degrees of impairment by name."""
 

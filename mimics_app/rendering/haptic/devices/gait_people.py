@@ -15,7 +15,7 @@ from mimics_app.contracts.errors import require_choice
 from mimics_app.rendering.haptic.kernels.lokomat import gait_person
 from mimics_app.rendering.haptic.kernels.noise import seed_noise
 
-__all__ = ["PERSONS", "Limb", "Person", "write_person_in"]
+__all__ = ["BY_IMPAIRMENT", "PERSONS", "Limb", "Person", "write_person_in"]
 
 _HIP = (0.2036, 0.3480, -0.0576, -0.0461, -0.0447, -0.0079, 0.0186, 0.0, 0.0)
 _KNEE = (0.3785, -0.0447, -0.3267, -0.2482, 0.1270, -0.0046, 0.0842, -0.0014, 0.0071)
@@ -126,6 +126,9 @@ PERSONS = {
     ),
 }
 """Healthy; weak on one side after a stroke; an incomplete injury of the spinal cord; spastic in both legs."""
+
+BY_IMPAIRMENT = {"healthy": "healthy", "moderate": "hemiparetic_left", "severe": "sci_incomplete"}
+"""Who walks for a patient's impairment (`patients.PRESETS`)."""
 
 _REFLEX_S = 0.040
 """Delay of a stretch reflex of the knee [s]; a setting, not verified."""

@@ -27,7 +27,7 @@ from mimics_app.contracts.loop.loop_ports import (
 from mimics_app.rendering.haptic.descriptors.segments import HEIGHT, WEIGHT, Segments, segments_of
 from mimics_app.rendering.haptic.devices.device_settings import write_settings
 from mimics_app.rendering.haptic.devices.dynamics import LOKOMAT_CURRENT_LAG, LOKOMAT_NAME, lokomat_dynamics
-from mimics_app.rendering.haptic.devices.gait_people import write_person_in
+from mimics_app.rendering.haptic.devices.gait_people import BY_IMPAIRMENT, write_person_in
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_person import move_person, write_person
 from mimics_app.rendering.haptic.kernels import two_link
@@ -226,7 +226,7 @@ def build_simulated_lokomat(request: DeviceRequest) -> DevicePlugin:
     """Build orthosis and person, who walks an own gait, or with a path moves one foot along it.
 
     `robot.settings` may hold the numbers of `SETTINGS`, height [m] and weight [kg] of the person, person (a preset of
-    `gait_people.PERSONS`), pelvis ("held" over the belt, or "free": on the feet and the body-weight support) and
+    `gait_people.PERSONS`; without it that of the patient's impairment, `BY_IMPAIRMENT`), pelvis ("held" over the belt, or "free": on the feet and the body-weight support) and
     reaching ("left" or "right": the foot that follows the patient's path, or explores).
 
     Raises:
@@ -236,7 +236,8 @@ def build_simulated_lokomat(request: DeviceRequest) -> DevicePlugin:
     given = dict(request.robot.settings)
     own = segments_of(given.pop("height", HEIGHT), given.pop("weight", WEIGHT))
     pelvis, reaching = str(given.pop("pelvis", _PELVIS[0])), str(given.pop("reaching", _FEET[0]))
-    person = str(given.pop("person", "healthy"))
+    preset = request.patient.preset if request.patient is not None else "healthy"
+    person = str(given.pop("person", BY_IMPAIRMENT[preset]))
     require_choice(pelvis, _PELVIS, "way to hold the pelvis")
     require_choice(reaching, _FEET, "foot that reaches")
     numbers = _numbers(given)

@@ -17,7 +17,7 @@ from mimics_app.maths.quat import multiply
 from mimics_app.world.content.motion.clip import ClipEvent
 from mimics_app.world.content.motion.footholds import Footholds, Ground
 from mimics_app.world.content.motion.humanoid import HumanoidMap
-from mimics_app.world.content.motion.kernels.gait import place_feet
+from mimics_app.world.content.motion.kernels.gait import lowest, place_feet
 from mimics_app.world.content.motion.pose import Pose
 from mimics_app.world.content.motion.reach import Chain, LimbReach, about
 from mimics_app.world.content.motion.reference_gait import NATURAL_STANCE, SAMPLES, shape_gait, stance_share
@@ -58,6 +58,14 @@ _LED = 6.0
 _SLOW_BACK, _SLOW, _FASTER = 0.025, 0.5, 0.8
 """How much farther back feet stand at slow speeds than hip and knee of the table say [m], fitted to the knee: the foot
 rolls off before toe-off; speeds up to which it is so, and from which they stand as the table says [m/s]."""
+_GIVEN = 4.0
+"""Inverse of the share of a swing at either end in which the foot changes between its own path and given angles."""
+_DORSIFLEXION = 0.35
+"""Largest dorsiflexion with which a swing foot clears the ground [rad]: 20 degrees."""
+_PITCHES = np.linspace(0.0, 1.0, 9)
+"""Shares of the way there that are tried."""
+_MOST_SHIFT = 0.15
+"""Largest shift of where a foot stands for given angles [m]."""
 _MIN_STRETCH = 0.12
 """Stretch of the step below which foot clearance does not decrease further."""
 
@@ -167,6 +175,7 @@ class Walk:
         self._holds = Footholds(ground) if ground is not None else None
         self._phase, self._sum, self._count = 0.0, 0.0, 0
         self._placed = np.zeros((2, 7))
+        self._shifts = [_Shift(), _Shift()]
         zero = np.zeros(2)
         self.gait = Gait(0.0, np.full((2, 3), np.nan), 0.0, zero, zero, zero, 0.0, ())
 
@@ -175,16 +184,20 @@ class Walk:
         before = self._phase
         self._phase = self._following(pace, seconds)
         backwards = pace.cadence < 0.0
+        wanted = None if self._angles is None else np.asarray(self._angles(self._phase), np.float64)
         natural = _NATURAL_STEP * self._leg * NATURAL_STANCE
         stretch = min(1.3, pace.step * pace.stance / natural)
         vigour = min(_LIVELY, abs(pace.speed) / _PREFERRED)
-        table = self._aim_feet(pace, stretch)
+        table = self._table_of(pace, stretch)
+        if wanted is not None:
+            self._shift_feet(wanted, table, pace.stance)
+        self._aim_feet(pace, stretch, table)
         self._trunk.swing(pose, self._phase, vigour)
-        self._raise_hips(pose, table, pace.stance)
-        wanted = None if self._angles is None else np.asarray(self._angles(self._phase), np.float64)
+        self._raise_hips(pose, table, pace.stance, wanted)
         if wanted is not None:
             self._follow_angles(pose, wanted, pace)
-        self._keep_bent(table, pace.stance)
+        else:
+            self._keep_bent(table, pace.stance)
         for leg in self._legs:
             leg(pose, seconds)
         self._chain.follow(pose)
@@ -223,11 +236,14 @@ class Walk:
         stands = bool((self._placed[:, 4] > 0.0).all())
         return 0.0 if stands and self._holds.at_rest else _SETTLING_CADENCE
 
-    def _aim_feet(self, pace: Pace, stretch: float) -> F8:
-        """Set the targets of the ankles and return the table of angles that the legs follow."""
+    def _table_of(self, pace: Pace, stretch: float) -> F8:
+        """Return the table of angles that the legs follow."""
         round_speed = _TABLE_SPEED * round(abs(pace.speed) / _TABLE_SPEED)
         lively = max(_MIN_STRETCH, _TABLE_STRETCH * round(stretch / _TABLE_STRETCH))
-        table = shape_gait(round(round_speed, 2), round(lively, 2))
+        return shape_gait(round(round_speed, 2), round(lively, 2))
+
+    def _aim_feet(self, pace: Pace, stretch: float, table: F8) -> None:
+        """Set the targets of the ankles."""
         stance, stride = pace.stance, 2.0 * pace.step
         shape, placed = self._shape, self._placed
         back = _SLOW_BACK * min(max((_FASTER - abs(pace.speed)) / (_FASTER - _SLOW), 0.0), 1.0)
@@ -236,12 +252,12 @@ class Walk:
         place_feet(self._phase, stance, stride, touch, shape, self._soles, table, placed)
         for k in range(2):
             ankle, hip = (self._rest.places[self._feet[k][j]] for j in (2, 0))
-            x, z = ankle[0], hip[2] + placed[k, 0]
+            ahead = self._shifts[k].ahead
+            x, z = ankle[0], hip[2] + placed[k, 0] + ahead
             if self._holds is not None:
-                off = self._hold(k, x, hip[2] + placed[k, 3], pace)
+                off = self._hold(k, x, hip[2] + placed[k, 3] + ahead, pace)
                 x, z = x + off[0], z + off[1]
             self._goals[k][:] = (x, placed[k, 1], z)
-        return table
 
     def _hold(self, k: int, x: float, z: float, pace: Pace) -> F8:
         assert self._holds is not None
@@ -258,8 +274,28 @@ class Walk:
             return 0.0
         return float(-self._shape[1] if pitch > 0.0 else self._shape[2])
 
-    def _raise_hips(self, pose: Pose, table: F8, stance: float) -> None:
-        """Set the height of the hips so that loaded legs bend as the table has it and stance feet are in reach."""
+    def _shift_feet(self, wanted: F8, table: F8, stance: float) -> None:
+        """Let each foot come down as much farther ahead than the table's as given angles had it in the stance before."""
+        for k, shift in enumerate(self._shifts):
+            own = (self._phase + 0.5 * k) % 1.0
+            usual = table[int(own * SAMPLES) % SAMPLES]
+            more = self._ankle(wanted[2 * k], wanted[2 * k + 1])[0] - self._ankle(usual[0], usual[1])[0]
+            shift.follow(more, (own - stance) / (1.0 - stance))
+
+    def _ankle(self, lean: float, knee: float) -> tuple[float, float]:
+        """Return how far a lean of the thigh and a flexion of the knee have an ankle ahead of its hip and below it [m]."""
+        bend = lean - knee
+        thigh, shank = self._shape[4], self._shape[5]
+        return (
+            float(thigh * math.sin(lean) + shank * math.sin(bend)),
+            float(thigh * math.cos(lean) + shank * math.cos(bend)),
+        )
+
+    def _raise_hips(self, pose: Pose, table: F8, stance: float, wanted: F8 | None) -> None:
+        """Set the height of the hips so that loaded legs bend as the table, or given angles, have it.
+
+        Stance feet are in reach.
+        """
         places = self._chain.places
         thigh, shank = self._shape[4], self._shape[5]
         lift, highest = 0.0, math.inf
@@ -267,7 +303,7 @@ class Walk:
             hip, goal = places[joints[0]], self._goals[k]
             aside = float((goal[0] - hip[0]) ** 2 + (goal[2] - hip[2]) ** 2)
             phase = (self._phase + 0.5 * k) % 1.0
-            knee = max(_knee_at(table, phase), _MIN_FLEXION)
+            knee = max(_knee_at(table, phase) if wanted is None else float(wanted[2 * k + 1]), _MIN_FLEXION)
             chord = thigh**2 + shank**2 + 2.0 * thigh * shank * math.cos(knee)
             over = float(goal[1] - hip[1])
             lift += self._placed[k, 6] * (over + math.sqrt(max(chord - aside, 0.0)))
@@ -280,20 +316,34 @@ class Walk:
 
     def _follow_angles(self, pose: Pose, wanted: F8, pace: Pace) -> None:
         """Move the targets of swing ankles to given angles; a stance foot keeps its place on the ground."""
-        thigh, shank = self._shape[4], self._shape[5]
         for k, (hip, _, _) in enumerate(self._feet):
-            lean, bend = wanted[2 * k], wanted[2 * k] - wanted[2 * k + 1]
-            ahead = thigh * math.sin(lean) + shank * math.sin(bend)
-            down = thigh * math.cos(lean) + shank * math.cos(bend)
+            ahead, down = self._ankle(wanted[2 * k], wanted[2 * k + 1])
             phase = (self._phase + 0.5 * k) % 1.0
             if phase >= pace.stance:
-                # Toes and heel stay above the ground for any angles.
                 x = (phase - pace.stance) / (1.0 - pace.stance)
-                share = math.sin(math.pi * x) ** 2
+                share = _eased(_GIVEN * x) * _eased(_GIVEN * (1.0 - x))
                 own, place = self._goals[k], self._chain.places[hip]
                 asked = np.array([own[0], place[1] - down, place[2] + ahead])
-                asked[1] = max(asked[1], 0.9 * own[1])
                 own[:] = (1.0 - share) * own + share * asked
+                self._clear_ground(k, wanted[2 * k] - wanted[2 * k + 1])
+
+    def _clear_ground(self, k: int, lean: float) -> None:
+        """Pitch the toes of a swing foot up until it clears the ground; what the ankle cannot, the leg lifts.
+
+        Args:
+            k: 0 left, 1 right.
+            lean: Of the shank, forward [rad].
+        """
+        own, placed = self._goals[k], self._placed[k]
+        steps = _PITCHES * max(lean + _DORSIFLEXION - placed[2], 0.0)
+        heights = [-lowest(placed[2] + step, placed[5], self._shape, self._soles[k]) for step in steps]
+        free = next((n for n, height in enumerate(heights) if height <= own[1]), -1)
+        if free > 0:  # between the last pitch that touches and the first that clears
+            below, above = heights[free - 1] - own[1], own[1] - heights[free]
+            placed[2] += steps[free] - (steps[free] - steps[free - 1]) * above / (above + below)
+        elif free < 0:
+            placed[2] += steps[int(np.argmin(heights))]
+        own[1] = max(own[1], -lowest(placed[2], placed[5], self._shape, self._soles[k]))
 
     def _keep_bent(self, table: F8, stance: float) -> None:
         """Move the targets of swing ankles to the hip until the knee has the table's flexion before strike."""
@@ -356,6 +406,35 @@ class Walk:
             knees[k] = hips[k] - lean
             ankles[k] = self._placed[k, 2] - lean
         return hips, knees, ankles
+
+
+def _eased(x: float) -> float:
+    """Return a smooth step from 0 to 1."""
+    x = min(max(x, 0.0), 1.0)
+    return x * x * (3.0 - 2.0 * x)
+
+
+class _Shift:
+    """How much farther ahead a foot stands than the walk's own: the mean of its last stance, changed in its swing.
+
+    Attributes:
+        ahead: Present shift [m].
+    """
+
+    def __init__(self) -> None:
+        self.ahead = self._wanted = self._left = 0.0
+        self._sum, self._count = 0.0, 0
+
+    def follow(self, asked: float, share: float) -> None:
+        """Take how much farther ahead the angles have the foot [m]; in swing move by its elapsed share, 0 to 1."""
+        if share < 0.0:
+            self._sum, self._count = self._sum + asked, self._count + 1
+            self._left = self.ahead
+            return
+        if self._count:
+            self._wanted = min(max(self._sum / self._count, -_MOST_SHIFT), _MOST_SHIFT)
+            self._sum, self._count = 0.0, 0
+        self.ahead = self._left + _eased(share) * (self._wanted - self._left)
 
 
 def _plain_soles(shape: F8) -> F8:

@@ -9,7 +9,7 @@ import numpy as np
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8
 
-__all__ = ["place_feet"]
+__all__ = ["lowest", "place_feet"]
 
 
 _CLEARANCE = 0.004
@@ -56,7 +56,7 @@ def _at(table: F8, phase: float, column: int) -> float:
 
 
 @kernel
-def _lowest(pitch: float, bend: float, shape: F8, sole: F8) -> float:
+def lowest(pitch: float, bend: float, shape: F8, sole: F8) -> float:
     """Return the height of a sole's lowest point over the ankle at a pitch and a bend of the toes."""
     s, c = math.sin(pitch), math.cos(pitch)
     ahead, above = shape[2], shape[7] - shape[0]
@@ -90,7 +90,7 @@ def _stand(phase: float, stance: float, stride: float, touch: float, shape: F8, 
     out[2] = pitch
     out[3], out[4] = base + pivot, 1.0
     out[5] = min(max(-pitch, 0.0), shape[6])
-    out[1] = -_lowest(pitch, out[5], shape, sole)
+    out[1] = -lowest(pitch, out[5], shape, sole)
 
 
 @kernel
@@ -118,7 +118,7 @@ def _swing(phase: float, stance: float, ends: F8, hip: float, shape: F8, sole: F
     out[1] = up + left * ends[1] + comes * ends[3]
     out[2] = _at(table, phase, 2)
     out[5] = max(left * min(max(-ends[4], 0.0), shape[6]), min(shape[6], _TOES_UP) * math.sin(math.pi * x))
-    least = _CLEARANCE * math.sin(math.pi * x) - _lowest(out[2], out[5], shape, sole)
+    least = _CLEARANCE * math.sin(math.pi * x) - lowest(out[2], out[5], shape, sole)
     over = out[1] - least
     # Lifted smoothly where it would come nearer to the ground than that, to just that at either end.
     soft = _SOFT_LIFT * math.sin(math.pi * x)
