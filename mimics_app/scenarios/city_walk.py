@@ -14,10 +14,11 @@ from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.maths import quat
 from mimics_app.scenarios.figures.ground_path import GroundPath
 from mimics_app.scenarios.figures.path_figure import PathFigure
+from mimics_app.scenarios.figures.street_object import StreetObject
 from mimics_app.scenarios.figures.walking_figure import see_past_head
 from mimics_app.scenarios.parts.touch_scene import TouchScene
 from mimics_app.scenarios.parts.weather import WEATHER, Weather
-from mimics_app.tasks.kinds.city_walk.kind import ALONG, SPEED, CityWalkSpec
+from mimics_app.tasks.kinds.city_walk.kind import ALONG, OPENED, SPEED, CityWalkSpec
 from mimics_app.tasks.scene_section import section_of
 from mimics_app.tasks.walking.walker import PERSON
 from mimics_app.world.components.visible import CameraComponent
@@ -51,7 +52,7 @@ class CityWalk(TouchScene):
         spec = section_of(scene, CityWalkSpec)
         paths = {name: GroundPath(path) for name, path, _ in scene.components(WalkingPath)}
         walkers = {name: walker for name, walker, _ in scene.components(PathWalker)}
-        self._walk = Shown((PERSON, ALONG, SPEED))
+        self._walk = Shown((PERSON, ALONG, SPEED, OPENED))
         figures = {}
         for name, walker in walkers.items():
             ahead, own = (-1.0, lambda: self._walk[PERSON]) if name == spec.person else (1.0, None)
@@ -62,6 +63,12 @@ class CityWalk(TouchScene):
         self._person = world.find(spec.person)
         see_past_head(world.cameras, self._person)
         self._weather = Weather(world, self._person)
+        path = paths[walkers[spec.person].path]
+        self._obstacles = [
+            (number, StreetObject(world.find(each.entity), path, each))
+            for number, each in enumerate(spec.obstacles)
+            if each.entity in world
+        ]
         self._eyes = [
             (node, np.array(node.orientation))
             for name, _, _ in scene.components(CameraComponent)
@@ -81,6 +88,9 @@ class CityWalk(TouchScene):
         for figure, own in self._others:
             figure.go(own * seconds, own)
         self._weather.follow(orders.visual, seconds)
+        opened = self._walk[OPENED]
+        for number, obstacle in self._obstacles:
+            obstacle.open(opened[number] if opened else 0.0)
         self._turn_camera(float(snapshot.hip_world[0] - self._start[0]))
 
     @staticmethod

@@ -347,18 +347,20 @@ class TaskManager:
     def _orders(self, seen: Observation, sounds: tuple[SoundEvent, ...]) -> TaskOrders:
         haptic = dict(self._settings.haptic)
         visual, taps, cues = dict(self._settings.visual), list[TactileEvent](), list[SoundTrigger]()
+        obstacle = ""
         for play in self._plays.values():
             haptic |= play.orders
             visual |= shown(play.visual)
             taps += play.take_touches()
             cues += play.take_sounds()
+            obstacle = play.take_obstacle() or obstacle
             for kind, data in play.take_events():
                 self._on_event(kind, data)
         haptic = {**self._participation.allow(haptic), **self._control.wanted(), TRIAL: self._attempts.begun}
         gain = self._audio.since_last(self._settings.audio).get(GAIN.name)
         view = self._view(seen)
         return TaskOrders(
-            haptic=HapticOrder(self._haptic.since_last(haptic)),
+            haptic=HapticOrder(self._haptic.since_last(haptic), obstacle),
             visual=VisualOrder(self._visual.since_last(visual)),
             audio=AudioOrder(None if gain is None else GAIN.read(gain), sounds, tuple(cues)),
             tactile=TactileOrder(tuple(taps)),

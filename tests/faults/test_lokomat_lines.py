@@ -104,16 +104,16 @@ def test_a_pulled_plug_is_told_in_words(tmp_path: Path):
         bench.engine.stop()
 
 
-@pytest.mark.parametrize("joint", range(4))
+@pytest.mark.parametrize(("line", "joint"), [("udp", 0), ("udp", 3), ("serial", 1), ("serial", 2)])
 @pytest.mark.requirement("R26")
-def test_a_lost_encoder_stops_the_loop_in_its_tick_and_brakes_both_legs(tmp_path: Path, joint: int):
+def test_a_lost_encoder_stops_the_loop_in_its_tick_and_brakes_both_legs(tmp_path: Path, line: str, joint: int):
     """An encoder that gives no number: the state that brings it latches, and the next command brakes."""
 
     def pack(data, status, payload):
         LEG_FRAMES.pack(data, status, payload)
         payload.view(np.float32)[joint] = math.nan
 
-    with lokomat_rig(tmp_path, "udp", settings=LOOSE) as rig:
+    with lokomat_rig(tmp_path, line, settings=LOOSE) as rig:
         bench = _swinging(rig)
         rig.emulator.frames = LEG_FRAMES._replace(pack=pack)
         samples = rig.advance(bench, 40)

@@ -9,11 +9,14 @@ import numpy as np
 import pytest
 
 from mimics_app.app.scenes.loading import check_scene, read_scene
+from mimics_app.app.session.preparation import prepare_scene
+from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.haptic.devices.simulated_lokomat import PLANT, SETTINGS
-from mimics_app.rendering.haptic.kernels.lokomat import linkage, orthosis, treadmill
-from tests.support.core_play import CorePlay
+from mimics_app.rendering.haptic.kernels.lokomat import gait_person, linkage, orthosis, treadmill
+from mimics_app.world.components.robot import Robot
+from tests.support.core_play import CorePlay, change_component
 
 SWING = root() / "scenes" / "examples" / "lokomat_free_swing.json"
 FRAMES = 60
@@ -75,3 +78,18 @@ def test_a_person_in_the_orthosis_walks_without_a_target(tmp_path: Path):
     active = samples[samples["state"] == SafetyState.ACTIVE]
     assert np.ptp(active["q"][-1500:, :4], axis=0).min() > 0.2
     play.core.stop()
+
+
+@pytest.mark.parametrize(
+    ("asked", "person"), [("", "healthy"), ("moderate", "hemiparetic_left"), ("severe", "sci_incomplete")]
+)
+def test_the_patient_of_the_command_line_walks_in_the_orthosis(asked: str, person: str) -> None:
+    walkers = []
+    for settings in ({"patient": asked}, {}):
+        scene = check_scene(read_scene(SWING))
+        if not settings:
+            robot = scene.first(Robot)
+            change_component(scene, "robot", settings={**robot.settings, "person": person})
+        memory = prepare_scene(scene, RunSettings(SWING, **settings)).plugin.memory
+        walkers.append(memory[PLANT.start - gait_person.WALKER : PLANT.start])
+    assert np.array_equal(*walkers)

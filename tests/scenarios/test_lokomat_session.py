@@ -42,7 +42,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         called = session.command(mimics.Obstacle("wall left"))
         session.step(1.0)
         assert session._frames.board.cards["gait"].text == "Stop. Wait until the left leg is free"
-        session.step(7.5)
+        for _ in range(15):
+            session.step(0.5)
+            _check_picture(session)
         plant = session._begun.haptics.plugin.memory[PLANT]
         assert _drives(plant, linear_drive.BRAKED).tolist() == [0.0] * 4
         session.command(mimics.Stop())
@@ -52,6 +54,19 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert not early.done and "walks" in early.why
     assert not wrong.done and "wall right" in wrong.why and called.done
     return session.run_dir
+
+
+def _check_picture(session: mimics.Session) -> None:
+    """In the frame itself: marks where the belt has brought them, lamps lit on the leg that is free, on no other."""
+    world, snapshot = session._begun.world, session._frames.snapshot
+    for number in range(6):
+        z = -0.85 + 0.325 * number - snapshot.belt_travel
+        assert world.find(f"belt_mark_{number}").position[2] == pytest.approx(-0.95 + (z + 0.95) % 1.95, abs=1e-5)
+    free = GAIT_STATES[snapshot.gait_state] in ("leg_released", "exploring")
+    for leg in LEGS:
+        for bone in ("thigh", "shank"):
+            shown = world.find(f"{leg}_{bone}_lamp").entity.subentities[0].material
+            assert shown == ("lamp_lit" if free and leg == "left" else "lamp_dark"), snapshot.gait_state
 
 
 def _drives(plant: np.ndarray, place: int) -> np.ndarray:
@@ -86,6 +101,10 @@ def test_columns_of_both_legs_say_what_the_legs_do(recording: Recording) -> None
         assert haptic[f"{leg}_f_x"].units == "N" and haptic[f"{leg}_eta_2"].units == "m"
     explored = np.asarray(haptic["gait_state"]) == GAIT_STATES.index("exploring")
     assert explored.any() and not np.asarray(haptic["left_guidance"])[explored].any()
+    assert (np.asarray(haptic["free_leg"])[explored] == 0).all()
+    assert np.asarray(haptic["left_f_x"])[explored].min() < -5.0, "the foot meets the wall"
+    travel = np.asarray(haptic["belt_travel"])
+    assert np.diff(travel).min() >= 0.0 and np.ptp(travel[explored]) == 0.0 and travel[-1] > 1.5
     assert np.asarray(haptic["right_guidance"])[explored].min() > 0.99
     assert (
         np.abs(np.asarray(haptic["right_eta_1"])[explored] - np.asarray(haptic["right_eta_1"])[explored][0]).max()

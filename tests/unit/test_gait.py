@@ -10,6 +10,9 @@ import pytest
 
 from mimics_app.lab import published_gait
 from mimics_app.lab.haptic.gait_differences import speed_of
+from mimics_app.scenarios.figures.walking_figure import pace_with
+from mimics_app.tasks.walking.legs import GAITS
+from mimics_app.tasks.walking.walker import Walker
 from mimics_app.world.content.motion.animator import Animator
 from mimics_app.world.content.motion.gait import Pace, Walk, natural_step
 from mimics_app.world.content.motion.humanoid import find_humanoid
@@ -328,3 +331,42 @@ def test_given_angles_are_followed_and_the_correction_is_reported(animator: Anim
     assert np.degrees(walk.gait.correction) < 5.0
     (walk,), *_ = _walk(animator, pace, 4.0, angles=lambda phase: reported(phase) + np.radians(12.0))
     assert np.degrees(walk.gait.correction) > 5.0
+
+
+@pytest.mark.parametrize(
+    ("kind", "speed", "most"), [("healthy", 0.42, 3.4), ("hemiparetic", 0.8, 3.7), ("severe", 0.3, 4.2)]
+)
+def test_legs_of_a_patient_walk_without_slip_and_above_the_ground(
+    animator: Animator, kind: str, speed: float, most: float
+) -> None:
+    """By the angles of whoever walks: 1 mm/s, 2 mm, a root mean square correction of some degrees, steps in time."""
+    walker, chain = Walker(GAITS[kind], 1), Chain(animator.rig)
+    walk = Walk(
+        animator.rig,
+        find_humanoid(animator.rig),
+        lambda: pace_with(walker.speed, walker.footfalls.step_at(walker.speed)),
+        angles=lambda _: np.array(walker.legs[:4]),
+        phase=lambda: walker.footfalls.phase,
+        ground=lambda: (walker.x, walker.z, walker.yaw),
+    )
+    animator.steps[:] = [walk]
+    errors, soles, standing, struck = [], [], [], []
+    for _ in range(round(12.0 / FRAME)):
+        walker.step(speed, 0.0, FRAME)
+        animator.step(FRAME)
+        chain.follow(animator.pose)
+        errors.append(np.stack([walk.gait.hip, walk.gait.knee], 1).ravel() - np.array(walker.legs[:4]))
+        ahead = np.array([0.0, 0.0, walker.z])
+        soles.append([[_sole(chain, side, point) + ahead for point in range(3)] for side in ("left", "right")])
+        standing.append(np.isfinite(walk.gait.contacts[:, 0]))
+        struck.append([side in walk.gait.touched for side in ("left", "right")])
+    places, stands = np.array(soles), np.array(standing)
+    begun = stands[1:] & ~stands[:-1]
+    assert np.array_equal(begun[60:], np.array(struck)[61:]), "the step is told in the frame that draws its contact"
+    resting = (places[..., 1] < 1e-5) & stands[:, :, None]
+    still = resting[1:] & resting[:-1]
+    slip = np.linalg.norm(np.diff(places, axis=0), axis=-1)[still] / FRAME
+    assert still.sum() > 300 and slip.max() <= 1e-3
+    assert places[..., 1].min() > -2e-3
+    settled = np.degrees(np.array(errors))[round(5.0 / FRAME) :]
+    assert np.sqrt((settled**2).mean()) < most

@@ -25,7 +25,7 @@ _WORDS: Mapping[GaitState, tuple[str, Tone]] = {
     GaitState.RESUMING: ("Walk on. The belt starts", Tone.CALM),
     GaitState.STANDING: ("Stand still. Brakes hold both legs", Tone.ALARM),
 }
-"""What the person is told, and how urgently, by state; {free} is the leg that an obstacle frees, {other} the other one."""
+"""What the person is told, and how urgently, by state; {free} is the leg that an obstacle frees, {other} the other."""
 
 _LEGS = ("left", "right")
 

@@ -92,7 +92,7 @@ class CommandDesk:
             End: lambda command: self._end(),
             Note: lambda command: _DONE,
             Mark: lambda command: _DONE,
-            Obstacle: lambda command: self._call_obstacle(command.name),
+            Obstacle: lambda command: self.call_obstacle(command.name),
             View: lambda command: core.show_view(command.name),
             Fault: lambda command: _tried(core.haptics.inject, command.name),
             Calibrate: lambda command: _tried(core.haptics.calibrate, command.step),
@@ -152,8 +152,8 @@ class CommandDesk:
         self._core.parameter_store.reset()
         return _DONE
 
-    def _call_obstacle(self, name: str) -> Reply:
-        """Let the controller of the person begin an obstacle, by one of the names that it has."""
+    def call_obstacle(self, name: str) -> Reply:
+        """Let the controller of the person begin an obstacle, by a name that it has; of a person or a task."""
         store = self._core.parameter_store
         known = obstacle_names(store.block)
         if not known:

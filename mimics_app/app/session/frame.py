@@ -139,6 +139,8 @@ class Frames:
             orders = core.tasks.step(vr, taken, snapshot, events, now_ns, timing)
             if orders.result is not None:
                 state = core.estimation.update_from_result(orders.result)
+            if orders.haptic.obstacle:
+                self.desk.call_obstacle(orders.haptic.obstacle)
             self.desk.answer(orders.replies, self.number, now_ns)
             self._choose(state, orders.result, now_ns)
             self._touch(vr, orders, snapshot)

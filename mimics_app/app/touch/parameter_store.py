@@ -195,7 +195,7 @@ class ParameterStore:
             parameters[component] = value
 
     def call_obstacle(self, number: int) -> None:
-        """Let the loop's controller begin an obstacle, by its number among the controller's; only for a person's order.
+        """Let the loop's controller begin an obstacle, by its number among the controller's.
 
         Raises:
             ValueError: The parameter block has no such number.

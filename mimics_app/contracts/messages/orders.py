@@ -96,9 +96,11 @@ class HapticOrder:
 
     Attributes:
         numbers: Numbers by field.
+        obstacle: Obstacle that the controller is to begin, by name; "" for none.
     """
 
     numbers: Mapping[HapticField, Numbers] = field(default_factory=dict)
+    obstacle: str = ""
 
 
 def shown(values: Mapping[Feature[Any], object]) -> dict[str, object]:

@@ -164,6 +164,10 @@ class KindPlay:
         """Return the events with a sound since the last call; the scene assigns the sound by kind and material."""
         return ()
 
+    def take_obstacle(self) -> str:
+        """Return the obstacle that the controller of the loop is to begin in this frame, by name; "" for none."""
+        return ""
+
     def take_events(self) -> Sequence[tuple[str, Mapping[str, object]]]:
         """Return the lines for the journal since the last call: kind and data."""
         return ()

@@ -3,7 +3,8 @@
 Each leg is controlled on its own, by pure impedance or by admittance and impedance combined. The numbers of the machine
 are parameters with the defaults of the simulated one; a laboratory enters those of its own. One hard object at a time
 stands in the plane of the legs: a wall, a box, a kerb or a round one, placed in the robot's frame (x forward, z up,
-origin between the hips), or on a street the one that is called: kerb, box, low wall or door. All other objects of a scene are soft, and reach the leg as the virtual force at its foot.
+origin between the hips), or on a street the one that is called: kerb, box, low wall or door. All other objects of a
+scene are soft, and reach the leg as the virtual force at its foot.
 
 The gait state comes from the obstacle sequence, which this tick steps: the belt's share scales the reference towards
 standing, the guidance of each leg that of the reference, and the limits of each leg follow its role. A machine that
@@ -72,11 +73,11 @@ if TYPE_CHECKING:
 __all__ = [
     "COLUMNS",
     "PARAMETERS",
+    "STREET_SIZES",
     "WALK_PLACES",
     "HardObject",
-    "control_legs",
-    "STREET_SIZES",
     "StreetObject",
+    "control_legs",
     "orthosis_plugin",
 ]
 

@@ -225,9 +225,10 @@ def write_lokomat(memory: Vec, command: Vec, tick: int) -> int:
 def build_simulated_lokomat(request: DeviceRequest) -> DevicePlugin:
     """Build orthosis and person, who walks an own gait, or with a path moves one foot along it.
 
-    `robot.settings` may hold the numbers of `SETTINGS`, height [m] and weight [kg] of the person, person (a preset of
-    `gait_people.PERSONS`; without it that of the patient's impairment, `BY_IMPAIRMENT`), pelvis ("held" over the belt, or "free": on the feet and the body-weight support) and
-    reaching ("left" or "right": the foot that follows the patient's path, or explores).
+    `robot.settings` may hold the numbers of `SETTINGS`, height [m] and weight [kg] of the person, person (a preset
+    of `gait_people.PERSONS`; without it that of the patient's impairment, `BY_IMPAIRMENT`), pelvis ("held" over the
+    belt, or "free": on the feet and the body-weight support) and reaching ("left" or "right": the foot that follows
+    the patient's path, or explores).
 
     Raises:
         DeviceError: An unknown setting, a number out of its range.

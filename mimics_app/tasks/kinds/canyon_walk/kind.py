@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -9,7 +10,7 @@ from msgspec import Meta, field, structs
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.messages.board import Bar, Card, Tone
-from mimics_app.contracts.messages.orders import Feature
+from mimics_app.contracts.messages.orders import Feature, HapticField
 from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.messages.stage_messages import SoundTrigger
 from mimics_app.contracts.ports.scenario_port import TaskContext
@@ -38,6 +39,8 @@ TREMBLES = Feature("beam.trembles", 0.0)
 WIND = Feature("wind.strength", 0.0)
 """Strength of the wind, 0 to 1."""
 
+_CUE_S = 0.5
+"""Duration of the cue of a misstep, which swells and fades [s]."""
 _CREAK_PER_STEP = 0.35
 """Strength of the creak of the beam under a foot."""
 _GUST_FROM = 4.0
@@ -67,6 +70,13 @@ class CanyonWalkSpec(Component, frozen=True):
     ] = "healthy"
     fastest: Annotated[float, Meta(gt=0.0, le=2.5, description="Speed at full deflection of the hand [m/s].")] = 1.3
     deflection: Annotated[float, Meta(gt=DEAD_ZONE, le=0.5, description="Full deflection of the hand [m].")] = 0.1
+    cues: Annotated[
+        tuple[str, ...],
+        Meta(
+            max_length=2, description="Vibrations that are felt at a misstep: of the left foot, of the right; or one."
+        ),
+    ] = ()
+    cue_force: Annotated[float, Meta(ge=0.0, le=6.0, description="Largest force of such a cue [N].")] = 4.0
     sections: Annotated[
         dict[str, SectionSpec], Meta(max_length=20, description="Sections by the label of their trials.")
     ] = field(default_factory=dict)
@@ -107,6 +117,7 @@ class CanyonWalkPlay(KindPlay):
         seed = self._seed * 1000 + self._number
         self._crossing = Crossing(self._beam, GAITS[spec.gait], self._section.begin, seed, calm=spec.calm)
         self._seconds, self._trembles = 0.0, 0.0
+        self._cue_s = [_CUE_S] * len(spec.cues)
 
     def start_attempt(self, seen: Observation) -> None:
         self._throttle.start(seen)
@@ -133,7 +144,10 @@ class CanyonWalkPlay(KindPlay):
             if crossing.beam.carries(-foot.z):
                 self._trembles = 1.0
                 self._sound("creak", seen, (foot.x, 0.0, foot.z), _CREAK_PER_STEP)
+        self._cue_s = [min(since + seconds, _CUE_S) for since in self._cue_s]
         for foot in missed:
+            if self._cue_s:
+                self._cue_s[-1 if foot.side == "right" else 0] = 0.0
             self._sound("misstep", seen, (foot.x, 0.0, foot.z))
             self._note("misstep", seen, side=foot.side, off_m=round(abs(foot.x), 4))
         if gust:
@@ -151,6 +165,15 @@ class CanyonWalkPlay(KindPlay):
     def take_events(self) -> Sequence[tuple[str, Mapping[str, object]]]:
         events, self._events = self._events, []
         return events
+
+    @property
+    def orders(self) -> Mapping[HapticField, object]:
+        """Forces of the cues: each swells and fades, so that it is felt and has no edge."""
+        orders: dict[HapticField, object] = {}
+        for name, since in zip(self._spec.cues, self._cue_s, strict=True):
+            share = math.sin(math.pi * since / _CUE_S) ** 2 if since < _CUE_S else 0.0
+            orders[HapticField("force", "effects", name)] = round(self._spec.cue_force * share, 3)
+        return orders
 
     @property
     def visual(self) -> Mapping[Feature[Any], object]:
@@ -269,6 +292,7 @@ class CanyonWalkKind(TaskKind):
         if walk is None:
             return []
         named = {f"/task/canyon_walk/{field}": getattr(walk, field) for field in ("person", "beam")}
+        named |= {f"/task/canyon_walk/cues/{number}": name for number, name in enumerate(walk.cues)}
         return scene.check_names(named, "no entity", scene.by_id)
 
     def open(self, spec: TaskBlock, context: TaskContext, seed: int) -> CanyonWalkPlay:

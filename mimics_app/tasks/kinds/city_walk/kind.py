@@ -11,8 +11,10 @@ from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.messages.board import Bar, Card
 from mimics_app.contracts.messages.orders import Feature
 from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
+from mimics_app.contracts.messages.stage_messages import SoundTrigger
 from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.deflection import DEAD_ZONE, deflection
+from mimics_app.tasks.kinds.city_walk.obstacles import MATERIALS, StreetObstacle, StreetObstacles, Tap
 from mimics_app.tasks.kinds.kind import KindPlay, Measure, TaskBlock, TaskKind, Values
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.legs import GAITS
@@ -25,12 +27,14 @@ from mimics_app.world.components.walking import PathWalker
 if TYPE_CHECKING:
     from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["ALONG", "KIND", "SPEED", "CityWalkPlay", "CityWalkSpec"]
+__all__ = ["ALONG", "KIND", "OPENED", "SPEED", "CityWalkPlay", "CityWalkSpec"]
 
 ALONG = Feature("walk.along", 0.0)
 """Way of the person along the path [m]."""
 SPEED = Feature("walk.speed", 0.0)
 """Speed of the person [m/s]."""
+OPENED = Feature[tuple[float, ...]]("walk.opened", ())
+"""How far each obstacle is open, 0 to 1, in the order of `CityWalkSpec.obstacles`."""
 
 
 class CityWalkSpec(Component, frozen=True):
@@ -44,6 +48,10 @@ class CityWalkSpec(Component, frozen=True):
         Literal["healthy", "hemiparetic", "severe"], Meta(description="Legs of who walks without an orthosis.")
     ] = "healthy"
     deflection: Annotated[float, Meta(gt=DEAD_ZONE, le=0.5, description="Full deflection of the hand [m].")] = 0.1
+    obstacles: Annotated[
+        tuple[StreetObstacle, ...],
+        Meta(max_length=20, description="Obstacles on the way in a gait orthosis, felt with the foot."),
+    ] = ()
 
 
 class Walked(Component, frozen=True, tag="walked", tag_field="kind"):
@@ -70,6 +78,10 @@ class CityWalkPlay(KindPlay):
     def begin_attempt(self) -> None:
         self._along, self._speed, self._seconds = 0.0, 0.0, 0.0
         self._walker = Walker(GAITS[self._spec.gait], 0)
+        self._obstacles = StreetObstacles(self._spec.obstacles)
+        self._call = ""
+        self._sounds: list[SoundTrigger] = []
+        self._taps = 0
 
     def start_attempt(self, seen: Observation) -> None:
         self._hand_from = seen.hip_world[1]
@@ -80,16 +92,33 @@ class CityWalkPlay(KindPlay):
     def travel(self, seen: Observation, seconds: float) -> None:
         """Walk for a frame."""
         raised = deflection(seen.hip_world[1] - self._hand_from, self._spec.deflection)
+        obstacles = self._obstacles
+        tap: Tap | None = None
         if self._orthosis is None:
             self._walker.step(self._spec.fastest * max(raised, 0.0), 0.0, seconds)
         else:
             self._walker.step_by_legs(self._orthosis.read(seen.q, seconds), 0.0, seconds)
-        self._speed, self._along = self._walker.speed, self._walker.walked
+            self._call = obstacles.call(self._along, seen)
+            tap = obstacles.step(self._along, seen, seconds)
+        self._speed, self._along = self._walker.speed, self._walker.walked + obstacles.led
         self._seconds += seconds
+        if tap is not None:
+            self._taps += 1
+            material = MATERIALS[tap.obstacle.kind]
+            self._sounds.append(SoundTrigger("obstacle_touch", seen.now_ns, None, material, tap.strength))
+
+    def take_sounds(self) -> tuple[SoundTrigger, ...]:
+        sounds, self._sounds = tuple(self._sounds), []
+        return sounds
+
+    def take_obstacle(self) -> str:
+        call, self._call = self._call, ""
+        return call
 
     @property
     def visual(self) -> Mapping[Feature[Any], object]:
-        return {PERSON: self._walker.pose(), ALONG: round(self._along, 4), SPEED: round(self._speed, 4)}
+        walk = {ALONG: round(self._along, 4), SPEED: round(self._speed, 4), OPENED: self._obstacles.opened}
+        return {PERSON: self._walker.pose(), **walk}
 
     @property
     def lever(self) -> bool:
@@ -101,7 +130,7 @@ class CityWalkPlay(KindPlay):
 
     @property
     def measures(self) -> Values:
-        return {"walked_m": self._along, **walk_values(self._walker, self._seconds)}
+        return {"walked_m": self._along, "taps": float(self._taps), **walk_values(self._walker, self._seconds)}
 
     def outcome_words(self, row: Mapping[str, object], *, finished: bool) -> str:
         if finished:
@@ -138,6 +167,7 @@ class CityWalkKind(TaskKind):
     name, section, goals = "city_walk", CityWalkSpec, (Walked,)
     measures = (
         Measure.totalled("walked_m", "walked", "Distance walked [m].", 60.0, 0.0, sums=True),
+        Measure.totalled("taps", "taps", "Touches of obstacles with a foot.", 8.0, 0.0, sums=True),
         *WALK_MEASURES,
     )
     completes = "walks"
@@ -148,7 +178,14 @@ class CityWalkKind(TaskKind):
 
     def check_scene(self, spec: TaskBlock, scene: Scene) -> list[Issue]:
         walk = spec.find(CityWalkSpec)
-        return [] if walk is None else scene.check_entity_with(PathWalker, "/task/city_walk/person", walk.person)
+        if walk is None:
+            return []
+        issues = scene.check_entity_with(PathWalker, "/task/city_walk/person", walk.person)
+        if not scene.device:  # obstacles are entities of the orthosis
+            return issues
+        for number, obstacle in enumerate(walk.obstacles):
+            issues += scene.check_entity(f"/task/city_walk/obstacles/{number}/entity", obstacle.entity)
+        return issues
 
     def open(self, spec: TaskBlock, context: TaskContext, seed: int) -> CityWalkPlay:
         section = spec.find(CityWalkSpec)

@@ -275,7 +275,7 @@ class Walk:
         return float(-self._shape[1] if pitch > 0.0 else self._shape[2])
 
     def _shift_feet(self, wanted: F8, table: F8, stance: float) -> None:
-        """Let each foot come down as much farther ahead than the table's as given angles had it in the stance before."""
+        """Let each foot come down as much farther ahead than the table's as given angles had it before."""
         for k, shift in enumerate(self._shifts):
             own = (self._phase + 0.5 * k) % 1.0
             usual = table[int(own * SAMPLES) % SAMPLES]
@@ -283,7 +283,7 @@ class Walk:
             shift.follow(more, (own - stance) / (1.0 - stance))
 
     def _ankle(self, lean: float, knee: float) -> tuple[float, float]:
-        """Return how far a lean of the thigh and a flexion of the knee have an ankle ahead of its hip and below it [m]."""
+        """Return how far lean of the thigh and flexion of the knee have an ankle ahead of its hip and below it [m]."""
         bend = lean - knee
         thigh, shank = self._shape[4], self._shape[5]
         return (

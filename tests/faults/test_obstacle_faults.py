@@ -1,0 +1,102 @@
+"""Faults of the device in a session that passes the obstacle sequence: whatever fails, both legs end on the brakes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from mimics_app.app.scenes.loading import check_scene, read_scene
+from mimics_app.contracts.commands.command_records import CommandSource
+from mimics_app.contracts.loop.device_faults import FAULT_NAMES
+from mimics_app.contracts.loop.gait_state import GaitState
+from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.contracts.shared_memory.shared_words import STOP_STRIDE
+from mimics_app.contracts.system.resources import root
+from mimics_app.rendering.haptic.devices.simulated_lokomat import PLANT
+from mimics_app.rendering.haptic.kernels.lokomat import linear_drive, orthosis
+from mimics_app.world.components.robot import Controller
+from tests.support.core_play import CorePlay, change_component
+
+SCENE = root() / "scenes" / "examples" / "lokomat_obstacle.json"
+STEPS = tuple(GaitState)[:9]
+FAULTS = FAULT_NAMES[1:]
+SEEDS = 200
+FRAMES = 60
+
+
+def _until(play: CorePlay, state: GaitState, seconds: float) -> bool:
+    """Play until a gait state; whether it came."""
+    for _ in range(round(seconds * FRAMES)):
+        if play.frames.snapshot is not None and play.frames.snapshot.gait_state == state:
+            return True
+        play.step()
+    return False
+
+
+def _ends_standing(seed: int, step: GaitState, fault: str) -> bool:
+    """Play a session up to a step, let the device fail there, and look at both legs; whether the loop stopped itself.
+
+    A fault that nobody can notice, such as a dead sensor of a leg that is at rest, is followed by the person's STOP.
+    """
+    scene = check_scene(read_scene(SCENE))
+    controller = scene.first(Controller)
+    assert controller is not None
+    change_component(
+        scene, "controller", parameters=dict(controller.parameters) | {"exploration": 1.0, "obstacle_after": 0.3}
+    )
+    play = CorePlay.of(scene, seed)
+    try:
+        assert _until(play, step, 40.0), f"{step.name} did not come"
+        for _ in range(1 + seed % 7):
+            play.step()
+        play.core.haptics.inject(fault)
+        noticed = _until(play, GaitState.STANDING, 3.0)
+        if not noticed:
+            play.core.memory.stop_words[STOP_STRIDE * CommandSource.PYTHON] += 1
+            assert _until(play, GaitState.STANDING, 0.5)
+        play.step()
+        assert play.frames.snapshot is not None and play.frames.snapshot.state in (
+            SafetyState.SAFE_STOP,
+            SafetyState.E_STOP,
+        )
+        plant = play.core.haptics.plugin.memory[PLANT]
+        before = _joints(plant)
+        for _ in range(FRAMES // 2):
+            play.step()
+        for number in range(2):
+            leg = orthosis.leg_of(plant, number)
+            for joint in range(2):
+                drive = leg[orthosis.DRIVES + joint * linear_drive.DRIVE :]
+                assert drive[linear_drive.BRAKED] == 1.0 and drive[linear_drive.CURRENT] == 0.0
+        assert np.abs(_joints(plant) - before).max() < math.radians(1.0)
+        assert play.frames.snapshot.gait_state == GaitState.STANDING
+        return noticed
+    finally:
+        play.core.stop()
+
+
+def _joints(plant: np.ndarray) -> np.ndarray:
+    """True angles of both legs [rad]."""
+    return np.concatenate([orthosis.state_of(plant, number)[:2] for number in range(2)]).copy()
+
+
+@pytest.mark.parametrize(
+    ("step", "fault", "noticed"),
+    [
+        (GaitState.WALKING, "encoder_stuck:left knee", True),
+        (GaitState.EXPLORING, "silent", True),
+        (GaitState.EXPLORING, "sensor_dead:right hip", False),
+    ],
+)
+def test_a_fault_in_the_sequence_ends_in_standing(step: GaitState, fault: str, noticed: bool) -> None:
+    assert _ends_standing(1, step, fault) is noticed
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(SEEDS))
+def test_every_fault_at_every_step_ends_in_standing(seed: int) -> None:
+    """200 sessions: each of the faults at each of the nine steps at least once."""
+    number = seed % (len(STEPS) * len(FAULTS))
+    _ends_standing(seed, STEPS[number % len(STEPS)], FAULTS[number // len(STEPS)])

@@ -1,0 +1,61 @@
+"""Obstacles of the city walk: called in time, at the foot where they are felt, told once a touch, open afterwards."""
+
+from __future__ import annotations
+
+import pytest
+
+from mimics_app.contracts.loop.gait_state import GaitState
+from mimics_app.rendering.haptic.controllers.orthosis_legs import StreetObject
+from mimics_app.rendering.haptic.controllers.parameter_vector import parameter_vector
+from mimics_app.rendering.haptic.controllers.registry import find_controller
+from mimics_app.tasks.kinds.city_walk.obstacles import MATERIALS, StreetObstacle, StreetObstacles
+from mimics_app.tasks.observation import Observation, PointObservation, observe
+from tests.support.task_play import make_events, make_snapshot
+
+FRAME = 1.0 / 60.0
+BOX, DOOR = StreetObstacle("b", "box", 5.0), StreetObstacle("d", "door", 12.0, "right")
+
+
+def _seen(state: GaitState, left: float = 0.14, right: float = 0.14) -> Observation:
+    feet = tuple(PointObservation((x, 0.1, 0.0), 0.2, 0.0, 0, 0.0, "", "", 0.0, 0.0, 0.0, 0.0) for x in (left, right))
+    seen = observe(make_snapshot(gait_state=int(state)), make_events(), 0)
+    return Observation(**{name: getattr(seen, name) for name in seen.__struct_fields__} | {"points": feet})
+
+
+def test_an_obstacle_is_called_once_the_person_is_near_and_walks() -> None:
+    obstacles = StreetObstacles((DOOR, BOX))
+    assert obstacles.call(2.0, _seen(GaitState.WALKING)) == ""
+    assert obstacles.call(4.5, _seen(GaitState.TO_START)) == ""
+    assert obstacles.call(4.5, _seen(GaitState.WALKING)) == "box left"
+
+
+def test_the_person_is_led_to_where_the_felt_face_is_and_touches_are_told_once() -> None:
+    obstacles, taps = StreetObstacles((BOX,)), 0
+    walked = 4.3
+    obstacles.call(walked, _seen(GaitState.WALKING))
+    for state in (GaitState.STOPPING, GaitState.COLLISION_ENABLED):
+        for _ in range(120):
+            obstacles.step(walked + obstacles.led, _seen(state), FRAME)
+    assert walked + obstacles.led == pytest.approx(5.0 - 0.34, abs=2e-3)
+    for x in (0.2, 0.257, 0.262, 0.255, 0.25, 0.2, 0.26):
+        taps += obstacles.step(walked + obstacles.led, _seen(GaitState.EXPLORING, left=x), FRAME) is not None
+    assert taps == 2, "a foot that stays near the face touches it once"
+    assert obstacles.step(5.0, _seen(GaitState.RESUMING), FRAME) is None and obstacles.ahead is None
+    for _ in range(60):
+        obstacles.step(5.0, _seen(GaitState.WALKING), FRAME)
+    assert obstacles.opened == (1.0,)
+
+
+def test_nobody_is_led_before_an_obstacle_is_called() -> None:
+    obstacles = StreetObstacles((BOX,))
+    for state in GaitState:
+        obstacles.step(0.0, _seen(state), FRAME)
+    assert obstacles.led == 0.0
+
+
+def test_every_kind_is_an_obstacle_of_the_controller_and_has_a_sound() -> None:
+    controller = find_controller("lokomat_impedance")
+    names = controller.obstacles(parameter_vector(controller, {"object_kind": 5, "sequence": 1}))
+    kinds = [each.name.lower() for each in StreetObject]
+    assert sorted(MATERIALS) == sorted(kinds)
+    assert set(names) == {kind + leg for kind in kinds for leg in ("", " left", " right")}
