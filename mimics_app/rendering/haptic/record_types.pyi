@@ -370,6 +370,8 @@ class SampleRecord:
     guidance: Floats
     gait_state: float
     numbers: Floats
+    free_leg: float
+    belt_travel: float
     further: Table[PointSampleRecord]
 
 class SnapshotRecord:
@@ -400,6 +402,8 @@ class SnapshotRecord:
     calm: float
     phase: float
     gait_state: int
+    free_leg: int
+    belt_travel: float
     wall_force: float
     wall_normal: Floats
     force_peak: float
@@ -593,6 +597,7 @@ class ControlOutputRecord:
     stop: int
     belt: float
     gait: int
+    free_leg: int
     numbers: Floats
 
 class ControlWorkRecord:
@@ -1092,6 +1097,8 @@ class StateRecord:
     ddq_reference: Floats
     guidance: Floats
     gait_state: int
+    free_leg: int
+    belt_travel: float
     force_peak: float
     distance_peak: float
     progress_peak: float
@@ -1402,3 +1409,7 @@ class WalkRecord:
     away: Floats
     jacobian: Floats
     last: Floats
+    called: int
+    led: Floats
+    seen: Floats
+    frozen: Ints

@@ -68,6 +68,7 @@ if TYPE_CHECKING:
         LegInputRecord,
         LegSettingsRecord,
         LegStateRecord,
+        WalkRecord,
     )
 
 __all__ = [
@@ -352,6 +353,17 @@ def _write_columns(settings: LegSettingsRecord, own: LegInputRecord, state: LegS
 
 
 @kernel
+def _advance_walk(walk: WalkRecord, now: ControlInputRecord, parameters: Vec, out: ControlOutputRecord) -> None:
+    """Advance the gait state by a tick, and write what it makes of device and belt."""
+    called = (now.obstacle - 1) % _LEGS_CALLED if now.obstacle > 0 else 0
+    leg = int(parameters[_EXPLORING_LEG]) if called == 0 else called - 1
+    step_walk(walk, now, leg, now.obstacle > 0, parameters[_OBSTACLE_AFTER], _far_side(walk.called, parameters))
+    out.gait, out.braked, out.belt = 1 + walk.sequence.state, walk.sequence.braked, walk.sequence.belt
+    out.free_leg = freed_leg(walk)
+    out.stop = 1 if walk.sequence.state == GaitState.STANDING and walk.sequence.cause != 0 else 0
+
+
+@kernel
 def control_legs(
     combined: bool, now: ControlInputRecord, parameters: Vec, memory: Vec, out: ControlOutputRecord
 ) -> None:
@@ -375,12 +387,7 @@ def control_legs(
         walk.called = (now.obstacle - 1) // _LEGS_CALLED
     _write_object(settings, walk.called, parameters)
     if walks:
-        called = (now.obstacle - 1) % _LEGS_CALLED if now.obstacle > 0 else 0
-        leg = int(parameters[_EXPLORING_LEG]) if called == 0 else called - 1
-        step_walk(walk, now, leg, now.obstacle > 0, parameters[_OBSTACLE_AFTER], _far_side(walk.called, parameters))
-        out.gait, out.braked, out.belt = 1 + walk.sequence.state, walk.sequence.braked, walk.sequence.belt
-        out.free_leg = freed_leg(walk)
-        out.stop = 1 if walk.sequence.state == GaitState.STANDING and walk.sequence.cause != 0 else 0
+        _advance_walk(walk, now, parameters, out)
     stands, period = _reference_stands(now), math.ceil(1.0 / (parameters[_RATE] * now.dt) - _ROUNDED)
     for leg in range(2):
         state = memory[_INPUT + leg * _STATE : _INPUT + (leg + 1) * _STATE].view(LEG_STATE)[0]
