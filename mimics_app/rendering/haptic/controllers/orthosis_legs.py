@@ -353,6 +353,13 @@ def _write_columns(settings: LegSettingsRecord, own: LegInputRecord, state: LegS
 
 
 @kernel
+def _note_call(walk: WalkRecord, now: ControlInputRecord) -> None:
+    """Note which of a street's obstacles is called to a walking patient."""
+    if now.obstacle > 0 and walk.sequence.state == GaitState.WALKING:
+        walk.called = (now.obstacle - 1) // _LEGS_CALLED
+
+
+@kernel
 def _advance_walk(walk: WalkRecord, now: ControlInputRecord, parameters: Vec, out: ControlOutputRecord) -> None:
     """Advance the gait state by a tick, and write what it makes of device and belt."""
     called = (now.obstacle - 1) % _LEGS_CALLED if now.obstacle > 0 else 0
@@ -383,8 +390,7 @@ def control_legs(
         _write_machine(settings, parameters, now.geometry)
         begin_walk(walk, parameters[_EXPLORATION], now.dt)
     _write_laws(settings, parameters)
-    if now.obstacle > 0 and walk.sequence.state == GaitState.WALKING:
-        walk.called = (now.obstacle - 1) // _LEGS_CALLED
+    _note_call(walk, now)
     _write_object(settings, walk.called, parameters)
     if walks:
         _advance_walk(walk, now, parameters, out)
