@@ -33,7 +33,7 @@ ALONG = Feature("walk.along", 0.0)
 """Way of the person along the path [m]."""
 SPEED = Feature("walk.speed", 0.0)
 """Speed of the person [m/s]."""
-OPENED = Feature[tuple[float, ...]]("walk.opened", ())
+OPENED: Feature[tuple[float, ...]] = Feature("walk.opened", ())
 """How far each obstacle is open, 0 to 1, in the order of `CityWalkSpec.obstacles`."""
 
 
@@ -117,8 +117,12 @@ class CityWalkPlay(KindPlay):
 
     @property
     def visual(self) -> Mapping[Feature[Any], object]:
-        walk = {ALONG: round(self._along, 4), SPEED: round(self._speed, 4), OPENED: self._obstacles.opened}
-        return {PERSON: self._walker.pose(), **walk}
+        return {
+            PERSON: self._walker.pose(),
+            ALONG: round(self._along, 4),
+            SPEED: round(self._speed, 4),
+            OPENED: self._obstacles.opened,
+        }
 
     @property
     def lever(self) -> bool:
