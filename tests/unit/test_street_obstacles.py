@@ -8,7 +8,7 @@ from mimics_app.contracts.loop.gait_state import GaitState
 from mimics_app.rendering.haptic.controllers.orthosis_legs import StreetObject
 from mimics_app.rendering.haptic.controllers.parameter_vector import parameter_vector
 from mimics_app.rendering.haptic.controllers.registry import find_controller
-from mimics_app.tasks.kinds.city_walk.obstacles import MATERIALS, StreetObstacle, StreetObstacles
+from mimics_app.tasks.kinds.city_walk.street_obstacles import MATERIALS, StreetObstacle, StreetObstacles
 from mimics_app.tasks.observation import Observation, PointObservation, observe
 from tests.support.task_play import make_events, make_snapshot
 

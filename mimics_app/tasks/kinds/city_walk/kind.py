@@ -14,7 +14,7 @@ from mimics_app.contracts.messages.report_section import ReportedAttempt, Report
 from mimics_app.contracts.messages.stage_messages import SoundTrigger
 from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.deflection import DEAD_ZONE, deflection
-from mimics_app.tasks.kinds.city_walk.obstacles import MATERIALS, StreetObstacle, StreetObstacles, Tap
+from mimics_app.tasks.kinds.city_walk.street_obstacles import MATERIALS, StreetObstacle, StreetObstacles, Tap
 from mimics_app.tasks.kinds.kind import KindPlay, Measure, TaskBlock, TaskKind, Values
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.legs import GAITS
