@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from msgspec import structs
 
+from mimics_app.contracts.messages.orders import HapticField
 from mimics_app.tasks.kinds.canyon_walk.crossing import Beam, Crossing
+from mimics_app.tasks.kinds.canyon_walk.kind import CanyonWalkPlay, CanyonWalkSpec
 from mimics_app.tasks.kinds.canyon_walk.wind import Wind, exposure
+from mimics_app.tasks.observation import observe
 from mimics_app.tasks.walking.legs import GAITS
+from tests.support.task_play import make_events, make_snapshot
 
 FRAME = 1.0 / 60.0
 BEAM = Beam(20.0, 220.0, 0.6)
@@ -83,3 +88,23 @@ def test_wind_rises_with_the_exposure_and_gusts_push_but_not_in_the_calm_variant
     assert np.ptp(gusty[gusty[:, 0] == 1.0, 1]) > 0.2 and gusty[:, 3].sum() >= 3
     assert np.abs(gusty[:, 2]).max() > 0.4 and not calm_rows[:, 2:].any()
     assert calm_rows[-1, 1] == pytest.approx(0.5 * gusty[:, 1][gusty[:, 0] == 1.0].min(), rel=0.05)
+
+
+def test_a_misstep_is_felt_at_its_foot_and_has_no_edge() -> None:
+    """A force that swells to 4 N and fades, of at most 0.5 N from frame to frame; nothing is felt on a broad beam."""
+    felt = []
+    for width in (0.2, 2.0):
+        spec = CanyonWalkSpec("person", "beam", begins=0.0, width=width, calm=True, cues=("left", "right"))
+        play = CanyonWalkPlay(spec, 1)
+        seen = observe(make_snapshot(), make_events(), 0)
+        play.start_attempt(seen)
+        x, y, z = seen.hip_world
+        raised = structs.replace(seen, hip_world=(x, y + 0.08, z))
+        forces = []
+        for _ in range(60 * 8):
+            play.travel(raised, 1.0 / 60.0)
+            forces.append([play.orders[HapticField("force", "effects", foot)] for foot in ("left", "right")])
+        felt.append(np.array(forces))
+    missed, broad = felt
+    assert (missed.max(axis=0) > 3.5).all() and missed.max() <= 4.0 and not broad.any()
+    assert np.abs(np.diff(missed, axis=0)).max() < 0.5

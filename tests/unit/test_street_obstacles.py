@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import pytest
+from msgspec import structs
 
 from mimics_app.contracts.loop.gait_state import GaitState
 from mimics_app.rendering.haptic.controllers.orthosis_legs import StreetObject
 from mimics_app.rendering.haptic.controllers.parameter_vector import parameter_vector
 from mimics_app.rendering.haptic.controllers.registry import find_controller
 from mimics_app.tasks.kinds.city_walk.street_obstacles import MATERIALS, StreetObstacle, StreetObstacles
-from mimics_app.tasks.observation import Observation, PointObservation, observe
+from mimics_app.tasks.observation import Observation, observe
 from tests.support.task_play import make_events, make_snapshot
 
 FRAME = 1.0 / 60.0
@@ -17,9 +18,9 @@ BOX, DOOR = StreetObstacle("b", "box", 5.0), StreetObstacle("d", "door", 12.0, "
 
 
 def _seen(state: GaitState, left: float = 0.14, right: float = 0.14) -> Observation:
-    feet = tuple(PointObservation((x, 0.1, 0.0), 0.2, 0.0, 0, 0.0, "", "", 0.0, 0.0, 0.0, 0.0) for x in (left, right))
     seen = observe(make_snapshot(gait_state=int(state)), make_events(), 0)
-    return Observation(**{name: getattr(seen, name) for name in seen.__struct_fields__} | {"points": feet})
+    feet = tuple(structs.replace(seen.points[0], hip_world=(x, 0.1, 0.0), speed=0.2) for x in (left, right))
+    return structs.replace(seen, points=feet)
 
 
 def test_an_obstacle_is_called_once_the_person_is_near_and_walks() -> None:
