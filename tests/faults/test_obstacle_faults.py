@@ -85,7 +85,7 @@ def _joints(plant: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize(
     ("step", "fault", "noticed"),
     [
-        (GaitState.WALKING, "encoder_stuck:left knee", True),
+        (GaitState.WALKING, "encoder_not_finite:left knee", True),
         (GaitState.EXPLORING, "silent", True),
         (GaitState.EXPLORING, "sensor_dead:right hip", False),
     ],

@@ -1410,6 +1410,3 @@ class WalkRecord:
     jacobian: Floats
     last: Floats
     called: int
-    led: Floats
-    seen: Floats
-    frozen: Ints

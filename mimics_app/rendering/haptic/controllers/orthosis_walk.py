@@ -19,7 +19,6 @@ from mimics_app.rendering.haptic.control.lokomat.obstacle_sequence import (
     SEQUENCE_FACTS,
     SEQUENCE_SETTINGS,
     SequenceCommand,
-    SequenceFault,
     begin_sequence,
     step_sequence,
 )
@@ -49,9 +48,6 @@ WALK = np.dtype(
         ("jacobian", np.float64, 4),  # scratch
         ("last", np.float64, (2, 2)),  # limited torques of each leg in the last tick [N m]
         ("called", np.int64),  # number of the street's obstacle that was called last
-        ("led", np.float64, (2, 2)),  # angles of each leg towards which it was led in the last tick [rad]
-        ("seen", np.float64, (2, 2)),  # its measured angles then [rad]
-        ("frozen", np.int64, (2, 2)),  # ticks in a row for which an encoder has given the same number
     ],
     align=True,
 )
@@ -80,14 +76,6 @@ _NEAR = 0.12
 
 _RETURN = 0.3
 """Speed at which the reference of a joint comes back from where its leg was taken up [rad/s]."""
-
-_FROZEN, _LEFT_BEHIND = 0.1, 0.15
-"""Time for which an encoder gives the same number [s], and distance of its joint from where a guided leg is led [rad],
-that together are the loss of an encoder."""
-
-_NO_FAULT = int(SequenceFault.NONE)
-_ENCODER_FAULTS = (int(SequenceFault.LEFT_ENCODER), int(SequenceFault.RIGHT_ENCODER))
-"""Numbers of the faults."""
 
 _BEYOND = 0.05
 """Distance by which a foot oversteps [m]."""
@@ -119,22 +107,6 @@ def _at_start(now: ControlInputRecord, leg: int) -> bool:
 
 
 @kernel
-def _lost_encoder(walk: WalkRecord, now: ControlInputRecord) -> int:
-    """Watch the encoders; return the SequenceFault of a leg that is led away from one that stands still, else NONE."""
-    fault, longest = _NO_FAULT, int(_FROZEN / now.dt)
-    for leg in range(2):
-        guided = walk.sequence.guidance[leg] == 1.0 and walk.sequence.braked == 0
-        for joint in range(2):
-            q = now.q[2 * leg + joint]
-            walk.frozen[leg, joint] = walk.frozen[leg, joint] + 1 if q == walk.seen[leg, joint] else 0
-            walk.seen[leg, joint] = q
-            behind = abs(walk.led[leg, joint] - q) > _LEFT_BEHIND
-            if guided and behind and walk.frozen[leg, joint] >= longest:
-                fault = _ENCODER_FAULTS[leg]
-    return fault
-
-
-@kernel
 def step_walk(walk: WalkRecord, now: ControlInputRecord, leg: int, called: bool, after: float, beyond: float) -> None:
     """Advance the sequence by one tick.
 
@@ -148,7 +120,7 @@ def step_walk(walk: WalkRecord, now: ControlInputRecord, leg: int, called: bool,
     """
     sequence, facts = walk.sequence, walk.facts
     free, released = sequence.free_leg, GaitState.LEG_RELEASED <= sequence.state <= GaitState.EXPLORING
-    facts.command, facts.leg, facts.fault = SequenceCommand.NONE, leg, _lost_encoder(walk, now)
+    facts.command, facts.leg, facts.fault = SequenceCommand.NONE, leg, 0
     if sequence.state == GaitState.STANDING and sequence.cause == 0:
         facts.command = SequenceCommand.CONFIRM  # a person has started the session, or reset the stop
     walk.walked = walk.walked + now.dt if sequence.state == GaitState.WALKING else 0.0
@@ -192,7 +164,7 @@ def guide_leg(walk: WalkRecord, leg: int, own: LegInputRecord) -> None:
         own.dq_ref[joint] *= sequence.belt
         if not loose:
             own.dq_ref[joint] += (left - away) / own.dt
-        walk.away[leg, joint], walk.led[leg, joint] = left, led + left
+        walk.away[leg, joint] = left
         own.guidance[joint] *= sequence.guidance[leg]
     own.hard = 1 if sequence.hard == 1 and leg == sequence.free_leg else 0
 
