@@ -321,7 +321,7 @@ class Walk:
             phase = (self._phase + 0.5 * k) % 1.0
             if phase >= pace.stance:
                 x = (phase - pace.stance) / (1.0 - pace.stance)
-                share = _eased(_GIVEN * x) * _eased(_GIVEN * (1.0 - x))
+                share = _smooth_step(_GIVEN * x) * _smooth_step(_GIVEN * (1.0 - x))
                 own, place = self._goals[k], self._chain.places[hip]
                 asked = np.array([own[0], place[1] - down, place[2] + ahead])
                 own[:] = (1.0 - share) * own + share * asked
@@ -408,7 +408,7 @@ class Walk:
         return hips, knees, ankles
 
 
-def _eased(x: float) -> float:
+def _smooth_step(x: float) -> float:
     """Return a smooth step from 0 to 1."""
     x = min(max(x, 0.0), 1.0)
     return x * x * (3.0 - 2.0 * x)
@@ -434,7 +434,7 @@ class _Shift:
         if self._count:
             self._wanted = min(max(self._sum / self._count, -_MOST_SHIFT), _MOST_SHIFT)
             self._sum, self._count = 0.0, 0
-        self.ahead = self._left + _eased(share) * (self._wanted - self._left)
+        self.ahead = self._left + _smooth_step(share) * (self._wanted - self._left)
 
 
 def _plain_soles(shape: F8) -> F8:
