@@ -92,7 +92,7 @@ def _write_page(
     *,
     effects: Sequence[Effect] = (),
     changes: Sequence[Change] = (),
-    answers: Sequence[Mapping[str, Any]] = (),
+    answers: Sequence[Mapping[str, object]] = (),
     pages: Mapping[Participant, str] | None = None,
 ) -> None:
     environment = load_templates(Path(__file__).parent / "templates")
@@ -111,13 +111,13 @@ def _write_page(
         stream.write(page)
 
 
-def _by_item(answers: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, str]]:
+def _by_item(answers: Sequence[Mapping[str, object]]) -> list[tuple[str, str, str]]:
     """Return form, question, and the answers over the times of each item."""
     found: dict[tuple[str, str], list[str]] = {}
     for row in answers:
         value = row["value"]
         text = f"{value:g}" if isinstance(value, float) else str(value)
-        found.setdefault((row["form"], row["label"] or row["item"]), []).append(text)
+        found.setdefault((str(row["form"]), str(row["label"] or row["item"])), []).append(text)
     return [(form, label, " → ".join(values)) for (form, label), values in found.items()]
 
 
