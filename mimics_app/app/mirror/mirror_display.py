@@ -86,7 +86,7 @@ class MirrorDisplay:
         until = self._clock.now_ns() + _PATIENCE_NS
         while (card := self._link.card) is None:
             if self._clock.now_ns() > until:
-                raise DeviceError(f"no session to be shown: {self._link.why}", "start it with --console")
+                raise DeviceError(f"the display shows no session: {self._link.why}", "start it with --console")
             self._clock.sleep_until_ns(self._clock.now_ns() + FRAME_NS)
         return card
 
