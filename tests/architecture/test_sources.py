@@ -50,6 +50,7 @@ PLATFORM_HOMES = {
         {
             "console/page_server.py",
             "rendering/haptic/scheduler.py",
+            "rendering/audio/long_sounds.py",
             "rendering/audio/worker.py",
             "rendering/visual/software/raster_threads.py",
         },

@@ -28,7 +28,7 @@ class Layer:
     pointer: str
     value: Any
 
-    def child(self, key: str, value: Any) -> Layer:
+    def child(self, key: str, value: object) -> Layer:
         """Return the layer of a part of the value; `key` is an escaped step of a pointer."""
         return Layer(self.file, self.folder, f"{self.pointer}/{key}", value)
 
