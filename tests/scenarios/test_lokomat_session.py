@@ -102,7 +102,8 @@ def test_columns_of_both_legs_say_what_the_legs_do(recording: Recording) -> None
     explored = np.asarray(haptic["gait_state"]) == GAIT_STATES.index("exploring")
     assert explored.any() and not np.asarray(haptic["left_guidance"])[explored].any()
     assert (np.asarray(haptic["free_leg"])[explored] == 0).all()
-    assert np.asarray(haptic["left_f_x"])[explored].min() < -5.0, "the foot meets the wall"
+    freed = explored | (np.asarray(haptic["gait_state"]) == GAIT_STATES.index("leg_released"))
+    assert np.asarray(haptic["left_f_x"])[freed].min() < -5.0, "the foot meets the wall"
     travel = np.asarray(haptic["belt_travel"])
     assert np.diff(travel).min() >= 0.0 and np.ptp(travel[explored]) == 0.0 and travel[-1] > 1.5
     assert np.asarray(haptic["right_guidance"])[explored].min() > 0.99
