@@ -172,7 +172,7 @@ class DeviceDescriptor:
     geometry: Callable[[Any], Sequence[float]]
     polar: bool = False
     torques: bool = False
-    dynamics: Callable[[Any, int], Dynamics] | None = None
+    dynamics: Callable[[object, int], Dynamics] | None = None
 
     def __post_init__(self) -> None:
         if not 1 <= len(self.joints) <= MAX_JOINTS:
