@@ -156,14 +156,15 @@ class _PointTally:
 
     def __init__(self, first: PointObservation, now_ns: int) -> None:
         self.contacts, self._movement = _Contacts(first.touching, now_ns), _Movement(first)
-        self._squared_distance_s, self._first = 0.0, first
+        self._squared_distance_s, self._first, self._last = 0.0, first, first
 
     def add(self, point: PointObservation, seconds: float, time_s: float) -> None:
-        self._squared_distance_s += 0.5 * seconds * (point.distance**2 + self._movement.last.distance**2)
+        self._squared_distance_s += 0.5 * seconds * (point.distance**2 + self._last.distance**2)
         self._movement.add(point, seconds, time_s)
+        self._last = point
 
     def measures(self, seconds: float, now_ns: int) -> PointMeasures:
-        last = self._movement.last
+        last = self._last
         farthest = max(last.distance_peak, self._first.distance)
         follows = farthest > 0.0  # a ball that is in a tunnel is never on its bisector to the last bit all the way
         mean_square = self._squared_distance_s / seconds if seconds > 0.0 else last.distance**2

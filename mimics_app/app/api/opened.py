@@ -420,7 +420,9 @@ def _settings(scene: Path, given: Mapping[str, object], *, window: bool) -> RunS
 def _fields_of(snapshot: HapticSnapshot, extent: Extent) -> list[tuple[str, NDArray[Any], str]]:
     """Return name, value and unit of every field of a device's snapshot."""
     units = {field.name: ", ".join(dict.fromkeys(field.present(extent) or field.units)) for field in LOOP_FIELDS}
-    found = [(field.name, snapshot, field.name) for field in fields(HapticSnapshot) if field.name != FURTHER]
+    found: list[tuple[str, object, str]] = [
+        (field.name, snapshot, field.name) for field in fields(HapticSnapshot) if field.name != FURTHER
+    ]
     for number, point in enumerate(snapshot.further, 1):
         found += [(f"point_{number}_{field.name}", point, field.name) for field in fields(PointSnapshot)]
     return [(name, np.array(getattr(of, field)), units.get(field, "1")) for name, of, field in found]

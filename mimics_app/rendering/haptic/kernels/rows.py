@@ -68,7 +68,8 @@ _copy_further_published = field_copier(moves_of(_OF_EACH_POINT, recorded=False))
 
 def _front(dtype: np.dtype[np.void]) -> int:
     """Return the length of what is before the rows of further points [bytes]."""
-    return int((dtype.fields or {})[FURTHER][1])
+    assert dtype.fields is not None
+    return int(dtype.fields[FURTHER][1])
 
 
 _SAMPLE_OF_ONE, _SNAPSHOT_OF_ONE = _front(SAMPLE), _front(SNAPSHOT)
