@@ -172,6 +172,15 @@ def test_a_record_says_what_it_was_made_from() -> None:
     assert np.linalg.norm(rotation_vector(turn)) <= math.radians(3 * 180 / 8192)
 
 
+def test_a_record_whose_numbers_stand_in_other_columns_is_none() -> None:
+    """A byte lost in one number and a space gained in another: the length is right, and each is still a number."""
+    record = fastrak_record(1, (0.12, -0.34, 0.56), (120.25, -45.5, 9.99), 0.01)
+    moved = record.replace(b"  12.00", b" 12.00", 1).replace(b" -34.00", b"  -34.00", 1)
+    assert len(moved) == len(record) and moved != record
+    parser = FastrakParser(0.01)
+    assert parser.feed(moved, 5) == [] and parser.rejected == 1
+
+
 @pytest.mark.parametrize(("parser", "record"), [("fastrak", 47), ("flock", 12)])
 def test_of_a_stream_that_loses_bytes_only_whole_records_are_used_and_two_later_all_is_well(
     parser: str, record: int

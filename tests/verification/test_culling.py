@@ -9,6 +9,7 @@ from mimics_app.lab.groups.culling import make_probe
 from mimics_app.maths.mat import compose, look_at
 from mimics_app.rendering.visual.drawing.culling import FlatCuller, TreeCuller, make_culler
 from mimics_app.rendering.visual.kernels.bounds import update_bounds
+from mimics_app.rendering.visual.kernels.frustum import find_planes
 from mimics_app.rendering.visual.kernels.order import Sorted, make_keys, sort_by_key
 from mimics_app.rendering.visual.view import View, compute_frustum_planes
 from tests.support.boxes import as_items
@@ -55,6 +56,16 @@ def test_every_corner_lies_in_its_sphere_under_any_matrix():
     assert np.allclose(radii[straight], largest[straight], rtol=1e-12), "exact where axes are at right angles"
     assert (radii <= np.sqrt(3.0) * largest * (1 + 1e-12)).all()
     assert np.array_equal(mirrored.astype(bool), np.linalg.det(world[:, :3, :3]) < 0.0)
+
+
+def test_with_a_far_plane_at_infinity_nothing_is_too_far():
+    """The projection of Lengyel's limit: third row (0, 0, -1, -2 near)."""
+    projection = np.array([[1.0, 0, 0, 0], [0, 1.0, 0, 0], [0, 0, -1.0, -0.2], [0, 0, -1.0, 0]])
+    planes = np.zeros((6, 4))
+    find_planes(projection, planes)
+    assert np.isfinite(planes).all()
+    far_away = np.array([0.0, 0.0, -1e12, 1.0])
+    assert (planes @ far_away > 0.0).all() and not (planes @ np.array([0.0, 0.0, 1.0, 1.0]) > 0.0).all()
 
 
 def test_the_corners_of_a_frustum_lie_on_three_of_its_planes_each():
