@@ -13,6 +13,7 @@ from typing import Any
 import msgspec
 import pytest
 
+from mimics_app.contracts.messages.orders import HapticField
 from mimics_app.contracts.system.resources import root
 from mimics_app.tasks.kinds.carry import kind as carry
 from mimics_app.tasks.kinds.registry import task_kinds
@@ -21,6 +22,7 @@ from tests.support.task_kind_kit import check_task_kind
 
 SCENES = root() / "scenes"
 TURN = itertools.count(1)
+DAMPING = HapticField("virtual_damping")
 
 
 def _scene_of(name: str) -> Path:
@@ -74,7 +76,7 @@ def _measures(**values: Any) -> property:
         ("play", "measures", _measures(undeclared=1.0), "what it has declared"),
         ("play", "measures", _measures(**{carry.KIND.measures[0].column: float("nan")}), "finite, or None"),
         ("play", "cards", lambda play, seen, finished: {"unknown": None}, "cards that it has declared"),
-        ("play", "orders", property(lambda play: {"virtual_damping": float(next(TURN))}), "does not change by asking"),
+        ("play", "orders", property(lambda play: {DAMPING: float(next(TURN))}), "does not change by asking"),
     ],
 )
 def test_a_fault_is_found(monkeypatch: pytest.MonkeyPatch, owner: str, name: str, value: Any, words: str) -> None:

@@ -79,7 +79,7 @@ def test_the_page_has_every_step_in_every_state_and_names_checks_of_the_kit():
 def test_the_loops_word_is_1_in_exactly_the_states_in_which_a_device_is_active(safety: SafetyState):
     states, command = new_states(), np.zeros(COMMAND_LENGTH)
     states[0]["safety"] = safety
-    write_command.py_func(scene_from_components().view(np.recarray)[0], states.view(np.recarray), command)
+    write_command.py_func(scene_from_components().view(np.recarray)[0], states.view(np.recarray), 1e-3, command)
     assert (command[COMMAND_ENABLED] == 1.0) == (LIFE_IN[safety] is DeviceLife.ACTIVE)
 
 

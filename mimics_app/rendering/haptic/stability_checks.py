@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.errors import DeviceError, Issue, SceneError
 from mimics_app.contracts.loop.controller_slots import CommandKind, Slot
 from mimics_app.contracts.loop.device_descriptor import Dynamics
 from mimics_app.contracts.loop.haptic_objects import STATIC, EffectKind, ForceLaw, ShapeKind
@@ -92,7 +92,10 @@ def check_stability(scene: Scene) -> list[Issue]:
     except SceneError as error:
         return error.issues
     thin = _check_thin(scene, objects)
-    dynamics = known_dynamics(robot)
+    try:
+        dynamics = known_dynamics(robot)
+    except DeviceError:  # a device that does not exist is reported elsewhere
+        dynamics = None
     if dynamics is None:
         return thin
     stable = _Stable(scene, robot, dynamics)
