@@ -16,6 +16,7 @@ from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.loop.controller_slots import Slot
 from mimics_app.contracts.loop.field_ranges import RANGES, SCENE_RANGES
 from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.contracts.messages.orders import HapticOrder, haptic_field
 from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.scene_block import impedance_values
@@ -124,9 +125,9 @@ def test_every_name_at_both_of_its_ends_gives_no_more_than_the_tank_pays(scene: 
         before = records[0][field].copy()
         for end in (least, most):
             written += 1
-            refused += len(store.order({name: np.full(np.shape(before), end)}))
+            refused += len(store.order(HapticOrder({haptic_field(name): np.full(np.shape(before), end)})))
             play.run(1 / 60)
-            assert not store.order({name: before}), name
+            assert not store.order(HapticOrder({haptic_field(name): before})), name
         store.reset()
     samples = play.samples
     feel = ("stiffness_share", "tank")
