@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from msgspec.structs import replace
 
+from mimics_app.contracts.messages.orders import HapticField
 from mimics_app.tasks.kinds.carry.carried import Carried, Stage
 from mimics_app.tasks.kinds.carry.spec import BoxSpec, CarrySpec, GripSpec
 from mimics_app.tasks.observation import Observation, observe
@@ -78,7 +79,7 @@ def test_it_falls_from_random_places_of_the_box_that_repeat_with_the_seed():
         drawn = []
         for _ in range(50):
             carry.begin_attempt()
-            drawn.append(carry.orders["bodies.apple.position"])
+            drawn.append(carry.orders[HapticField("position", "bodies", "apple")])
         places.append(drawn)
     assert places[0] == places[1] != places[2]
     assert len(set(places[0])) == 50
@@ -93,7 +94,7 @@ def test_every_fall_is_a_new_spawn_beyond_the_scenes_own():
     spawns = []
     for _ in range(3):
         carry.begin_attempt()
-        spawns.append(carry.orders["bodies.apple.spawn"])
+        spawns.append(carry.orders[HapticField("spawn", "bodies", "apple")])
     assert spawns == [2, 3, 4]
 
 
@@ -102,12 +103,12 @@ def test_out_of_reach_for_two_seconds_it_falls_again():
     away = (0.5, 0.03, 0.0)
     carry.see(frame(away, t=0.0))
     carry.see(frame(away, t=1.9))
-    assert carry.orders["bodies.apple.spawn"] == 2
+    assert carry.orders[HapticField("spawn", "bodies", "apple")] == 2
     carry.see(frame(away, t=2.1))
-    assert carry.orders["bodies.apple.spawn"] == 3
+    assert carry.orders[HapticField("spawn", "bodies", "apple")] == 3
     carry.see(frame(away, held=True, t=2.2))
     carry.see(frame(away, held=True, t=9.0))
-    assert carry.orders["bodies.apple.spawn"] == 3, "what is in the hand is not lost"
+    assert carry.orders[HapticField("spawn", "bodies", "apple")] == 3, "what is in the hand is not lost"
 
 
 def test_where_no_hand_reaches_it_falls_again():
@@ -117,7 +118,7 @@ def test_where_no_hand_reaches_it_falls_again():
     for place, falls in (((0.0, 0.03, 0.0), 2), ((0.05, 0.15, 0.0), 2), ((0.05, 0.03, 0.0), 3)):
         carry.see(frame(place, t=0.0))
         carry.see(frame(place, t=2.1))
-        assert carry.orders["bodies.apple.spawn"] == falls
+        assert carry.orders[HapticField("spawn", "bodies", "apple")] == falls
 
 
 def test_progress_rises_from_reaching_through_carrying_to_the_mark():
