@@ -31,12 +31,12 @@ def build_zeros(request):
     return DevicePlugin("zeros", read_recorded, ignore_command, np.zeros(100))
 """
 SUMS = """
-from mimics_app.lab.rivals import Rival, compare
+from mimics_app.lab.rivals import Probes, Rival, compare
 
 compare(
     __name__, "a sum of two numbers", "1",
     [Rival(name, "by hand", "any", {"by": name}) for name in ("one", "other")],
-    cost=lambda name: 1.0, error=lambda name: 0.0, default="one", few="a planted group",
+    Probes(lambda name: 1.0, lambda name: 0.0), default="one", few="a planted group",
 )
 """
 
