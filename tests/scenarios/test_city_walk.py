@@ -131,7 +131,7 @@ def test_the_whole_walk_ends_at_the_church(tmp_path: Path) -> None:
     assert result is not None and result.outcome == "finished"
     assert 0.9 < result.performance < 1.0, "the score is the mean speed, which begins at rest"
     np.testing.assert_allclose(eyes[:3, 3], (61.4, 1.74, -100.0), atol=0.2)
-    assert -eyes[0, 2] > 0.98, "they look east, at the church"
+    assert -eyes[0, 2] > 0.98 * np.hypot(eyes[0, 2], eyes[2, 2]), "they look east, at the church"
 
 
 def test_the_mouse_moves_the_hand_before_the_person_wherever_they_are() -> None:

@@ -55,7 +55,7 @@ class Ears:
         for index, event in world.motion.happened:
             place = world.find(f"{world.graph.name(index)}/{event.node}").world_matrix()[:3, 3].copy()
             self._hear(f"{event.kind}/{event.material}", place)
-        for cue in orders.cues:
+        for cue in orders.audio.cues:
             self._hear(cue.kind, np.array(cue.position_world))
 
     def stop(self) -> None:

@@ -10,6 +10,7 @@ import pytest
 
 from mimics_app.contracts.loop.controller_slots import Slot
 from mimics_app.contracts.loop.haptic import EventKind, SafetyState
+from mimics_app.contracts.messages.orders import CONTROLLER, TARGET
 from mimics_app.tasks.task import TaskSpec
 from tests.support.task_play import FRAME_NS, Player, make_manager
 
@@ -73,11 +74,12 @@ def test_the_robot_is_held_where_it_is_and_then_given_back() -> None:
     player = make_player(TASK)
     player.until("travel")
     held = player.step(pressed=("p",), q=np.array([0.03, -0.1, 0.04]))
-    assert held.haptic["controller"] == Slot.HOLD and held.haptic["target"] == (0.03, -0.1, 0.04)
+    numbers = held.haptic.numbers
+    assert numbers[CONTROLLER] == Slot.HOLD and numbers[TARGET] == (0.03, -0.1, 0.04)
     assert not held.person_may_act and held.view.paused and held.view.robot_leads
     assert held.board.message == "Paused. Press P to resume"
     on = player.step(pressed=("pad_start",))
-    assert on.haptic["controller"] == Slot.PERSON and on.person_may_act and not on.view.paused
+    assert on.haptic.numbers[CONTROLLER] == Slot.PERSON and on.person_may_act and not on.view.paused
 
 
 def test_contacts_in_a_pause_are_none_of_the_travel() -> None:
