@@ -94,7 +94,7 @@ def _session(bench: Bench) -> Any:
         picture=None,
         window=None,
         tasks=SimpleNamespace(done=False),
-        scene=SimpleNamespace(files=()),
+        scene=SimpleNamespace(files=(), scenario=""),
         settings=SimpleNamespace(seconds=PATIENCE_S, journey=None),
         inputs=SimpleNamespace(frame=SimpleNamespace(events=())),
     )
@@ -105,7 +105,9 @@ def test_a_fault_in_the_plugin_ends_the_run_and_is_reported():
     session = _session(bench)
     begun = session.clock.now_ns()
     bench.engine.start()
-    frames = SimpleNamespace(step=lambda: None, figures={}, timer=UNTIMED, desk=SimpleNamespace(ended=False))
+    orders = SimpleNamespace(view=SimpleNamespace(between_trials=True))
+    desk = SimpleNamespace(ended=False)
+    frames = SimpleNamespace(step=lambda: None, figures={}, timer=UNTIMED, desk=desk, orders=orders)
     run_live(session, frames, lambda _: None)  # type: ignore[arg-type]
     assert session.clock.now_ns() - begun < PATIENCE_S * 1e9
     assert not bench.engine.running
