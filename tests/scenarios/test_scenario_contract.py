@@ -130,6 +130,7 @@ GROUP = "[mimics_app.scenarios]\n" + "".join(f"{name.lower()} = lab_of_yards:{na
 @pytest.fixture
 def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(write_package(tmp_path, "lab_of_yards", YARD, GROUP)))
+    monkeypatch.delitem(sys.modules, "lab_of_yards", raising=False)  # of the folder of a test before
 
 
 def played_by(scenario: str, folder: Path) -> Path:
