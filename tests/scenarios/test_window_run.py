@@ -79,7 +79,7 @@ def press_and_let_go(window: AppWindow, inside: np.ndarray, beyond: np.ndarray) 
 
     A stall of the machine ramps the force down and requests a new soft start; then once more.
     """
-    for _ in range(5):
+    for _ in range(15):
         window.mouse(inside)
         known = len(window.rows)
         window.wait("rest", lambda known=known: len(window.rows) >= known + 4000)
