@@ -49,6 +49,7 @@ COMMANDS: dict[str, str] = {
     "lab": "chart speed against accuracy, and show where methods fail",
     "assets": "build the shipped models and sounds from a seed; make levels of detail of any model",
     "completion": "print the script by which a shell completes commands, options and names of scenes",
+    "desktop": "add the launcher to the desktop's menu of applications",
     "warmup": "compile the kernels now instead of at the first run",
 }
 """Each is a module of `app.commands` with `add_arguments(parser)` and `run(args)`; with none given `launch` runs."""

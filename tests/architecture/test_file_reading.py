@@ -15,6 +15,7 @@ OWN_DATA = {
     "app/bench/ogre_particles.py": "written by the harness that starts it",
     "app/bench/record_bench.py": "/proc",
     "app/commands/completion.py": "package data",
+    "app/commands/desktop.py": "package data",
     "app/play/scene_sheet.py": "drawn by itself",
     "app/play/thumbnails.py": "drawn by itself",
     "app/scenes/shipped.py": "shipped scenes",

@@ -311,6 +311,8 @@ def _open_window(glfw: ModuleType, wanted: Size | None, title: str, *, stereo: b
     glfw.window_hint(glfw.SRGB_CAPABLE, False)
     glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.LOSE_CONTEXT_ON_RESET)
     glfw.window_hint(glfw.VISIBLE, False)
+    for of_window in (glfw.X11_CLASS_NAME, glfw.X11_INSTANCE_NAME):
+        glfw.window_hint_string(of_window, "mimics")  # by which a desktop finds the entry of the menu and its icon
     size = on_the_desktop(glfw, wanted or usual_size(glfw))
     window = glfw.create_window(*size, title, None, None)
     if not window:  # a driver that cannot report a reset may refuse the request

@@ -1,0 +1,3 @@
+"""Icon of the application."""
+
+__all__: list[str] = []
