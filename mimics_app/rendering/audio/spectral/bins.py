@@ -12,7 +12,7 @@ from typing import TypeAlias
 import numpy as np
 from llvmlite import ir
 from numba import types
-from numba.core.cgutils import for_range, raw_memmove
+from numba.core.cgutils import for_range, raw_memmove, unpack_tuple
 from numba.extending import intrinsic, overload
 
 from mimics_app.contracts.arrays import F4
@@ -111,8 +111,8 @@ def _overload_add_to_ears(spectrum, shelves, shape, cells, delays, ear_filter, s
     def machine(spectrum, shelves, shape, cells, delays, ear_filter, sums, row):
         gain, cell, half = ear_filter
         direction, turn = address_of(cells) + 4 * _PART * cell, address_of(delays) + BYTES * DELAY_ROW * half
-        own, shelf, out = address_of(spectrum), address_of(shelves), address_of(sums) + 4 * _PART * row
-        _add_still(own, shelf, shape[0], shape[1], gain, direction, turn, out)
+        place = (gain, direction, turn, address_of(sums) + 4 * _PART * row)
+        _add_still(address_of(spectrum), address_of(shelves), shape, place)
 
     return machine
 
@@ -121,20 +121,10 @@ def _overload_add_to_ears(spectrum, shelves, shape, cells, delays, ear_filter, s
 def _overload_add_moving(spectrum, shelves, shape, cells, delays, before, after, sums):
     def machine(spectrum, shelves, shape, cells, delays, before, after, sums):
         row, delay = 4 * _PART, BYTES * DELAY_ROW
-        _add_moved(
-            address_of(spectrum),
-            address_of(shelves),
-            shape[0],
-            shape[1],
-            before[0],
-            address_of(cells) + row * before[1],
-            address_of(delays) + delay * before[2],
-            address_of(sums) + row,
-            after[0],
-            address_of(cells) + row * after[1],
-            address_of(delays) + delay * after[2],
-            address_of(sums) + 2 * row,
-        )
+        cell, half, out = address_of(cells), address_of(delays), address_of(sums)
+        old = (before[0], cell + row * before[1], half + delay * before[2], out + row)
+        new = (after[0], cell + row * after[1], half + delay * after[2], out + 2 * row)
+        _add_moved(address_of(spectrum), address_of(shelves), shape, old, new)
 
     return machine
 
@@ -142,7 +132,7 @@ def _overload_add_moving(spectrum, shelves, shape, cells, delays, before, after,
 @overload(set_shaped)
 def _overload_set_shaped(spectrum, shelves, gain, shape, shaped):
     def machine(spectrum, shelves, gain, shape, shaped):
-        _set_rows(address_of(spectrum), address_of(shelves), shape[0], shape[1], gain, address_of(shaped))
+        _set_rows(address_of(spectrum), address_of(shelves), shape, gain, address_of(shaped))
 
     return machine
 
@@ -157,34 +147,35 @@ def _move(typingctx, target, source, count):
     return types.void(ADDRESS, ADDRESS, types.int64), codegen
 
 
-_PLACE = [types.float32, ADDRESS, ADDRESS, ADDRESS]
-"""Types of gain, cell, delay and sums of one position."""
+_SHAPE = types.UniTuple(types.float32, 2)
+_PLACE = types.Tuple([types.float32, ADDRESS, ADDRESS, ADDRESS])
+"""Type of gain, cell, delay and sums of one position."""
 
 
 @intrinsic
-def _add_still(typingctx, spectrum, shelves, lower, upper, gain, cell, delay, sums):
+def _add_still(typingctx, spectrum, shelves, shape, place):
     """Filter a spectrum by a shape and add it to both ears for one position."""
-    return types.void(ADDRESS, ADDRESS, types.float32, types.float32, *_PLACE), _ears
+    return types.void(ADDRESS, ADDRESS, _SHAPE, _PLACE), _ears
 
 
 @intrinsic
-def _add_moved(typingctx, spectrum, shelves, lower, upper, gain, cell, delay, sums, gain2, cell2, delay2, sums2):
+def _add_moved(typingctx, spectrum, shelves, shape, before, after):
     """Filter a spectrum by a shape and add it to both ears for two positions."""
-    return types.void(ADDRESS, ADDRESS, types.float32, types.float32, *_PLACE, *_PLACE), _ears
+    return types.void(ADDRESS, ADDRESS, _SHAPE, _PLACE, _PLACE), _ears
 
 
 def _ears(context, builder, signature, args):
     """Generate the code that adds a spectrum to both ears for one or several positions."""
-    own, shelf, lower, upper, *rest = args
+    own, shelf, shape, *rest = args
     write = Writer(builder)
-    places = [(rest[n + 1], rest[n + 2], rest[n + 3]) for n in range(0, len(rest), 4)]
+    places = [unpack_tuple(builder, place) for place in rest]
     # the gain is folded into the delay, once for all rows
-    firsts = [write.rows(rest[n + 2], 0, WIDTH).scaled(write.filled(rest[n])) for n in range(0, len(rest), 4)]
-    curve = [write.filled(lower), write.filled(upper)]
+    firsts = [write.rows(delay, 0, WIDTH).scaled(write.filled(gain)) for gain, _, delay, _ in places]
+    curve = [write.filled(share) for share in unpack_tuple(builder, shape)]
     with for_range(builder, _constant(ROWS)) as loop:
         row = builder.mul(loop.index, _constant(_STEP))
         shaped = _shaped(write, builder.add(own, row), builder.add(shelf, row), curve)
-        for (cell, delay, sums), first in zip(places, firsts, strict=True):
+        for (_, cell, delay, sums), first in zip(places, firsts, strict=True):
             number = builder.add(delay, builder.mul(loop.index, _constant(BYTES)))
             turned = first * Complex(write.same(number, 2 * WIDTH), write.same(number, 3 * WIDTH))
             ears = builder.add(cell, builder.mul(loop.index, _constant(4 * _STEP)))
@@ -207,13 +198,13 @@ def _add_row(write: Writer, shaped: Complex, turned: Complex, ears: Value, sums:
 
 
 @intrinsic
-def _set_rows(typingctx, spectrum, shelves, lower, upper, gain, shaped):
+def _set_rows(typingctx, spectrum, shelves, shape, gain, shaped):
     """Filter a spectrum by a shape and a gain into another one."""
 
     def codegen(context, builder, signature, args):
-        own, shelf, lower, upper, gain, out = args
+        own, shelf, shape, gain, out = args
         write = Writer(builder)
-        curve, level = [write.filled(lower), write.filled(upper)], write.filled(gain)
+        curve, level = [write.filled(share) for share in unpack_tuple(builder, shape)], write.filled(gain)
         with for_range(builder, _constant(ROWS)) as loop:
             row = builder.mul(loop.index, _constant(_STEP))
             found = _shaped(write, builder.add(own, row), builder.add(shelf, row), curve).scaled(level)
@@ -221,7 +212,7 @@ def _set_rows(typingctx, spectrum, shelves, lower, upper, gain, shaped):
             write.keep(found.im, builder.add(out, row), BINS)
         return context.get_dummy_value()
 
-    return types.void(ADDRESS, ADDRESS, types.float32, types.float32, types.float32, ADDRESS), codegen
+    return types.void(ADDRESS, ADDRESS, _SHAPE, types.float32, ADDRESS), codegen
 
 
 def _shaped(write: Writer, spectrum: Value, shelves: Value, curve: Sequence[Lanes]) -> Complex:

@@ -52,6 +52,22 @@ class Bank(NamedTuple):
     loops: Words
 
 
+class Sound(NamedTuple):
+    """One sound of the bank.
+
+    Attributes:
+        samples: Samples of the whole bank.
+        begin: Its first sample.
+        length: Number of its samples.
+        loops: 1 for a loop.
+    """
+
+    samples: F4
+    begin: int
+    length: int
+    loops: int
+
+
 class Voices(NamedTuple):
     """State of the voices as arrays, shape [voices, ..].
 
@@ -103,8 +119,8 @@ def _take(voices: Voices, v: int, bank: Bank, frames: int) -> None:
     """Shift a voice's history and append its next samples."""
     history, end = voices.history, SIZE * (v + 1)
     move(history, SIZE * v, history, SIZE * v + frames, SIZE - frames)
-    sound, cursor = voices.sound[v], voices.cursor[v]
-    begin, length, loops = bank.begin[sound], bank.length[sound], bank.loops[sound]
+    row, cursor = voices.sound[v], voices.cursor[v]
+    sound = Sound(bank.samples, bank.begin[row], bank.length[row], bank.loops[row])
     first, last = voices.pitch[v, 0], voices.pitch[v, 1]
     voices.pitch[v, 0] = last
     silent = min(voices.wait[v], frames)
@@ -113,56 +129,46 @@ def _take(voices: Voices, v: int, bank: Bank, frames: int) -> None:
         history[i] = 0.0
     begun = end - frames + silent
     if first == 1.0 and last == 1.0 and cursor == int(cursor):
-        voices.cursor[v] = _read(bank.samples, begin, length, loops, int(cursor), history, begun, end)
+        voices.cursor[v] = _read(sound, int(cursor), history, begun, end)
     else:
         turn = (last - first) / frames
         first += turn * silent
-        voices.cursor[v] = _read_bent(bank.samples, begin, length, loops, cursor, first, turn, history, begun, end)
+        voices.cursor[v] = _read_bent(sound, cursor, first, turn, history, begun, end)
 
 
 @kernel
-def _read(samples: F4, begin: int, length: int, loops: int, cursor: int, history: F4, place: int, end: int) -> int:
+def _read(sound: Sound, cursor: int, history: F4, place: int, end: int) -> int:
     """Fill a history from `place` to `end` with samples of a sound from `cursor` on; return the next cursor."""
     while place < end:
-        if loops == 1:
-            cursor %= length
-        count = min(end - place, length - cursor)
+        if sound.loops == 1:
+            cursor %= sound.length
+        count = min(end - place, sound.length - cursor)
         if count <= 0:
             history[place:end] = 0.0
             return cursor + end - place
-        move(history, place, samples, begin + cursor, count)
+        move(history, place, sound.samples, sound.begin + cursor, count)
         place, cursor = place + count, cursor + count
     return cursor
 
 
 @kernel
-def _read_bent(
-    samples: F4,
-    begin: int,
-    length: int,
-    loops: int,
-    cursor: float,
-    pitch: float,
-    turn: float,
-    history: F4,
-    place: int,
-    end: int,
-) -> float:
+def _read_bent(sound: Sound, cursor: float, pitch: float, turn: float, history: F4, place: int, end: int) -> float:
     """Like `_read` at a pitch that changes by `turn` per sample, by Catmull-Rom interpolation."""
+    samples, length = sound.samples, sound.length
     for i in range(place, end):
-        if loops == 1 and cursor >= length:
+        if sound.loops == 1 and cursor >= length:
             cursor -= length
         k = int(cursor)
         share = cursor - k
         if 0 < k < length - 2:
-            at = begin + k
+            at = sound.begin + k
             history[i] = _between(samples[at - 1], samples[at], samples[at + 1], samples[at + 2], share)
         elif k < length:
             history[i] = _between(
-                _sample(samples, begin, length, loops, k - 1),
-                _sample(samples, begin, length, loops, k),
-                _sample(samples, begin, length, loops, k + 1),
-                _sample(samples, begin, length, loops, k + 2),
+                _sample(sound, k - 1),
+                _sample(sound, k),
+                _sample(sound, k + 1),
+                _sample(sound, k + 2),
                 share,
             )
         else:
@@ -180,11 +186,11 @@ def _between(a: float, b: float, c: float, d: float, share: float) -> float:
 
 
 @kernel
-def _sample(samples: F4, begin: int, length: int, loops: int, k: int) -> float:
+def _sample(sound: Sound, k: int) -> float:
     """Return sample k of a sound; beyond its ends zero, or the wrapped sample of a loop."""
-    if loops == 1:
-        return samples[begin + k % length]
-    return samples[begin + k] if 0 <= k < length else 0.0
+    if sound.loops == 1:
+        return sound.samples[sound.begin + k % sound.length]
+    return sound.samples[sound.begin + k] if 0 <= k < sound.length else 0.0
 
 
 @kernel
