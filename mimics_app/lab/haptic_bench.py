@@ -144,7 +144,9 @@ class Scene:
         return new_object_work(self.capacities, self.meshes)
 
 
-@typed_kernel(types.void(types.FunctionType(SIMULATE), *SIMULATE.args, types.float64[:, ::1], types.int64, types.int64))
+@typed_kernel(
+    types.void(types.FunctionType(SIMULATE), *SIMULATE.args[:5], types.float64[:, ::1], types.int64, types.int64)
+)
 def _simulate_often(
     simulate: Simulate,
     rows: Rows,
@@ -152,16 +154,15 @@ def _simulate_often(
     counts: ObjectCountsRecord,
     hand: F8,
     fields: Fields,
-    dt: float,
-    force: F8,
     path: F8,
     first: int,
     ticks: int,
 ) -> None:
+    force = np.zeros(3 * MAX_CONTACTS)
     for tick in range(first, first + ticks):
         for i in range(path.shape[1]):
             hand[i] = path[tick % path.shape[0], i]
-        simulate(rows, work, counts, hand, fields, dt, force)
+        simulate(rows, work, counts, hand, fields, DT, force)
 
 
 class _Hand:
@@ -173,15 +174,8 @@ class _Hand:
         self._way[:, 0] += SLIDE
         self._way[:, 3] = _SLIDE_VELOCITY
         self._hand = np.zeros(INPUT_LENGTH)
-        self._args = (
-            scene.rows,
-            scene.fresh_work(),
-            scene.counts[0],
-            self._hand,
-            NO_FIELDS,
-            DT,
-            np.zeros(3 * MAX_CONTACTS),
-        )
+        self._args = (scene.rows, scene.fresh_work(), scene.counts[0], self._hand, NO_FIELDS)
+        self._force = np.zeros(3 * MAX_CONTACTS)
         self._ticks = 0
 
     def run(self, ticks: int) -> None:
@@ -193,7 +187,7 @@ class _Hand:
         """Run ticks call by call from Python, as those of a peer."""
         for _ in range(ticks):
             self._hand[:INPUT_FORCE_MEASURED] = self._way[self._ticks % len(self._way)]
-            simulate_objects(*self._args)
+            simulate_objects(*self._args, DT, self._force)
             self._ticks += 1
 
 

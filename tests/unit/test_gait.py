@@ -14,7 +14,7 @@ from mimics_app.scenarios.figures.walking_figure import pace_with
 from mimics_app.tasks.walking.legs import GAITS
 from mimics_app.tasks.walking.walker import Walker
 from mimics_app.world.content.motion.animator import Animator
-from mimics_app.world.content.motion.gait import Pace, Walk, natural_step
+from mimics_app.world.content.motion.gait import LeadingLegs, Pace, Walk, natural_step
 from mimics_app.world.content.motion.humanoid import find_humanoid
 from mimics_app.world.content.motion.reach import Chain
 from mimics_app.world.content.motion.reference_gait import NATURAL, SAMPLES, TILT, knee_by_speed
@@ -327,9 +327,9 @@ def test_given_angles_are_followed_and_the_correction_is_reported(animator: Anim
     def reported(phase: float) -> np.ndarray:
         return np.array([np.interp(phase, phases[order], cycle[order, k], period=1.0) for k in range(4)])
 
-    (walk,), *_ = _walk(animator, pace, 4.0, angles=reported)
+    (walk,), *_ = _walk(animator, pace, 4.0, legs=LeadingLegs(reported))
     assert np.degrees(walk.gait.correction) < 5.0
-    (walk,), *_ = _walk(animator, pace, 4.0, angles=lambda phase: reported(phase) + np.radians(12.0))
+    (walk,), *_ = _walk(animator, pace, 4.0, legs=LeadingLegs(lambda phase: reported(phase) + np.radians(12.0)))
     assert np.degrees(walk.gait.correction) > 5.0
 
 
@@ -345,8 +345,7 @@ def test_legs_of_a_patient_walk_without_slip_and_above_the_ground(
         animator.rig,
         find_humanoid(animator.rig),
         lambda: pace_with(walker.speed, walker.footfalls.step_at(walker.speed)),
-        angles=lambda _: np.array(walker.legs[:4]),
-        phase=lambda: walker.footfalls.phase,
+        legs=LeadingLegs(lambda _: np.array(walker.legs[:4]), lambda: walker.footfalls.phase),
         ground=lambda: (walker.x, walker.z, walker.yaw),
     )
     animator.steps[:] = [walk]

@@ -10,6 +10,7 @@ import pytest
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.loop.haptic import AdmittanceForm
 from mimics_app.rendering.haptic.control.admittance import (
+    VirtualMass,
     acceleration_cartesian,
     acceleration_polar,
     acceleration_seed,
@@ -38,7 +39,7 @@ def _move(form, q, v, dq, f_robot, damping, ticks, dt, a_max, v_max):
     rate = np.zeros(3)
     for _ in range(ticks):
         robot_to_tool(q, f_robot, f)
-        admit(form, q, f, 3.0, damping, a_max, v_max, 0.46, dt, scratch, v, dq)
+        admit(form, q, f, VirtualMass(3.0, damping, a_max, v_max), 0.46, dt, scratch, v, dq)
         if form == 2:
             for i in range(3):
                 half[i] = q[i] + 0.5 * dt * dq[i]

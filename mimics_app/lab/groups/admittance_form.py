@@ -11,7 +11,7 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.loop.haptic import AdmittanceForm
 from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Probes, Rival, compare
-from mimics_app.rendering.haptic.control.admittance import admit
+from mimics_app.rendering.haptic.control.admittance import VirtualMass, admit
 from mimics_app.rendering.haptic.kernels.kinematics import apply_inverse_jacobian, apply_jacobian
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ _CALLS = 20_000
 def _run(form: int, calls: int, dt: float, q: Floats, v: Floats, dq: Floats, scratch: Floats) -> None:
     force = np.zeros(3)
     for _ in range(calls):
-        admit(form, q, force, _MASS, 0.0, _FREE, _FREE, _D1, dt, scratch, v, dq)
+        admit(form, q, force, VirtualMass(_MASS, 0.0, _FREE, _FREE), _D1, dt, scratch, v, dq)
 
 
 def _moving() -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:

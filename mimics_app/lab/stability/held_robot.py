@@ -18,7 +18,7 @@ from mimics_app.contracts.loop.haptic import AdmittanceForm
 from mimics_app.contracts.loop.loop_ports import DATA_FORCE, DATA_LENGTH, DATA_Q
 from mimics_app.lab.stability.growth import dies_away, note_peak
 from mimics_app.lab.stability.linear import is_contracting
-from mimics_app.rendering.haptic.control.admittance import admit
+from mimics_app.rendering.haptic.control.admittance import VirtualMass, admit
 from mimics_app.rendering.haptic.kernels import arm, robot
 from mimics_app.rendering.haptic.kernels.arm import step_arm
 from mimics_app.rendering.haptic.kernels.robot import command_robot, place_handle, sense, step_robot
@@ -110,14 +110,14 @@ def _rigid_force(machine: Vec, hand: Vec) -> float:
 @kernel
 def _hold_rigidly(machine: Vec, hand: Vec, mass: float, damping: float, ticks: int, peaks: Vec) -> None:
     """Simulate the rigid arm; peaks of the handle's distance from rest by quarter, shape [4]."""
-    dt = machine[robot.TICK]
+    dt, virtual = machine[robot.TICK], VirtualMass(mass, damping, _FREE, _FREE)
     scratch, v, dq, f, data = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(DATA_LENGTH)
     machine[robot.Q + _AXIS] = _APART
     for i in range(ticks):
         f[_AXIS] = _rigid_force(machine, hand)
         sense(machine, f, data)
         q, force = data[DATA_Q : DATA_Q + 3], data[DATA_FORCE : DATA_FORCE + 3]
-        admit(AdmittanceForm.CARTESIAN, q, force, mass, damping, _FREE, _FREE, 1.0, dt, scratch, v, dq)
+        admit(AdmittanceForm.CARTESIAN, q, force, virtual, 1.0, dt, scratch, v, dq)
         step_robot(machine)
         command_robot(machine, dq)
         size = max(abs(machine[robot.Q + _AXIS]), _SPEED_SHARE * abs(v[_AXIS]))
@@ -128,7 +128,7 @@ def _hold_rigidly(machine: Vec, hand: Vec, mass: float, damping: float, ticks: i
 @kernel
 def _hold_softly(machine: Vec, person: Vec, mass: float, damping: float, ticks: int, peaks: Vec) -> None:
     """Simulate the gripping arm; peaks of the handle's distance from rest by quarter, shape [4]."""
-    dt = machine[robot.TICK]
+    dt, virtual = machine[robot.TICK], VirtualMass(mass, damping, _FREE, _FREE)
     scratch, v, dq, data = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(DATA_LENGTH)
     place_handle(machine)
     step_arm(person, machine[robot.HANDLE : robot.HANDLE + 6], True, 0.0, scratch, 0.0, dt)
@@ -140,7 +140,7 @@ def _hold_softly(machine: Vec, person: Vec, mass: float, damping: float, ticks: 
         step_arm(person, machine[robot.HANDLE : robot.HANDLE + 6], True, 0.0, scratch, 0.0, dt)
         sense(machine, person[arm.GRIP_FORCE : arm.GRIP_FORCE + 3], data)
         q, force = data[DATA_Q : DATA_Q + 3], data[DATA_FORCE : DATA_FORCE + 3]
-        admit(AdmittanceForm.CARTESIAN, q, force, mass, damping, _FREE, _FREE, 1.0, dt, scratch, v, dq)
+        admit(AdmittanceForm.CARTESIAN, q, force, virtual, 1.0, dt, scratch, v, dq)
         command_robot(machine, dq)
         size = max(abs(machine[robot.Q + _AXIS]), _SPEED_SHARE * abs(v[_AXIS]))
         if note_peak(size, i, ticks, _LARGE, peaks):

@@ -19,7 +19,7 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.haptic import AdmittanceForm
 from mimics_app.lab.experiment import Experiment, Outcome, Row, largest_disagreement, points_of
-from mimics_app.rendering.haptic.control.admittance import admit
+from mimics_app.rendering.haptic.control.admittance import VirtualMass, admit
 from mimics_app.rendering.haptic.kernels.kinematics import apply_jacobian, forward
 from mimics_app.rendering.haptic.kernels.vectors import copy, norm
 
@@ -49,7 +49,7 @@ def _fly(form: int, ticks: int, dt: float, q: Vec, v: Vec, dq: Vec, out: Vec) ->
     energy = 0.5 * _MASS * norm(now) ** 2
     out[4] = 0.0
     for _ in range(ticks):
-        admit(form, q, none, _MASS, 0.0, _FREE, _FREE, _D1, dt, scratch, v, dq)
+        admit(form, q, none, VirtualMass(_MASS, 0.0, _FREE, _FREE), _D1, dt, scratch, v, dq)
         for k in range(3):
             q[k] += dt * dq[k]
             last[k] = now[k]

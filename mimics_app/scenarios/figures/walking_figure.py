@@ -105,7 +105,7 @@ def add_walk(
     """
     if animator is None:
         return None
-    from mimics_app.world.content.motion.gait import Walk
+    from mimics_app.world.content.motion.gait import LeadingLegs, Walk
     from mimics_app.world.content.motion.humanoid import find_humanoid
     from mimics_app.world.content.motion.soles import outline_soles
 
@@ -116,8 +116,7 @@ def add_walk(
         animator.rig,
         bones,
         pace,
-        angles=None if legs is None else lambda _: legs(),
-        phase=phase,
+        legs=LeadingLegs(None if legs is None else lambda _: legs(), phase),
         ground=ground,
         soles=outline_soles(animator.rig, bones, motion.bodies.values()),
         events=lambda event: animator.events.append(replace(event, kind=step, material=material())),

@@ -16,6 +16,8 @@ mass does not.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.haptic import AdmittanceForm
@@ -26,7 +28,23 @@ from mimics_app.rendering.haptic.kernels.kinematics import (
 )
 from mimics_app.rendering.haptic.kernels.vectors import clamp_norm, norm, scale
 
-__all__ = ["acceleration_cartesian", "acceleration_polar", "acceleration_seed", "admit", "limit_motion"]
+__all__ = ["VirtualMass", "acceleration_cartesian", "acceleration_polar", "acceleration_seed", "admit", "limit_motion"]
+
+
+class VirtualMass(NamedTuple):
+    """The mass that a person moves, and the limits of its motion.
+
+    Attributes:
+        mass: Mass [kg]; at least 3 for an arm and handle of up to 2 kg.
+        damping: Damping [N s/m].
+        max_acceleration: Largest norm of the acceleration [m/s^2].
+        max_velocity: Largest norm of the velocity [m/s].
+    """
+
+    mass: float
+    damping: float
+    max_acceleration: float
+    max_velocity: float
 
 
 @kernel
@@ -72,10 +90,7 @@ def admit(
     form: int,
     q: Vec,
     f: Vec,
-    mass: float,
-    damping: float,
-    max_acceleration: float,
-    max_velocity: float,
+    virtual: VirtualMass,
     d1: float,
     dt: float,
     scratch: Vec,
@@ -88,16 +103,14 @@ def admit(
         form: AdmittanceForm.
         q: Measured joints.
         f: Sum of the forces on the mass, tool frame [N].
-        mass: Virtual mass [kg]; at least 3 for an arm and handle of up to 2 kg.
-        damping: Virtual damping [N s/m].
-        max_acceleration: Largest norm of the acceleration [m/s^2].
-        max_velocity: Largest norm of the velocity [m/s].
+        virtual: Virtual mass and its limits.
         d1: Axis offset [m].
         dt: Tick [s].
         scratch: Shape [3].
         v: Velocity of the mass, robot frame [m/s]; state of the Cartesian form, output of the others.
         dq: Joint velocities; state of the polar and seed forms, output of the Cartesian one.
     """
+    mass, damping, max_acceleration, max_velocity = virtual
     if form == AdmittanceForm.CARTESIAN:
         acceleration_cartesian(q, f, mass, scratch)
         for i in range(3):

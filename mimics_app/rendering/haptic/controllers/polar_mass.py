@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
-from mimics_app.rendering.haptic.control.admittance import admit
+from mimics_app.rendering.haptic.control.admittance import VirtualMass, admit
 from mimics_app.rendering.haptic.kernels.kinematics import robot_to_tool
 
 if TYPE_CHECKING:
@@ -25,10 +25,7 @@ def admit_at_tool(form: int, now: ControlInputRecord, work: ControlWorkRecord, o
         form,
         now.q,
         work.forces,
-        now.virtual_mass,
-        now.virtual_damping,
-        now.max_acceleration,
-        now.max_velocity,
+        VirtualMass(now.virtual_mass, now.virtual_damping, now.max_acceleration, now.max_velocity),
         now.geometry[0],
         now.dt,
         work.side[:3],

@@ -24,7 +24,7 @@ from mimics_app.world.content.motion.reference_gait import NATURAL_STANCE, SAMPL
 from mimics_app.world.content.motion.rig import Rig
 from mimics_app.world.content.motion.walking_trunk import WalkingTrunk
 
-__all__ = ["Gait", "Pace", "Walk", "natural_step"]
+__all__ = ["Gait", "LeadingLegs", "Pace", "Walk", "natural_step"]
 
 
 _PREFERRED = 1.3
@@ -122,6 +122,21 @@ class Gait:
     touched: tuple[str, ...]
 
 
+@dataclass(frozen=True, eq=False)
+class LeadingLegs:
+    """Legs that a model's walk follows: those of a person.
+
+    Attributes:
+        angles: Returns angles of hip and knee [rad] at a phase of the cycle, [left hip, left knee, right hip, right
+            knee], flexion positive; None: the feet follow the published curves.
+        phase: Returns the phase of the left leg that the walk is to keep in step with, 0 at its heel strike; None: the
+            walk has its own.
+    """
+
+    angles: Callable[[float], F8] | None = None
+    phase: Callable[[], float] | None = None
+
+
 class Walk:
     """Gait of a model; a step of an animator. At zero speed it stands, once both feet are under the body.
 
@@ -129,10 +144,7 @@ class Walk:
         rig: Nodes of the model, whose rest axes are +y up, +z forward.
         bones: Bones of the model.
         pace: Returns the present speed and step length.
-        angles: Returns angles of hip and knee [rad] at a phase of the cycle, [left hip, left knee, right hip, right
-            knee], flexion positive; None: the feet follow the published curves.
-        phase: Returns the phase of the left leg that the walk is to keep in step with, 0 at its heel strike; None: it
-            has its own.
+        legs: The person's legs, as far as they are known.
         move: Called with the distance of each time step [m], to move the model's root.
         ground: Returns the model's pose on the ground, for foot lock while the model turns and changes its speed. None:
             stance feet move backwards at the pace.
@@ -150,15 +162,14 @@ class Walk:
         bones: HumanoidMap,
         pace: Callable[[], Pace],
         *,
-        angles: Callable[[float], F8] | None = None,
-        phase: Callable[[], float] | None = None,
+        legs: LeadingLegs = LeadingLegs(),
         move: Callable[[float], None] | None = None,
         ground: Ground | None = None,
         soles: F8 | None = None,
         events: Callable[[ClipEvent], None] | None = None,
     ) -> None:
-        self._rig, self._bones, self._pace, self._angles, self._move = rig, bones, pace, angles, move
-        self._led = phase
+        self._rig, self._bones, self._pace, self._angles, self._move = rig, bones, pace, legs.angles, move
+        self._led = legs.phase
         self._events = events
         self._rest, self._chain = Chain(rig), Chain(rig)
         self._trunk = WalkingTrunk(rig, bones, self._rest, self._chain)

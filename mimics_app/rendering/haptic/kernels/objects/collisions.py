@@ -64,16 +64,19 @@ def _lay_features(a: SolidRecord, b: SolidRecord, n: Vec3, rounded: float, scrat
         rounded: Further overlap of the sharp solids along n [m], see `separate_hulls`.
         scratch: SCRATCH.
     """
-    count_a, out_a, lone_a = write_feature(a, n, scratch.feature_a)
-    count_b, out_b, lone_b = write_feature(b, times(-1.0, n), scratch.feature_b)
-    lone = lone_a if count_a == 2 else lone_b if count_b == 2 else min(lone_a, lone_b)
-    tilt = 1.0 - max(dot(out_a, n), -dot(out_b, n))
+    ours = write_feature(a, n, scratch.feature_a)
+    theirs = write_feature(b, times(-1.0, n), scratch.feature_b)
+    lone = (
+        ours.share
+        if ours.corner_count == 2
+        else theirs.share
+        if theirs.corner_count == 2
+        else min(ours.share, theirs.share)
+    )
+    tilt = 1.0 - max(dot(ours.normal, n), -dot(theirs.normal, n))
     correction = rounded * min(1.0, tilt / _TILTED)
     round_b = b.size[0] if b.kind == ShapeKind.CYLINDER else 0.0
-    return lay_over(
-        scratch.feature_a, count_a, out_a, scratch.feature_b, count_b, out_b, n, lone, round_b, correction,
-        scratch.polygon, scratch.points,
-    )  # fmt: skip
+    return lay_over(ours, theirs, n, lone, round_b, correction, scratch.polygon, scratch.points)
 
 
 @kernel

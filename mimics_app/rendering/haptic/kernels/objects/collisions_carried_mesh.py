@@ -14,7 +14,7 @@ once from each side, with half a quarter each.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec3
@@ -38,7 +38,7 @@ from mimics_app.rendering.haptic.kernels.objects.triples import (
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import MeshTable, ScratchRecord, SolidRecord
 
-__all__ = ["depth_of", "edge_in", "keep_point", "touch_carried_mesh"]
+__all__ = ["Target", "depth_of", "edge_in", "keep_point", "touch_carried_mesh"]
 
 
 _LEVEL = 0.05
@@ -46,6 +46,21 @@ _LEVEL = 0.05
 
 _ASIDE = 1e-3
 """Largest distance of a corner beside the bounds of a shape at which its edge supports it [m]; see `depth_under`."""
+
+
+class Target(NamedTuple):
+    """Shape in which points and edges of the other shape of a pair are searched.
+
+    Attributes:
+        solid: SOLID of the shape.
+        toward: Direction that its faces must face; ANY_DIRECTION: all faces count for a point, none for the ends of
+            a chord.
+        side: 1: it is the second of the pair, the normals point out of it; -1: it is the first, they point in.
+    """
+
+    solid: SolidRecord
+    toward: Vec3
+    side: float
 
 
 @kernel
@@ -85,10 +100,9 @@ def _is_within(p: Vec3, solid: SolidRecord) -> bool:
 
 
 @kernel
-def depth_of(
-    p: Vec3, other: SolidRecord, toward: Vec3, reach: float, table: MeshTable, scratch: ScratchRecord
-) -> tuple[float, Vec3]:
-    """Depth of a point in a shape by the faces that face `toward`, <= 0 outside, and their outward normal."""
+def depth_of(p: Vec3, target: Target, reach: float, table: MeshTable, scratch: ScratchRecord) -> tuple[float, Vec3]:
+    """Depth of a point in a target by the faces that count, <= 0 outside, and their outward normal."""
+    other, toward = target.solid, target.toward
     if other.kind == ShapeKind.WALL:
         n = axis(other, 2)
         return dot(minus(position_of(other), p), n), n
@@ -103,22 +117,12 @@ def depth_of(
 
 
 @kernel
-def _corners_in(
-    carried: SolidRecord,
-    other: SolidRecord,
-    toward: Vec3,
-    side: float,
-    table: MeshTable,
-    scratch: ScratchRecord,
-    count: int,
-) -> int:
+def _corners_in(carried: SolidRecord, target: Target, table: MeshTable, scratch: ScratchRecord, count: int) -> int:
     """Add the vertices of a carried mesh's hull that are inside another shape; return the number of points.
 
     Args:
         carried: SOLID of the mesh.
-        other: SOLID of the other shape.
-        toward: Direction that the faces of the other shape must face; ANY_DIRECTION: all faces of a mesh count.
-        side: 1: `other` is the second of the pair, the normals point out of it; -1: it is the first, they point in.
+        target: The other shape.
         table: MeshTable.
         scratch: SCRATCH.
         count: Number of points so far.
@@ -126,9 +130,9 @@ def _corners_in(
     mesh, place, reach = table.rows[carried.mesh], position_of(carried), _thinnest(carried)
     for i in range(mesh.first_hull, mesh.first_hull + mesh.hull_corners):
         p = along(place, 1.0, to_world(carried, (table.hulls[i, 0], table.hulls[i, 1], table.hulls[i, 2])))
-        depth, n = depth_of(p, other, toward, reach, table, scratch)
+        depth, n = depth_of(p, target, reach, table, scratch)
         if depth > 0.0:
-            count = keep_point(along(p, 0.5 * depth, n), depth, times(side, n), CORNER_SHARE, scratch, count)
+            count = keep_point(along(p, 0.5 * depth, n), depth, times(target.side, n), CORNER_SHARE, scratch, count)
     return count
 
 
@@ -154,9 +158,7 @@ def _weight(n: Vec3, direction: Vec3, from_corner: float) -> float:
 def edge_in(
     p: Vec3,
     q: Vec3,
-    other: SolidRecord,
-    toward: Vec3,
-    side: float,
+    target: Target,
     share: float,
     reach: float,
     table: MeshTable,
@@ -168,9 +170,7 @@ def edge_in(
     Args:
         p: Start of the edge, world [m].
         q: End of the edge [m].
-        other: SOLID of the other shape.
-        toward: Direction that its faces must face; ANY_DIRECTION: the ends of the chord do not count.
-        side: As `_corners_in`.
+        target: The other shape.
         share: Largest share of the stiffness of a point.
         reach: Largest depth of an end of the chord in a mesh [m].
         table: MeshTable.
@@ -180,6 +180,7 @@ def edge_in(
     Returns:
         Number of points.
     """
+    other, toward, side = target.solid, target.toward, target.side
     chord = chord_in(other, p, q, table, scratch)
     found, t0, t1, n0, n1 = chord
     if not found:
@@ -196,23 +197,16 @@ def edge_in(
         weight = _weight(face, direction, outside)
         if weight > 0.0:
             at = along(p, t, direction)
-            depth, n = depth_of(at, other, toward, reach, table, scratch)
+            depth, n = depth_of(at, target, reach, table, scratch)
             if depth > 0.0:
                 count = keep_point(along(at, 0.5 * depth, n), weight * depth, times(side, n), share, scratch, count)
     return count
 
 
 @kernel
-def _edges_in(
-    carried: SolidRecord,
-    other: SolidRecord,
-    toward: Vec3,
-    side: float,
-    table: MeshTable,
-    scratch: ScratchRecord,
-    count: int,
-) -> int:
+def _edges_in(carried: SolidRecord, target: Target, table: MeshTable, scratch: ScratchRecord, count: int) -> int:
     """Add the contacts of a carried mesh's sharp edges with another shape; arguments as `_corners_in`."""
+    other = target.solid
     if other.kind == ShapeKind.WALL or other.kind == ShapeKind.SPHERE:  # corners, and the sphere's centre, suffice
         return count
     mesh, place, reach, edges = table.rows[carried.mesh], position_of(carried), _thinnest(carried), table.edges
@@ -222,7 +216,7 @@ def _edges_in(
         p = along(place, 1.0, to_world(carried, (edges[i, 0], edges[i, 1], edges[i, 2])))
         q = along(place, 1.0, to_world(carried, (edges[i, 3], edges[i, 4], edges[i, 5])))
         if may_pass(p, q, other):
-            count = edge_in(p, q, other, toward, side, share, reach, table, scratch, count)
+            count = edge_in(p, q, target, share, reach, table, scratch, count)
     return count
 
 
@@ -231,13 +225,13 @@ def _gather(a: SolidRecord, b: SolidRecord, n: Vec3, table: MeshTable, scratch: 
     """(number of points of either shape in the other, by faces that face the normal n from a to b; sum of depths)."""
     count, out = 0, times(-1.0, n)
     if a.kind == ShapeKind.MESH:
-        count = _corners_in(a, b, out, 1.0, table, scratch, 0)
-        count = _edges_in(a, b, out, 1.0, table, scratch, count)
+        count = _corners_in(a, Target(b, out, 1.0), table, scratch, 0)
+        count = _edges_in(a, Target(b, out, 1.0), table, scratch, count)
     else:
         count, _ = points_in_mesh(a, b, out, table, scratch)
     if b.kind == ShapeKind.MESH and a.kind != ShapeKind.SPHERE:  # a sphere is exact by its centre
-        count = _corners_in(b, a, n, -1.0, table, scratch, count)
-        count = _edges_in(b, a, n, -1.0, table, scratch, count)
+        count = _corners_in(b, Target(a, n, -1.0), table, scratch, count)
+        count = _edges_in(b, Target(a, n, -1.0), table, scratch, count)
     total = 0.0
     for k in range(count):
         total += scratch.points[k, 3]

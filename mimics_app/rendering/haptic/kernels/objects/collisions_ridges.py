@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, Vec3
 from mimics_app.rendering.haptic.kernels.objects.collisions_carried_mesh import (
+    Target,
     depth_of,
     edge_in,
     keep_point,
@@ -64,7 +65,7 @@ def _overlaps(boxes: F8, node: int, scratch: ScratchRecord) -> bool:
 @kernel
 def _tip_in(p: Vec3, a: SolidRecord, last: Vec3, table: MeshTable, scratch: ScratchRecord, count: int) -> int:
     """Add a tip p of ridges that is inside shape a; return the number of points."""
-    depth, n = depth_of(p, a, last, 0.0, table, scratch)
+    depth, n = depth_of(p, Target(a, last, -1.0), 0.0, table, scratch)
     if depth > 0.0:
         count = keep_point(along(p, 0.5 * depth, n), depth, times(-1.0, n), CORNER_SHARE, scratch, count)
     return count
@@ -81,7 +82,7 @@ def _ridge_in(
         return count
     # A new contact has no normal yet: the ridge has an outward direction of its own.
     toward = last if last != ANY_DIRECTION else times(-1.0, to_world(b, (line[6], line[7], line[8])))
-    count = edge_in(p, q, a, toward, -1.0, CORNER_SHARE, 0.0, table, scratch, count)
+    count = edge_in(p, q, Target(a, toward, -1.0), CORNER_SHARE, 0.0, table, scratch, count)
     if line[9] > 0.0:
         count = _tip_in(p, a, last, table, scratch, count)
     if line[10] > 0.0:

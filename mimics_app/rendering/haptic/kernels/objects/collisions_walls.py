@@ -86,8 +86,8 @@ def touch_wall(a: SolidRecord, b: SolidRecord, corners: Floats, points: F8) -> t
             p = along(along(centre, reach, up), -size[0], n)
             count = _sink(p, height + reach * dot(up, n) - size[0], 0.5, n, points, count)
         return count, inward
-    corner_count, _, share = write_feature(a, inward, corners)
-    for k in range(corner_count):
+    feature = write_feature(a, inward, corners)
+    for k in range(feature.corner_count):
         p = (corners[k, 0], corners[k, 1], corners[k, 2])
-        count = _sink(p, dot(minus(p, position_of(b)), n), share, n, points, count)
+        count = _sink(p, dot(minus(p, position_of(b)), n), feature.share, n, points, count)
     return count, inward

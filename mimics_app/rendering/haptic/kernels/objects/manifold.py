@@ -16,7 +16,7 @@ Points are rows x, y, z, depth, share of an array [MAX_CONTACT_POINTS, 5]; polyg
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, Vec3
@@ -36,7 +36,7 @@ from mimics_app.rendering.haptic.kernels.objects.triples import (
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import Floats, SolidRecord
 
-__all__ = ["CORNER_SHARE", "RIM_POINTS", "add_point", "lay_over", "write_feature"]
+__all__ = ["CORNER_SHARE", "RIM_POINTS", "Feature", "add_point", "lay_over", "write_feature"]
 
 
 CORNER_SHARE = 0.25
@@ -62,6 +62,22 @@ _PARALLEL = 1e-9
 
 _FACE = 4
 """Corners of a face of a box."""
+
+
+class Feature(NamedTuple):
+    """Part of a solid that faces another one.
+
+    Attributes:
+        corners: Corners in order, world [m], shape [8, 3], of which the first `corner_count` are used.
+        corner_count: Number of corners; 2: a line.
+        normal: Outward normal.
+        share: Share of the stiffness of a single corner.
+    """
+
+    corners: Floats
+    corner_count: int
+    normal: Vec3
+    share: float
 
 
 @kernel
@@ -125,41 +141,40 @@ def _cylinder_feature(solid: SolidRecord, d: Vec3, corners: Floats) -> tuple[int
 
 
 @kernel
-def write_feature(solid: SolidRecord, d: Vec3, corners: Floats) -> tuple[int, Vec3, float]:
-    """Write the feature of a box or cylinder that faces d.
+def write_feature(solid: SolidRecord, d: Vec3, corners: Floats) -> Feature:
+    """Return the feature of a box or cylinder that faces d.
 
     Args:
         solid: SOLID of a box or cylinder.
         d: Unit outward direction, world.
-        corners: Receives the corners in order, world [m], shape [8, 3].
-
-    Returns:
-        (number of corners, outward normal of the feature, share of a single corner). Two corners are a line.
+        corners: Receives the corners, shape [8, 3].
     """
     if solid.kind == ShapeKind.BOX:
-        return _FACE, _box_face(solid, d, corners), CORNER_SHARE
+        return Feature(corners, _FACE, _box_face(solid, d, corners), CORNER_SHARE)
     count, n = _cylinder_feature(solid, d, corners)
     if count == 2:
         # Continuous from half for each end of a lying cylinder to the eighth of a point of the rim.
         lean = abs(dot(axis(solid, 1), d)) / _LEANS
-        return 2, n, 0.5 - (0.5 - 1.0 / RIM_POINTS) * lean
-    return count, n, 1.0 / RIM_POINTS
+        return Feature(corners, 2, n, 0.5 - (0.5 - 1.0 / RIM_POINTS) * lean)
+    return Feature(corners, count, n, 1.0 / RIM_POINTS)
 
 
 @kernel
-def _project(corners: Floats, count: int, origin: Vec3, u: Vec3, v: Vec3, polygon: F8) -> None:
+def _project(feature: Feature, origin: Vec3, u: Vec3, v: Vec3, polygon: F8) -> None:
     """Write the coordinates u, v of a feature's corners in the plane of contact."""
-    for k in range(count):
+    corners = feature.corners
+    for k in range(feature.corner_count):
         q = minus((corners[k, 0], corners[k, 1], corners[k, 2]), origin)
         polygon[k, 0], polygon[k, 1] = dot(q, u), dot(q, v)
 
 
 @kernel
-def _plane_of(corners: Floats, count: int, m: Vec3, origin: Vec3, u: Vec3, v: Vec3, n: Vec3) -> Plane:
+def _plane_of(feature: Feature, origin: Vec3, u: Vec3, v: Vec3, n: Vec3) -> Plane:
     """Height of a feature along n as a linear function: of its face, or along a line and constant across it."""
+    corners, m = feature.corners, feature.normal
     first = (corners[0, 0], corners[0, 1], corners[0, 2])
     q = minus(first, origin)
-    if count > 2:
+    if feature.corner_count > 2:
         steep = dot(m, n)
         b, c = -dot(m, u) / steep, -dot(m, v) / steep
     else:
@@ -286,12 +301,8 @@ def _intersect(polygons: F8, count_a: int, count_b: int) -> tuple[int, int]:
 
 @kernel
 def lay_over(
-    corners_a: Floats,
-    count_a: int,
-    normal_a: Vec3,
-    corners_b: Floats,
-    count_b: int,
-    normal_b: Vec3,
+    a: Feature,
+    b: Feature,
     n: Vec3,
     lone: float,
     round_b: float,
@@ -302,12 +313,8 @@ def lay_over(
     """Contact points of the intersection of two features projected along n.
 
     Args:
-        corners_a: Feature of the first solid, world [m], of which the first count_a rows are used.
-        count_a: Number of its corners; 2: a line.
-        normal_a: Its outward normal.
-        corners_b: Feature of the second solid.
-        count_b: Number of its corners; 2: a line.
-        normal_b: Its outward normal.
+        a: Feature of the first solid.
+        b: Feature of the second solid.
         n: Unit normal from the first to the second.
         lone: Share of a corner without an outline.
         round_b: Radius of the second solid if it is a cylinder [m]; used where both features are lines.
@@ -320,13 +327,13 @@ def lay_over(
     """
     u = across(n)
     v = cross(n, u)
-    origin = (corners_a[0, 0], corners_a[0, 1], corners_a[0, 2])
-    _project(corners_a, count_a, origin, u, v, polygons[0])
-    _project(corners_b, count_b, origin, u, v, polygons[1])
-    plane_a = _plane_of(corners_a, count_a, normal_a, origin, u, v, n)
-    plane_b = _plane_of(corners_b, count_b, normal_b, origin, u, v, n)
-    lines = count_a == 2 and count_b == 2
-    row, found = _intersect(polygons, count_a, count_b)
+    origin = (a.corners[0, 0], a.corners[0, 1], a.corners[0, 2])
+    _project(a, origin, u, v, polygons[0])
+    _project(b, origin, u, v, polygons[1])
+    plane_a = _plane_of(a, origin, u, v, n)
+    plane_b = _plane_of(b, origin, u, v, n)
+    lines = a.corner_count == 2 and b.corner_count == 2
+    row, found = _intersect(polygons, a.corner_count, b.corner_count)
     polygon = polygons[row]
     outline = _outline(polygon, found)
     count, side_by_side = 0, 0.0
