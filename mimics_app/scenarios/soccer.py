@@ -74,6 +74,10 @@ class Soccer(TouchScene):
         self._rolled = np.array([0.0, 0.0, 0.0, 1.0])
         self._ball_at = np.array(self._ball_node.position)
 
+    @property
+    def via_points_world(self) -> NDArray[np.float64]:
+        return np.array([self._start])  # a simulated person walks; the ball that is felt is no place to reach for
+
     def hand_frame(self) -> NDArray[np.float64]:
         return self._person.world_matrix()
 

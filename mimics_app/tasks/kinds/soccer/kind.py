@@ -9,15 +9,17 @@ from msgspec import Meta, structs
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.messages.board import Card
-from mimics_app.contracts.messages.orders import Feature
+from mimics_app.contracts.messages.leg_motion import LegMotion
+from mimics_app.contracts.messages.orders import Feature, HapticField
 from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.messages.stage_messages import SoundTrigger
 from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.deflection import DEAD_ZONE
 from mimics_app.tasks.kinds.kind import KindPlay, Measure, TaskBlock, TaskKind, Values
+from mimics_app.tasks.kinds.soccer.felt_ball import FeltBall
 from mimics_app.tasks.kinds.soccer.match import PACE, Happening, Match, Pitch
-from mimics_app.tasks.kinds.soccer.mind import Mind
+from mimics_app.tasks.kinds.soccer.mind import Mind, turn_to_ball
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.legs import GAITS
 from mimics_app.tasks.walking.throttle import Throttle
@@ -25,6 +27,7 @@ from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, symmetry_card,
 from mimics_app.tasks.walking.walker import PERSON, FigurePose
 from mimics_app.tasks.walking.worn_orthosis import OrthosisLegs, legs_in
 from mimics_app.world.components.bounds import Figure, Share
+from mimics_app.world.components.objects import HapticObject
 from mimics_app.world.components.registry import Component
 
 if TYPE_CHECKING:
@@ -84,6 +87,8 @@ _SOUNDS = {
 """Kind of the sound of what happens in a match."""
 _CHEERS = {"goal": "cheer", "opponent_goal": "applause"}
 """What the crowd does after a goal: it is beside itself, or polite."""
+_LED_KICK = 2.5
+"""Largest speed of a foot in an orthosis [m/s], which an opponent's kick is measured by."""
 _MODERATE = 0.5
 """Skill with which a simulated person plays."""
 
@@ -94,6 +99,13 @@ class SoccerSpec(Component, frozen=True):
     person: Annotated[str, Meta(description="Entity that goes where the person is.")]
     ball: Annotated[str, Meta(description="Entity with the model of the ball.")]
     opponent: Annotated[str | None, Meta(description="Entity with the opponent's model; absent: alone.")] = None
+    felt: Annotated[
+        str | None,
+        Meta(
+            description="Haptic object that is the ball for the feet of who walks in an orthosis, placed at the height "
+            "of a ball on the ground; absent: it is not felt."
+        ),
+    ] = None
     middle: Annotated[
         tuple[Figure, Figure, Figure], Meta(description="Middle of the pitch, world [m]; its length is along z.")
     ] = (0.0, 0.0, 0.0)
@@ -131,10 +143,19 @@ class SoccerPlay(KindPlay):
         seed: Seed of all that is random.
         advises: Tell the scenario how a simulated person plays.
         orthosis: Reads the legs in a gait orthosis; None: the person's own walk.
+        felt: The ball at the feet in that orthosis; None: it is not felt.
     """
 
-    def __init__(self, spec: SoccerSpec, seed: int, *, advises: bool, orthosis: OrthosisLegs | None = None) -> None:
-        self._orthosis = orthosis
+    def __init__(
+        self,
+        spec: SoccerSpec,
+        seed: int,
+        *,
+        advises: bool,
+        orthosis: OrthosisLegs | None = None,
+        felt: FeltBall | None = None,
+    ) -> None:
+        self._orthosis, self._felt = orthosis, felt
         self._spec, self._seed, self._number, self._advises = spec, seed, 0, advises
         self._throttle = Throttle(spec.deflection)
         self._sounds: list[SoundTrigger] = []
@@ -148,8 +169,12 @@ class SoccerPlay(KindPlay):
     def begin_attempt(self) -> None:
         spec, seed = self._spec, self._seed * 1000 + self._number
         skill = None if spec.opponent is None else spec.skill
-        self._match = Match(Pitch(), GAITS[spec.gait], skill, seed, spec.kick_speed)
+        kick = spec.kick_speed if self._orthosis is None else min(spec.kick_speed, _LED_KICK)
+        self._match = Match(Pitch(), GAITS[spec.gait], skill, seed, kick)
         self._match.pace = spec.pace
+        self._match.felt = self._felt is not None
+        if self._felt is not None:
+            self._felt.restart()
         self._mind = Mind(_MODERATE, self._match.rng)
         self._seconds, self._hushed_s = 0.0, 0.0
         self._advice = Advice()
@@ -173,8 +198,8 @@ class SoccerPlay(KindPlay):
             ahead, turn = self._spec.fastest * throttle.ahead, -_MOST_TURN * throttle.aside
             happened = match.step(ahead, turn, throttle.kicks, seconds)
         else:  # legs walk and kick; the heading goes to the ball
-            turn = self._mind.decide(match.view_of_person()).turn
-            happened = match.step(0.0, turn, throttle.kicks, seconds, self._orthosis.read(seen.q, seconds))
+            turn = turn_to_ball(match.view_of_person())
+            happened = self._step_by_legs(self._orthosis.read(seen.q, seconds), turn, seen, seconds)
         self._seconds += seconds
         for each in happened:
             self._take(each, seen)
@@ -202,6 +227,10 @@ class SoccerPlay(KindPlay):
             seen[pose] = walker.pose(my)._replace(x=round(walker.x + mx, 5), z=round(walker.z + mz, 5))
             seen[kick] = (round(player.kick, 4), round(0.0 if kicked is None else kicked, 4))
         return seen
+
+    @property
+    def orders(self) -> Mapping[HapticField, object]:
+        return {} if self._felt is None else self._felt.orders
 
     @property
     def lever(self) -> bool:
@@ -245,6 +274,16 @@ class SoccerPlay(KindPlay):
             "kicks": count_card("Touches", match.kicks),
             "symmetry": symmetry_card(match.person.walker.footfalls),
         }
+
+    def _step_by_legs(self, legs: LegMotion, turn: float, seen: Observation, seconds: float) -> list[Happening]:
+        """Play for a frame by the legs in the orthosis, whose feet meet a ball that is felt in the haptic loop."""
+        match, felt = self._match, self._felt
+        if felt is None:
+            return match.step(0.0, turn, self._throttle.kicks, seconds, legs)
+        match.held = felt.held
+        happened = match.step(0.0, turn, False, seconds, legs)
+        met = felt.follow(seen, match.ball, match.person.walker)
+        return happened + match.note_touch(match.person, met) if met > 0.0 else happened
 
     def _take(self, happening: Happening, seen: Observation) -> None:
         """Let something be heard, and written down."""
@@ -304,12 +343,18 @@ class SoccerKind(TaskKind):
         if soccer is None:
             return []
         named = {f"/task/soccer/{field}": getattr(soccer, field) for field in ("person", "ball", "opponent")}
-        return scene.check_names({k: v for k, v in named.items() if v is not None}, "no entity", scene.by_id)
+        issues = scene.check_names({k: v for k, v in named.items() if v is not None}, "no entity", scene.by_id)
+        if scene.device and soccer.felt is not None:  # it is an entity of the orthosis
+            issues += scene.check_entity_with(HapticObject, "/task/soccer/felt", soccer.felt)
+        return issues
 
     def open(self, spec: TaskBlock, context: TaskContext, seed: int) -> SoccerPlay:
         section = spec.find(SoccerSpec)
         assert section is not None
-        return SoccerPlay(section, seed, advises=context.simulated, orthosis=legs_in(context))
+        felt = None
+        if section.felt is not None and section.felt in context.bodies:
+            felt = FeltBall(section.felt, context.places[section.felt][1])
+        return SoccerPlay(section, seed, advises=context.simulated, orthosis=legs_in(context), felt=felt)
 
 
 KIND = SoccerKind()

@@ -6,6 +6,7 @@ The pitch is in the plane of the ground about its middle; the person attacks tow
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -40,8 +41,9 @@ _APART = 0.3
 _BODY = 0.20
 """Radius of a body that the ball bounces off [m]."""
 _BODY_RESTITUTION, _BOARD_RESTITUTION = 0.25, 0.6
-_STILL_S, _INWARDS = 5.0, 0.6
-"""Time without a touch after which the ball is put nearer to the middle [s], and its distance over that of before."""
+_STILL_S, _NEARER, _INWARDS = 5.0, 0.05, 0.6
+"""Time after which a ball that lies is put nearer to the middle [s], unless the person comes nearer by so much [m], and
+its distance from the middle over that of before."""
 _AGAIN_S = 0.2
 """Time between two touches of a walking foot that are counted [s]."""
 _OFF = 2.4
@@ -188,6 +190,8 @@ class Match:
         act: What the opponent does.
         rng: Source of all that is random.
         pause_s: Time until play goes on after a goal [s].
+        felt: Whether the person's feet meet the ball elsewhere, in the haptic loop, and not here.
+        held: Whether the ball is moved there in this frame.
     """
 
     def __init__(self, pitch: Pitch, person: Impairment, skill: float | None, seed: int, kick_speed: float) -> None:
@@ -200,8 +204,9 @@ class Match:
         self.goals = self.opponent_goals = self.kicks = 0
         self.act = Act.KEEP
         self.pace, self.pause_s = PACE, 0.0
+        self.felt = self.held = False
         self._fastest = 0.0
-        self._untouched_s = 0.0
+        self._untouched_s, self._lain_s, self._nearest = 0.0, 0.0, math.inf
         self.kick_off()
 
     def kick_off(self) -> None:
@@ -209,7 +214,7 @@ class Match:
         self.ball.put(float(self.rng.uniform(-0.4, 0.4)), 0.0)
         self.person.put(0.0, _OFF, math.pi)
         self.opponent.put(0.3, -_OFF, 0.0)
-        self._untouched_s = 0.0
+        self._untouched_s, self._lain_s, self._nearest = 0.0, 0.0, math.inf
 
     @property
     def gap(self) -> float:
@@ -241,22 +246,39 @@ class Match:
             moves.append((self.opponent, self._move_opponent(self.mind, seconds)))
         self._untouched_s += seconds
         for piece in range(_PIECES):
-            for player, (before, after) in moves:
-                happened += self._touch(player, before, after, (piece + 1.0) / _PIECES, seconds)
-            bounces = self.ball.bounces
-            self.ball.step(seconds / _PIECES)
-            if self.ball.bounces > bounces:
-                happened.append(self._at("bounce", 0.5))
-            happened += self._bound()
+            happened += self._play_on(moves, (piece + 1.0) / _PIECES, seconds)
             if self.pause_s > 0.0:
                 break
         for player, _ in moves:
             self._keep_inside(player)
-        if self._untouched_s > _STILL_S:
+        self._wait_for_person(seconds)
+        if self._lain_s > _STILL_S:
             self.ball.put(_INWARDS * float(self.ball.place[0]), _INWARDS * float(self.ball.place[2]))
-            self._untouched_s = 0.0
+            self._nearest, self._lain_s = math.inf, 0.0
             happened.append(self._at("whistle", 1.0))
         return happened
+
+    def _play_on(self, moves: Sequence[tuple[Player, tuple[F8, F8]]], share: float, seconds: float) -> list[Happening]:
+        """Let the ball meet the players at a share of the frame, move, and meet boards and goals."""
+        happened: list[Happening] = []
+        for player, (before, after) in moves:
+            happened += self._touch(player, before, after, share, seconds)
+        bounces = self.ball.bounces
+        if not self.held:
+            self.ball.step(seconds / _PIECES)
+        if self.ball.bounces > bounces:
+            happened.append(self._at("bounce", 0.5))
+        return happened + self._bound()
+
+    def note_touch(self, player: Player, met: float, *, swung: bool = False) -> list[Happening]:
+        """Note a foot that met the ball at a speed [m/s]; return what is heard: each kick, and the first of touches."""
+        first = swung or self._untouched_s > _AGAIN_S
+        self._untouched_s = 0.0
+        if not first:
+            return []
+        if player is self.person:
+            self.kicks += 1
+        return [self._at("kick", min(met / player.kick_speed, 1.0))]
 
     def _wait(self, seconds: float) -> list[Happening]:
         """Let the goal be cheered; the ball comes to rest in the net."""
@@ -298,7 +320,8 @@ class Match:
         """Let feet and body meet the ball, with the feet at a share of the frame."""
         happened: list[Happening] = []
         ball = self.ball
-        if abs(complex(ball.place[0], ball.place[2]) - player.at) > _FAR:
+        met_elsewhere = self.felt and player is self.person
+        if met_elsewhere or abs(complex(ball.place[0], ball.place[2]) - player.at) > _FAR:
             return happened
         place = before + share * (after - before)
         far = np.abs(place[:, ::2] - ball.place[::2]).sum(axis=1)
@@ -311,16 +334,10 @@ class Match:
             speed = (after[foot] - before[foot]) / seconds
             met = ball.touch(place[foot], speed, _FOOT_MASS if swung else _SOFT_MASS, _TOE_RADIUS, facing)
             if met > 0.0:
-                first = swung or self._untouched_s > _AGAIN_S
-                self._untouched_s = 0.0
                 if swung:
                     player.touched = True
                     self._lift(met)
-                if not first:
-                    continue
-                if player is self.person:
-                    self.kicks += 1
-                happened.append(self._at("kick", min(met / player.kick_speed, 1.0)))
+                happened += self.note_touch(player, met, swung=swung)
         away = complex(ball.place[0], ball.place[2]) - player.at
         near = abs(away)
         if 1e-6 < near < _BODY and ball.place[1] < 1.8:
@@ -372,6 +389,16 @@ class Match:
         if self.mind is not None and 1e-6 < abs(away) < 2.0 * _BODY:
             place = other.at + 2.0 * _BODY * away / abs(away)
             walker.x, walker.z = place.real, place.imag
+
+    def _wait_for_person(self, seconds: float) -> None:
+        """Count the time in which the ball lies and the person comes no nearer to it [s]."""
+        near = abs(complex(self.ball.place[0], self.ball.place[2]) - self.person.at)
+        if self.ball.velocity.any():
+            self._nearest, self._lain_s = math.inf, 0.0
+        elif near < self._nearest - _NEARER:
+            self._nearest, self._lain_s = near, 0.0
+        else:
+            self._lain_s += seconds
 
     def _at(self, kind: str, strength: float) -> Happening:
         x, y, z = self.ball.place.tolist()

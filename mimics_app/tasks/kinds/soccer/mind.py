@@ -14,7 +14,7 @@ from enum import StrEnum
 
 import numpy as np
 
-__all__ = ["Act", "Deed", "Mind", "PlayerView"]
+__all__ = ["Act", "Deed", "Mind", "PlayerView", "turn_to_ball"]
 
 _BEHIND = 0.85
 """How far behind the ball a player goes before dribbling it [m]."""
@@ -41,6 +41,16 @@ _KEEPS = 1.6
 _LOOKAHEAD_S, _RUNS = 0.8, 3.0
 """How far ahead a player with skill 1 sees the ball at most [s], and the speed for which they reckon [m/s]."""
 _FRAME_S = 1.0 / 60.0
+_BACK, _PAST = 1.3, 0.7
+"""Where a person who is not before the ball goes: before it, and past its side while it is behind them [m]."""
+_ACROSS, _CONE = 0.1, 0.35
+"""Distance across the way to the goal up to which the ball is run at: here [m], and more per metre to go."""
+_IN_LINE = 0.5
+"""Share of the distance from the ball at which the way there comes into line with the goal."""
+_FOOT = 0.1
+"""Distance of a foot's plane from the middle [m]."""
+_LED_TURN = 1.8
+"""Largest rate of turn of a person whose legs are led [rad/s]."""
 
 
 class Act(StrEnum):
@@ -195,6 +205,26 @@ class Mind:
     def _turn(self, off: float) -> float:
         most = _MOST_TURN + _NIMBLE * self.skill
         return min(max(_TURN * off, -most), most)
+
+
+def turn_to_ball(view: PlayerView) -> float:
+    """Return the rate of turn to the left [rad/s] of a person in a gait orthosis.
+
+    The legs walk on, and nobody turns by them. Far from the ball the way goes to where the goal lies behind it; near
+    it, to where the nearer foot meets it.
+    """
+    to_ball, goal = view.ball - view.me, view.goal - view.ball
+    ahead = complex(math.sin(view.heading), math.cos(view.heading))
+    way = goal / max(abs(goal), 1e-6)
+    left = to_ball * way.conjugate()  # along the way to the goal, and across it to the right
+    if left.real > 0.0 and abs(left.imag) < _ACROSS + _CONE * left.real:
+        aside = (to_ball * ahead.conjugate()).imag
+        aim = to_ball - _IN_LINE * (left.real - abs(left.imag)) * way - 1j * math.copysign(_FOOT, aside) * ahead
+    else:
+        past = math.copysign(_PAST, left.imag) if left.real < _BACK / 2.0 else 0.0
+        aim = to_ball - (_BACK + 1j * past) * way
+    off = math.remainder(math.atan2(aim.real, aim.imag) - view.heading, 2.0 * math.pi)
+    return min(max(_TURN * off, -_LED_TURN), _LED_TURN)
 
 
 def _within(place: complex, bounds: complex) -> complex:
