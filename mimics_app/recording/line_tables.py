@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from operator import itemgetter
+from typing import Any, overload
 
 import numpy as np
 
@@ -42,21 +43,42 @@ def event_kinds(run: Run) -> list[tuple[str, str]]:
     return list(dict.fromkeys((line["source"], line["kind"]) for line in run.lines))
 
 
-def event_rows(run: Run, source: str, kind: str) -> list[dict[str, Any]]:
-    """Return the events of a kind, each with its time since tick 0 [s] in front where it has one."""
-    start_ns = run.start_ns
-    rows = []
-    for line in run.lines_of(source, kind):
+class _TimedLines(Sequence[Mapping[str, Any]]):
+    """Lines of events.jsonl, each with its time since tick 0 [s] in front where it has one.
+
+    A row is made when it is asked for: an hour has 216,000 lines of frames.
+    """
+
+    def __init__(self, lines: Sequence[Mapping[str, Any]], start_ns: int) -> None:
+        self._lines, self._start_ns = lines, start_ns
+
+    def __len__(self) -> int:
+        return len(self._lines)
+
+    @overload
+    def __getitem__(self, number: int) -> Mapping[str, Any]: ...
+
+    @overload
+    def __getitem__(self, number: slice) -> Sequence[Mapping[str, Any]]: ...
+
+    def __getitem__(self, number: int | slice) -> Mapping[str, Any] | Sequence[Mapping[str, Any]]:
+        if isinstance(number, slice):
+            return _TimedLines(self._lines[number], self._start_ns)
+        line = self._lines[number]
         t_ns = line.get("t_ns")
-        rows.append({"t_s": (t_ns - start_ns) / SECOND_NS, **line} if isinstance(t_ns, int) else line)
-    return rows
+        return {"t_s": (t_ns - self._start_ns) / SECOND_NS, **line} if isinstance(t_ns, int) else line
 
 
-def timed_events(run: Run, *, frames: bool = True) -> list[dict[str, Any]]:
+def event_rows(run: Run, source: str, kind: str) -> Rows:
+    """Return the events of a kind, each with its time since tick 0 [s] in front where it has one."""
+    return _TimedLines(run.lines_of(source, kind), run.start_ns)
+
+
+def timed_events(run: Run, *, frames: bool = True) -> Rows:
     """Return the events that have a time, in its order, with or without the frames, of which there are 60 a second."""
     kinds = [kind for kind in event_kinds(run) if frames or kind != ("app", "frame")]
-    rows = [row for kind in kinds for row in event_rows(run, *kind) if "t_s" in row]
-    return sorted(rows, key=lambda row: float(row["t_s"]))
+    timed = [line for kind in kinds for line in run.lines_of(*kind) if isinstance(line.get("t_ns"), int)]
+    return _TimedLines(sorted(timed, key=itemgetter("t_ns")), run.start_ns)
 
 
 def attempts_table(run: Run) -> list[dict[str, Any]]:
@@ -81,10 +103,10 @@ def gaps_table(series: Sequence[Series]) -> list[dict[str, Any]]:
     ]
 
 
-def columns_of(rows: Rows) -> dict[str, Column]:
-    """Return the values of rows by name: numbers and vectors of one length as float64, all else as text."""
-    names = dict.fromkeys(name for row in rows for name in row)
-    return {name: _column([row.get(name) for row in rows]) for name in names}
+def columns_of(rows: Rows) -> Iterator[tuple[str, Column]]:
+    """Yield name and values of each column: numbers and vectors of one length as float64, all else as text."""
+    for name in dict.fromkeys(name for row in rows for name in row):
+        yield name, _column([row.get(name) for row in rows])
 
 
 def text_of(value: object) -> str:

@@ -36,6 +36,7 @@ def test_every_exporter_passes_the_kit(tmp_path: Path, name: str) -> None:
 def test_a_missing_library_is_named_with_its_remedy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     for module in (LIBRARIES[name], f"{LIBRARIES[name]}.writer"):
         monkeypatch.setitem(sys.modules, module, None)
+    monkeypatch.delitem(sys.modules, "mimics_app.recording.exporters._mcap_file", raising=False)
     with pytest.raises(UsageError, match=r"mimics_app\[export\]"):
         export_run(Run.open(RUN), name, tmp_path / "out")
     assert not (tmp_path / "out").exists()

@@ -94,7 +94,7 @@ def _append(data: Dataset, values: np.ndarray) -> None:
 
 
 def _write_rows(group: Group, rows: Rows) -> None:
-    for name, column in columns_of(rows).items():
+    for name, column in columns_of(rows):
         group.create_dataset(name, data=column if isinstance(column, np.ndarray) else _texts(column))
 
 

@@ -80,7 +80,7 @@ def _set_header(file: BinaryIO) -> None:
 def _struct(rows: Rows) -> dict[str, Any]:
     return {
         _name(name): column if isinstance(column, np.ndarray) else np.array(column, object)[:, None]
-        for name, column in columns_of(rows).items()
+        for name, column in columns_of(rows)
     }
 
 

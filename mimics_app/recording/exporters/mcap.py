@@ -7,23 +7,24 @@ that an hour of ticks is encoded by numpy; a message of JSON for each tick would
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.version import __version__
 from mimics_app.recording.event_log import to_json
 from mimics_app.recording.exporter_kinds import Exporter
-from mimics_app.recording.line_tables import attempts_table, event_kinds, event_rows, gaps_table
+from mimics_app.recording.line_tables import Rows, attempts_table, event_kinds, event_rows, gaps_table
 from mimics_app.recording.run import Run
 from mimics_app.recording.series import Batch, Series, series_of
 
 if TYPE_CHECKING:
-    from mcap.writer import Writer
+    from mimics_app.recording.exporters._mcap_file import McapFile
 
 __all__ = ["EXPORTER"]
 
@@ -41,58 +42,59 @@ class _Mcap(Exporter):
         """See `Exporter.open`."""
         path = folder / "recording.mcap"
         with path.open("xb") as file:
-            writer = _writer(file)
-            writer.start(library=f"mimics_app {__version__}")
+            made = _begun(file)
             series = series_of(run)
             for each in series:
-                _write_series(writer, each, run.start_ns)
-            schema = writer.register_schema("mimics_app/Object", "jsonschema", _ANY_OBJECT)
+                _write_series(made, each, run.start_ns)
+            schema = made.schema("mimics_app/Object", "jsonschema", _ANY_OBJECT)
             for source, kind in event_kinds(run):
-                _write_rows(writer, schema, f"events/{source}/{kind}", event_rows(run, source, kind))
-            _write_rows(writer, schema, "attempts", attempts_table(run))
-            _write_rows(writer, schema, "gaps", gaps_table(series))
-            writer.add_metadata("session", {name: json.dumps(item) for name, item in run.session.items()})
-            writer.finish()
+                _write_rows(made, schema, f"events/{source}/{kind}", event_rows(run, source, kind))
+            _write_rows(made, schema, "attempts", attempts_table(run))
+            _write_rows(made, schema, "gaps", gaps_table(series))
+            made.metadata("session", {name: json.dumps(item) for name, item in run.session.items()})
+            made.finish()
         yield path
 
 
-def _writer(file: BinaryIO) -> Writer:
+def _begun(file: BinaryIO) -> McapFile:
     try:
-        from mcap.writer import CompressionType, Writer
+        from mimics_app.recording.exporters._mcap_file import McapFile
     except ImportError as error:
         raise UsageError("MCAP needs mcap, which is not installed", 'pip install "mimics_app[export]"') from error
-    return Writer(file, compression=CompressionType.LZ4)
+    return McapFile(file, f"mimics_app {__version__}")
 
 
-def _write_series(writer: Writer, series: Series, start_ns: int) -> None:
+def _write_series(made: McapFile, series: Series, start_ns: int) -> None:
     name = series.name if series.name == "haptic" else f"signals/{series.name}"
     lines = ["float64 t_s # s", "float64 source_s # s"]
     for field in series.fields:
         kind = f"float64[{len(field.units)}]" if field.vector else "float64"
         lines.append(f"{kind} {field.name.lower()} # {', '.join(dict.fromkeys(field.units))}")
-    schema = writer.register_schema(f"mimics_app/msg/{series.name.title()}", "ros2msg", "\n".join(lines).encode())
-    channel = writer.register_channel(name, "cdr", schema, {"rate_hz": repr(series.rate)})
+    schema = made.schema(f"mimics_app/msg/{series.name.title()}", "ros2msg", "\n".join(lines).encode())
+    channel = made.channel(name, "cdr", schema, {"rate_hz": repr(series.rate)})
     for batch in series.batches():
-        data, length = _messages(batch)
-        log_ns = (start_ns + np.rint(batch.t_s * SECOND_NS)).astype(np.int64).clip(min=0).tolist()
-        for i, t_ns in enumerate(log_ns):
-            writer.add_message(channel, t_ns, data[i * length : (i + 1) * length], t_ns)
+        log_ns = (start_ns + np.rint(batch.t_s * SECOND_NS)).astype(np.int64).clip(min=0)
+        made.put_rows(channel, log_ns, _messages(batch))
 
 
-def _messages(batch: Batch) -> tuple[bytes, int]:
-    """Return the messages of a batch one after another, and the length of each [bytes]."""
+def _messages(batch: Batch) -> NDArray[Any]:
+    """Return the messages of a batch, each as its bytes lie in CDR."""
     columns = 2 + batch.values.shape[1]
     rows = np.empty(len(batch.t_s), [("head", "V4"), ("values", "<f8", (columns,))])
     rows["head"] = np.void(_CDR_LITTLE_ENDIAN)
     rows["values"][:, 0], rows["values"][:, 1], rows["values"][:, 2:] = batch.t_s, batch.source_s, batch.values
-    return rows.tobytes(), rows.itemsize
+    return rows
 
 
-def _write_rows(writer: Writer, schema: int, topic: str, rows: list[dict[str, Any]]) -> None:
-    channel = writer.register_channel(topic, "json", schema)
-    for row in rows:
-        t_ns = next((row[name] for name in ("t_ns", "begin_ns") if isinstance(row.get(name), int)), 0)
-        writer.add_message(channel, max(0, t_ns), to_json(row), max(0, t_ns))
+def _write_rows(made: McapFile, schema: int, topic: str, rows: Rows) -> None:
+    channel = made.channel(topic, "json", schema, {})
+    made.put_texts(channel, ((_time_of(row), to_json(row)) for row in rows))
+
+
+def _time_of(row: Mapping[str, Any]) -> int:
+    """Return the time of a row [ns], 0 where it has none."""
+    t_ns = next((row[name] for name in ("t_ns", "begin_ns") if isinstance(row.get(name), int)), 0)
+    return max(0, int(t_ns))
 
 
 EXPORTER = _Mcap()

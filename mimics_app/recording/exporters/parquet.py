@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mimics_app.recording.exporter_kinds import Exporter
-from mimics_app.recording.exporters._arrow import batch_of
+from mimics_app.recording.exporters._arrow import arrow_numbers, batch_of
 from mimics_app.recording.line_tables import (
+    Column,
     Rows,
     attempts_table,
     columns_of,
@@ -20,6 +22,9 @@ from mimics_app.recording.line_tables import (
 )
 from mimics_app.recording.run import Run
 from mimics_app.recording.series import Series, series_of
+
+if TYPE_CHECKING:
+    import pyarrow as pa
 
 __all__ = ["EXPORTER"]
 
@@ -67,10 +72,20 @@ def _write_rows(file: Path, rows: Rows) -> Path:
     import pyarrow as pa
     from pyarrow.parquet import write_table
 
-    columns = columns_of(rows)
-    plain = {name: each.tolist() if isinstance(each, np.ndarray) else each for name, each in columns.items()}
-    write_table(pa.table({name: pa.array(each) for name, each in plain.items()}), file)
+    write_table(pa.table({name: _array(column) for name, column in columns_of(rows)}), file)
     return file
+
+
+def _array(column: Column) -> pa.Array:
+    """Return a column as an Arrow array, vectors as lists."""
+    import pyarrow as pa
+
+    if not isinstance(column, np.ndarray):
+        return pa.array(column)
+    numbers = arrow_numbers(column.reshape(-1))
+    if column.ndim == 1:
+        return numbers
+    return pa.ListArray.from_arrays(pa.array(range(0, column.size + 1, column.shape[1]), pa.int32()), numbers)
 
 
 EXPORTER = _Parquet()

@@ -8,7 +8,7 @@ is the first channel of each series.
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import BinaryIO
 from xml.etree import ElementTree
@@ -17,7 +17,7 @@ import numpy as np
 
 from mimics_app.recording.event_log import to_json
 from mimics_app.recording.exporter_kinds import Exporter
-from mimics_app.recording.line_tables import attempts_table, gaps_table, timed_events
+from mimics_app.recording.line_tables import Rows, attempts_table, gaps_table, timed_events
 from mimics_app.recording.run import Run
 from mimics_app.recording.series import Batch, Series, series_of
 
@@ -47,13 +47,11 @@ class _Xdf(Exporter):
             series = series_of(run)
             for number, each in enumerate(series, start=1):
                 _write_series(_Stream(file, number), each)
-            events = [(row["t_s"], row) for row in timed_events(run)]
-            attempts = [(row.get("begin_s", 0.0), row) for row in attempts_table(run)]
-            gaps = [(row["begin_s"], row) for row in gaps_table(series)]
-            lists = {"events": events, "attempts": attempts, "gaps": gaps}
-            for number, (name, rows) in enumerate(lists.items(), start=len(series) + 1):
-                rows.sort(key=lambda row: row[0])
-                _write_texts(_Stream(file, number), name, [(t_s, to_json(row)) for t_s, row in rows])
+            attempts = sorted(attempts_table(run), key=lambda row: float(row.get("begin_s", 0.0)))
+            gaps = sorted(gaps_table(series), key=lambda row: float(row["begin_s"]))
+            tables: dict[str, Rows] = {"events": timed_events(run), "attempts": attempts, "gaps": gaps}
+            for number, (name, rows) in enumerate(tables.items(), start=len(series) + 1):
+                _write_texts(_Stream(file, number), name, "t_s" if name == "events" else "begin_s", rows)
         yield path
 
 
@@ -117,9 +115,11 @@ def _numbers(batch: Batch) -> bytes:
     return rows.tobytes()
 
 
-def _write_texts(stream: _Stream, name: str, rows: Iterable[tuple[float, bytes]]) -> None:
+def _write_texts(stream: _Stream, name: str, time: str, rows: Rows) -> None:
+    """Write rows, each at its time of a name [s], at 0 where it has none."""
     stream.begin(_info(name, "Markers", 0.0, "string", [(name, "")]))
-    for t_s, text in rows:
+    for row in rows:
+        t_s, text = float(row.get(time, 0.0)), to_json(row)
         stream.put([t_s], b"\x08" + struct.pack("<d", t_s) + b"\4" + struct.pack("<I", len(text)) + text)
     stream.end()
 
