@@ -21,12 +21,16 @@ from mimics_app.app.replay_view.event_marks import Mark, marks_of
 from mimics_app.app.replay_view.pane import Panes
 from mimics_app.app.replay_view.playhead import SPEEDS, Playhead
 from mimics_app.app.replay_view.replay_film import quality_of
+from mimics_app.app.replay_view.replay_sound import ReplaySound
 from mimics_app.app.replay_view.replayed_scene import ReplayedScene, open_replay
 from mimics_app.app.replay_view.time_bar import HEIGHT, TimeBar, clock_text
-from mimics_app.contracts.clock import SECOND_NS
+from mimics_app.app.session.replay import TaskFrame
+from mimics_app.contracts.clock import SECOND_NS, VirtualClock
+from mimics_app.contracts.messages.stage_messages import TaskOrders
 from mimics_app.recording.run import Run
 from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen, read_pixels
+from mimics_app.world.content.world import World
 from tests.support.xvfb import display
 
 _ROOT = Path(__file__).parents[2]
@@ -255,3 +259,37 @@ def test_a_person_holds_steps_and_seeks_in_the_window(folder):
             window.kill()
             window.wait()
     assert window.returncode == 0 and json.loads(told)["frames"] == [360]
+
+
+@pytest.mark.parametrize(("scene", "more"), [("wavy_tunnel", ["--patient", "severe"]), ("soccer", [])])
+def test_the_sounds_of_a_replay_are_those_of_the_session_but_for_a_leap(tmp_path, scene, more):
+    """On the clock of the session every sound has its own time; what is leapt over makes none."""
+    words = ["run", scene, *more, "--headless", "--seconds", "7", "--pictures", "0", "--runs", str(tmp_path)]
+    assert main(words) == 0
+    replayed = open_replay(Run.open(next(tmp_path.iterdir())))
+    wanted = [(line["sound"], line["t_ns"]) for line in replayed.run.lines_of("app", "sound")]
+    assert played(replayed, leap=None) == wanted and len(wanted) > 4
+    leap = (300, 345)
+    begin_ns, end_ns = (int(replayed.begun_ns + replayed.times_ns[number - 1]) for number in leap)
+    heard = [t_ns for _, t_ns in wanted if not begin_ns < t_ns <= end_ns]
+    assert [t_ns for _, t_ns in played(replayed, leap)] == heard and 0 < len(heard) < len(wanted)
+
+
+def played(replayed: ReplayedScene, leap: tuple[int, int] | None) -> list[tuple[str, int]]:
+    """Replay a run from its first frame on; return name and time of each sound."""
+    clock = VirtualClock()
+    sound = ReplaySound(replayed.run, replayed.scene, clock, live=False)
+
+    def listen(frame: TaskFrame, orders: TaskOrders, world: World) -> None:
+        clock.sleep_until_ns(frame.now_ns)
+        number = int(np.searchsorted(replayed.times_ns, frame.now_ns - replayed.begun_ns)) + 1
+        sound.hear(on=leap is None or not leap[0] < number <= leap[1])
+        sound.step(frame, orders, world)
+
+    replayed.listener = listen
+    replayed._restart()
+    replayed.to(replayed.count)
+    replayed.listener = None
+    report = sound.close()
+    assert report is not None
+    return [(row.sound, row.t_ns) for row in report.rows]

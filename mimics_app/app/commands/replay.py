@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "In the window of --view: Space plays or holds, left and right step by a frame, + and - change the speed, a "
         "click on the bar shows that time, 1 to 9 show the views of the scene; H lists all keys. Marks on the bar are "
         "contacts, begins and ends of trials, notes, and stops. An earlier time is computed from the first frame on. "
-        "There is no sound."
+        "The sounds of the first run are heard at speed 1."
     )
     parser.add_argument("run_folder", type=Path, metavar="RUN", help="run folder")
     parser.add_argument("--view", action="store_true", help="look at the run in a window instead of comparing it")
@@ -50,6 +50,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=SPEEDS,
         default=1.0,
         help="with --view or --video: session time per time of the film, or at first in the window",
+    )
+    parser.add_argument(
+        "--sound", choices=("auto", "off"), default="auto", help="with --view: off: none; auto: sound output (default)"
     )
     parser.add_argument(
         "--scene",
@@ -87,6 +90,7 @@ def _check_without_picture(args: argparse.Namespace) -> None:
         "--speed": args.speed != 1.0,
         "--scene": args.scene is not None,
         "--size": args.size is not None,
+        "--sound": args.sound != "auto",
     }
     named = [name for name, is_given in given.items() if is_given]
     if named:
@@ -116,7 +120,8 @@ def _show(args: argparse.Namespace) -> int:
     if args.view:
         from mimics_app.app.replay_view.replay_window import ReplayWindow
 
-        with ReplayWindow(runs, args.size, args.camera, forces=not args.plain, speed=args.speed) as window:
+        heard = args.sound != "off"
+        with ReplayWindow(runs, args.size, args.camera, forces=not args.plain, speed=args.speed, sound=heard) as window:
             window.run()
         answer(args, {**shown, "files": []}, [f"{counted(runs[0].count, 'frames')} looked at"])
         return 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from mimics_app.contracts.messages.stage_messages import SoundTrigger, TaskOrder
 from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.world.components.effects import Trigger
 
-__all__ = ["TOUCHES", "CueWatch", "gait_triggers"]
+__all__ = ["TOUCHES", "CueWatch", "gait_triggers", "with_gait_cues"]
 
 _CUES: Mapping[TrialState, Trigger] = {TrialState.TRAVEL: "start", TrialState.FINISHED: "goal"}
 """Trigger at the beginning of a state of a trial."""
@@ -30,6 +31,11 @@ def gait_triggers(events: NDArray[np.void]) -> tuple[SoundTrigger, ...]:
     """Return a trigger for each new state of a walk in a gait orthosis among EVENT records [n], by its name."""
     begun = events[events["kind"] == EventKind.GAIT_STATE] if len(events) else ()
     return tuple(SoundTrigger(GAIT_STATES[int(event["force"])], int(event["t_ns"])) for event in begun)
+
+
+def with_gait_cues(orders: TaskOrders, events: NDArray[np.void]) -> TaskOrders:
+    """Return the orders of a task with the triggers of `gait_triggers` among those of its sounds."""
+    return replace(orders, audio=replace(orders.audio, cues=(*orders.audio.cues, *gait_triggers(events))))
 
 
 class CueWatch:

@@ -93,6 +93,10 @@ class SoundStage:
         self.output.advance(now_ns)
         self._show_notice(now_ns)
 
+    def pass_over(self, orders: TaskOrders) -> None:
+        """See a frame whose sounds are not played, so that the next one does not play what began in it."""
+        self._watch.poll(orders)
+
     def stop(self) -> AudioReport:
         """Stop the output, keep for later sessions what its queue needed, and return its report."""
         report = self.output.stop()

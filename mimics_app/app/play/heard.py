@@ -33,7 +33,7 @@ def write_sound(settings: RunSettings, file: Path, seconds: float, read: Scene |
     _check_place(file)
     parts = prepare(settings, live=False, read=read)
     with open_core(parts) as core:
-        core.sound = open_sound(parts, core.memory, file.parent, file)
+        core.sound = open_sound(parts.scene, settings.sound, core.memory, file.parent, file, live=False)
         frames = Frames(core)
         frames.play_to_start()
         for _ in range(round(seconds * FRAMES_PER_SECOND)):

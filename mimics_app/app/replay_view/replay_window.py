@@ -10,6 +10,7 @@ from mimics_app.app.picture.window_opening import open_window, remember_size
 from mimics_app.app.replay_view.event_marks import marks_of
 from mimics_app.app.replay_view.pane import Panes
 from mimics_app.app.replay_view.playhead import Playhead
+from mimics_app.app.replay_view.replay_sound import ReplaySound
 from mimics_app.app.replay_view.replayed_scene import ReplayedScene
 from mimics_app.app.replay_view.time_bar import HEIGHT, TimeBar
 from mimics_app.contracts.clock import FRAME_NS, SECOND_NS, Clock, MonotonicClock
@@ -42,6 +43,8 @@ _LONGEST_NS = 2 * FRAME_NS
 """Longest time for which frames are computed before the window is looked at again [ns]."""
 _PATIENCE_NS = SECOND_NS // 4
 """Time between pictures while the way to another time is computed [ns]."""
+_MOST_FRAMES = 6
+"""Frames to the one that is shown, beyond which the way there is not heard."""
 _FASTER, _SLOWER = ("equal", "kp_add", "plus"), ("minus", "kp_subtract")
 
 
@@ -54,10 +57,18 @@ class ReplayWindow:
         camera: See `Panes`.
         forces: See `Panes`.
         speed: The first speed, one of `playhead.SPEEDS`.
+        sound: Whether the sounds of the first run are heard, while it goes on at the speed of the session.
     """
 
     def __init__(
-        self, runs: Sequence[ReplayedScene], size: Size | None, camera: str = "", *, forces: bool, speed: float = 1.0
+        self,
+        runs: Sequence[ReplayedScene],
+        size: Size | None,
+        camera: str = "",
+        *,
+        forces: bool,
+        speed: float = 1.0,
+        sound: bool = True,
     ) -> None:
         first = runs[0]
         self._clock: Clock = MonotonicClock()
@@ -65,6 +76,10 @@ class ReplayWindow:
         self._surface = open_window(size, f"{first.run.folder.name} - mimics replay")
         self._panes = Panes(self._surface, runs, _quality_of, camera, forces=forces)
         self._page = PageSurface(self._surface)
+        self._sound = ReplaySound(first.run, first.scene, self._clock) if sound else None
+        if self._sound is not None:
+            self._sound.hear(on=False)
+            first.listener = self._sound.step
         length_ns = max(int(run.times_ns[-1]) for run in runs)
         self._head = Playhead(length_ns, speed)
         self._bar = TimeBar(marks_of(first.run, first.begun_ns), length_ns)
@@ -96,6 +111,8 @@ class ReplayWindow:
         return self
 
     def __exit__(self, *_: object) -> None:
+        if self._sound is not None:
+            self._sound.close()
         remember_size(self._surface)
         self._page.release()
         self._panes.close()
@@ -105,6 +122,9 @@ class ReplayWindow:
         numbers = [run.number_at(self._head.time_ns) for run in self._runs]
         changed = any(run.number != number for run, number in zip(self._runs, numbers, strict=True))
         self._dirty = self._dirty or changed
+        if self._sound is not None:
+            follows = 0 <= numbers[0] - self._runs[0].number <= _MOST_FRAMES
+            self._sound.hear(on=follows and self._head.playing and self._head.speed == 1.0)
         return all([run.to(number, _LONGEST_NS) for run, number in zip(self._runs, numbers, strict=True)])
 
     def _draw(self, now_ns: int, *, there: bool) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,6 +21,7 @@ from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import MonotonicClock, VirtualClock
 from mimics_app.contracts.errors import PartialDataError, counted
 from mimics_app.contracts.messages.board import Board
+from mimics_app.contracts.messages.stage_messages import TaskOrders
 from mimics_app.contracts.ports.display_port import FrameTiming
 from mimics_app.inputs.trackers.hub import TrackerHub
 from mimics_app.recording.replay import compare, gather
@@ -60,9 +61,11 @@ class ReplayedScene:
         number: Number of frames done, at least 1.
         board: The board of the newest frame.
         begun_ns: Session time of the first frame [ns].
+        listener: Called with each frame that is done, its orders and the world; None: nobody listens.
     """
 
     world: World
+    listener: Callable[[TaskFrame, TaskOrders, World], None] | None = None
 
     def __init__(self, recorded: _Recorded) -> None:
         self.run, self.scene, self.notes = recorded.run, recorded.scene, recorded.notes
@@ -141,6 +144,8 @@ class ReplayedScene:
         self._visible.play(self._scenario, self._part_of_body, orders, frame.snapshot, shown_ns)
         self._visible.update(orders, frame.events, now_ns)
         self._visible.light(orders, frame.events, shown_ns)
+        if self.listener is not None:
+            self.listener(frame, orders, self.world)
         self.number += 1
         self.board = orders.board.with_cards(loop_cards(frame.snapshot))
 

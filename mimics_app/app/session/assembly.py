@@ -63,7 +63,7 @@ def _assemble(parts: SessionParts, stack: ExitStack) -> Session:
     folder = create_run_folder(parts.settings.runs, parts.settings.seconds or 0.0)
     recorder = _start_recorder(parts, memory, folder)
     stack.callback(recorder.abandon)
-    sound = open_sound(parts, memory, folder)
+    sound = open_sound(parts.scene, parts.settings.sound, memory, folder, live=parts.live)
     stack.callback(sound.stop)
     session = Session(parts, memory, recorder, sound)
     stack.callback(session.haptics.stop)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.app.cues.cue_watch import gait_triggers
+from mimics_app.app.cues.cue_watch import with_gait_cues
 from mimics_app.app.picture.loop_cards import loop_cards
 from mimics_app.app.session.command_desk import CommandDesk
 from mimics_app.app.session.core import SessionCore
@@ -153,8 +153,7 @@ class Frames:
             self._report_cords()
         with stage("sound"):
             self._visible.light(orders, events, timing.display_ns)
-            with_cues = replace(orders, audio=replace(orders.audio, cues=(*orders.audio.cues, *gait_triggers(events))))
-            core.sound.step(with_cues, core.world, now_ns)
+            core.sound.step(with_gait_cues(orders, events), core.world, now_ns)
         with stage("record"):
             core.inputs.take_experience(_experience_of(orders, snapshot, core.trackers.pose("head", now_ns), now_ns))
             core.signal_recorder.step(self.number, vr.signals, features, state)

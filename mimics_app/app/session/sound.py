@@ -5,11 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mimics_app.app.session.preparation import SessionParts
 from mimics_app.app.session.switched_off import NullSound, SoundPort
+from mimics_app.app.settings import SoundChoice
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.world.components.systems import AudioSettings
 from mimics_app.world.components.visible import Sound, SoundBus, SoundEmitter
+from mimics_app.world.files.scene.scene import Scene
 
 if TYPE_CHECKING:
     from mimics_app.contracts.ports.audio_port import AudioOutput
@@ -18,16 +19,19 @@ if TYPE_CHECKING:
 __all__ = ["open_sound"]
 
 
-def open_sound(parts: SessionParts, memory: SessionMemory, folder: Path, file: Path | None = None) -> SoundPort:
+def open_sound(
+    scene: Scene, wanted: SoundChoice, memory: SessionMemory, folder: Path, file: Path | None = None, *, live: bool
+) -> SoundPort:
     """Open the sound of a scene; a scene without sounds imports none of its modules.
 
     Args:
-        parts: Parts of the session.
+        scene: The scene.
+        wanted: What of it is requested.
         memory: Shared memory with the contact events of the loop.
         folder: Run folder; sound.wav is written there where it is requested.
         file: File to write instead of sound.wav.
+        live: Whether it is heard while it happens.
     """
-    scene, wanted = parts.scene, parts.settings.sound
     sounds = scene.components(Sound)
     system = scene.system(AudioSettings) or AudioSettings()
     if not sounds or not system.enabled or wanted == "off":
@@ -51,9 +55,9 @@ def open_sound(parts: SessionParts, memory: SessionMemory, folder: Path, file: P
         scene.components(SoundEmitter),
         scene.assets,
         str(scene.path),
-        sink=_sink(written, live=parts.live),
+        sink=_sink(written, live=live),
         file=written,
-        queue_ms=known_needed_ms() if parts.live else 0.0,
+        queue_ms=known_needed_ms() if live else 0.0,
         hrtf=bool(method.get("hrtf", True)) if system.hrtf == "auto" else system.hrtf,
         mixer=mixer,
         speakers=system.speakers,
@@ -66,7 +70,7 @@ def open_sound(parts: SessionParts, memory: SessionMemory, folder: Path, file: P
     )
     if chosen is None:
         return NullSound()
-    output: AudioOutput = AudioProcess(memory, chosen) if parts.live else OfflineAudio(memory, chosen)
+    output: AudioOutput = AudioProcess(memory, chosen) if live else OfflineAudio(memory, chosen)
     output.start()
     surroundings = SoundSurroundings(scene, len(chosen.emitters))
     return SoundStage(output, memory, chosen, surroundings, system.gain, system.listener or "")

@@ -75,6 +75,10 @@ class SoundPort(Protocol):
         """Play the sounds of one frame at session time `now_ns`."""
         return
 
+    def pass_over(self, orders: TaskOrders) -> None:
+        """See a frame whose sounds are not played."""
+        return
+
     def set_volume(self, level: float) -> Reply:
         """Set the volume of all sound, 1 as authored."""
         return _SILENT
