@@ -246,7 +246,7 @@ class Match:
             moves.append((self.opponent, self._move_opponent(self.mind, seconds)))
         self._untouched_s += seconds
         for piece in range(_PIECES):
-            happened += self._play_on(moves, (piece + 1.0) / _PIECES, seconds)
+            happened += self._advance_ball(moves, (piece + 1.0) / _PIECES, seconds)
             if self.pause_s > 0.0:
                 break
         for player, _ in moves:
@@ -258,7 +258,9 @@ class Match:
             happened.append(self._at("whistle", 1.0))
         return happened
 
-    def _play_on(self, moves: Sequence[tuple[Player, tuple[F8, F8]]], share: float, seconds: float) -> list[Happening]:
+    def _advance_ball(
+        self, moves: Sequence[tuple[Player, tuple[F8, F8]]], share: float, seconds: float
+    ) -> list[Happening]:
         """Let the ball meet the players at a share of the frame, move, and meet boards and goals."""
         happened: list[Happening] = []
         for player, (before, after) in moves:

@@ -18,6 +18,7 @@ from mimics_app.world.content.motion.clip import ClipEvent
 from mimics_app.world.content.motion.footholds import Footholds, Ground
 from mimics_app.world.content.motion.humanoid import HumanoidMap
 from mimics_app.world.content.motion.kernels.gait import lowest, place_feet
+from mimics_app.world.content.motion.kernels.hips import LEG, fit_hips
 from mimics_app.world.content.motion.pose import Pose
 from mimics_app.world.content.motion.reach import Chain, LimbReach, about
 from mimics_app.world.content.motion.reference_gait import NATURAL_STANCE, SAMPLES, shape_gait, stance_share
@@ -186,6 +187,7 @@ class Walk:
         self._holds = Footholds(ground) if ground is not None else None
         self._phase, self._sum, self._count = 0.0, 0.0, 0
         self._placed = np.zeros((2, 7))
+        self._bent, self._hips = np.zeros((2, LEG)), np.zeros(2)
         self._shifts = [_Shift(), _Shift()]
         zero = np.zeros(2)
         self.gait = Gait(0.0, np.full((2, 3), np.nan), 0.0, zero, zero, zero, 0.0, ())
@@ -204,10 +206,11 @@ class Walk:
             self._shift_feet(wanted, table, pace.stance)
         self._aim_feet(pace, stretch, table)
         self._trunk.swing(pose, self._phase, vigour)
-        self._raise_hips(pose, table, pace.stance, wanted)
         if wanted is not None:
+            self._fit_hips(pose, wanted, pace.stance, seconds)
             self._follow_angles(pose, wanted, pace)
         else:
+            self._raise_hips(pose, table, pace.stance)
             self._keep_bent(table, pace.stance)
         for leg in self._legs:
             leg(pose, seconds)
@@ -302,8 +305,25 @@ class Walk:
             float(thigh * math.cos(lean) + shank * math.cos(bend)),
         )
 
-    def _raise_hips(self, pose: Pose, table: F8, stance: float, wanted: F8 | None) -> None:
-        """Set the height of the hips so that loaded legs bend as the table, or given angles, have it.
+    def _fit_hips(self, pose: Pose, wanted: F8, stance: float, seconds: float) -> None:
+        """Shift the hips so that the legs bend as given; a swinging one counts less the more its foot follows them."""
+        for k, joints in enumerate(self._feet):
+            hip, goal = self._chain.places[joints[0]], self._goals[k]
+            knee = max(float(wanted[2 * k + 1]), _MIN_FLEXION)
+            weight = 1.0 - self._given_share(k, stance)
+            self._bent[k] = (goal[2] - hip[2], hip[1] - goal[1], goal[0] - hip[0], wanted[2 * k], knee, weight)
+        bones = np.array([self._shape[4], self._shape[5], (1.0 - _SOFT) * self._leg])
+        fit_hips(self._bent, bones, seconds, self._hips)
+        up, ahead = self._hips
+        self._chain.shift(pose, self._bones.slots["hips"], np.array([0.0, up, ahead]))
+
+    def _given_share(self, k: int, stance: float) -> float:
+        """Return the share of given angles in the place of a foot: all in mid-swing, none in stance."""
+        x = ((self._phase + 0.5 * k) % 1.0 - stance) / (1.0 - stance)
+        return 0.0 if x < 0.0 else _smooth_step(_GIVEN * x) * _smooth_step(_GIVEN * (1.0 - x))
+
+    def _raise_hips(self, pose: Pose, table: F8, stance: float) -> None:
+        """Set the height of the hips so that loaded legs bend as the table has it.
 
         Stance feet are in reach.
         """
@@ -314,7 +334,7 @@ class Walk:
             hip, goal = places[joints[0]], self._goals[k]
             aside = float((goal[0] - hip[0]) ** 2 + (goal[2] - hip[2]) ** 2)
             phase = (self._phase + 0.5 * k) % 1.0
-            knee = max(_knee_at(table, phase) if wanted is None else float(wanted[2 * k + 1]), _MIN_FLEXION)
+            knee = max(_knee_at(table, phase), _MIN_FLEXION)
             chord = thigh**2 + shank**2 + 2.0 * thigh * shank * math.cos(knee)
             over = float(goal[1] - hip[1])
             lift += self._placed[k, 6] * (over + math.sqrt(max(chord - aside, 0.0)))
@@ -329,10 +349,8 @@ class Walk:
         """Move the targets of swing ankles to given angles; a stance foot keeps its place on the ground."""
         for k, (hip, _, _) in enumerate(self._feet):
             ahead, down = self._ankle(wanted[2 * k], wanted[2 * k + 1])
-            phase = (self._phase + 0.5 * k) % 1.0
-            if phase >= pace.stance:
-                x = (phase - pace.stance) / (1.0 - pace.stance)
-                share = _smooth_step(_GIVEN * x) * _smooth_step(_GIVEN * (1.0 - x))
+            share = self._given_share(k, pace.stance)
+            if share > 0.0:
                 own, place = self._goals[k], self._chain.places[hip]
                 asked = np.array([own[0], place[1] - down, place[2] + ahead])
                 own[:] = (1.0 - share) * own + share * asked
