@@ -6,7 +6,7 @@ import numpy as np
 
 from assets.builders.kit.lattice_noise import smooth_step
 from assets.builders.sprites.build import pack, places, smaller
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import B1, F8
 
 __all__ = ["compose"]
 
@@ -50,7 +50,7 @@ def _tunnel(x: F8, y: F8) -> F8:
     return colour
 
 
-def _ball(x: F8, y: F8) -> tuple[F8, F8]:
+def _ball(x: F8, y: F8) -> tuple[F8, B1]:
     """A sphere lit from the upper left, and where it covers the picture."""
     across, up = (x - _PLACE[0]) / _BALL, (y - _PLACE[1]) / _BALL
     towards = np.sqrt(np.maximum(1.0 - across**2 - up**2, 0.0))

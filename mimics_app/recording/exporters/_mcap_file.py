@@ -7,7 +7,7 @@ of four signals at 1 kHz, 18 million messages, would take more than a minute. He
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import BinaryIO
 
 import lz4.frame
@@ -91,10 +91,14 @@ class McapFile:
             begins.append((t_ns, built.count))
             Message(channel, t_ns, text, t_ns, 0).write(built)
             if built.count > _CHUNK_BYTES:
-                self._chunk(channel, *np.array(begins, np.int64).T, built.end())
+                self._chunk_texts(channel, begins, built.end())
                 begins.clear()
         if begins:
-            self._chunk(channel, *np.array(begins, np.int64).T, built.end())
+            self._chunk_texts(channel, begins, built.end())
+
+    def _chunk_texts(self, channel: int, begins: Sequence[tuple[int, int]], data: bytes) -> None:
+        log_ns, offsets = np.array(begins, np.int64).T
+        self._chunk(channel, log_ns, offsets, data)
 
     def metadata(self, name: str, content: Mapping[str, str]) -> None:
         """Write texts by name."""

@@ -136,8 +136,8 @@ def _add_tables(pynwb: ModuleType, file: NWBFile, run: Run) -> None:
     if events:
         table = file.create_events_table(name="events", description="events of the recording as JSON objects")
         table.add_column(name="annotation", description="all values of the event")
-        for row in events:
-            table.add_row(timestamp=row["t_s"], annotation=to_json(row).decode())
+        for event in events:
+            table.add_row(timestamp=event["t_s"], annotation=to_json(event).decode())
 
 
 def _set_identities(file: NWBFile) -> None:

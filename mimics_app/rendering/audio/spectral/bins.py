@@ -121,9 +121,18 @@ def _overload_add_to_ears(spectrum, shelves, shape, cells, delays, ear_filter, s
 def _overload_add_moving(spectrum, shelves, shape, cells, delays, before, after, sums):
     def machine(spectrum, shelves, shape, cells, delays, before, after, sums):
         row, delay = 4 * _PART, BYTES * DELAY_ROW
-        cell, half, out = address_of(cells), address_of(delays), address_of(sums)
-        old = (before[0], cell + row * before[1], half + delay * before[2], out + row)
-        new = (after[0], cell + row * after[1], half + delay * after[2], out + 2 * row)
+        old = (
+            before[0],
+            address_of(cells) + row * before[1],
+            address_of(delays) + delay * before[2],
+            address_of(sums) + row,
+        )
+        new = (
+            after[0],
+            address_of(cells) + row * after[1],
+            address_of(delays) + delay * after[2],
+            address_of(sums) + 2 * row,
+        )
         _add_moved(address_of(spectrum), address_of(shelves), shape, old, new)
 
     return machine
