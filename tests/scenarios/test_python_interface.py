@@ -44,6 +44,20 @@ def test_the_examples_of_the_page_run(tmp_path: Path, capsys: pytest.CaptureFixt
     assert 'there is no setting "sed"; did you mean "seed"' in capsys.readouterr().out
 
 
+def test_the_tour_shows_the_tick_in_which_a_wall_begins_to_push(tmp_path: Path) -> None:
+    page = (root() / "docs" / "guide" / "tour.md").read_text(encoding="utf-8")
+    names: dict[str, object] = {"runs": tmp_path}
+    for snippet in re.findall(r"```python\n(.*?)```", page, re.DOTALL):
+        exec(compile(snippet, "tour.md", "exec"), names)
+    rows = np.array(names["rows"])
+    depth, wall, person = rows[:, 1], rows[:, 3], rows[:, 4]
+    assert depth[0] == 0.0 < depth[1] < depth[-1]
+    assert wall[1] > 2.0 * wall[0] and person == pytest.approx(wall, abs=1e-9), "as the page says of its five lines"
+    (table,) = re.findall(r"```text\n(.*?)```", page, re.DOTALL)
+    printed = [[float(number) for number in re.findall(r"[\d.]+(?= [smN])", line)] for line in table.splitlines()]
+    assert rows == pytest.approx(np.array(printed), abs=6e-3), "another compiler may differ in a last digit"
+
+
 def test_played_in_steps_it_is_the_run_of_the_command(tmp_path: Path) -> None:
     done = command("run", TUNNEL, "--headless", "--seconds", "1.5", "--seed", "3", "--pictures", "0", "--json",
                    "--runs", tmp_path / "a")  # fmt: skip
