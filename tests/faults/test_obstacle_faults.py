@@ -26,10 +26,14 @@ SEEDS = 200
 FRAMES = 60
 
 
-def _until(play: CorePlay, state: GaitState, seconds: float) -> bool:
-    """Play until a gait state; whether it came."""
+STOPPED = (SafetyState.SAFE_STOP, SafetyState.E_STOP)
+
+
+def _until(play: CorePlay, state: GaitState, seconds: float, safety: tuple[SafetyState, ...]) -> bool:
+    """Play until a gait state of a loop in one of these states; whether it came."""
     for _ in range(round(seconds * FRAMES)):
-        if play.frames.snapshot is not None and play.frames.snapshot.gait_state == state:
+        now = play.frames.snapshot
+        if now is not None and now.gait_state == state and now.state in safety:
             return True
         play.step()
     return False
@@ -48,33 +52,35 @@ def _ends_standing(seed: int, step: GaitState, fault: str) -> bool:
     )
     play = CorePlay.of(scene, seed)
     try:
-        assert _until(play, step, 40.0), f"{step.name} did not come"
+        assert _until(play, step, 40.0, (SafetyState.ACTIVE,)), f"{step.name} did not come"
         for _ in range(1 + seed % 7):
             play.step()
         play.core.haptics.inject(fault)
-        noticed = _until(play, GaitState.STANDING, 3.0)
+        noticed = _until(play, GaitState.STANDING, 3.0, STOPPED)
         if not noticed:
             play.core.memory.stop_words[STOP_STRIDE * CommandSource.PYTHON] += 1
-            assert _until(play, GaitState.STANDING, 0.5)
+            assert _until(play, GaitState.STANDING, 0.5, STOPPED)
         play.step()
-        assert play.frames.snapshot is not None and play.frames.snapshot.state in (
-            SafetyState.SAFE_STOP,
-            SafetyState.E_STOP,
-        )
-        plant = play.core.haptics.plugin.memory[PLANT]
-        before = _joints(plant)
-        for _ in range(FRAMES // 2):
-            play.step()
-        for number in range(2):
-            leg = orthosis.leg_of(plant, number)
-            for joint in range(2):
-                drive = leg[orthosis.DRIVES + joint * linear_drive.DRIVE :]
-                assert drive[linear_drive.BRAKED] == 1.0 and drive[linear_drive.CURRENT] == 0.0
-        assert np.abs(_joints(plant) - before).max() < math.radians(1.0)
-        assert play.frames.snapshot.gait_state == GaitState.STANDING
+        _assert_held(play)
+        assert play.frames.snapshot is not None and play.frames.snapshot.gait_state == GaitState.STANDING
         return noticed
     finally:
         play.core.stop()
+
+
+def _assert_held(play: CorePlay) -> None:
+    """Both legs are on their brakes, without current, and move by less than a degree in half a second."""
+    plant = play.core.haptics.plugin.memory[PLANT]
+    before = _joints(plant)
+    for _ in range(FRAMES // 2):
+        play.step()
+    assert play.frames.snapshot is not None and play.frames.snapshot.state in STOPPED
+    for number in range(2):
+        leg = orthosis.leg_of(plant, number)
+        for joint in range(2):
+            drive = leg[orthosis.DRIVES + joint * linear_drive.DRIVE :]
+            assert drive[linear_drive.BRAKED] == 1.0 and drive[linear_drive.CURRENT] == 0.0
+    assert np.abs(_joints(plant) - before).max() < math.radians(1.0)
 
 
 def _joints(plant: np.ndarray) -> np.ndarray:
@@ -92,6 +98,24 @@ def _joints(plant: np.ndarray) -> np.ndarray:
 )
 def test_a_fault_in_the_sequence_ends_in_standing(step: GaitState, fault: str, noticed: bool) -> None:
     assert _ends_standing(1, step, fault) is noticed
+
+
+@pytest.mark.parametrize("fault", ["silent", "encoder_stuck"])
+def test_a_fault_before_the_walk_has_begun_ends_on_the_brakes(fault: str) -> None:
+    """The robot still drives the legs to their start: no gait state, and the stop holds them alike."""
+    play = CorePlay.of(check_scene(read_scene(SCENE)), 3)
+    try:
+        for _ in range(20):
+            play.step()
+        play.core.haptics.inject(fault)
+        for _ in range(FRAMES):
+            play.step()
+        play.core.memory.stop_words[STOP_STRIDE * CommandSource.PYTHON] += 1
+        for _ in range(FRAMES // 2):
+            play.step()
+        _assert_held(play)
+    finally:
+        play.core.stop()
 
 
 @pytest.mark.slow

@@ -58,6 +58,8 @@ def make_snapshot(now_ns: int = 0, **changes: Any) -> HapticSnapshot:
         "gait_state": -1,
         "free_leg": -1,
         "belt_travel": 0.0,
+        "left_strikes": -1,
+        "right_strikes": -1,
         "poses": np.zeros((0, 7)),
     }
     return HapticSnapshot(**(values | changes))

@@ -119,13 +119,14 @@ CONTROL_OUTPUT = np.dtype(
         ("belt", "f8"),  # share 0-1 of the reference's speed that a treadmill's belt gets
         ("gait", "i8"),  # 1 + GaitState, 0: none
         ("free_leg", "i8"),  # 1: the left leg is the one that an obstacle frees, 2: the right one, 0: none
+        ("strikes", "i8", (2,)),  # heel strikes of the left and the right foot so far, -1: it watches none
         ("numbers", "f8", (MAX_NUMBERS,)),  # its columns of the recording, as it declares them; 0 at its start
     ],
     align=True,
 )
 """What a controller writes; read of the motion is what its `CommandKind` names.
 
-On entry `braked`, `stop`, `gait` and `free_leg` are 0, and `belt` is 1.
+On entry `braked`, `stop`, `gait` and `free_leg` are 0, `belt` is 1, and `strikes` are -1.
 """
 
 CONTROL_WORK = np.dtype(

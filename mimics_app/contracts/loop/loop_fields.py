@@ -293,6 +293,9 @@ LOOP_FIELDS: tuple[LoopField, ...] = (
     # which leg an obstacle frees: 0 left, 1 right, -1: none
     LoopField("free_leg", "1", Replay.OUTPUT, kind="i8", reader="app", per=Per.GAIT),
     LoopField("belt_travel", "m", Replay.OUTPUT, reader="scenarios", per=Per.GAIT),  # of a treadmill's belt backwards
+    # heel strikes of each foot so far, -1: nobody watches
+    LoopField("left_strikes", "1", Replay.OUTPUT, kind="i8", reader="tasks", per=Per.GAIT),
+    LoopField("right_strikes", "1", Replay.OUTPUT, kind="i8", reader="tasks", per=Per.GAIT),
     # the tunnel that holds the ball
     _of_points("wall_force", "N", Replay.ABSENT, "state.tunnel.wall_force", reader="rendering"),  # of wall and cap
     _of_points("wall_normal", "1", Replay.ABSENT, "state.tunnel.normal_world", size=3, reader="rendering"),  # unit
@@ -355,6 +358,8 @@ class HapticSnapshot(PointSnapshot):
     gait_state: int
     free_leg: int
     belt_travel: float
+    left_strikes: int
+    right_strikes: int
     quiet_ticks: int
     poses: Vec
     further: tuple[PointSnapshot, ...] = ()

@@ -13,6 +13,7 @@ class LegMotion(NamedTuple):
     Attributes:
         hip_left, knee_left, hip_right, knee_right: Angles [rad].
         belt_speed: Speed of the belt, which is that of the walk [m/s].
+        strikes: Heel strikes of the left and the right foot so far, where the loop finds them; () otherwise.
     """
 
     hip_left: float
@@ -20,3 +21,4 @@ class LegMotion(NamedTuple):
     hip_right: float
     knee_right: float
     belt_speed: float
+    strikes: tuple[int, ...] = ()

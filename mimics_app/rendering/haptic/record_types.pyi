@@ -372,6 +372,8 @@ class SampleRecord:
     numbers: Floats
     free_leg: float
     belt_travel: float
+    left_strikes: float
+    right_strikes: float
     further: Table[PointSampleRecord]
 
 class SnapshotRecord:
@@ -404,6 +406,8 @@ class SnapshotRecord:
     gait_state: int
     free_leg: int
     belt_travel: float
+    left_strikes: int
+    right_strikes: int
     wall_force: float
     wall_normal: Floats
     force_peak: float
@@ -598,6 +602,7 @@ class ControlOutputRecord:
     belt: float
     gait: int
     free_leg: int
+    strikes: Ints
     numbers: Floats
 
 class ControlWorkRecord:
@@ -1099,6 +1104,8 @@ class StateRecord:
     gait_state: int
     free_leg: int
     belt_travel: float
+    left_strikes: int
+    right_strikes: int
     force_peak: float
     distance_peak: float
     progress_peak: float

@@ -1,7 +1,8 @@
 """Footfalls from the angles of two legs: heel strikes, step lengths, symmetry, lift of the feet, phase of the cycle.
 
 A foot comes down when its ankle, which was moving forwards relative to the hip, begins to move backwards, as a standing
-one does. Nothing but the angles and the belt is used.
+one does. Where the loop finds that at 1 kHz, it is believed; otherwise nothing but the angles and the belt is used, and
+the speed of the foot is continued to the present: a difference of two frames is that of half a frame ago.
 """
 
 from __future__ import annotations
@@ -15,8 +16,6 @@ from mimics_app.tasks.walking.legs import SHANK, THIGH, natural_step
 __all__ = ["Footfall", "Footfalls"]
 
 _SIDES = ("left", "right")
-_DOWN = 0.02
-"""Share of the belt's speed at which a foot moves backwards when it counts as standing: more than noise."""
 _UP = 0.3
 """Share of the belt's speed at which a foot moves forwards when it counts as swinging."""
 _LEAST_BELT = 0.05
@@ -50,6 +49,8 @@ class _Foot:
     """A foot over time."""
 
     ahead: float = 0.0
+    moves: float = 0.0
+    strikes: int = 0
     swings: bool = False
     lift: float = 0.0
     since: float = 0.0
@@ -80,9 +81,11 @@ class Footfalls:
         for k, foot in enumerate(self._feet):
             ahead, lift = places[k][0], places[1 - k][1] - places[k][1]
             moves = (ahead - foot.ahead) / seconds if self._begun and seconds > 0.0 else 0.0
-            foot.ahead = ahead
+            now, foot.ahead, foot.moves = moves + 0.5 * (moves - foot.moves), ahead, moves
             foot.since += seconds
-            if self._comes_down(foot, moves, lift, legs.belt_speed):
+            turns = now < 0.0 and moves < _UP * legs.belt_speed
+            struck = self._is_told(foot, legs.strikes[k]) if legs.strikes else turns
+            if self._comes_down(foot, struck, lift, legs.belt_speed):
                 fallen.append(self._take(k, foot, ahead - places[1 - k][0]))
         self._begun = True
         self._follow(legs.belt_speed, seconds)
@@ -112,17 +115,22 @@ class Footfalls:
         """Return the step [m] at a speed [m/s] with the present cadence; the natural one before there is any."""
         return 0.5 * speed * self._cycle_s if self.count > _CADENCE_FROM else natural_step(speed)
 
-    def _comes_down(self, foot: _Foot, moves: float, lift: float, belt: float) -> bool:
+    def _is_told(self, foot: _Foot, strikes: int) -> bool:
+        """Return whether a foot has struck since the last time step, as the loop counts it."""
+        before, foot.strikes = foot.strikes, strikes
+        return self._begun and strikes > before
+
+    def _comes_down(self, foot: _Foot, struck: bool, lift: float, belt: float) -> bool:
         """Advance a foot; return whether it comes down."""
         if belt < _LEAST_BELT:
             foot.swings = False
             return False
         if foot.swings:
             foot.lift = max(foot.lift, lift)
-            if moves < -_DOWN * belt:
+            if struck:
                 foot.swings = False
                 return True
-        elif moves > _UP * belt:
+        elif foot.moves > _UP * belt:
             foot.swings, foot.lift = True, lift
         return False
 

@@ -10,9 +10,10 @@ from collections.abc import Sequence
 
 from mimics_app.contracts.messages.leg_motion import LegMotion
 from mimics_app.contracts.ports.scenario_port import TaskContext
+from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.footfalls import ankle
 
-__all__ = ["OrthosisLegs", "legs_in"]
+__all__ = ["OrthosisLegs", "legs_in", "strikes_in"]
 
 _JOINTS, _LIMB = 4, "left foot"
 """Joints of an orthosis, hip and knee of the left leg and of the right one, and its first point of contact."""
@@ -31,11 +32,12 @@ class OrthosisLegs:
         self._before: tuple[float, float] | None = None
         self._belt = 0.0
 
-    def read(self, joints: Sequence[float], seconds: float) -> LegMotion:
+    def read(self, joints: Sequence[float], strikes: Sequence[int], seconds: float) -> LegMotion:
         """Return both legs after a time step [s].
 
         Args:
             joints: Left hip, left knee, right hip, right knee, flexion positive [rad].
+            strikes: Heel strikes of both feet so far, as the loop finds them; -1: it does not watch.
             seconds: Time since the last call [s].
         """
         hip_left, knee_left, hip_right, knee_right = joints
@@ -49,10 +51,15 @@ class OrthosisLegs:
                 speed = back[0] if left[1] > right[1] else back[1]
             self._belt += min(seconds / _SMOOTH_S, 1.0) * (max(speed, 0.0) - self._belt)
         belt = self._belt if self._belt > _STILL else 0.0
-        return LegMotion(hip_left, knee_left, hip_right, knee_right, belt)
+        return LegMotion(hip_left, knee_left, hip_right, knee_right, belt, tuple(strikes) if min(strikes) >= 0 else ())
 
 
 def legs_in(context: TaskContext) -> OrthosisLegs | None:
     """Return the reader of the legs where the device is a gait orthosis; None where the task's own legs walk."""
     is_orthosis = context.limb == _LIMB and len(context.start_joints) == _JOINTS
     return OrthosisLegs() if is_orthosis else None
+
+
+def strikes_in(seen: Observation) -> tuple[int, int]:
+    """Return the heel strikes of the left and the right foot so far, as the loop counts them; -1: it does not watch."""
+    return seen.snapshot.left_strikes, seen.snapshot.right_strikes

@@ -31,6 +31,7 @@ from mimics_app.contracts.loop.controller_slots import CommandKind, Lead
 from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
 from mimics_app.contracts.loop.gait_state import GaitState
 from mimics_app.rendering.haptic.control.lokomat.constrained_shafts import SurfaceFriction
+from mimics_app.rendering.haptic.control.lokomat.heel_strike import HEEL_STRIKE, watch_heel
 from mimics_app.rendering.haptic.control.lokomat.leg_control import (
     LEG_INPUT,
     LEG_SETTINGS,
@@ -208,10 +209,12 @@ _SETTINGS = LEG_SETTINGS.itemsize // 8
 _INPUT = _SETTINGS + LEG_INPUT.itemsize // 8
 _STATE = LEG_STATE.itemsize // 8
 _WALK = _INPUT + 2 * _STATE
-_LENGTH = _WALK + WALK.itemsize // 8
-"""Places of the records in a controller's memory: numbers of a leg, input of a leg, states of both legs, gait state."""
+_HEELS = _WALK + WALK.itemsize // 8
+_HEEL = HEEL_STRIKE.itemsize // 8
+"""Places of the records in a controller's memory: numbers of a leg, input of a leg, states of both legs, gait state,
+heel strikes of both legs."""
 
-WALK_PLACES = slice(_WALK, _LENGTH)
+WALK_PLACES = slice(_WALK, _HEELS)
 """Places of the gait state, a WALK record."""
 
 _ROUNDED = 1e-9
@@ -333,6 +336,15 @@ def _reference_stands(now: ControlInputRecord) -> bool:
 
 
 @kernel
+def _reference_moves(now: ControlInputRecord) -> bool:
+    """Whether the reference of any joint moves: the belt runs with it."""
+    for place in range(_JOINTS):
+        if abs(now.dq_reference[place]) > _STANDS:
+            return True
+    return False
+
+
+@kernel
 def _far_side(called: int, parameters: Vec) -> float:
     """Place of the far side of the hard object [m]; of one without an end the near one."""
     kind = int(parameters[_OBJECT_KIND])
@@ -371,6 +383,17 @@ def _advance_walk(walk: WalkRecord, now: ControlInputRecord, parameters: Vec, ou
 
 
 @kernel
+def _watch_foot(
+    settings: LegSettingsRecord, now: ControlInputRecord, memory: Vec, leg: int, out: ControlOutputRecord
+) -> None:
+    """Watch for heel strikes of a leg while the belt runs."""
+    heel = memory[_HEELS + leg * _HEEL : _HEELS + (leg + 1) * _HEEL].view(HEEL_STRIKE)[0]
+    runs = _reference_moves(now) and out.belt > 0.0
+    watch_heel(heel, settings.frame.geometry, now.q[2 * leg : 2 * leg + 2], runs, now.dt)
+    out.strikes[leg] = heel.count
+
+
+@kernel
 def control_legs(
     combined: bool, now: ControlInputRecord, parameters: Vec, memory: Vec, out: ControlOutputRecord
 ) -> None:
@@ -385,7 +408,7 @@ def control_legs(
     """
     settings = memory[:_SETTINGS].view(LEG_SETTINGS)[0]
     own = memory[_SETTINGS:_INPUT].view(LEG_INPUT)[0]
-    walk, walks = memory[_WALK:_LENGTH].view(WALK)[0], parameters[_SEQUENCE] != 0.0
+    walk, walks = memory[_WALK:_HEELS].view(WALK)[0], parameters[_SEQUENCE] != 0.0
     if now.started == 1:
         _write_machine(settings, parameters, now.geometry)
         begin_walk(walk, parameters[_EXPLORATION], now.dt)
@@ -412,6 +435,7 @@ def control_legs(
                 limit_walking_leg(walk, leg, settings, own, state)
         for joint in range(2):
             out.torque[2 * leg + joint] = state.tau[joint]
+        _watch_foot(settings, now, memory, leg, out)
         _write_columns(settings, own, state, out.numbers[leg * _COLUMNS_OF_A_LEG : (leg + 1) * _COLUMNS_OF_A_LEG])
 
 

@@ -93,6 +93,7 @@ def _begin_output(scene: SceneRecord, states: Table[StateRecord]) -> None:
     state, out = states[0], states[0].control.out
     out.braked = out.stop = out.gait = out.free_leg = 0
     out.belt = 1.0
+    out.strikes[0] = out.strikes[1] = -1
     if scene.commands[scene.controller] != CommandKind.VELOCITY:
         fill(out.force, 0.0)
         fill(out.torque, 0.0)
@@ -537,6 +538,7 @@ def _note_gait(state: StateRecord) -> None:
     if state.control.slot == Slot.OFF and out.gait != 0:
         out.gait, out.free_leg = 1 + GaitState.STANDING, 0
     state.gait_state, state.free_leg = out.gait - 1, out.free_leg - 1
+    state.left_strikes, state.right_strikes = out.strikes[0], out.strikes[1]
     state.gait_changed = 1 if state.gait_state != before and out.gait != 0 else 0
 
 

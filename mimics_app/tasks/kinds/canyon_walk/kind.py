@@ -23,7 +23,7 @@ from mimics_app.tasks.walking.legs import GAITS
 from mimics_app.tasks.walking.throttle import Throttle
 from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, symmetry_card, walk_values
 from mimics_app.tasks.walking.walker import PERSON
-from mimics_app.tasks.walking.worn_orthosis import OrthosisLegs, legs_in
+from mimics_app.tasks.walking.worn_orthosis import OrthosisLegs, legs_in, strikes_in
 from mimics_app.world.components.bounds import Extent
 from mimics_app.world.components.registry import Component
 
@@ -137,7 +137,9 @@ class CanyonWalkPlay(KindPlay):
             throttle = self._throttle
             feet, missed, gust = crossing.step(self._spec.fastest * throttle.ahead, throttle.aside, seconds)
         else:
-            feet, missed, gust = crossing.step(0.0, 0.0, seconds, self._orthosis.read(seen.q, seconds))
+            feet, missed, gust = crossing.step(
+                0.0, 0.0, seconds, self._orthosis.read(seen.q, strikes_in(seen), seconds)
+            )
         self._seconds += seconds
         self._trembles = max(self._trembles - 2.0 * seconds, 0.0)
         for foot in feet:

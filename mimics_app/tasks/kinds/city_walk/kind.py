@@ -20,7 +20,7 @@ from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.legs import GAITS
 from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, symmetry_card, walk_values
 from mimics_app.tasks.walking.walker import PERSON, Walker
-from mimics_app.tasks.walking.worn_orthosis import OrthosisLegs, legs_in
+from mimics_app.tasks.walking.worn_orthosis import OrthosisLegs, legs_in, strikes_in
 from mimics_app.world.components.registry import Component
 from mimics_app.world.components.walking import PathWalker
 
@@ -97,7 +97,7 @@ class CityWalkPlay(KindPlay):
         if self._orthosis is None:
             self._walker.step(self._spec.fastest * max(raised, 0.0), 0.0, seconds)
         else:
-            self._walker.step_by_legs(self._orthosis.read(seen.q, seconds), 0.0, seconds)
+            self._walker.step_by_legs(self._orthosis.read(seen.q, strikes_in(seen), seconds), 0.0, seconds)
             self._call = obstacles.call(self._along, seen)
             tap = obstacles.step(self._along, seen, seconds)
         self._speed, self._along = self._walker.speed, self._walker.walked + obstacles.led

@@ -25,7 +25,7 @@ from mimics_app.tasks.walking.legs import GAITS
 from mimics_app.tasks.walking.throttle import Throttle
 from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, symmetry_card, walk_values
 from mimics_app.tasks.walking.walker import PERSON, FigurePose
-from mimics_app.tasks.walking.worn_orthosis import OrthosisLegs, legs_in
+from mimics_app.tasks.walking.worn_orthosis import OrthosisLegs, legs_in, strikes_in
 from mimics_app.world.components.bounds import Figure, Share
 from mimics_app.world.components.objects import HapticObject
 from mimics_app.world.components.registry import Component
@@ -199,7 +199,8 @@ class SoccerPlay(KindPlay):
             happened = match.step(ahead, turn, throttle.kicks, seconds)
         else:  # legs walk and kick; the heading goes to the ball
             turn = turn_to_ball(match.view_of_person())
-            happened = self._step_by_legs(self._orthosis.read(seen.q, seconds), turn, seen, seconds)
+            legs = self._orthosis.read(seen.q, strikes_in(seen), seconds)
+            happened = self._step_by_legs(legs, turn, seen, seconds)
         self._seconds += seconds
         for each in happened:
             self._take(each, seen)
