@@ -93,6 +93,7 @@ def _joints(plant: np.ndarray) -> np.ndarray:
     [
         (GaitState.WALKING, "encoder_not_finite:left knee", True),
         (GaitState.EXPLORING, "silent", True),
+        (GaitState.WALKING, "deaf", True),
         (GaitState.EXPLORING, "sensor_dead:right hip", False),
     ],
 )

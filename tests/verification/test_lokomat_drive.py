@@ -228,3 +228,18 @@ def test_wrong_settings_are_named(settings, what):
 def test_another_address_is_refused():
     with pytest.raises(DeviceError, match="address"):
         build_device(Robot(device="lokomat:here"))
+
+
+def test_a_loop_that_is_not_heard_for_ten_milliseconds_leaves_the_legs_on_the_brakes():
+    plant = plant_of()
+    for _ in range(20):
+        orthosis.order_machine(plant, np.full(4, 5.0), True)
+        orthosis.step_machine(plant)
+    drive = drive_of(plant, 0, 0)
+    assert drive[linear_drive.BRAKED] == 0.0 and drive[linear_drive.CURRENT] != 0.0
+    for _ in range(8):
+        orthosis.step_machine(plant)
+    assert drive[linear_drive.BRAKED] == 0.0, "a line may lose some commands"
+    for _ in range(3):
+        orthosis.step_machine(plant)
+    assert drive[linear_drive.BRAKED] == 1.0 and drive[linear_drive.CURRENT] == 0.0

@@ -138,7 +138,11 @@ _WORK_END = _SCRATCH + 8
 _LINE = _WORK_END  # ring of the last MAX_DELAY + 1 commands
 _COMMAND = 5  # four torques, and 1 while the drives are enabled
 _ENABLED = 4  # its place
-MACHINE = _LINE + _COMMAND * (MAX_DELAY + 1)
+_UNHEARD = _LINE + _COMMAND * (MAX_DELAY + 1)  # time since the last command [s]
+MACHINE = _UNHEARD + 1
+
+_LONGEST_UNHEARD = 0.010
+"""Time without a command after which currents are cut and brakes close [s]."""
 
 SPEED_FILTER_HZ = 60.0
 """Corner frequency of the encoder velocity filter [Hz]."""
@@ -194,6 +198,7 @@ def order_machine(machine: Vec, torques: Vec, enabled: bool) -> None:
         machine[slot + i] = torques[i] if enabled else 0.0
     machine[slot + _ENABLED] = 1.0 if enabled else 0.0
     machine[_WRITTEN] += 1.0
+    machine[_UNHEARD] = 0.0
 
 
 @kernel
@@ -201,12 +206,14 @@ def _obey(machine: Vec) -> bool:
     """Set currents and brakes for this tick; return whether the drives are enabled.
 
     Torques are those of the command that leaves the delay line. What disables the drives is a wire of its own: the
-    newest command does, without delay.
+    newest command does, without delay. So does a loop that is not heard for 10 ms.
     """
     newest = int(machine[_WRITTEN]) - 1
     due = newest - int(machine[DELAY])
     slot = _slot(due)
     enabled = due >= 0 and machine[slot + _ENABLED] != 0.0 and machine[_slot(newest) + _ENABLED] != 0.0
+    enabled = enabled and machine[_UNHEARD] <= _LONGEST_UNHEARD
+    machine[_UNHEARD] += machine[TICK]
     for number in range(2):
         leg, state = leg_of(machine, number), state_of(machine, number)
         for joint in range(2):
