@@ -58,6 +58,7 @@ def _walk(wall: float, **parameters: Any) -> list[dict[str, Any]]:
             swing, turned = math.sin(w * 1e-3 * tick + math.pi * leg), w * math.cos(w * 1e-3 * tick + math.pi * leg)
             now["q_reference"][0, 2 * leg : 2 * leg + 2] = 0.1 + 0.2 * swing, 0.3 + 0.2 * swing
             now["dq_reference"][0, 2 * leg : 2 * leg + 2] = 0.2 * turned, 0.2 * turned
+            now["ddq_reference"][0, 2 * leg : 2 * leg + 2] = -0.2 * w * w * swing
         now["q"][0, :4], now["dq"][0, :4] = data[DATA_Q : DATA_Q + 4], data[DATA_DQ : DATA_DQ + 4]
         now["torque_meas"][0, :4] = data[DATA_TORQUE : DATA_TORQUE + 4]
         now["started"] = int(tick == 0)
@@ -73,9 +74,9 @@ def _walk(wall: float, **parameters: Any) -> list[dict[str, Any]]:
     return rows
 
 
-@pytest.fixture(scope="module")
-def rows() -> list[dict[str, Any]]:
-    return _walk(0.35)
+@pytest.fixture(scope="module", params=[0.0, 0.1], ids=["impedance", "window"])
+def rows(request: pytest.FixtureRequest) -> list[dict[str, Any]]:
+    return _walk(0.35, guidance_window=request.param)
 
 
 def test_the_walk_passes_the_nine_steps_in_their_order_and_continues(rows: list[dict[str, Any]]) -> None:

@@ -18,16 +18,20 @@ from mimics_app.app.planner.tolerances import BY_PROFILE, tolerances_of
 from mimics_app.app.planner.uses import USES
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import PROFILES
+from mimics_app.app.touch.device_fit import device_values
 from mimics_app.contracts.loop.controller_slots import Slot, names_in
 from mimics_app.contracts.loop.haptic_objects import ObjectIntegrator, Projection
 from mimics_app.contracts.ports.method_table import Row, Table
 from mimics_app.contracts.system.resources import root
 from mimics_app.lab.catalogue import GROUPS, load_methods
+from mimics_app.rendering.haptic.controllers.registry import find_controller
+from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.rendering.haptic.scene_tunnel import PROJECTIONS
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.scenarios.parts.robot_scene import robot_block
 from mimics_app.world.components.objects import HapticObject
+from mimics_app.world.components.robot import Robot
 from mimics_app.world.components.systems import HapticSettings, Tolerances
 from mimics_app.world.components.tolerance_units import FIELD_OF_UNIT
 
@@ -231,9 +235,51 @@ def test_the_printed_form_runs_only_where_a_scene_asks_for_it(scene):
     assert plan_scene(accepting(scene, force_N=100.0), "draft", planted()).methods["admittance form"] == "polar"
 
 
+WALL = root() / "scenes" / "examples" / "lokomat_wall.json"
+OBSTACLE = root() / "scenes" / "examples" / "lokomat_obstacle.json"
+
+
+def with_parameters(scene, **parameters: float):
+    """The scene with more parameters of its controller."""
+    for entity in scene.entities:
+        if named := entity.components.get("controller"):
+            entity.components["controller"] = msgspec.structs.replace(
+                named, parameters={**named.parameters, **parameters}
+            )
+    return scene
+
+
+def test_a_leg_in_the_orthosis_is_controlled_as_its_scene_says_and_the_rest_is_planned():
+    """By the shipped table: the stiffer position control, unless the tolerance is loose, or it names another."""
+    table, wall = Table.load_shipped(), load_checked_scene(WALL)
+    plan = plan_scene(wall, "training", table)
+    control = next(choice for choice in plan.choices if choice.group == "leg control")
+    assert control.taken.settings == {"controller": "lokomat_combined"}
+    assert control.planner is not None and control.planner.settings == {"controller": "lokomat_impedance"}
+    assert plan.settings["leg position"] == {"computed_torque": 1.0} and "leg guidance" not in plan.methods
+    loose = plan_scene(accepting(wall, position_m=0.1), "training", table)
+    assert loose.settings["leg position"] == {"computed_torque": 0.0}
+    named = with_parameters(load_checked_scene(WALL), computed_torque=0)
+    assert plan_scene(named, "study", table).settings["leg position"] == {"computed_torque": 0.0}
+    obstacle = plan_scene(load_checked_scene(OBSTACLE), "training", table)
+    assert obstacle.settings["leg guidance"] == {"guidance_window": 0.0} and "leg position" not in obstacle.methods
+
+
+def test_what_is_planned_for_a_leg_reaches_its_controller_unless_the_scene_says_otherwise():
+    vector = [each.name for each in find_controller("lokomat_combined").parameters for _ in range(each.size)]
+    place = vector.index("computed_torque")
+    for given, planned, runs in (({}, 0.0, 0.0), ({"computed_torque": 1}, 0.0, 1.0), ({}, 1.0, 1.0)):
+        scene = with_parameters(load_checked_scene(WALL), **given)
+        scene.methods = {"leg position": {"computed_torque": planned}}
+        values = device_values(build_device(scene.one(Robot)[1]), scene, robot_block(scene))
+        assert values["controller_parameters"][Slot.PERSON][place] == runs
+
+
 NOT_PLANNED = {
     "joint reference": "the curves of a reference are what its author has: a table, or the series of a gait",
     "joint reference jerk": "the same, by the jerk that each adds",
+    "leg position walk": 'the position controls of "leg position", by their deviation from a walk',
+    "leg guidance pull": 'the guidances of "leg guidance", by their pull at who walks, but late',
     "integrator": 'the integrators of bodies on one wall alone; "colliding bodies" chooses among all a body can have',
     "bounding geometry": "the shape of an object is its author's choice",
     "effects": "each is another force: its author's choice",

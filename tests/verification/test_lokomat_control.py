@@ -14,8 +14,8 @@ from mimics_app.lab.haptic.lokomat_rig import COMBINED, CONTROLS, IMPEDANCE, Per
 from mimics_app.lab.lokomat_bench import PUSH, SPEEDS, foot_on_wall, residual_torque, wall_rig
 from mimics_app.rendering.haptic.control.lokomat.guidance_force import (
     GUIDANCE_SETTINGS,
-    guide_in_window,
-    nearest_phase,
+    guide_joints,
+    nearest_time,
 )
 from mimics_app.rendering.haptic.control.lokomat.position_control import (
     driven_mass,
@@ -129,27 +129,38 @@ def test_drifts_of_the_models() -> None:
     assert constraint_drift() <= 1e-9
 
 
-def _path() -> Array:
-    phase = 2.0 * np.pi * np.arange(200) / 200
-    return np.stack([0.2 + 0.3 * np.cos(phase), 0.5 - 0.4 * np.sin(phase)], axis=1)
+def _path(t: Array) -> tuple[Array, Array, Array]:
+    """A walk-like path at times [s]: hip and knee [rad], velocity and acceleration."""
+    w = np.pi * t
+    q = np.stack([0.2 + 0.3 * np.cos(w), 0.5 - 0.4 * np.sin(w)], axis=-1)
+    rate = np.pi * np.stack([-0.3 * np.sin(w), -0.4 * np.cos(w)], axis=-1)
+    return q, rate, -(np.pi**2) * (q - np.array([0.2, 0.5]))
+
+
+def _in_window(share: Array, q: Array, at: float) -> Array:
+    settings, tau = np.zeros(1, GUIDANCE_SETTINGS), np.zeros(2)
+    settings["stiffness"], settings["damping"], settings["window"], settings["width"] = 100.0, 2.0, 0.1, 0.05
+    guide_joints(settings[0], share, q, np.zeros(2), *_path(np.array(at)), tau)
+    return tau
 
 
 def test_the_window_lets_a_leg_lag_and_returns_one_that_leaves_the_path() -> None:
-    settings = np.zeros(1, GUIDANCE_SETTINGS)
-    settings["stiffness"], settings["damping"], settings["window"], settings["width"] = 100.0, 2.0, 0.1, 0.05
-    path, tau = _path(), np.zeros(2)
-    lagging = path[40]
-    assert nearest_phase(path, 50 / 200, 0.1, lagging) == 40
-    guide_in_window(settings[0], 1.0, path, 50 / 200, lagging, np.zeros(2), tau)
-    assert not tau.any(), "on the path, late by 5 % of a cycle"
-    out = lagging + 0.2 * (lagging - (0.2, 0.5)) / np.linalg.norm(lagging - (0.2, 0.5))
-    guide_in_window(settings[0], 1.0, path, 50 / 200, out, np.zeros(2), tau)
-    assert np.dot(tau, lagging - out) > 0.0
-    full = tau.copy()
-    guide_in_window(settings[0], 0.3, path, 50 / 200, out, np.zeros(2), tau)
-    assert tau == pytest.approx(0.3 * full)
-    guide_in_window(settings[0], 1.0, path, 50 / 200, path[100], np.zeros(2), tau)
-    assert np.linalg.norm(tau) > 1.0, "beyond the window the path pulls"
+    full, now = np.ones(2), 0.7
+    for late in (-0.08, -0.03, 0.05, 0.09):
+        lagging, rate, _ = _path(np.array(now + late))
+        found = nearest_time(lagging, *_path(np.array(now)), 0.1)
+        assert found == pytest.approx(late, abs=0.004), "the parabola is the path"
+        assert not _in_window(full, lagging, now).any(), "on the path, late or early within the window"
+        aside = np.array([-rate[1], rate[0]]) / np.linalg.norm(rate)
+        out = lagging + 0.2 * aside
+        tau = _in_window(full, out, now)
+        assert np.dot(tau, -aside) == pytest.approx(100.0 * (0.2 - 0.05), rel=0.1), "back to the path, less the width"
+        assert _in_window(np.array([0.3, 0.3]), out, now) == pytest.approx(0.3 * tau)
+        assert _in_window(np.array([1.0, 0.0]), out, now)[1] == 0.0
+    far, _, _ = _path(np.array(now + 0.4))
+    assert np.linalg.norm(_in_window(full, far, now)) > 10.0, "beyond the window the path pulls"
+    at, zero, tau = np.array([0.1, 0.3]), np.zeros(2), np.zeros(2)
+    assert nearest_time(at, at + 0.1, zero, zero, 0.1) == 0.0, "a reference that stands is a place"
 
 
 def test_a_hit_wall_stays_below_the_force_limit() -> None:

@@ -12,8 +12,9 @@ from mimics_app.contracts.ports.methods import Settings
 from mimics_app.world.components.animation import Animation, Avatar
 from mimics_app.world.components.effects import Particles
 from mimics_app.world.components.haptic_shapes import TouchSurface, surface_of
+from mimics_app.world.components.joint_reference import JointReference
 from mimics_app.world.components.objects import HapticObject, HapticWalls, InteractionPoints
-from mimics_app.world.components.robot import Admittance, Robot, Tunnel
+from mimics_app.world.components.robot import Admittance, Controller, Robot, Tunnel
 from mimics_app.world.components.systems import (
     AudioSettings,
     DisplaySettings,
@@ -91,6 +92,43 @@ def _unless_auto(name: str, stated: Callable[[Scene], str]) -> Callable[[Scene],
 def _uses_admittance(scene: Scene) -> bool:
     """Whether there is a robot; one that takes forces has no virtual mass, but its driver is not known yet."""
     return scene.has(Admittance) or scene.has(Robot)
+
+
+_LEG_CONTROLLERS = ("lokomat_impedance", "lokomat_combined")
+"""Controllers of a gait orthosis."""
+
+
+def _leg_controller(scene: Scene) -> Controller | None:
+    """Return the scene's controller of a gait orthosis; None without one."""
+    named = scene.first(Controller)
+    return named if named is not None and named.name in _LEG_CONTROLLERS else None
+
+
+def _has_rigid_objects(scene: Scene) -> bool:
+    """Whether a position control is the stiffness of a leg's objects."""
+    named = _leg_controller(scene)
+    return named is not None and named.name == "lokomat_combined"
+
+
+def _guides_legs(scene: Scene) -> bool:
+    return _leg_controller(scene) is not None and scene.has(JointReference)
+
+
+def _named_leg_control(scene: Scene) -> Settings | None:
+    """Return the control that a scene names: there is no orthosis without one."""
+    named = _leg_controller(scene)
+    return None if named is None else {"controller": named.name}
+
+
+def _unless_left_open(parameter: str) -> Callable[[Scene], Settings | None]:
+    """Return a scene's parameter of the legs' controller; None where it leaves it to the planner."""
+
+    def named(scene: Scene) -> Settings | None:
+        controller = _leg_controller(scene)
+        given = {} if controller is None else controller.parameters
+        return {parameter: given[parameter]} if parameter in given else None
+
+    return named
 
 
 def _may_run_form(scene: Scene, settings: Settings) -> bool:
@@ -313,6 +351,18 @@ USES: Mapping[str, Use] = {
         _unless_auto("form", lambda scene: (scene.first(Admittance) or Admittance()).form),
         _may_run_form,
         within=WHOLE_TICK,
+    ),
+    "leg control": Use(
+        "control of the legs in a gait orthosis",
+        lambda scene: _leg_controller(scene) is not None,
+        _named_leg_control,
+        within=WHOLE_TICK,
+    ),
+    "leg position": Use(
+        "position control of a leg", _has_rigid_objects, _unless_left_open("computed_torque"), within=WHOLE_TICK
+    ),
+    "leg guidance": Use(
+        "guidance of a leg along its reference", _guides_legs, _unless_left_open("guidance_window"), within=WHOLE_TICK
     ),
     "contact law": Use("force of a contact", _can_be_touched, _named_law, within=TOUCH),
     "friction": Use("friction of a contact", _has_friction, within=TOUCH),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.errors import DeviceError, counted
@@ -43,8 +44,17 @@ def device_values(plugin: DevicePlugin, scene: Scene, block: Records) -> Mapping
         values["passivity"] = 0
     if chosen := scene.first(Controller):
         _check_takes(plugin, chosen.name)
-        values |= controller_values(block, Slot.PERSON, chosen.name, chosen.parameters)
+        values |= controller_values(block, Slot.PERSON, chosen.name, _planned(scene) | dict(chosen.parameters))
     return values
+
+
+_PLANNED = ("leg position", "leg guidance")
+"""Groups of methods whose settings are parameters of a controller."""
+
+
+def _planned(scene: Scene) -> dict[str, Any]:
+    """Return the parameters of the scene's controller that the planner chose where the scene leaves them open."""
+    return {name: value for group in _PLANNED for name, value in scene.methods.get(group, {}).items()}
 
 
 def _check_takes(plugin: DevicePlugin, name: str) -> None:

@@ -1372,6 +1372,7 @@ class LegInputRecord:
     torque: Floats
     q_ref: Floats
     dq_ref: Floats
+    ddq_ref: Floats
     guidance: Floats
     force: Floats
     hard: int
@@ -1389,6 +1390,7 @@ class LegStateRecord:
     x_real: Floats
     x_des: Floats
     f_x: Floats
+    guided: Floats
     speed: Floats
     force: Floats
     more: Floats

@@ -145,6 +145,8 @@ PARAMETERS = (
     ControllerParameter("exploring_leg", 0.0, 0.0, 1.0),  # 0 left, 1 right
     ControllerParameter("exploration", 30.0, 1.0, 300.0, "s"),  # longest; a foot that oversteps ends it before
     ControllerParameter("rate", 1000.0, 500.0, 1000.0, "Hz"),  # of both legs' control; below it walls vibrate (S18)
+    ControllerParameter("guidance_window", 0.0, 0.0, 0.3, "s"),  # 0: impedance around the reference
+    ControllerParameter("guidance_width", 0.05, 0.0, 0.3, "rad"),  # from the path, without torque; in a window
 )
 """Parameters of both controllers."""
 
@@ -153,7 +155,7 @@ PARAMETERS = (
     _IMPULSE_TICKS, _RESTITUTION, _WALL_FORCE, _VIRTUAL_MASS, _KNEE_MASS, _VIRTUAL_DAMPING, _DEADBAND, _BANDWIDTH,
     _PD_STIFFNESS, _COMPUTED, _GUIDANCE_STIFFNESS, _GUIDANCE_DAMPING, _COMPENSATION, _COULOMB, _VISCOUS, _MOTOR_MASS,
     _ORTHOSIS_MASS, _SHANK_ORTHOSIS, _LEG_MASS, _SHANK_WITH_FOOT, _HIP_LINK, _HIP_MOVED, _HIP_OFFSET, _KNEE_LINK,
-    _KNEE_MOVED, _KNEE_OFFSET, _SEQUENCE, _OBSTACLE_AFTER, _EXPLORING_LEG, _EXPLORATION, _RATE,
+    _KNEE_MOVED, _KNEE_OFFSET, _SEQUENCE, _OBSTACLE_AFTER, _EXPLORING_LEG, _EXPLORATION, _RATE, _WINDOW, _WIDTH,
 ) = places_of(PARAMETERS)  # fmt: skip
 
 _OF_A_LEG = (("x_real", "m"), ("x_des", "m"), ("f_x", "N"), ("eta_1", "m"), ("eta_2", "m"), ("guidance", "1"))
@@ -283,6 +285,7 @@ def _write_laws(settings: LegSettingsRecord, numbers: Vec) -> None:
     position = settings.position
     position.bandwidth, position.ratio = numbers[_BANDWIDTH], 1.0
     position.computed = 1 if numbers[_COMPUTED] != 0.0 else 0
+    settings.guidance.window, settings.guidance.width = numbers[_WINDOW], numbers[_WIDTH]
     for joint in range(2):
         shafts.mass[joint] = numbers[_VIRTUAL_MASS if joint == 0 else _KNEE_MASS]
         shafts.damping[joint] = numbers[_VIRTUAL_DAMPING + joint]
@@ -321,7 +324,7 @@ def _read_leg(own: LegInputRecord, now: ControlInputRecord, leg: int) -> None:
         place = 2 * leg + joint
         own.q[joint], own.dq[joint], own.torque[joint] = now.q[place], now.dq[place], now.torque_meas[place]
         own.q_ref[joint], own.dq_ref[joint] = now.q_reference[place], now.dq_reference[place]
-        own.guidance[joint] = now.guidance[place]
+        own.ddq_ref[joint], own.guidance[joint] = now.ddq_reference[place], now.guidance[place]
     own.force[0], own.force[1] = now.f_user[3 * leg], now.f_user[3 * leg + 2]
     own.hard, own.dt = 1, now.dt
 

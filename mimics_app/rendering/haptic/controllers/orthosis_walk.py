@@ -162,6 +162,7 @@ def guide_leg(walk: WalkRecord, leg: int, own: LegInputRecord) -> None:
         left = own.q[joint] - led if loose else min(away + step, max(away - step, 0.0))
         own.q_ref[joint] = led + left
         own.dq_ref[joint] *= sequence.belt
+        own.ddq_ref[joint] *= sequence.belt
         if not loose:
             own.dq_ref[joint] += (left - away) / own.dt
         walk.away[leg, joint] = left

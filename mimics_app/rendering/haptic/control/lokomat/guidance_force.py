@@ -1,11 +1,13 @@
-"""Guidance of a leg along its reference: impedance around it, or a moving window with free way inside.
+"""Guidance of a leg along its reference: impedance around it, or a window that moves along its path.
 
     impedance   tau = share (K (q_r - q) + B (q_r' - q'))
-    window      as the impedance, with q_r the nearest place of the reference within a window of its phase, and no
-                force within a distance of it
+    window      tau = share (K e + B e'),  e from the leg to the nearest place of the path within the window, less the
+                free width: no torque within that distance
 
 The guidance force of D2.1 4.3.6 is a share of 0 to 100 % for each joint and leg. The window is the path control of
-patient-cooperative training: the leg may lead or lag in time, and a torque only returns it to the path.
+patient-cooperative training: the leg may lead or lag in time, and a torque only returns it to the path. The path is the
+parabola of the reference's velocity and acceleration: within a tenth of a second it is that of a slow walk within a
+degree, it needs no table, and where the reference stands it is the reference.
 """
 
 from __future__ import annotations
@@ -16,79 +18,109 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mimics_app.compiled.kernel import kernel
-from mimics_app.contracts.arrays import Mat, Vec
+from mimics_app.contracts.arrays import Vec
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import GuidanceSettingsRecord
 
-__all__ = ["GUIDANCE_SETTINGS", "guide_in_window", "guide_joint", "nearest_phase"]
+__all__ = ["GUIDANCE_SETTINGS", "guide_joints", "nearest_time"]
 
 GUIDANCE_SETTINGS = np.dtype(
     [
         ("stiffness", np.float64, 2),  # K of hip and knee [N m/rad]
         ("damping", np.float64, 2),  # B [N m s/rad]
-        ("window", np.float64),  # half length of the window [share of a cycle]
-        ("width", np.float64),  # distance from the path without force [rad]
+        ("window", np.float64),  # half length of the window [s]; 0: impedance around the reference
+        ("width", np.float64),  # distance from the path without torque [rad]
     ],
     align=True,
 )
 
+_STEPS = 4
+"""Steps of Gauss and Newton towards the nearest place: their error is below a hundredth of a degree."""
 
-@kernel
-def guide_joint(share: float, stiffness: float, damping: float, error: float, rate: float) -> float:
-    """Torque [N m] of the impedance of one joint around its reference.
-
-    Args:
-        share: Guidance 0-1.
-        stiffness: K [N m/rad].
-        damping: B [N m s/rad].
-        error: q_r - q [rad].
-        rate: q_r' - q' [rad/s].
-    """
-    return share * (stiffness * error + damping * rate)
+_SLOW = 0.05
+"""Speed of the reference below which its path is a place [rad/s]."""
 
 
 @kernel
-def nearest_phase(path: Mat, phase: float, window: float, q: Vec) -> int:
-    """Place of a closed path nearest to a pose, within a window around a phase.
-
-    Args:
-        path: Hip and knee over a cycle at even phases [rad], shape [places, 2].
-        phase: Phase of the reference [cycles].
-        window: Half length of the window [cycles].
-        q: Pose [rad], shape [2].
-    """
-    places = path.shape[0]
-    middle, reach = round(phase * places), math.ceil(window * places)
-    nearest, best = middle % places, math.inf
-    for step in range(-reach, reach + 1):
-        place = (middle + step) % places
-        square = (path[place, 0] - q[0]) ** 2 + (path[place, 1] - q[1]) ** 2
-        if square < best:
-            nearest, best = place, square
-    return nearest
-
-
-@kernel
-def guide_in_window(
-    settings: GuidanceSettingsRecord, share: float, path: Mat, phase: float, q: Vec, dq: Vec, tau: Vec
+def _guide_at_once(
+    settings: GuidanceSettingsRecord, share: Vec, q: Vec, dq: Vec, wish: Vec, wish_rate: Vec, tau: Vec
 ) -> None:
-    """Set the torques [N m], shape [2], that return a leg to its path, none within the free width.
+    """Set the torques of the impedance around the reference at its time."""
+    for i in range(2):
+        pull = settings.stiffness[i] * (wish[i] - q[i]) + settings.damping[i] * (wish_rate[i] - dq[i])
+        tau[i] = share[i] * pull
+
+
+@kernel
+def nearest_time(q: Vec, wish: Vec, wish_rate: Vec, wish_change: Vec, window: float) -> float:
+    """Time from now at which the path of the reference is nearest to a pose [s], within a window.
 
     Args:
-        settings: GUIDANCE_SETTINGS record.
-        share: Guidance 0-1.
-        path: See `nearest_phase`.
-        phase: Phase of the reference [cycles].
-        q: Pose [rad], shape [2].
-        dq: Its velocity [rad/s].
-        tau: Out: torques.
+        q: Pose [rad], shape [2] like all below.
+        wish: q_r [rad].
+        wish_rate: q_r' [rad/s].
+        wish_change: q_r'' [rad/s^2].
+        window: Half length of the window [s].
     """
-    place = nearest_phase(path, phase, settings.window, q)
-    hip, knee = path[place, 0] - q[0], path[place, 1] - q[1]
+    t = 0.0
+    for _ in range(_STEPS):
+        along, square = 0.0, _SLOW * _SLOW
+        for i in range(2):
+            rate = wish_rate[i] + t * wish_change[i]
+            along += rate * (wish[i] + t * (wish_rate[i] + 0.5 * t * wish_change[i]) - q[i])
+            square += rate * rate
+        t = min(window, max(-window, t - along / square))
+    return t
+
+
+@kernel
+def _guide_in_window(
+    settings: GuidanceSettingsRecord,
+    share: Vec,
+    q: Vec,
+    dq: Vec,
+    wish: Vec,
+    wish_rate: Vec,
+    wish_change: Vec,
+    tau: Vec,
+) -> None:
+    """Set the torques that return a leg to its path."""
+    t = nearest_time(q, wish, wish_rate, wish_change, settings.window)
+    for i in range(2):
+        tau[i] = wish[i] + t * (wish_rate[i] + 0.5 * t * wish_change[i]) - q[i]
+    hip, knee = tau[0], tau[1]
     distance = math.sqrt(hip * hip + knee * knee)
     outside = max(0.0, 1.0 - settings.width / distance) if distance > 0.0 else 0.0
     away = (hip * dq[0] + knee * dq[1]) / (distance * distance) if outside > 0.0 else 0.0  # speed back along the error
     for i in range(2):
-        error = path[place, i] - q[i]
-        tau[i] = guide_joint(share, settings.stiffness[i], settings.damping[i], outside * error, -away * error)
+        tau[i] *= share[i] * (settings.stiffness[i] * outside - settings.damping[i] * away)
+
+
+@kernel
+def guide_joints(
+    settings: GuidanceSettingsRecord,
+    share: Vec,
+    q: Vec,
+    dq: Vec,
+    wish: Vec,
+    wish_rate: Vec,
+    wish_change: Vec,
+    tau: Vec,
+) -> None:
+    """Set the torques of the guidance of hip and knee.
+
+    Args:
+        settings: GUIDANCE_SETTINGS record.
+        share: Guidance of each joint 0-1, shape [2] like all below.
+        q: Pose [rad].
+        dq: Its velocity [rad/s].
+        wish: q_r [rad].
+        wish_rate: q_r' [rad/s].
+        wish_change: q_r'' [rad/s^2], for the window.
+        tau: Out: torques [N m].
+    """
+    if settings.window > 0.0:
+        _guide_in_window(settings, share, q, dq, wish, wish_rate, wish_change, tau)
+    else:
+        _guide_at_once(settings, share, q, dq, wish, wish_rate, tau)

@@ -25,7 +25,7 @@ from mimics_app.rendering.haptic.control.lokomat.constrained_shafts import (
 from mimics_app.rendering.haptic.control.lokomat.contact_impulse import effective_mass
 from mimics_app.rendering.haptic.control.lokomat.foot_constraint import FOOT_SURFACE, LEG_FRAME, find_surface
 from mimics_app.rendering.haptic.control.lokomat.foot_contact import FOOT_CONTACT, FOOT_SETTINGS, push_foot
-from mimics_app.rendering.haptic.control.lokomat.guidance_force import GUIDANCE_SETTINGS, guide_joint
+from mimics_app.rendering.haptic.control.lokomat.guidance_force import GUIDANCE_SETTINGS, guide_joints
 from mimics_app.rendering.haptic.control.lokomat.load_compensation import LOAD_SETTINGS, load_torques
 from mimics_app.rendering.haptic.control.lokomat.position_control import (
     POSITION_SETTINGS,
@@ -71,6 +71,7 @@ LEG_INPUT = np.dtype(
         ("torque", np.float64, 2),  # of the leg on its drives, rod force times lever [N m]
         ("q_ref", np.float64, 2),  # reference [rad]
         ("dq_ref", np.float64, 2),  # [rad/s]
+        ("ddq_ref", np.float64, 2),  # [rad/s^2]
         ("guidance", np.float64, 2),  # share 0-1 of each joint
         ("force", np.float64, 2),  # of soft objects on the foot (x, z) [N]
         ("hard", np.int64),  # 1: the hard object acts
@@ -90,6 +91,7 @@ LEG_STATE = np.dtype(
         ("x_real", np.float64, 2),  # measured foot (x, z) [m]
         ("x_des", np.float64, 2),  # foot of the admittance, or measured foot outside of the object (x, z) [m]
         ("f_x", np.float64, 2),  # force of the hard object on the foot (x, z) [N]
+        ("guided", np.float64, 2),  # torques of the guidance [N m]
         ("speed", np.float64, 2),  # scratch, like all below
         ("force", np.float64, 2),
         ("more", np.float64, 2),
@@ -117,11 +119,9 @@ def _find_foot(settings: LegSettingsRecord, now: LegInputRecord, state: LegState
 
 
 @kernel
-def _guidance(settings: LegSettingsRecord, now: LegInputRecord, joint: int) -> float:
-    """Torque of the guidance of one joint [N m]."""
-    stiffness, damping = settings.guidance.stiffness[joint], settings.guidance.damping[joint]
-    error, rate = now.q_ref[joint] - now.q[joint], now.dq_ref[joint] - now.dq[joint]
-    return guide_joint(now.guidance[joint], stiffness, damping, error, rate)
+def _guide(settings: LegSettingsRecord, now: LegInputRecord, state: LegStateRecord) -> None:
+    """Set the torques of the guidance."""
+    guide_joints(settings.guidance, now.guidance, now.q, now.dq, now.q_ref, now.dq_ref, now.ddq_ref, state.guided)
 
 
 @kernel
@@ -158,8 +158,9 @@ def control_impedance(settings: LegSettingsRecord, now: LegInputRecord, state: L
         state.x_des[1] += inside * n_z
         state.tau[0] += x1 * state.f_x[0] + z1 * state.f_x[1]
         state.tau[1] += x2 * state.f_x[0] + z2 * state.f_x[1]
+    _guide(settings, now, state)
     for joint in range(2):
-        state.tau[joint] += _guidance(settings, now, joint)
+        state.tau[joint] += state.guided[joint]
 
 
 @kernel
@@ -178,11 +179,12 @@ def _shaft_forces(settings: LegSettingsRecord, now: LegInputRecord, state: LegSt
     state.more[0] = x1 * now.force[0] + z1 * now.force[1]
     state.more[1] = x2 * now.force[0] + z2 * now.force[1]
     g1, g2 = weight(settings.load.links, now.q[0], now.q[1])
+    _guide(settings, now, state)
     for joint in range(2):
         arm = lever(settings.frame.links[joint], now.q[joint])
         known = -settings.load.weight * (g1 if joint == 0 else g2) / arm
         sensor = -settings.shafts.sensor_sign * now.torque[joint] / arm
-        added = (_guidance(settings, now, joint) + state.more[joint]) / arm
+        added = (state.guided[joint] + state.more[joint]) / arm
         state.force[joint] = measured_force(settings.shafts, joint, sensor, state.motor[joint], known) + added
 
 
