@@ -9,8 +9,8 @@ import numpy as np
 
 from mimics_app.contracts.system.machine import describe_machine
 from mimics_app.lab.figure import Figure, write_figure
+from mimics_app.lab.haptic.leg_runs import SPEEDS, foot_on_wall, residual_torque
 from mimics_app.lab.haptic.lokomat_rig import COMBINED, CONTROLS, IMPEDANCE, Rig
-from mimics_app.lab.lokomat_bench import SPEEDS, foot_on_wall, residual_torque
 from mimics_app.lab.panel import Panel
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.drawing import document, legend

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from mimics_app.lab.haptic.leg_runs import foot_on_wall
 from mimics_app.lab.haptic.lokomat_rig import COMBINED, CONTROLS, IMPEDANCE
-from mimics_app.lab.lokomat_bench import foot_on_wall
 from mimics_app.lab.stability.leg_loop import LegBench
 from mimics_app.lab.stability.leg_model import impedance_loop, is_stable_but_for_a_neutral_way, rest_in_combined
 from mimics_app.lab.stability.s18_leg_rate import EXPERIMENT, holds_default

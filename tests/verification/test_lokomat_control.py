@@ -10,8 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from mimics_app.lab.haptic.free_leg import constraint_drift, energy_drift
+from mimics_app.lab.haptic.leg_runs import PUSH, SPEEDS, foot_on_wall, residual_torque, wall_rig
 from mimics_app.lab.haptic.lokomat_rig import COMBINED, CONTROLS, IMPEDANCE, Person, Rig
-from mimics_app.lab.lokomat_bench import PUSH, SPEEDS, foot_on_wall, residual_torque, wall_rig
 from mimics_app.rendering.haptic.control.lokomat.guidance_force import (
     GUIDANCE_SETTINGS,
     guide_joints,

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from mimics_app.compiled.kernel import kernel
+from mimics_app.lab.haptic.leg_runs import wall_rig
 from mimics_app.lab.haptic.lokomat_rig import COMBINED, CONTROLS, IMPEDANCE, Person, Play, Rig
-from mimics_app.lab.lokomat_bench import wall_rig
 from mimics_app.rendering.haptic.control.lokomat.gait_limits import LEG_LIMITS, limit_leg, set_limits
 from mimics_app.rendering.haptic.control.lokomat.leg_control import (
     LEG_INPUT,

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from scipy.signal import butter, sosfilt
 
+from mimics_app.lab.haptic.leg_runs import wall_rig
 from mimics_app.lab.haptic.lokomat_rig import COMBINED, CONTROLS, IMPEDANCE, Person, Play
-from mimics_app.lab.lokomat_bench import wall_rig
 from mimics_app.rendering.haptic.devices.gait_people import PERSONS
 from tests.support.muscle_person import ACTIVATIONS, PRESSING, RELAXED, muscle_torques
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
+from mimics_app.lab.haptic.leg_runs import SPEEDS, residual_torque
 from mimics_app.lab.haptic.lokomat_rig import COMBINED, IMPEDANCE, Rig
 from mimics_app.lab.haptic.probe import reference_us
-from mimics_app.lab.lokomat_bench import SPEEDS, residual_torque
 from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Probes, Rival, compare
 from mimics_app.rendering.haptic.kernels.leg_kinematics import SHANK, THIGH

@@ -47,6 +47,8 @@ _GUIDED = {"stiffness": 150.0, "damping": 30.0}
 _SPEED, _HEIGHT = 1.4 / 3.6, 1.75
 _DT = 1e-3
 _CYCLES, _CALLS = 3, 20_000
+_STEP = 1e-9
+"""Motion between two calls that are timed [rad]."""
 _PERSON_STIFFNESS, _PERSON_DAMPING = 400.0, 12.0
 """With which a person draws the own leg along the path [N m/rad, N m s/rad]."""
 
@@ -111,7 +113,7 @@ def _compute(servo: bool, settings: LegSettingsRecord, now: LegInputRecord, stat
     """Compute the torques of position control or guidance again and again: for timing."""
     position, own = settings.position, settings.guidance
     for call in range(calls):
-        now.q[0] += 1e-9 * call
+        now.q[0] += _STEP * call
         if servo:
             position_torques(position, settings.frame, now.q, now.dq, now.q_ref, now.dq_ref, now.ddq_ref, state.tau)
         else:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from mimics_app.lab.haptic.led_leg import Leg
+from mimics_app.lab.haptic.leg_runs import PUSH, wall_rig
 from mimics_app.lab.haptic.lokomat_rig import COMBINED, Person
-from mimics_app.lab.lokomat_bench import PUSH, wall_rig
 from mimics_app.lab.rivals import Rival
 
 __all__ = ["POSITION_RIVALS", "away", "cost_us", "yielding"]

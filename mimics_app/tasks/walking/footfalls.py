@@ -84,7 +84,7 @@ class Footfalls:
             now, foot.ahead, foot.moves = moves + 0.5 * (moves - foot.moves), ahead, moves
             foot.since += seconds
             turns = now < 0.0 and moves < _UP * legs.belt_speed
-            struck = self._is_told(foot, legs.strikes[k]) if legs.strikes else turns
+            struck = self._is_counted(foot, legs.strikes[k]) if legs.strikes else turns
             if self._comes_down(foot, struck, lift, legs.belt_speed):
                 fallen.append(self._take(k, foot, ahead - places[1 - k][0]))
         self._begun = True
@@ -115,7 +115,7 @@ class Footfalls:
         """Return the step [m] at a speed [m/s] with the present cadence; the natural one before there is any."""
         return 0.5 * speed * self._cycle_s if self.count > _CADENCE_FROM else natural_step(speed)
 
-    def _is_told(self, foot: _Foot, strikes: int) -> bool:
+    def _is_counted(self, foot: _Foot, strikes: int) -> bool:
         """Return whether a foot has struck since the last time step, as the loop counts it."""
         before, foot.strikes = foot.strikes, strikes
         return self._begun and strikes > before

@@ -41,6 +41,9 @@ _TAU, _WAIT = 0.020, 0.008
 """Time constant of each pole, and the time for which a foot moves backwards before it is told [s]. Of five times of
 either, on walks with noise of 0.5 and 1 mrad, the pair that finds most strikes within 20 ms: 7 ms late in the mean."""
 
+_TRIPLE = 1.5
+"""Coefficient of the velocity's correction for a triple pole."""
+
 _SWINGS = 0.15
 """Speed forwards from which a foot swings [m/s]; a standing one moves backwards, or not at all."""
 
@@ -62,7 +65,7 @@ def watch_heel(heel: HeelStrikeRecord, geometry: Vec, q: Vec, runs: bool, dt: fl
     ahead = heel.x + dt * (heel.v + 0.5 * dt * heel.a)
     away = place - ahead
     heel.x = ahead + (1.0 - r * r * r) * away
-    heel.v += dt * heel.a + 1.5 * free * free * (1.0 + r) * away / dt
+    heel.v += dt * heel.a + _TRIPLE * free * free * (1.0 + r) * away / dt
     heel.a += free * free * free * away / (dt * dt)
     if not runs:
         heel.swings = 0
