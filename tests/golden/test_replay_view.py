@@ -283,7 +283,7 @@ def played(replayed: ReplayedScene, leap: tuple[int, int] | None) -> list[tuple[
     def listen(frame: TaskFrame, orders: TaskOrders, world: World) -> None:
         clock.sleep_until_ns(frame.now_ns)
         number = int(np.searchsorted(replayed.times_ns, frame.now_ns - replayed.begun_ns)) + 1
-        sound.hear(on=leap is None or not leap[0] < number <= leap[1])
+        sound.set_audible(on=leap is None or not leap[0] < number <= leap[1])
         sound.step(frame, orders, world)
 
     replayed.listener = listen

@@ -41,17 +41,17 @@ class ReplaySound:
     def __init__(self, run: Run, scene: Scene, clock: Clock, *, live: bool = True) -> None:
         self._memory, self._clock = SessionMemory(), clock
         self._sound = open_sound(scene, "auto", self._memory, run.folder, live=live)
-        self._heard = True
+        self._audible = True
 
-    def hear(self, *, on: bool) -> None:
+    def set_audible(self, *, on: bool) -> None:
         """Begin or end to play the frames that are done from now on."""
-        if on is not self._heard:
-            self._heard = on
+        if on is not self._audible:
+            self._audible = on
             self._sound.mute(on=not on)
 
     def step(self, frame: TaskFrame, orders: TaskOrders, world: World) -> None:
         """Do a frame of the run, after the world was brought to it."""
-        if not self._heard:
+        if not self._audible:
             self._sound.pass_over(orders)
             return
         now_ns = self._clock.now_ns()

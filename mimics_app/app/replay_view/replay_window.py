@@ -78,7 +78,7 @@ class ReplayWindow:
         self._page = PageSurface(self._surface)
         self._sound = ReplaySound(first.run, first.scene, self._clock) if sound else None
         if self._sound is not None:
-            self._sound.hear(on=False)
+            self._sound.set_audible(on=False)
             first.listener = self._sound.step
         length_ns = max(int(run.times_ns[-1]) for run in runs)
         self._head = Playhead(length_ns, speed)
@@ -124,7 +124,7 @@ class ReplayWindow:
         self._dirty = self._dirty or changed
         if self._sound is not None:
             follows = 0 <= numbers[0] - self._runs[0].number <= _MOST_FRAMES
-            self._sound.hear(on=follows and self._head.playing and self._head.speed == 1.0)
+            self._sound.set_audible(on=follows and self._head.playing and self._head.speed == 1.0)
         return all([run.to(number, _LONGEST_NS) for run, number in zip(self._runs, numbers, strict=True)])
 
     def _draw(self, now_ns: int, *, there: bool) -> None:
