@@ -120,8 +120,8 @@ def _show(args: argparse.Namespace) -> int:
     if args.view:
         from mimics_app.app.replay_view.replay_window import ReplayWindow
 
-        audible = args.sound != "off"
-        with ReplayWindow(runs, args.size, args.camera, forces=not args.plain, speed=args.speed, sound=audible) as window:
+        sound, forces = args.sound != "off", not args.plain
+        with ReplayWindow(runs, args.size, args.camera, forces=forces, speed=args.speed, sound=sound) as window:
             window.run()
         answer(args, {**shown, "files": []}, [f"{counted(runs[0].count, 'frames')} looked at"])
         return 0
