@@ -8,6 +8,7 @@ The fault corrected, it becomes an `@example` of the test, which stays when the 
 from __future__ import annotations
 
 import gc
+import os
 import signal
 from collections.abc import Generator
 from pathlib import Path
@@ -30,6 +31,9 @@ settings.register_profile(DAILY, derandomize=False, deadline=None, database=Read
 settings.register_profile(RANDOM, derandomize=False, deadline=None, print_blob=True, database=_FOUND)
 settings.register_profile(NIGHTLY, parent=settings.get_profile(RANDOM), max_examples=2000)
 settings.load_profile(DAILY)
+
+# Texts are compared in English, whatever the language of who tests.
+os.environ["LANGUAGE"] = "en"
 
 # A job in the background of a shell ignores Ctrl-C, and so would every program that a test starts and interrupts.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:

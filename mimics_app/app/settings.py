@@ -79,6 +79,7 @@ class RunSettings:
         difficulty: "easier" and "harder" move the adaptable parameters half-way to their easiest or hardest value.
         trials: Number of trials that count, the scene's list repeated where it is shorter; 0: as in the scene.
         participant: Code of the person, for results over time; "": none.
+        language: Language of the texts that the person sees, one of `contracts.system.language.LANGUAGES`; "": English.
         opt: One of PICTURE_OPTIONS, or "".
         steer: Program of an installed package that gives commands; "": none.
         markers: Stream of markers of the lab streaming layer that may give notes, marks and stops; "": none.
@@ -116,6 +117,7 @@ class RunSettings:
     difficulty: Difficulty = "usual"
     trials: int = 0
     participant: str = ""
+    language: str = ""
     opt: str = ""
     steer: str = ""
     markers: str = ""

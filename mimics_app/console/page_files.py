@@ -1,15 +1,12 @@
-"""What the page consists of: its files, and its texts in the language of the reader as JSON of gettext catalogues.
-
-A language is a folder `locale/LANGUAGE/LC_MESSAGES` with `console.mo`; the English texts of the page are the keys.
-"""
+"""What the page consists of: its files, and its texts in the language of the reader; the English ones are the keys."""
 
 from __future__ import annotations
 
-import gettext
 import mimetypes
 import re
-from functools import lru_cache
 from pathlib import Path
+
+from mimics_app.contracts.system import language
 
 __all__ = ["catalogue", "page_files"]
 
@@ -17,8 +14,6 @@ _PAGE = Path(__file__).parent / "page"
 _SUFFIXES = (".html", ".js", ".css", ".svg", ".LICENSE")
 _TYPES = {".js": "text/javascript", ".LICENSE": "text/plain"}
 
-_LOCALE = Path(__file__).parent / "locale"
-_DOMAIN, _SOURCE = "console", "en"
 _LONGEST = 200
 """Length of a header that is read [characters]."""
 _TAG = re.compile(r"([A-Za-z]{2,3})(?:-[A-Za-z0-9]+)*")
@@ -34,7 +29,6 @@ def page_files() -> dict[str, tuple[bytes, str]]:
     return files
 
 
-@lru_cache(maxsize=64)
 def catalogue(accepted: str) -> dict[str, object]:
     """Return the language, and its texts by their English ones, of which the page has what the reader prefers.
 
@@ -42,11 +36,6 @@ def catalogue(accepted: str) -> dict[str, object]:
         accepted: Value of the Accept-Language header.
     """
     wanted = [match.group(1).lower() for part in accepted[:_LONGEST].split(",") if (match := _TAG.match(part.strip()))]
-    for language in wanted:
-        if language == _SOURCE:
-            break
-        found = gettext.translation(_DOMAIN, _LOCALE, [language], fallback=True)
-        texts = {key: text for key, text in getattr(found, "_catalog", {}).items() if isinstance(key, str) and key}
-        if texts:
-            return {"language": language, "texts": texts}
-    return {"language": _SOURCE, "texts": {}}
+    code = next((each for each in wanted if each in language.LANGUAGES), language.SOURCE)
+    texts = {} if code == language.SOURCE else dict(language.catalogue(code))
+    return {"language": code, "texts": texts}

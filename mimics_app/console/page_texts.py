@@ -1,12 +1,10 @@
-"""Template of the page's gettext catalogues, from its own files: `python -m mimics_app.console.page_texts`.
+"""Texts of the operator's page, from its own files, for the catalogues of the languages (`assets/builders/texts`).
 
-A text is what an element with `data-text` holds, what a script gives to `t` or `mark`, and what a light before a
-session says. A translation is `locale/LANGUAGE/LC_MESSAGES/console.po`; `msgfmt` makes the `console.mo` beside it.
+A text is what an element with `data-text` holds, what a script gives to `t` or `mark`, and what the page is sent.
 """
 
 from __future__ import annotations
 
-import ast
 import json
 import re
 from html.parser import HTMLParser
@@ -14,11 +12,9 @@ from pathlib import Path
 
 from mimics_app.contracts.loop.device_faults import FAULT_WORDS
 
-__all__ = ["TEMPLATE", "page_texts", "template"]
+__all__ = ["page_texts"]
 
 _FOLDER = Path(__file__).parent
-TEMPLATE = _FOLDER / "locale" / "console.pot"
-"""The template, as it is kept."""
 
 _IN_SCRIPT = re.compile(r'\b(?:t|mark)\(\s*("(?:[^"\\]|\\.)*")')
 _FROM_SESSION = (
@@ -27,33 +23,20 @@ _FROM_SESSION = (
     "finished", "timeout", "aborted", "from the left", "from the right", "from above",
 )  # fmt: skip
 """Texts that the page is sent and shows in the reader's language."""
-_HEAD = (
-    "# Texts of the operator's page.\n#\n"
-    'msgid ""\nmsgstr ""\n"Content-Type: text/plain; charset=UTF-8\\n"\n"Content-Transfer-Encoding: 8bit\\n"\n'
-)
 
 
 def page_texts() -> dict[str, list[str]]:
     """Return the texts, each with the files that have it, in the order of the files."""
     found: dict[str, list[str]] = {}
-    for file in sorted(_FOLDER.glob("page/*.html")) + sorted(_FOLDER.glob("page/*.js")) + [_FOLDER / "readiness.py"]:
+    for file in sorted(_FOLDER.glob("page/*.html")) + sorted(_FOLDER.glob("page/*.js")):
         source, place = file.read_text(encoding="utf-8"), file.relative_to(_FOLDER).as_posix()
-        for text in {".html": _in_html, ".js": _in_script, ".py": _in_lights}[file.suffix](source):
+        for text in {".html": _in_html, ".js": _in_script}[file.suffix](source):
             places = found.setdefault(text, [])
             if place not in places:
                 places.append(place)
     for text in (*FAULT_WORDS.values(), *_FROM_SESSION):
         found.setdefault(text, []).append("session")
     return found
-
-
-def template() -> str:
-    """Return the content of the template."""
-    entries = [
-        f'#: {" ".join(places)}\nmsgid {json.dumps(text, ensure_ascii=False)}\nmsgstr ""\n'
-        for text, places in page_texts().items()
-    ]
-    return "\n".join([_HEAD, *entries])
 
 
 class _Marked(HTMLParser):
@@ -83,25 +66,3 @@ def _in_html(source: str) -> list[str]:
 
 def _in_script(source: str) -> list[str]:
     return [str(json.loads(quoted)) for quoted in _IN_SCRIPT.findall(source)]
-
-
-def _in_lights(source: str) -> list[str]:
-    """Return the whole texts that are given to a `Light`, without those that have a value within."""
-    lights = [
-        node
-        for node in ast.walk(ast.parse(source))
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "Light"
-    ]
-    written = [
-        part.value
-        for light in lights
-        for given in (light.args[0], *light.args[2:])
-        for part in ast.walk(given)
-        if isinstance(part, ast.Constant) and isinstance(part.value, str)
-    ]
-    return [text for text in written if text and text not in ("green", "amber", "red")]
-
-
-if __name__ == "__main__":
-    TEMPLATE.parent.mkdir(exist_ok=True)
-    TEMPLATE.write_text(template(), encoding="utf-8")

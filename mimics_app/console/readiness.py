@@ -14,6 +14,8 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
+from mimics_app.contracts.system.phrases import phrase
+
 __all__ = ["Choice", "Light", "find_choices", "find_lights", "start_words"]
 
 _LONGEST_S = 120.0
@@ -98,28 +100,28 @@ def machine_lights(doctor: Mapping[str, Any]) -> list[Light]:
     fifo = bool(scheduler.get("fifo"))
     return [
         Light(
-            "disk",
+            phrase("disk"),
             room,
-            f"room for {hours:.0f} hours of recording",
-            "" if room == "green" else "free some space, or start the page in another folder",
+            phrase("room for {hours:.0f} hours of recording", hours=hours),
+            "" if room == "green" else phrase("free some space, or start the page in another folder"),
         ),
         Light(
-            "sound",
+            phrase("sound"),
             "green" if sound.get("ok") else "amber",
-            str(sound.get("device") or sound.get("error") or "ready"),
-            "" if sound.get("ok") else "connect loudspeakers; without them the session is silent",
+            str(sound.get("device") or sound.get("error") or phrase("ready")),
+            "" if sound.get("ok") else phrase("connect loudspeakers; without them the session is silent"),
         ),
         Light(
-            "display",
+            phrase("display"),
             "green" if monitors else "amber",
-            ", ".join(map(str, monitors)) or "none",
-            "" if monitors else "connect a screen; without one the session draws nothing",
+            ", ".join(map(str, monitors)) or phrase("none"),
+            "" if monitors else phrase("connect a screen; without one the session draws nothing"),
         ),
         Light(
-            "real time",
+            phrase("real time"),
             "green" if fifo else "amber",
-            "real-time priority" if fifo else "no real-time priority",
-            "" if fifo else "mimics doctor prints the line that allows it",
+            phrase("real-time priority") if fifo else phrase("no real-time priority"),
+            "" if fifo else phrase("mimics doctor prints the line that allows it"),
         ),
     ]
 
@@ -128,10 +130,13 @@ def scene_light(checked: Mapping[str, Any]) -> Light:
     """Return the light of the scene, by the object of `mimics check --json`."""
     errors = checked.get("errors", [])
     if not errors:
-        return Light("scene", "green", "no errors")
+        return Light(phrase("scene"), "green", phrase("no errors"))
     first = errors[0]
     return Light(
-        "scene", "red", str(first.get("what", "")), str(first.get("fix", "") or "mimics check names the place")
+        phrase("scene"),
+        "red",
+        str(first.get("what", "")),
+        str(first.get("fix", "") or phrase("mimics check names the place")),
     )
 
 
@@ -140,17 +145,24 @@ def device_light(choice: Choice, devices: Mapping[str, Any]) -> Light:
     wanted = choice.device.partition(":")[0]
     known = {str(each.get("name", "")) for each in devices.get("devices", [])}
     if not wanted or wanted in known:
-        return Light("device", "green", wanted or "that of the scene")
-    return Light("device", "red", f"{wanted} is not installed", "choose another one; mimics devices lists them")
+        return Light(phrase("device"), "green", wanted or phrase("that of the scene"))
+    return Light(
+        phrase("device"),
+        "red",
+        phrase("{device} is not installed", device=wanted),
+        phrase("choose another one; mimics devices lists them"),
+    )
 
 
 def signal_light(choice: Choice) -> Light:
     """Return the light of the body signals: a simulated person is there; an amplifier is sought at the start."""
     kind = choice.physio.partition(":")[0]
     if kind in ("", "sim"):
-        return Light("body signals", "green", "simulated" if kind else "none")
-    remedy = "switch the amplifier on; the session reports a source that it does not find"
-    return Light("body signals", "amber", f"{choice.physio} is sought at the start", remedy)
+        return Light(phrase("body signals"), "green", phrase("simulated") if kind else phrase("none"))
+    remedy = phrase("switch the amplifier on; the session reports a source that it does not find")
+    return Light(
+        phrase("body signals"), "amber", phrase("{source} is sought at the start", source=choice.physio), remedy
+    )
 
 
 async def _ask(*words: str) -> dict[str, Any]:

@@ -13,6 +13,8 @@ from typing import Any
 
 from mimics_app.contracts.messages.report_section import ReportSection
 from mimics_app.contracts.messages.trial_counts import COUNTED_TRIALS, count_trials
+from mimics_app.contracts.system.language import LANGUAGES, SOURCE, speaking, spoken, translated
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.plotting.page_templates import load_templates
 from mimics_app.plotting.plot import Plot
 from mimics_app.recording.attempts import Attempt, find_attempts
@@ -51,7 +53,12 @@ __all__ = ["Page", "page_of", "write_report"]
 _OWN_KEYS = ("format", "version", "versions", "machine", "clock", "plan")
 _TEMPLATES = Path(__file__).parent / "templates"
 _TRIPS = "{}. A stop is latched until a person resets it; a short hold, after a late tick, ends on its own."
-_BADGES = {"clean": "recording complete", "open": "recording not closed"}
+_BADGES = {
+    "clean": phrase("recording complete"),
+    "open": phrase("recording not closed"),
+    "interrupted": phrase("recording interrupted"),
+    "recovered": phrase("recording recovered"),
+}
 _UNREADABLE = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
 """Errors of a section on facts of a scene that are damaged or of another shape."""
 
@@ -168,15 +175,24 @@ def write_report(folder: Path, sections: Sequence[ReportSection]) -> Path:
         SceneError: It is no run folder.
         OSError: The folder cannot be written.
     """
-    page = _render(page_of(Run.open(folder), sections))
+    run = Run.open(folder)
+    with speaking(_language_of(run)):
+        page = _render(page_of(run, sections))
     path = folder / FILES["report"]
     write_atomically(path, page.encode())
     return path
 
 
+def _language_of(run: Run) -> str:
+    """Return the language of the session, in which page one is written; English where the run states none."""
+    language = str(mapping(run.session.get("settings")).get("language", ""))
+    return language if language in LANGUAGES else SOURCE
+
+
 def _render(page: Page) -> str:
     """Return a report as HTML, with automatic escaping; characters that UTF-8 cannot encode become question marks."""
-    text = load_templates(_TEMPLATES, shown=shown).get_template("report.html.j2").render(page=page)
+    templates = load_templates(_TEMPLATES, shown=shown, translated=translated)
+    text = templates.get_template("report.html.j2").render(page=page, language=spoken())
     return text.encode("utf-8", "replace").decode()
 
 
@@ -187,12 +203,14 @@ def page_of(run: Run, sections: Sequence[ReportSection]) -> Page:
     section = _section_of(sections, facts, attempts)
     recorded, first = len(run.haptic) > 0, _first_shown(attempts)
     return Page(
-        title=f"Report of {_scene_name(run)}",
-        status=_BADGES.get(run.status, f"recording {run.status}"),
+        title=translated(phrase("Report of {scene}", scene=_scene_name(run))),
+        status=translated(_BADGES.get(run.status, run.status)),
         tone={"clean": "good", "open": "bad"}.get(run.status, "warn"),
         line=_head_line(run),
         problems=list(evaluate(run).problems),
-        cards={name: text for name, text in _cards(run, attempts, section).items() if text != NONE},
+        cards={
+            translated(name): translated(text) for name, text in _cards(run, attempts, section).items() if text != NONE
+        },
         counted=str(task.get("counted", COUNTED_TRIALS)) if (task := session_totals(run.summary, run.trials)) else "",
         front=front_of(run),
         anchors=[attempt.anchor for attempt in attempts if attempt.row],
@@ -227,10 +245,12 @@ def _scene_name(run: Run) -> str:
 def _head_line(run: Run) -> list[str]:
     seconds = float(run.haptic["t"][-1]) if len(run.haptic) else 0.0
     known = {**mapping(run.session.get("settings")), **run.session}
-    whose = [f"participant {shown(known['participant'])}"] if known.get("participant") else []
-    words = [*whose, _local_time(mapping(run.session.get("clock")).get("utc")), f"{seconds:.1f} s"]
+    code = shown(known.get("participant", ""))
+    whose = [translated(phrase("participant {code}", code=code))] if code else []
+    words = [*whose, _local_time(mapping(run.session.get("clock")).get("utc")), translated(f"{seconds:.1f} s")]
     moved_by = mapping(run.session.get("moved_by"))
-    words += [f"simulated patient, {shown(moved_by.get('preset'))}"] if moved_by.get("person") == "simulated" else []
+    if moved_by.get("person") == "simulated":
+        words.append(translated(phrase("simulated patient, {preset:s}", preset=shown(moved_by.get("preset")))))
     words += [shown(known[key]) for key in ("device", "profile") if known.get(key)]
     words.append(f"seed {shown(run.session.get('seed'))}")
     return [word for word in words if word]
@@ -249,13 +269,13 @@ def _cards(run: Run, attempts: list[Attempt], section: ReportSection) -> dict[st
     felt = [_largest_force(attempt) for attempt in attempts]
     return {
         **_trial_cards(run),
-        "score of 100": _points(task.get("score")),
-        "mean time of a trial": one(task.get("time_s"), "s"),
+        phrase("score of 100"): _points(task.get("score")),
+        phrase("mean time of a trial"): one(task.get("time_s"), "s"),
         **{name: _card(*figure) for name, figure in section.tiles(task).items()},
         section.path_error: one(scaled(task.get("path_error_m"), 1000.0), "mm"),
         section.contacts: shown(task.get("contacts")),
-        "largest force felt": one(float(max(felt, default=0.0)) or None, "N"),
-        "safety stops": shown(_stops_and_holds(run)["safety stops"]),
+        phrase("largest force felt"): one(float(max(felt, default=0.0)) or None, "N"),
+        phrase("safety stops"): shown(_stops_and_holds(run)["safety stops"]),
     }
 
 
@@ -285,13 +305,22 @@ def _trial_cards(run: Run) -> dict[str, str]:
     """Return the number of finished trials and practice, each only if some ended."""
     counts = count_trials(run.trials)
     ended = {
-        "trials finished": (counts.completed, counts.trials),
-        "practice finished": (counts.practice_completed, counts.practice_trials),
+        phrase("trials finished"): (counts.completed, counts.trials),
+        phrase("practice finished"): (counts.practice_completed, counts.practice_trials),
     }
-    cards = {name: f"{completed} of {trials}" for name, (completed, trials) in ended.items() if trials}
+    cards = {
+        name: phrase("{number:d} of {trials:d}", number=completed, trials=trials)
+        for name, (completed, trials) in ended.items()
+        if trials
+    }
     planned = _planned(run)
     if planned > counts.trials > 0:
-        cards["trials finished"] += f", {planned} planned"
+        cards["trials finished"] = phrase(
+            "{number:d} of {trials:d}, {planned:d} planned",
+            number=counts.completed,
+            trials=counts.trials,
+            planned=planned,
+        )
     return cards
 
 

@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from mimics_app.contracts.system.language import translated
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.contracts.system.regular_file import open_regular
 from mimics_app.contracts.system.resources import root
 from mimics_app.plotting.axis import Axis
@@ -65,25 +67,36 @@ def front_of(run: Run) -> Front:
 
 def _trend(task: Mapping[str, Any], earlier: list[EarlierRun], participant: str) -> Plot | None:
     """Plot the mean score of each session, or its mean time where the task has no score."""
-    whose = f" of {participant}" if participant else ""
     scores = [run.score for run in earlier]
     score = number(task.get("score")) if mean_time(task) is not None else None
     if score is not None and any(each is not None for each in scores):
-        values, label, title = [*scores, score], "mean score of 100", f"Score over the sessions{whose}"
-        y = Axis(label, 0.0, 100.0)
+        values = [*scores, score]
+        title = _title(participant, phrase("Score over the sessions"), phrase("Score over the sessions of {code}"))
+        y = Axis(translated(phrase("mean score of 100")), 0.0, 100.0)
     else:
-        values, label = [*(run.time_s for run in earlier), mean_time(task)], "mean time [s]"
-        title = f"Time over the sessions{whose}"
-        y = Axis.of(label, np.array([value for value in values if value is not None]), zero=True)
+        values = [*(run.time_s for run in earlier), mean_time(task)]
+        title = _title(participant, phrase("Time over the sessions"), phrase("Time over the sessions of {code}"))
+        known = np.array([value for value in values if value is not None])
+        y = Axis.of(translated(phrase("mean time [s]")), known, zero=True)
     kept = np.array([np.nan if value is None else value for value in values])
     if np.isfinite(kept).sum() < 2:
         return None
     at = np.arange(1.0, len(kept) + 1.0)
-    sessions = Axis("session, the last one is this", 0.5, len(kept) + 0.5, at=tuple(at.tolist()))
+    sessions = Axis(translated(phrase("session, the last one is this")), 0.5, len(kept) + 0.5, at=tuple(at.tolist()))
     plot = Plot(sessions, y, title, height=190.0)
     plot.line(at, kept, "robot")
-    plot.points(at, kept, "contact", hovers=[f"session {i + 1}: {value:.1f}" for i, value in enumerate(kept)])
+    plot.points(
+        at,
+        kept,
+        "contact",
+        hovers=[translated(phrase("session {n:d}: {value:.1f}", n=i + 1, value=value)) for i, value in enumerate(kept)],
+    )
     return plot
+
+
+def _title(participant: str, alone: str, whose: str) -> str:
+    """Return the title of the trend, with the code of the participant where there is one."""
+    return translated(phrase(whose, code=participant) if participant else alone)
 
 
 def _picture(folder: Path, scene: str) -> str:

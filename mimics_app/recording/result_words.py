@@ -5,8 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from mimics_app.contracts.errors import counted
-from mimics_app.contracts.messages.trial_counts import COUNTED_TRIALS, FINISHED, SESSION_ENDED
+from mimics_app.contracts.messages.trial_counts import (
+    COUNTED_TRIALS,
+    FINISHED,
+    SESSION_ENDED,
+    finished_words,
+    practice_only,
+)
+from mimics_app.contracts.system.language import translated
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.recording.history import EarlierRun, finished_times
 from mimics_app.recording.report_values import number
 
@@ -20,26 +27,26 @@ __all__ = [
     "trial_names",
 ]
 
-_OUTCOMES = {FINISHED: "finished", "timeout": "time over", "aborted": "broken off"}
+_OUTCOMES = {FINISHED: phrase("finished"), "timeout": phrase("time over"), "aborted": phrase("broken off")}
 
 _NOTABLE = 0.02
 """Smallest relative difference to the last session's time that is mentioned."""
 
 _COLUMNS: tuple[tuple[str, str, Callable[[float], str]], ...] = (
-    ("time_s", "Time", lambda value: f"{value:.1f} s"),
-    ("path_error_rms_m", "Off the line", lambda value: f"{1e3 * value:.1f} mm"),
-    ("contacts", "Contacts", lambda value: f"{value:.0f}"),
-    ("drops", "Drops", lambda value: f"{value:.0f}"),
-    ("bruises", "Bruises", lambda value: f"{value:.0f}"),
-    ("walked_m", "Walked", lambda value: f"{value:.0f} m"),
-    ("walk_speed_mps", "Walking speed", lambda value: f"{value:.2f} m/s"),
-    ("walk_steps", "Steps", lambda value: f"{value:.0f}"),
-    ("walk_left_m", "Left to the place", lambda value: f"{value:.1f} m"),
-    ("taps", "Taps", lambda value: f"{value:.0f}"),
-    ("ownership", "Ownership", lambda value: f"{value:+.1f}"),
-    ("drift_m", "Drift", lambda value: f"{value:.2f} m"),
-    ("path_m", "Path", lambda value: f"{value:.2f} m"),
-    ("score", "Score of 100", lambda value: f"{value:.0f}"),
+    ("time_s", phrase("Time"), lambda value: f"{value:.1f} s"),
+    ("path_error_rms_m", phrase("Off the line"), lambda value: f"{1e3 * value:.1f} mm"),
+    ("contacts", phrase("Contacts"), lambda value: f"{value:.0f}"),
+    ("drops", phrase("Drops"), lambda value: f"{value:.0f}"),
+    ("bruises", phrase("Bruises"), lambda value: f"{value:.0f}"),
+    ("walked_m", phrase("Walked"), lambda value: f"{value:.0f} m"),
+    ("walk_speed_mps", phrase("Walking speed"), lambda value: f"{value:.2f} m/s"),
+    ("walk_steps", phrase("Steps"), lambda value: f"{value:.0f}"),
+    ("walk_left_m", phrase("Left to the place"), lambda value: f"{value:.1f} m"),
+    ("taps", phrase("Taps"), lambda value: f"{value:.0f}"),
+    ("ownership", phrase("Ownership"), lambda value: f"{value:+.1f}"),
+    ("drift_m", phrase("Drift"), lambda value: f"{value:.2f} m"),
+    ("path_m", phrase("Path"), lambda value: f"{value:.2f} m"),
+    ("score", phrase("Score of 100"), lambda value: f"{value:.0f}"),
 )
 """Measures of a trial that the table shows where a trial has them: column of trials.csv, caption, text."""
 
@@ -62,14 +69,14 @@ def result_sentence(task: Mapping[str, Any], rows: Sequence[Mapping[str, Any]], 
     if not trials:
         practice = task.get("practice")
         ended = number(practice.get("trials")) if isinstance(practice, Mapping) else None
-        return f"Practice only: {counted(int(ended), 'trials')}." if ended else "No trial came to its end."
+        return translated(practice_only(int(ended)) if ended else phrase("No trial came to its end."))
     completed = number(task.get("completed")) or 0.0
     words = [str(row["happened"]) for row in rows if _counts(row) and row.get("happened")]
     parts = words[-1:] if trials == 1 else []
-    parts = parts or [f"{completed:.0f} of {counted(int(trials), 'trials')} finished"]
-    sentence = ", ".join([*parts, *_against_last(rows, earlier)]) + "."
+    parts = parts or [finished_words(round(completed), int(trials))]
+    sentence = ", ".join(map(translated, [*parts, *_against_last(rows, earlier)])) + "."
     missed = [str(row["happened"]) for row in rows if _counts(row) and not _finished(row) and row.get("happened")]
-    return f"{sentence} {missed[-1]}." if missed and trials > 1 else sentence
+    return f"{sentence} {translated(missed[-1])}." if missed and trials > 1 else sentence
 
 
 def finished_time(rows: Sequence[Mapping[str, Any]]) -> float | None:
@@ -104,7 +111,7 @@ def trial_lines(rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[tupl
     walks = any(_has(row, "walked_m") for row in rows)
     columns = [column for column in _COLUMNS if not (walks and column[0] == _NOT_OF_WALKS)]
     shown = [column for column in columns if any(_has(row, column[0]) for row in rows)]
-    head = ["Trial", "Result", *(caption for _, caption, _ in shown)]
+    head = [translated(each) for each in (phrase("Trial"), phrase("Result"), *(caption for _, caption, _ in shown))]
     return head, [(name, _outcome(row), *_cells(row, shown)) for name, row in zip(trial_names(rows), rows, strict=True)]
 
 
@@ -112,20 +119,23 @@ def trial_names(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Return the name of each row's trial: its number from 1, the same for further attempts, or "Practice"."""
     counting = [row for row in rows if not row.get("practice")]
     order = list(dict.fromkeys(str(row.get("trial")) for row in counting))
-    return ["Practice" if row.get("practice") else str(order.index(str(row.get("trial"))) + 1) for row in rows]
+    return [
+        translated(phrase("Practice")) if row.get("practice") else str(order.index(str(row.get("trial"))) + 1)
+        for row in rows
+    ]
 
 
 def outcome_word(row: Mapping[str, Any]) -> str:
     """Return how a trial of trials.csv ended, in a word for people; "" where the row does not say."""
     outcome = str(row.get("outcome", ""))
-    return _OUTCOMES.get(outcome, outcome)
+    return translated(_OUTCOMES.get(outcome, outcome))
 
 
 def _outcome(row: Mapping[str, Any]) -> str:
     if row.get("happened"):
-        return str(row["happened"])
+        return translated(str(row["happened"]))
     outcome, cause = outcome_word(row), row.get("cause")
-    return f"{outcome}: {cause}" if cause and cause != SESSION_ENDED else outcome
+    return f"{outcome}: {translated(str(cause))}" if cause and cause != SESSION_ENDED else outcome
 
 
 def _has(row: Mapping[str, Any], column: str) -> bool:
@@ -136,7 +146,7 @@ def _has(row: Mapping[str, Any], column: str) -> bool:
 
 
 def _cells(row: Mapping[str, Any], shown: Sequence[tuple[str, str, Callable[[float], str]]]) -> list[str]:
-    return [text(float(row[key])) if _has(row, key) else "" for key, _, text in shown]
+    return [translated(text(float(row[key]))) if _has(row, key) else "" for key, _, text in shown]
 
 
 def _against_last(rows: Sequence[Mapping[str, Any]], earlier: Sequence[EarlierRun]) -> list[str]:
@@ -152,7 +162,10 @@ def _against_last(rows: Sequence[Mapping[str, Any]], earlier: Sequence[EarlierRu
         return []
     change = (before - now) / before
     if abs(change) < _NOTABLE:
-        return ["as fast as last time"]
+        return [phrase("as fast as last time")]
     if change <= -1.0:
-        return [f"{now / before:.1f} times as long as last time"]
-    return [f"{100.0 * abs(change):.0f} % {'faster' if change > 0.0 else 'slower'} than last time"]
+        return [phrase("{times:.1f} times as long as last time", times=now / before)]
+    share = 100.0 * abs(change)
+    if change > 0.0:
+        return [phrase("{share:.0f} % faster than last time", share=share)]
+    return [phrase("{share:.0f} % slower than last time", share=share)]

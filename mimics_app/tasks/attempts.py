@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from mimics_app.contracts.messages.stage_messages import TrialResult
 from mimics_app.contracts.messages.trial_counts import ABORTED, FINISHED, SESSION_ENDED, count_trials, counted_rows
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.tasks.kinds.kind import KindPlay
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.outcome_words import largest_losses
@@ -101,10 +102,10 @@ class Attempts:
     def which(self) -> str:
         """Caption of the current trial: practice, or its number among those that count."""
         if self.trial.practice:
-            return "Practice"
+            return phrase("Practice")
         counted = [trial for trial in self.plan if not trial.practice]
         number = sum(not trial.practice for trial in self.plan[: max(self.number, 0) + 1])
-        return f"Trial {number} of {len(counted)}"
+        return phrase("Trial {number:d} of {trials:d}", number=number, trials=len(counted))
 
     @property
     def trials_left(self) -> bool:

@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from mimics_app.contracts.errors import counted
 from mimics_app.contracts.messages.board import Board, Card
-from mimics_app.contracts.messages.trial_counts import FINISHED, TrialCounts, count_trials
+from mimics_app.contracts.messages.trial_counts import FINISHED, TrialCounts, count_trials, finished_words
 from mimics_app.contracts.messages.trial_state import TaskView, TrialState
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.tasks.attempts import Attempts
 from mimics_app.tasks.cards import count_card, force_card, progress_card, state_card, time_card, trial_card
 from mimics_app.tasks.kinds.kind import KindPlay, TaskKind
@@ -97,7 +97,7 @@ class BoardLayout:
             "happened": row.get("happened", ""),
             "result": result_lines(row.get("happened", ""), row.get("score"), row.get("lost", ""), finished=finished),
             "aborted": aborted_words(row.get("cause", "")),
-            "completed": f"{counts.completed} of {counted(counts.trials, 'trials')} finished",
+            "completed": finished_words(counts.completed, counts.trials),
             "seconds": str(math.ceil(rest_s)),
             "trial": str(view.trial),
             "trials": str(view.trials),
@@ -113,7 +113,7 @@ class BoardLayout:
             "time": time_card(tally.time_s if tally else 0.0, times.left_s, times.length_s),
             "contacts": count_card(self._captions.contacts, tally.contacts if tally else 0),
             "force": force_card(seen.force, self._limb),
-            **({"score": count_card("Score", attempts.score, width=130.0)} if self._has_score else {}),
+            **({"score": count_card(phrase("Score"), attempts.score, width=130.0)} if self._has_score else {}),
         }
         for play in self._plays:
             cards |= play.cards(seen, attempts.finished)

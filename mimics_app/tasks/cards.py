@@ -6,6 +6,7 @@ import math
 from functools import lru_cache
 
 from mimics_app.contracts.messages.board import Bar, Card, Tone
+from mimics_app.contracts.system.phrases import phrase
 
 __all__ = ["CARDS", "count_card", "force_card", "progress_card", "state_card", "time_card", "trial_card"]
 
@@ -17,7 +18,7 @@ _IN_MINUTES_S = 100.0
 """Time limit from which the card shows minutes and seconds [s]."""
 
 
-def progress_card(share: float, label: str = "Tunnel") -> Card:
+def progress_card(share: float, label: str = phrase("Tunnel")) -> Card:
     """Return the card of the progress, 0-1."""
     return Card(label, f"{100.0 * share:.0f} %", bar=Bar(share), width=_WITH_BAR)
 
@@ -27,7 +28,7 @@ def time_card(seconds: float, left_s: float | None = None, limit_s: float = 0.0)
     in_minutes = limit_s >= _IN_MINUTES_S
     spent = _clock(int(seconds)) if in_minutes else f"{seconds:.1f} s"
     left = "" if left_s is None else _clock(math.ceil(left_s)) if in_minutes else f"{math.ceil(left_s)} s"
-    return Card("Time", spent, remark=left and f"{left} left", width=204.0)
+    return Card(phrase("Time"), spent, remark=left and phrase("{left} left", left=left), width=204.0)
 
 
 def _clock(seconds: int) -> str:
@@ -37,7 +38,9 @@ def _clock(seconds: int) -> str:
 @lru_cache(maxsize=64)
 def trial_card(which: str) -> Card:
     """Return the card of the trial's caption."""
-    return Card("Trial", which.removeprefix("Trial "))
+    number, _, trials = which.removeprefix("Trial ").partition(" of ")
+    text = phrase("{number:d} of {trials:d}", number=int(number), trials=int(trials)) if trials else which
+    return Card(phrase("Trial"), text)
 
 
 @lru_cache(maxsize=64)
@@ -49,9 +52,10 @@ def count_card(label: str, number: float, width: float = 150.0) -> Card:
 @lru_cache(maxsize=64)
 def state_card(state: str) -> Card:
     """Return the card of the trial's state, named as in the scene file."""
-    return Card("State", state, width=170.0)
+    return Card(phrase("State"), state, width=170.0)
 
 
 def force_card(newtons: float, limb: str) -> Card:
     """Return the card of the force on the person's limb [N]; the scene sets the full scale of its bar."""
-    return Card(f"Force on the {limb}", f"{newtons:.1f} N", bar=Bar(newtons, None, Tone.LOAD), width=_WITH_BAR)
+    label = phrase("Force on the {limb}", limb=limb)
+    return Card(label, f"{newtons:.1f} N", bar=Bar(newtons, None, Tone.LOAD), width=_WITH_BAR)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from mimics_app.contracts.loop.haptic import TripCause
 from mimics_app.contracts.messages.trial_state import TrialState
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.tasks.task import StateName
 
 __all__ = [
@@ -21,45 +22,45 @@ __all__ = [
 ]
 
 BUILT_IN: Mapping[TrialState, str] = {
-    TrialState.APPROACH: "The robot moves to the start. Space stops it",
-    TrialState.READY: "{which}: get ready",
-    TrialState.TRAVEL: "Go!",
+    TrialState.APPROACH: phrase("The robot moves to the start. Space stops it"),
+    TrialState.READY: phrase("{which}: get ready"),
+    TrialState.TRAVEL: phrase("Go!"),
     TrialState.FINISHED: "{result}",
     TrialState.TIMEOUT: "{result}",
     TrialState.ABORTED: "{aborted}",
-    TrialState.STOPPED: "Stopped: {cause}. When it is safe, the operator allows force again: R",
-    TrialState.REST: "Rest: {seconds} s. Then the robot moves to the start",
-    TrialState.DONE: "The session is over: {completed}",
+    TrialState.STOPPED: phrase("Stopped: {cause}. When it is safe, the operator allows force again: R"),
+    TrialState.REST: phrase("Rest: {seconds} s. Then the robot moves to the start"),
+    TrialState.DONE: phrase("The session is over: {completed}"),
 }
 """Text of each state unless the scene has its own; filled in are {result} (what happened, and the points with what cost
 the most), {happened} (the first of the two), {score}, {seconds}, {cause}, {trial}, {trials}, {completed} ("3 of 4
 trials finished"), {aborted} and {which} (practice, or which trial of how many)."""
 
 _AT_POINTER: Mapping[TrialState, str] = {
-    TrialState.APPROACH: "Moving to the start",
-    TrialState.STOPPED: "Stopped: {cause}. Press R to resume",
-    TrialState.REST: "Rest: {seconds} s",
+    TrialState.APPROACH: phrase("Moving to the start"),
+    TrialState.STOPPED: phrase("Stopped: {cause}. Press R to resume"),
+    TrialState.REST: phrase("Rest: {seconds} s"),
 }
 """Lines that differ without a robot."""
 
 _CAUSES = {int(cause): cause.name.lower().replace("_", " ") for cause in TripCause if cause != TripCause.NONE}
 
 ABORTED_CAUSES: Mapping[TrialState, str] = {
-    TrialState.APPROACH: "start not reached",
-    TrialState.READY: "start not held",
-    TrialState.TRAVEL: "goal reached faster than the way allows",
+    TrialState.APPROACH: phrase("start not reached"),
+    TrialState.READY: phrase("start not held"),
+    TrialState.TRAVEL: phrase("goal reached faster than the way allows"),
 }
 """Cause in the row of an attempt that was aborted in a state."""
 
-SKIPPED, REPEATED = "skipped", "repeated"
+SKIPPED, REPEATED = phrase("skipped"), phrase("repeated")
 """Causes in the row of an attempt that a command ended."""
 
 _ABORTED: Mapping[str, str] = {
-    SKIPPED: "This trial is left out",
-    REPEATED: "This trial is played once more",
-    ABORTED_CAUSES[TrialState.APPROACH]: "The start was not reached",
-    ABORTED_CAUSES[TrialState.READY]: "The start was not held, or something pushes there",
-    ABORTED_CAUSES[TrialState.TRAVEL]: "Faster than the way to the goal allows: it does not count",
+    SKIPPED: phrase("This trial is left out"),
+    REPEATED: phrase("This trial is played once more"),
+    ABORTED_CAUSES[TrialState.APPROACH]: phrase("The start was not reached"),
+    ABORTED_CAUSES[TrialState.READY]: phrase("The start was not held, or something pushes there"),
+    ABORTED_CAUSES[TrialState.TRAVEL]: phrase("Faster than the way to the goal allows: it does not count"),
 }
 """The same for the person."""
 
@@ -96,7 +97,7 @@ def aborted_words(cause: str) -> str:
 
 def cause_words(cause: int) -> str:
     """Return a TripCause in words, e.g. "stop key"."""
-    return _CAUSES.get(cause, "safety stop")
+    return _CAUSES.get(cause, phrase("safety stop"))
 
 
 class Announcement:

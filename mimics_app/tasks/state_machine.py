@@ -12,6 +12,7 @@ from __future__ import annotations
 import msgspec
 
 from mimics_app.contracts.messages.trial_state import TrialState
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.tasks.observation import Observation
 
 __all__ = ["PAUSED", "UNDER_WAY", "Conditions", "Pause", "next_state"]
@@ -21,7 +22,7 @@ _NEVER_IN = (TrialState.STOPPED, TrialState.DONE)
 UNDER_WAY = (TrialState.APPROACH, TrialState.READY, TrialState.TRAVEL)
 """States of a trial that can be skipped."""
 _SHOWS_RESULT = (TrialState.FINISHED, TrialState.TIMEOUT, TrialState.ABORTED)
-PAUSED = "Paused. Press P to resume"
+PAUSED = phrase("Paused. Press P to resume")
 """Line shown during a pause."""
 
 

@@ -346,7 +346,7 @@ def test_the_page_of_an_earlier_session_says_who_and_when(tmp_path: Path) -> Non
     clock = {"utc": "2026-01-02T08:00:00+00:00"}
     folder = write_run(tmp_path, "20260102T080000Z_a", "wavy_tunnel", "P7", task, clock=clock)
     content = played_run(folder, from_launcher=True)
-    assert content.who == f"Participant P7  ·  {local_time(clock['utc'])}" and "2026" in content.who
+    assert content.who == f"Participant P7 · {local_time(clock['utc'])}" and "2026" in content.who
     assert content.sentence.startswith("1 of 2 trials finished") and dict(content.tiles)["Score of 100"] == "50"
     (folder / "manifest.json").unlink()
     assert "cut off" in played_run(folder, from_launcher=True).footnote

@@ -56,7 +56,7 @@ def _run(python: Path, *arguments: str, cwd: Path) -> subprocess.CompletedProces
 
 
 KINDS = {
-    "assets": {".glb", ".jpg", ".json", ".png", ".txt"},
+    "assets": {".glb", ".jpg", ".json", ".mo", ".png", ".po", ".pot", ".txt"},
     "scenes": {".csv", ".json"},
     "shaders": {".frag", ".glsl", ".json", ".vert"},
 }

@@ -82,8 +82,9 @@ def _follow(choice: LauncherChoice, window: JourneyWindow) -> JourneyEnd:
 
 
 def _choose(surface: Surface, notice: str) -> LauncherChoice | None:
-    from mimics_app.app.play.launching import cut_off_notice, last_choice, launcher_cards, launcher_settings
+    from mimics_app.app.play.launching import LANGUAGE, cut_off_notice, last_choice, launcher_cards, launcher_settings
     from mimics_app.contracts.clock import FRAME_NS, MonotonicClock
+    from mimics_app.contracts.system.language import speak
     from mimics_app.rendering.visual.launcher.launcher import Launcher
 
     clock, cards = MonotonicClock(), launcher_cards(_RUNS)
@@ -92,6 +93,7 @@ def _choose(surface: Surface, notice: str) -> LauncherChoice | None:
     try:
         while not surface.should_close and not launcher.left:
             launcher.handle(surface.poll())
+            speak(launcher.values[LANGUAGE])
             if launcher.choice is not None:
                 return launcher.choice
             launcher.draw()

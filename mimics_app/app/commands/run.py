@@ -30,6 +30,8 @@ from mimics_app.app.terminal.arguments import (
     whole_number,
 )
 from mimics_app.app.terminal.output import answer, say
+from mimics_app.contracts.system.language import LANGUAGES, speak
+from mimics_app.contracts.system.phrases import phrase
 
 __all__ = ["add_arguments", "check_names", "run"]
 
@@ -69,6 +71,12 @@ def _add_person(group: Container) -> None:
         default="",
         metavar="CODE",
         help="code of the person, never a name; results of the same code are compared",
+    )
+    group.add_argument(
+        "--language",
+        choices=tuple(LANGUAGES),
+        default="",
+        help="language of the texts that the person sees (default: as last chosen in the launcher, else the system's)",
     )
     group.add_argument(
         "--patient",
@@ -233,6 +241,9 @@ def _add_adaptation(group: Container) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the scene and print its result."""
+    from mimics_app.app.terminal.participant_language import usual_language
+
+    args.language = args.language or usual_language()
     if args.journey is None and sys.stderr.isatty():  # seconds pass before a window or a bar shows anything
         say(f"loading {args.scene.stem}: touch, sound, picture")
     from mimics_app.app.play.journey_log import JourneyLog
@@ -249,6 +260,7 @@ def run(args: argparse.Namespace) -> int:
 
         start_page(args.console)
     settings = RunSettings(**{field.name: getattr(args, field.name) for field in fields(RunSettings)})
+    speak(settings.language)
     if _is_for_a_person(settings) and not args.json:
         return _play_with_pages(settings)
     return _play(settings, as_json=args.json)
@@ -281,7 +293,7 @@ def _play(settings: RunSettings, *, as_json: bool) -> int:
     from mimics_app.app.terminal.first_start import say_if_cold
 
     log = JourneyLog(settings.journey)
-    log.doing("Reading the scene")
+    log.doing(phrase("Reading the scene"))
     with log.reporting():
         read = read_requested(settings)
     say_if_cold(log.doing)
@@ -305,7 +317,7 @@ def _view(args: argparse.Namespace) -> int:
         )
     say("this scene has no task; it opens in the viewer")
     log = JourneyLog(args.journey)
-    log.doing("Reading the scene")
+    log.doing(phrase("Reading the scene"))
     from mimics_app.app.viewer.shown import open_shown
     from mimics_app.app.viewer.viewer_window import ViewerSession
 

@@ -10,6 +10,8 @@ import numpy as np
 from mimics_app.contracts.arrays import F4
 from mimics_app.contracts.messages.board import Bar, Board, Card, Tone
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot
+from mimics_app.contracts.system.language import translated
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.rendering.visual.figures.hud import KIND, Colour, Hud
 from mimics_app.rendering.visual.figures.key_page import KeyPage, draw_page
 from mimics_app.rendering.visual.figures.palette import ACCENT, FAINT, INK
@@ -116,16 +118,17 @@ def _draw_card(hud: Hud, card: Card, corner: tuple[float, float], force_full: fl
     left, bottom = corner
     hud.box(left, bottom, card.width, _HEIGHT, _PANEL, radius=12.0)
     x, y, width = left + 16.0, bottom + 12.0, card.width - 32.0
-    hud.text(x, y + 27.0, card.label, 15.0, FAINT)
+    hud.text(x, y + 27.0, translated(card.label), 15.0, FAINT)
     if card.bar is not None:
-        hud.text(x + width, y + 27.0, card.text, 17.0, INK, bold=True, align="right")
+        hud.text(x + width, y + 27.0, translated(card.text), 17.0, INK, bold=True, align="right")
         _draw_bar(hud, card.bar, (x, y), width, force_full)
         return
     room = 0.62 * width if card.remark else width
-    free = width - 8.0 - hud.text(x, y, card.text, 25.0, _COLOURS[card.tone], bold=True, width=room)
+    free = width - 8.0 - hud.text(x, y, translated(card.text), 25.0, _COLOURS[card.tone], bold=True, width=room)
     if card.remark:
-        size = min(17.0, 17.0 * free / hud.measure(card.remark, 17.0))
-        hud.text(x + width, y + 4.0, card.remark, size, _COLOURS[card.remark_tone], align="right")
+        remark = translated(card.remark)
+        size = min(17.0, 17.0 * free / hud.measure(remark, 17.0))
+        hud.text(x + width, y + 4.0, remark, size, _COLOURS[card.remark_tone], align="right")
 
 
 def _draw_bar(hud: Hud, bar: Bar, corner: tuple[float, float], width: float, force_full: float) -> None:
@@ -161,7 +164,7 @@ def _draw_neutral(hud: Hud, place: tuple[float, float]) -> None:
 def _draw_message(hud: Hud, message: str, panel: Colour, canvas: tuple[float, float], at_top: bool) -> None:
     canvas_width, canvas_height = canvas
     room = canvas_width - 2.0 * _MARGIN - 64.0
-    lines = [line for part in message.split("\n") for line in _broken(hud, part, room)]
+    lines = [line for part in translated(message).split("\n") for line in _broken(hud, part, room)]
     width = min(max(hud.measure(line, _TEXT, bold=True) for line in lines), room) + 64.0
     high = 64.0 + _LINE * (len(lines) - 1)
     x = 0.5 * (canvas_width - width)
@@ -192,10 +195,10 @@ def stability_card(snapshot: HapticSnapshot) -> Card:
     text = f"{100.0 * min(margin, _MAX_SHOWN):+.0f} %" if margin < _MAX_SHOWN else f"> {100.0 * _MAX_SHOWN:.0f} %"
     tone = _tone(margin)
     if share < _SOFTENED:
-        text, tone = f"soft {100.0 * share:.0f} %", Tone.WARN
+        text, tone = phrase("soft {share:.0f} %", share=100.0 * share), Tone.WARN
     remark_tone = Tone.ALARM if energy < -_LEAK else Tone.FAINT
-    remark = f"contact {round(1e3 * energy, 1) + 0.0:.1f} mJ"  # never -0.0
-    return Card("Stability", text, tone, remark=remark, remark_tone=remark_tone, width=290.0)
+    remark = phrase("contact {energy:.1f} mJ", energy=round(1e3 * energy, 1) + 0.0)  # never -0.0
+    return Card(phrase("Stability"), text, tone, remark=remark, remark_tone=remark_tone, width=290.0)
 
 
 def _tone(margin: float) -> Tone:

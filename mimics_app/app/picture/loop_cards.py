@@ -8,26 +8,30 @@ from mimics_app.app.picture.board import stability_card
 from mimics_app.contracts.loop.gait_state import GaitState
 from mimics_app.contracts.messages.board import Card, Tone
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot
+from mimics_app.contracts.system.phrases import phrase
 
 __all__ = ["gait_card", "loop_cards"]
 
 _WIDTH = 560.0
 
 _WORDS: Mapping[GaitState, tuple[str, Tone]] = {
-    GaitState.WALKING: ("Walk", Tone.CALM),
-    GaitState.OBSTACLE_ENABLED: ("An obstacle is ahead of the {free} foot. Walk until the belt stops", Tone.WARN),
-    GaitState.STOPPING: ("Stop. Wait until the {free} leg is free", Tone.WARN),
-    GaitState.COLLISION_ENABLED: ("Stand on the {other} leg. The obstacle can be felt now", Tone.WARN),
-    GaitState.LEG_RELEASED: ("The {free} leg is being released. Stand on the {other} one", Tone.ACCENT),
-    GaitState.EXPLORING: ("Explore the obstacle with the {free} foot", Tone.ACCENT),
-    GaitState.GUIDANCE_RESTORED: ("Wait. The orthosis takes up both legs", Tone.WARN),
-    GaitState.TO_START: ("Wait. The orthosis brings both legs to the start", Tone.WARN),
-    GaitState.RESUMING: ("Walk on. The belt starts", Tone.CALM),
-    GaitState.STANDING: ("Stand still. Brakes hold both legs", Tone.ALARM),
+    GaitState.WALKING: (phrase("Walk"), Tone.CALM),
+    GaitState.OBSTACLE_ENABLED: (
+        phrase("An obstacle is ahead of the {free} foot. Walk until the belt stops"),
+        Tone.WARN,
+    ),
+    GaitState.STOPPING: (phrase("Stop. Wait until the {free} leg is free"), Tone.WARN),
+    GaitState.COLLISION_ENABLED: (phrase("Stand on the {other} leg. The obstacle can be felt now"), Tone.WARN),
+    GaitState.LEG_RELEASED: (phrase("The {free} leg is being released. Stand on the {other} one"), Tone.ACCENT),
+    GaitState.EXPLORING: (phrase("Explore the obstacle with the {free} foot"), Tone.ACCENT),
+    GaitState.GUIDANCE_RESTORED: (phrase("Wait. The orthosis takes up both legs"), Tone.WARN),
+    GaitState.TO_START: (phrase("Wait. The orthosis brings both legs to the start"), Tone.WARN),
+    GaitState.RESUMING: (phrase("Walk on. The belt starts"), Tone.CALM),
+    GaitState.STANDING: (phrase("Stand still. Brakes hold both legs"), Tone.ALARM),
 }
 """What the person is told, and how urgently, by state; {free} is the leg that an obstacle frees, {other} the other."""
 
-_LEGS = ("left", "right")
+_LEGS = (phrase("left"), phrase("right"))
 
 
 def loop_cards(snapshot: HapticSnapshot) -> dict[str, Card]:
@@ -45,4 +49,4 @@ def gait_card(state: int, free_leg: int) -> Card | None:
         return None
     text, tone = _WORDS[GaitState(state)]
     words = {} if free_leg < 0 else {"free": _LEGS[free_leg], "other": _LEGS[1 - free_leg]}
-    return Card("Walk in the orthosis", text.format(**words), tone, width=_WIDTH)
+    return Card(phrase("Walk in the orthosis"), text.format(**words), tone, width=_WIDTH)

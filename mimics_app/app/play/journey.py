@@ -19,6 +19,7 @@ from typing import Literal
 from mimics_app.app.play.journey_log import JourneyLog, read_journey
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.clock import FRAME_NS, MonotonicClock
+from mimics_app.contracts.system.phrases import phrase
 
 __all__ = ["Following", "JourneyEnd", "Pages", "play_through", "run_words"]
 
@@ -119,7 +120,7 @@ def _sudden_end(code: int) -> str:
     if code >= 0:
         return ""
     how = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
-    return f"The session ended suddenly ({how}); what it recorded until then is kept"
+    return phrase("The session ended suddenly ({how}); what it recorded until then is kept", how=how)
 
 
 class _Watch:
@@ -137,7 +138,7 @@ class _Watch:
             noted = read_journey(self._log)
             self._follow(noted, report)
             leaves = not (self._hidden or self._over)
-            if not self._hidden and not self._pages.wait(str(noted.get("doing", "Starting")), leaves=leaves):
+            if not self._hidden and not self._pages.wait(str(noted.get("doing", phrase("Starting"))), leaves=leaves):
                 self._child.terminate()
                 return False
             if not placed and (place := self._pages.place()):

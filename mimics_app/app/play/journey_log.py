@@ -13,6 +13,7 @@ from pathlib import Path
 
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import MimicsError
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.contracts.system.regular_file import read_regular
 
 __all__ = ["JourneyLog", "read_journey"]
@@ -53,7 +54,7 @@ class JourneyLog:
 
     def over(self, place: list[int], *, closed: bool) -> None:
         """Report that the picture ends, where its window was and whether the person closed it; wait for the pages."""
-        self._say({"over": place, "closed": closed, "doing": "Closing the recording"})
+        self._say({"over": place, "closed": closed, "doing": phrase("Closing the recording")})
         if self._path is None:
             return
         clock = MonotonicClock()

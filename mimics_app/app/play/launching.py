@@ -12,17 +12,29 @@ from mimics_app.app.play.players import ADDRESSED, players, refusals
 from mimics_app.app.scenes.shipped import GROUPS, ShippedScene, find_shipped, shipped_scenes, thumbnail_of
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal.participant import canonical_code, why_no_code
-from mimics_app.app.terminal.user_files import read_config, write_config
-from mimics_app.contracts.errors import counted
+from mimics_app.app.terminal.participant_language import usual_language
+from mimics_app.app.terminal.user_files import LAUNCHER, read_config, write_config
+from mimics_app.contracts.messages.trial_counts import finished_words, practice_only
 from mimics_app.contracts.ports.display_choice import display_names, kind_of_display
+from mimics_app.contracts.system.language import LANGUAGES
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.recording.history import EarlierRun, cut_off_runs, local_time, recent_runs
 from mimics_app.rendering.haptic.devices.device_names import BUILT_IN, SIMULATED, load_built_in
 from mimics_app.rendering.visual.launcher.launcher import LauncherChoice, ScenarioCard
 from mimics_app.rendering.visual.launcher.setting import Choice, Setting
 
-__all__ = ["cut_off_notice", "last_choice", "launcher_cards", "launcher_settings", "remember", "settings_of_choice"]
+__all__ = [
+    "LANGUAGE",
+    "cut_off_notice",
+    "last_choice",
+    "launcher_cards",
+    "launcher_settings",
+    "remember",
+    "settings_of_choice",
+]
 
-_FILE = "launcher"
+LANGUAGE = "language"
+"""Name of the setting of the language."""
 _MOST_RECENT = 12
 _SIMULATED = tuple(name for name in BUILT_IN if name.startswith("simulated"))
 
@@ -36,33 +48,55 @@ def _person_settings() -> list[Setting]:
     """Return the settings of person, device and participant code."""
     return [
         Setting(
-            "device", "Who plays", "A person at this computer, a robot, or a simulated patient.", _choices(players())
+            "device",
+            phrase("Who plays"),
+            phrase("A person at this computer, a robot, or a simulated patient."),
+            _choices(players()),
         ),
         Setting(
             "address",
-            "Port or address of the robot",
-            "Of a serial robot e.g. /dev/ttyUSB0; of a HapticMaster its address, e.g. 192.168.0.10.",
+            phrase("Port or address of the robot"),
+            phrase("Of a serial robot e.g. /dev/ttyUSB0; of a HapticMaster its address, e.g. 192.168.0.10."),
             _choices({each["port"]: each["port"] for each in list_serial_ports()}),
             typed=True,
-            empty="type it here",
+            empty=phrase("type it here"),
             with_values=ADDRESSED,
         ),
         Setting(
             "patient",
-            "Simulated patient",
-            "How much the simulated patient is impaired.",
-            _choices({"": "usual for the scene", "healthy": "healthy", "moderate": "moderate", "severe": "severe"}),
+            phrase("Simulated patient"),
+            phrase("How much the simulated patient is impaired."),
+            _choices(
+                {
+                    "": phrase("usual for the scene"),
+                    "healthy": phrase("healthy"),
+                    "moderate": phrase("moderate"),
+                    "severe": phrase("severe"),
+                }
+            ),
             with_values=_SIMULATED,
         ),
         Setting(
             "participant",
-            "Participant code",
-            "A code, never a name. Results are compared with earlier ones of this code.",
+            phrase("Participant code"),
+            phrase("A code, never a name. Results are compared with earlier ones of this code."),
             typed=True,
-            empty="none",
+            empty=phrase("no code"),
             refuse=lambda typed: why_no_code(canonical_code(typed)),
         ),
+        Setting(
+            LANGUAGE,
+            phrase("Language"),
+            phrase("Language of the person: of this page, of tasks, results and report."),
+            _choices(_languages()),
+        ),
     ]
+
+
+def _languages() -> dict[str, str]:
+    """Return the names of the languages, the usual one first."""
+    usual = usual_language()
+    return {usual: LANGUAGES[usual], **LANGUAGES}
 
 
 def _task_settings() -> list[Setting]:
@@ -70,15 +104,15 @@ def _task_settings() -> list[Setting]:
     return [
         Setting(
             "difficulty",
-            "Difficulty",
-            "Easier: for most scenes wider, softer, and with help of the robot. Harder: narrower and stiffer.",
-            _choices({"usual": "usual", "easier": "easier", "harder": "harder"}),
+            phrase("Difficulty"),
+            phrase("Easier: for most scenes wider, softer, and with help of the robot. Harder: narrower and stiffer."),
+            _choices({"usual": phrase("usual"), "easier": phrase("easier"), "harder": phrase("harder")}),
         ),
         Setting(
             "trials",
-            "Number of trials",
-            "Trials that count. Practice is extra.",
-            _choices({"": "usual for the scene", **{str(n): str(n) for n in (1, 2, 3, 5, 10, 20)}}),
+            phrase("Number of trials"),
+            phrase("Trials that count. Practice is extra."),
+            _choices({"": phrase("usual for the scene"), **{str(n): str(n) for n in (1, 2, 3, 5, 10, 20)}}),
         ),
     ]
 
@@ -87,31 +121,31 @@ def _output_settings() -> list[Setting]:
     """Return the settings of picture and sound."""
     kinds = {name: kind_of_display(name) for name in display_names()}
     captions = {name: kind.caption for name, kind in kinds.items() if kind.file != "must"}
-    displays = {"": "this screen, or the scene's display", **captions, **_found_displays()}
+    displays = {"": phrase("this screen, or the scene's display"), **captions, **_found_displays()}
     return [
         Setting(
             "profile",
-            "Quality",
-            "Usual and fast: a simpler picture where the computer is slow. Study: always the full picture.",
-            _choices({"training": "usual", "draft": "fast", "study": "study, nothing lowered"}),
+            phrase("Quality"),
+            phrase("Usual and fast: a simpler picture where the computer is slow. Study: always the full picture."),
+            _choices({"training": phrase("usual"), "draft": phrase("fast"), "study": phrase("study, nothing lowered")}),
         ),
         Setting(
             "sound",
-            "Sound",
-            "On plays through this computer; a file is written into the recording.",
-            _choices({"auto": "on", "file": "into a file", "off": "off"}),
+            phrase("Sound"),
+            phrase("On plays through this computer; a file is written into the recording."),
+            _choices({"auto": phrase("on"), "file": phrase("into a file"), "off": phrase("off")}),
         ),
         Setting(
             "display",
-            "Display",
-            "On what the picture is shown.",
+            phrase("Display"),
+            phrase("On what the picture is shown."),
             _choices(displays),
         ),
         Setting(
             "console",
-            "Operator's page",
-            "Opens in a browser, for the second screen: to watch, pause, stop and adjust the session.",
-            _choices({"": "off", **({"open": "open on the second screen"} if can_serve() else {})}),
+            phrase("Operator's page"),
+            phrase("Opens in a browser, for the second screen: to watch, pause, stop and adjust the session."),
+            _choices({"": phrase("off"), **({"open": phrase("open on the second screen")} if can_serve() else {})}),
         ),
     ]
 
@@ -132,6 +166,7 @@ def settings_of_choice(choice: LauncherChoice) -> RunSettings:
         device=device,
         patient=chosen["patient"] if chosen["device"] in _SIMULATED else "",
         participant=canonical_code(chosen["participant"]),
+        language=chosen.get(LANGUAGE, ""),
         difficulty=chosen["difficulty"],  # type: ignore[arg-type]
         trials=int(chosen["trials"] or 0),
         profile=chosen["profile"],  # type: ignore[arg-type]
@@ -154,18 +189,25 @@ def cut_off_notice(runs: Path) -> str:
     left = cut_off_runs(runs)
     if not left:
         return ""
-    more = f" (and {len(left) - 1} before it)" if len(left) > 1 else ""
-    return f"A session{more} was cut off; this repairs its recording: mimics record recover {left[0]}"
+    if len(left) == 1:
+        return phrase(
+            "A session was cut off; this repairs its recording: mimics record recover {folder}", folder=left[0]
+        )
+    return phrase(
+        "A session (and {more:d} before it) was cut off; this repairs its recording: mimics record recover {folder}",
+        more=len(left) - 1,
+        folder=left[0],
+    )
 
 
 def remember(choice: LauncherChoice) -> None:
     """Keep the choice for the next start."""
-    write_config(_FILE, {"scene": choice.scene.stem, "settings": choice.settings})
+    write_config(LAUNCHER, {"scene": choice.scene.stem, "settings": choice.settings})
 
 
 def last_choice() -> LauncherChoice | None:
     """Return the choice of the last start; None where there is none, or its scene no longer exists."""
-    kept = read_config(_FILE)
+    kept = read_config(LAUNCHER)
     scene, settings = find_shipped(str(kept.get("scene", ""))), kept.get("settings")
     if scene is None or not isinstance(settings, dict):
         return None
@@ -185,12 +227,12 @@ def _card(scene: ShippedScene, last: EarlierRun | None) -> ScenarioCard:
         group=GROUPS[scene.group],
         facts=" · ".join(part for part in (scene.takes, scene.lasts, _beyond(scene)) if part),
         refuses=refusals(scene),
-        badge=f"last: {last.score:.0f} of 100" if last is not None and last.score is not None else "",
+        badge="" if last is None or last.score is None else phrase("last: {score:.0f} of 100", score=last.score),
     )
 
 
 def _beyond(scene: ShippedScene) -> str:
-    return f"beyond the usual limits: {scene.limits}" if scene.limits else ""
+    return phrase("beyond the usual limits: {limits}", limits=scene.limits) if scene.limits else ""
 
 
 def _recent_card(run: EarlierRun) -> ScenarioCard | None:
@@ -203,9 +245,9 @@ def _recent_card(run: EarlierRun) -> ScenarioCard | None:
         description=_how_it_went(run),
         picture=thumbnail_of(scene.name),
         scene=scene.file,
-        group="Recent",
+        group=phrase("Recent"),
         facts=" · ".join(part for part in (local_time(run.utc), _who(run)) if part),
-        badge="" if run.score is None else f"{run.score:.0f} of 100",
+        badge="" if run.score is None else phrase("{score:.0f} of 100", score=run.score),
         everywhere=False,
         run=run.folder,
     )
@@ -213,14 +255,15 @@ def _recent_card(run: EarlierRun) -> ScenarioCard | None:
 
 def _how_it_went(run: EarlierRun) -> str:
     if run.cut_off:
-        return "Cut off: its recording was not closed."
+        return phrase("Cut off: its recording was not closed.")
     if not run.trials:
-        practised = f"Practice only: {counted(run.practised, 'trials')}." if run.practised else ""
-        return practised or "Broken off before a trial came to its end."
-    mean = "mean time" if run.trials > 1 else "time"
-    words = [f"{run.completed} of {counted(run.trials, 'trials')} finished"]
-    words += [f"{mean} {run.time_s:.1f} s"] if run.time_s is not None else []
-    return ", ".join(words) + "."
+        return practice_only(run.practised) if run.practised else phrase("Broken off before a trial came to its end.")
+    finished = finished_words(run.completed, run.trials)
+    if run.time_s is None:
+        return finished
+    if run.trials == 1:
+        return phrase("{finished:s}, time {seconds:.1f} s.", finished=finished, seconds=run.time_s)
+    return phrase("{finished:s}, mean time {seconds:.1f} s.", finished=finished, seconds=run.time_s)
 
 
 def _who(run: EarlierRun) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from mimics_app.contracts.messages.trial_counts import COUNTED_TRIALS
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.recording.history import EarlierRun
 from mimics_app.recording.result_words import finished_time, of_same_settings, result_sentence, trial_lines
 from mimics_app.rendering.visual.figures.key_page import Keys
@@ -14,12 +15,12 @@ from mimics_app.rendering.visual.launcher.result_page import Button, ResultConte
 __all__ = ["result_content"]
 
 _BUTTONS = (
-    Button("again", "Again", "n"),
-    Button("other", "Another scene", "o"),
-    Button("report", "Open report", "r"),
-    Button("keys", "Keys", "h"),
+    Button("again", phrase("Again"), "n"),
+    Button("other", phrase("Another scene"), "o"),
+    Button("report", phrase("Open report"), "r"),
+    Button("keys", phrase("Keys"), "h"),
 )
-_CLOSE = Button("leave", "Close", "c")
+_CLOSE = Button("leave", phrase("Close"), "c")
 """Ends `mimics run`; a page that leads back to the launcher has "another scene" for it."""
 
 
@@ -74,12 +75,12 @@ def _tiles(
     tiles = []
     if "score" in task and task.get("completed"):
         alike = [run.score for run in of_same_settings(rows, earlier) if run.score is not None]
-        tiles.append(("Score of 100", f"{task['score']:.0f}"))
-        tiles += [("Best so far", f"{max([task['score'], *alike]):.0f}")] if alike else []
+        tiles.append((phrase("Score of 100"), f"{task['score']:.0f}"))
+        tiles += [(phrase("Best so far"), f"{max([task['score'], *alike]):.0f}")] if alike else []
     if (time_s := finished_time(rows)) is not None:
-        tiles.append(("Mean time" if task["completed"] > 1 else "Time", f"{time_s:.1f} s"))
+        tiles.append((phrase("Mean time" if task["completed"] > 1 else "Time"), f"{time_s:.1f} s"))
     if task.get("contacts") or ("contacts" in task and "path_error_m" in task):
-        tiles.append(("Contacts", f"{task['contacts']}"))
+        tiles.append((phrase("Contacts"), f"{task['contacts']}"))
     if "placed" in task:
-        tiles.append(("Placed", f"{task['placed']}"))
+        tiles.append((phrase("Placed"), f"{task['placed']}"))
     return tiles

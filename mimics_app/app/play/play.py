@@ -26,6 +26,7 @@ from mimics_app.app.terminal.display import has_display
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError, MimicsError, PartialDataError, SafetyStop
 from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.recording.manifest import Manifest
 from mimics_app.recording.report import write_report
 from mimics_app.recording.run_folder import private_files
@@ -56,7 +57,7 @@ def play(settings: RunSettings, *, as_json: bool, read: Scene | None = None) -> 
     started = MonotonicClock().now_ns()
     windowed = not settings.headless and has_display()
     log = JourneyLog(settings.journey)
-    log.doing("Reading the scene")
+    log.doing(phrase("Reading the scene"))
     with (
         private_files(),
         log.reporting(),
@@ -83,7 +84,7 @@ def play(settings: RunSettings, *, as_json: bool, read: Scene | None = None) -> 
         sound = session.end_stages()
         summary = summarise(session, frames, sound, (MonotonicClock().now_ns() - started) * 1e-9)
         manifest = session.finish(summary)
-    log.doing("Writing the report")
+    log.doing(phrase("Writing the report"))
     pictures, all_written = _pictures(album)
     report, whole = _report(session, manifest)
     answer = {**summary, "state_hash": manifest.state_hash, "report": str(report or ""), "pictures": pictures}
@@ -202,9 +203,9 @@ def _play_in_window(session: Session, frames: Frames, log: JourneyLog, link: Ope
     """Play in a window, with the live loop and the sound output."""
     from mimics_app.app.picture.window_opening import remember_size
 
-    log.doing("Starting touch, sound and recording")
+    log.doing(phrase("Starting touch, sound and recording"))
     start_loop(session)
-    log.doing("Making the picture")
+    log.doing(phrase("Making the picture"))
     surface = open_live_window(session, visible=not log.asked)
     if place := log.place:
         surface.move_to(Place.of(place)._replace(width=0, height=0))

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from mimics_app.app.scenes.shipped import ShippedScene
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.devices.device_names import (
     BUILT_IN,
@@ -39,7 +40,9 @@ def refusals(scene: ShippedScene) -> Mapping[tuple[str, str], str]:
     captions, wanted = players(), descriptor_of(scene.device)
     fitting = [value for value in captions if _fits(value, wanted) or value.partition(":")[0] in scene.also]
     named = scene.device if scene.device in fitting else next(iter(fitting), scene.device)
-    words = f"This scene is played with {scene.takes}. Choose: {captions.get(named, named)}"
+    words = phrase(
+        "This scene is played with {limb:s}. Choose: {device}", limb=scene.takes, device=captions.get(named, named)
+    )
     return {("device", value): words for value in captions if value not in fitting}
 
 

@@ -13,6 +13,7 @@ from mimics_app.app.play.session_keys import session_keys
 from mimics_app.app.session.mover import Mover
 from mimics_app.contracts.clock import FRAME_NS, Clock
 from mimics_app.contracts.errors import MimicsError
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.recording.history import earlier_runs, local_time
 from mimics_app.recording.manifest import read_manifest
 from mimics_app.recording.report import write_report
@@ -27,8 +28,7 @@ from mimics_app.tasks.kinds.registry import report_sections
 
 __all__ = ["played_run", "show_result"]
 
-
-_CUT_OFF = "This session was cut off. mimics record recover {} repairs its recording"
+_CUT_OFF = phrase("This session was cut off. mimics record recover {folder} repairs its recording")
 
 
 def played_run(folder: Path, *, from_launcher: bool) -> ResultContent:
@@ -50,7 +50,7 @@ def played_run(folder: Path, *, from_launcher: bool) -> ResultContent:
         earlier_runs(folder),
         _keys(header),
         who=_who(header),
-        footnote=_CUT_OFF.format(folder) if manifest is None else f"Recorded in {folder}",
+        footnote=_CUT_OFF.format(folder=folder) if manifest is None else phrase("Recorded in {folder}", folder=folder),
         from_launcher=from_launcher,
     )
 
@@ -71,7 +71,8 @@ def _who(header: dict[str, Any]) -> str:
     """Return participant and local time of the start of a run."""
     participant = str(mapping(header.get("settings")).get("participant", ""))
     begun = local_time(str(mapping(header.get("clock")).get("utc", "")))
-    return "  ·  ".join(part for part in (participant and f"Participant {participant}", begun) if part)
+    who = participant and phrase("Participant {code}", code=participant)
+    return " · ".join(part for part in (who, begun) if part)
 
 
 def show_result(surface: Surface, folder: Path, clock: Clock, *, from_launcher: bool) -> Following:
@@ -99,10 +100,11 @@ def _open_report(folder: Path) -> str:
             with private_files():
                 report = write_report(folder, report_sections())
     except (OSError, MimicsError) as error:
-        return f"The report cannot be written: {error}"
+        return phrase("The report cannot be written: {error}", error=error)
     opened = webbrowser.open(report.resolve().as_uri())
-    said = "The report opens in the browser; if it does not, open" if opened else "No browser was found; open"
-    return f"{said} {report.resolve()}"
+    if opened:
+        return phrase("The report opens in the browser; if it does not, open {file}", file=report.resolve())
+    return phrase("No browser was found; open {file}", file=report.resolve())
 
 
 def _choose(surface: Surface, content: ResultContent, clock: Clock) -> str:

@@ -5,29 +5,30 @@ from __future__ import annotations
 from pathlib import Path
 
 from mimics_app.app.session.mover import Mover
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.rendering.visual.figures.key_page import KeyPage, Keys
 
 __all__ = ["OPERATORS_PAGE", "session_keys", "task_page"]
 
 _ALWAYS: Keys = (
-    ("Space, gamepad B", "stop the force at once"),
-    ("R", "allow force again after a stop"),
-    ("P, gamepad Start", "pause; once more: resume"),
-    ("1 to 9", "the views of the scene, where it has several"),
-    ("H", "this page; then the operator's keys"),
-    ("Esc", "end the session"),
+    (phrase("Space, gamepad B"), phrase("stop the force at once")),
+    ("R", phrase("allow force again after a stop")),
+    (phrase("P, gamepad Start"), phrase("pause; once more: resume")),
+    (phrase("1 to 9"), phrase("the views of the scene, where it has several")),
+    ("H", phrase("this page; then the operator's keys")),
+    ("Esc", phrase("end the session")),
 )
 _OPERATORS: Keys = (
-    ("F1", "frames per second, times, and lowered qualities"),
-    ("F2", "wireframe"),
-    ("F3", "bounds of what is drawn"),
-    ("F4", "lights"),
-    ("F5", "forces, contacts and stability"),
-    ("F6", "shadow maps"),
-    ("F11", "full screen"),
-    ("F12", "keep a picture in the recording"),
+    ("F1", phrase("frames per second, times, and lowered qualities")),
+    ("F2", phrase("wireframe")),
+    ("F3", phrase("bounds of what is drawn")),
+    ("F4", phrase("lights")),
+    ("F5", phrase("forces, contacts and stability")),
+    ("F6", phrase("shadow maps")),
+    ("F11", phrase("full screen")),
+    ("F12", phrase("keep a picture in the recording")),
 )
-OPERATORS_PAGE = KeyPage(_OPERATORS, "Keys of the operator", foot="H: resume")
+OPERATORS_PAGE = KeyPage(_OPERATORS, phrase("Keys of the operator"), foot=phrase("H: resume"))
 """Keys for who operates or develops a session."""
 
 
@@ -40,12 +41,12 @@ def session_keys(mover: Mover, limb: str = "hand") -> Keys:
     """
     moving: dict[Mover, Keys] = {
         "at the pointer": (
-            ("Mouse, arrows, left stick", f"move the {limb}"),
-            ("Wheel, left button, trigger", "close and open the hand"),
-            ("Shift", "slower"),
+            (phrase("Mouse, arrows, left stick"), phrase("move the {limb}", limb=limb)),
+            (phrase("Wheel, left button, trigger"), phrase("close and open the hand")),
+            (phrase("Shift"), phrase("slower")),
         ),
-        "at the robot": (("The robot", f"move it with the {limb}"),),
-        "simulated": (("Nothing to hold", f"a simulated patient moves the {limb}"),),
+        "at the robot": ((phrase("The robot"), phrase("move it with the {limb}", limb=limb)),),
+        "simulated": ((phrase("Nothing to hold"), phrase("a simulated patient moves the {limb}", limb=limb)),),
     }
     return (*moving[mover], *_ALWAYS)
 

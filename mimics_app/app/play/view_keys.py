@@ -20,6 +20,7 @@ from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.errors import MimicsError
 from mimics_app.contracts.messages.stage_messages import TaskOrders
 from mimics_app.contracts.messages.trial_state import TrialState
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.visual.figures.key_page import KeyPage
 from mimics_app.tasks.scene_section import task_of
@@ -34,10 +35,10 @@ _KEEP, _KEYS, _LEAVE = "f12", "h", "escape"
 _FIRST = (TrialState.APPROACH, TrialState.READY)
 """States of the first trial in which the page of the task is shown."""
 
-_BEGIN = "Enter, click or gamepad A: begin"
-_BY_ITSELF = "Begins by itself in a moment; Enter or click: now"
-_COMES = "One moment, please"
-_RESUME = "H: the operator's keys; once more: resume"
+_BEGIN = phrase("Enter, click or gamepad A: begin")
+_BY_ITSELF = phrase("Begins by itself in a moment; Enter or click: now")
+_COMES = phrase("One moment, please")
+_RESUME = phrase("H: the operator's keys; once more: resume")
 
 
 _RATED = 31

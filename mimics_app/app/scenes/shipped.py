@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from mimics_app.contracts.errors import counted
+from mimics_app.contracts.system.phrases import counted_phrase, phrase
 from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.contracts.system.resources import root
 
@@ -27,7 +27,12 @@ __all__ = [
 ONLY_LOOKED_AT = "none"
 """Scenario of a scene without a task, which is only looked at."""
 
-GROUPS = {"tasks": "Tasks", "walks": "Walks", "examples": "Examples", "places": "Places"}
+GROUPS = {
+    "tasks": phrase("Tasks"),
+    "walks": phrase("Walks"),
+    "examples": phrase("Examples"),
+    "places": phrase("Places"),
+}
 """Title of each group: scenes with a task, walks, examples of one feature each, scenes that are only looked at."""
 _WALKS = ("city_walk", "canyon_walk", "soccer")
 """Scenes of the group "walks"."""
@@ -123,7 +128,7 @@ def _describe(file: Path) -> ShippedScene:
         title=str(document.get("title", file.stem)),
         description=str(document.get("description", "")),
         group=group,
-        takes="a look round" if looked_at else _takes(document),
+        takes=phrase("a look round") if looked_at else _takes(document),
         lasts="" if looked_at else _lasts(document.get("task") or {}),
         device="" if looked_at else next(iter(_devices(document)), SIMULATED),
         also=_also(document),
@@ -148,8 +153,8 @@ def _limits(document: Mapping[str, Any]) -> str:
 
 def _takes(document: Mapping[str, Any]) -> str:
     if "trackers" in document.get("systems", {}):
-        return "head and hands"
-    return "one leg" if any("leg" in device for device in _devices(document)) else "one hand"
+        return phrase("head and hands")
+    return phrase("one leg" if any("leg" in device for device in _devices(document)) else "one hand")
 
 
 def _devices(document: Mapping[str, Any]) -> list[str]:
@@ -169,7 +174,7 @@ def _lasts(task: Mapping[str, Any]) -> str:
     """Return the number of counted trials, and the longest duration of all trials with their rests."""
     blocks = task.get("trials") or [{}]
     if isinstance(blocks, str):
-        return "its own trials"
+        return phrase("its own trials")
     limit, rest = float(task.get("time_limit_s", _SECONDS)), float(task.get("rest_s", 3.0))
     asked = [float(goal["seconds"]) for goal in task.get("goals", ()) if goal.get("kind") == "duration"]
     asked += _experiment(task.get("avatar_cord") or {})
@@ -182,8 +187,11 @@ def _lasts(task: Mapping[str, Any]) -> str:
     seconds = sum(length for _, length in trials) + rest * (len(trials) - 1)
     count = sum(not practice for practice, _ in trials)
     minutes = max(1, math.ceil(seconds / 60.0))
-    about = "about " if task.get("avatar_cord") else "" if asked else "up to "
-    return f"{counted(count, 'trials')}, {about}{minutes} min"
+    if task.get("avatar_cord"):
+        return counted_phrase("{n:d} trial, about {min:d} min", "{n:d} trials, about {min:d} min", count, min=minutes)
+    if asked:
+        return counted_phrase("{n:d} trial, {min:d} min", "{n:d} trials, {min:d} min", count, min=minutes)
+    return counted_phrase("{n:d} trial, up to {min:d} min", "{n:d} trials, up to {min:d} min", count, min=minutes)
 
 
 def _experiment(cord: Mapping[str, Any]) -> list[float]:

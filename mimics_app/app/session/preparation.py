@@ -25,6 +25,7 @@ from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.contracts.ports.scenario_port import Scenario, TaskContext
+from mimics_app.contracts.system.language import SOURCE, speak
 from mimics_app.inputs.commands.command_file import TimedCommand, read_command_file
 from mimics_app.learning.policy import Policy
 from mimics_app.recording.run import Run
@@ -161,6 +162,7 @@ def prepare_scene(
         UsageError: A sound device is requested, but the virtual clock would be too fast for it; or the settings file of
             this machine's limits is damaged.
     """
+    speak(settings.language or SOURCE)
     plan = apply_plan(scene, settings.profile, plan)
     world = build_world(scene)
     world.effects.seed = settings.seed

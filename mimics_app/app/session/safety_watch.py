@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mimics_app.app.terminal.output import say
 from mimics_app.contracts.clock import TICKS_PER_SECOND
 from mimics_app.contracts.loop.haptic import EventKind, SafetyState
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.recording.trips import Trip, TripReader
 from mimics_app.rendering.haptic.histogram import LatenessReport
 
@@ -18,7 +19,7 @@ __all__ = ["SafetyWatch", "hold_message"]
 _QUIET_TICKS = 5 * TICKS_PER_SECOND
 """Shortest time between two reported holds [ticks]: a busy machine holds again and again."""
 
-_PAUSED = "Paused: this computer is too busy. It resumes on its own"
+_PAUSED = phrase("Paused: this computer is too busy. It resumes on its own")
 
 
 def hold_message(state: int) -> str:

@@ -12,7 +12,10 @@ from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.recording.run_folder import write_atomically
 
-__all__ = ["config_file", "config_folder", "read_config", "read_strictly", "write_config"]
+__all__ = ["LAUNCHER", "config_file", "config_folder", "read_config", "read_strictly", "write_config"]
+
+LAUNCHER = "launcher"
+"""Name of the file with the last choice in the launcher."""
 
 _MOST_BYTES = 1 << 20
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.system.phrases import phrase
 
 __all__ = ["Curve", "Marks", "ReportSection", "ReportedAttempt", "Traces", "TunnelShape", "Word", "frontal"]
 
@@ -103,8 +104,8 @@ class ReportSection:
     colours: ClassVar[str] = "The handle path is blue."
     touching: ClassVar[str] = "touching"
     contact: ClassVar[str] = "contact begins"
-    path_error: ClassVar[str] = "distance from the line"
-    contacts: ClassVar[str] = "contacts"
+    path_error: ClassVar[str] = phrase("distance from the line")
+    contacts: ClassVar[str] = phrase("contacts")
     from_floor: ClassVar[bool] = False
 
     def takes(self, facts: Mapping[str, Any], attempts: Sequence[ReportedAttempt]) -> bool:

@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from mimics_app.contracts.system.phrases import counted_phrase
+
 __all__ = [
     "ABORTED",
     "COUNTED_PRACTICE",
@@ -19,6 +21,8 @@ __all__ = [
     "TrialCounts",
     "count_trials",
     "counted_rows",
+    "finished_words",
+    "practice_only",
 ]
 
 FINISHED = "finished"
@@ -75,6 +79,18 @@ def counted_rows(rows: Iterable[Mapping[str, object]]) -> tuple[str, list[Mappin
     ended = [row for row in rows if row.get("outcome") != ABORTED]
     trials = [row for row in ended if not row.get("practice")]
     return COUNTED_TRIALS if trials else COUNTED_PRACTICE if ended else COUNTED_UNDER_WAY, trials or ended
+
+
+def finished_words(completed: int, trials: int) -> str:
+    """Return how many trials were finished, as a phrase."""
+    return counted_phrase(
+        "{done:d} of {n:d} trial finished", "{done:d} of {n:d} trials finished", trials, done=completed
+    )
+
+
+def practice_only(trials: int) -> str:
+    """Return how many trials of practice ended where no other did, as a phrase."""
+    return counted_phrase("Practice only: {n:d} trial.", "Practice only: {n:d} trials.", trials)
 
 
 def _completed(rows: Iterable[Mapping[str, object]]) -> int:

@@ -7,6 +7,7 @@ from typing import Literal, NamedTuple
 
 from mimics_app.contracts.errors import UsageError, nearest
 from mimics_app.contracts.ports.plugins import PluginGroup, fault_of_builder
+from mimics_app.contracts.system.phrases import phrase
 
 __all__ = [
     "DISPLAY_KINDS",
@@ -42,18 +43,18 @@ class DisplayKind(NamedTuple):
 
 
 DISPLAY_KINDS = {
-    "desktop": DisplayKind("this screen"),
-    "sbs": DisplayKind("3D, side by side"),
-    "sbs-half": DisplayKind("3D, side by side, half width"),
-    "tb": DisplayKind("3D, top and bottom"),
-    "interleaved": DisplayKind("3D, line by line"),
-    "anaglyph": DisplayKind("3D, red and cyan glasses"),
-    "quad": DisplayKind("3D, shutter glasses"),
-    "wall": DisplayKind("a wall seen by a tracked head", "must"),
-    "cave": DisplayKind("walls around a tracked head", "must"),
-    "hmd": DisplayKind("head-mounted display", "may"),
-    "openxr": DisplayKind("headset"),
-    "sim-hmd": DisplayKind("simulated headset", "may"),
+    "desktop": DisplayKind(phrase("this screen")),
+    "sbs": DisplayKind(phrase("3D, side by side")),
+    "sbs-half": DisplayKind(phrase("3D, side by side, half width")),
+    "tb": DisplayKind(phrase("3D, top and bottom")),
+    "interleaved": DisplayKind(phrase("3D, line by line")),
+    "anaglyph": DisplayKind(phrase("3D, red and cyan glasses")),
+    "quad": DisplayKind(phrase("3D, shutter glasses")),
+    "wall": DisplayKind(phrase("a wall seen by a tracked head"), "must"),
+    "cave": DisplayKind(phrase("walls around a tracked head"), "must"),
+    "hmd": DisplayKind(phrase("head-mounted display"), "may"),
+    "openxr": DisplayKind(phrase("headset")),
+    "sim-hmd": DisplayKind(phrase("simulated headset"), "may"),
 }
 """Built-in kinds of `--display`."""
 

@@ -11,6 +11,7 @@ from mimics_app.contracts.messages.trial_state import TaskView, TrialState
 from mimics_app.contracts.ports.input_port import WindowFrame
 from mimics_app.contracts.shared_memory.command_ring import Answer, CommandSender
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
+from mimics_app.contracts.system.phrases import phrase
 
 __all__ = ["KeyCommands", "command_of_key"]
 
@@ -125,7 +126,7 @@ class KeyCommands:
         if self._asked_ns is not None or view.reading or view.state not in _UNDER_WAY:
             return False
         self._asked_ns = now_ns
-        self.message = "Press Esc again to end: this trial will not count"
+        self.message = phrase("Press Esc again to end: this trial will not count")
         return True
 
     def _give(self, sender: CommandSender, command: Command, now_ns: int) -> None:

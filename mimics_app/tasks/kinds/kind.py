@@ -21,6 +21,7 @@ from mimics_app.contracts.messages.orders import Feature, HapticField
 from mimics_app.contracts.messages.report_section import ReportSection
 from mimics_app.contracts.messages.stage_messages import SoundTrigger, TactileEvent
 from mimics_app.contracts.ports.scenario_port import TaskContext
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.trial_specs import BlockSpec
 from mimics_app.world.components.bounds import Factor, Figure
@@ -286,8 +287,8 @@ class TaskKind(ABC):
     cards: ClassVar[tuple[str, ...]] = ()
     scored: ClassVar[bool] = True
     journals: ClassVar[tuple[str, ...]] = ()
-    label: ClassVar[str] = "Progress"
-    contacts: ClassVar[str] = "Contacts"
+    label: ClassVar[str] = phrase("Progress")
+    contacts: ClassVar[str] = phrase("Contacts")
     touches: ClassVar[bool] = True
     implied: ClassVar[bool] = False
     report: ClassVar[ReportSection | None] = None

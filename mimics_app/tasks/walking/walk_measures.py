@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from mimics_app.contracts.messages.board import Bar, Card
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.tasks.kinds.kind import Measure, Values
 from mimics_app.tasks.walking.footfalls import Footfalls
 from mimics_app.tasks.walking.walker import Walker
@@ -37,4 +38,4 @@ def symmetry_card(falls: Footfalls) -> Card:
     """Return the card of the symmetry of the steps, with a bar."""
     symmetry = falls.symmetry
     text = "..." if symmetry is None else f"{100.0 * symmetry:.0f} %"
-    return Card("Even steps", text, bar=Bar(symmetry or 0.0, 1.0, right=(0.9, 1.0)), width=220.0)
+    return Card(phrase("Even steps"), text, bar=Bar(symmetry or 0.0, 1.0, right=(0.9, 1.0)), width=220.0)

@@ -12,6 +12,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import B1, F8, I4
 from mimics_app.contracts.errors import Issue
+from mimics_app.contracts.system.language import translated
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun
 from mimics_app.rendering.visual.effects.captions import caption_key, caption_picture
 from mimics_app.rendering.visual.effects.emitters import Emitter, SpriteRows
@@ -272,7 +273,8 @@ class SpriteField:
     def _state(self, world: World, spec: Billboard | Particles, text: str = "") -> tuple[int, int]:
         """Return the number of a state, and the layer of the texture."""
         if text:
-            key, picture = caption_key(text, spec.size), caption_picture(text, spec.size)
+            shown = translated(text)
+            key, picture = caption_key(shown, spec.size), caption_picture(shown, spec.size)
         else:
             key, picture = self._picture(world, spec.texture, spec.shape)
         array, layer = self._arrays.place(key, picture)

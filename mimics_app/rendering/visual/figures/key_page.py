@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from mimics_app.contracts.system.language import translated
 from mimics_app.rendering.visual.figures.hud import Colour, Hud
 from mimics_app.rendering.visual.figures.palette import ACCENT, FAINT, INK
 
@@ -52,12 +53,13 @@ def draw_keys(hud: Hud, keys: Keys) -> None:
 
 def draw_page(hud: Hud, page: KeyPage) -> None:
     """Draw a page, centred, smaller where it does not fit."""
-    left = max(hud.measure(key, _SIZE, bold=True) for key, _ in page.keys)
-    right = max(hud.measure(what, _SIZE) for _, what in page.keys)
+    keys = [(translated(key), translated(what)) for key, what in page.keys]
+    left = max(hud.measure(key, _SIZE, bold=True) for key, _ in keys)
+    right = max(hud.measure(what, _SIZE) for _, what in keys)
     pictured = page.picture is not None and hud.images is not None
     inside = max(left + right + 24.0, _PICTURE[0] + _GAP + 360.0 if pictured else 0.0, 560.0 if page.words else 0.0)
     beside = inside - (_PICTURE[0] + _GAP if pictured else 0.0)
-    lines = hud.wrap(page.words, _WORDS, beside, _MOST_LINES)
+    lines = hud.wrap(translated(page.words), _WORDS, beside, _MOST_LINES)
     text = (_TITLE + 18.0 if page.title else 0.0) + _WORDS_LINE * len(lines)
     head = max(text, _PICTURE[1] if pictured else 0.0)
     head += 20.0 if head else 0.0
@@ -71,13 +73,13 @@ def draw_page(hud: Hud, page: KeyPage) -> None:
         hud.image((x + fits * (beside + _GAP), top - fits * (24.0 + high), fits * _PICTURE[0], fits * high), 0)
     at = top - fits * (24.0 + 0.8 * _TITLE)
     if page.title:
-        hud.text(x, at, page.title, fits * _TITLE, INK, bold=True, width=fits * beside)
+        hud.text(x, at, translated(page.title), fits * _TITLE, INK, bold=True, width=fits * beside)
         at -= fits * (_TITLE + 18.0)
     for number, line in enumerate(lines):
         hud.text(x, at - fits * _WORDS_LINE * number, line, fits * _WORDS, INK)
-    for number, (key, what) in enumerate(page.keys):
+    for number, (key, what) in enumerate(keys):
         line_y = top - fits * (head + 44.0 + _LINE * number)
         hud.text(x, line_y, key, fits * _SIZE, INK, bold=True)
         hud.text(x + fits * (24.0 + left), line_y, what, fits * _SIZE, FAINT)
     if page.foot:
-        hud.text(x, y + fits * 24.0, page.foot, fits * 20.0, ACCENT, bold=True)
+        hud.text(x, y + fits * 24.0, translated(page.foot), fits * 20.0, ACCENT, bold=True)

@@ -11,6 +11,7 @@ import numpy as np
 
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.messages.window_input import InputEvent
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.rendering.visual.figures.key_page import draw_keys
 from mimics_app.rendering.visual.launcher.launcher_page import (
     LauncherPage,
@@ -45,16 +46,16 @@ _MOVES = {
 _CHOOSE = {("key", "enter"), ("key", "kp_enter"), ("pad", "a")}
 _BEGIN = {("pad", "start")}
 _LEAVE = {("key", "escape"), ("pad", "b"), ("pad", "back")}
-_ALL = "All"
+_ALL = phrase("All")
 
 KEYS = (
-    ("Arrows, Tab, stick", "move from scenes to groups and settings"),
-    ("Left, right", "change a setting"),
-    ("Enter, A, click", "choose; a second time starts, or shows an earlier result"),
-    ("Letters", "search for a scene, or fill the field that is lit"),
-    ("Gamepad Start", "start"),
-    ("F1", "this page"),
-    ("Esc, B", "end the search; leave"),
+    (phrase("Arrows, Tab, stick"), phrase("move from scenes to groups and settings")),
+    (phrase("Left, right"), phrase("change a setting")),
+    (phrase("Enter, A, click"), phrase("choose; a second time starts, or shows an earlier result")),
+    (phrase("Letters"), phrase("search for a scene, or fill the field that is lit")),
+    (phrase("Gamepad Start"), phrase("start")),
+    ("F1", phrase("this page")),
+    (phrase("Esc, B"), phrase("end the search; leave")),
 )
 """Keys of the launcher."""
 

@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from mimics_app.contracts.system.language import translated
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.figures.palette import (
     ACCENT,
@@ -35,7 +37,7 @@ _TAB_HEIGHT, _TAB_TEXT = 34.0, 16.0
 _MIN_CARD = 250.0
 _PICTURE_SHAPE = 16.0 / 9.0
 _TEXT_HEIGHT = 112.0
-_HINT = "Arrows, Tab, stick: move    Enter, A: choose    type: search    F1: keys    Esc, B: leave"
+_HINT = phrase("Arrows, Tab, stick: move    Enter, A: choose    type: search    F1: keys    Esc, B: leave")
 
 
 @dataclass(frozen=True)
@@ -174,14 +176,16 @@ class LauncherPage:
         for index in range(len(state.cards)):
             self._draw_card(index)
         if not state.cards:
-            hud.text(_MARGIN, hud.height - _HEAD - 40.0, "No scene has these words", 20.0, FAINT)
+            hud.text(_MARGIN, hud.height - _HEAD - 40.0, translated(phrase("No scene has these words")), 20.0, FAINT)
         self._draw_scroll_bar()
         # Cards that scroll under head and foot are covered again, which replaces clipping in the one draw call.
         hud.box(0.0, hud.height - _HEAD + 8.0, hud.width, _HEAD - 8.0, BACK)
         hud.box(0.0, 0.0, hud.width, _FOOT - 8.0, BACK)
         self._draw_head()
         self._draw_settings()
-        hud.text(_MARGIN, 20.0, state.notice or _HINT, 15.0, ALARM if state.notice else FAINT, width=self._wide)
+        hud.text(
+            _MARGIN, 20.0, translated(state.notice or _HINT), 15.0, ALARM if state.notice else FAINT, width=self._wide
+        )
 
     @property
     def _wide(self) -> float:
@@ -214,7 +218,7 @@ class LauncherPage:
 
     def _tab_box(self, index: int) -> Box:
         """Return the box of a tab; tabs that are wider than the cards together are narrowed."""
-        widths = [self._hud.measure(name, _TAB_TEXT, bold=True) + 28.0 for name in self.state.tabs]
+        widths = [self._hud.measure(translated(name), _TAB_TEXT, bold=True) + 28.0 for name in self.state.tabs]
         gap = 8.0
         fits = min(1.0, self._cards_width / (sum(widths) + gap * (len(widths) - 1)))
         x = _MARGIN + fits * (sum(widths[:index]) + gap * index)
@@ -224,8 +228,8 @@ class LauncherPage:
         hud, state, y = self._hud, self.state, self._hud.height - 62.0
         hud.text(_MARGIN, y, "mimics", 38.0, INK, bold=True)
         beside = _MARGIN + hud.measure("mimics", 38.0, bold=True) + 16.0
-        hud.text(beside, y, "Choose a scene", 20.0, FAINT, width=max(0.0, self._side_x - beside))
-        for index, name in enumerate(state.tabs):
+        hud.text(beside, y, translated(phrase("Choose a scene")), 20.0, FAINT, width=max(0.0, self._side_x - beside))
+        for index, name in enumerate(map(translated, state.tabs)):
             box = self._tab_box(index)
             here, focused = index == state.tab and not state.search, state.focus == ("tab", index)
             hud.box(*box, PANEL_LIT if here or focused else PANEL, radius=0.5 * _TAB_HEIGHT)
@@ -237,9 +241,9 @@ class LauncherPage:
         x, width = self._side_x, self._side_width
         hud.box(x, hud.height - 80.0, width, 40.0, PANEL_LIT if state.search else PANEL, radius=12.0)
         caret = "" if state.is_filling_field else "|"
-        text = f"{state.search}{caret}" if state.search else "Type to search"
+        text = f"{state.search}{caret}" if state.search else translated(phrase("Type to search"))
         hud.text(x + 18.0, hud.height - 66.0, text, 17.0, INK if state.search else FAINT, width=width - 36.0)
-        hud.text(x, hud.height - _HEAD + 12.0, "Settings", 16.0, FAINT, bold=True)
+        hud.text(x, hud.height - _HEAD + 12.0, translated(phrase("Settings")), 16.0, FAINT, bold=True)
 
     def _draw_scroll_bar(self) -> None:
         """Draw where the shown cards are among all of them, where not all fit."""
@@ -264,12 +268,12 @@ class LauncherPage:
         picture = (width - 20.0) / _PICTURE_SHAPE
         hud.image((x + 10.0, y + height - 10.0 - picture, width - 20.0, picture), layer, radius=8.0)
         if card.badge:
-            self._draw_badge(card.badge, (x + width - 18.0, y + height - 18.0))
+            self._draw_badge(translated(card.badge), (x + width - 18.0, y + height - 18.0))
         text_y, room = y + height - picture - 36.0, width - 28.0
-        self._fitted(x + 14.0, text_y, card.title, (14.5, 17.5), room, bold=True)
-        for number, line in enumerate(hud.wrap(card.description, 13.0, room, 3)):
+        self._fitted(x + 14.0, text_y, translated(card.title), (14.5, 17.5), room, bold=True)
+        for number, line in enumerate(hud.wrap(translated(card.description), 13.0, room, 3)):
             hud.text(x + 14.0, text_y - 20.0 - 16.5 * number, line, 13.0, FAINT)
-        self._fitted(x + 14.0, y + 13.0, card.facts, (10.5, 12.5), room)
+        self._fitted(x + 14.0, y + 13.0, translated(card.facts), (10.5, 12.5), room)
         if focused:
             hud.box(*box, ACCENT, radius=14.0, border=3.0)
 
@@ -296,12 +300,12 @@ class LauncherPage:
         room = int((hud.height - _HEAD - len(state.settings) * (_ROW + _ROW_GAP) - y - height - 14.0) // _LINE)
         refused = self._refused
         text, ink = (refused[1], ALARM) if refused else (self._explanation(), FAINT)
-        lines = hud.wrap(text, 14.0, width, room) if room > 0 else []
+        lines = hud.wrap(translated(text), 14.0, width, room) if room > 0 else []
         for number, line in enumerate(reversed(lines)):
             hud.text(x, y + height + 14.0 + _LINE * number, line, 14.0, ink)
         focused = state.focus == ("start", 0)
         hud.box(x, y, width, height, PANEL if refused else ACCENT if focused else QUIET, radius=16.0)
-        label, ink = self._start_label(), FAINT if refused else ON_ACCENT
+        label, ink = translated(self._start_label()), FAINT if refused else ON_ACCENT
         size = min(22.0, 22.0 * (width - 32.0) / max(hud.measure(label, 22.0, bold=True), 1.0))
         hud.text(x + 0.5 * width, y + 19.0, label, max(size, 13.0), ink, bold=True, align="centre", width=width - 24.0)
 
@@ -318,8 +322,8 @@ class LauncherPage:
     def _start_label(self) -> str:
         card = self._chosen
         if card is None:
-            return "Start"
-        return "Show the result" if card.run else f"Start: {card.title}"
+            return phrase("Start")
+        return phrase("Show the result") if card.run else phrase("Start: {title}", title=card.title)
 
     def _explanation(self) -> str:
         """Return the text above the start button: help on the focused setting, else the chosen scene's description."""
@@ -334,7 +338,7 @@ class LauncherPage:
         x, y, width, _ = box = self._option_box(index)
         focused = self.state.focus == ("option", index)
         hud.box(*box, PANEL_LIT if focused else PANEL, radius=12.0)
-        hud.text(x + 0.5 * width, y + 28.0, setting.label, 12.5, FAINT, align="centre")
+        hud.text(x + 0.5 * width, y + 28.0, translated(setting.label), 12.5, FAINT, align="centre")
         value = self.state.values.get(setting.name, "")
         words, room = setting.words(value) + ("|" if setting.typed and focused else ""), width - 76.0
         size = min(16.0, max(12.0, 16.0 * room / max(hud.measure(words, 16.0, bold=True), 1.0)))

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mimics_app.contracts.messages.window_input import InputEvent
+from mimics_app.contracts.system.language import translated
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.figures.key_page import Keys, draw_keys
 from mimics_app.rendering.visual.figures.palette import ACCENT, BACK, FAINT, INK, ON_ACCENT, PANEL, PANEL_LIT, QUIET
@@ -101,15 +103,15 @@ class ResultPage:
         hud.clear()
         hud.box(0.0, 0.0, hud.width, hud.height, BACK)
         wide = hud.width - 2.0 * _MARGIN
-        hud.text(_MARGIN, hud.height - 42.0, content.who, 16.0, FAINT, width=wide)
-        hud.text(_MARGIN, hud.height - 84.0, content.title, 34.0, INK, bold=True, width=wide)
+        hud.text(_MARGIN, hud.height - 42.0, translated(content.who), 16.0, FAINT, width=wide)
+        hud.text(_MARGIN, hud.height - 84.0, translated(content.title), 34.0, INK, bold=True, width=wide)
         for number, line in enumerate(hud.wrap(content.sentence, 20.0, wide, 2)):
             hud.text(_MARGIN, hud.height - 122.0 - 26.0 * number, line, 20.0, FAINT)
         self._draw_tiles(hud, wide)
         self._draw_table(hud, wide)
         for number, button in enumerate(content.buttons):
             self._draw_button(hud, self._button_box(number), button, number)
-        hud.text(_MARGIN, 22.0, content.footnote, 14.0, FAINT, width=wide)
+        hud.text(_MARGIN, 22.0, translated(content.footnote), 14.0, FAINT, width=wide)
         if self._keys_shown:
             draw_keys(hud, content.keys)
         self._canvas.draw()
@@ -148,8 +150,8 @@ class ResultPage:
         for number, (caption, figure) in enumerate(tiles):
             x = _MARGIN + number * (width + _GAP)
             hud.box(x, top - _TILE_HEIGHT, width, _TILE_HEIGHT, PANEL, radius=14.0)
-            hud.text(x + 18.0, top - 32.0, caption, 15.0, FAINT, width=width - 36.0)
-            hud.text(x + 18.0, top - 72.0, figure, 30.0, INK, bold=True, width=width - 36.0)
+            hud.text(x + 18.0, top - 32.0, translated(caption), 15.0, FAINT, width=width - 36.0)
+            hud.text(x + 18.0, top - 72.0, translated(figure), 30.0, INK, bold=True, width=width - 36.0)
 
     def _draw_table(self, hud: Hud, wide: float) -> None:
         """Draw the table of trials; of more than fit the last ones, and the number of those before."""
@@ -169,7 +171,13 @@ class ResultPage:
                 x, width = columns[number]
                 hud.text(x, y, text, 17.0, INK, bold=number == 0, width=width)
         if left_out > 0:
-            hud.text(_MARGIN, top - _ROW_HEIGHT * (len(rows) + 1) - 4.0, f"and {left_out} before", 15.0, FAINT)
+            hud.text(
+                _MARGIN,
+                top - _ROW_HEIGHT * (len(rows) + 1) - 4.0,
+                translated(phrase("and {n:d} before", n=left_out)),
+                15.0,
+                FAINT,
+            )
 
     def _columns(self, hud: Hud, wide: float, rows: Sequence[Sequence[str]]) -> list[tuple[float, float]]:
         """Return left end and width of each column: as its texts need, plus an equal share of the rest."""
@@ -198,7 +206,16 @@ class ResultPage:
         colour = (ACCENT if focused else QUIET) if main else (PANEL_LIT if focused else PANEL)
         hud.box(x, y, width, height, colour, radius=14.0)
         ink = ON_ACCENT if main else INK
-        hud.text(x + 0.5 * width, y + 20.0, button.label, 18.0, ink, bold=True, align="centre", width=width - 60.0)
+        hud.text(
+            x + 0.5 * width,
+            y + 20.0,
+            translated(button.label),
+            18.0,
+            ink,
+            bold=True,
+            align="centre",
+            width=width - 60.0,
+        )
         hud.text(x + width - 16.0, y + 21.0, button.key.upper(), 14.0, ink if main else FAINT, align="right")
         if focused:
             hud.box(x, y, width, height, INK if main else ACCENT, radius=14.0, border=2.5)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
+from mimics_app.contracts.system.language import translated
+
 __all__ = ["Choice", "Setting", "shown_settings"]
 
 
@@ -46,10 +48,10 @@ class Setting:
         return self.choices[0].value if self.choices and not self.typed else ""
 
     def words(self, value: str) -> str:
-        """Return the text of a value."""
+        """Return the text of a value in the present language; what is typed stays as it is."""
         if self.typed and not value:
-            return self.empty
-        return next((choice.words for choice in self.choices if choice.value == value), value)
+            return translated(self.empty)
+        return next((translated(choice.words) for choice in self.choices if choice.value == value), value)
 
     def allows(self, value: str) -> bool:
         """Whether a value is valid, such as a saved one."""

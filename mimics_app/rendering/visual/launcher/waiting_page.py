@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
+from mimics_app.contracts.system.language import translated
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.rendering.visual.figures.palette import ACCENT, BACK, FAINT, INK, PANEL_LIT
 from mimics_app.rendering.visual.launcher.page_surface import PageSurface
 from mimics_app.rendering.visual.surfaces.surface import Surface
@@ -37,13 +39,13 @@ class WaitingPage:
         x = 0.5 * (hud.width - _BAR)
         hud.clear()
         hud.box(0.0, 0.0, hud.width, hud.height, BACK)
-        hud.text(0.5 * hud.width, centre + 44.0, self._title, 30.0, INK, bold=True, align="centre")
+        hud.text(0.5 * hud.width, centre + 44.0, translated(self._title), 30.0, INK, bold=True, align="centre")
         hud.box(x, centre, _BAR, 8.0, PANEL_LIT, radius=4.0)
         swing = 0.5 - 0.5 * math.cos(2.0 * math.pi * self._frames / (_PERIOD_S * FRAMES_PER_SECOND))
         hud.box(x + swing * (_BAR - _RUNNER), centre, _RUNNER, 8.0, ACCENT, radius=4.0)
-        hud.text(0.5 * hud.width, centre - 36.0, doing, 17.0, FAINT, align="centre")
+        hud.text(0.5 * hud.width, centre - 36.0, translated(doing), 17.0, FAINT, align="centre")
         if leaves:
-            hud.text(0.5 * hud.width, 40.0, "Esc: leave", 14.0, FAINT, align="centre")
+            hud.text(0.5 * hud.width, 40.0, translated(phrase("Esc: leave")), 14.0, FAINT, align="centre")
         self._canvas.draw()
         self._frames += 1
 

@@ -18,6 +18,7 @@ from mimics_app.contracts.messages.orders import Feature
 from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.messages.stage_messages import TactileEvent
 from mimics_app.contracts.ports.scenario_port import TaskContext
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.kinds.avatar_cord.features import (
     CORD_LENGTH,
@@ -115,7 +116,7 @@ class AvatarCordPlay(KindPlay):
     def prompt(self) -> str:
         if self._phase is _Phase.QUESTIONS:
             return self._asking.text
-        return "Look at the figure before you" if self._phase is _Phase.BASELINE else ""
+        return phrase("Look at the figure before you") if self._phase is _Phase.BASELINE else ""
 
     @property
     def asks(self) -> bool:
@@ -164,13 +165,13 @@ class AvatarCordPlay(KindPlay):
                 self._enter(_Phase.OVER, seen.now_ns)
 
     def outcome_words(self, row: Mapping[str, object], *, finished: bool) -> str:
-        return "All questions are answered" if finished else "the questions are not all answered"
+        return phrase("All questions are answered" if finished else "the questions are not all answered")
 
     def holds(self, goal: Component, seen: Observation) -> bool:
         return self._phase is _Phase.OVER
 
     def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:
-        return {"taps": count_card(f"Taps of {len(self._taps)}", self._shown)}
+        return {"taps": count_card(phrase("Taps of {taps:d}", taps=len(self._taps)), self._shown)}
 
     @property
     def _all_given(self) -> bool:
@@ -258,8 +259,8 @@ class AvatarCordSection(ReportSection):
 
     def tiles(self, task: Mapping[str, Any]) -> Mapping[str, tuple[Any, str]]:
         return {
-            "mean answer on ownership": (task.get("ownership"), ""),
-            "drift towards the avatar": (task.get("drift_m"), "m"),
+            phrase("mean answer on ownership"): (task.get("ownership"), ""),
+            phrase("drift towards the avatar"): (task.get("drift_m"), "m"),
             "taps off their time, mean of the trials' worst": (task.get("tap_error_ms"), "ms"),
         }
 
@@ -270,7 +271,7 @@ class AvatarCordKind(TaskKind):
     name = "avatar_cord"
     section = AvatarCordSpec
     goals: ClassVar[tuple[type[Component], ...]] = (ExperimentGoal,)
-    label = "Taps"
+    label = phrase("Taps")
     touches = False
     cards = ("taps",)
     scored = False

@@ -6,6 +6,7 @@ import math
 import random
 from dataclasses import dataclass, field
 
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.tasks.kinds.avatar_cord.spec import (
     AvatarCordSpec,
     ConditionSpec,
@@ -105,11 +106,17 @@ class Asking:
             return ""
         asked = self._left[0]
         if isinstance(asked, ProbeSpec):
-            return "Where do you feel you are?\nMove the green post there with left and right, then press Enter"
+            return "\n".join(
+                (
+                    phrase("Where do you feel you are?"),
+                    phrase("Move the green post there with left and right, then press Enter"),
+                )
+            )
         questionnaire = self._questionnaire
         span = range(questionnaire.least, questionnaire.most + 1)
         scale = "  ".join(f"[{value:+d}]" if value == self._value else f"{value:+d}" for value in span)
-        return f"{asked.text}\ndisagree  {scale.replace('+0', '0')}  agree    (left, right, Enter)"
+        answer = phrase("disagree  {scale}  agree    (left, right, Enter)", scale=scale.replace("+0", "0"))
+        return "\n".join((asked.text, answer))
 
     def step(self, pressed: tuple[str, ...], seconds: float) -> list[Answer]:
         """Take the keys of a frame and return the answers given in it."""

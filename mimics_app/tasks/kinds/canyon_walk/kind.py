@@ -14,6 +14,7 @@ from mimics_app.contracts.messages.orders import Feature, HapticField
 from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.messages.stage_messages import SoundTrigger
 from mimics_app.contracts.ports.scenario_port import TaskContext
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.deflection import DEAD_ZONE
 from mimics_app.tasks.kinds.canyon_walk.crossing import Beam, Crossing
@@ -195,10 +196,10 @@ class CanyonWalkPlay(KindPlay):
     def prompt(self) -> str:
         crossing = self._crossing
         if crossing.rests:
-            return "Never mind. You are back on the beam: breathe, then raise the hand"
+            return phrase("Never mind. You are back on the beam: breathe, then raise the hand")
         if crossing.walker.walked == 0.0:
-            return "Raise the hand to walk, lower it to stop; move it aside to lean"
-        return "A gust: lean against it" if abs(crossing.wind.push) > 0.3 else ""
+            return phrase("Raise the hand to walk, lower it to stop; move it aside to lean")
+        return phrase("A gust: lean against it") if abs(crossing.wind.push) > 0.3 else ""
 
     @property
     def measures(self) -> Values:
@@ -213,10 +214,12 @@ class CanyonWalkPlay(KindPlay):
         }
 
     def outcome_words(self, row: Mapping[str, object], *, finished: bool) -> str:
-        missed = f"{row['missteps']:.0f} steps beside the beam" if row["missteps"] else "no step beside the beam"
+        beside = phrase("{steps:.0f} steps beside the beam", steps=row["missteps"])
+        missed = beside if row["missteps"] else phrase("no step beside the beam")
         if finished:
-            return f"Across in {row['time_s']:.0f} s, {missed}"
-        return f"{self._section.end - self._crossing.along:.0f} m were left, {missed}"
+            return phrase("Across in {seconds:.0f} s, {missed}", seconds=row["time_s"], missed=missed)
+        metres = self._section.end - self._crossing.along
+        return phrase("{metres:.0f} m were left, {missed}", metres=metres, missed=missed)
 
     def holds(self, goal: Component, seen: Observation) -> bool:
         return self._crossing.along >= self._section.end
@@ -226,14 +229,14 @@ class CanyonWalkPlay(KindPlay):
         tone = Tone.WARN if crossing.missteps else Tone.PLAIN
         return {
             "speed": Card(
-                "Speed",
+                phrase("Speed"),
                 f"{crossing.walker.speed:.1f} m/s",
                 bar=Bar(crossing.walker.speed, self._spec.fastest),
                 width=220.0,
             ),
-            "left": Card("To go", f"{left:.0f} m", width=150.0),
-            "steps": count_card("Steps", crossing.walker.footfalls.count),
-            "missteps": Card("Missteps", f"{crossing.missteps}", tone=tone, width=150.0),
+            "left": Card(phrase("To go"), f"{left:.0f} m", width=150.0),
+            "steps": count_card(phrase("Steps"), crossing.walker.footfalls.count),
+            "missteps": Card(phrase("Missteps"), f"{crossing.missteps}", tone=tone, width=150.0),
             "symmetry": symmetry_card(crossing.walker.footfalls),
         }
 
@@ -257,9 +260,9 @@ class CanyonWalkSection(ReportSection):
 
     def tiles(self, task: Mapping[str, Any]) -> Mapping[str, tuple[Any, str]]:
         return {
-            "steps": (task.get("steps"), ""),
-            "missteps": (task.get("missteps"), ""),
-            "symmetry of the steps": (task.get("symmetry"), ""),
+            phrase("steps"): (task.get("steps"), ""),
+            phrase("missteps"): (task.get("missteps"), ""),
+            phrase("symmetry of the steps"): (task.get("symmetry"), ""),
         }
 
 
@@ -278,7 +281,7 @@ class CanyonWalkKind(TaskKind):
     completes = "crossed"
     cards = ("speed", "left", "steps", "missteps", "symmetry")
     journals = ("misstep", "fall", "marker")
-    label = "Way"
+    label = phrase("Way")
     touches = False
     report = CanyonWalkSection()
 

@@ -12,6 +12,7 @@ from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.messages.board import Bar, Card, Tone
 from mimics_app.contracts.messages.orders import HapticField
 from mimics_app.contracts.ports.scenario_port import TaskContext
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.kinds.carry.carried import Carried, CarriedFrame, Stage
 from mimics_app.tasks.kinds.carry.report import CarrySection
@@ -27,16 +28,16 @@ if TYPE_CHECKING:
 __all__ = ["KIND", "PROMPTS", "CarryCondition", "CarryTask", "PlacedGoal"]
 
 PROMPTS: Mapping[Stage, str] = {
-    Stage.REACH: "Go to the {body}",
-    Stage.CLOSE: "Close your hand",
-    Stage.CARRY: "Carry it to the mark",
-    Stage.OPEN: "Open your hand",
+    Stage.REACH: phrase("Go to the {body}"),
+    Stage.CLOSE: phrase("Close your hand"),
+    Stage.CARRY: phrase("Carry it to the mark"),
+    Stage.OPEN: phrase("Open your hand"),
 }
 """Line of text of each stage."""
 
 _AT_POINTER: Mapping[Stage, str] = {
-    Stage.CLOSE: "Close your hand: turn the wheel up",
-    Stage.OPEN: "Open your hand: turn the wheel down",
+    Stage.CLOSE: phrase("Close your hand: turn the wheel up"),
+    Stage.OPEN: phrase("Open your hand: turn the wheel down"),
 }
 """Lines that differ for the mouse."""
 
@@ -112,8 +113,10 @@ class _CarryPlay(KindPlay):
     def outcome_words(self, row: Mapping[str, object], *, finished: bool) -> str:
         body = self._spec.body.replace("_", " ")
         if finished:
-            return f"The {body} is at its mark, in {row['time_s']:.1f} s"
-        return f"the {body} was not {'set down at its mark' if self._carried.picked else 'picked up'}"
+            return phrase("The {body} is at its mark, in {seconds:.1f} s", body=body, seconds=row["time_s"])
+        if self._carried.picked:
+            return phrase("the {body} was not set down at its mark", body=body)
+        return phrase("the {body} was not picked up", body=body)
 
     def way(self, goal: Component, seen: Observation) -> float:
         return self._carried.way(seen)
@@ -127,8 +130,8 @@ class _CarryPlay(KindPlay):
     def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:
         return {
             "grasp": _grasp_card(seen.grasp, self._spec.grip),
-            "placed": count_card("Placed", finished, width=130.0),
-            "drops": count_card("Drops", self._now.drops, width=120.0),
+            "placed": count_card(phrase("Placed"), finished, width=130.0),
+            "drops": count_card(phrase("Drops"), self._now.drops, width=120.0),
         }
 
 
@@ -137,7 +140,7 @@ def _grasp_card(newtons: float, grip: GripSpec) -> Card:
     full = _GRASP_ROOM * grip.most if grip.most > 0.0 else 1.0
     right = grip.least <= newtons <= grip.most
     tone = Tone.CALM if right else Tone.ACCENT if newtons < grip.least else Tone.WARN
-    return Card("Grip", f"{newtons:.1f} N", bar=Bar(newtons, full, tone, (grip.least, grip.most)), width=250.0)
+    return Card(phrase("Grip"), f"{newtons:.1f} N", bar=Bar(newtons, full, tone, (grip.least, grip.most)), width=250.0)
 
 
 class CarryTask(TaskKind):

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.messages.report_section import Curve, Marks, ReportedAttempt, ReportSection, Traces, frontal
+from mimics_app.contracts.system.phrases import phrase
 
 __all__ = ["CarrySection"]
 
@@ -26,7 +27,7 @@ class CarrySection(ReportSection):
         "The path of the empty hand is blue, that of the hand with the object orange. Green is where the middle of the "
         "object lies at its mark, and the outline of the obstacles."
     )
-    path_error = "distance from the straight line"
+    path_error = phrase("distance from the straight line")
     from_floor = True
 
     def takes(self, facts: Mapping[str, Any], attempts: Sequence[ReportedAttempt]) -> bool:
@@ -34,11 +35,11 @@ class CarrySection(ReportSection):
 
     def tiles(self, task: Mapping[str, Any]) -> Mapping[str, tuple[Any, str]]:
         return {
-            "placed": (task.get("placed"), ""),
-            "drops": (task.get("drops"), ""),
-            "bruises": (task.get("bruises"), ""),
-            "path of the hand": (task.get("path_m"), "m"),
-            "grip force off its target": (task.get("grasp_error_n"), "N"),
+            phrase("placed"): (task.get("placed"), ""),
+            phrase("drops"): (task.get("drops"), ""),
+            phrase("bruises"): (task.get("bruises"), ""),
+            phrase("path of the hand"): (task.get("path_m"), "m"),
+            phrase("grip force off its target"): (task.get("grasp_error_n"), "N"),
         }
 
     def behind(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Curve]:

@@ -13,6 +13,7 @@ from mimics_app.contracts.messages.orders import Feature
 from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.messages.stage_messages import SoundTrigger
 from mimics_app.contracts.ports.scenario_port import TaskContext
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.tasks.deflection import DEAD_ZONE, deflection
 from mimics_app.tasks.kinds.city_walk.street_obstacles import MATERIALS, StreetObstacle, StreetObstacles, Tap
 from mimics_app.tasks.kinds.kind import KindPlay, Measure, TaskBlock, TaskKind, Values
@@ -130,7 +131,7 @@ class CityWalkPlay(KindPlay):
 
     @property
     def prompt(self) -> str:
-        return "" if self._along > 0.0 else "Raise the hand to walk, lower it to stop; aside to look about"
+        return "" if self._along > 0.0 else phrase("Raise the hand to walk, lower it to stop; aside to look about")
 
     @property
     def measures(self) -> Values:
@@ -138,20 +139,21 @@ class CityWalkPlay(KindPlay):
 
     def outcome_words(self, row: Mapping[str, object], *, finished: bool) -> str:
         if finished:
-            return f"{self._along:.0f} m walked in {row['time_s']:.0f} s"
-        return f"{self._along:.0f} of {self._metres:.0f} m walked"
+            return phrase("{metres:.0f} m walked in {seconds:.0f} s", metres=self._along, seconds=row["time_s"])
+        return phrase("{metres:.0f} of {all:.0f} m walked", metres=self._along, all=self._metres)
 
     def holds(self, goal: Component, seen: Observation) -> bool:
         assert isinstance(goal, Walked)
         return self._along >= goal.metres
 
     def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:
-        speed = Card("Speed", f"{self._speed:.1f} m/s", bar=Bar(self._speed, self._spec.fastest), width=220.0)
+        speed = Card(phrase("Speed"), f"{self._speed:.1f} m/s", bar=Bar(self._speed, self._spec.fastest), width=220.0)
+        walked = phrase("{metres:.0f} of {all:.0f} m", metres=self._along, all=self._metres)
         even = symmetry_card(self._walker.footfalls)
         return {
             "speed": speed,
             "symmetry": even,
-            "walked": Card("Walked", f"{self._along:.0f} of {self._metres:.0f} m", width=220.0),
+            "walked": Card(phrase("Walked"), walked, width=220.0),
         }
 
 
@@ -162,7 +164,10 @@ class CityWalkSection(ReportSection):
         return any("walked_m" in attempt.row for attempt in attempts)
 
     def tiles(self, task: Mapping[str, Any]) -> Mapping[str, tuple[Any, str]]:
-        return {"walked": (task.get("walked_m"), "m"), "walking speed": (task.get("walk_speed_mps"), "m/s")}
+        return {
+            phrase("walked"): (task.get("walked_m"), "m"),
+            phrase("walking speed"): (task.get("walk_speed_mps"), "m/s"),
+        }
 
 
 class CityWalkKind(TaskKind):
@@ -176,7 +181,7 @@ class CityWalkKind(TaskKind):
     )
     completes = "walks"
     cards = ("speed", "walked", "symmetry")
-    label = "Path"
+    label = phrase("Path")
     touches = False
     report = CityWalkSection()
 

@@ -13,6 +13,7 @@ from mimics_app.contracts.messages.board import Card
 from mimics_app.contracts.messages.orders import Feature
 from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.ports.scenario_port import TaskContext
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.deflection import deflection
 from mimics_app.tasks.kinds.guided_walk.walk_people import STEP_S, Alley, Deed, Guide, Walker
@@ -35,7 +36,14 @@ AVATAR_AT = Feature("walk.avatar", (-2.0, 0.0))
 """Where the two are, along the alley and to its right [m]."""
 DEED = Feature("walk.deed", 3)
 """Number of the avatar's action."""
-_WORDS = ("approaches", "steps back", "walks round you", "waits", "beckons", "points")
+_WORDS = (
+    phrase("The avatar approaches"),
+    phrase("The avatar steps back"),
+    phrase("The avatar walks round you"),
+    phrase("The avatar waits"),
+    phrase("The avatar beckons"),
+    phrase("The avatar points"),
+)
 _WALKING = 0.8
 """Walking speed at full deflection of the hand [m/s]."""
 _DEFLECTION = 0.1
@@ -123,10 +131,10 @@ class GuidedWalkPlay(KindPlay):
 
     @property
     def prompt(self) -> str:
-        deed = f"The avatar {_WORDS[self._guide.deed]}"
+        deed = _WORDS[self._guide.deed]
         if self._spec.walker == "simulated":
-            return f"{deed}; the walker answers by itself"
-        return f"Go to the green ring: hand up walks on, down back, left and right aside. {deed}"
+            return phrase("{deed}; the walker answers by itself", deed=deed)
+        return phrase("Go to the green ring: hand up walks on, down back, left and right aside. {deed}", deed=deed)
 
     @property
     def measures(self) -> Values:
@@ -134,15 +142,15 @@ class GuidedWalkPlay(KindPlay):
 
     def outcome_words(self, row: Mapping[str, object], *, finished: bool) -> str:
         if finished:
-            return f"The place is reached, in {row['time_s']:.0f} s"
-        return f"{self._alley.left(self._walker.at):.1f} m left to the place"
+            return phrase("The place is reached, in {seconds:.0f} s", seconds=row["time_s"])
+        return phrase("{metres:.1f} m left to the place", metres=self._alley.left(self._walker.at))
 
     def holds(self, goal: Component, seen: Observation) -> bool:
         return self._reached
 
     def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:
         gap = abs(self._walker.at - self._guide.at)
-        return {"gap": Card("Distance", f"{gap:.2f} m"), "steps": count_card("Steps", self._steps)}
+        return {"gap": Card(phrase("Distance"), f"{gap:.2f} m"), "steps": count_card(phrase("Steps"), self._steps)}
 
     def _walk_by_hand(self, seen: Observation, seconds: float) -> None:
         moved = _hand(seen) - self._hand_from
@@ -181,8 +189,8 @@ class GuidedWalkSection(ReportSection):
 
     def tiles(self, task: Mapping[str, Any]) -> Mapping[str, tuple[Any, str]]:
         return {
-            "steps of the avatar": (task.get("walk_steps"), ""),
-            "left to the place": (task.get("walk_left_m"), "m"),
+            phrase("steps of the avatar"): (task.get("walk_steps"), ""),
+            phrase("left to the place"): (task.get("walk_left_m"), "m"),
         }
 
 
@@ -197,7 +205,7 @@ class GuidedWalkKind(TaskKind):
     targets = ("avatar_deed",)
     completes = "brought"
     cards = ("gap", "steps")
-    label = "Path"
+    label = phrase("Path")
     touches = False
     report = GuidedWalkSection()
 

@@ -14,6 +14,7 @@ from mimics_app.contracts.messages.orders import Feature, HapticField
 from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.messages.stage_messages import SoundTrigger
 from mimics_app.contracts.ports.scenario_port import TaskContext
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.deflection import DEAD_ZONE
 from mimics_app.tasks.kinds.kind import KindPlay, Measure, TaskBlock, TaskKind, Values
@@ -241,10 +242,10 @@ class SoccerPlay(KindPlay):
     def prompt(self) -> str:
         match = self._match
         if match.pause_s > 0.0:
-            again = "   seen again" if match.replay_s > 0.0 else ""
-            return f"{match.goals} : {match.opponent_goals}{again}"
+            score = f"{match.goals} : {match.opponent_goals}"
+            return phrase("{score}   seen again", score=score) if match.replay_s > 0.0 else score
         if match.person.walker.walked == 0.0:
-            return "Raise the hand to walk, aside to turn. Close it (mouse button, G or K) to kick"
+            return phrase("Raise the hand to walk, aside to turn. Close it (mouse button, G or K) to kick")
         return ""
 
     @property
@@ -258,7 +259,8 @@ class SoccerPlay(KindPlay):
         }
 
     def outcome_words(self, row: Mapping[str, object], *, finished: bool) -> str:
-        return f"{row['goals']:.0f} : {row['opponent_goals']:.0f}, the ball was touched {row['kicks']:.0f} times"
+        score = f"{row['goals']:.0f} : {row['opponent_goals']:.0f}"
+        return phrase("{score}, the ball was touched {kicks:.0f} times", score=score, kicks=row["kicks"])
 
     def holds(self, goal: Component, seen: Observation) -> bool:
         match = self._match
@@ -269,10 +271,10 @@ class SoccerPlay(KindPlay):
         match = self._match
         left = max(self._spec.match_s - self._seconds, 0.0)
         return {
-            "goals": Card("You : red", f"{match.goals} : {match.opponent_goals}", width=150.0),
-            "left": Card("Left", f"{left:.0f} s", width=130.0),
-            "steps": count_card("Steps", match.person.walker.footfalls.count),
-            "kicks": count_card("Touches", match.kicks),
+            "goals": Card(phrase("You : red"), f"{match.goals} : {match.opponent_goals}", width=150.0),
+            "left": Card(phrase("Left"), f"{left:.0f} s", width=130.0),
+            "steps": count_card(phrase("Steps"), match.person.walker.footfalls.count),
+            "kicks": count_card(phrase("Touches"), match.kicks),
             "symmetry": symmetry_card(match.person.walker.footfalls),
         }
 
@@ -315,9 +317,9 @@ class SoccerSection(ReportSection):
 
     def tiles(self, task: Mapping[str, Any]) -> Mapping[str, tuple[Any, str]]:
         return {
-            "goals": (task.get("goals"), ""),
-            "goals of the opponent": (task.get("opponent_goals"), ""),
-            "symmetry of the steps": (task.get("symmetry"), ""),
+            phrase("goals"): (task.get("goals"), ""),
+            phrase("goals of the opponent"): (task.get("opponent_goals"), ""),
+            phrase("symmetry of the steps"): (task.get("symmetry"), ""),
         }
 
 
@@ -335,7 +337,7 @@ class SoccerKind(TaskKind):
     completes = "matches"
     cards = ("goals", "left", "steps", "kicks", "symmetry")
     journals = ("soccer",)
-    label = "Match"
+    label = phrase("Match")
     touches = False
     report = SoccerSection()
 

@@ -9,6 +9,7 @@ from msgspec import Meta, structs
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.ports.scenario_port import TaskContext
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.tasks.kinds.kind import KindPlay, TaskBlock, TaskKind
 from mimics_app.tasks.kinds.tunnel.report import TunnelSection
 from mimics_app.tasks.observation import Observation
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["KIND", "ProgressGoal", "TunnelTask", "has_tunnel", "own_tunnel"]
 
 
-_PROMPT = "Lead the ball through the tunnel to its end"
+_PROMPT = phrase("Lead the ball through the tunnel to its end")
 _UNDER_WAY = 0.1
 """Progress from which no prompt is shown [-]."""
 
@@ -58,7 +59,8 @@ class _TunnelPlay(KindPlay):
         )
 
     def outcome_words(self, row: Mapping[str, object], *, finished: bool) -> str:
-        return "" if finished else f"{100.0 * self._progress:.0f} % of the tunnel done"
+        done = 100.0 * self._progress
+        return "" if finished else phrase("{done:.0f} % of the tunnel done", done=done)
 
     def way(self, goal: Component, seen: Observation) -> float:
         return self._path_m * max(0.0, goal.at_least - seen.progress) if isinstance(goal, ProgressGoal) else 0.0
@@ -72,8 +74,8 @@ class TunnelTask(TaskKind):
 
     name = "tunnel"
     goals: ClassVar[tuple[type[Component], ...]] = (ProgressGoal,)
-    label = "Tunnel"
-    contacts = "Wall contacts"
+    label = phrase("Tunnel")
+    contacts = phrase("Wall contacts")
     implied = True
     report = TunnelSection()
 

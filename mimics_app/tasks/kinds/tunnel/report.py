@@ -16,6 +16,7 @@ from mimics_app.contracts.messages.report_section import (
     TunnelShape,
     Word,
 )
+from mimics_app.contracts.system.phrases import phrase
 
 __all__ = ["TunnelSection"]
 
@@ -30,7 +31,7 @@ class TunnelSection(ReportSection):
     )
     touching = "ball in the wall"
     contact = "wall contact begins"
-    contacts = "wall contacts"
+    contacts = phrase("wall contacts")
 
     def takes(self, facts: Mapping[str, Any], attempts: Sequence[ReportedAttempt]) -> bool:
         return any(attempt.tunnel is not None for attempt in attempts)

@@ -1,12 +1,13 @@
 """A HapticMaster on the network, by its command interface."""
 
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.rendering.haptic.devices.device_names import BuiltInDevice
 
 __all__ = ["DEVICE"]
 
 DEVICE = BuiltInDevice(
     __doc__,
-    "HapticMaster in the network",
+    phrase("HapticMaster in the network"),
     "hapticmaster_port:build_hapticmaster",
     address="HOST[:PORT]",
     dynamics="dynamics:undelayed_dynamics",
