@@ -93,11 +93,19 @@ def _value(name: str, form: str | None, word: str, number: int) -> object:
     return number if name == "n" else 2 if form in ("d", ".0f") else 2.5
 
 
+def test_plural_forms_follow_the_rules_of_slovene() -> None:
+    """One, two, three to four, five: four forms (GNU gettext manual, "Plural forms")."""
+    with (resources.root() / "assets" / "texts" / "sl.mo").open("rb") as file:
+        rule = gettext.GNUTranslations(file).plural  # type: ignore[attr-defined]
+    assert [rule(n) for n in (1, 2, 3, 4, 5, 11, 12, 101, 102, 103, 105)] == [0, 1, 2, 2, 3, 3, 3, 0, 1, 2, 3]
+
+
 @pytest.mark.parametrize(
     ("variables", "code"),
     [
         ({"LANG": "de_AT.UTF-8"}, "de"),
-        ({"LANG": "fr_FR.UTF-8", "LC_ALL": "de_DE"}, "de"),
+        ({"LANG": "sl_SI.UTF-8", "LC_ALL": "es_ES"}, "es"),
+        ({"LANG": "ca_ES@valencia"}, "ca"),
         ({"LANGUAGE": "en_GB:de", "LANG": "de_DE"}, "en"),
         ({"LANG": "fr_FR.UTF-8"}, "en"),
         ({"LANG": "C.UTF-8"}, "en"),

@@ -27,6 +27,9 @@ SOURCE = "en"
 LANGUAGES: Mapping[str, str] = {
     SOURCE: "English",
     "de": "Deutsch",
+    "sl": "Slovenščina",
+    "ca": "Català",
+    "es": "Español",
 }
 """Languages by their code, each with its own name."""
 
