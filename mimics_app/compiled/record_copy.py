@@ -1,15 +1,16 @@
-"""Compiled copies of records: of many fields, generated from a list, and of the first bytes."""
+"""Compiled copies of records: of many fields, generated from a list, and of the first bytes; loading ahead of them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from typing import Any, cast
 
+from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-__all__ = ["Move", "copy_front", "field_copier"]
+__all__ = ["Move", "copy_front", "field_copier", "prefetch_line"]
 
 Move = tuple[int, tuple[str, ...], str]
 """Copy of a field: which of the two source records (0 or 1), path in it, and name of the target field."""
@@ -50,6 +51,23 @@ def _copy_front(typingctx, target, source, size):  # type: ignore[no-untyped-def
 
 copy_front = cast("Callable[[Any, Any, int], None]", _copy_front)
 """Copy the first bytes of a record, for kernels: `copy_front(target, source, size)`, both records of one type."""
+
+
+@intrinsic
+def _prefetch_line(typingctx, record, offset):
+    def codegen(context, builder, signature, args):  # type: ignore[no-untyped-call]
+        word, pointer = ir.IntType(32), ir.IntType(8).as_pointer()
+        kind = ir.FunctionType(ir.VoidType(), [pointer, word, word, word])
+        prefetch = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0i8")  # type: ignore[no-untyped-call]
+        line = builder.gep(builder.bitcast(args[0], pointer), [args[1]])
+        builder.call(prefetch, [line, word(1), word(3), word(1)])  # to write, into all levels, of the data cache
+        return context.get_dummy_value()
+
+    return types.void(record, types.intp), codegen
+
+
+prefetch_line = cast("Callable[[Any, int], None]", _prefetch_line)
+"""Begin to load the cache line at an offset [bytes] of a record that is written soon, for kernels; returns at once."""
 
 
 def _find(record: Any, path: Sequence[str]) -> tuple[int, Any]:

@@ -7,13 +7,16 @@ from numpy.typing import NDArray
 
 from mimics_app.compiled.atomics import load_acquire, store_release
 from mimics_app.compiled.kernel import kernel
-from mimics_app.compiled.record_copy import copy_front
+from mimics_app.compiled.record_copy import copy_front, prefetch_line
 from mimics_app.contracts.arrays import Words
 from mimics_app.contracts.shared_memory.shared_words import DROPPED, HEAD, TAIL
 
-__all__ = ["drain", "peek", "position", "push", "push_front", "release", "room", "waiting"]
+__all__ = ["drain", "peek", "position", "prefetch_front", "push", "push_front", "release", "room", "waiting"]
 
 Records = NDArray[np.void]
+
+_CACHE_LINE = 64
+"""[bytes]."""
 
 
 @kernel
@@ -34,6 +37,14 @@ def push_front(words: Words, slots: Records, record: Records, size: int) -> bool
     copy_front(slots[words[HEAD] & (slots.shape[0] - 1)], record[0], size)
     store_release(words, HEAD, words[HEAD] + 1)
     return True
+
+
+@kernel
+def prefetch_front(words: Words, slots: Records, size: int) -> None:
+    """Producer: begin to load the memory of the next `push_front`: nothing was there since the ring went round."""
+    slot = slots[words[HEAD] & (slots.shape[0] - 1)]
+    for offset in range(0, size, _CACHE_LINE):
+        prefetch_line(slot, offset)
 
 
 @kernel

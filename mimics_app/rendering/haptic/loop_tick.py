@@ -43,7 +43,7 @@ from mimics_app.rendering.haptic.kernels.spoiled_data import ORDERS, is_deaf, sp
 from mimics_app.rendering.haptic.kernels.state import STATE
 from mimics_app.rendering.haptic.kernels.vectors import rotate_back
 from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROWS, SIMULATE
-from mimics_app.rendering.haptic.publish import publish_events, publish_state
+from mimics_app.rendering.haptic.publish import prefetch_sample, publish_events, publish_state
 from mimics_app.rendering.haptic.struck import publish_forces
 
 if TYPE_CHECKING:
@@ -211,6 +211,7 @@ def loop_tick(
     slot, _ = acquire(channels.scene_words)
     scene = channels.scenes[slot]
     rows = borrowed(rows_of(channels.rows, slot))
+    prefetch_sample(channels, work)
     _take_inbox(channels, work, scene)
     state = work.state[0]
     status = read(memory, work.inbox, work.data, state.tick)

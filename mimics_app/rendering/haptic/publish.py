@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from mimics_app.compiled.kernel import kernel
 from mimics_app.compiled.record_copy import copy_front
 from mimics_app.contracts.loop.haptic import EventKind
-from mimics_app.contracts.shared_memory.ring import push, push_front
+from mimics_app.contracts.shared_memory.ring import prefetch_front, push, push_front
 from mimics_app.contracts.shared_memory.triple_buffer import back_slot, publish
 from mimics_app.rendering.haptic.channels import Channels, Work
 from mimics_app.rendering.haptic.kernels.event_points import event_body
@@ -19,7 +19,7 @@ from mimics_app.rendering.haptic.kernels.vectors import copy, fill, norm
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import Rows, SceneRecord, ShapeRecord, StateRecord, Table
 
-__all__ = ["publish_events", "publish_sample", "publish_state"]
+__all__ = ["prefetch_sample", "publish_events", "publish_sample", "publish_state"]
 
 
 @kernel
@@ -39,6 +39,12 @@ def publish_state(channels: Channels, work: Work, scene: SceneRecord, t_ns: int)
     copy_front(of_audio, channels.snapshots[slot], snapshot_bytes(scene.contacts))
     publish(channels.snapshot_words)
     publish(channels.audio_words)
+
+
+@kernel
+def prefetch_sample(channels: Channels, work: Work) -> None:
+    """Begin to load the memory that `publish_sample` writes at the end of the tick."""
+    prefetch_front(channels.sample_words, channels.samples, sample_bytes(work.state[0].contacts))
 
 
 @kernel
