@@ -74,7 +74,7 @@ PARTS: dict[str, tuple[int, tuple[str, ...]]] = {
             "rendering/visual/presenting/*",
             "app/study/*",
             "rendering/visual/:passes/cord,stages/eye_pairs,surfaces/wall_windows,drawing/attached",
-            "app/:bench/display_bench,bench/tracker_bench,commands/study,session/trackers,picture/shown_on",
+            "app/:bench/display_bench,commands/study,session/trackers,picture/shown_on",
             "contracts/ports/:display_port,display_choice,tracker_port",
             "lab/groups/:cord,cord_frame,head_prediction,lens_distortion,ripple_distance,stereo",
             "tasks/kinds/avatar_cord/*",

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from mimics_app.app.cli import main
-from mimics_app.app.touch.loss_watch import LossWatch
+from mimics_app.app.session.frame import LossWatch
 from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.loop.haptic import EVENT, EventKind

@@ -25,8 +25,8 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 from mimics_app.app.mirror.mirror_buffer import MirrorBuffer
+from mimics_app.app.mirror.mirror_display import MirroredScene
 from mimics_app.app.mirror.mirror_link import MirrorLink
-from mimics_app.app.mirror.mirrored_scene import MirroredScene
 from mimics_app.app.play.launching import launcher_settings, settings_of_choice
 from mimics_app.app.play.operators_page import DEFAULT_PORT, open_page
 from mimics_app.console import own_certificate as own_certificate_module

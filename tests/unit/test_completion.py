@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from mimics_app.app import cli
-from mimics_app.app.terminal.places import line_and_column
+from mimics_app.app.terminal.output import line_and_column
 from mimics_app.contracts.errors import Issue
 
 

@@ -172,7 +172,7 @@ def test_a_run_that_is_broken_off_leaves_a_whole_film(tmp_path, ffmpeg, monkeypa
         if len(shown) == 7:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr("mimics_app.app.play.progress_line.ProgressLine.show", interrupt)
+    monkeypatch.setattr("mimics_app.app.play.play.ProgressLine.show", interrupt)
     settings = RunSettings(
         Path("wavy_tunnel"), headless=True, seconds=5.0, runs=tmp_path, sound="off", size=SIZE, video=tmp_path / "a.mp4"
     )

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from mimics_app.app.scenes.feature_checks import check_features
 from mimics_app.app.scenes.loading import read_scene
 from mimics_app.app.scenes.scenario_choice import BUILT_IN, features_of
+from mimics_app.app.scenes.stage_checks import check_features
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.messages.orders import Feature, HapticField, Shown, VisualOrder, haptic_field, shown
 from mimics_app.contracts.system.resources import root

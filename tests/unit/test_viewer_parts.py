@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from mimics_app.app.picture.orbit_camera import OrbitCamera
-from mimics_app.app.viewer.gizmo import axis_under, gizmo_arrows
-from mimics_app.app.viewer.selection import Selection, drag_offset
+from mimics_app.app.viewer.selection import Selection, axis_under, drag_offset, gizmo_arrows
 from mimics_app.app.viewer.shown import Shown, open_shown
 from mimics_app.contracts.errors import SceneError
 from mimics_app.world.content.extent import world_extent

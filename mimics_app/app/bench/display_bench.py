@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from mimics_app.app.bench.tracker_bench import measure_records
 from mimics_app.app.picture.picture import picture_quality
 from mimics_app.app.session.core import open_core
 from mimics_app.app.session.frame import Frames
@@ -19,6 +18,12 @@ from mimics_app.app.session.preparation import prepare
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.clock import FRAME_NS, MonotonicClock, Stopwatch, process_seconds
 from mimics_app.contracts.ports.display_port import Display, DisplayFrame
+from mimics_app.inputs.trackers.ascension import FlockParser, flock_record
+from mimics_app.inputs.trackers.plausibility import Plausibility
+from mimics_app.inputs.trackers.polhemus import FastrakParser, fastrak_record
+from mimics_app.inputs.trackers.scripted_person import person_at
+from mimics_app.inputs.trackers.serial_tracker import RecordParser
+from mimics_app.inputs.trackers.track import Track
 from mimics_app.lab.groups.stereo import WORKLOADS, turns
 from mimics_app.rendering.visual.displays.desktop import DesktopDisplay
 from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec
@@ -41,6 +46,39 @@ _QUEUE_GOAL = 1.15
 """Largest ratio of the time of simulation, animation and culling for two eyes to that for one."""
 _SETTLING_FRAMES = 10
 """Number of first frames that do not count, in which buffers grow and the driver compiles."""
+
+
+_RECORDS = 2000
+_RATE_HZ = 120.0
+_UNIT = 0.01
+"""Unit of the record's numbers [m]."""
+_AHEAD_NS = 10_000_000
+"""Prediction of the requested pose [ns]."""
+_RECORD_GOAL_MS = 1.0
+
+
+def _measure_records() -> dict[str, object]:
+    """Return the processor time from the last byte of a record to its pose [ms], by protocol: p50, p99, max."""
+    lines: dict[str, tuple[RecordParser, Callable[[float], bytes]]] = {
+        "fastrak": (FastrakParser(_UNIT), lambda t: fastrak_record(1, *person_at("head", t, 1), _UNIT)),
+        "flock": (FlockParser(), lambda t: flock_record(*person_at("head", t, 1))),
+    }
+    return {"goal": _RECORD_GOAL_MS, **{name: _spread_of(*line) for name, line in lines.items()}}
+
+
+def _spread_of(parser: RecordParser, record_at: Callable[[float], bytes]) -> dict[str, float]:
+    believed, track, spent = Plausibility(), Track(), []
+    for number in range(_RECORDS):
+        t_s = number / _RATE_HZ
+        record, t_ns = record_at(t_s), round(1e9 * t_s)
+        begun = process_seconds()
+        for found in parser.feed(record, t_ns):
+            if believed.admits(found):
+                track.add(found)
+        track.pose(t_ns + _AHEAD_NS)
+        spent.append(1e3 * (process_seconds() - begun))
+    p50, p99 = np.percentile(spent, (50, 99)).tolist()
+    return {"p50": p50, "p99": p99, "max": max(spent)}
 
 
 def measure_displays(scene: Path, size: Size, frames: int, report: Callable[[str], None]) -> Row:
@@ -66,7 +104,7 @@ def measure_displays(scene: Path, size: Size, frames: int, report: Callable[[str
     motion["undrawn"] = _measure_undrawn(scene, size, frames)
     report(f"displays: what comes before drawing, for one eye and for two, {frames} frames of {scene.stem}")
     queueing = _measure_queueing(scene, size, frames)
-    records = measure_records()
+    records = _measure_records()
     return {"stereo": rows, "motion_to_submit_ms": motion, "before_drawing": queueing, "record_to_pose_ms": records}
 
 

@@ -7,12 +7,12 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
+from typing import TextIO
 
 from mimics_app.app.play.album import Album
 from mimics_app.app.play.collector import frozen_objects
 from mimics_app.app.play.journey_log import JourneyLog
 from mimics_app.app.play.pace import run_live, run_unseen, run_virtual
-from mimics_app.app.play.progress_line import ProgressLine
 from mimics_app.app.play.result import summarise
 from mimics_app.app.play.summary_lines import summary_lines
 from mimics_app.app.play.value_picture import ValuePicture
@@ -23,6 +23,7 @@ from mimics_app.app.session.session import Session
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal import output
 from mimics_app.app.terminal.display import has_display
+from mimics_app.app.terminal.progress import draw_bar
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError, MimicsError, PartialDataError, SafetyStop
 from mimics_app.contracts.loop.haptic import SafetyState
@@ -34,12 +35,16 @@ from mimics_app.rendering.visual.surfaces.surface import Place, Surface
 from mimics_app.tasks.kinds.registry import report_sections
 from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["open_live_window", "open_picture", "play"]
+__all__ = ["ProgressLine", "open_live_window", "open_picture", "play"]
 
 _STOPS = (SafetyState.SAFE_STOP.name, SafetyState.E_STOP.name)
 
 _WHO_PLAYS = {False: "the simulated patient plays", True: "the person at the robot plays, without a picture"}
 """Who plays where no window can be opened, by whether the device runs in real time."""
+
+
+_EVERY = 30
+"""Period of the updates [frames]."""
 
 
 def play(settings: RunSettings, *, as_json: bool, read: Scene | None = None) -> int:
@@ -260,6 +265,42 @@ def open_picture(session: Session, surface: Surface) -> None:
     picture = Picture(surface, scene, session.world, quality, display=display)
     picture.keep_contact_shadow(scene)
     session.show(picture)
+
+
+class ProgressLine:
+    """A bar of the present trial.
+
+    Args:
+        stream: Stream to write to; nothing is written unless it is a terminal.
+        session: The session, for its trials.
+        log: Log for the beginning of every trial.
+    """
+
+    def __init__(self, stream: TextIO, session: Session, log: JourneyLog) -> None:
+        self._stream = stream
+        self._log = log
+        self._trial = 0
+        self._session = session
+        self._shown = stream.isatty()
+
+    def show(self, frames: Frames) -> None:
+        """Report a new trial, and redraw the bar every half second."""
+        view = frames.orders.view
+        if self._trial < view.trial <= view.trials:
+            self._trial = view.trial
+            self._log.trial(view.trial, view.trials, self._session.tasks.plan[view.trial - 1].label)
+        if not self._shown or frames.number % _EVERY:
+            return
+        seconds = self._session.clock.now_ns() * 1e-9
+        self._stream.write(
+            f"\rtrial {view.trial} / {view.trials} {draw_bar(view.progress)}  {seconds:6.1f} s simulated \x1b[K"
+        )
+        self._stream.flush()
+
+    def end(self) -> None:
+        """End the line."""
+        if self._shown:
+            self._stream.write("\n")
 
 
 def _play_headless(session: Session, frames: Frames, log: JourneyLog) -> Album:

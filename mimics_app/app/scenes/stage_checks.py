@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
@@ -10,9 +10,10 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.app.scenes.feature_checks import check_features
 from mimics_app.app.scenes.parameter_checks import check_parameters
-from mimics_app.contracts.errors import DeviceError, Issue, SceneError, UsageError
+from mimics_app.app.scenes.scenario_choice import features_of, is_playable
+from mimics_app.contracts.errors import DeviceError, Issue, SceneError, UsageError, nearest
+from mimics_app.contracts.messages.orders import Feature
 from mimics_app.estimation.registry import check_estimator
 from mimics_app.inputs.trackers.network_place import listening, place_of
 from mimics_app.learning.builder import check_learning
@@ -35,7 +36,7 @@ from mimics_app.rendering.haptic.stability_checks import check_stability
 from mimics_app.tasks.actions import build_learning_space, haptic_target
 from mimics_app.tasks.kinds.carry.spec import CarrySpec
 from mimics_app.tasks.kinds.tunnel.kind import own_tunnel
-from mimics_app.tasks.task import TaskSpec
+from mimics_app.tasks.task import MapSpec, TaskSpec
 from mimics_app.world.components.joint_reference import JointReference
 from mimics_app.world.components.objects import (
     Connections,
@@ -47,10 +48,11 @@ from mimics_app.world.components.objects import (
 )
 from mimics_app.world.components.robot import Controller, Robot, Tunnel
 from mimics_app.world.components.visible import Sound
+from mimics_app.world.files.reading.json_text import escape
 from mimics_app.world.files.scene.placing import pose_of
 from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["check_apart", "check_components", "check_stages"]
+__all__ = ["check_apart", "check_components", "check_features", "check_stages"]
 
 _OF_COMPONENTS: tuple[tuple[type[msgspec.Struct], Callable[[Any, str, Scene], list[Issue]]], ...] = (
     (Robot, check_robot),
@@ -69,6 +71,41 @@ _OF_COMPONENTS: tuple[tuple[type[msgspec.Struct], Callable[[Any, str, Scene], li
 
 _REACH_CHECKS = 100
 """Number of points along a tunnel whose reachability is checked."""
+
+
+_GROUP = "visual."
+
+
+def check_features(scene: Scene) -> list[Issue]:
+    """Return the faults of the maps to features: names that the scenario does not know, values that it does not take.
+
+    Args:
+        scene: The scene.
+    """
+    task = scene.section(TaskSpec)
+    maps = [
+        (f"/task/parameters/{escape(name)}/maps/{number}", target)
+        for name, parameter in (task.parameters if task else {}).items()
+        for number, target in enumerate(parameter.maps)
+        if target.to.startswith(_GROUP)
+    ]
+    if not maps or not is_playable(scene):
+        return []
+    known = {each.name: each for each in features_of(scene)}
+    return [issue for pointer, target in maps for issue in _faults(target, pointer, known, scene)]
+
+
+def _faults(target: MapSpec, pointer: str, known: dict[str, Feature[Any]], scene: Scene) -> Iterator[Issue]:
+    name = target.to.removeprefix(_GROUP)
+    if name not in known:
+        yield scene.issue(f"{pointer}/to", f'the scenario of this scene shows no "{name}"', nearest(name, known))
+        return
+    for value in target.table or [0.0]:
+        try:
+            known[name].read(value)
+        except UsageError as error:
+            yield scene.issue(f"{pointer}/{'table' if target.table else 'to'}", error.what, "write what it takes")
+            return
 
 
 def check_stages(scene: Scene) -> list[Issue]:

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
-from mimics_app.app.session.policy_gate import PolicyGate
 from mimics_app.contracts.commands.command_records import CommandSource
 from mimics_app.contracts.commands.vocabulary import (
     Calibrate,
@@ -32,7 +31,7 @@ from mimics_app.contracts.commands.vocabulary import (
 from mimics_app.contracts.errors import UsageError, counted
 from mimics_app.contracts.loop.gait_state import GaitState
 from mimics_app.contracts.loop.haptic import LIMIT_NAMES, SafetyState
-from mimics_app.contracts.messages.stage_messages import HapticSnapshot
+from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskAction
 from mimics_app.contracts.shared_memory.command_ring import Answer, CommandReceiver, Given
 from mimics_app.rendering.haptic.controllers.parameter_vector import changed_components
 from mimics_app.rendering.haptic.controllers.registry import controller_of_person, obstacle_names
@@ -49,6 +48,9 @@ _OF_CONTROLLER = "controller."
 """Before the name of a parameter of the controller under which the person leads; all others are the task's."""
 
 
+_PolicyMode = Literal["on", "off", "propose"]
+
+
 def _refused(why: str) -> Reply:
     return Reply(done=False, why=why)
 
@@ -60,6 +62,54 @@ def _tried(order: Callable[[str], None], name: str) -> Reply:
     except UsageError as error:
         return _refused(str(error))
     return _DONE
+
+
+class _PolicyGate:
+    """Stands between the learning system and the task.
+
+    In each mode the policy is asked and learns from what was played, so that it can be switched on again and a replay
+    asks it the same.
+
+    Args:
+        has_policy: Whether the session has a policy or a list of actions.
+
+    Attributes:
+        mode: "on": carried out; "off": recorded only; "propose": the newest choice waits for `confirm`.
+        proposal: The choice that waits; None without one.
+    """
+
+    def __init__(self, *, has_policy: bool) -> None:
+        self._has_policy = has_policy
+        self.mode: _PolicyMode = "on"
+        self.proposal: TaskAction | None = None
+        self._confirmed: TaskAction | None = None
+
+    def switch(self, mode: _PolicyMode) -> Reply:
+        """Change the mode; a proposal that waits is dropped."""
+        if not self._has_policy:
+            return Reply(done=False, why="this session has no policy")
+        self.mode, self.proposal = mode, None
+        return Reply(done=True)
+
+    def confirm(self, *, accept: bool) -> Reply:
+        """Carry out the proposal in this frame, or drop it."""
+        if self.proposal is None:
+            return Reply(done=False, why="nothing is proposed")
+        if accept:
+            self._confirmed = self.proposal
+        self.proposal = None
+        return Reply(done=True)
+
+    def passed(self, action: TaskAction | None) -> TaskAction | None:
+        """Return what of a new choice is carried out with the next frame."""
+        if self.mode == "propose" and action is not None:
+            self.proposal = action
+        return action if self.mode == "on" else None
+
+    def take_confirmed(self) -> TaskAction | None:
+        """Return the proposal that was confirmed in this frame."""
+        confirmed, self._confirmed = self._confirmed, None
+        return confirmed
 
 
 class CommandDesk:
@@ -80,7 +130,7 @@ class CommandDesk:
         self._stopped = False
         self._snapshot: HapticSnapshot | None = None
         self.ended = False
-        self.gate = PolicyGate(has_policy=core.has_policy)
+        self.gate = _PolicyGate(has_policy=core.has_policy)
         self._receivers: Mapping[type[Command], Callable[..., Reply]] = {
             Stop: lambda command: self._stop(),
             Reset: lambda command: self._reset(),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -17,9 +17,10 @@ from mimics_app.app.session.safety_watch import SafetyWatch
 from mimics_app.app.session.visible_scene import VisibleScene
 from mimics_app.app.session.watches import RecorderWatch, SignalWatch, TactileWatch
 from mimics_app.app.stage_timer import UNTIMED
-from mimics_app.app.touch.loss_watch import LossWatch
+from mimics_app.app.terminal.output import say
 from mimics_app.contracts.clock import FRAMES_PER_SECOND, TICK_NS, ticks_until_frame
-from mimics_app.contracts.loop.haptic import EVENT
+from mimics_app.contracts.errors import counted
+from mimics_app.contracts.loop.haptic import EVENT, EventKind
 from mimics_app.contracts.messages.board import Board
 from mimics_app.contracts.messages.stage_messages import (
     Experience,
@@ -35,10 +36,48 @@ from mimics_app.contracts.ports.display_port import FrameTiming
 from mimics_app.contracts.ports.tracker_port import TrackedPose
 from mimics_app.maths.length import length
 
-__all__ = ["Frames"]
+__all__ = ["Frames", "LossWatch"]
 
 _LONGEST_START = 20 * FRAMES_PER_SECOND
 """Largest number of frames for the robot to reach the start of a trial."""
+
+
+class LossWatch:
+    """Finds losses among the loop's events.
+
+    Args:
+        effect_entities: Id of the entity of each row of effects.
+        report: Shows a line to the person.
+    """
+
+    def __init__(self, effect_entities: Sequence[str], report: Callable[[str], None] = say) -> None:
+        self._report = report
+        self._names = effect_entities
+        self._pairs = 0
+        self._fields: list[str] = []
+
+    def see(self, events: NDArray[Any]) -> None:
+        """Take the EVENT records of a frame, oldest first."""
+        for event in events:
+            if event["kind"] == EventKind.LEFT_OUT:
+                self._leave_out(int(event["force"]))
+            elif event["kind"] == EventKind.QUARANTINE:
+                self._quarantine(int(event["force"]))
+
+    def summary(self) -> dict[str, Any]:
+        """Return the largest number of pairs left out at once, and the ids of the force fields switched off."""
+        return {"pairs_left_out": self._pairs, "fields_disabled": list(self._fields)}
+
+    def _leave_out(self, pairs: int) -> None:
+        if self._pairs == 0:
+            what = f"{counted(pairs, 'pairs')} of neighbouring shapes exceed the capacity of the collision test"
+            self._report(f"{what}: they do not collide; move the objects apart, or give them fewer shapes")
+        self._pairs = max(self._pairs, pairs)
+
+    def _quarantine(self, row: int) -> None:
+        name = self._names[row] if row < len(self._names) else f"effect {row + 1}"
+        self._report(f'the force field of "{name}" gave a number that is not finite: it acts no more')
+        self._fields.append(name)
 
 
 class Frames:

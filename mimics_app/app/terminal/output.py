@@ -13,11 +13,12 @@ import sys
 from argparse import Namespace
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stdout, suppress
+from functools import lru_cache
 from pathlib import PurePath
 from typing import Any, TextIO
 
-from mimics_app.app.terminal.places import line_and_column
 from mimics_app.contracts.errors import Issue, all_sought, listed_issues, more_issues, short_text
+from mimics_app.contracts.system.regular_file import read_regular
 
 __all__ = [
     "answer",
@@ -25,6 +26,7 @@ __all__ = [
     "errors_of",
     "finite",
     "issue_lines",
+    "line_and_column",
     "object_written",
     "one_line",
     "reserved_stdout",
@@ -32,6 +34,10 @@ __all__ = [
     "with_line",
     "write_object",
 ]
+
+
+_MOST_CHARACTERS = 400_000
+"""Largest length of a searched file [characters]: the search in longer ones takes too long."""
 
 
 class _ObjectStream:
@@ -168,6 +174,36 @@ def issue_lines(issues: Sequence[Issue]) -> list[str]:
     more = more_issues(issues)
     lines = [f"mimics: {with_line(issue).translate(_CONTROLS)}\n" for issue in listed_issues(issues)[0]]
     return [*lines, f"mimics: {more}\n"] if more else lines
+
+
+def line_and_column(issue: Issue) -> tuple[int, int] | None:
+    """Return line and column, 1 first, of the value of a fault, or of the innermost existing value around it.
+
+    None where the fault has no pointer, or its file is no readable JSON text.
+    """
+    text = _text_of(issue.file) if issue.pointer else ""
+    if not text:
+        return None
+    from mimics_app.world.files.reading.json_spans import find_span
+
+    steps = [step.replace("~1", "/").replace("~0", "~") for step in issue.pointer.split("/")[1:]]
+    while (span := find_span(text, steps)) is None:
+        steps.pop()
+    before = text[: span[0]]
+    return before.count("\n") + 1, span[0] - before.rfind("\n")
+
+
+@lru_cache(maxsize=4)
+def _text_of(file: str) -> str:
+    """Return the text of a JSON file; "" for any other file."""
+    try:
+        text = read_regular(file, _MOST_CHARACTERS + 1).decode("utf-8-sig")
+        if not text or len(text) > _MOST_CHARACTERS:
+            return ""
+        json.loads(text)
+    except (OSError, ValueError, RecursionError):
+        return ""
+    return text
 
 
 def _place(issue: Issue) -> dict[str, int]:
