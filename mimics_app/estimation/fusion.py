@@ -7,11 +7,9 @@ from collections.abc import Mapping
 
 from mimics_app.contracts.messages.feature_names import BREATH_RATE, HAND_POWER, HEART_RATE, RMSSD, SCL, SCR_RATE
 from mimics_app.contracts.messages.stage_messages import Estimate, FeatureFrame, TrialResult, UserState
-from mimics_app.estimation.baseline import Baseline
-from mimics_app.estimation.effort import EffortModel
 from mimics_app.estimation.trial_view import HEART
 
-__all__ = ["FusionEstimation", "load_of"]
+__all__ = ["EffortModel", "FusionEstimation", "load_of"]
 
 _STEP_S = 1.0
 """Step of the filter: one frame of features [s]."""
@@ -53,11 +51,123 @@ _BAND = (-0.3, 0.35)
 """Arousal of a task that is a challenge; below it the person is under-challenged, above it over-challenged."""
 
 
+_ON_S, _OFF_S = 42.0, 65.0
+"""Time constants of the heart rate [s]: 30 to 60, recovery slower (Linnarsson 1974; Hunt et al. 2015)."""
+_KINETICS = 0.6
+"""Standard deviation of the time course between people, as a share of what is still to come."""
+_FORGET_S = 200.0
+"""Time in which the variance of the gain grows by the first one [s]."""
+_FIRST_GAIN = 12.0
+"""Prior heart rate per unit of effort [1/min]."""
+_FIRST_VARIANCE = 36.0
+"""Prior variance of the gain [1/min^2]."""
+_NOISE = 16.0
+"""Variance of the heart rate that is not due to work [1/min^2]."""
+_FULL = 1.6
+"""Mechanical power that counts as full effort [W]: what an arm on a light robot gives for minutes."""
+
+
+_LEAST_SPREAD = {
+    HEART_RATE: 2.0,
+    RMSSD: 6.0,
+    SCL: 0.25,
+    SCR_RATE: 1.5,
+    BREATH_RATE: 1.0,
+}
+"""Smallest standard deviation of a baseline [unit of the feature]: two minutes at rest underestimate it."""
+
+_LEAST_FRAMES = 10
+"""Smallest number of frames with a feature for a baseline of it."""
+
+_MEASURED = 0.75
+"""Share of the calibration in which a feature is measured at least; it lasts longer where the electrodes come late."""
+
+
+class EffortModel:
+    """Effort from mechanical power by first-order kinetics, and its gain on the heart rate by a scalar Kalman filter.
+
+    Attributes:
+        effort: Present effort, 0 to 1.5.
+        gain: Heart rate per unit of effort [1/min].
+    """
+
+    def __init__(self) -> None:
+        self.effort = 0.0
+        self.gain = _FIRST_GAIN
+        self._variance = _FIRST_VARIANCE
+        self._coming = 0.0
+
+    @property
+    def doubt(self) -> float:
+        """Standard deviation of the effect of work on the heart rate [1/min]: its gain and its time course differ."""
+        return math.hypot(math.sqrt(self._variance) * self.effort, _KINETICS * self.gain * self._coming)
+
+    def step(self, power: float | None, seconds: float) -> float:
+        """Advance by a time under a mechanical power [W] and return the effort; None: not measured, taken as 0."""
+        work = 0.0 if power is None else min(max(power / _FULL, 0.0), 1.5)
+        slow = _ON_S if work > self.effort else _OFF_S
+        self.effort += -math.expm1(-seconds / slow) * (work - self.effort)
+        self._coming = abs(work - self.effort)
+        return self.effort
+
+    def residual(self, heart: float, *, learn: bool) -> float:
+        """Return the heart rate over rest less the effect of work [1/min]; `learn`: update the gain by this sample."""
+        left = heart - self.gain * self.effort
+        if learn and self.effort > 0.05:
+            self._variance += _FIRST_VARIANCE / _FORGET_S
+            noise = _NOISE * 30.0  # samples one second apart are correlated over about half a minute
+            k = self._variance * self.effort / (self.effort**2 * self._variance + noise)
+            self.gain = min(max(self.gain + k * left, 0.0), 40.0)
+            self._variance *= 1.0 - k * self.effort
+        return left
+
+
+class _Baseline:
+    """Mean and standard deviation of features over the calibration.
+
+    Args:
+        seconds: Shortest length of the calibration [s], with one frame of features per second.
+
+    Attributes:
+        done: Whether the calibration is over.
+    """
+
+    def __init__(self, seconds: float = 60.0) -> None:
+        self._wanted = seconds
+        self._frames = 0
+        self._sums: dict[str, tuple[int, float, float]] = {}
+        self.done = False
+
+    def add(self, values: Mapping[str, float]) -> None:
+        """Take the features of a second of rest; ignored after the calibration."""
+        if self.done:
+            return
+        self._frames += 1
+        for name, value in values.items():
+            if name in _LEAST_SPREAD:
+                n, mean, square = self._sums.get(name, (0, 0.0, 0.0))
+                step = value - mean
+                mean += step / (n + 1)
+                self._sums[name] = (n + 1, mean, square + step * (value - mean))
+        measured = max((n for n, _, _ in self._sums.values()), default=0)
+        self.done = self._frames >= self._wanted and measured >= _MEASURED * self._wanted
+
+    def at_rest(self, name: str) -> tuple[float, float] | None:
+        """Return mean and standard deviation of a feature at rest; None where too little of it was seen."""
+        n, mean, square = self._sums.get(name, (0, 0.0, 0.0))
+        return None if n < _LEAST_FRAMES else (mean, max((square / (n - 1)) ** 0.5, _LEAST_SPREAD[name]))
+
+    def z(self, name: str, values: Mapping[str, float]) -> float | None:
+        """Return a feature in standard deviations from rest; None without the feature or its baseline."""
+        rest = self.at_rest(name)
+        return None if name not in values or rest is None else (values[name] - rest[0]) / rest[1]
+
+
 class FusionEstimation:
     """Effort from mechanical work, then arousal from the residual; unknown at low signal quality and at the start.
 
     Args:
-        baseline_s: Shortest length of the calibration at rest [s], see `Baseline`.
+        baseline_s: Shortest length of the calibration at rest [s], see `_Baseline`.
 
     Attributes:
         seen: Newest features in standard deviations from rest, heart rate and RMSSD without the effect of work.
@@ -65,7 +175,7 @@ class FusionEstimation:
 
     def __init__(self, baseline_s: float = 60.0) -> None:
         self._baseline_s = baseline_s
-        self._baseline = Baseline(baseline_s)
+        self._baseline = _Baseline(baseline_s)
         self._effort = EffortModel()
         self._mean, self._variance = 0.0, 0.5
         self._doubts: dict[str, float] = {}
@@ -102,7 +212,7 @@ class FusionEstimation:
 
     def recalibrate(self) -> None:
         """Measure the baseline anew; until then the state is unknown."""
-        self._baseline = Baseline(self._baseline_s)
+        self._baseline = _Baseline(self._baseline_s)
 
     def _step(self, values: Mapping[str, float], quality: Mapping[str, float]) -> None:
         """Predict, then update by each observation in turn."""

@@ -23,8 +23,7 @@ from mimics_app.inputs.stage import Inputs
 from mimics_app.inputs.trackers.hub import MountedTracker, TrackerHub
 from mimics_app.inputs.trackers.polled_tracker import PolledTracker
 from mimics_app.inputs.trackers.threaded_tracker import ThreadedTracker
-from mimics_app.rendering.tactile.guarded_vibrators import GuardedVibrators
-from mimics_app.rendering.tactile.vibrators import NoVibrators, Vibrators
+from mimics_app.rendering.tactile.vibrators import GuardedVibrators, NoVibrators, Vibrators
 from mimics_app.rendering.visual.displays.desktop import DesktopDisplay
 from mimics_app.rendering.visual.presenting.presenter import Presenter
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from mimics_app.rendering.visual.software.batched_feed import Fence
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
-from mimics_app.rendering.visual.surfaces.fence import Fence
 
 
 def test_a_fence_is_waited_for_again_and_again():

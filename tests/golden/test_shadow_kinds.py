@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import DeviceError, UsageError
 from mimics_app.rendering.visual.drawing.shadow_casters import Casters
+from mimics_app.rendering.visual.passes.volumes import VolumeSource, extrude
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.shadows.cascades import Cascades
 from mimics_app.rendering.visual.shadows.shadow_maps import ShadowMap, lay_out
-from mimics_app.rendering.visual.shadows.shadow_volumes import VolumeSource, extrude
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View

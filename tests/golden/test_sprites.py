@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.displays.desktop import compute_tangents
-from mimics_app.rendering.visual.effects.outlines import outline_of
+from mimics_app.rendering.visual.effects.sprites import outline_of
 from mimics_app.rendering.visual.kernels.particles import SPRITE
 from mimics_app.rendering.visual.kernels.sprites import MAX_PIECES, SPRITE_VERTEX, write_sprites
 from mimics_app.rendering.visual.renderer import Renderer

@@ -11,7 +11,7 @@ from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.contracts.loop.object_rows import ObjectCapacities, new_rows
 from mimics_app.lab.haptic.body_worlds import FREE, BodyWorld, box_inertia
 from mimics_app.rendering.haptic.kernels.objects.bodies import place_bodies, step_bodies
-from mimics_app.rendering.haptic.kernels.objects.loads import load_bodies
+from mimics_app.rendering.haptic.kernels.objects.collisions import load_bodies
 from mimics_app.rendering.haptic.kernels.objects.shape_poses import pose_shapes
 from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
 from mimics_app.rendering.haptic.objects import new_object_work

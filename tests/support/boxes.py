@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.lab.visual.box_items import box_items
+from mimics_app.lab.groups.culling import box_items
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.occlusion import Occluders
 from mimics_app.rendering.visual.view import View

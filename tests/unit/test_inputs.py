@@ -14,9 +14,8 @@ from mimics_app.app.session.body import NullDsp, NullEstimation
 from mimics_app.contracts.messages.stage_messages import FeatureFrame, PointerState, SignalBlock, UserState
 from mimics_app.contracts.messages.window_input import GamepadState, InputEvent
 from mimics_app.contracts.ports.input_port import WindowFrame
-from mimics_app.inputs.interaction.grasp import GraspControl
 from mimics_app.inputs.interaction.plane import FrontalPlane
-from mimics_app.inputs.interaction.pointer import Pointer, PointerSettings, StickResponse
+from mimics_app.inputs.interaction.pointer import GraspControl, Pointer, PointerSettings, StickResponse
 from mimics_app.inputs.interaction.simulated_patient import SimulatedPatient
 from mimics_app.inputs.stage import Inputs, Movement
 

@@ -8,7 +8,7 @@ import pytest
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.messages.action_space import ActionSpace, Parameter
 from mimics_app.contracts.messages.stage_messages import Estimate, TrialResult, UserState
-from mimics_app.estimation.effort import EffortModel
+from mimics_app.estimation.fusion import EffortModel
 from mimics_app.lab.physio.cohort import play_cohort
 from mimics_app.learning.agent import Agent
 from mimics_app.learning.bandits import LinUcb

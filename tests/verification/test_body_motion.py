@@ -9,7 +9,7 @@ import pytest
 
 from mimics_app.contracts.loop.haptic_objects import BodyFlag, ObjectIntegrator, ShapeKind
 from mimics_app.maths import quat
-from mimics_app.rendering.haptic.kernels.objects.inertia import find_principal_axes
+from mimics_app.rendering.haptic.kernels.objects.bodies import find_principal_axes
 from mimics_app.rendering.haptic.kernels.objects.records import DYNAMICS
 from tests.support.body_play import FREE, box_inertia, new_play
 

@@ -242,7 +242,6 @@ def _open_tactile(scene: Scene, *, live: bool) -> Vibrators:
     settings = scene.system(TactileSettings) or TactileSettings()
     if not live or not settings.port:
         return NoVibrators()
-    from mimics_app.rendering.tactile.guarded_vibrators import GuardedVibrators
-    from mimics_app.rendering.tactile.vibrators import SerialVibrators
+    from mimics_app.rendering.tactile.vibrators import GuardedVibrators, SerialVibrators
 
     return GuardedVibrators(SerialVibrators(settings.port, settings.vibrators, settings.baud))

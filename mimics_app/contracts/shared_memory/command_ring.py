@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mimics_app.contracts.commands.command_records import (
     ANSWER,
@@ -17,8 +18,7 @@ from mimics_app.contracts.commands.command_records import (
 )
 from mimics_app.contracts.commands.vocabulary import Command, Stop, name_of, read_command, write_command
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.shared_memory.ring_reader import RingReader
-from mimics_app.contracts.shared_memory.ring_writer import RingWriter
+from mimics_app.contracts.shared_memory.ring_reader import RingReader, fence
 from mimics_app.contracts.shared_memory.shared_words import DROPPED, HEAD, STOP_STRIDE, TAIL
 
 if TYPE_CHECKING:
@@ -75,6 +75,35 @@ def request_stop(memory: SessionMemory, source: CommandSource = CommandSource.KE
     memory.stop_words[STOP_STRIDE * source] += 1
 
 
+class _RingWriter:
+    """Producer of the records that `RingReader` consumes; the only producer of its ring.
+
+    Args:
+        words: Words of the ring, shape [RING_WORDS].
+        slots: Records of the ring, shape [2**k].
+    """
+
+    def __init__(self, words: NDArray[np.int64], slots: NDArray[Any]) -> None:
+        self._words, self._slots = words, slots
+
+    @property
+    def room(self) -> int:
+        """Number of free slots."""
+        return len(self._slots) - int(self._words[HEAD] - self._words[TAIL])
+
+    def push(self, record: tuple[object, ...]) -> bool:
+        """Append a record; return False, and count it as dropped, if the ring is full."""
+        head = int(self._words[HEAD])
+        if not self.room:
+            self._words[DROPPED] += 1
+            return False
+        fence()
+        self._slots[head % len(self._slots)] = record
+        fence()
+        self._words[HEAD] = head + 1
+        return True
+
+
 class CommandSender:
     """The side of one source.
 
@@ -86,7 +115,7 @@ class CommandSender:
 
     def __init__(self, memory: SessionMemory, source: CommandSource, who: str) -> None:
         self._memory, self._source, self._who = memory, source, who.encode()[:LONGEST_WHO]
-        self._out = RingWriter(memory.command_words[source], memory.commands[source])
+        self._out = _RingWriter(memory.command_words[source], memory.commands[source])
         self._answers = RingReader(memory.answer_words[source], memory.answers[source])
         self._taken = np.zeros(memory.answers.shape[1], ANSWER)
         self._next = 0
@@ -149,7 +178,7 @@ class CommandReceiver:
     def __init__(self, memory: SessionMemory) -> None:
         self._words = memory.command_words
         self._rings = [RingReader(memory.command_words[source], memory.commands[source]) for source in CommandSource]
-        self._answers = [RingWriter(memory.answer_words[source], memory.answers[source]) for source in CommandSource]
+        self._answers = [_RingWriter(memory.answer_words[source], memory.answers[source]) for source in CommandSource]
         self._taken = np.zeros(memory.commands.shape[1], COMMAND)
         self._dropped = self._words[:, DROPPED].copy()
 

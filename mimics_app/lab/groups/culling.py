@@ -11,18 +11,18 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8, I4
 from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Growth, Probes, Rival, compare
-from mimics_app.lab.visual.box_items import box_items
 from mimics_app.maths.mat import compose
 from mimics_app.rendering.visual.drawing.culling import Culler, FlatCuller, TreeCuller
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.view import View, compute_frustum_planes
 from mimics_app.rendering.visual.view_matrices import compose_look_at
 
-__all__ = ["CullingProbe", "make_probe"]
+__all__ = ["CullingProbe", "box_items", "make_probe"]
 
 
 SIZES = (100, 1000, 10_000, 100_000)
@@ -67,6 +67,41 @@ class CullingProbe:
         corners = self.centres[:, None] + np.einsum("nij,kj->nki", axes, _HALF * signs)
         inside = (corners @ self.planes[:, :3].T + self.planes[:, 3] >= 0.0).all(axis=2).any(axis=1)
         return set(np.flatnonzero(inside).tolist())
+
+
+def box_items(rows: NDArray[np.int32], half: NDArray[np.float64]) -> DrawItems:
+    """Return solid boxes around the origins of their nodes, all of one mesh and one state.
+
+    Args:
+        rows: Row of the transform of each box's node, [n].
+        half: Half sizes [m], [n, 3].
+    """
+    count = len(rows)
+    zeros, yes = np.zeros(count, np.int32), np.ones(count, np.bool_)
+    return DrawItems(
+        rows=rows,
+        entities=rows,
+        states=zeros,
+        small_states=zeros - 1,
+        shadow_states=zeros,
+        meshes=zeros,
+        instance_params=np.ones((count, 4), np.float32),
+        local=np.concatenate([np.zeros((count, 3)), np.linalg.norm(half, axis=1)[:, None]], axis=1),
+        half=half,
+        drawable=np.ones(count, np.uint8),
+        transparent=~yes,
+        solid=yes,
+        one_sided=np.ones(count, np.uint8),
+        casting=yes,
+        levels=np.zeros(count, np.uint8),
+        families=zeros - 1,
+        mesh_names=["box"],
+        ranges=np.array([[36, 0, 0]], np.int32),
+        listed=np.zeros((1, 2), np.int32),
+        bodies={},
+        of_state=[],
+        of_shadow=[],
+    )
 
 
 def make_probe(nodes: int) -> CullingProbe:

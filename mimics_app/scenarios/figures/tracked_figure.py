@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import SceneError
 from mimics_app.maths.poses import quaternion_of, turn_vector, turned_back
-from mimics_app.scenarios.figures.planted_feet import PlantedFeet
 from mimics_app.world.content.motion.animator import Animator
 from mimics_app.world.content.motion.humanoid import HumanoidMap, find_humanoid
-from mimics_app.world.content.motion.reach import Chain
+from mimics_app.world.content.motion.kernels.chain import localise
+from mimics_app.world.content.motion.pose import Pose
+from mimics_app.world.content.motion.reach import Chain, LimbReach
 from mimics_app.world.content.motion.rig import Rig
 from mimics_app.world.content.motion.upper_body import Trackers, UpperBody
 from mimics_app.world.content.world import World
@@ -36,6 +38,39 @@ _PATCH = 0.04
 """Distance from the joint's height and from the median plane within which vertices form its surface [m]."""
 _TURNED = np.diag([-1.0, 1.0, -1.0])
 """Rotation between the model's frame, which looks along +z, and a person's, which looks along -z."""
+
+
+_KNEE_AHEAD = np.array([0.0, 0.0, 1.0])
+"""Direction of the knees from the hip, in the frame of a model [m]."""
+
+
+class _PlantedFeet:
+    """Bends hips and knees so that both feet stand flat as the model rests; a step after those that move the hips.
+
+    Args:
+        rig: The model's nodes.
+        bones: Bones of the person.
+    """
+
+    def __init__(self, rig: Rig, bones: HumanoidMap) -> None:
+        rest = Chain(rig)
+        self._rig, self._chain = rig, Chain(rig)
+        self._legs = [bones.limb(f"{side}_leg") for side in ("left", "right")]
+        self._flat = [rest.turns[foot].copy() for _, _, foot in self._legs]
+        self._reach = [
+            LimbReach(rig, leg, _always(rest.places[leg[2]].copy()), lambda hip: np.asarray(hip + _KNEE_AHEAD))
+            for leg in self._legs
+        ]
+
+    def __call__(self, pose: Pose, seconds: float) -> None:
+        for leg, flat, reach in zip(self._legs, self._flat, self._reach, strict=True):
+            reach(pose, seconds)
+            self._chain.follow(pose)
+            localise(leg[2], flat, self._rig.parents, self._chain.turns, pose.rotations)
+
+
+def _always(place: NDArray[np.float64]) -> Callable[[], NDArray[np.float64]]:
+    return lambda: place
 
 
 class TrackedFigure:
@@ -67,7 +102,7 @@ class TrackedFigure:
         self._tracked: Trackers | None = None
         self._upper = UpperBody(rig, bones, lambda: self._tracked)
         self._upper.weight = 0.0
-        self._feet = PlantedFeet(rig, bones)
+        self._feet = _PlantedFeet(rig, bones)
         self._sockets = {"stomach": self._socket(*_STOMACH), "back": self._socket(*_BACK)}
         self._eye_height = float(self._rest.places[bones.slots["head"], 1] + self._eyes[1])
         self._standing = 0.0

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import lru_cache
+from math import exp
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +17,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import F4, Vec3
 from mimics_app.contracts.ports.audio_port import ListenerState, Start, Timing, frame_at
 from mimics_app.rendering.audio.bank import SoundBank, fill_memory
-from mimics_app.rendering.audio.settings import AudioSettings, Speakers
-from mimics_app.rendering.audio.spectral.buses import Buses
+from mimics_app.rendering.audio.settings import AudioSettings, BusSpec, Speakers
 from mimics_app.rendering.audio.spectral.computed_head import compute_head
 from mimics_app.rendering.audio.spectral.fourier import BINS, SIZE
 from mimics_app.rendering.audio.spectral.head_table import (
@@ -59,6 +59,48 @@ _ARRANGEMENTS: Mapping[Speakers, tuple[float | None, ...]] = {
 }
 
 
+_DOWN_S = 0.05
+"""Attack of ducking [s]: within the first syllable."""
+
+_UP_S = 0.4
+"""Release of ducking [s]: slow enough not to pump between words."""
+
+
+class _Buses:
+    """Gains of all buses, block by block.
+
+    Args:
+        specs: Buses by name; "main" is added.
+        rate: Samples per second.
+    """
+
+    def __init__(self, specs: Mapping[str, BusSpec], rate: int) -> None:
+        self._specs = {"main": BusSpec(), **specs}
+        self._names = list(self._specs)
+        self._rate = rate
+        self._ducked = np.ones(len(self._names))
+        self._own = np.array([spec.gain for spec in self._specs.values()])
+        self._ducks = any(spec.ducks for spec in self._specs.values())
+
+    def row_of(self, name: str) -> int:
+        """Return the row of a bus, that of "main" for an unknown name."""
+        return self._names.index(name) if name in self._specs else 0
+
+    def gains(self, sounding: NDArray[np.int64], frames: int) -> NDArray[np.float64]:
+        """Return the linear gain of each bus for a block in which the buses `sounding` have voices, shape [buses]."""
+        if not self._ducks:
+            return self._own
+        wanted = np.ones(len(self._names))
+        for row in np.unique(sounding).tolist():
+            spec = self._specs[self._names[row]]
+            for name in spec.ducks:
+                wanted[self.row_of(name)] = min(wanted[self.row_of(name)], spec.duck_gain)
+        span = frames / self._rate
+        share = np.where(wanted < self._ducked, 1.0 - exp(-span / _DOWN_S), 1.0 - exp(-span / _UP_S))
+        self._ducked += share * (wanted - self._ducked)
+        return self._ducked * self._own
+
+
 class SpectralMixer:
     """See contracts.ports.audio_port.Mixer.
 
@@ -92,7 +134,7 @@ class SpectralMixer:
         self._table = table or _head_table(settings)
         self._speakers = None if settings.hrtf else _Loudspeakers(settings.speakers)
         self._store = VoiceStore(settings.voices + _SPARE, 0 if settings.hrtf else self.channels)
-        self._buses = Buses(settings.buses, settings.rate)
+        self._buses = _Buses(settings.buses, settings.rate)
         self._room = Room(settings.rate, self.channels)
         self._master, self._master_now = 1.0, 1.0
         steps = np.array([DELAYS_PER_SAMPLE, half_delay_rows(self.rate)], np.int64)

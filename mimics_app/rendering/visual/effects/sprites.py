@@ -17,10 +17,10 @@ from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun
 from mimics_app.rendering.visual.effects.captions import caption_key, caption_picture
 from mimics_app.rendering.visual.effects.emitters import Emitter, SpriteRows
 from mimics_app.rendering.visual.effects.far_sprites import FarSprites
-from mimics_app.rendering.visual.effects.outlines import outline_of, whole_outline
 from mimics_app.rendering.visual.kernels.particles import SPRITE
 from mimics_app.rendering.visual.kernels.sprites import (
     LEVEL,
+    MAX_PIECES,
     MIN_OUTLINED,
     SPRITE_VERTEX,
     Picked,
@@ -38,13 +38,21 @@ from mimics_app.world.content.materials.sprite_pictures import sprite_picture
 from mimics_app.world.content.world import World
 from mimics_app.world.graph.entity_ids import grown
 
-__all__ = ["SpriteField", "SpriteRun", "SpriteState"]
+__all__ = ["SpriteField", "SpriteRun", "SpriteState", "outline_of"]
 
 
 _FACINGS = ("free", "upright")
 """Facings in the order of their numbers in kernels/sprites.py."""
 _DOT = "#dot"
 """Name of the texture for which the shader has a formula."""
+
+
+_MARGIN = 1.0 / 32.0
+"""Margin around the shape, as a share of the texture. Texels of the mipmaps of a sprite of `MIN_OUTLINED` pixels or
+more mix in transparent ones of twice 1/128 around it."""
+
+_WORTH = 0.9
+"""Share of the texture within the outline from which all of it is drawn."""
 
 
 @dataclass(frozen=True)
@@ -78,6 +86,42 @@ class SpriteRun:
     def triangles(self) -> int:
         """Triangles of the run, two per piece."""
         return 2 * self.count
+
+
+def _whole_outline() -> F8:
+    """Return the outline of a texture that is drawn as one piece."""
+    return np.tile([-1.0, 1.0], (MAX_PIECES + 1, 1))
+
+
+def outline_of(picture: TextureData) -> F8 | None:
+    """Return left and right of everything visible at equal heights from bottom to top, each -1 to 1.
+
+    Straight lines between them stay outside of the shape.
+
+    Args:
+        picture: The texture.
+
+    Returns:
+        float64 [MAX_PIECES + 1, 2]; None where cutting saves little, or the texture repeats across its border.
+    """
+    if picture.pixels.shape[2] < 4 or tuple(picture.wrap) != ("clamp", "clamp"):
+        return None
+    visible = picture.pixels[::-1, :, 3] > 0
+    height, width = visible.shape
+    # Per piece: the outermost visible columns, as shares of the width.
+    bounds = np.tile([1.0, 0.0], (MAX_PIECES, 1))
+    for piece in range(MAX_PIECES):
+        low, high = (piece / MAX_PIECES - _MARGIN) * height, ((piece + 1) / MAX_PIECES + _MARGIN) * height
+        columns = np.flatnonzero(visible[max(0, int(np.floor(low))) : int(np.ceil(high))].any(axis=0))
+        if len(columns):
+            bounds[piece] = columns[0] / width - _MARGIN, (columns[-1] + 1) / width + _MARGIN
+    padded = np.concatenate([bounds[:1], bounds, bounds[-1:]])
+    left, right = np.minimum(padded[:-1, 0], padded[1:, 0]), np.maximum(padded[:-1, 1], padded[1:, 1])
+    empty = left > right
+    left[empty] = right[empty] = 0.5
+    outline = np.clip(np.stack([left, right], axis=1), 0.0, 1.0)
+    mean = np.ptp(outline, axis=1)
+    return None if 0.5 * float((mean[:-1] + mean[1:]).mean()) > _WORTH else np.asarray(2.0 * outline - 1.0)
 
 
 class SpriteField:
@@ -246,7 +290,7 @@ class SpriteField:
     def _take_outlines(self) -> None:
         layers = 1 + max((layer for _, layer in self._cut), default=0)
         self._outlined = np.zeros((len(self._states), layers), np.uint8)
-        self._outlines = np.tile(whole_outline(), (len(self._states), layers, 1, 1))
+        self._outlines = np.tile(_whole_outline(), (len(self._states), layers, 1, 1))
         for place, outline in self._cut.items():
             if outline is not None:
                 self._outlined[place], self._outlines[place] = 1, outline

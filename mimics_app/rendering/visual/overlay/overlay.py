@@ -10,11 +10,9 @@ from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.drawing.frame_buffers import FrameBuffers
 from mimics_app.rendering.visual.figures.hud import Colour, Hud
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
-from mimics_app.rendering.visual.overlay.atlas_pass import AtlasPass
 from mimics_app.rendering.visual.overlay.figures import add_bounds, add_lights, add_node_bounds
 from mimics_app.rendering.visual.overlay.frame_graph import draw_frame_graph
 from mimics_app.rendering.visual.overlay.layers import LAYERS, Arrow, Layer
-from mimics_app.rendering.visual.overlay.line_pass import LinePass
 from mimics_app.rendering.visual.overlay.line_set import LineSet
 from mimics_app.rendering.visual.overlay.stage_times import StageTimes
 from mimics_app.rendering.visual.stages.shadow_stage import ShadowStage
@@ -23,7 +21,16 @@ from mimics_app.rendering.visual.surfaces.rasteriser import rasteriser_of
 
 if TYPE_CHECKING:
     import moderngl
+from typing import TYPE_CHECKING
+
+import numpy as np
+
 from mimics_app.rendering.visual.figures.palette import INK
+from mimics_app.rendering.visual.materials.shader_library import ShaderProgram
+from mimics_app.rendering.visual.materials.vertex_arrays import VertexArrays, bare_arrays
+from mimics_app.rendering.visual.overlay.line_set import LINE_ROW
+from mimics_app.rendering.visual.shadows.shadow_maps import ShadowPlan
+from mimics_app.rendering.visual.view import Rect, View
 
 __all__ = ["Overlay"]
 
@@ -37,6 +44,108 @@ _WORDS: dict[Layer, str] = {
 }
 _NO_MAPS = "shadow atlas: no map of shadows is drawn"
 _PANEL: Colour = (0.05, 0.06, 0.08, 0.66)
+
+
+_BINDING = 4
+_SHARE = 0.36
+"""Height of the inset over that of the picture."""
+_MAX_TILES = 16
+
+
+_FAINT = 0.22
+
+
+class _AtlasPass:
+    """Shows the depths as a shaded relief, in the lower right corner."""
+
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
+        self._ctx = ctx
+        self._shader = shaders.program("overlay/depth.vert", "overlay/depth.frag")
+        self._arrays = bare_arrays(ctx)
+
+    def draw(self, framebuffer: moderngl.Framebuffer, shadows: ShadowStage) -> int:
+        """Draw the inset over a framebuffer; return the draw calls, 0 without shadow maps."""
+        import moderngl
+
+        if not shadows.plan.maps:
+            return 0
+        width, height = framebuffer.size
+        side = 2.0 * _SHARE
+        across = side * height / width
+        self._shader.set_numbers("rectangle", (1.0 - across - 0.03, -0.95, across, side))
+        self._shader.set_number("tiles", float(shadows.plan.grid))
+        self._shader.set_numbers("relief", _relief(shadows.plan))
+        self._ctx.viewport = (0, 0, width, height)
+        self._ctx.enable_only(moderngl.BLEND)
+        self._ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
+        shadows.bind(_BINDING)
+        self._arrays.of(self._shader).render(moderngl.TRIANGLE_STRIP, vertices=4)
+        return 1
+
+    def release(self) -> None:
+        """Free the vertex array."""
+        self._arrays.release()
+
+
+def _relief(plan: ShadowPlan) -> list[float]:
+    """Return depth range over texel width of each tile; approximate for spot lights, whose depth is not linear."""
+    ratios = [1.0] * _MAX_TILES
+    for shadow in plan.maps:
+        column, row = shadow.tile
+        along = float(np.linalg.norm(shadow.clip_from_world[2, :3]))
+        ratios[row * plan.grid + column] = 2.0 / (along * shadow.texel)
+    return ratios
+
+
+class _LinePass:
+    """Draws lines of constant width on the screen."""
+
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
+        self._ctx = ctx
+        self._shader = shaders.program("overlay/lines.vert", "overlay/lines.frag")
+        self._buffer: moderngl.Buffer | None = None
+        self._arrays = VertexArrays(self._vertex_array)
+
+    def draw(self, target: moderngl.Framebuffer, lines: LineSet, view: View, rectangle: Rect) -> int:
+        """Draw lines into a view of the framebuffer in use; return the draw calls."""
+        import moderngl
+
+        rows = lines.rows(view.eye_world)
+        if not len(rows):
+            return 0
+        self._upload(rows.tobytes())
+        ctx, shader, array = self._ctx, self._shader, self._arrays.of(self._shader)
+        target.viewport = rectangle
+        shader.set_matrix("clip_from_eye", view.clip_from_eye)
+        shader.set_numbers("size_px", rectangle[2:])
+        target.depth_mask = False
+        ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
+        for flags, strength in ((moderngl.BLEND, _FAINT), (moderngl.BLEND | moderngl.DEPTH_TEST, 1.0)):
+            ctx.enable_only(flags)
+            ctx.depth_func = "<="
+            shader.set_number("strength", strength)
+            array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=len(rows))
+        ctx.depth_func = "<"
+        target.depth_mask = True
+        return 2
+
+    def release(self) -> None:
+        """Free buffer and vertex array."""
+        self._arrays.release()
+        if self._buffer is not None:
+            self._buffer.release()
+            self._buffer = None
+
+    def _upload(self, data: bytes) -> None:
+        if self._buffer is None or self._buffer.size < len(data):
+            self.release()
+            self._buffer = self._ctx.buffer(reserve=max(2 * len(data), 256 * LINE_ROW.itemsize))
+        self._buffer.orphan()
+        self._buffer.write(data)
+
+    def _vertex_array(self, shader: ShaderProgram) -> moderngl.VertexArray:
+        content = [(self._buffer, "3f 3f 4f 2f /i", "begin", "end", "tint", "widths")]
+        return self._ctx.vertex_array(shader.program, content)
 
 
 class Overlay:
@@ -61,9 +170,9 @@ class Overlay:
         self.hud = Hud()
         self.note = ""
         self._lines = LineSet()
-        self._line_pass = LinePass(ctx, shaders)
+        self._line_pass = _LinePass(ctx, shaders)
         self._wires = _WirePass(ctx, shaders, frame)
-        self._atlas = AtlasPass(ctx, shaders)
+        self._atlas = _AtlasPass(ctx, shaders)
         self._maps_shown = False
 
     @property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
@@ -10,13 +11,12 @@ import numpy as np
 from mimics_app.contracts.arrays import U4
 from mimics_app.rendering.visual.drawing.draw_feed import DrawFeed
 from mimics_app.rendering.visual.kernels.commands import MAX_TRIANGLES
-from mimics_app.rendering.visual.surfaces.fence import Fence
-from mimics_app.rendering.visual.surfaces.raw_gl import TRIANGLES, RawGL
+from mimics_app.rendering.visual.surfaces.raw_gl import TRIANGLES, RawGL, function_address
 
 if TYPE_CHECKING:
     import moderngl
 
-__all__ = ["FEW_PIXELS_TRIANGLES", "BatchedFeed"]
+__all__ = ["FEW_PIXELS_TRIANGLES", "BatchedFeed", "Fence"]
 
 FEW_PIXELS_TRIANGLES = 2_000
 """Number of triangles after which a flush follows in a small picture, which one thread rasterises."""
@@ -24,6 +24,45 @@ FEW_PIXELS_TRIANGLES = 2_000
 _FLUSHES_APART = 16
 """Number of flushes after each of which the driver is waited for up to the one before: once 64 are pending, llvmpipe
 never draws ahead again."""
+
+
+_COMMANDS_COMPLETE, _FLUSH = 0x9117, 0x0001
+_FOREVER = (1 << 64) - 1
+
+_UINT, _SYNC = ctypes.c_uint, ctypes.c_void_p
+
+
+class Fence:
+    """A fence that is set again and again.
+
+    Args:
+        ctx: The context.
+    """
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        create, delete, wait = (
+            function_address(ctx, name) for name in ("glFenceSync", "glDeleteSync", "glClientWaitSync")
+        )
+        self._create = ctypes.CFUNCTYPE(_SYNC, _UINT, _UINT)(create)
+        self._delete = ctypes.CFUNCTYPE(None, _SYNC)(delete)
+        self._wait = ctypes.CFUNCTYPE(_UINT, _SYNC, _UINT, ctypes.c_uint64)(wait)
+        self._sync: int | None = None
+
+    def set(self) -> None:
+        """Set it after the commands so far."""
+        self.release()
+        self._sync = self._create(_COMMANDS_COMPLETE, 0)
+
+    def wait(self) -> None:
+        """Wait until the driver has executed the commands before it; return at once where it was never set."""
+        if self._sync is not None:
+            self._wait(self._sync, _FLUSH, _FOREVER)
+
+    def release(self) -> None:
+        """Delete it."""
+        if self._sync is not None:
+            self._delete(self._sync)
+            self._sync = None
 
 
 class BatchedFeed(DrawFeed):

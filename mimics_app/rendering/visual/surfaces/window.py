@@ -12,7 +12,6 @@ from mimics_app.contracts.messages.window_input import GamepadState, InputEvent
 from mimics_app.rendering.visual.surfaces.rasteriser import rasteriser_of
 from mimics_app.rendering.visual.surfaces.surface import Place, Size, Surface
 from mimics_app.rendering.visual.surfaces.window_copy import WindowCopy
-from mimics_app.rendering.visual.surfaces.window_size import on_the_desktop, smallest_size, usual_size
 
 if TYPE_CHECKING:
     import moderngl
@@ -28,6 +27,44 @@ _ALIASES = {"kp_enter": "enter"}
 _FIX_QUAD = "it takes a workstation's graphics card; else --display sbs, tb, interleaved or anaglyph"
 _BACK_LEFT, _BACK_RIGHT, _BACK = 0x0402, 0x0403, 0x0405
 _READ_FRAMEBUFFER, _DRAW_FRAMEBUFFER, _COLOUR_BUFFER_BIT, _NEAREST = 0x8CA8, 0x8CA9, 0x4000, 0x2600
+
+
+_SMALLEST = (1280, 720)
+"""Size at a content scale of 1 in which the launcher and the board of a task are read at arm's length [px]."""
+_SHARE = 2.0 / 3.0
+"""Share of the work area's width and height: 1280x720 on a monitor of 1920x1080, 2560x1440 on one of 3840x2160."""
+
+
+def _usual_size(glfw: ModuleType) -> Size:
+    """Return a size of 16:9 that suits the primary monitor; text grows with the window, so it stays readable."""
+    area = _work_area(glfw)
+    width = max(_smallest_size(glfw)[0], _SHARE * min(area[0], area[1] * _SMALLEST[0] / _SMALLEST[1]))
+    return round(width), round(width * _SMALLEST[1] / _SMALLEST[0])
+
+
+def _smallest_size(glfw: ModuleType) -> Size:
+    """Return the smallest size with readable text; it grows with the content scale where GLFW counts pixels."""
+    monitor = glfw.get_primary_monitor()
+    counts_pixels = glfw.get_platform() in (glfw.PLATFORM_X11, glfw.PLATFORM_WIN32)
+    scale = max(1.0, glfw.get_monitor_content_scale(monitor)[0]) if monitor and counts_pixels else 1.0
+    return round(_SMALLEST[0] * scale), round(_SMALLEST[1] * scale)
+
+
+def _on_the_desktop(glfw: ModuleType, size: Size) -> Size:
+    """Limit a size to that of all monitors' work areas together [px]."""
+    areas = [glfw.get_monitor_workarea(monitor) for monitor in glfw.get_monitors()]
+    areas = [area for area in areas if area[2] > 0 and area[3] > 0]
+    if not areas:
+        return size
+    width = max(x + w for x, _, w, _ in areas) - min(x for x, _, _, _ in areas)
+    height = max(y + h for _, y, _, h in areas) - min(y for _, y, _, _ in areas)
+    return min(size[0], width), min(size[1], height)
+
+
+def _work_area(glfw: ModuleType) -> Size:
+    """Return width and height of the primary monitor's work area; (0, 0) where it is unknown."""
+    monitor = glfw.get_primary_monitor()
+    return glfw.get_monitor_workarea(monitor)[2:] if monitor else (0, 0)
 
 
 class WindowSurface(Surface):
@@ -80,7 +117,7 @@ class WindowSurface(Surface):
         context = moderngl.create_context(require=430)
         if size is None:
             if self._scene and rasteriser_of(context).pays_for_pixels:
-                glfw.set_window_size(self._window, *on_the_desktop(glfw, smallest_size(glfw)))
+                glfw.set_window_size(self._window, *_on_the_desktop(glfw, _smallest_size(glfw)))
         if self._visible:
             glfw.show_window(self._window)
         self._resting = self._on_screen(*glfw.get_cursor_pos(self._window))
@@ -313,7 +350,7 @@ def _open_window(glfw: ModuleType, wanted: Size | None, title: str, *, stereo: b
     glfw.window_hint(glfw.VISIBLE, False)
     for of_window in (glfw.X11_CLASS_NAME, glfw.X11_INSTANCE_NAME):
         glfw.window_hint_string(of_window, "mimics")  # by which a desktop finds the entry of the menu and its icon
-    size = on_the_desktop(glfw, wanted or usual_size(glfw))
+    size = _on_the_desktop(glfw, wanted or _usual_size(glfw))
     window = glfw.create_window(*size, title, None, None)
     if not window:  # a driver that cannot report a reset may refuse the request
         glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.NO_ROBUSTNESS)

@@ -16,9 +16,10 @@ import math
 from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
-from mimics_app.contracts.arrays import Vec
+from mimics_app.contracts.arrays import Mat, Vec
 from mimics_app.contracts.loop.haptic_objects import BodyFlag, ObjectIntegrator
 from mimics_app.maths import quat
+from mimics_app.rendering.haptic.kernels.eigen import diagonalise
 from mimics_app.rendering.haptic.kernels.integrators import (
     free_responses,
     step_explicit,
@@ -26,7 +27,6 @@ from mimics_app.rendering.haptic.kernels.integrators import (
     step_midpoint,
     step_semi_implicit,
 )
-from mimics_app.rendering.haptic.kernels.objects.inertia import find_principal_axes
 from mimics_app.rendering.haptic.kernels.rotation import product, rotated, turn_body
 from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill
 
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
         Rows,
     )
 
-__all__ = ["is_free", "place_bodies", "rest_time", "step_bodies", "wake"]
+__all__ = ["find_principal_axes", "is_free", "place_bodies", "rest_time", "step_bodies", "wake"]
 
 
 _TRANSLATION = int(BodyFlag.TRANSLATION)
@@ -61,6 +61,10 @@ _STILL_ACCELERATION = 2e-3
 
 _STILL_ANGULAR_ACCELERATION = 0.05
 """Angular acceleration from which a body does not sleep [rad/s^2]."""
+
+
+_ROUNDING = 1e-9
+"""Ratio to the largest moment below which a moment counts as 0 [-]: a steel wire has 1e-6."""
 
 
 @kernel
@@ -118,6 +122,28 @@ def _spin_up(motion: MotionRecord, dynamics: DynamicsRecord) -> None:
     y = y / inverse[1] if inverse[1] > 0.0 else 0.0
     z = z / inverse[2] if inverse[2] > 0.0 else 0.0
     motion.momentum[0], motion.momentum[1], motion.momentum[2] = rotated(principal, (x, y, z))
+
+
+@kernel
+def find_principal_axes(inertia: Mat, dynamics: DynamicsRecord) -> None:
+    """Set `axes` and `inverse` of a body from its inertia (Jacobi 1846), and keep the inertia.
+
+    A diagonal tensor keeps its axes to the last bit. Axes of negligible moment (a thin rod about itself) are locked.
+
+    Args:
+        inertia: Tensor about the centre of mass, body axes [kg m^2], shape [3, 3], symmetric.
+        dynamics: Record of `DYNAMICS`, updated.
+    """
+    tensor, vectors = dynamics.tensor, dynamics.vectors
+    for i in range(3):
+        for j in range(3):
+            dynamics.inertia[i, j] = inertia[i, j]
+            tensor[i, j] = 0.5 * (inertia[i, j] + inertia[j, i])
+    diagonalise(tensor, vectors)
+    quat.from_matrix(vectors, dynamics.axes)
+    least = _ROUNDING * max(tensor[0, 0], max(tensor[1, 1], tensor[2, 2]))
+    for i in range(3):
+        dynamics.inverse[i] = 1.0 / tensor[i, i] if tensor[i, i] > least else 0.0
 
 
 @kernel

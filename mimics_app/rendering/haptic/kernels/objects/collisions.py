@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
-from mimics_app.contracts.arrays import Vec3
+from mimics_app.contracts.arrays import Vec, Vec3
 from mimics_app.contracts.loop.haptic_objects import STATIC, ShapeKind
 from mimics_app.rendering.haptic.kernels.objects.bodies import is_free, rest_time, wake
 from mimics_app.rendering.haptic.kernels.objects.collisions_boxes import separate_boxes
@@ -18,12 +18,12 @@ from mimics_app.rendering.haptic.kernels.objects.collisions_mesh import touch_me
 from mimics_app.rendering.haptic.kernels.objects.collisions_ridges import touch_ridged_mesh
 from mimics_app.rendering.haptic.kernels.objects.collisions_round import touch_by_capsule, touch_by_sphere
 from mimics_app.rendering.haptic.kernels.objects.collisions_walls import touch_wall
-from mimics_app.rendering.haptic.kernels.objects.loads import load_bodies
 from mimics_app.rendering.haptic.kernels.objects.manifold import lay_over, write_feature
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import ANY_DIRECTION
 from mimics_app.rendering.haptic.kernels.objects.resolve import apply_contact, end_contact
 from mimics_app.rendering.haptic.kernels.objects.sweep_and_prune import find_pairs, near
 from mimics_app.rendering.haptic.kernels.objects.triples import dot, times
+from mimics_app.rendering.haptic.kernels.vectors import copy
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import (
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
         TotalsRecord,
     )
 
-__all__ = ["collide_bodies"]
+__all__ = ["collide_bodies", "load_bodies"]
 
 
 _TILTED = 1e-2
@@ -51,6 +51,10 @@ _TILTED = 1e-2
 
 _PRESSED = 0.01
 """Change of a contact force per mass since a body fell asleep from which it wakes [N/kg]."""
+
+
+_SAME_LOAD = 1e-9
+"""Relative change of the load on a sleeping body from which it wakes [-]."""
 
 
 @kernel
@@ -184,6 +188,40 @@ def _collide_pair(pair: PairRecord, rows: Rows, work: ObjectWork, doze: int, dt:
     second = work.motions[j] if j >= 0 else work.still[0]
     apply_contact(pair, scratch.points, found, first, second, work.totals[0], dt)
     _wake_neighbours(pair, rows.bodies, work.motions, work.dynamics, doze)
+
+
+@kernel
+def _differs(a: Vec, b: Vec) -> bool:
+    """True when a differs from b by more than rounding."""
+    square, apart = 0.0, 0.0
+    for i in range(3):
+        square += b[i] * b[i]
+        apart += (a[i] - b[i]) * (a[i] - b[i])
+    return apart > _SAME_LOAD * _SAME_LOAD * square
+
+
+@kernel
+def load_bodies(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord) -> None:
+    """Add F_aux, T_aux and weight to the forces of touch, effects and grip; a changed load wakes a sleeping body.
+
+    Args:
+        rows: `Rows` of this tick.
+        work: `ObjectWork`; motions and dynamics are updated.
+        counts: SCENE.objects.
+    """
+    for k in range(counts.bodies):
+        body, motion, dynamic = rows.bodies[k], work.motions[k], work.dynamics[k]
+        for i in range(3):
+            motion.force[i] += work.aux_forces[k, i] + body.mass * body.gravity[i]
+            motion.torque[i] += work.aux_torques[k, i]
+        if motion.asleep:
+            changed = _differs(motion.force, dynamic.rest_force) or _differs(motion.torque, dynamic.rest_torque)
+            if not (changed or motion.touched):
+                continue
+            wake(motion)
+        copy(motion.force, dynamic.rest_force)
+        copy(motion.torque, dynamic.rest_torque)
+        dynamic.stirred = 0
 
 
 @kernel

@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.loop.haptic_objects import BodyFlag, ShapeKind
-from mimics_app.rendering.haptic.kernels.contact import forget, to_object
+from mimics_app.rendering.haptic.kernels.contact import forget, sphere, to_object, wall
 from mimics_app.rendering.haptic.kernels.directions import MAX_TOUCHED, note_contact
 from mimics_app.rendering.haptic.kernels.objects.corner import orthogonalise, share_corner
 from mimics_app.rendering.haptic.kernels.objects.cull import find_near
 from mimics_app.rendering.haptic.kernels.objects.memory import follow_point, keep_poses, notice_changes, recall
 from mimics_app.rendering.haptic.kernels.objects.mesh_walk import probe_mesh
 from mimics_app.rendering.haptic.kernels.objects.records import MAX_WALLS
-from mimics_app.rendering.haptic.kernels.objects.shapes import probe_shape
+from mimics_app.rendering.haptic.kernels.objects.shapes_box import box
+from mimics_app.rendering.haptic.kernels.objects.shapes_round import capsule, cylinder
 from mimics_app.rendering.haptic.kernels.objects.surface_force import (
     anchor_stiffness,
     lower_by_ripple,
@@ -100,13 +101,41 @@ def _to_shape(scratch: ContactScratchRecord) -> None:
 
 
 @kernel
+def _probe_shape(shape: ShapeRecord, scratch: ContactScratchRecord, contact: ContactRecord) -> None:
+    """Find depth and normal of the present point in any analytic shape.
+
+    Args:
+        shape: SHAPE row of the present shape.
+        scratch: CONTACT_SCRATCH record with p, v and radius; its vectors a and b are overwritten.
+        contact: Record of `CONTACT`, updated; depth 0 outside.
+    """
+    p, v, radius = scratch.p, scratch.v, scratch.radius
+    if shape.kind == ShapeKind.SPHERE:
+        sphere(p, v, shape.size[0] + radius, contact)
+    elif shape.kind == ShapeKind.BOX:
+        core = scratch.a
+        for i in range(3):
+            core[i] = shape.size[i] - 2.0 * shape.rounding
+        box(p, v, core, shape.rounding + radius, contact)
+    elif shape.kind == ShapeKind.CYLINDER:
+        core_length = shape.size[1] - 2.0 * shape.rounding
+        cylinder(p, v, shape.size[0] - shape.rounding, core_length, shape.rounding + radius, contact)
+    elif shape.kind == ShapeKind.CAPSULE:
+        capsule(p, v, shape.size[0] + radius, shape.size[1], scratch.a, scratch.b, contact)
+    elif shape.kind == ShapeKind.WALL:
+        p[2] -= radius
+        wall(p, contact)
+        p[2] += radius
+
+
+@kernel
 def _probe(scratch: ContactScratchRecord, shape: ShapeRecord, memory: MemoryRecord, meshes: MeshTable) -> bool:
     """Find depth of the point in the shape, and its rate; False while they do not touch."""
     contact = memory.contact
     if shape.kind == ShapeKind.MESH:
         probe_mesh(meshes, shape.mesh, scratch, contact)
     else:
-        probe_shape(shape, scratch, contact)
+        _probe_shape(shape, scratch, contact)
     scratch.lowered = contact.depth
     if contact.depth > 0.0:
         lower_by_ripple(shape, scratch.p, contact, scratch.slope)
