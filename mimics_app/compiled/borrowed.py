@@ -148,13 +148,13 @@ def _unbox(kind, obj, c):
     """Convert a Python tuple, borrowed for the call."""
     native = c.unbox(kind.of, obj)
 
-    def let_go():
+    def release():
         if native.cleanup is not None:
             native.cleanup()
         c.context.nrt.decref(c.builder, kind.of, native.value)
 
     value = _without_counts(c.context, c.builder, kind.of, native.value)
-    return NativeValue(_into_frame(c.builder, value), is_error=native.is_error, cleanup=let_go)
+    return NativeValue(_into_frame(c.builder, value), is_error=native.is_error, cleanup=release)
 
 
 @infer_getattr

@@ -16,11 +16,11 @@ from numba import types
 from numba.extending import overload
 from numpy.typing import NDArray
 
-__all__ = ["HUNG_UP", "QUIET", "READABLE", "look_at", "read_bytes", "write_bytes"]
+__all__ = ["HUNG_UP", "QUIET", "READABLE", "poll_once", "read_bytes", "write_bytes"]
 
 
 QUIET, READABLE, HUNG_UP = 0, 1, 2
-"""Results of `look_at`."""
+"""Results of `poll_once`."""
 
 _IN = 0x001
 _GONE = 0x008 | 0x010 | 0x020
@@ -31,7 +31,7 @@ _read = types.ExternalFunction("read", types.intp(types.int32, types.uintp, type
 _write = types.ExternalFunction("write", types.intp(types.int32, types.uintp, types.uintp))
 
 
-def look_at(fd: int, request: NDArray[np.int32]) -> int:
+def poll_once(fd: int, request: NDArray[np.int32]) -> int:
     """Return QUIET, READABLE or HUNG_UP without waiting; `request` is scratch, shape [2]."""
     poller = select.poll()
     poller.register(fd, select.POLLIN)
@@ -57,8 +57,8 @@ def write_bytes(fd: int, buffer: NDArray[np.uint8], start: int, count: int) -> i
         return -1
 
 
-@overload(look_at)
-def _overload_look_at(fd, request):
+@overload(poll_once)
+def _overload_poll_once(fd, request):
     def machine(fd, request):
         request[0] = fd
         request[1] = _IN  # requested events in the low half, returned events in the high one

@@ -96,7 +96,7 @@ class Channel(ABC):
             self.samples += len(piece)
             begin += len(piece)
             if self._place == 0:
-                self.found = self._look_back(self._raw)
+                self.found = self._evaluate(self._raw)
         return events
 
     @property
@@ -117,7 +117,7 @@ class Channel(ABC):
         """Process samples within one second and return the events; `samples` counts only those before."""
 
     @abstractmethod
-    def _look_back(self, raw: Floats) -> FeatureSet:
+    def _evaluate(self, raw: Floats) -> FeatureSet:
         """Compute the features at the end of a second; `raw` holds its samples as received, shape [rate]."""
 
     def _contact(self, raw: Floats, *, steps: float = np.inf) -> float:

@@ -36,7 +36,7 @@ class Motion(Channel):
     def _take(self, piece: Floats) -> list[Event]:
         return []
 
-    def _look_back(self, raw: Floats) -> FeatureSet:
+    def _evaluate(self, raw: Floats) -> FeatureSet:
         self._seconds.append(raw[np.isfinite(raw)])
         speed = np.concatenate(self._seconds)
         if not len(speed):

@@ -35,7 +35,7 @@ _MASS_RATIOS = (0.5, 0.7, 1.0, 1.4, 2.0)
 _POSE = np.array([0.35, 0.55])
 """Pose on the wall [rad]."""
 
-_FELT = 25.0
+_NOTICED = 25.0
 """Residual torque of the knee from which a control counts as unstable [N m]: it shakes, or runs to its limits."""
 
 
@@ -59,7 +59,7 @@ def wall_figure() -> Figure:
     return Figure("figure", "lokomat_wall", _COMMAND, machine, table, svg, more=more)
 
 
-def _felt(rig: Rig, kind: int) -> tuple[float, float]:
+def _residual(rig: Rig, kind: int) -> tuple[float, float]:
     """Return the largest residual torques of hip and knee over the three speeds [N m]."""
     torques = np.array([residual_torque(rig, kind, hz) for hz in SPEEDS.values()])
     return float(torques[:, 0].max()), float(torques[:, 1].max())
@@ -73,7 +73,7 @@ def _combined(rig: Rig) -> list[dict[str, Any]]:
         found = []
         for ratio in _MASS_RATIOS:
             rig.settings["shafts"]["mass"] = ratio * _HIP_LEG, ratio * _KNEE_LEG
-            found.append(_felt(rig, COMBINED))
+            found.append(_residual(rig, COMBINED))
         hip, knee = min(found)
         stiffness = foot_stiffness(rig.settings["position"][0], rig.settings["frame"][0], _POSE, -1.0, 0.0)
         rows.append(_row("combined", stiffness, hip, knee))
@@ -81,13 +81,13 @@ def _combined(rig: Rig) -> list[dict[str, Any]]:
 
 
 def _row(method: str, stiffness: float, hip: float, knee: float) -> dict[str, Any]:
-    felt = {"hip_nm": hip, "knee_nm": knee}
-    return {"method": method, "x": stiffness, "cost_ns": None, "error": hip, "valid": knee < _FELT} | felt
+    torques = {"hip_nm": hip, "knee_nm": knee}
+    return {"method": method, "x": stiffness, "cost_ns": None, "error": hip, "valid": knee < _NOTICED} | torques
 
 
 def transparency_figure() -> Figure:
     """Return the figure of residual torque in free swing against the stiffness of an object, both controls."""
-    pure = _felt(Rig(), IMPEDANCE)
+    pure = _residual(Rig(), IMPEDANCE)
     rows = [_row("impedance", stiffness, *pure) for stiffness in _WALL_STIFFNESS] + _combined(Rig())
     x = Axis("stiffness of the object at the foot [N/m]", 500.0, 60_000.0, log=True)
     panel = Panel(6.0, 70.0, 1060.0, 520.0, x, Axis("residual torque in free swing [N m]", 0.3, 300.0, log=True))

@@ -15,7 +15,7 @@ from mimics_app.plotting.marks import element, word
 
 __all__ = ["Cell", "Grid", "heat_map", "physio_figure", "row_of"]
 
-_WARNING = "Simulated people: what a method does under what was assumed of them. A simulation is no clinical evidence."
+_WARNING = "Simulated people: what a method does under what was assumed of them. A simulation is not clinical evidence."
 _COMMAND = "mimics bench physio --charts DIR"
 
 

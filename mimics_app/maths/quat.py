@@ -199,6 +199,6 @@ def normalise_rows(quaternions: NDArray[np.float64]) -> NDArray[np.float64]:
     """
     lengths = np.linalg.norm(quaternions, axis=-1, keepdims=True)
     if not (np.isfinite(lengths).all() and (lengths > 0.0).all()):
-        raise ValueError("a zero or not finite quaternion is no rotation")
+        raise ValueError("a zero or not finite quaternion is not a rotation")
     rows: NDArray[np.float64] = quaternions / np.where(quaternions[..., 3:] < 0.0, -lengths, lengths)
     return rows

@@ -266,7 +266,7 @@ def _local_time(utc: object) -> str:
 
 def _cards(run: Run, attempts: list[Attempt], section: ReportSection) -> dict[str, str]:
     task = session_totals(run.summary, run.trials)
-    felt = [_largest_force(attempt) for attempt in attempts]
+    forces = [_largest_force(attempt) for attempt in attempts]
     return {
         **_trial_cards(run),
         phrase("score of 100"): _points(task.get("score")),
@@ -274,7 +274,7 @@ def _cards(run: Run, attempts: list[Attempt], section: ReportSection) -> dict[st
         **{name: _card(*figure) for name, figure in section.tiles(task).items()},
         section.path_error: one(scaled(task.get("path_error_m"), 1000.0), "mm"),
         section.contacts: shown(task.get("contacts")),
-        phrase("largest force felt"): one(float(max(felt, default=0.0)) or None, "N"),
+        phrase("largest force felt"): one(float(max(forces, default=0.0)) or None, "N"),
         phrase("safety stops"): shown(_stops_and_holds(run)["safety stops"]),
     }
 

@@ -86,7 +86,7 @@ def draw_traces(section: ReportSection, attempt: Attempt, facts: Mapping[str, An
         return []
     force = {
         "measured": ("force of the person on the handle", row_norms(samples["f_meas"])),
-        "felt": ("virtual force on the person", row_norms(samples["f_user_world"])),
+        "rendered": ("virtual force on the person", row_norms(samples["f_user_world"])),
     }
     speed = {"robot": ("speed of the robot", row_norms(samples["v_world"]))}
     touching = section.touching

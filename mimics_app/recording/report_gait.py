@@ -60,13 +60,13 @@ def draw_gait(samples: NDArray[Any], extent: Extent) -> list[Plot]:
     if not spans:
         return []
     forces = [i for i, (name, _) in enumerate(extent.numbers) if name.endswith(_HARD)]
-    felt = [samples["numbers"][:, i] for i in forces]
+    obstacle = [samples["numbers"][:, i] for i in forces]
     heights = [_MM * _height(samples, point) for point in range(min(len(_FEET), contacts_in(samples)))]
     t = samples["t"]
     return [
         _draw_states(t, spans),
         _draw_feet(t, spans, "height of the foot [mm]", heights),
-        _draw_feet(t, spans, "force of the obstacle [N]", felt),
+        _draw_feet(t, spans, "force of the obstacle [N]", obstacle),
     ]
 
 

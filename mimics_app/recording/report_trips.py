@@ -48,13 +48,16 @@ def _before(samples: NDArray[Any]) -> NDArray[np.float64]:
 
 
 def _forces(samples: NDArray[Any]) -> Plot:
-    when, felt = _before(samples), row_norms(samples["f_user_world"])
+    when, rendered = _before(samples), row_norms(samples["f_user_world"])
     wanted, measured = row_norms(samples["f_virt_world"]), row_norms(samples["f_meas"])
-    x, y = Axis.of("before the trip [ms]", when, margin=0.0), Axis.of("force [N]", felt, wanted, measured, zero=True)
+    x, y = (
+        Axis.of("before the trip [ms]", when, margin=0.0),
+        Axis.of("force [N]", rendered, wanted, measured, zero=True),
+    )
     plot = Plot(x, y, "Forces before the trip", height=170.0)
     plot.line(when, measured, "measured", "of the person on the handle")
     plot.line(when, wanted, "wall", "virtual")
-    plot.line(when, felt, "felt", "virtual, as felt")
+    plot.line(when, rendered, "rendered", "virtual, as rendered")
     return plot
 
 

@@ -202,10 +202,10 @@ def _half_height(objects: SceneObjects, row: int) -> float:
     return float(0.5 * size.max() if shape["kind"] == ShapeKind.BOX else size[0])
 
 
-def _dress(node: SceneNode, world: World, look: str, prefix: str) -> None:
-    """Give a node another material of the scene: LOOK, or LOOK_REST for an entity called PREFIX + REST."""
+def _dress(node: SceneNode, world: World, material: str, prefix: str) -> None:
+    """Give a node another material of the scene: MATERIAL, or MATERIAL_REST for an entity called PREFIX + REST."""
     rest = node.name.removeprefix(prefix)
-    name = f"{look}_{rest}" if f"{look}_{rest}" in world.materials else look
+    name = f"{material}_{rest}" if f"{material}_{rest}" in world.materials else material
     if node.entity is not None and name in world.materials:
         node.entity.set_material(name)
 

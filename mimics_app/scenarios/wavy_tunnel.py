@@ -91,9 +91,9 @@ class WavyTunnel(Scenario):
         self._ball.set_scale((snapshot.ball_radius,) * 3)
         self._show_touch(touching=snapshot.penetration > 0.0 and bool(np.any(snapshot.f_user_world)))
         for entity, appearance in self._looks.items():
-            radius, look = _features_of(entity, self._own)
+            radius, material = _features_of(entity, self._own)
             appearance.set_radius_scale(orders.visual.get(radius))
-            appearance.set_material(orders.visual.get(look))
+            appearance.set_material(orders.visual.get(material))
 
     @staticmethod
     def features(scene: Scene) -> Sequence[Feature[Any]]:
@@ -125,7 +125,7 @@ class WavyTunnel(Scenario):
                 node.set_orientation(orientation)
 
     def _show_touch(self, *, touching: bool) -> None:
-        """Give the ball the look of touching, where the scene has a material for it."""
+        """Give the ball the material of touching, where the scene has a material for it."""
         if touching == self._touching:
             return
         self._touching = touching

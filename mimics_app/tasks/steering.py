@@ -93,7 +93,7 @@ class Steering:
     def _one(self, command: Command, state: TrialState, *, begun: bool) -> Reply:
         receive = self._receivers.get(type(command))
         if receive is None:
-            return _refused(f"{name_of(command)} is no command to the task")
+            return _refused(f"{name_of(command)} is not a command to the task")
         if not begun and not isinstance(command, (SetParameter, SetAssistance)):
             return _refused("the session has not begun")
         return receive(command, state)

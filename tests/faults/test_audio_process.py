@@ -61,7 +61,7 @@ def test_a_session_that_ends_before_its_sound_could_start_says_so(tmp_path, star
     )
     os.kill(audio.pid, signal.SIGSTOP)
     report = audio.stop()
-    said = "the session ended before its sound could start: nothing was heard; picture and touch ran on"
+    said = "the session ended before its sound could start: nothing was played; picture and touch continued"
     assert report.status.notice == said
     assert not report.crashed, "it was held back, and has not failed"
     assert not report.rows

@@ -19,7 +19,7 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.device_fit import device_values
 from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.loop.haptic import FEEL, LIMIT_NAMES, SCENE
+from mimics_app.contracts.loop.haptic import HAPTIC_PARAMETERS, LIMIT_NAMES, SCENE
 from mimics_app.contracts.loop.haptic_objects import TUNNEL
 from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.haptic.devices.registry import build_device
@@ -28,7 +28,9 @@ from mimics_app.tasks.check import check_task
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.world.components.robot import Admittance, Ball, Robot, Safety, WorldPd
 
-FELT = {name for name, _ in FEEL} | {f"tunnel.{name}" for name in TUNNEL.names if TUNNEL[name] == np.float64}
+ADDRESSABLE = {name for name, _ in HAPTIC_PARAMETERS} | {
+    f"tunnel.{name}" for name in TUNNEL.names if TUNNEL[name] == np.float64
+}
 NAMES = [*SCENE.names, *(f"tunnel.{name}" for name in TUNNEL.names)]
 
 
@@ -40,7 +42,7 @@ def faults_of(target: str) -> list[Any]:
 @pytest.mark.parametrize("name", NAMES)
 def test_a_task_may_name_what_is_felt_and_nothing_else_of_the_block(name: str):
     faults = faults_of(name)
-    assert (faults == []) == (name in FELT)
+    assert (faults == []) == (name in ADDRESSABLE)
     assert all(fault.pointer == "/task/parameters/p/maps/0/to" for fault in faults)
 
 

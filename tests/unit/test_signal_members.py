@@ -29,7 +29,7 @@ class Warmth(Channel):
     def _take(self, piece):
         return []
 
-    def _look_back(self, raw):
+    def _evaluate(self, raw):
         return FeatureSet({"skin_warmth": float(np.nanmean(raw))}, 1.0)
 
 

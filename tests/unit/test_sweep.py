@@ -53,7 +53,7 @@ def test_examples_are_right():
         ({"stiffness": {"from": 0.0, "to": 1.0, "scale": "log"}}, {}, "#/parameters/stiffness/scale: equal ratios"),
         ({"stiffness": {"from": 0.0, "too": 1.0}}, {}, "#/parameters/stiffness"),
         ({"delay_ticks": [0.5]}, {}, "#/parameters/delay_ticks/0: 0.5 must be a whole number"),
-        ({"mass": "heavy"}, {}, '#/parameters/mass: "heavy" is no number'),
+        ({"mass": "heavy"}, {}, '#/parameters/mass: "heavy" is not a number'),
         ({}, {"experiment": "wal_stability"}, "#/experiment: there is no experiment"),
         ({}, {"sampel": {"points": 3}}, "#/sampel: unknown key"),
         ({}, {"sample": {"points": 0}}, "#/sample/points"),

@@ -89,7 +89,7 @@ class Session:
         self.mixed.append(self.mixer.render(max(0, frames)))
 
     def close(self, seconds: float = 0.8) -> np.ndarray:
-        self.director.ring_out()
+        self.director.decay()
         self.mixed.append(self.mixer.render(round(seconds * RATE) - self.mixer.position))
         self.mixer.close()
         return np.concatenate(self.mixed)[:, 0].astype(np.float64)

@@ -16,7 +16,7 @@ class Stretch(Channel):
     def _take(self, piece):
         return []
 
-    def _look_back(self, raw):
+    def _evaluate(self, raw):
         good = raw[np.isfinite(raw)]
         quality = len(good) / len(raw)
         return FeatureSet({"stretch_range": float(np.ptp(good))} if len(good) else {}, quality)

@@ -123,7 +123,7 @@ def _certificate(args: argparse.Namespace) -> Certificate | None:
     from mimics_app.contracts.errors import OutputError, UsageError
 
     if args.host in _EVERYWHERE:
-        raise UsageError(f"--host {args.host} is no address that a browser can open", "give this computer's own")
+        raise UsageError(f"--host {args.host} is not an address that a browser can open", "give this computer's own")
     if args.certificate is None and args.key is None:
         if _is_loopback(args.host):
             return None

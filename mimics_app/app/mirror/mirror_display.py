@@ -64,9 +64,7 @@ class MirroredScene:
             table.set_poses(rows, frame.translations, frame.rotations)
             table.set_scales(rows, frame.scales)
         except ValueError as error:
-            raise SceneError(
-                Issue(self.scene.file, "", f"does not fit the session: {error}", "start it anew")
-            ) from error
+            raise SceneError(Issue(self.scene.file, "", f"does not fit the session: {error}", "restart it")) from error
         for row in rows[table.visible[rows] != frame.visible]:
             table.set_visible(int(table.entities[row]), visible=not table.visible[row])
         self.world.update()

@@ -72,7 +72,7 @@ class ActiveView:
             self._from, self._begun_ns = self._held(), self._now_ns
         self._camera, self._free = wanted, None
 
-    def look_from(self, camera: Placed) -> None:
+    def use_camera(self, camera: Placed) -> None:
         """Show what a camera of the person's own sees from the next frame on, until a view is selected."""
         self._free = camera
 

@@ -36,7 +36,7 @@ _FIRST = (TrialState.APPROACH, TrialState.READY)
 """States of the first trial in which the page of the task is shown."""
 
 _BEGIN = phrase("Enter, click or gamepad A: begin")
-_BY_ITSELF = phrase("Begins by itself in a moment; Enter or click: now")
+_BY_ITSELF = phrase("Begins on its own in a moment; Enter or click: now")
 _COMES = phrase("One moment, please")
 _RESUME = phrase("H: the operator's keys; once more: resume")
 
@@ -136,9 +136,9 @@ def _page_of(session: Session) -> KeyPage:
 
 
 def rate_note(seen_ns: Sequence[int], lowered: Sequence[str]) -> str:
-    """Return the frames per second, from the times of the newest frames [ns], and what was given up for them."""
+    """Return the frames per second, from the times of the newest frames [ns], and what was lowered for them."""
     span_ns = seen_ns[-1] - seen_ns[0] if len(seen_ns) > 1 else 0
     rate = f"{(len(seen_ns) - 1) * SECOND_NS / span_ns:.0f} frames per second" if span_ns > 0 else ""
     last = {label.rpartition(" ")[0]: label for label in lowered}  # of a step with several levels the lowest
-    given_up = f"given up: {', '.join(last.values())}" if last else "full quality"
-    return "; ".join(part for part in (rate, given_up) if part)
+    lowered = f"lowered: {', '.join(last.values())}" if last else "full quality"
+    return "; ".join(part for part in (rate, lowered) if part)

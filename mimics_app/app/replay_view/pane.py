@@ -113,7 +113,7 @@ class Panes:
         camera = _around_point(self.pictures[0].view.camera, first.replayed.hand)
         move(camera)
         for picture in self.pictures:
-            picture.view.look_from(_placed(camera))
+            picture.view.use_camera(_placed(camera))
 
     def toggle_forces(self) -> None:
         """Draw forces and contacts from the next frame on, or no longer."""

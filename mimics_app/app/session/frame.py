@@ -76,7 +76,7 @@ class LossWatch:
 
     def _quarantine(self, row: int) -> None:
         name = self._names[row] if row < len(self._names) else f"effect {row + 1}"
-        self._report(f'the force field of "{name}" gave a number that is not finite: it acts no more')
+        self._report(f'the force field of "{name}" gave a number that is not finite: it is switched off')
         self._fields.append(name)
 
 

@@ -82,7 +82,7 @@ def _form(args: argparse.Namespace, folder: Path, words: list[str]) -> int:
     for word in words[2:]:
         item, equals, value = word.partition("=")
         if not equals:
-            raise UsageError(f'"{word}" is no answer', "give ITEM=VALUE")
+            raise UsageError(f'"{word}" is not an answer', "give ITEM=VALUE")
         given[item] = value
     about = {"verb": "form", "participant": participant.code, "form": name}
     if not given:

@@ -40,7 +40,7 @@ from mimics_app.contracts.loop.loop_fields import (
 
 __all__ = [
     "EVENT",
-    "FEEL",
+    "HAPTIC_PARAMETERS",
     "INBOX",
     "LIMITS",
     "LIMIT_NAMES",
@@ -196,7 +196,7 @@ start of a session: no task, action, policy or plug-in can name one."""
 LIMIT_NAMES: frozenset[str] = frozenset(field[0] for field in LIMITS)
 """Their names."""
 
-FEEL = [
+HAPTIC_PARAMETERS = [
     ("virtual_mass", "f8"),  # [kg]
     ("virtual_damping", "f8"),  # [N s/m] of the virtual mass; under a controller of forces: rendered viscosity
     ("ball_radius_min", "f8"),  # [m] at full grasp
@@ -236,7 +236,7 @@ SCENE = record(
         ("joint_inertia", "f4", (MAX_JOINTS,)),  # virtual inertia of each joint itself [kg, kg m^2]
         ("R_world_from_robot", "f8", (3, 3)),
         ("origin_world", "f8", (3,)),  # WCS origin in the world [m]
-        *FEEL,
+        *HAPTIC_PARAMETERS,
         ("cadence_rate", "f8"),  # [1/s^2] largest rates of the four fields above
         ("speed_rate", "f8"),  # [m/s^2]
         ("amplitude_rate", "f8"),  # [1/s]

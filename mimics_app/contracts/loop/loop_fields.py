@@ -138,7 +138,7 @@ class LoopField:
 
     def __post_init__(self) -> None:
         if not all(self.units) or len(self.units) != self.size:
-            raise ValueError(f"{self.name}: {self.unit!r} is no unit for each of {self.size} components")
+            raise ValueError(f"{self.name}: {self.unit!r} does not have one unit for each of {self.size} components")
         if self.kind not in _TYPES:
             raise ValueError(f"{self.name}: kind {self.kind!r} is none of {', '.join(_TYPES)}")
         if self.source and self.source.partition(".")[0] not in _RECORDS:

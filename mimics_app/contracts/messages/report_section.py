@@ -59,7 +59,7 @@ class Curve:
 
     Attributes:
         points: Points of the line, shape [n, 2]; NaN interrupts it.
-        style: Style of the report: "robot", "wall", "bisector", "carried", "measured", "felt".
+        style: Style of the report: "robot", "wall", "bisector", "carried", "measured", "rendered".
         label: Entry in the legend, "" for none.
     """
 

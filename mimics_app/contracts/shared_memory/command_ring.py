@@ -213,4 +213,4 @@ def _given(source: CommandSource, sequence: int, t_ns: int, who: bytes, written:
     try:
         return Given(source, name, sequence, t_ns, read_command(written))
     except ValueError as error:
-        return Given(source, name, sequence, t_ns, None, f"this is no command: {error}")
+        return Given(source, name, sequence, t_ns, None, f"this is not a command: {error}")

@@ -91,7 +91,7 @@ class Ecg(Channel):
             self.rhythm.pause()
         return events
 
-    def _look_back(self, raw: Floats) -> FeatureSet:
+    def _evaluate(self, raw: Floats) -> FeatureSet:
         now_s = self.samples / self.rate
         features, state = self.rhythm.features(now_s), self._levels[0]
         last = state["rhythm"]["last"]

@@ -63,7 +63,7 @@ class Emg(Channel):
             for onset, known, size in self._out[:count].tolist()
         ]
 
-    def _look_back(self, raw: Floats) -> FeatureSet:
+    def _evaluate(self, raw: Floats) -> FeatureSet:
         quality = self._contact(raw)
         total = float(self._state["total"][0])
         integrated, self._before = total - self._before, total

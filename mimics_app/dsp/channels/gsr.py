@@ -88,7 +88,7 @@ class Gsr(Channel):
             events.append(Event(t_s, (known + 1.0) / self.rate, "scr", size, self.found.quality))
         return events
 
-    def _look_back(self, raw: Floats) -> FeatureSet:
+    def _evaluate(self, raw: Floats) -> FeatureSet:
         now_s = self.samples / self.rate
         quality = self._quality(raw)
         while self._responses and self._responses[0][0] < now_s - _WINDOW_S:

@@ -26,7 +26,7 @@ class Power(Channel):
     def _take(self, piece: Floats) -> list[Event]:
         return []
 
-    def _look_back(self, raw: Floats) -> FeatureSet:
+    def _evaluate(self, raw: Floats) -> FeatureSet:
         good = raw[np.isfinite(raw)]
         if not len(good):
             return FeatureSet({}, 0.0)

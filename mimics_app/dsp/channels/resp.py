@@ -63,7 +63,7 @@ class Resp(Channel):
             events.append(Event(t_s, (known + 1.0) / self.rate, "breath", depth, self.found.quality))
         return events
 
-    def _look_back(self, raw: Floats) -> FeatureSet:
+    def _evaluate(self, raw: Floats) -> FeatureSet:
         now_s = self.samples / self.rate
         quality = self._contact(raw)
         while self.breaths and self.breaths[0][0] < now_s - _WINDOW_S:

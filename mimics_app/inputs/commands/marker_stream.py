@@ -97,4 +97,4 @@ class MarkerStream:
             if command is not None:
                 self._sender.send(command, self._clock.now_ns())
         except (ValueError, UsageError) as error:
-            self._report(f"the marker {text[:LONGEST_NAME]!r} is no command: {error}")
+            self._report(f"the marker {text[:LONGEST_NAME]!r} is not a command: {error}")

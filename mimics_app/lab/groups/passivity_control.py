@@ -141,8 +141,8 @@ def _press(number: int, stiffness: float, out: F8, line: Vec, sums: Vec, vectors
         sums[1] = 0.0
         for n in range(1, _LATE + 1):
             sums[1] += out[k - n, _FORCE]
-        felt = _controlled(number, force, sums, shown - last, depth, vectors, line, k)
-        out[k, _FORCE], out[k, _VIRTUAL], out[k, _DEPTH] = felt, force, depth
+        rendered = _controlled(number, force, sums, shown - last, depth, vectors, line, k)
+        out[k, _FORCE], out[k, _VIRTUAL], out[k, _DEPTH] = rendered, force, depth
         before = x
         for i in range(_SUBSTEPS):
             t = (k + i / _SUBSTEPS) * _DT
@@ -155,9 +155,9 @@ def _press(number: int, stiffness: float, out: F8, line: Vec, sums: Vec, vectors
         out[k, _WORK] = out[k - _LATE, _FORCE] * (x - before)
 
 
-def _runs(felt: F8) -> list[tuple[int, int]]:
+def _runs(rendered: F8) -> list[tuple[int, int]]:
     """First tick, and the one behind the last, of every contact; a pause of less than 20 ms does not end it."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], felt > 0.0, [0]]).astype(int)))
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], rendered > 0.0, [0]]).astype(int)))
     runs: list[tuple[int, int]] = []
     for begin, end in zip(edges[::2], edges[1::2], strict=True):
         joined = runs and begin - runs[-1][1] < 20
@@ -181,16 +181,16 @@ def press(controller: str, stiffness: float) -> Press:
     """Return what the hand feels of a plate [N/m] with a controller."""
     out, line = np.zeros((_TICKS, 4)), np.zeros(_TICKS)
     _press(CONTROLLERS.index(controller), stiffness, out, line, np.zeros(2), np.zeros((2, 3)))
-    felt, virtual = out[:, _FORCE], out[:, _VIRTUAL]
-    runs = _runs(felt)
+    rendered, virtual = out[:, _FORCE], out[:, _VIRTUAL]
+    runs = _runs(rendered)
     given = max((-float(out[begin : end + 20, _WORK].sum()) for begin, end in runs), default=0.0)
     return Press(
-        _shaking(felt, runs),
+        _shaking(rendered, runs),
         given,
-        float(np.maximum(felt - virtual, -felt).max()),
-        int((np.diff((felt > 0.0).astype(int)) == 1).sum()),
-        float((virtual - felt).sum() / np.count_nonzero(virtual)),
-        float(1.0 - felt.sum() / virtual.sum()),
+        float(np.maximum(rendered - virtual, -rendered).max()),
+        int((np.diff((rendered > 0.0).astype(int)) == 1).sum()),
+        float((virtual - rendered).sum() / np.count_nonzero(virtual)),
+        float(1.0 - rendered.sum() / virtual.sum()),
     )
 
 

@@ -50,10 +50,10 @@ _CLICK = {"tick": SoundSpec(recipe="tick")}
 
 def measure_block_us(hrtf: bool, blocks: int, sources: int, mixer: str = "openal", frames: int = _BLOCK) -> float:
     """Cost of a block of `frames` with moving sources [us], median."""
-    specs = {"rub": SoundSpec(recipe="scrape")}
+    specs = {"scraping": SoundSpec(recipe="scrape")}
     settings = AudioSettings(sounds=specs, triggers={}, scrape="", hrtf=hrtf, mixer=mixer, voices=max(32, sources))
     opened = open_mixer(settings, SoundBank(specs, _RATE), VirtualClock(), latency=0, origin_ns=0)
-    handles = np.array([opened.start("rub", 0, (1.0, 0.0, 0.0), 0.1).handle for _ in range(sources)])
+    handles = np.array([opened.start("scraping", 0, (1.0, 0.0, 0.0), 0.1).handle for _ in range(sources)])
     clock, costs = MonotonicClock(), []
     for block in range(blocks):
         angle = 0.01 * block + np.arange(sources)

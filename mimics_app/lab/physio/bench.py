@@ -30,7 +30,7 @@ from mimics_app.learning.registry import POLICIES
 
 __all__ = ["measure_noise", "measure_physio"]
 
-_SIMULATED = "simulated people; a simulation is no clinical evidence"
+_SIMULATED = "simulated people; a simulation is not clinical evidence"
 _NOISY_MINUTES = 5.0
 """Length of a record to which noise is added, from its beginning [min]."""
 _AROUSED = range(40, 80)

@@ -90,9 +90,9 @@ def play_cohort(
         demand = np.clip(policy.act().demand, 0.0, 1.0)
         gap = people.gap(demand)
         regret[t], demands[t] = regret_of(gap), demand
-        felt = noise.uniform(0.0, 1.0, n) if blind else demand
+        shown = noise.uniform(0.0, 1.0, n) if blind else demand
         for _ in range(round(_TRIAL_S / _STEP_S)):
-            people.step(_STEP_S, felt, np.full(n, _POWER_W), np.ones(n))
+            people.step(_STEP_S, shown, np.full(n, _POWER_W), np.ones(n))
         share = success.share(gap, noise)
         arousal = _read(people, noise, drift, t)
         load = np.array([sum(np.array(load_of(mean, _AROUSAL_VARIANCE)) * (-1.0, 0.0, 1.0)) for mean in arousal])

@@ -125,7 +125,7 @@ def noisy_records(folder: Path) -> Iterator[tuple[str, Iterable[Annotated]]]:
     heart = Annotated("118", clean.rate, clean.values - noise * 10.0 ** (-_CLEANEST_DB / 20.0), clean.beats)
     for decibel in _ELECTRODE_DB:
         anew = (_laid(heart, noise, decibel, seed) for seed in range(_ANEW))
-        yield f"record 118, electrode noise laid anew, {decibel:g} dB", anew
+        yield f"record 118, electrode noise added again, {decibel:g} dB", anew
         yield f"other records, electrode noise, {decibel:g} dB", _pieces(hearts, noise, decibel)
 
 

@@ -85,16 +85,16 @@ def _simulate_grid(points: int) -> Outcome:
         {"rounding_mm": 1e3 * r, "change_N": leaving_change(r), "exact_N": _exact_change(r)} for r in map(float, radii)
     ]
     curve = partial(points_of, rows, "rounding_mm")
-    felt = max(row["change_N"] for row in rows if row["rounding_mm"] >= 1e3 * _ROUNDED)
+    change = max(row["change_N"] for row in rows if row["rounding_mm"] >= 1e3 * _ROUNDED)
     return Outcome(
         rows=rows,
         simulated=curve("change_N"),
         exact=curve("exact_N"),
         rules={"unfelt": [(row["rounding_mm"], _UNFELT) for row in rows]},
-        holds=felt <= _UNFELT,
+        holds=change <= _UNFELT,
         note=(
             f"3 mm deep at 2000 N/m and 10 mm/s: a sharp edge drops {rows[0]['change_N']:.2f} N in one tick, one of "
-            f"5 mm or more changes the force by at most {felt:.3f} N a tick."
+            f"5 mm or more changes the force by at most {change:.3f} N a tick."
         ),
     )
 

@@ -115,7 +115,7 @@ def _simulate_grid(points: int) -> Outcome:
 EXPERIMENT = Experiment(
     title="Late ticks: the damping a wall needs",
     claim=(
-        "The wall gives energy away exactly below the damping that the sum of its held forces gives; beyond 10 ms the "
+        "The wall generates energy exactly below the damping that the sum of its held forces gives; beyond 10 ms the "
         "late-tick policy makes it give nothing."
     ),
     x_label="every 50th tick is late by [ms]",

@@ -72,10 +72,10 @@ def _simulate_grid(points: int) -> Outcome:
 EXPERIMENT = Experiment(
     title="Dropped ticks: the damping a wall needs",
     claim=(
-        "A wall gives energy away exactly below the damping that the sum of its held forces gives; for ticks dropped "
-        "by chance that is K T (1 + p)/(2 (1 - p)) on average."
+        "A wall generates energy exactly below the damping that the sum of its held forces gives; for ticks dropped "
+        "at random that is K T (1 + p)/(2 (1 - p)) on average."
     ),
-    x_label="ticks dropped by chance [%]",
+    x_label="ticks dropped at random [%]",
     y_label="damping that takes as much as the hold gives [N s/m]",
     kind="boundary",
     simulate=_simulate_grid,

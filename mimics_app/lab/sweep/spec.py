@@ -135,11 +135,11 @@ def _value_faults(values: _Given, quantity: Quantity, pointer: str) -> Iterator[
     for place, value in _placed(values, pointer):
         if quantity.kind == "text":
             if not isinstance(value, str):
-                yield place, f"{value!r} is no text", ""
+                yield place, f"{value!r} is not a text", ""
             elif quantity.choices and value not in quantity.choices:
                 yield place, f'there is no "{value}"', nearest(value, quantity.choices)
         elif isinstance(value, str):
-            yield place, f'"{value}" is no number', ""
+            yield place, f'"{value}" is not a number', ""
         elif quantity.kind == "int" and value != math.floor(value):
             yield place, f"{value:g} must be a whole number", ""
         elif not quantity.low <= value <= quantity.high:

@@ -107,9 +107,9 @@ class SoundDirector:
             self._driven.push_forces(self._forces[:count])
         self._driven.pass_time(self._clock.now_ns())
 
-    def ring_out(self) -> None:
+    def decay(self) -> None:
         """Let all force-driven sounds decay; no more forces are expected."""
-        self._driven.ring_out()
+        self._driven.decay()
 
     def play_contacts(self, events: NDArray[np.void]) -> None:
         """Start the sounds of EVENT records, shape [n]; only the kinds in `TOUCHES` have one."""

@@ -115,7 +115,7 @@ class DrivenSounds:
             if now_ns - voice.begin_ns > 2 * _FOLLOWED_NS or voice.last_ns - voice.begin_ns >= _FOLLOWED_NS - 1:
                 self._end(voice)
 
-    def ring_out(self) -> None:
+    def decay(self) -> None:
         """Let all voices decay; no more forces are expected."""
         for voice in list(self._by_pair.values()):
             self._end(voice)

@@ -85,7 +85,7 @@ class Engine:
             blocks += 1
         return blocks
 
-    def ring_out(self, block: int) -> int:
+    def decay(self, block: int) -> int:
         """Render the decay of the last sounds, in blocks, and fade what still sounds; return the number of blocks.
 
         Raises:

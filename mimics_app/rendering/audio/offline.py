@@ -125,8 +125,8 @@ class OfflineAudio:
         if engine is None or director is None or mixer is None:
             return AudioReport(self._status or silent)
         director.take_contacts()
-        director.ring_out()
-        self._write(engine, partial(engine.ring_out, _BLOCK))
+        director.decay()
+        self._write(engine, partial(engine.decay, _BLOCK))
         director.close()
         engine.close()
         return AudioReport(

@@ -33,8 +33,8 @@ _SILENT = AudioStatus(device="none", sink="null", hrtf=False, rate=0, latency_ms
 _STARTS = 2
 """Number of attempts: a start that fails for a transient reason (memory, a signal) is repeated once."""
 
-_STILL_STARTING = "the session ended before its sound could start: nothing was heard; picture and touch ran on"
-_LOST = "sound was lost; picture and touch ran on"
+_STILL_STARTING = "the session ended before its sound could start: nothing was played; picture and touch continued"
+_LOST = "sound was lost; picture and touch continued"
 
 _GONE_S = 0.01
 """Time-out for the exit code of a child that has closed its end of the pipe [s], shorter than a frame."""

@@ -142,13 +142,13 @@ class _LiveSession:
         """Let the sounds of a file decay, or fade a device out, and return the report."""
         mixer = self.engine.mixer
         if self._director is not None:
-            self._director.ring_out()
+            self._director.decay()
         if mixer is not None and self.engine.live:
             mixer.master(0.0)
             self._fade_out(mixer)
         elif mixer is not None:
             with suppress(DeviceError):  # a file that cannot be written any further keeps what it has
-                self.engine.ring_out(self._settings.block)
+                self.engine.decay(self._settings.block)
         if self._director is not None:
             self._director.close()
         return self.report()

@@ -854,7 +854,7 @@ class ContactScratchRecord:
     last: Floats
     point: Floats
     point_velocity: Floats
-    felt: Floats
+    on_point: Floats
     radius: float
     contact: int
     rotation: Floats
@@ -1023,7 +1023,7 @@ class ActingRecord:
     both_share: float
     touching: int
     tank_share: float
-    felt_share: float
+    rendered_share: float
     at_limit: int
     passivity: float
     least_share: float

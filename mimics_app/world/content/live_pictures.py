@@ -42,10 +42,10 @@ def show_screen(world: World, node: SceneNode, screen: Screen) -> None:
     key = live_key(node.name)
     transforms = (_flipped(was.uv_transforms[0]), *was.uv_transforms[1:])
     colour = (*(screen.brightness,) * 3, 1.0)
-    paint = replace(was, name=key, base_texture=key, uv_transforms=transforms, base_colour=colour)
+    material = replace(was, name=key, base_texture=key, uv_transforms=transforms, base_colour=colour)
     if screen.shows == "light":
-        paint = Material(key, "unlit", colour, base_texture=key, uv_transforms=transforms)
-    _assign(world, node, paint)
+        material = Material(key, "unlit", colour, base_texture=key, uv_transforms=transforms)
+    _assign(world, node, material)
     world.screens[node.name] = screen
 
 

@@ -207,17 +207,17 @@ class LatentPeople:
     def drive(self, motion: F8) -> Drive:
         """Return the present drive; `motion` is the speed of the hand [m/s], shape [n]."""
         traits, excited = self.traits, np.clip(self.arousal, 0.0, 1.0)
-        felt = self._in_heart
+        arousal = self._in_heart
         if self._family == "saturating":
-            felt = np.tanh(2.5 * felt) / np.tanh(2.5)
-        quiet = 1.0 - 0.45 * np.clip(felt, -0.3, 1.0) - 0.35 * np.clip(self.effort, 0.0, 1.0)
-        heart = traits.heart_rest + traits.heart_arousal * felt + traits.heart_effort * self.effort
+            arousal = np.tanh(2.5 * arousal) / np.tanh(2.5)
+        quiet = 1.0 - 0.45 * np.clip(arousal, -0.3, 1.0) - 0.35 * np.clip(self.effort, 0.0, 1.0)
+        heart = traits.heart_rest + traits.heart_arousal * arousal + traits.heart_effort * self.effort
         worn = traits.habituation ** (self._seconds / 600.0)
         responding = traits.more_responses > 0.0
         return Drive(
             heart_rate=np.clip(heart, 40.0, 190.0),
             variability=traits.variability * np.clip(quiet, 0.15, 1.3),
-            breath_rate=traits.breath_rest * (1.0 + np.where(responding, 0.2, 0.0) * felt + 0.35 * self.effort),
+            breath_rate=traits.breath_rest * (1.0 + np.where(responding, 0.2, 0.0) * arousal + 0.35 * self.effort),
             breath_depth=1.0 + 0.5 * self.effort - 0.15 * excited,
             conductance=traits.conductance * (1.0 + traits.level_rise * self.arousal),
             responses=np.maximum(traits.responses + traits.more_responses * self.arousal, 0.2),

@@ -226,11 +226,11 @@ def mix_for_ears(voices: Voices, order: Words, bank: Bank, tables: Tables, frame
                 old = (bands[v, 0, 1], bands[v, 0, 2])
                 add_to_ears(spectrum, shelves, old, tables.cells, tables.delays, before, sums, 1)
                 add_to_ears(spectrum, shelves, shape, tables.cells, tables.delays, after, sums, 2)
-        _settle(voices, v)
+        _keep_settings(voices, v)
 
 
 @kernel
-def _settle(voices: Voices, v: int) -> None:
+def _keep_settings(voices: Voices, v: int) -> None:
     """Make the present settings of a voice its last ones."""
     if voices.changed[v] != 0:
         voices.cell[v, 0], voices.half[v, 0] = voices.cell[v, 1], voices.half[v, 1]
@@ -270,7 +270,7 @@ def mix_for_speakers(
                 if pan[channel] != 0.0:
                     _add_scaled(shaped, pan[channel], sums[side], channel * 2 * BINS)
         voices.pan[v, 0] = voices.pan[v, 1]
-        _settle(voices, v)
+        _keep_settings(voices, v)
 
 
 @kernel

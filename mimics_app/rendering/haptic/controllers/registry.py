@@ -40,7 +40,7 @@ BUILT_IN = member_names(built_in)
 def _fault_of(name: str, loaded: object) -> str:
     """Check type, name and signature."""
     if not isinstance(loaded, ControllerPlugin):
-        return "is no mimics_app.contracts.loop.controller_port.ControllerPlugin"
+        return "is not a mimics_app.contracts.loop.controller_port.ControllerPlugin"
     if CONTROLLER not in getattr(loaded.compute, "nopython_signatures", []):
         return "is not compiled for the loop; decorate `compute` with typed_kernel(CONTROLLER)"
     return "" if loaded.name == name else f'has the name "{loaded.name}"; name it like its entry point'

@@ -29,7 +29,7 @@ _TEN = 10
 _THREE_DECIMALS = 1e3
 """Scale of three decimals: with it, the digits of _LARGEST fit into 64 bits."""
 
-_ABSURD_POWER = 9999
+_LARGEST_POWER = 9999
 """Largest power of ten that is parsed, beyond the range of float64."""
 
 _NEAR_OVERFLOW = 1e300
@@ -93,7 +93,7 @@ def _read_exponent(text: U1, at: int, end: int) -> tuple[int, int]:
         return 0, at
     power = 0
     while _is_digit(text, place, end):
-        power = min(_ABSURD_POWER, power * _TEN + int(text[place]) - _ZERO)
+        power = min(_LARGEST_POWER, power * _TEN + int(text[place]) - _ZERO)
         place += 1
     return -power if negative else power, place
 

@@ -17,7 +17,7 @@ import math
 
 import numpy as np
 
-from mimics_app.compiled.file_descriptors import HUNG_UP, READABLE, look_at, read_bytes, write_bytes
+from mimics_app.compiled.file_descriptors import HUNG_UP, READABLE, poll_once, read_bytes, write_bytes
 from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.arrays import U1, Vec
 from mimics_app.contracts.loop.haptic import SafetyState
@@ -150,7 +150,7 @@ _PERSON = _words(";set person ")
 def _fill_buffer(memory: Vec, fd: int) -> bool:
     """Receive bytes into the buffer; return False when the other side is gone."""
     buffer = memory[_IN : _IN + _IN_PLACES].view(np.uint8)
-    seen = look_at(fd, memory[_POLL : _POLL + 1].view(np.int32))
+    seen = poll_once(fd, memory[_POLL : _POLL + 1].view(np.int32))
     if seen == READABLE:
         start = int(memory[_FILL])
         got = read_bytes(fd, buffer, start, buffer.shape[0] - start)

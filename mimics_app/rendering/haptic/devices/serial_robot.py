@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from mimics_app.compiled.file_descriptors import HUNG_UP, QUIET, READABLE, look_at, read_bytes, write_bytes
+from mimics_app.compiled.file_descriptors import HUNG_UP, QUIET, READABLE, poll_once, read_bytes, write_bytes
 from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.loop_ports import (
@@ -127,14 +127,14 @@ def _fill_buffer(memory: Vec, fd: int) -> bool:
     line = memory[LINE : LINE + LINE_LENGTH]
     buffer = memory[_IN : _IN + _IN_PLACES].view(np.uint8)
     start = make_room(line, buffer)
-    seen = look_at(fd, memory[_POLL : _POLL + 1].view(np.int32))
+    seen = poll_once(fd, memory[_POLL : _POLL + 1].view(np.int32))
     while seen == READABLE and buffer.shape[0] - start >= _LONGEST:
         got = read_bytes(fd, buffer, start, buffer.shape[0] - start)
         if got == 0:
             return False
         start += max(0, got)
         line[END] = float(start)
-        seen = look_at(fd, memory[_POLL : _POLL + 1].view(np.int32)) if got > 0 else QUIET
+        seen = poll_once(fd, memory[_POLL : _POLL + 1].view(np.int32)) if got > 0 else QUIET
     return seen != HUNG_UP
 
 

@@ -24,7 +24,7 @@ from mimics_app.rendering.haptic.kernels.controller_slot import moves_mass
 from mimics_app.rendering.haptic.kernels.limiter import limit_force, limit_held
 from mimics_app.rendering.haptic.kernels.oscillation import begin_swing
 from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, middle_velocity, stored_share
-from mimics_app.rendering.haptic.kernels.safety import HOLD, is_felt, is_stopped, latch
+from mimics_app.rendering.haptic.kernels.safety import HOLD, is_rendered, is_stopped, latch
 from mimics_app.rendering.haptic.kernels.tunnels import share_in_touch
 from mimics_app.rendering.haptic.kernels.vectors import copy, fill, norm, rotate, rotate_back, scale
 
@@ -73,7 +73,7 @@ ACTING = np.dtype(
         ("both_share", "f8"),  # common share of wall and shapes in the last tick while both were touched, else 1
         ("touching", "i8"),  # 1: a shape was touched in the last tick
         ("tank_share", "f8"),  # share of the active forces that the tank pays
-        ("felt_share", "f8"),  # share of the wanted force that limiter and detector of oscillation left
+        ("rendered_share", "f8"),  # share of the wanted force that limiter and detector of oscillation left
         ("at_limit", "i8"),  # 1 from a force at force_limit until one below half of it
         ("passivity", "f8"),  # magnitude removed by the passivity controller [N]
         ("least_share", "f8"),  # smallest stiffness share felt in a contact; 0: none yet
@@ -179,7 +179,7 @@ def drop_force(state: StateRecord) -> None:
     fill(acting.contact, 0.0)
     fill(acting.active, 0.0)
     fill(acting.rest, 0.0)
-    acting.felt_share = 0.0
+    acting.rendered_share = 0.0
     acting.credit = 0.0
     _store_shares(state)
 
@@ -302,9 +302,9 @@ def _stored_share(state: StateRecord, totals: TotalsRecord, energy: float, v: Ve
     if totals.touching > 0:
         spring += acting.shape_share * totals.stiffness * totals.depth
         depth = max(depth, totals.depth)
-    size, felt = norm(f), state.ramp * state.swing.calm
+    size, share = norm(f), state.ramp * state.swing.calm
     step = (f[0] * v[0] + f[1] * v[1] + f[2] * v[2]) * dt / size
-    return stored_share(energy, felt * spring, felt * size, depth, step)
+    return stored_share(energy, share * spring, share * size, depth, step)
 
 
 @kernel
@@ -313,7 +313,7 @@ def _passivity_factor(scene: SceneRecord, state: StateRecord, totals: TotalsReco
     acting = state.acting
     acting.passivity = 0.0
     size = norm(state.f_contact)
-    if scene.passivity == 0 or not is_felt(state) or size == 0.0:
+    if scene.passivity == 0 or not is_rendered(state) or size == 0.0:
         return 1.0
     most, v = scene.passivity_damping, acting.v
     if moves_mass(scene):
@@ -385,7 +385,7 @@ def _note_limit(scene: SceneRecord, state: StateRecord) -> None:
     """Note whether the force is at `force_limit`, cut there; again only once it was below half of it."""
     force = norm(state.f_user_world)
     cut = state.ramp * norm(state.f_wanted) > scene.force_limit
-    reached = is_felt(state) and cut and force >= _AT_LIMIT * scene.force_limit
+    reached = is_rendered(state) and cut and force >= _AT_LIMIT * scene.force_limit
     state.limit_began = 1 if reached and state.acting.at_limit == 0 else 0
     if reached:
         state.acting.at_limit = 1
@@ -427,7 +427,7 @@ def set_user_force(
             state.f_wanted, state.ramp, most, rise, state.v_world, scene.power_limit, f, acting.limited
         ):
             latch(state, SafetyState.SAFE_STOP, TripCause.NOT_FINITE)
-        acting.felt_share = acting.limited[1] * state.swing.calm
+        acting.rendered_share = acting.limited[1] * state.swing.calm
     _note_limit(scene, state)
     _book(state)
     if is_stopped(state):

@@ -87,7 +87,7 @@ CORNER_CUTTING = 49  # 0: follows the path, 1: straight lines
 START_VELOCITY = 50  # intended velocity 50:53 at the start of a movement to a target [m/s]
 CLOSED = 53  # share of the closing time, 0 open, 1 closed
 TOLERANCE = 54  # distance within which a target is reached [m]
-SETTLED = 55  # 1 from reaching the target until it moves away
+AT_TARGET = 55  # 1 from reaching the target until it moves away
 PATH = 56  # via points, three numbers each [m]
 ARM_LENGTH = PATH + 3 * PATH_POINTS
 
@@ -179,7 +179,7 @@ def _begin(arm: Vec, target: Vec) -> None:
         return
     fill(arm[INTENDED + 3 : INTENDED + 6], 0.0)
     arm[CLOSED] = 0.0
-    arm[SETTLED] = 0.0
+    arm[AT_TARGET] = 0.0
     _aim(arm, target)
 
 
@@ -214,12 +214,12 @@ def _aim(arm: Vec, target: Vec) -> None:
     for i in range(3):
         missing += (target[i] - arm[HAND + i]) ** 2
     missing = math.sqrt(missing)
-    tolerance = arm[TOLERANCE] * (_RESTART_RATIO if arm[SETTLED] != 0.0 else 1.0)
-    arm[SETTLED] = 1.0 if missing <= tolerance else 0.0
+    tolerance = arm[TOLERANCE] * (_RESTART_RATIO if arm[AT_TARGET] != 0.0 else 1.0)
+    arm[AT_TARGET] = 1.0 if missing <= tolerance else 0.0
     arm[ELAPSED] = 0.0
     share = 0.0
     error = 0.0
-    if arm[SETTLED] == 0.0:
+    if arm[AT_TARGET] == 0.0:
         reach = arm[REACH] * (_SHORTEST_REACH + _REACH_SPREAD * uniform(arm, GENERATOR))
         share = min(1.0, reach / missing)
         error = arm[AIM_ERROR] * min(1.0, share * missing / max(arm[REACH], _FULL_ERROR_LENGTH))

@@ -56,7 +56,7 @@ _RIPPLE = 0.4
 """Largest root mean square, within 20 to 300 Hz and over all speeds, of the velocity of a moving encoder, in quanta per
 period and shares of them that the filter closes in one: 0.32 alone, and a quarter for what the loop answers [-]."""
 
-_FELT = 0.5
+_PERCEIVED = 0.5
 """Root mean square of a force that nobody minds [N]."""
 
 REGION = np.dtype(
@@ -201,7 +201,7 @@ def _bound_noise(region: RegionRecord, filtering: float) -> None:
     noise = _RIPPLE * _pole(filtering, region.period) * region.quantum / region.period  # [m/s]
     region.stiffness_factor[SIDES - 1] = _NOTHING
     region.damping_factor[SIDES - 1] = 1.0 if noise > 0.0 else 0.0
-    region.edge[SIDES - 1] = _FELT / noise if noise > 0.0 else 1.0
+    region.edge[SIDES - 1] = _PERCEIVED / noise if noise > 0.0 else 1.0
 
 
 @kernel

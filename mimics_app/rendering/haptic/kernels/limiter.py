@@ -18,7 +18,7 @@ Limits = NDArray[np.float64] | NDArray[np.float32]
 _BRAKE_TIME = 0.05
 """Time constant with which a joint may approach its limit [s]: speed <= room / time."""
 
-_SETTLE_TIME = 0.02
+_SETTLING_TIME = 0.02
 """Time constant of the decay of a command in a stop state [s]."""
 
 _SMALLEST_FORCE = 1e-290
@@ -240,6 +240,6 @@ def limit_joints(last: Vec, velocity: Limits, acceleration: Limits, each: bool, 
 def decay(command: Vec, dt: float) -> None:
     """Let the command decay for one tick, in the end to exactly zero: the motion of every stop state."""
     for i in range(command.shape[0]):
-        command[i] /= 1.0 + dt / _SETTLE_TIME
+        command[i] /= 1.0 + dt / _SETTLING_TIME
         if not abs(command[i]) > _STANDSTILL:
             command[i] = 0.0

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mimics_app.compiled.kernel import kernel
-from mimics_app.rendering.haptic.kernels.safety import is_felt
+from mimics_app.rendering.haptic.kernels.safety import is_rendered
 
 if TYPE_CHECKING:
     from mimics_app.contracts.arrays import Vec
@@ -169,7 +169,7 @@ def watch_swing(state: StateRecord, totals: TotalsRecord, late: int, dt: float) 
         dt: Tick [s].
     """
     swing, ordered, acting = state.swing, state.work_a, state.work_b
-    share = state.acting.felt_share * state.acting.tank_share * state.acting.effect_share
+    share = state.acting.rendered_share * state.acting.tank_share * state.acting.effect_share
     slot = state.tick % _LINE
     quiet = True
     for i in range(3):
@@ -188,7 +188,7 @@ def watch_swing(state: StateRecord, totals: TotalsRecord, late: int, dt: float) 
     _filter(swing, 1, swing.moved, dt)
     _filter(swing, 2, ordered, dt)
     _average(swing, dt)
-    _fade(swing, is_felt(state) and swing.settling == 0.0 and _is_fed(swing), dt)
+    _fade(swing, is_rendered(state) and swing.settling == 0.0 and _is_fed(swing), dt)
     swing.lost = 1 if swing.calm < LEAST_CALM and swing.time >= _WINDOW else 0
     if swing.lost == 1:
         swing.calm = 1.0

@@ -98,8 +98,8 @@ def write_command(scene: SceneRecord, states: Table[StateRecord], dt: float, com
     for c in range(scene.contacts):
         for i in range(3):
             command[COMMAND_FORCE + 3 * c + i] = states[c].f_command[i]
-        felt = norm(states[c].f_user_world)
-        command[COMMAND_VIBRATION + c] = min(1.0, felt / scene.force_limit) if felt > 0.0 else 0.0
+        force = norm(states[c].f_user_world)
+        command[COMMAND_VIBRATION + c] = min(1.0, force / scene.force_limit) if force > 0.0 else 0.0
     moves = SafetyState.HOMED <= state.safety < SafetyState.SAFE_STOP
     braked = state.control.slot != Slot.OFF and state.control.out.braked == 1
     command[COMMAND_ENABLED] = 1.0 if moves and not braked else 0.0

@@ -41,7 +41,7 @@ __all__ = [
     "LATE_DAMP",
     "LATE_STOP",
     "MISSED_STOP",
-    "is_felt",
+    "is_rendered",
     "is_stopped",
     "latch",
     "step_safety",
@@ -67,7 +67,7 @@ def is_stopped(state: StateRecord) -> bool:
 
 
 @kernel
-def is_felt(state: StateRecord) -> bool:
+def is_rendered(state: StateRecord) -> bool:
     """Whether the virtual force acts on the user."""
     return state.safety == SafetyState.ACTIVE or state.safety == SafetyState.DEGRADED
 

@@ -31,16 +31,16 @@ __all__ = ["find_motion", "read_sample", "size_ball"]
 _BALL_TIME = 0.05
 """Time constant with which the ball follows the grasp force [s]."""
 
-_ABSURD = 1e6
+_LARGEST_PLAUSIBLE = 1e6
 """Magnitude from which a number of the device counts as not finite [its own unit]."""
 
 
 @kernel
 def _is_plausible(data: Vec) -> bool:
-    """Whether all numbers are finite and below `_ABSURD`; the comparison is false for NaN."""
+    """Whether all numbers are finite and below `_LARGEST_PLAUSIBLE`; the comparison is false for NaN."""
     plausible = data[DATA_BUTTONS] >= 0.0
     for i in range(data.shape[0]):  # without a branch, so that several are compared at once
-        plausible &= abs(data[i]) < _ABSURD
+        plausible &= abs(data[i]) < _LARGEST_PLAUSIBLE
     return plausible
 
 

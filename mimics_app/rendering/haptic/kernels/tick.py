@@ -30,7 +30,7 @@ from mimics_app.rendering.haptic.kernels.objects.published import sum_motions
 from mimics_app.rendering.haptic.kernels.objects.touches import follow_touch, follow_touches
 from mimics_app.rendering.haptic.kernels.oscillation import watch_swing
 from mimics_app.rendering.haptic.kernels.rows import write_command, write_inputs, write_outputs
-from mimics_app.rendering.haptic.kernels.safety import is_felt, step_safety
+from mimics_app.rendering.haptic.kernels.safety import is_rendered, step_safety
 from mimics_app.rendering.haptic.kernels.sensing import find_motion, read_sample, size_ball
 from mimics_app.rendering.haptic.kernels.tunnels import follow_tunnels, reset_tunnel_tracking
 from mimics_app.rendering.haptic.kernels.watch import watch_contact, watch_margin
@@ -108,12 +108,12 @@ def _act_on_user(scene: SceneRecord, objects: ObjectWork, states: Table[StateRec
     for c in range(max(1, scene.contacts)):
         set_user_force(scene, states[c], objects.totals[c], objects.touched[c], held, dt)
     stop_together(scene, states)
-    felt = is_felt(states[0])
+    rendered = is_rendered(states[0])
     for c in range(max(1, scene.contacts)):
         state = states[c]
-        state.contact_change = follow_touch(state, felt and state.tunnel.wall_force > 0.0, felt, dt)
+        state.contact_change = follow_touch(state, rendered and state.tunnel.wall_force > 0.0, rendered, dt)
         touches, totals = objects.touches[c], objects.totals[c]
-        state.partners = follow_touches(touches, totals, objects.motions, scene.objects, c, felt, dt)
+        state.partners = follow_touches(touches, totals, objects.motions, scene.objects, c, rendered, dt)
 
 
 @kernel
@@ -188,7 +188,7 @@ def tick(
     follow_extremes(scene, states, dt)
     _watch_stability(scene, objects, states, period, dt)
     if scene.objects.curves > 0:
-        leads = is_felt(state) and person_leads(scene)
+        leads = is_rendered(state) and person_leads(scene)
         step_reference(scene, rows.curves, state, leads, dt)
     control(kin, scene, states, held, dt)
     if state.safety != stepped:  # force or controller latched a stop

@@ -10,7 +10,7 @@ from mimics_app.rendering.haptic.kernels.acting import FREE_TIME, acting_contact
 from mimics_app.rendering.haptic.kernels.closed_region import region_margin, stiffness_limit
 from mimics_app.rendering.haptic.kernels.contact_limits import is_pressed, touched_margin
 from mimics_app.rendering.haptic.kernels.passivity import observe, reset_observer
-from mimics_app.rendering.haptic.kernels.safety import is_felt
+from mimics_app.rendering.haptic.kernels.safety import is_rendered
 from mimics_app.rendering.haptic.kernels.stability import LARGEST_MARGIN
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ _CALM_MARGIN = 0.05
 
 
 @kernel
-def _felt_share(state: StateRecord, totals: TotalsRecord) -> float:
+def _rendered_share(state: StateRecord, totals: TotalsRecord) -> float:
     """Rendered share 0-1 of the authored stiffness: of touched shapes, else of the tunnel's wall; and of effects."""
     share = state.acting.effect_share
     if totals.touching > 0:
@@ -62,23 +62,23 @@ def watch_margin(
         if state.span.margin < state.margin or tunnel.there == 0:
             state.margin = state.span.margin
             state.stiffness_limit = state.span.limit
-    lost = is_felt(state) and state.margin < 0.0 and state.warned == 0
+    lost = is_rendered(state) and state.margin < 0.0 and state.warned == 0
     state.margin_lost = 1 if lost else 0
     if lost:
         state.warned = 1
     elif state.margin > _CALM_MARGIN:
         state.warned = 0
-    state.stiffness_share = _felt_share(state, totals)
+    state.stiffness_share = _rendered_share(state, totals)
 
 
 @kernel
-def _follow_observer(scene: SceneRecord, state: StateRecord, felt: bool, dt: float) -> None:
+def _follow_observer(scene: SceneRecord, state: StateRecord, rendered: bool, dt: float) -> None:
     """Energy of the contacts by the passivity observer, reset to 0 when a contact begins."""
     free = state.acting.free_ticks
-    if felt and free == 0 and state.in_touch == 0:
+    if rendered and free == 0 and state.in_touch == 0:
         state.in_touch = 1
         reset_observer(state.observer)
-    elif state.in_touch == 1 and (not felt or free * dt >= FREE_TIME):
+    elif state.in_touch == 1 and (not rendered or free * dt >= FREE_TIME):
         state.in_touch = 0
     acting_contact(scene, state, dt, state.work_a)
     observe(state.observer, state.hip_world, state.work_a)
@@ -116,11 +116,11 @@ def watch_contact(
         margins: ObjectWork.margins, updated.
         dt: Tick [s].
     """
-    felt = is_felt(state)
-    _follow_observer(scene, state, felt, dt)
+    rendered = is_rendered(state)
+    _follow_observer(scene, state, rendered, dt)
     state.cap_began = 0
     acts = state.in_touch == 1 or totals.touching > 0 or state.acting.effect_share < 1.0
-    if not (felt and acts):
+    if not (rendered and acts):
         state.capped = 0
         return
     _keep_smallest(state, touched, totals.listed, margins)

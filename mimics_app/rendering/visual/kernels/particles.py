@@ -78,7 +78,7 @@ _STRIDE = np.uint64(0xD1B54A32D192ED03)
 _MIX_1 = np.uint64(0xBF58476D1CE4E5B9)
 _MIX_2 = np.uint64(0x94D049BB133111EB)
 _NEWTON_STEPS = 24
-_SETTLED = 1e-7
+_CONVERGED = 1e-7
 """Newton step below which the landing time has converged [s]."""
 
 _OWN = 2
@@ -120,10 +120,10 @@ def ease(age: float, drag: float) -> float:
 
 
 @kernel
-def fall(age: float, drag: float, eased: float) -> float:
+def fall(age: float, drag: float, slowed: float) -> float:
     """Return the distance under unit acceleration and drag: (t - ease) / c [s^2], given `ease` of the same age."""
     x = drag * age
-    return age * age * (0.5 - x / 6.0 + x * x / 24.0) if x < _SERIES_FALL else (age - eased) / drag
+    return age * age * (0.5 - x / 6.0 + x * x / 24.0) if x < _SERIES_FALL else (age - slowed) / drag
 
 
 @kernel
@@ -171,7 +171,7 @@ def _landing(height: float, speed: float, pull: float, drag: float, floor: float
             break
         step = (height + speed * gone + pull * fall(t, drag, gone) - floor) / rate
         t -= step
-        if abs(step) < _SETTLED:
+        if abs(step) < _CONVERGED:
             break
     return min(max(t, 0.0), age)
 

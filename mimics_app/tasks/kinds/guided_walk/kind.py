@@ -133,7 +133,7 @@ class GuidedWalkPlay(KindPlay):
     def prompt(self) -> str:
         deed = _WORDS[self._guide.deed]
         if self._spec.walker == "simulated":
-            return phrase("{deed}; the walker answers by itself", deed=deed)
+            return phrase("{deed}; the walker answers on its own", deed=deed)
         return phrase("Go to the green ring: hand up walks on, down back, left and right aside. {deed}", deed=deed)
 
     @property

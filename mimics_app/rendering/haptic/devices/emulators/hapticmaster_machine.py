@@ -223,9 +223,9 @@ def step_machine(
                 v[i] += dt * (machine[MEASURED + i] + total[i]) / machine[INERTIA]
             else:
                 v[i] /= 1.0 + dt / _STOP_TIME
-        rub = machine[COULOMB] / machine[INERTIA] * dt
+        slowing = machine[COULOMB] / machine[INERTIA] * dt
         speed = norm(v)
-        clamp_norm(v, min(_LARGEST_SPEED, max(0.0, speed - rub)))
+        clamp_norm(v, min(_LARGEST_SPEED, max(0.0, speed - slowing)))
         dq = command[COMMAND_DQ : COMMAND_DQ + 3]
         apply_inverse_jacobian(q, d1, v, dq)
         if brake_at_limits(q, memory[JOINT_MIN : JOINT_MIN + 3], memory[JOINT_MAX : JOINT_MAX + 3], dq):

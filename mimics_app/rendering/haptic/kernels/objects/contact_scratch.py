@@ -29,7 +29,7 @@ CONTACT_SCRATCH = np.dtype(
         ("last", "f8", 3),  # the present point at the last tick, world [m]
         ("point", "f8", 3),  # the present point, world [m]
         ("point_velocity", "f8", 3),  # [m/s]
-        ("felt", "f8", 3),  # force on it so far in this tick, world [N]
+        ("on_point", "f8", 3),  # force on it so far in this tick, world [N]
         ("radius", "f8"),  # of its ball [m]
         ("contact", "i8"),  # number of its point of contact of the device
         ("rotation", "f8", (3, 3)),  # world from the present shape

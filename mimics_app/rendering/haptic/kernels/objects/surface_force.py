@@ -21,7 +21,7 @@ from mimics_app.rendering.haptic.kernels.vectors import clamp_norm, fill
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import ContactRecord, MemoryRecord, ShapeRecord
 
-__all__ = ["anchor_stiffness", "lower_by_ripple", "normal_force", "rub"]
+__all__ = ["anchor_stiffness", "lower_by_ripple", "normal_force", "set_friction"]
 
 
 _AT_REST = 1e-9
@@ -100,7 +100,7 @@ def _damp(v: Vec, normal: Vec, damping: float, most: float, out: Vec) -> None:
 
 
 @kernel
-def rub(
+def set_friction(
     shape: ShapeRecord, touched: Vec, v: Vec, normal: Vec, push: float, damping: float, memory: MemoryRecord, out: Vec
 ) -> None:
     """Set the friction of one contact; |out| <= mu_s push while it sticks, = mu_d push while it slides.

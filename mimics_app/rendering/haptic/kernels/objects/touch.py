@@ -20,7 +20,7 @@ from mimics_app.rendering.haptic.kernels.objects.surface_force import (
     anchor_stiffness,
     lower_by_ripple,
     normal_force,
-    rub,
+    set_friction,
 )
 from mimics_app.rendering.haptic.kernels.vectors import copy, rotate
 
@@ -52,7 +52,7 @@ _TORQUE_ON_OBJECT = int(BodyFlag.TORQUE_ON_OBJECT)
 def _take_point(scratch: ContactScratchRecord, point: int, rows: Rows, work: ObjectWork) -> None:
     """Copy a point to the scratch."""
     for i in range(3):
-        scratch.felt[i] = 0.0
+        scratch.on_point[i] = 0.0
         scratch.point[i] = work.point_positions[point, i]
         scratch.point_velocity[i] = work.point_velocities[point, i]
     scratch.radius = rows.points[point].radius
@@ -157,7 +157,7 @@ def _press(scratch: ContactScratchRecord, shape: ShapeRecord, memory: MemoryReco
     touched, force = scratch.a, scratch.b
     for i in range(3):
         touched[i] = scratch.p[i] - scratch.radius * n[i]
-    rub(shape, touched, scratch.v, n, push, scratch.damping, memory, force)
+    set_friction(shape, touched, scratch.v, n, push, scratch.damping, memory, force)
     for i in range(3):
         scratch.c[i] = -scratch.stiffness * scratch.lowered * n[i] - push * scratch.slope[i]
     rotate(scratch.rotation, scratch.c, scratch.ripple)
@@ -193,7 +193,7 @@ def _count(
     for i in range(3):
         totals.shape_force[i] += scratch.force[i]
         totals.ordered_force[i] += scratch.ripple[i]
-        scratch.felt[i] += scratch.force[i]
+        scratch.on_point[i] += scratch.force[i]
     if depth > totals.depth:
         totals.depth = depth
         totals.shape = row
@@ -323,5 +323,5 @@ def touch_points(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, dt: f
         if found > 0:
             _touch_near(scratch, point, found, rows, work)
         for i in range(3):
-            work.point_forces[point, i] += scratch.felt[i]
+            work.point_forces[point, i] += scratch.on_point[i]
     keep_poses(work.motions, counts.bodies, work.befores)

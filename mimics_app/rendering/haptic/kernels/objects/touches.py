@@ -36,20 +36,20 @@ TOUCH = np.dtype(
 
 
 @kernel
-def follow_touch(touch: TouchRecord | StateRecord, touching: bool, felt: bool, dt: float) -> int:
+def follow_touch(touch: TouchRecord | StateRecord, touching: bool, rendered: bool, dt: float) -> int:
     """Advance the contact state of one partner by one tick; return its CONTACT_... change.
 
     Args:
         touch: Record with `in_contact` and `clear_ticks`, updated.
         touching: Whether the partner is touched in this tick.
-        felt: Whether the user can feel it; a contact that is not felt ends.
+        rendered: Whether the user can feel it; a contact that is not felt ends.
         dt: Tick [s].
     """
     touch.clear_ticks = 0 if touching else touch.clear_ticks + 1
-    if touching and felt and touch.in_contact == 0:
+    if touching and rendered and touch.in_contact == 0:
         touch.in_contact = 1
         return CONTACT_BEGAN
-    if touch.in_contact == 1 and (not felt or touch.clear_ticks * dt >= _CLEAR_TIME):
+    if touch.in_contact == 1 and (not rendered or touch.clear_ticks * dt >= _CLEAR_TIME):
         touch.in_contact = 0
         return CONTACT_ENDED
     return CONTACT_UNCHANGED
@@ -62,7 +62,7 @@ def follow_touches(
     motions: Table[MotionRecord],
     counts: ObjectCountsRecord,
     contact: int,
-    felt: bool,
+    rendered: bool,
     dt: float,
 ) -> int:
     """Advance the contact states of one point of contact by one tick; return how many partners it is in contact with.
@@ -73,15 +73,15 @@ def follow_touches(
         motions: MOTION records.
         counts: SCENE.objects.
         contact: Number of the point.
-        felt: Whether the user can feel it.
+        rendered: Whether the user can feel it.
         dt: Tick [s].
     """
     if counts.shapes == 0:
         return 0
-    touches[0].change = follow_touch(touches[0], totals.static_touching > 0, felt, dt)
+    touches[0].change = follow_touch(touches[0], totals.static_touching > 0, rendered, dt)
     partners = touches[0].in_contact
     for k in range(counts.bodies):
         is_touched = (motions[k].touched >> contact) & 1 == 1
-        touches[k + 1].change = follow_touch(touches[k + 1], is_touched, felt, dt)
+        touches[k + 1].change = follow_touch(touches[k + 1], is_touched, rendered, dt)
         partners += touches[k + 1].in_contact
     return partners
