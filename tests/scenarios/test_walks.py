@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimics_app.app.play.heard import write_sound
+from mimics_app.app.play.scene_sound_file import write_sound
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.session.core import open_core
 from mimics_app.app.session.frame import Frames

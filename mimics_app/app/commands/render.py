@@ -132,7 +132,7 @@ def _light_line(light: SceneLight) -> str:
 
 def _render_sound(args: argparse.Namespace, settings: RunSettings, read: Scene) -> int:
     """Write the sound of the play."""
-    from mimics_app.app.play.heard import write_sound
+    from mimics_app.app.play.scene_sound_file import write_sound
 
     report = write_sound(settings, args.audio, args.seconds, read)
     what = f"{report.status.mixer} mixer, {report.status.channels} channels, {counted(len(report.rows), 'sounds')}"

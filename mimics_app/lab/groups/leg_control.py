@@ -22,7 +22,7 @@ def _cost_us(kind: int) -> float:
     return shortest_us(lambda: rig.control(kind, _CALLS), _LEGS * _CALLS)
 
 
-def _felt(kind: int) -> float:
+def _residual_force(kind: int) -> float:
     """Return the force at the foot that a person feels in a free swing [N]: hip and knee as if each had its lever."""
     rig = Rig()
     hip, knee = residual_torque(rig, kind, SPEEDS["usual"])
@@ -50,7 +50,7 @@ compare(
             (COMBINED,),
         ),
     ],
-    Probes(_cost_us, _felt, reference_us),
+    Probes(_cost_us, _residual_force, reference_us),
     default="impedance",
     few="the two of D2.1 4.3; the transparency chart of docs/lokomat.md has their settings",
 )
