@@ -102,7 +102,7 @@ def test_escape_closes_a_page_so_that_what_it_asks_is_seen(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("device", "waits"), [("pointer", "Enter, click"), ("simulated_hapticmaster", "Begins by itself")]
+    ("device", "waits"), [("pointer", "Enter, click"), ("simulated_hapticmaster", "Begins on its own")]
 )
 def test_a_person_reads_what_to_do_until_the_first_trial_begins(tmp_path, device, waits):
     session = make_session(tmp_path, picture := Picture())
@@ -199,7 +199,7 @@ def test_a_broken_shader_is_reported_over_the_picture_and_on_stderr(tmp_path, ca
         ([0.0], [], "full quality"),
         ([0.0, 40.0, 80.0], [], "25 frames per second; full quality"),
         ([0.0, 100.0], ["resolution scale 0.75", "resolution scale 0.5", "shadows off"],
-         "10 frames per second; given up: resolution scale 0.5, shadows off"),
+         "10 frames per second; lowered: resolution scale 0.5, shadows off"),
     ],
 )  # fmt: skip
 def test_the_window_says_how_fast_it_is_and_what_was_given_up_for_it(times_ms, lowered, words):

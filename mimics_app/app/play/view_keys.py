@@ -36,7 +36,7 @@ _FIRST = (TrialState.APPROACH, TrialState.READY)
 """States of the first trial in which the page of the task is shown."""
 
 _BEGIN = phrase("Enter, click or gamepad A: begin")
-_BY_ITSELF = phrase("Begins on its own in a moment; Enter or click: now")
+_ON_ITS_OWN = phrase("Begins on its own in a moment; Enter or click: now")
 _COMES = phrase("One moment, please")
 _RESUME = phrase("H: the operator's keys; once more: resume")
 
@@ -102,7 +102,7 @@ class ViewKeys:
         """Return the page of the task; its foot is the task's line where something else comes first, as a drive."""
         if not orders.view.reading or orders.view.paused:
             return replace(self._page, foot=orders.board.message or _COMES)
-        return replace(self._page, foot=_BEGIN if self._waits else _BY_ITSELF)
+        return replace(self._page, foot=_BEGIN if self._waits else _ON_ITS_OWN)
 
     def end_without_picture(self, error: MimicsError) -> None:
         """Report that the picture is lost, and let the session end in order."""
