@@ -47,7 +47,7 @@ def person_of(run: Run) -> Person | None:
     spans = _spans(run)
     signals = [1e-9 * (row.block.t_ns - run.start_ns) for row in run.signals[-1:]]
     end = max(when.max(), 1.0, *signals, *(end for _, end, _ in spans))
-    frame = _Frame(Axis("time [s]", 0.0, float(end)), spans)
+    frame = _Frame(Axis("time [s]", 0.0, float(end)), spans, _markers(run))
     plots = (
         frame.signal("heart rate [1/min]", when, heart),
         _skin(frame, run, when, level),
@@ -61,18 +61,21 @@ def person_of(run: Run) -> Person | None:
 
 @dataclass(frozen=True, slots=True)
 class _Frame:
-    """What all plots share: the time, and begin [s], end [s] and name of each trial."""
+    """What all plots share: the time, begin [s], end [s] and name of each trial, and markers: time [s] and name."""
 
     time: Axis
     trials: list[tuple[float, float, str]]
+    markers: list[tuple[float, str]]
 
     def plot(self, y: Axis) -> Plot:
-        """Return a plot with a band for each trial, with its number where there is room."""
+        """Return a plot with a band for each trial, with its number where there is room, and a line at each marker."""
         plot = Plot(self.time, y, f"{y.label} over time", height=_HEIGHT)
         for begin, end, name in self.trials:
             plot.spans(np.array([begin]), np.array([end]), "driven", "trial")
             if end - begin >= _NUMBERED * self.time.high:
                 plot.word(0.5 * (begin + end), y.high - 0.09 * (y.high - y.low), name if name.isdigit() else name[0])
+        for row, (when, name) in enumerate(self.markers):
+            plot.mark_x(when, name, row % 2)
         return plot
 
     def signal(self, label: str, when: F8, values: F8, name: str = "") -> Plot | None:
@@ -111,6 +114,11 @@ def _spans(run: Run) -> list[tuple[float, float, str]]:
         if begin is not None and end is not None:
             spans.append((1e-9 * (begin - run.start_ns), 1e-9 * (end - run.start_ns), name))
     return spans
+
+
+def _markers(run: Run) -> list[tuple[float, str]]:
+    """Return time [s] and name of what a task marks for the body signals, such as "half way" over a canyon."""
+    return [(1e-9 * line["t_ns"], str(line.get("name", "")).replace("_", " ")) for line in _timed(run, "marker")]
 
 
 def _skin(frame: _Frame, run: Run, when: F8, level: F8) -> Plot | None:

@@ -38,8 +38,10 @@ _COLUMNS: tuple[tuple[str, str, Callable[[float], str]], ...] = (
     ("contacts", phrase("Contacts"), lambda value: f"{value:.0f}"),
     ("drops", phrase("Drops"), lambda value: f"{value:.0f}"),
     ("bruises", phrase("Bruises"), lambda value: f"{value:.0f}"),
-    ("walked_m", phrase("Walked"), lambda value: f"{value:.0f} m"),
-    ("walk_speed_mps", phrase("Walking speed"), lambda value: f"{value:.2f} m/s"),
+    ("distance_m", phrase("Walked"), lambda value: f"{value:.0f} m"),
+    ("walk_speed_mps", phrase("Speed"), lambda value: f"{value:.2f} m/s"),
+    ("symmetry", phrase("Even steps"), lambda value: f"{100.0 * value:.0f} %"),
+    ("missteps", phrase("Missteps"), lambda value: f"{value:.0f}"),
     ("walk_steps", phrase("Steps"), lambda value: f"{value:.0f}"),
     ("walk_left_m", phrase("Left to the place"), lambda value: f"{value:.1f} m"),
     ("taps", phrase("Taps"), lambda value: f"{value:.0f}"),
@@ -108,7 +110,7 @@ def trial_lines(rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[tupl
     """Return captions, and the texts of each row of trials.csv; without measures that no row has."""
     if not rows:
         return [], []
-    walks = any(_has(row, "walked_m") for row in rows)
+    walks = any(_has(row, "walk_speed_mps") for row in rows)
     columns = [column for column in _COLUMNS if not (walks and column[0] == _NOT_OF_WALKS)]
     shown = [column for column in columns if any(_has(row, column[0]) for row in rows)]
     head = [translated(each) for each in (phrase("Trial"), phrase("Result"), *(caption for _, caption, _ in shown))]

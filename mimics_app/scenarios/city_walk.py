@@ -9,16 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.messages.orders import Feature, Shown
-from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskOrders
+from mimics_app.contracts.messages.stage_messages import Aim, HapticSnapshot, TaskOrders
 from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.maths import quat
 from mimics_app.scenarios.figures.ground_path import GroundPath
+from mimics_app.scenarios.figures.kicking_leg import add_kick
 from mimics_app.scenarios.figures.path_figure import PathFigure
 from mimics_app.scenarios.figures.street_object import StreetObject
-from mimics_app.scenarios.figures.walking_figure import see_past_head
+from mimics_app.scenarios.figures.walking_figure import below, see_past_head
 from mimics_app.scenarios.parts.touch_scene import TouchScene
 from mimics_app.scenarios.parts.weather import WEATHER, Weather
-from mimics_app.tasks.kinds.city_walk.kind import ALONG, OPENED, SPEED, CityWalkSpec
+from mimics_app.tasks.kinds.city_walk.kind import ALONG, OPENED, SPEED, STOPPED, TAPPING, CityWalkSpec
 from mimics_app.tasks.scene_section import section_of
 from mimics_app.tasks.walking.walker import PERSON
 from mimics_app.world.components.visible import CameraComponent
@@ -30,6 +31,8 @@ __all__ = ["SCENARIO", "CityWalk"]
 
 _GAZE_PER_METRE = 8.0
 """Angle of the eyes per displacement of the hand to the side [rad/m]."""
+_TOUCHES_S = 1.5
+"""Time from one touch of an obstacle by a simulated hand to the next [s]."""
 _MOST_GAZE = 1.2
 """Largest angle of the eyes to the side [rad]."""
 
@@ -52,7 +55,7 @@ class CityWalk(TouchScene):
         spec = section_of(scene, CityWalkSpec)
         paths = {name: GroundPath(path) for name, path, _ in scene.components(WalkingPath)}
         walkers = {name: walker for name, walker, _ in scene.components(PathWalker)}
-        self._walk = Shown((PERSON, ALONG, SPEED, OPENED))
+        self._walk = Shown((PERSON, ALONG, SPEED, OPENED, TAPPING, STOPPED))
         figures = {}
         for name, walker in walkers.items():
             ahead, own = (-1.0, lambda: self._walk[PERSON]) if name == spec.person else (1.0, None)
@@ -61,6 +64,8 @@ class CityWalk(TouchScene):
         self._led = [figures[name] for name in walkers if name in led]
         self._others = [(figures[name], walkers[name].speed) for name in walkers if name not in led]
         self._person = world.find(spec.person)
+        own = figures[spec.person].walk
+        add_kick(below(self._person, world.motion.animators), own, lambda: self._walk[TAPPING])
         see_past_head(world.cameras, self._person)
         self._weather = Weather(world, self._person)
         path = paths[walkers[spec.person].path]
@@ -74,6 +79,10 @@ class CityWalk(TouchScene):
             for name, _, _ in scene.components(CameraComponent)
             if (parent := (node := world.find(name)).parent) is not None and parent.index == self._person.index
         ]
+
+    @property
+    def via_points_world(self) -> NDArray[np.float64]:
+        return np.array([self._start]) if self._obstacles else super().via_points_world  # else see `aim`
 
     def hand_frame(self) -> NDArray[np.float64]:
         return self._person.world_matrix()
@@ -92,6 +101,17 @@ class CityWalk(TouchScene):
         for number, obstacle in self._obstacles:
             obstacle.open(opened[number] if opened else 0.0)
         self._turn_camera(float(snapshot.hip_world[0] - self._start[0]))
+
+    def aim(self, snapshot: HapticSnapshot) -> Aim | None:
+        """Return where the hand of a simulated person stays, and a touch of the obstacle that is in the way.
+
+        None without obstacles: the hand goes along its path.
+        """
+        if not self._obstacles:
+            return None
+        x, y, z = super().via_points_world[-1].tolist()
+        touches = self._walk[STOPPED] and snapshot.t_ns * 1e-9 % _TOUCHES_S < 0.5 * _TOUCHES_S
+        return Aim((x, y, z), close=touches)
 
     @staticmethod
     def features(scene: Scene) -> Sequence[Feature[Any]]:

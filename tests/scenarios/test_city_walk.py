@@ -36,6 +36,8 @@ TO_THE_LAWN = 87.1
 def changed(folder: Path, start: float = 0.0, **components: dict[str, Any]) -> Path:
     """The scene with the person and the companion further on, and other components of some entities."""
     document = json.loads(SCENE.read_text())
+    if start:  # the obstacles are before
+        del document["task"]["city_walk"]["obstacles"]
     for entity in document["entities"]:
         entity["components"] = entity.get("components", {}) | components.get(entity["id"], {})
         walker = entity["components"].get("path_walker", {})
@@ -115,6 +117,29 @@ def test_who_moves_the_hand_aside_stands_looks_about_and_hears_the_others(tmp_pa
     steps, gaze = walked(file, 6.0)
     assert {name for name, _, _, _ in steps} == {"neighbour", "stroller"}
     assert math.atan2(gaze[0], -gaze[2]) == pytest.approx(8.0 * 0.08, abs=0.15), "to the right of north"
+
+
+def test_by_hand_an_obstacle_is_touched_with_the_foot_before_the_way_opens(tmp_path: Path) -> None:
+    """The simulated hand closes three times; the foot meets the box, which is passed once it sank."""
+    listener, passed, foot = Listener(), None, 0.0
+    file = changed(tmp_path)
+    with open_core(prepare_scene(load_checked_scene(file), RunSettings(file))) as core:
+        core.sound = listener  # type: ignore[assignment]
+        play = Frames(core)
+        play.play_to_start()
+        box = core.world.find("obstacle_box")
+        for _ in range(60 * 16):
+            play.advance_frame()
+            along = 46.0 - float(core.world.find("person").world_matrix()[2, 3])
+            if along < 4.7:
+                ankle = core.world.find("own_body/rightFoot").world_matrix()[2, 3]
+                foot = max(foot, 46.0 - float(ankle) - along)
+            if passed is None and along > 4.8:
+                passed = float(box.world_matrix()[1, 3])
+        result = core.tasks.result()
+    assert passed is not None and passed < -0.4
+    assert result["taps"] == 3.0 and result["walked_m"] > 5.0
+    assert 0.15 < foot < 0.6
 
 
 def test_the_whole_walk_ends_at_the_church(tmp_path: Path) -> None:

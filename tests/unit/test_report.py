@@ -566,7 +566,9 @@ def test_snippets_of_the_guide_run(folder: Path) -> None:
     assert f"a list of {len(column_names()) - 1} numbers" in guide
 
 
-@pytest.mark.parametrize(("walk", "captions"), [({}, {"Path"}), ({"walked_m": 140.0}, {"Walked"})])
+@pytest.mark.parametrize(
+    ("walk", "captions"), [({}, {"Path"}), ({"distance_m": 140.0, "walk_speed_mps": 1.2}, {"Walked"})]
+)
 def test_the_path_of_a_hand_that_steers_a_walk_is_not_among_the_results(walk, captions) -> None:
     row = {"trial": 0, "outcome": "finished", "time_s": 168.0, "path_m": 0.79, **walk}
     assert {"Path", "Walked"} & set(trial_lines([row])[0]) == captions

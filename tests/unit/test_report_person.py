@@ -63,6 +63,14 @@ def test_a_run_with_body_signals_shows_heart_skin_state_and_difficulty_over_its_
     assert {plot.x.high for plot in person_of(run).plots} == {7.0}
 
 
+def test_a_marker_of_the_task_is_a_line_in_every_plot(tmp_path: Path) -> None:
+    marker = {"source": "app", "kind": "marker", "t_ns": 4 * 10**9, "name": "half_way", "along_m": 120.0}
+    damaged = {"source": "app", "kind": "marker", "name": "end"}
+    run = _run(tmp_path, [*(line for s in range(1, 8) for line in _lines(s)), marker, damaged])
+    drawn = [str(plot.__html__()) for plot in person_of(run).plots]
+    assert all("half way" in each and ">end<" not in each for each in drawn)
+
+
 def test_times_of_a_live_run_count_from_its_first_tick(tmp_path: Path) -> None:
     """Its `t_ns` are of the computer's clock, which began hours before."""
     boot_ns = 71_362_118_267_435

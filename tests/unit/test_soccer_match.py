@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from mimics_app.tasks.kinds.soccer.ball import impact_speed
+from mimics_app.tasks.kinds.soccer.kind import SoccerPlay, SoccerSpec
 from mimics_app.tasks.kinds.soccer.match import Match, Pitch
 from mimics_app.tasks.kinds.soccer.mind import Act, Mind
 from mimics_app.tasks.walking.legs import GAITS
@@ -127,3 +128,28 @@ def test_the_opponent_is_not_much_faster_than_a_slow_person() -> None:
             match.step(0.45, 0.0, False, FRAME)
             fastest = max(fastest, match.opponent.walker.speed)
         assert 0.9 * pace * 0.45 < fastest <= pace * 0.45 + 1e-9
+
+
+def test_who_walks_against_a_board_stands_and_along_it_goes_on() -> None:
+    """The way walked is that over the ground, whatever the hand asks for."""
+    for yaw, share in ((0.5 * math.pi, 0.0), (0.25 * math.pi, math.sqrt(0.5)), (math.pi, 1.0)):
+        match = _alone()
+        match.person.put(match.pitch.bounds.real, 0.0, yaw)
+        for _ in range(120):
+            match.step(1.0, 0.0, False, FRAME)
+        before = match.person.walker.walked
+        for _ in range(60):
+            match.step(1.0, 0.0, False, FRAME)
+        assert match.person.walker.walked - before == pytest.approx(share, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("ball", "words"),
+    [((0.0, -1.0), "ahead, 1 m"), ((0.0, 3.0), "behind, 3 m"), ((2.0, 0.2), "right, 2 m"), ((-2.0, 0.2), "left, 2 m")],
+)
+def test_the_cards_say_where_the_ball_is(ball: tuple[float, float], words: str) -> None:
+    play = SoccerPlay(SoccerSpec("person", "ball"), 1, advises=False)
+    play._match.person.put(0.0, 0.0, math.pi)  # the person looks along -z, where their goal is
+    play._match.ball.put(*ball)
+    cards = play.cards(None, 0)  # type: ignore[arg-type]
+    assert cards["ball"].text == words and cards["goal"].text == "ahead, 8 m"

@@ -60,3 +60,16 @@ def test_every_kind_is_an_obstacle_of_the_controller_and_has_a_sound() -> None:
     kinds = [each.name.lower() for each in StreetObject]
     assert sorted(MATERIALS) == sorted(kinds)
     assert set(names) == {kind + leg for kind in kinds for leg in ("", " left", " right")}
+
+
+def test_by_hand_the_way_opens_after_three_touches_or_the_time_of_an_exploration() -> None:
+    for kicks, most in ((True, 3.0), (False, 9.5)):
+        obstacles, taps, seconds = StreetObstacles((BOX, DOOR)), 0, 0.0
+        assert not obstacles.stops(4.5) and obstacles.meet(4.5, True, FRAME) is None, "too far"
+        while obstacles.stops(4.7):
+            tap = obstacles.meet(4.7, kicks, FRAME)
+            taps += tap is not None and tap.obstacle is BOX
+            seconds += FRAME
+        assert taps == (3 if kicks else 0) and most - 2.0 < seconds <= most
+        assert obstacles.opened == (1.0, 0.0) and obstacles.ahead is DOOR
+        assert not obstacles.stops(8.0) and obstacles.stops(11.65)

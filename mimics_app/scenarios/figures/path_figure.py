@@ -27,6 +27,9 @@ class PathFigure:
         path: The path of the component.
         ahead: 1: the figure looks along the node's +z, as models do; -1: along its -z, as cameras do.
         own: Returns the pose of the person's own legs; None: the legs go by the speed.
+
+    Attributes:
+        walk: Gait of the model; None without one.
     """
 
     def __init__(
@@ -42,7 +45,7 @@ class PathFigure:
         self._x = self._z = self._yaw = self._speed = 0.0
         self._s = walker.start
         animator = below(node, world.motion.animators)
-        add_walk(
+        self.walk = add_walk(
             world.motion,
             animator,
             lambda: pace_at(self._speed),

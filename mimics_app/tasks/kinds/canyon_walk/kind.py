@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from msgspec import Meta, field, structs
 
 from mimics_app.contracts.errors import Issue
-from mimics_app.contracts.messages.board import Bar, Card, Tone
+from mimics_app.contracts.messages.board import Card, Tone
 from mimics_app.contracts.messages.orders import Feature, HapticField
-from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.messages.stage_messages import SoundTrigger
 from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.contracts.system.phrases import phrase
@@ -22,7 +21,7 @@ from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, TaskBlock, Tas
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.legs import GAITS
 from mimics_app.tasks.walking.throttle import Throttle
-from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, symmetry_card, walk_values
+from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, WalkSection, speed_card, symmetry_card, walk_values
 from mimics_app.tasks.walking.walker import PERSON
 from mimics_app.tasks.walking.worn_orthosis import OrthosisLegs, legs_in, strikes_in
 from mimics_app.world.components.bounds import Extent
@@ -228,12 +227,7 @@ class CanyonWalkPlay(KindPlay):
         crossing, left = self._crossing, max(self._section.end - self._crossing.along, 0.0)
         tone = Tone.WARN if crossing.missteps else Tone.PLAIN
         return {
-            "speed": Card(
-                phrase("Speed"),
-                f"{crossing.walker.speed:.1f} m/s",
-                bar=Bar(crossing.walker.speed, self._spec.fastest),
-                width=220.0,
-            ),
+            "speed": speed_card(crossing.walker.speed, self._spec.fastest),
             "left": Card(phrase("To go"), f"{left:.0f} m", width=150.0),
             "steps": count_card(phrase("Steps"), crossing.walker.footfalls.count),
             "missteps": Card(phrase("Missteps"), f"{crossing.missteps}", tone=tone, width=150.0),
@@ -250,20 +244,6 @@ class CanyonWalkPlay(KindPlay):
 def widened(beam: Beam, width: float) -> Beam:
     """Return a beam of another width [m]."""
     return beam if beam.width == width else Beam(beam.begins, beam.ends, width)
-
-
-class CanyonWalkSection(ReportSection):
-    """Section of runs with trials of the walk."""
-
-    def takes(self, facts: Mapping[str, Any], attempts: Sequence[ReportedAttempt]) -> bool:
-        return any("on_beam_share" in attempt.row for attempt in attempts)
-
-    def tiles(self, task: Mapping[str, Any]) -> Mapping[str, tuple[Any, str]]:
-        return {
-            phrase("steps"): (task.get("steps"), ""),
-            phrase("missteps"): (task.get("missteps"), ""),
-            phrase("symmetry of the steps"): (task.get("symmetry"), ""),
-        }
 
 
 class CanyonWalkKind(TaskKind):
@@ -283,7 +263,14 @@ class CanyonWalkKind(TaskKind):
     journals = ("misstep", "fall", "marker")
     label = phrase("Way")
     touches = False
-    report = CanyonWalkSection()
+    report = WalkSection(
+        "on_beam_share",
+        {
+            phrase("missteps"): "missteps",
+            phrase("falls"): "falls",
+            phrase("share of feet on the beam"): "on_beam_share",
+        },
+    )
 
     def check(self, spec: TaskBlock, pointer: str) -> Iterator[Fault]:
         yield from super().check(spec, pointer)

@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from msgspec import Meta, structs
 
 from mimics_app.contracts.errors import Issue
-from mimics_app.contracts.messages.board import Bar, Card
+from mimics_app.contracts.loop.gait_state import GaitState
+from mimics_app.contracts.messages.board import Card
 from mimics_app.contracts.messages.orders import Feature
-from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.messages.stage_messages import SoundTrigger
 from mimics_app.contracts.ports.scenario_port import TaskContext
-from mimics_app.contracts.system.phrases import phrase
-from mimics_app.tasks.deflection import DEAD_ZONE, deflection
-from mimics_app.tasks.kinds.city_walk.street_obstacles import MATERIALS, StreetObstacle, StreetObstacles, Tap
+from mimics_app.contracts.system.phrases import counted_phrase, phrase
+from mimics_app.tasks.deflection import DEAD_ZONE
+from mimics_app.tasks.kinds.city_walk.street_obstacles import MATERIALS, StreetObstacle, StreetObstacles
 from mimics_app.tasks.kinds.kind import KindPlay, Measure, TaskBlock, TaskKind, Values
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.legs import GAITS
-from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, symmetry_card, walk_values
+from mimics_app.tasks.walking.throttle import Throttle
+from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, WalkSection, speed_card, symmetry_card, walk_values
 from mimics_app.tasks.walking.walker import PERSON, Walker
 from mimics_app.tasks.walking.worn_orthosis import OrthosisLegs, legs_in, strikes_in
 from mimics_app.world.components.registry import Component
@@ -28,7 +30,7 @@ from mimics_app.world.components.walking import PathWalker
 if TYPE_CHECKING:
     from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["ALONG", "KIND", "OPENED", "SPEED", "CityWalkPlay", "CityWalkSpec"]
+__all__ = ["ALONG", "KIND", "OPENED", "SPEED", "STOPPED", "TAPPING", "CityWalkPlay", "CityWalkSpec"]
 
 ALONG = Feature("walk.along", 0.0)
 """Way of the person along the path [m]."""
@@ -36,6 +38,19 @@ SPEED = Feature("walk.speed", 0.0)
 """Speed of the person [m/s]."""
 OPENED: Feature[tuple[float, ...]] = Feature("walk.opened", ())
 """How far each obstacle is open, 0 to 1, in the order of `CityWalkSpec.obstacles`."""
+TAPPING = Feature("walk.tapping", (-1.0, 0.0))
+"""Foot that touches an obstacle by hand: share of the touch that is over, below 0 for none, and the ankle ahead [m]."""
+STOPPED = Feature("walk.stopped", False)
+"""Whether an obstacle is in the way of a person who walks by hand."""
+_NAMES = {
+    "kerb": phrase("A kerb"),
+    "box": phrase("A box"),
+    "low_wall": phrase("A low wall"),
+    "door": phrase("A door"),
+}
+"""Kinds of obstacles in words."""
+_SLOWS = 0.7
+"""Deceleration of a person before an obstacle [m/s^2]."""
 
 
 class CityWalkSpec(Component, frozen=True):
@@ -51,7 +66,7 @@ class CityWalkSpec(Component, frozen=True):
     deflection: Annotated[float, Meta(gt=DEAD_ZONE, le=0.5, description="Full deflection of the hand [m].")] = 0.1
     obstacles: Annotated[
         tuple[StreetObstacle, ...],
-        Meta(max_length=20, description="Obstacles on the way in a gait orthosis, felt with the foot."),
+        Meta(max_length=20, description="Obstacles on the way, felt with the foot in a gait orthosis."),
     ] = ()
 
 
@@ -73,36 +88,41 @@ class CityWalkPlay(KindPlay):
 
     def __init__(self, spec: CityWalkSpec, metres: float, orthosis: OrthosisLegs | None = None) -> None:
         self._spec, self._metres, self._orthosis = spec, metres, orthosis
-        self._hand_from = 0.0
+        self._throttle = Throttle(spec.deflection)
         self.begin_attempt()
 
     def begin_attempt(self) -> None:
         self._along, self._speed, self._seconds = 0.0, 0.0, 0.0
         self._walker = Walker(GAITS[self._spec.gait], 0)
         self._obstacles = StreetObstacles(self._spec.obstacles)
-        self._call = ""
+        self._call, self._stopped = "", False
         self._sounds: list[SoundTrigger] = []
         self._taps = 0
 
     def start_attempt(self, seen: Observation) -> None:
-        self._hand_from = seen.hip_world[1]
+        self._throttle.start(seen)
 
     def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:
         return structs.replace(seen, progress=min(self._along / self._metres, 1.0))
 
     def travel(self, seen: Observation, seconds: float) -> None:
         """Walk for a frame."""
-        raised = deflection(seen.hip_world[1] - self._hand_from, self._spec.deflection)
         obstacles = self._obstacles
-        tap: Tap | None = None
         if self._orthosis is None:
-            self._walker.step(self._spec.fastest * max(raised, 0.0), 0.0, seconds)
+            self._throttle.read(seen)
+            tap = obstacles.meet(self._along, self._throttle.kicks, seconds)
+            self._stopped = obstacles.stops(self._along)
+            slows = math.sqrt(2.0 * _SLOWS * obstacles.room(self._along))
+            wanted = min(self._spec.fastest * self._throttle.ahead, slows)
+            self._walker.step(0.0 if self._stopped else wanted, 0.0, seconds)
         else:
             self._walker.step_by_legs(self._orthosis.read(seen.q, strikes_in(seen), seconds), 0.0, seconds)
             self._call = obstacles.call(self._along, seen)
             tap = obstacles.step(self._along, seen, seconds)
+            self._stopped = GaitState.STOPPING <= seen.snapshot.gait_state <= GaitState.RESUMING
         self._speed, self._along = self._walker.speed, self._walker.walked + obstacles.led
-        self._seconds += seconds
+        if not self._stopped:
+            self._seconds += seconds
         if tap is not None:
             self._taps += 1
             material = MATERIALS[tap.obstacle.kind]
@@ -123,6 +143,8 @@ class CityWalkPlay(KindPlay):
             ALONG: round(self._along, 4),
             SPEED: round(self._speed, 4),
             OPENED: self._obstacles.opened,
+            TAPPING: self._obstacles.swing,
+            STOPPED: self._stopped and self._orthosis is None,
         }
 
     @property
@@ -131,6 +153,14 @@ class CityWalkPlay(KindPlay):
 
     @property
     def prompt(self) -> str:
+        ahead = self._obstacles.ahead
+        if self._stopped and self._orthosis is None and ahead is not None:
+            return counted_phrase(
+                "{what} is in the way: touch it {n:d} time (mouse button, G or K)",
+                "{what} is in the way: touch it {n:d} times (mouse button, G or K)",
+                self._obstacles.touches_left,
+                what=_NAMES[ahead.kind],
+            )
         return "" if self._along > 0.0 else phrase("Raise the hand to walk, lower it to stop; aside to look about")
 
     @property
@@ -147,26 +177,13 @@ class CityWalkPlay(KindPlay):
         return self._along >= goal.metres
 
     def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:
-        speed = Card(phrase("Speed"), f"{self._speed:.1f} m/s", bar=Bar(self._speed, self._spec.fastest), width=220.0)
+        speed = speed_card(self._speed, self._spec.fastest)
         walked = phrase("{metres:.0f} of {all:.0f} m", metres=self._along, all=self._metres)
         even = symmetry_card(self._walker.footfalls)
         return {
             "speed": speed,
             "symmetry": even,
             "walked": Card(phrase("Walked"), walked, width=220.0),
-        }
-
-
-class CityWalkSection(ReportSection):
-    """Section of runs with trials of the walk."""
-
-    def takes(self, facts: Mapping[str, Any], attempts: Sequence[ReportedAttempt]) -> bool:
-        return any("walked_m" in attempt.row for attempt in attempts)
-
-    def tiles(self, task: Mapping[str, Any]) -> Mapping[str, tuple[Any, str]]:
-        return {
-            phrase("walked"): (task.get("walked_m"), "m"),
-            phrase("walking speed"): (task.get("walk_speed_mps"), "m/s"),
         }
 
 
@@ -183,15 +200,13 @@ class CityWalkKind(TaskKind):
     cards = ("speed", "walked", "symmetry")
     label = phrase("Path")
     touches = False
-    report = CityWalkSection()
+    report = WalkSection("walked_m", {phrase("touches of obstacles"): "taps"})
 
     def check_scene(self, spec: TaskBlock, scene: Scene) -> list[Issue]:
         walk = spec.find(CityWalkSpec)
         if walk is None:
             return []
         issues = scene.check_entity_with(PathWalker, "/task/city_walk/person", walk.person)
-        if not scene.device:  # obstacles are entities of the orthosis
-            return issues
         for number, obstacle in enumerate(walk.obstacles):
             issues += scene.check_entity(f"/task/city_walk/obstacles/{number}/entity", obstacle.entity)
         return issues

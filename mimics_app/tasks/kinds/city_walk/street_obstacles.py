@@ -1,11 +1,13 @@
-"""Obstacles on a walk in a gait orthosis: where they stand, their call, and the foot that touches them.
+"""Obstacles on a walk: where they stand, and the foot that touches them.
 
-An obstacle is called when the person is near; while the belt comes to rest the person is led to where the felt and the
-drawn obstacle are one. When the walk resumes, the way is open.
+In a gait orthosis an obstacle is called when the person is near; while the belt comes to rest the person is led to
+where the felt and the drawn obstacle are one. When the walk resumes, the way is open. By hand the person stands before
+it, and the way opens once the foot has touched it often enough, or after the time of an exploration.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Literal
@@ -33,6 +35,14 @@ _LED = 2.5
 """Rate at which a person whose belt comes to rest is led to their place [1/s]."""
 _OPENS_S = 1.0
 """Time in which the way opens [s]."""
+_ENOUGH, _EXPLORATION_S = 3, 8.0
+"""Touches by hand, and time before an obstacle [s], after which the way opens."""
+_TAP_S, _MEETS, _FORWARD = 0.6, 0.5, 0.2
+"""Duration of a touch by hand [s], the share of it after which the foot meets the face, and how far it swings [m]."""
+_AT_HAND = 0.03
+"""Way left to an obstacle at which somebody stands before it by hand [m]."""
+_BY_HAND = 0.7
+"""Strength of a touch by hand."""
 
 
 class StreetObstacle(Component, frozen=True):
@@ -65,6 +75,7 @@ class StreetObstacles:
 
     Attributes:
         led: How much farther the person is than the legs have walked [m].
+        tap: Share of a touch by hand that is over, 0 to 1; -1: none.
     """
 
     def __init__(self, obstacles: Sequence[StreetObstacle]) -> None:
@@ -73,7 +84,8 @@ class StreetObstacles:
         self._number = 0
         self._open = [0.0] * len(obstacles)
         self._called = self._touches = False
-        self.led = 0.0
+        self._taps, self._stood_s = 0, 0.0
+        self.led, self.tap = 0.0, -1.0
 
     @property
     def ahead(self) -> StreetObstacle | None:
@@ -84,6 +96,43 @@ class StreetObstacles:
     def opened(self) -> tuple[float, ...]:
         """How far each is open, 0 to 1, in the order in which they were given."""
         return tuple(round(share, 3) for share in self._open)
+
+    @property
+    def swing(self) -> tuple[float, float]:
+        """Share of a touch by hand that is over, below 0 for none, and how far the ankle is ahead of the hip [m]."""
+        return round(self.tap, 4), round(_FORWARD * math.sin(math.pi * max(self.tap, 0.0)), 4)
+
+    @property
+    def touches_left(self) -> int:
+        """How many touches by hand are left until the way opens."""
+        return _ENOUGH - self._taps
+
+    def stops(self, along: float) -> bool:
+        """Whether somebody who walks by hand stands at a place [m]: before an obstacle, or while its way opens."""
+        opens = self._number > 0 and self._open[self._order[self._number - 1]] < 1.0
+        return opens or self.room(along) <= _AT_HAND
+
+    def room(self, along: float) -> float:
+        """Return how far somebody may walk by hand from a place [m]."""
+        return math.inf if self.ahead is None else max(self.ahead.at - _REACH - along, 0.0)
+
+    def meet(self, along: float, kicks: bool, seconds: float) -> Tap | None:
+        """Advance by a time [s] by hand, with a touch that begins or not; return a touch of the foot."""
+        self._open_passed(seconds)
+        ahead = self.ahead
+        if ahead is None or self.room(along) > _AT_HAND:
+            return None
+        self._stood_s += seconds
+        if kicks and self.tap < 0.0:
+            self.tap = 0.0
+        before = self.tap
+        if before >= 0.0:
+            self.tap = before + seconds / _TAP_S if before < 1.0 else -1.0
+        meets = 0.0 <= before < _MEETS <= self.tap
+        self._taps += int(meets)
+        if self.tap < 0.0 and (self._taps >= _ENOUGH or self._stood_s > _EXPLORATION_S):
+            self._number, self._taps, self._stood_s = self._number + 1, 0, 0.0
+        return Tap(ahead, _BY_HAND) if meets else None
 
     def call(self, along: float, seen: Observation) -> str:
         """Return the obstacle to begin at a place [m], "" for none."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
@@ -11,20 +12,19 @@ from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.messages.board import Card
 from mimics_app.contracts.messages.leg_motion import LegMotion
 from mimics_app.contracts.messages.orders import Feature, HapticField
-from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.messages.stage_messages import SoundTrigger
 from mimics_app.contracts.ports.scenario_port import TaskContext
-from mimics_app.contracts.system.phrases import phrase
+from mimics_app.contracts.system.phrases import counted_phrase, phrase
 from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.deflection import DEAD_ZONE
 from mimics_app.tasks.kinds.kind import KindPlay, Measure, TaskBlock, TaskKind, Values
 from mimics_app.tasks.kinds.soccer.felt_ball import FeltBall
 from mimics_app.tasks.kinds.soccer.match import PACE, Happening, Match, Pitch
-from mimics_app.tasks.kinds.soccer.mind import Mind, turn_to_ball
+from mimics_app.tasks.kinds.soccer.mind import Mind, PlayerView, turn_to_ball
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.legs import GAITS
 from mimics_app.tasks.walking.throttle import Throttle
-from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, symmetry_card, walk_values
+from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, WalkSection, speed_card, symmetry_card, walk_values
 from mimics_app.tasks.walking.walker import PERSON, FigurePose
 from mimics_app.tasks.walking.worn_orthosis import OrthosisLegs, legs_in, strikes_in
 from mimics_app.world.components.bounds import Figure, Share
@@ -90,6 +90,16 @@ _CHEERS = {"goal": "cheer", "opponent_goal": "applause"}
 """What the crowd does after a goal: it is beside itself, or polite."""
 _LED_KICK = 2.5
 """Largest speed of a foot in an orthosis [m/s], which an opponent's kick is measured by."""
+_WHERE = (phrase("ahead"), phrase("left"), phrase("right"), phrase("behind"))
+_TURNS = (
+    "",
+    phrase("The ball is left: move the hand to the left to turn"),
+    phrase("The ball is right: move the hand to the right to turn"),
+    phrase("The ball is behind: move the hand aside to turn"),
+)
+"""Where something is, and what to do where the ball is there, by `_side`."""
+_AHEAD = 0.7
+"""Angle from the heading within which something is ahead, or behind [rad]."""
 _MODERATE = 0.5
 """Skill with which a simulated person plays."""
 
@@ -246,7 +256,8 @@ class SoccerPlay(KindPlay):
             return phrase("{score}   seen again", score=score) if match.replay_s > 0.0 else score
         if match.person.walker.walked == 0.0:
             return phrase("Raise the hand to walk, aside to turn. Close it (mouse button, G or K) to kick")
-        return ""
+        view = match.view_of_person()
+        return "" if self._orthosis is not None else _TURNS[_side(view, view.ball)]
 
     @property
     def measures(self) -> Values:
@@ -260,7 +271,13 @@ class SoccerPlay(KindPlay):
 
     def outcome_words(self, row: Mapping[str, object], *, finished: bool) -> str:
         score = f"{row['goals']:.0f} : {row['opponent_goals']:.0f}"
-        return phrase("{score}, the ball was touched {kicks:.0f} times", score=score, kicks=row["kicks"])
+        kicks = row["kicks"]
+        return counted_phrase(
+            "{score}, the ball was touched {n:d} time",
+            "{score}, the ball was touched {n:d} times",
+            int(kicks) if isinstance(kicks, float) else 0,
+            score=score,
+        )
 
     def holds(self, goal: Component, seen: Observation) -> bool:
         match = self._match
@@ -268,11 +285,14 @@ class SoccerPlay(KindPlay):
         return self._seconds >= self._spec.match_s or (most >= self._spec.wins_at and match.pause_s > 0.0)
 
     def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:
-        match = self._match
+        match, view = self._match, self._match.view_of_person()
         left = max(self._spec.match_s - self._seconds, 0.0)
         return {
             "goals": Card(phrase("You : red"), f"{match.goals} : {match.opponent_goals}", width=150.0),
             "left": Card(phrase("Left"), f"{left:.0f} s", width=130.0),
+            "ball": Card(phrase("Ball"), _way_to(view, view.ball), width=160.0),
+            "goal": Card(phrase("Your goal"), _way_to(view, view.goal), width=160.0),
+            "speed": speed_card(match.person.walker.speed, self._spec.fastest),
             "steps": count_card(phrase("Steps"), match.person.walker.footfalls.count),
             "kicks": count_card(phrase("Touches"), match.kicks),
             "symmetry": symmetry_card(match.person.walker.footfalls),
@@ -309,18 +329,18 @@ class SoccerPlay(KindPlay):
             self._sounds.append(SoundTrigger("gasp", seen.now_ns, (x, 2.0, z)))
 
 
-class SoccerSection(ReportSection):
-    """Section of runs with matches."""
+def _side(view: PlayerView, place: complex) -> int:
+    """Return on which side the person has a place: 0 ahead, 1 left, 2 right, 3 behind."""
+    way = place - view.me
+    off = math.remainder(math.atan2(way.real, way.imag) - view.heading, 2.0 * math.pi)
+    if abs(off) < _AHEAD:
+        return 0
+    return 3 if abs(off) > math.pi - _AHEAD else 1 if off > 0.0 else 2
 
-    def takes(self, facts: Mapping[str, Any], attempts: Sequence[ReportedAttempt]) -> bool:
-        return any("opponent_goals" in attempt.row for attempt in attempts)
 
-    def tiles(self, task: Mapping[str, Any]) -> Mapping[str, tuple[Any, str]]:
-        return {
-            phrase("goals"): (task.get("goals"), ""),
-            phrase("goals of the opponent"): (task.get("opponent_goals"), ""),
-            phrase("symmetry of the steps"): (task.get("symmetry"), ""),
-        }
+def _way_to(view: PlayerView, place: complex) -> str:
+    """Return direction and distance of a place in words."""
+    return phrase("{where}, {metres:.0f} m", where=_WHERE[_side(view, place)], metres=abs(place - view.me))
 
 
 class SoccerKind(TaskKind):
@@ -335,11 +355,18 @@ class SoccerKind(TaskKind):
     )
     targets = ("opponent_skill", "opponent_pace")
     completes = "matches"
-    cards = ("goals", "left", "steps", "kicks", "symmetry")
+    cards = ("goals", "left", "ball", "goal", "speed", "steps", "kicks", "symmetry")
     journals = ("soccer",)
     label = phrase("Match")
     touches = False
-    report = SoccerSection()
+    report = WalkSection(
+        "opponent_goals",
+        {
+            phrase("goals"): "goals",
+            phrase("goals of the opponent"): "opponent_goals",
+            phrase("touches of the ball"): "kicks",
+        },
+    )
 
     def check_scene(self, spec: TaskBlock, scene: Scene) -> list[Issue]:
         soccer = spec.find(SoccerSpec)

@@ -240,7 +240,7 @@ class Match:
             return self._wait(seconds)
         if kicks:
             self.person.begin_kick()
-        moves = [(self.person, self.person.move(speed, turn, seconds, legs))]
+        moves = [(self.person, self.person.move(self._before_boards(speed), turn, seconds, legs))]
         self._fastest = max(self._fastest, self.person.walker.speed)
         if self.mind is not None:
             moves.append((self.opponent, self._move_opponent(self.mind, seconds)))
@@ -379,6 +379,16 @@ class Match:
             return self._at("goal", 1.0)
         self.opponent_goals += 1
         return self._at("opponent_goal", 1.0)
+
+    def _before_boards(self, speed: float) -> float:
+        """Return the speed that a board before the person leaves them [m/s]: the share along it."""
+        walker, most = self.person.walker, self.pitch.bounds
+        across, along = math.sin(walker.yaw), math.cos(walker.yaw)
+        if abs(walker.x) >= most.real and walker.x * across > 0.0:
+            speed *= abs(along)
+        if abs(walker.z) >= most.imag and walker.z * along > 0.0:
+            speed *= abs(across)
+        return speed
 
     def _keep_inside(self, player: Player) -> None:
         """Keep a player between the boards, and off the other one."""
