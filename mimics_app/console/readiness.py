@@ -7,8 +7,10 @@ from __future__ import annotations
 
 import asyncio
 import json
+import shlex
 import sys
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import msgspec
@@ -35,6 +37,9 @@ class Choice(msgspec.Struct, forbid_unknown_fields=True):
         difficulty: One of three.
         trials: Number of trials that count.
         physio: Source of body signals.
+        study: Folder of a study in the folder of the page, whose next run is played; "": a session of no study. Scene,
+            difficulty and number of trials are then those of the study.
+        interrupted: What to do with a run of the study that was interrupted; "": nothing was.
         despite: What was not green when the session was started all the same; "": nothing.
     """
 
@@ -44,6 +49,8 @@ class Choice(msgspec.Struct, forbid_unknown_fields=True):
     difficulty: Literal["easier", "usual", "harder"] = "usual"
     trials: Annotated[int, Meta(ge=0, le=10_000)] = 0
     physio: Word = ""
+    study: Annotated[str, Meta(max_length=120, pattern=r"^([^/\\\x00-\x1f.][^/\\\x00-\x1f]*)?$")] = ""
+    interrupted: Literal["", "resume", "restart-block"] = ""
     despite: Annotated[str, Meta(max_length=300)] = ""
 
 
@@ -64,14 +71,22 @@ class Light(msgspec.Struct):
 
 
 def start_words(choice: Choice) -> list[str]:
-    """Return the arguments of `mimics run` for a choice; "=": a value may begin with a hyphen."""
-    named = {"participant": choice.participant, "device": choice.device, "physio": choice.physio}
-    named |= {"difficulty": choice.difficulty, "trials": str(choice.trials or ""), "despite": choice.despite}
-    return ["run", choice.scene, "--console", *(f"--{name}={value}" for name, value in named.items() if value)]
+    """Return the arguments of the program for a choice; "=": a value may begin with a hyphen."""
+    named = {"device": choice.device, "physio": choice.physio, "despite": choice.despite}
+    if choice.study:
+        answer = [f"--{choice.interrupted}"] if choice.interrupted else []
+        options = shlex.join(["--console", *_given(named)])
+        return ["study", f"--options={options}", *answer, "--", "run", choice.study, choice.participant]
+    named |= {"participant": choice.participant, "difficulty": choice.difficulty, "trials": str(choice.trials or "")}
+    return ["run", choice.scene, "--console", *_given(named)]
+
+
+def _given(named: Mapping[str, str]) -> list[str]:
+    return [f"--{name}={value}" for name, value in named.items() if value]
 
 
 async def find_choices() -> dict[str, Any]:
-    """Return the scenes and devices of this installation."""
+    """Return the scenes and devices of this installation, and the studies in the folder of the page."""
     scenes, devices = await asyncio.gather(_ask("scenes"), _ask("devices"))
     return {
         "scenes": [
@@ -80,15 +95,22 @@ async def find_choices() -> dict[str, Any]:
             if each.get("group") != "places"
         ],
         "devices": [{"name": each["name"], "title": each.get("about", "")} for each in devices.get("devices", [])],
+        "studies": sorted(each.parent.name for each in Path().glob("*/study.json")),
     }
 
 
 async def find_lights(choice: Choice) -> list[Light]:
     """Return a light for each thing that a session of this choice needs."""
-    scenes, devices, doctor = await asyncio.gather(_ask("scenes"), _ask("devices"), _ask("doctor"))
+    first = _ask("study", "status", choice.study) if choice.study else _ask("scenes")
+    found, devices, doctor = await asyncio.gather(first, _ask("devices"), _ask("doctor"))
+    what = study_light(choice, found) if choice.study else await _light_of_scene(choice, found)
+    return [what, device_light(choice, devices), signal_light(choice), *machine_lights(doctor)]
+
+
+async def _light_of_scene(choice: Choice, scenes: Mapping[str, Any]) -> Light:
     file = next((each["file"] for each in scenes.get("scenes", []) if each["name"] == choice.scene), "")
     checked = await _ask("check", file) if file else {"errors": [{"what": f"there is no scene {choice.scene}"}]}
-    return [scene_light(checked), device_light(choice, devices), signal_light(choice), *machine_lights(doctor)]
+    return scene_light(checked)
 
 
 def machine_lights(doctor: Mapping[str, Any]) -> list[Light]:
@@ -138,6 +160,31 @@ def scene_light(checked: Mapping[str, Any]) -> Light:
         str(first.get("what", "")),
         str(first.get("fix", "") or phrase("mimics check names the place")),
     )
+
+
+def study_light(choice: Choice, status: Mapping[str, Any]) -> Light:
+    """Return the light of the next run of a study, by the object of `mimics study status --json`."""
+    name = phrase("study")
+    if "participants" not in status:
+        why = next((str(each.get("what", "")) for each in status.get("errors", [])), phrase("no answer"))
+        return Light(name, "red", why, phrase("mimics study status says more"))
+    if not choice.participant:
+        return Light(name, "red", phrase("no participant"), phrase("enter the code of the participant"))
+    found = next((each for each in status["participants"] if each.get("participant") == choice.participant), None)
+    if found is None:
+        return Light(
+            name, "amber", phrase("this participant is new in the study"), phrase("look whether the code is right")
+        )
+    if found.get("over"):
+        return Light(name, "red", phrase("all runs of this participant are done"), phrase("choose another participant"))
+    planned = {each: str(found.get(each)) for each in ("run", "session", "condition")}
+    if "resume_at" in found and not choice.interrupted:
+        said = phrase("run {run} of session {session}, {condition}, was interrupted", **planned)
+        return Light(name, "red", said, phrase("choose to resume it or to begin it again"))
+    if choice.interrupted and "resume_at" not in found:
+        said = phrase("run {run} of session {session}, {condition}, was not interrupted", **planned)
+        return Light(name, "red", said, phrase("choose nothing to be resumed"))
+    return Light(name, "green", phrase("run {run} of session {session}: {condition}", **planned))
 
 
 def device_light(choice: Choice, devices: Mapping[str, Any]) -> Light:

@@ -32,14 +32,14 @@ _LONGEST_S = 180.0
 
 
 @contextmanager
-def served(folder: Path) -> Iterator[PageAddress]:
-    """Address of a page that is served, whose meeting place is in a folder of the test."""
+def served(folder: Path, at: Path = ROOT) -> Iterator[PageAddress]:
+    """Address of a page that is served from a folder, and whose meeting place is in a folder of the test."""
     pytest.importorskip("uvicorn", reason="the extra console is not installed")
     pytest.importorskip("starlette", reason="the extra console is not installed")
     before = os.environ.get("XDG_RUNTIME_DIR")
     os.environ["XDG_RUNTIME_DIR"] = str(folder)
     words = [sys.executable, "-m", "mimics_app", "console", "--port", "0", "--priority", "usual"]
-    page = subprocess.Popen(words, cwd=ROOT, stderr=subprocess.DEVNULL)
+    page = subprocess.Popen(words, cwd=at, env={**os.environ, "PYTHONPATH": str(ROOT)}, stderr=subprocess.DEVNULL)
     try:
         until = time.monotonic() + _LONGEST_S
         while (address := MeetingPlace().served()) is None or not answers(address):

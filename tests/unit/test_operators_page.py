@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import hmac
+import shlex
 import sys
 import threading
 from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -28,6 +30,7 @@ from mimics_app.console.readiness import (
     scene_light,
     signal_light,
     start_words,
+    study_light,
 )
 from mimics_app.console.stop_server import StopButton
 from mimics_app.console.supervisor import _GONE, _LEFT
@@ -200,6 +203,59 @@ def test_a_choice_becomes_the_words_of_a_run_that_take_no_other_option() -> None
     ):
         with pytest.raises(msgspec.ValidationError):
             msgspec.convert(refused, Choice)
+
+
+def test_a_study_is_played_by_its_next_run_and_nothing_of_a_choice_becomes_an_option() -> None:
+    hostile = Choice(
+        "a", participant="--out=/tmp", study="my study", device="sim x", interrupted="resume", despite="a 'b"
+    )
+    args = parse(start_words(hostile))
+    assert (str(args.scene), args.words) == ("run", ["my study", "--out=/tmp"])
+    assert args.resume and not args.restart_block and str(args.out) == "study"
+    run = parse(["run", "a", *shlex.split(args.options)])
+    assert (run.device, run.despite, run.console) == ("sim x", "a 'b", 8765)
+    for name in ("../x", "a/b", "..", ".hidden", "a\\b", "a\nb"):
+        with pytest.raises(msgspec.ValidationError):
+            msgspec.convert({"scene": "a", "study": name}, Choice)
+
+
+@pytest.mark.parametrize(
+    ("participant", "interrupted", "light", "word"),
+    [
+        ("P01", "", "green", "run 2 of session 1: blind"),
+        ("P01", "resume", "red", "was not interrupted"),
+        ("P02", "", "red", ", was interrupted"),
+        ("P02", "restart-block", "green", "run 1"),
+        ("P03", "", "red", "are done"),
+        ("P04", "", "amber", "new in the study"),
+        ("", "", "red", "no participant"),
+    ],
+)
+def test_the_light_of_a_study_says_what_its_participant_plays_next(
+    participant: str, interrupted: Any, light: str, word: str
+) -> None:
+    rows = [
+        {"participant": "P01", "session": 1, "over": False, "run": 2, "condition": "blind", "interrupted": 1},
+        {
+            "participant": "P02",
+            "session": 1,
+            "over": False,
+            "run": 1,
+            "condition": "seen",
+            "interrupted": 1,
+            "resume_at": 3,
+        },
+        {"participant": "P03", "session": 2, "over": True},
+    ]
+    found = study_light(
+        Choice("a", study="s", participant=participant, interrupted=interrupted), {"participants": rows}
+    )
+    assert found.light == light and word in found.found and (found.light == "green") == (found.remedy == "")
+
+
+def test_a_folder_that_is_no_study_is_said() -> None:
+    status = {"errors": [{"what": "is not the folder of a study"}]}
+    assert study_light(Choice("a", study="s", participant="P01"), status).found == "is not the folder of a study"
 
 
 def test_lights_say_what_is_missing_and_what_to_do() -> None:

@@ -6,6 +6,7 @@ from bisect import bisect_right, insort
 from dataclasses import replace
 
 import numpy as np
+from msgspec import structs
 from numpy.typing import NDArray
 
 from mimics_app.contracts.messages.mirror_frame import MirrorFrame, SoundNote
@@ -65,15 +66,17 @@ class MirrorBuffer:
 
 def _between(before: MirrorFrame, later: MirrorFrame, share: float) -> MirrorFrame:
     """Return a frame between two: rows that only the later one has jump with it."""
+    begun_s, ended_s = before.effects.time_s, later.effects.time_s
+    effects = structs.replace(before.effects, time_s=begun_s + share * (ended_s - begun_s))
     common, mine, places = np.intersect1d(before.rows, later.rows, assume_unique=True, return_indices=True)
     if not len(common):
-        return before
+        return replace(before, effects=effects)
     shift, turn, scale = before.translations.copy(), before.rotations.copy(), before.scales.copy()
     shift[mine] = (1.0 - share) * shift[mine] + share * later.translations[places]
     scale[mine] = (1.0 - share) * scale[mine] + share * later.scales[places]
     turn[mine] = _turned(turn[mine], later.rotations[places], share)
     t_ns = before.t_ns + round(share * (later.t_ns - before.t_ns))
-    return replace(before, t_ns=t_ns, translations=shift, rotations=turn, scales=scale)
+    return replace(before, t_ns=t_ns, translations=shift, rotations=turn, scales=scale, effects=effects)
 
 
 def _turned(one: NDArray[np.float32], other: NDArray[np.float32], share: float) -> NDArray[np.float32]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Self
 
+import numpy as np
+
 from mimics_app.app.mirror.mirror_buffer import MirrorBuffer
 from mimics_app.app.mirror.mirror_link import MirrorLink
 from mimics_app.app.picture.active_view import view_names
@@ -20,6 +22,7 @@ from mimics_app.contracts.errors import DeviceError, Issue, SceneError
 from mimics_app.contracts.messages.mirror_frame import MirrorFrame
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 from mimics_app.rendering.visual.surfaces.surface import Size
+from mimics_app.world.content.effects import Burst
 from mimics_app.world.files.scene.file import build_world
 
 __all__ = ["MirrorDisplay", "MirroredScene"]
@@ -67,7 +70,25 @@ class MirroredScene:
             raise SceneError(Issue(self.scene.file, "", f"does not fit the session: {error}", "restart it")) from error
         for row in rows[table.visible[rows] != frame.visible]:
             table.set_visible(int(table.entities[row]), visible=not table.visible[row])
+        self._show_cords(frame)
+        self._show_effects(frame)
         self.world.update()
+
+    def _show_cords(self, frame: MirrorFrame) -> None:
+        for note in frame.cords:
+            if (cord := self.world.cords.get(note.name)) is not None:
+                cord.ends, cord.ball = np.array(note.ends), np.array(note.ball)
+                cord.length, cord.radius, cord.colour = note.length, note.radius, note.colour
+                cord.visible, cord.swing, cord.taps = note.visible, note.swing, list(note.taps)
+
+    def _show_effects(self, frame: MirrorFrame) -> None:
+        effects = self.world.effects
+        effects.time, effects.seed = frame.effects.time_s, frame.effects.seed
+        effects.bursts = [
+            Burst(note.emitter, note.number, note.born_s, np.array(note.world_from_emitter).reshape(4, 4))
+            for note in frame.effects.bursts
+            if note.emitter in effects.emitters
+        ]
 
 
 class MirrorDisplay:

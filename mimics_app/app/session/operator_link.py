@@ -251,9 +251,10 @@ class OperatorLink:
 
     def _mirror_state(self, frames: Frames) -> None:
         """Publish the scene as it is now, while a second display follows it."""
-        self._mirror.listen(frames)
+        now_ns = self._session.clock.now_ns()
+        self._mirror.listen(frames, now_ns)
         if self._session.memory.attendance[AttendanceWord.MIRRORS]:
-            self._mirrored.write(write_frame(self._mirror.frame(frames, self._session.clock.now_ns())))
+            self._mirrored.write(write_frame(self._mirror.frame(frames, now_ns)))
 
     def _put_signals(self, blocks: tuple[SignalBlock, ...]) -> None:
         for block in blocks:

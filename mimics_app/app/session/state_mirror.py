@@ -7,7 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mimics_app.contracts.messages.mirror_frame import MirrorFrame, SoundNote
+from mimics_app.app.cues.cue_watch import TOUCHES, CueWatch, with_gait_cues
+from mimics_app.contracts.arrays import Records
+from mimics_app.contracts.messages.mirror_frame import BurstNote, CordNote, EffectsNote, MirrorFrame, SoundNote
+from mimics_app.world.content.cords import Cord
+from mimics_app.world.content.effects import Effects
 
 if TYPE_CHECKING:
     from mimics_app.app.session.frame import Frames
@@ -34,13 +38,20 @@ class StateMirror:
         self._world = world
         self._sounds: deque[SoundNote] = deque(maxlen=_KEPT_SOUNDS)
         self._count = 0
+        self._watch = CueWatch()
         self._begin()
 
-    def listen(self, frames: Frames) -> None:
-        """Note the sounds that began in a frame."""
-        for cue in frames.orders.audio.cues:
+    def listen(self, frames: Frames, now_ns: int) -> None:
+        """Note what has begun in a frame that a sound may be assigned to: contacts, cues and orders of the task."""
+        audio = with_gait_cues(frames.orders, frames.events).audio
+        begun = [(int(event["t_ns"]), TOUCHES[int(event["kind"])]) for event in _touches(frames.events)]
+        begun += [(cue.t_ns, cue.kind) for cue in audio.cues]
+        begun += [(order.t_ns, order.sound) for order in audio.sounds]
+        cue = self._watch.poll(frames.orders)
+        begun += [(now_ns, cue)] if cue else []
+        for t_ns, name in begun:
             self._count += 1
-            self._sounds.append(SoundNote(self._count, cue.t_ns, cue.kind))
+            self._sounds.append(SoundNote(self._count, t_ns, name))
 
     def frame(self, frames: Frames, now_ns: int) -> MirrorFrame:
         """Return the newest frame."""
@@ -65,6 +76,8 @@ class StateMirror:
             progress=view.progress,
             board=frames.board,
             sounds=tuple(self._sounds),
+            cords=tuple(_cord_note(name, cord) for name, cord in self._world.cords.items()),
+            effects=_effects_note(self._world.effects),
         )
 
     def _begin(self) -> None:
@@ -73,3 +86,21 @@ class StateMirror:
         self._translations, self._rotations = table.translations.copy(), table.rotations.copy()
         self._scales, self._visible = table.scales.copy(), table.visible.copy()
         self._ever = np.zeros(len(table), bool)
+
+
+def _touches(events: Records) -> Records:
+    """Return those of EVENT records [n] that a sound may be assigned to."""
+    return events[np.isin(events["kind"], list(TOUCHES))]
+
+
+def _cord_note(name: str, cord: Cord) -> CordNote:
+    ends, ball = cord.ends.tolist(), cord.ball.tolist()
+    return CordNote(name, ends, cord.length, cord.radius, cord.colour, cord.visible, cord.swing, ball, list(cord.taps))
+
+
+def _effects_note(effects: Effects) -> EffectsNote:
+    bursts = [
+        BurstNote(burst.emitter, burst.number, burst.born_s, burst.world_from_emitter.ravel().tolist())
+        for burst in effects.bursts
+    ]
+    return EffectsNote(effects.time, effects.seed, bursts)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -117,7 +118,7 @@ def _run(args: argparse.Namespace, folder: Path, words: list[str]) -> int:
     study = StudyFolder(folder)
     participant = _person(args, study, words, add=True)
     chosen = "resume" if args.resume else "restart" if args.restart_block else "abandon" if args.abandon else ""
-    attempt = play_next(study, participant, chosen, args.options.split())  # type: ignore[arg-type]
+    attempt = play_next(study, participant, chosen, shlex.split(args.options))  # type: ignore[arg-type]
     if attempt is None:
         answer(args, {"verb": "run", "participant": participant.code, "over": True}, ["all runs are done"])
         return 0

@@ -5,16 +5,21 @@ import { setText, toast } from "./view.js";
 
 const byId = (id) => document.getElementById(id);
 const WORDS = { green: mark("ready"), amber: mark("works without"), red: mark("not ready") };
+const INTERRUPTED = [["", mark("it was not")], ["resume", mark("resume at the next trial")], ["restart-block", mark("begin it again")]];
+const OF_STUDY = ["choose-scene", "choose-difficulty", "choose-trials"];
 const SIGNS = { green: "✓", amber: "!", red: "✗" };
 
 export class Before {
   #link;
   #lights = null;
   #asked = false;
+  #may = true;
 
   constructor(link) {
     this.#link = link;
     for (const value of [mark("usual"), mark("easier"), mark("harder")]) byId("choose-difficulty").append(new Option(t(value), value));
+    for (const [value, text] of INTERRUPTED) byId("choose-interrupted").append(new Option(t(text), value));
+    byId("choose-study").addEventListener("input", () => this.#suit());
     byId("do-check").addEventListener("click", () => this.check());
     byId("before-form").addEventListener("submit", (event) => { event.preventDefault(); this.start(); });
     byId("before-form").addEventListener("input", () => this.#forget());
@@ -29,7 +34,17 @@ export class Before {
 
   /** Let only the operator choose. */
   enable(may) {
+    this.#may = may;
     for (const node of byId("before-form").elements) node.disabled = !may;
+    this.#suit();
+  }
+
+  /** What a study lays down cannot be chosen beside it. */
+  #suit() {
+    const chosen = byId("choose-study").value !== "";
+    byId("of-study").hidden = !chosen;
+    if (!chosen) byId("choose-interrupted").value = "";
+    for (const id of OF_STUDY) byId(id).disabled = !this.#may || chosen;
   }
 
   async #fill() {
@@ -39,6 +54,7 @@ export class Before {
     if (!done) return;
     const scene = byId("choose-scene");
     scene.replaceChildren(...choices.scenes.map(({ name, title }) => new Option(t(title), name)));
+    byId("choose-study").replaceChildren(new Option(t("none"), ""), ...choices.studies.map((name) => new Option(name, name)));
     const devices = choices.devices.map(({ name, title }) => new Option(t(title || name), name));
     byId("choose-device").replaceChildren(new Option(t("usual for the scene"), ""), ...devices);
   }
@@ -46,6 +62,7 @@ export class Before {
   choice() {
     return {
       scene: byId("choose-scene").value, participant: byId("choose-participant").value.trim(), device: byId("choose-device").value,
+      study: byId("choose-study").value, interrupted: byId("choose-interrupted").value,
       difficulty: byId("choose-difficulty").value, trials: Number(byId("choose-trials").value) || 0, physio: byId("choose-physio").value.trim(),
     };
   }

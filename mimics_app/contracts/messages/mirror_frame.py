@@ -7,14 +7,17 @@ first makes no difference. Binary, little endian: number and length, the rows by
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Annotated
 
 import msgspec
 import numpy as np
+from msgspec import Meta
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.messages.board import Board
 
-__all__ = ["MirrorFrame", "SoundNote", "read_frame", "write_frame"]
+__all__ = ["BurstNote", "CordNote", "EffectsNote", "MirrorFrame", "SoundNote", "read_frame", "write_frame"]
 
 _HEAD = np.dtype([("magic", "<u4"), ("rows", "<u4"), ("number", "<u8"), ("t_ns", "<i8"), ("json_bytes", "<u4")])
 _MAGIC = 0x314D494D  # "MIM1"
@@ -29,6 +32,40 @@ class SoundNote(msgspec.Struct, frozen=True):
     name: str
 
 
+class CordNote(msgspec.Struct, frozen=True):
+    """What a session has made of a cord: see `world.content.cords.Cord`."""
+
+    name: str
+    ends: tuple[Vec3, Vec3]
+    length: float
+    radius: float
+    colour: Vec3
+    visible: bool
+    swing: float
+    ball: tuple[float, float, float, float]
+    taps: list[tuple[float, float, float, float]]
+
+
+class BurstNote(msgspec.Struct, frozen=True):
+    """A burst of an emitter: row and pose of its node, row by row, at the time of the event; see `effects.Burst`."""
+
+    emitter: int
+    number: int
+    born_s: float
+    world_from_emitter: Annotated[list[float], Meta(min_length=16, max_length=16)]
+
+
+class EffectsNote(msgspec.Struct, frozen=True):
+    """Scene time of the effects [s], the seed of their random numbers, and the bursts that may still be visible."""
+
+    time_s: float = 0.0
+    seed: int = 0
+    bursts: list[BurstNote] = []
+
+
+_NO_EFFECTS = EffectsNote()
+
+
 class _Rest(msgspec.Struct, frozen=True):
     state: str
     trial: int
@@ -36,6 +73,8 @@ class _Rest(msgspec.Struct, frozen=True):
     progress: float
     board: Board
     sounds: list[SoundNote]
+    cords: list[CordNote] = []
+    effects: EffectsNote = _NO_EFFECTS
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,6 +93,8 @@ class MirrorFrame:
         trial, trials, progress: As in `TaskView`.
         board: The person's board.
         sounds: The newest sounds that began, oldest first.
+        cords: Every cord.
+        effects: Particles and the time of all effects.
     """
 
     number: int
@@ -69,6 +110,8 @@ class MirrorFrame:
     progress: float = 0.0
     board: Board = field(default_factory=Board)
     sounds: tuple[SoundNote, ...] = ()
+    cords: tuple[CordNote, ...] = ()
+    effects: EffectsNote = _NO_EFFECTS
 
 
 _COLUMNS: tuple[tuple[str, str, int], ...] = (
@@ -82,7 +125,16 @@ _COLUMNS: tuple[tuple[str, str, int], ...] = (
 
 def write_frame(frame: MirrorFrame) -> bytes:
     """Return a frame as bytes."""
-    rest = _Rest(frame.state, frame.trial, frame.trials, frame.progress, frame.board, list(frame.sounds))
+    rest = _Rest(
+        frame.state,
+        frame.trial,
+        frame.trials,
+        frame.progress,
+        frame.board,
+        list(frame.sounds),
+        list(frame.cords),
+        frame.effects,
+    )
     text = msgspec.json.encode(rest)
     head = np.array([(_MAGIC, len(frame.rows), frame.number, frame.t_ns, len(text))], _HEAD)
     columns = [np.ascontiguousarray(getattr(frame, name), dtype).tobytes() for name, dtype, _ in _COLUMNS]
@@ -109,7 +161,10 @@ def read_frame(content: bytes) -> MirrorFrame:
         at += size
     if not all(np.isfinite(columns[name]).all() for name in ("translations", "rotations", "scales")):
         raise ValueError("a pose is not finite")
-    rest = msgspec.json.decode(content[at:], type=_Rest)
+    try:
+        rest = msgspec.json.decode(content[at:], type=_Rest)
+    except (msgspec.DecodeError, msgspec.ValidationError) as error:
+        raise ValueError(f"not a frame of a mirror: {error}") from error
     return MirrorFrame(
         number=int(head["number"]),
         t_ns=int(head["t_ns"]),
@@ -124,4 +179,6 @@ def read_frame(content: bytes) -> MirrorFrame:
         progress=rest.progress,
         board=rest.board,
         sounds=tuple(rest.sounds),
+        cords=tuple(rest.cords),
+        effects=rest.effects,
     )
