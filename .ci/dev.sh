@@ -2,7 +2,7 @@
 # The targets of the Makefile, for any machine with a POSIX shell:
 #
 #   sh .ci/dev.sh run [arguments of mimics run]      install what is missing, then run the wavy tunnel
-#   sh .ci/dev.sh setup | test | test-long | nightly | planted | check | bench | docs | fresh | clean | pins
+#   sh .ci/dev.sh setup | test | test-long | nightly | planted | check | bench | docs | package | fresh | clean | pins
 #
 # It is never interactive. Python packages are installed into .venv, pinned and verified by hash: those of requirements.txt to
 # run, those of requirements-test.txt besides to test. System packages are installed by apt if this user is root or may use sudo without a password; otherwise the command is printed.
@@ -104,6 +104,23 @@ peers_of_pypi() {
     # shellcheck disable=SC2086
     "$vpython" -m pip install --quiet --disable-pip-version-check --only-binary :all: $peers ||
         say "rivals of PyPI ($peers) cannot be installed: what is missing is not measured"
+}
+
+# Wheel and sdist, the same bytes whenever and wherever they are built, and the bill of materials (CycloneDX) of what
+# running installs, with versions and hashes from requirements.txt.
+package() {
+    SOURCE_DATE_EPOCH=$(git log -1 --format=%ct 2>/dev/null || printf 1580601600)
+    export SOURCE_DATE_EPOCH
+    rm -rf dist build/sbom
+    "$vpython" -m hatchling build -t sdist -t wheel -d dist
+    writer=$("$vpython" -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["dependency-groups"]["sbom"])')
+    "$vpython" -m venv build/sbom
+    # shellcheck disable=SC2086
+    build/sbom/bin/pip install --quiet --disable-pip-version-check --only-binary :all: $writer >&2 ||
+        { say "$writer cannot be installed: dist has no bill of materials"; exit 69; }
+    build/sbom/bin/cyclonedx-py requirements requirements.txt --pyproject pyproject.toml --output-reproducible \
+        --output-file dist/sbom.json
+    (cd dist && sha256sum -- *)
 }
 
 # The pages as a website (the extra "docs"). Links between them are relative to the checkout, so it is mirrored.
@@ -373,6 +390,10 @@ case $word in
     docs)
         prepare run
         docs "$@"
+        ;;
+    package)
+        prepare run
+        package
         ;;
     clean) # never runs/: that is data
         lock

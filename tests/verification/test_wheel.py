@@ -55,6 +55,23 @@ def _run(python: Path, *arguments: str, cwd: Path) -> subprocess.CompletedProces
     return subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True, check=False)
 
 
+def _built(into: Path, epoch: int, **environment: str) -> dict[str, bytes]:
+    """Wheel and sdist, built at a time that the files state."""
+    command = [sys.executable, "-m", "hatchling", "build", "-t", "sdist", "-t", "wheel", "-d", str(into)]
+    named = {**os.environ, "SOURCE_DATE_EPOCH": str(epoch), **environment}
+    subprocess.run(command, cwd=ROOT, env=named, check=True, capture_output=True)
+    return {file.name: file.read_bytes() for file in into.iterdir()}
+
+
+def test_wheel_and_sdist_are_the_same_bytes_whenever_they_are_built(tmp_path: Path) -> None:
+    """The zone of the clock and the seed of hashes are others; another date of the source gives other files."""
+    first = _built(tmp_path / "first", 1_700_000_000, TZ="UTC", PYTHONHASHSEED="1")
+    second = _built(tmp_path / "second", 1_700_000_000, TZ="Pacific/Auckland", PYTHONHASHSEED="2")
+    assert {Path(name).suffix for name in first} == {".whl", ".gz"}
+    assert first == second
+    assert _built(tmp_path / "other", 1_600_000_000) != first, "they state the date of the source"
+
+
 KINDS = {
     "assets": {".glb", ".jpg", ".json", ".mo", ".png", ".po", ".pot", ".txt"},
     "scenes": {".csv", ".json"},
