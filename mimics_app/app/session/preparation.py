@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import msgspec
 
@@ -22,6 +23,7 @@ from mimics_app.app.touch.ceilings import read_ceiling
 from mimics_app.app.touch.device_fit import check_shape
 from mimics_app.app.touch.haptic_scene_data import HapticSceneData
 from mimics_app.app.touch.parameter_store import ParameterStore
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.contracts.ports.scenario_port import Scenario, TaskContext
@@ -32,6 +34,7 @@ from mimics_app.recording.run import Run
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.devices.device_names import POINTER, SIMULATED, recording_of
+from mimics_app.rendering.haptic.devices.device_objects import DeviceObject
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.devices.request import DeviceBuilder
 from mimics_app.rendering.haptic.stability_checks import softened_contacts
@@ -171,30 +174,14 @@ def prepare_scene(
     store = side.parameter_store(scenario.scene_block())
     held = hold_limits(store.block, read_ceiling())
     store.fit(held.values)
-    task = fill_defaults(resolve_files(task_of(scene), scene.path.parent, scene.root), store.value)
-    task = with_requested_trials(at_difficulty(task, settings.difficulty), settings)
+    task = _task_of_run(scene, store, settings)
     robot, patient = _who_moves(settings, scene, live=live)
     given = given or Given()
     body = open_body(settings, task, patient.preset, given.policy)
     commands = () if settings.commands is None else read_command_file(settings.commands)
-    points, objects = scenario.via_points_world, side.for_robot(robot)
-    recording = settings.recording or recording_of(robot.device)
-    recorded = None if recording is None else Run.open(recording)
-    if recorded is None:
-        check_shape(robot.device, scene)
-    descriptor = None if recorded is None else descriptor_of((scene.first(Robot) or Robot()).device)
-    samples = None if recorded is None else recorded.haptic
-    plugin = build_device(
-        robot,
-        patient,
-        points,
-        settings.seed,
-        samples=samples,
-        descriptor=descriptor,
-        objects=objects,
-        given=given.device,
-    )
-    live = live or plugin.real_time or settings.console is not None or bool(settings.markers)
+    asked = _Asked(robot, patient, scenario.via_points_world, side.for_robot(robot), given.device)
+    device = _open_device(scene, settings, asked)
+    live = live or device.plugin.real_time or settings.console is not None or bool(settings.markers)
     if settings.sound == "device" and not live:
         raise UsageError("the virtual clock is too fast for a sound device", "write --sound file")
     return SessionParts(
@@ -211,12 +198,71 @@ def prepare_scene(
         body=body,
         robot=robot,
         patient=patient,
-        plugin=plugin,
-        softened=softened_contacts(scene, robot, plugin) if recorded is None else (),
+        plugin=device.plugin,
+        softened=device.softened,
         commands=commands,
         device_given=given.device is not None,
-        recorded=None if recorded is None else recorded.session,
+        recorded=device.recorded,
     )
+
+
+def _task_of_run(scene: Scene, store: ParameterStore, settings: RunSettings) -> TaskSpec:
+    """Return the scene's task with the trials and the difficulty of the settings, defaults from the scene's values."""
+    task = fill_defaults(resolve_files(task_of(scene), scene.path.parent, scene.root), store.value)
+    return with_requested_trials(at_difficulty(task, settings.difficulty), settings)
+
+
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    """What a run asks of its device.
+
+    Attributes:
+        robot: The scene's robot, with the device of this run.
+        patient: The simulated patient, with the preset of this run.
+        points: Points that the patient reaches for in order, world [m], shape [n, 3].
+        objects: Objects that the robot renders itself.
+        given: Builder of the device that a program gives; None: by its name.
+    """
+
+    robot: Robot
+    patient: Patient
+    points: F8
+    objects: tuple[DeviceObject, ...]
+    given: DeviceBuilder | None
+
+
+@dataclass(frozen=True, slots=True)
+class _OpenDevice:
+    """The device of a run, open.
+
+    Attributes:
+        plugin: The device.
+        recorded: Header of the recording that it replays; None: another device.
+        softened: A line for each contact that it cannot hold as the scene asks.
+    """
+
+    plugin: DevicePlugin
+    recorded: Mapping[str, object] | None = None
+    softened: Sequence[str] = ()
+
+
+def _open_device(scene: Scene, settings: RunSettings, asked: _Asked) -> _OpenDevice:
+    """Open the device of a run, or one that replays a recording of the scene's robot.
+
+    Raises:
+        DeviceError: It is not available, or of another shape than the scene's own.
+    """
+    open_it = partial(
+        build_device, asked.robot, asked.patient, asked.points, settings.seed, objects=asked.objects, given=asked.given
+    )
+    recording = settings.recording or recording_of(asked.robot.device)
+    if recording is None:
+        check_shape(asked.robot.device, scene)
+        plugin = open_it()
+        return _OpenDevice(plugin, softened=softened_contacts(scene, asked.robot, plugin))
+    run = Run.open(recording)
+    descriptor = descriptor_of((scene.first(Robot) or Robot()).device)
+    return _OpenDevice(open_it(samples=run.haptic, descriptor=descriptor), recorded=run.session)
 
 
 def _who_moves(settings: RunSettings, scene: Scene, *, live: bool) -> tuple[Robot, Patient]:
