@@ -71,6 +71,7 @@ SHARED = {
 
 TWO_MEANINGS = {
     "bounds": "number types of components, and bounding spheres of draw items",
+    "calibration": "of a tracker, and the scenario that measures a person",
     "desktop": "the command `mimics desktop`, and the display that is a window",
     "fusion": "the estimator that fuses features, and its member",
     "head": "the movement of the head as a signal, and a measured head of sound",

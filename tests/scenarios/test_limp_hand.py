@@ -21,7 +21,7 @@ TRAVEL_S = 4.0
 """Length of a travel [s]: the assistance of an easier tunnel took three seconds from its start to its goal."""
 STILL_M = 0.005
 """Largest way of the hand between its arrival at the start and the go."""
-PASSIVE = {"avatar_cord", "guided_walk", "examples/guided_path"}
+PASSIVE = {"avatar_cord", "calibration", "guided_walk", "examples/guided_path"}
 """Scenes in which the person watches, or is led."""
 
 KINDS = {
@@ -32,6 +32,7 @@ KINDS = {
     "soccer": "soccer",
     "guided_walk": "guided_walk",
     "avatar_cord": "avatar_cord",
+    "calibration": "calibration",
 }
 """A shipped scene of each kind of task."""
 OTHERS = ("springs_and_magnets", "guided_path", "force_field", "kicking", "impedance_control")

@@ -51,6 +51,7 @@ def test_where_nothing_draws_the_loops_are_compiled_all_the_same(
     assert cli.main(["warmup", "--json"]) == 0
     assert played == [
         "avatar_cord.json",
+        "calibration.json",
         "canyon_walk.json",
         "city_walk.json",
         "guided_walk.json",

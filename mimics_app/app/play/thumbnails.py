@@ -28,6 +28,7 @@ _MOMENTS_S = {
     "city_walk": 9.0,
     "canyon_walk": 18.0,
     "soccer": 5.0,
+    "calibration": 7.0,
     "falling_pairs": 0.5,
     "tower": 0.3,
 }

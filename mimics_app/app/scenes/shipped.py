@@ -40,7 +40,7 @@ _WALKS = ("city_walk", "canyon_walk", "soccer")
 SIMULATED = "simulated_hapticmaster"
 """Robot of a scene that names none, the same as `world.components.robot.Robot` (a test compares them)."""
 
-_FIRST = ("wavy_tunnel", "pick_and_place", *_WALKS, "guided_walk")
+_FIRST = ("calibration", "wavy_tunnel", "pick_and_place", *_WALKS, "guided_walk")
 
 _SECONDS = 60.0
 """Default duration of a trial [s], the same as `tasks.task.TaskSpec.time_limit_s` (a test compares them)."""

@@ -35,6 +35,7 @@ from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.devices.device_names import POINTER, SIMULATED, recording_of
 from mimics_app.rendering.haptic.devices.device_objects import DeviceObject
+from mimics_app.rendering.haptic.devices.patients import impairment_of
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.devices.request import DeviceBuilder
 from mimics_app.rendering.haptic.stability_checks import softened_contacts
@@ -101,6 +102,7 @@ class SessionParts:
     @property
     def context(self) -> TaskContext:
         """Context of the task: the scene, the device, and the person or simulated patient."""
+        mover = mover_of(self.plugin)
         return replace(
             self.scenario.task_context,
             simulated=not self.live,
@@ -108,7 +110,9 @@ class SessionParts:
             by_pointer=self.robot.device == POINTER,
             fastest=float(self.parameter_store.block["velocity_limit"][0]),
             introduced=self.live and self.settings.journey is not None,
-            waits=mover_of(self.plugin) != "simulated",
+            waits=mover != "simulated",
+            audible=self.settings.sound != "off",
+            abilities=impairment_of(self.patient).abilities if mover == "simulated" else None,
         )
 
 

@@ -8,6 +8,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 from mimics_app.app.study.change import Interval
 from mimics_app.app.study.study_folder import Participant, StudyFolder, folder_name
 from mimics_app.app.study.study_results import Change, Effect, changes_of, effects_of, measures_in, trials_of
@@ -20,6 +22,7 @@ from mimics_app.recording.run_folder import PRIVATE_FOLDER
 __all__ = ["export_study"]
 
 _ANSWER = ["participant", "form", "session", "time", "item", "label", "value", "utc"]
+_CALIBRATED = ["participant", "session", "time", "measure", "value", "unit", "repeats", "spread", "at_least", "utc"]
 _BEGIN = ["participant", "session", "run", "attempt", "condition"]
 
 
@@ -45,11 +48,19 @@ def export_study(study: StudyFolder, folder: Path) -> list[Path]:
     answers = {each: list(_answer_rows(study, each)) for each in study.participants}
     if study.protocol.forms:
         write_table(folder / "answers.csv", [row for rows in answers.values() for row in rows], _ANSWER)
+    trends = {each: list(_calibration_rows(study, each)) for each in study.participants}
+    calibrated = any(trends.values())
+    if calibrated:
+        write_table(folder / "calibrations.csv", [row for rows in trends.values() for row in rows], _CALIBRATED)
     pages = {each: f"participant_{folder_name(each.code)}.html" for each in study.participants}
     _write_page(folder / "study.html", study, "", measures, effects=effects, pages=pages)
     for person, name in pages.items():
-        _write_page(folder / name, study, person.code, measures, changes=changes[person], answers=answers[person])
-    kept = ("trials", "changes", "effects", *(("answers",) if study.protocol.forms else ()))
+        own, found = changes[person], trends[person]
+        _write_page(
+            folder / name, study, person.code, measures, changes=own, answers=answers[person], calibrations=found
+        )
+    optional = {"answers": bool(study.protocol.forms), "calibrations": calibrated}
+    kept = ("trials", "changes", "effects", *(name for name, there in optional.items() if there))
     tables = [folder / f"{name}.csv" for name in kept]
     return [*tables, folder / "study.html", *(folder / name for name in pages.values())]
 
@@ -64,6 +75,25 @@ def _answer_rows(study: StudyFolder, person: Participant) -> Iterator[dict[str, 
         for item, value in line["answers"].items():
             label = form.items[item].label if form is not None and item in form.items else ""
             yield {**whose, "item": item, "label": label, "value": value, "utc": line["utc"]}
+
+
+def _calibration_rows(study: StudyFolder, person: Participant) -> Iterator[dict[str, Any]]:
+    """Yield a row for each measure of each calibration of a participant, in order."""
+    for time, (session, calibration) in enumerate(study.calibrations_of(person), start=1):
+        whose = {"participant": person.code, "session": session, "time": time}
+        for measure in calibration.measures.values():
+            plain = msgspec.structs.asdict(measure)
+            yield {**whose, "measure": plain.pop("name"), **plain, "utc": calibration.utc}
+
+
+def _by_measure(rows: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, str]]:
+    """Return measure, unit, and the values over the calibrations, each with its spread."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for row in rows:
+        more = "at least " if row["at_least"] else ""
+        text = f"{more}{row['value']:.3g} ± {0.5 * row['spread']:.2g}"
+        found.setdefault((str(row["measure"]).replace("_", " "), str(row["unit"])), []).append(text)
+    return [(measure, unit, " → ".join(values)) for (measure, unit), values in found.items()]
 
 
 def _change_row(person: Participant, change: Change) -> dict[str, Any]:
@@ -93,6 +123,7 @@ def _write_page(
     effects: Sequence[Effect] = (),
     changes: Sequence[Change] = (),
     answers: Sequence[Mapping[str, object]] = (),
+    calibrations: Sequence[Mapping[str, object]] = (),
     pages: Mapping[Participant, str] | None = None,
 ) -> None:
     environment = load_templates(Path(__file__).parent / "templates")
@@ -104,6 +135,7 @@ def _write_page(
         effects=effects,
         changes=changes,
         answers=_by_item(answers),
+        trends=_by_measure(calibrations),
         pages=[(person.code, name) for person, name in (pages or {}).items()],
         size=counted(len(study.participants), "participants"),
     )

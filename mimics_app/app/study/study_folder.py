@@ -3,6 +3,7 @@
     STUDY/study.json                            protocol
     STUDY/participants.jsonl                    code and row of the squares of each participant
     STUDY/sub-CODE/answers.jsonl                forms and questionnaires as answered, a line each time
+    STUDY/sub-CODE/calibrations.jsonl           what calibrations found, a line each time
     STUDY/sub-CODE/ses-001/journal.jsonl        what began and ended
     STUDY/sub-CODE/ses-001/run-003-1/RUN        run folder of the first attempt at the third run
     STUDY.keys.json                             names behind the codes, beside the folder: never in it
@@ -24,11 +25,14 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+import msgspec
+
 from mimics_app.app.study.forms import Answer
 from mimics_app.app.study.protocol import PlannedRun, Protocol, plan_of, read_protocol
 from mimics_app.app.terminal.participant import canonical_code, why_no_code
 from mimics_app.contracts.clock import wall_time
 from mimics_app.contracts.errors import Issue, OutputError, SceneError, UsageError, nearest
+from mimics_app.contracts.messages.calibration_record import Calibration
 from mimics_app.contracts.system.regular_file import read_or_nothing
 from mimics_app.recording.event_log import to_json
 from mimics_app.recording.json_text import parse_object
@@ -37,7 +41,7 @@ from mimics_app.recording.run_folder import PRIVATE_FILE, PRIVATE_FOLDER, write_
 __all__ = ["Attempt", "Participant", "StudyFolder", "folder_name"]
 
 _PROTOCOL, _PARTICIPANTS, _JOURNAL = "study.json", "participants.jsonl", "journal.jsonl"
-_ANSWERS = "answers.jsonl"
+_ANSWERS, _CALIBRATIONS = "answers.jsonl", "calibrations.jsonl"
 _LONGEST_NAME = 120
 """Longest name of a participant's folder; a file system takes 255 bytes."""
 _NEW_CODE = "P{:03d}"
@@ -218,6 +222,24 @@ class StudyFolder:
     def answers_of(self, participant: Participant) -> list[dict[str, Any]]:
         """Return the answers of a participant in order: form, session, answers and utc of each time."""
         return _lines(self.folder_of(participant) / _ANSWERS)
+
+    def write_calibration(self, participant: Participant, session: int, calibration: Calibration) -> None:
+        """Append what a calibration found; earlier ones stay. It is on the disk when this returns."""
+        line = {"session": session, "calibration": msgspec.to_builtins(calibration)}
+        self._append(self.folder_of(participant) / _CALIBRATIONS, line)
+
+    def calibrations_of(self, participant: Participant) -> list[tuple[int, Calibration]]:
+        """Return session and result of each calibration of a participant, in order.
+
+        Raises:
+            SceneError: The file is damaged.
+        """
+        file = self.folder_of(participant) / _CALIBRATIONS
+        try:
+            return [(int(line["session"]), msgspec.convert(line["calibration"], Calibration)) for line in _lines(file)]
+        except (msgspec.ValidationError, KeyError, ValueError) as error:
+            what = f"does not hold calibrations: {error}"
+            raise SceneError(Issue(str(file), "", what, "restore the file, or remove it")) from error
 
     def sessions_of(self, participant: Participant) -> list[int]:
         """Return the numbers of the sessions that began."""

@@ -13,6 +13,7 @@ from mimics_app.app.study.protocol import PlannedRun, scene_of
 from mimics_app.app.study.study_folder import Attempt, Participant, StudyFolder
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.messages.trial_counts import SESSION_ENDED
+from mimics_app.recording.calibrations import calibration_of
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import PRIVATE_FOLDER
 
@@ -93,6 +94,8 @@ def play_next(study: StudyFolder, participant: Participant, answer: Answer, extr
     code = _play(study, found, attempt, from_trial, extra)
     folder = study.attempts(participant, found.session)[-1].folder
     outcome = "done" if code == 0 and _ended_whole(folder) else "interrupted"
+    if folder is not None and (calibration := calibration_of(Run(folder))) is not None:
+        study.write_calibration(participant, found.session, calibration)
     study.write_line(participant, found.session, {"run": number, "attempt": attempt, "outcome": outcome, "code": code})
     return study.attempts(participant, found.session)[-1]
 

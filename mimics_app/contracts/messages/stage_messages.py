@@ -71,11 +71,13 @@ class Aim:
         target_world: Target of the hand [m].
         close: True if the hand closes, or stays closed.
         further: The same for the points of contact after the first; one without a target moves beside the first.
+        strain: Force of a closing hand: 0 usual, 1 all the person's strength.
     """
 
     target_world: Vec3
     close: bool
     further: tuple[Aim, ...] = ()
+    strain: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Vec3
+from mimics_app.contracts.messages.abilities import Abilities
 from mimics_app.contracts.messages.orders import Feature, HapticOrder
 from mimics_app.contracts.messages.stage_messages import Aim, HapticSnapshot, TaskOrders
 from mimics_app.contracts.ports.plugins import PluginGroup, fault_of_builder
@@ -50,6 +51,8 @@ class TaskContext:
         fastest: Speed beyond which the loop stops the robot [m/s]; 0: unknown.
         introduced: The page of what is to be done is shown before the first trial, which then starts with a countdown.
         waits: That page stays until somebody confirms it.
+        audible: Sounds reach the person.
+        abilities: What the simulated person who plays is able to do; None: a real one.
     """
 
     start_joints: tuple[float, ...]
@@ -64,6 +67,8 @@ class TaskContext:
     fastest: float = 0.0
     introduced: bool = False
     waits: bool = False
+    audible: bool = True
+    abilities: Abilities | None = None
 
 
 class Scenario(Protocol):

@@ -27,7 +27,8 @@ class SimulatedPatient:
     def read(self, window: WindowFrame, now_ns: int) -> PointerState:
         """Return the target; active while the person has an intent and a path or target.
 
-        The grasp is 1 where the hand is to close, else 0: the force comes from the device's own profile.
+        The grasp is 1 where the hand is to close, 2 with all its strength, else 0: the force comes from the device's
+        own profile.
         """
         aim = self._aim
         active = self._intent and (self._follows_path or aim is not None)
@@ -46,4 +47,4 @@ class SimulatedPatient:
 
 
 def _grasp(aim: Aim) -> float:
-    return 1.0 if aim.close else 0.0
+    return 1.0 + aim.strain if aim.close else 0.0

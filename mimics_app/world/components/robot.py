@@ -47,6 +47,10 @@ __all__ = [
 Arm = Annotated[float, Meta(gt=0, le=10)]
 Reach = Annotated[float, Meta(ge=0, le=10)]
 """Length within the reach of a robot beside a person [m], that may be 0."""
+_Ranges = tuple[Arm, Arm, Arm, Arm, Arm, Arm]
+_Opening = Annotated[float, Meta(ge=0.05, le=60)]
+_Letter = Annotated[float, Meta(gt=0, le=720)]
+_Level = Annotated[float, Meta(ge=-120, le=0)]
 _Joint = Annotated[float, Meta(ge=-100, le=100)]
 Joints = Annotated[tuple[_Joint, ...], Meta(min_length=1, max_length=8)]
 _MovingMass = Annotated[float, Meta(ge=0, le=1e3)]
@@ -173,6 +177,23 @@ class Patient(Component, frozen=True):
     tremor_hz: Annotated[Frequency | None, Meta(description="Frequency of the tremor [Hz], usually 4-8")] = None
     grasp: Annotated[Force | None, Meta(description="Mean grasp force [N]")] = None
     grasp_variation: Annotated[Force | None, Meta(description="Standard deviation of the grasp force [N]")] = None
+    strength: Annotated[PositiveForce | None, Meta(description="Largest grasp force [N]")] = None
+    release: Annotated[_Opening | None, Meta(description="Time in which the hand opens [s]")] = None
+    range_of_motion: Annotated[
+        _Ranges | None,
+        Meta(
+            description="How far the hand gets from where it rests: to the right, left, up, down, forwards, back [m]; "
+            "absent: as far as the device"
+        ),
+    ] = None
+    ease: Annotated[Share | None, Meta(description="Share of that range within which a movement is comfortable")] = None
+    hearing_left: Annotated[
+        _Level | None, Meta(description="Softest level that is heard from the left [dB, 0 as authored]")
+    ] = None
+    hearing_right: Annotated[_Level | None, Meta(description="Softest level that is heard from the right [dB]")] = None
+    letter: Annotated[
+        _Letter | None, Meta(description="Height of the smallest letter that is read [px of a picture 720 px high]")
+    ] = None
 
 
 @component("next_mark")

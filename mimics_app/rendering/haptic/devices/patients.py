@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import require_choice
+from mimics_app.contracts.messages.abilities import Abilities
 from mimics_app.rendering.haptic.kernels import arm
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ _CONTENT_SHARE = 0.4
 
 @dataclass(frozen=True, slots=True)
 class Impairment:
-    """Motor parameters of a simulated person.
+    """Motor parameters and senses of a simulated person.
 
     Attributes:
         arm_mass: Mass at the hand [kg].
@@ -44,6 +45,13 @@ class Impairment:
         grasp: Mean grasp force [N].
         grasp_variation: Its standard deviation [N].
         corner_cutting: 0: movements follow the bends of the path, 1: straight from start to end.
+        strength: Largest grasp force [N].
+        release: Time in which the hand opens [s].
+        range_of_motion: How far the hand gets from where it rests: to the right, left, up, down, forwards and back [m];
+            (): as far as the device.
+        ease: Share of that range within which a movement is comfortable.
+        hearing_left, hearing_right: Softest level that is heard from a side [dB, 0 as authored].
+        letter: Height of the smallest letter that is read [px of a picture 720 px high].
     """
 
     arm_mass: float
@@ -58,15 +66,30 @@ class Impairment:
     grasp: float
     grasp_variation: float
     corner_cutting: float
+    strength: float
+    release: float = 0.5
+    range_of_motion: tuple[float, ...] = ()
+    ease: float = 0.8
+    hearing_left: float = -45.0
+    hearing_right: float = -45.0
+    letter: float = 12.0
+
+    @property
+    def abilities(self) -> Abilities:
+        """What a calibration of the person should find."""
+        return Abilities(
+            self.range_of_motion, self.ease, self.strength, self.hearing_left, self.hearing_right, self.letter
+        )
 
 
 PRESETS = {
-    "healthy": Impairment(1.5, 25.0, 350.0, 0.17, 0.40, 0.006, 0.0, 0.1, 8.0, 10.0, 0.8, 0.30),
-    "moderate": Impairment(1.5, 25.0, 420.0, 0.13, 0.060, 0.011, 0.25, 1.2, 6.0, 9.0, 2.0, 0.45),
-    "severe": Impairment(1.6, 28.0, 450.0, 0.09, 0.035, 0.018, 0.50, 3.0, 5.0, 7.5, 3.0, 0.55),
+    "healthy": Impairment(1.5, 25.0, 350.0, 0.17, 0.40, 0.006, 0.0, 0.1, 8.0, 10.0, 0.8, 0.30, 60.0),
+    "moderate": Impairment(1.5, 25.0, 420.0, 0.13, 0.060, 0.011, 0.25, 1.2, 6.0, 9.0, 2.0, 0.45, 32.0),
+    "severe": Impairment(1.6, 28.0, 450.0, 0.09, 0.035, 0.018, 0.50, 3.0, 5.0, 7.5, 3.0, 0.55, 18.0),
 }
 """From healthy to severe: one smooth movement, then more, shorter and less accurate ones (submovements after stroke:
-Krebs et al. 1999, Rohrer et al. 2002), a stiffer (spastic) arm, tremor, a weak grasp."""
+Krebs et al. 1999, Rohrer et al. 2002), a stiffer (spastic) arm, tremor, a weak grasp. Strengths are settings, not
+data."""
 
 
 def impairment_of(patient: Patient) -> Impairment:
@@ -118,6 +141,8 @@ def write_arm(memory: NDArray[np.float64], person: Impairment, via_points: NDArr
         arm.CORNER_CUTTING: person.corner_cutting,
         arm.TOLERANCE: max(_FINEST_AIM, _CONTENT_SHARE * person.aim_error),
         arm.INTENT: float(intent),
+        arm.STRENGTH: person.strength,
+        arm.OPENING: person.release,
     }
     for place, value in values.items():
         memory[place] = value
@@ -125,3 +150,8 @@ def write_arm(memory: NDArray[np.float64], person: Impairment, via_points: NDArr
     memory[arm.VIA_POINTS] = laid.shape[0]
     memory[arm.VIA_STEP] = step
     memory[arm.PATH : arm.PATH + laid.size] = laid.ravel()
+    if person.range_of_motion:
+        right, left, up, down, forwards, back = person.range_of_motion
+        memory[arm.LIMITED] = 1.0
+        memory[arm.LEAST : arm.LEAST + 3] = (-forwards, -left, -down)
+        memory[arm.MOST : arm.MOST + 3] = (back, right, up)

@@ -8,7 +8,8 @@ Between its ends a movement follows the path, but cuts its corners by a share of
 
 Without a path the arm pursues a given target by visual feedback: a movement of at most one reach, a pause, the next
 movement by the remaining error. The sag of the hand under the weight of a held object is thus corrected. The hand
-closes on request.
+closes on request, with its usual force or with all its strength. Where the arm has a range of motion, the intention
+stays inside it, a box about the place where the hand took the handle.
 
 Tremor is a force. The only output to the robot is the force of the grip on the handle.
 """
@@ -34,11 +35,16 @@ __all__ = [
     "GRASP_VARIATION",
     "GRIP_FORCE",
     "INTENT",
+    "LEAST",
+    "LIMITED",
+    "MOST",
+    "OPENING",
     "PATH",
     "PATH_POINTS",
     "PEAK_SPEED",
     "REACH",
     "REACTION",
+    "STRENGTH",
     "TOLERANCE",
     "TREMOR",
     "TREMOR_HZ",
@@ -88,7 +94,14 @@ START_VELOCITY = 50  # intended velocity 50:53 at the start of a movement to a t
 CLOSED = 53  # share of the closing time, 0 open, 1 closed
 TOLERANCE = 54  # distance within which a target is reached [m]
 AT_TARGET = 55  # 1 from reaching the target until it moves away
-PATH = 56  # via points, three numbers each [m]
+HOME = 56  # where the hand took the handle 56:59 [m]
+LIMITED = 59  # 1: the arm has a range of motion
+LEAST = 60  # range of motion from there 60:63 and 63:66 [m], robot frame
+MOST = 63
+STRENGTH = 66  # largest grasp force [N]
+OPENING = 67  # time in which the hand opens [s]
+EFFORT = 68  # of the newest closing: 1 usual, 2 all the strength
+PATH = 69  # via points, three numbers each [m]
 ARM_LENGTH = PATH + 3 * PATH_POINTS
 
 _GRIP_STIFFNESS = 4000.0
@@ -104,7 +117,7 @@ _SHORTEST_MOVEMENT = 0.25
 """Smallest duration of a movement [s]."""
 
 _GRASP_TIME = 0.5
-"""Time in which the hand closes or opens [s]."""
+"""Time in which the hand closes [s]."""
 
 _GRASP_DRIFT_TIME = 0.4
 """Time constant of the noise of the grasp force [s]."""
@@ -184,6 +197,15 @@ def _begin(arm: Vec, target: Vec) -> None:
 
 
 @kernel
+def _within_range(arm: Vec, axis: int, intended: float) -> float:
+    """Bring a coordinate of the intention [m] into the range of motion of the arm."""
+    if arm[LIMITED] == 0.0:
+        return intended
+    home = arm[HOME + axis]
+    return min(max(intended, home + arm[LEAST + axis]), home + arm[MOST + axis])
+
+
+@kernel
 def _follow_path(arm: Vec, dt: float) -> None:
     """Advance the intended movement along the path."""
     arm[ELAPSED] += dt
@@ -202,7 +224,7 @@ def _follow_path(arm: Vec, dt: float) -> None:
         error_to = arm[TO + i] - arm[PATH + 3 * last + i]
         curved = along + (1.0 - progress) * error_from + progress * error_to
         straight = arm[FROM + i] + progress * (arm[TO + i] - arm[FROM + i])
-        intended = cut * straight + (1.0 - cut) * curved
+        intended = _within_range(arm, i, cut * straight + (1.0 - cut) * curved)
         arm[INTENDED + 3 + i] = (intended - arm[INTENDED + i]) / dt
         arm[INTENDED + i] = intended
 
@@ -244,17 +266,23 @@ def _pursue(arm: Vec, target: Vec, dt: float) -> None:
         span = arm[TO + i] - arm[FROM + i]
         begun = arm[START_VELOCITY + i] * arm[DURATION]
         curve = 10.0 * span - 6.0 * begun + u * (-15.0 * span + 8.0 * begun + u * (6.0 * span - 3.0 * begun))
-        intended = arm[FROM + i] + u * (begun + u * u * curve)
+        intended = _within_range(arm, i, arm[FROM + i] + u * (begun + u * u * curve))
         arm[INTENDED + 3 + i] = (intended - arm[INTENDED + i]) / dt
         arm[INTENDED + i] = intended
 
 
 @kernel
-def _grasp(arm: Vec, closed: float, dt: float) -> float:
-    """Grasp force [N] of a hand closed by a share 0-1 of the closing time: its mean with slow noise."""
+def _grasp(arm: Vec, closed: float, strain: float, dt: float) -> float:
+    """Grasp force [N] of a hand closed by a share 0-1 of the closing time: its mean with slow noise.
+
+    With a strain of 0 the mean is the usual one, with 1 all the strength.
+    """
     share = dt / _GRASP_DRIFT_TIME
+    mean = arm[GRASP_MEAN]
+    if strain > 0.0:
+        mean += strain * (arm[STRENGTH] - mean)
     arm[GRASP_DRIFT] += -share * arm[GRASP_DRIFT] + math.sqrt(2.0 * share) * gauss(arm, GENERATOR)
-    return max(0.0, min_jerk(closed) * (arm[GRASP_MEAN] + arm[GRASP_VARIATION] * arm[GRASP_DRIFT]))
+    return max(0.0, min_jerk(closed) * (mean + arm[GRASP_VARIATION] * arm[GRASP_DRIFT]))
 
 
 @kernel
@@ -263,11 +291,13 @@ def _act(arm: Vec, target: Vec, close: float, dt: float) -> float:
     arm[TIME] += dt
     if arm[VIA_POINTS] > 1.0:
         _follow_path(arm, dt)
-        return _grasp(arm, arm[TIME] / _GRASP_TIME, dt)
+        return _grasp(arm, arm[TIME] / _GRASP_TIME, 0.0, dt)
     _pursue(arm, target, dt)
-    change = dt / _GRASP_TIME
-    arm[CLOSED] = min(1.0, max(0.0, arm[CLOSED] + (change if close > 0.0 else -change)))
-    return _grasp(arm, arm[CLOSED], dt)
+    if close > 0.0:
+        arm[EFFORT] = min(2.0, max(1.0, close))
+    change = dt / _GRASP_TIME if close > 0.0 else -dt / arm[OPENING]
+    arm[CLOSED] = min(1.0, max(0.0, arm[CLOSED] + change))
+    return _grasp(arm, arm[CLOSED], arm[EFFORT] - 1.0, dt)
 
 
 @kernel
@@ -280,7 +310,7 @@ def step_arm(arm: Vec, handle: Vec, active: bool, trial: float, target: Vec, clo
         active: Whether the person may act; otherwise the relaxed arm follows the handle.
         trial: Number of the trial; a change restarts the path.
         target: Target of the hand for an arm without a path, robot frame [m].
-        close: Above 0: the hand of such an arm closes.
+        close: Above 0: the hand of such an arm closes, at 1 with its usual force, at 2 with all its strength.
         dt: Tick [s].
 
     Returns:
@@ -289,6 +319,7 @@ def step_arm(arm: Vec, handle: Vec, active: bool, trial: float, target: Vec, clo
     if arm[PLACED] == 0.0:
         arm[PLACED] = 1.0
         copy(handle[0:3], arm[HAND : HAND + 3])
+        copy(handle[0:3], arm[HOME : HOME + 3])
     acting = active and arm[INTENT] != 0.0
     if acting and (arm[ACTING] == 0.0 or arm[TRIAL] != trial):
         _begin(arm, target)

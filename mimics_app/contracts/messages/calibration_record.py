@@ -1,0 +1,53 @@
+"""What a calibration found of a person: measures with unit, number of repeats and spread."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import msgspec
+
+__all__ = ["CALIBRATED", "NOT_MEASURED", "CalibratedMeasure", "Calibration"]
+
+CALIBRATED, NOT_MEASURED = "calibrated", "not_measured"
+"""Kinds of the journal's lines with one measure, and with a step that could not be measured."""
+
+
+class CalibratedMeasure(msgspec.Struct, frozen=True):
+    """One measure of a person.
+
+    Attributes:
+        name: Its name, such as "reach_right".
+        value: The estimate, in `unit`.
+        unit: "m", "N", "s", "m/s", "dB", "px".
+        repeats: Number of repeats that it is of.
+        spread: Largest less smallest of these, in `unit`.
+        at_least: Whether the device ended before the person did: the true value is larger.
+    """
+
+    name: str
+    value: float
+    unit: str
+    repeats: int
+    spread: float
+    at_least: bool = False
+
+
+class Calibration(msgspec.Struct, frozen=True):
+    """Result of one calibration.
+
+    Attributes:
+        measures: Measures by name.
+        skipped: Why a step was not measured, by its name.
+        source: Name of the run folder that it is from.
+        utc: Begin of that run.
+    """
+
+    measures: Mapping[str, CalibratedMeasure]
+    skipped: Mapping[str, str] = {}
+    source: str = ""
+    utc: str = ""
+
+    def value(self, name: str) -> float | None:
+        """Return the value of a measure, None where it was not measured."""
+        measure = self.measures.get(name)
+        return None if measure is None else measure.value

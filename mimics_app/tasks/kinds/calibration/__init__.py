@@ -1,0 +1,3 @@
+"""Calibration of a person, as a kind of task."""
+
+__all__: list[str] = []

@@ -1,0 +1,265 @@
+"""Calibration of a person, before the tasks: each trial is one step, whose measures are journalled."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+from msgspec import structs
+
+from mimics_app.contracts.errors import Issue
+from mimics_app.contracts.messages.board import Card
+from mimics_app.contracts.messages.calibration_record import CALIBRATED, NOT_MEASURED, CalibratedMeasure
+from mimics_app.contracts.messages.orders import Feature
+from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
+from mimics_app.contracts.messages.stage_messages import SoundTrigger
+from mimics_app.contracts.ports.scenario_port import TaskContext
+from mimics_app.tasks.kinds.calibration.asking_step import HearingStep, ReadingStep
+from mimics_app.tasks.kinds.calibration.grip_step import GripStep
+from mimics_app.tasks.kinds.calibration.range_step import RangeStep
+from mimics_app.tasks.kinds.calibration.simulated import Wish, wish_of
+from mimics_app.tasks.kinds.calibration.spec import STEPS, CalibrationSpec, MeasuredGoal, StepName
+from mimics_app.tasks.kinds.calibration.step import Cue, Seen, Step, Tone
+from mimics_app.tasks.kinds.calibration.walking_step import WalkingStep
+from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, TaskBlock, TaskKind, Values
+from mimics_app.tasks.observation import Observation
+from mimics_app.tasks.walking.worn_orthosis import legs_in
+from mimics_app.world.components.registry import Component
+
+if TYPE_CHECKING:
+    from mimics_app.world.files.scene.scene import Scene
+
+__all__ = ["KIND", "LETTER", "LIGHT", "WISH", "CalibrationPlay", "ShownLetter"]
+
+LIGHT: Feature[tuple[float, ...]] = Feature("calibration.light", ())
+"""Where the light is, from where the hand rests [m]; () for no light."""
+
+ShownLetter = tuple[str, float]
+"""Direction in which the letter is open, and its height [px of a picture 720 px high]."""
+LETTER: Feature[ShownLetter] = Feature("calibration.letter", ("right", 0.0))
+"""The letter; of height 0: none."""
+WISH = Feature("calibration.wish", Wish())
+"""What a simulated person wants."""
+
+_NS = 1e-9
+"""A nanosecond [s]."""
+_BESIDE = 0.5
+"""Distance of a sound from the ears [m]."""
+_REACHES = ("right", "left", "up", "down", "forward", "back")
+_COLUMNS = {
+    **{f"reach_{name}": f"reach_{name}_m" for name in _REACHES},
+    "grip": "grip_n",
+    "release": "release_s",
+    "walking": "walking_mps",
+    "hearing_left": "hearing_left_db",
+    "hearing_right": "hearing_right_db",
+    "letter": "letter_px",
+}
+"""Column of each measure that has one."""
+
+
+class CalibrationPlay(KindPlay):
+    """The steps of a session.
+
+    Args:
+        spec: Section of the task.
+        context: Properties of the scene.
+        labels: Steps of the trials in order.
+        seed: Seed of questions and their order.
+    """
+
+    def __init__(self, spec: CalibrationSpec, context: TaskContext, labels: Sequence[str], seed: int) -> None:
+        self._spec, self._context, self._seed = spec, context, seed
+        self._rest, self._ears = context.places[spec.rest], context.places[spec.ears]
+        self._legs = legs_in(context)
+        self._events: list[tuple[str, Mapping[str, object]]] = []
+        self._sounds: list[SoundTrigger] = []
+        self.begin_trial(labels[0], 0)
+
+    def begin_trial(self, label: str, number: int) -> None:
+        self._label, self._number = label, number
+        self.begin_attempt()
+
+    def begin_attempt(self) -> None:
+        self._step = self._made(self._label)
+        self._noted, self._played = False, 0
+        self._travels = False
+
+    def start_attempt(self, seen: Observation) -> None:
+        self._travels = True
+
+    def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:
+        return structs.replace(seen, progress=1.0 if self._step.done else self._step.share)
+
+    def travel(self, seen: Observation, seconds: float) -> None:
+        if not self._step.done:
+            self._step.take(self._seen(seen, seconds), seconds)
+        tone = self._step.cue.tone
+        if tone is not None and tone.number != self._played:
+            self._played = tone.number
+            self._sounds.append(self._sound(tone, seen.now_ns))
+        if self._step.done and not self._noted:
+            self._noted = True
+            self._note(seen.now_ns)
+
+    def take_events(self) -> Sequence[tuple[str, Mapping[str, object]]]:
+        events, self._events = self._events, []
+        return events
+
+    def take_sounds(self) -> tuple[SoundTrigger, ...]:
+        sounds, self._sounds = tuple(self._sounds), []
+        return sounds
+
+    @property
+    def visual(self) -> Mapping[Feature[Any], object]:
+        cue = self._step.cue if self._travels and not self._step.done else Cue("")
+        letter: ShownLetter = ("right", 0.0) if cue.letter is None else (cue.letter.direction, cue.letter.height)
+        able = self._context.abilities
+        wish = Wish() if able is None else wish_of(cue, able, self._spec.answer)
+        return {LIGHT: cue.light or (), LETTER: letter, WISH: wish}
+
+    @property
+    def prompt(self) -> str:
+        return self._step.cue.prompt
+
+    @property
+    def asks(self) -> bool:
+        return self._label in ("hearing", "reading")
+
+    @property
+    def measures(self) -> Values:
+        found = {measure.name: measure.value for measure in self._step.measures}
+        return {column: found.get(name) for name, column in _COLUMNS.items()}
+
+    def outcome_words(self, row: Mapping[str, object], *, finished: bool) -> str:
+        if self._step.skipped:
+            return f"{self._label.capitalize()} is not measured: {self._step.skipped}"
+        if not finished:
+            return f"{self._label} is not measured to its end"
+        return f"{self._label.capitalize()}: {', '.join(map(_words, _shown(self._step.measures)))}"
+
+    def holds(self, goal: Component, seen: Observation) -> bool:
+        return self._step.done
+
+    def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:
+        return {"step": Card("Step", self._label, width=170.0)}
+
+    def _made(self, label: str) -> Step:
+        """Return a step that begins."""
+        spec, number = self._spec, self._number
+        if label == "grip":
+            return GripStep(spec, "a mouse or gamepad does not measure it" if self._context.by_pointer else "")
+        if label == "walking":
+            return WalkingStep(spec, "" if self._legs is not None else "this device has no belt")
+        if label == "hearing":
+            return HearingStep(spec, self._seed, number, "" if self._context.audible else "the sound is off")
+        if label == "reading":
+            return ReadingStep(spec, self._seed, number)
+        return RangeStep(spec)
+
+    def _seen(self, seen: Observation, seconds: float) -> Seen:
+        x, y, z = (here - rest for here, rest in zip(seen.hip_world, self._rest, strict=True))
+        legs = None if self._legs is None else self._legs.read(seen.q, seconds)
+        return Seen(seen.now_ns * _NS, seen.shown_ns * _NS, (x, y, z), seen.grasp, legs)
+
+    def _sound(self, tone: Tone, now_ns: int) -> SoundTrigger:
+        x, y, z = self._ears
+        aside = _BESIDE if tone.side == "right" else -_BESIDE
+        return SoundTrigger("test_tone", now_ns, (x + aside, y, z), strength=10.0 ** (tone.level / 20.0))
+
+    def _note(self, now_ns: int) -> None:
+        where = {"t_ns": now_ns, "trial": self._number}
+        if self._step.skipped:
+            self._events.append((NOT_MEASURED, {**where, "step": self._label, "why": self._step.skipped}))
+        for measure in self._step.measures:
+            self._events.append((CALIBRATED, {**where, **msgspec.to_builtins(measure)}))
+
+
+def _shown(measures: Sequence[CalibratedMeasure]) -> list[CalibratedMeasure]:
+    """Return the measures that have a column: comfortable reaches are in the journal only."""
+    return [measure for measure in measures if measure.name in _COLUMNS]
+
+
+def _words(measure: CalibratedMeasure) -> str:
+    name = measure.name.partition("_")[2] or measure.name
+    more = "at least " if measure.at_least else ""
+    if measure.unit == "m":
+        return f"{name} {more}{100.0 * measure.value:.0f} cm"
+    digits = 2 if measure.unit in ("s", "m/s") else 0
+    return f"{name} {more}{measure.value:.{digits}f} {measure.unit}"
+
+
+class CalibrationSection(ReportSection):
+    """Section of runs with steps of a calibration."""
+
+    heading = "Calibration"
+
+    def takes(self, facts: Mapping[str, Any], attempts: Sequence[ReportedAttempt]) -> bool:
+        return any("reach_right_m" in attempt.row for attempt in attempts)
+
+    def tiles(self, task: Mapping[str, Any]) -> Mapping[str, tuple[Any, str]]:
+        return {
+            **{f"reach {name}": (task.get(f"reach_{name}_m"), "m") for name in _REACHES},
+            "grip strength": (task.get("grip_n"), "N"),
+            "time to let go": (task.get("release_s"), "s"),
+            "walking speed": (task.get("walking_mps"), "m/s"),
+            "hears from the left": (task.get("hearing_left_db"), "dB"),
+            "hears from the right": (task.get("hearing_right_db"), "dB"),
+            "reads letters of": (task.get("letter_px"), "px"),
+        }
+
+
+def _column(name: str, what: str) -> Measure:
+    """Return a measure without weight in the score."""
+    return Measure.totalled(name, name, what, 1.0, 0.0)
+
+
+class CalibrationKind(TaskKind):
+    """Measures of the person as a task."""
+
+    name, section, goals = "calibration", CalibrationSpec, (MeasuredGoal,)
+    measures = (
+        *(_column(f"reach_{name}_m", f"How far the hand gets, {name} [m].") for name in _REACHES),
+        _column("grip_n", "Grip strength [N]."),
+        _column("release_s", "Time from the word to the open hand [s]."),
+        _column("walking_mps", "Comfortable walking speed [m/s]."),
+        _column("hearing_left_db", "Softest level heard from the left [dB, 0 as authored]."),
+        _column("hearing_right_db", "Softest level heard from the right [dB, 0 as authored]."),
+        _column("letter_px", "Height of the smallest letter that was read [px of a picture 720 px high]."),
+    )
+    completes = "measured"
+    cards = ("step",)
+    label = "Step"
+    touches = False
+    scored = False
+    journals = (CALIBRATED, NOT_MEASURED)
+    report = CalibrationSection()
+
+    def check(self, spec: TaskBlock, pointer: str) -> Iterator[Fault]:
+        yield from super().check(spec, pointer)
+        if spec.find(CalibrationSpec) is None:
+            return
+        for b, label in enumerate(_labels(spec)):
+            if label not in STEPS:
+                yield f"{pointer}/trials/{b}", f'there is no step "{label}"', f"known: {', '.join(STEPS)}"
+
+    def check_scene(self, spec: TaskBlock, scene: Scene) -> list[Issue]:
+        section = spec.find(CalibrationSpec)
+        if section is None:
+            return []
+        named = {f"/task/calibration/{field}": getattr(section, field) for field in ("rest", "light", "letter", "ears")}
+        return scene.check_names(named, "no entity", scene.by_id)
+
+    def open(self, spec: TaskBlock, context: TaskContext, seed: int) -> CalibrationPlay:
+        section = spec.find(CalibrationSpec)
+        assert section is not None
+        return CalibrationPlay(section, context, _labels(spec) or list[StepName](STEPS), seed)
+
+
+def _labels(spec: TaskBlock) -> list[str]:
+    blocks = spec.trials if not isinstance(spec.trials, str) else []
+    return [trial.label for block in blocks for trial in block.trials]
+
+
+KIND = CalibrationKind()
