@@ -216,7 +216,7 @@ def test_the_loop_the_laws_and_the_devices_are_among_the_compiled_modules() -> N
         "rendering/haptic/loop.py",
         "rendering/haptic/publish.py",
         "rendering/haptic/simulate.py",
-        "rendering/haptic/control/admittance.py",
+        "rendering/haptic/control/joint_pd.py",
         "rendering/haptic/devices/serial_robot.py",
         "maths/quat.py",
         "world/graph/propagation.py",
@@ -227,7 +227,7 @@ def test_the_loop_the_laws_and_the_devices_are_among_the_compiled_modules() -> N
     ("path", "line"),
     [
         ("rendering/haptic/loop.py", "import json"),
-        ("rendering/haptic/control/admittance.py", "from mimics_app.world.components.robot import Robot"),
+        ("rendering/haptic/control/joint_pd.py", "from mimics_app.world.components.robot import Robot"),
         ("rendering/haptic/simulate.py", "from mimics_app.rendering.haptic.engine import HapticEngine"),
         ("rendering/haptic/devices/serial_robot.py", "import pyarrow"),
         ("lab/stability/stack.py", "import moderngl"),

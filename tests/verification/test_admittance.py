@@ -9,7 +9,7 @@ import pytest
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.loop.haptic import AdmittanceForm
-from mimics_app.rendering.haptic.control.admittance import (
+from mimics_app.rendering.haptic.kernels.admittance import (
     VirtualMass,
     acceleration_cartesian,
     acceleration_polar,

@@ -11,7 +11,7 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.loop.haptic import AdmittanceForm
 from mimics_app.lab.probe import shortest_us
 from mimics_app.lab.rivals import Probes, Rival, compare
-from mimics_app.rendering.haptic.control.admittance import VirtualMass, admit
+from mimics_app.rendering.haptic.kernels.admittance import VirtualMass, admit
 from mimics_app.rendering.haptic.kernels.kinematics import apply_inverse_jacobian, apply_jacobian
 
 if TYPE_CHECKING:

@@ -18,8 +18,8 @@ from mimics_app.contracts.loop.haptic import AdmittanceForm
 from mimics_app.contracts.loop.loop_ports import DATA_FORCE, DATA_LENGTH, DATA_Q
 from mimics_app.lab.stability.growth import dies_away, note_peak
 from mimics_app.lab.stability.linear import is_contracting
-from mimics_app.rendering.haptic.control.admittance import VirtualMass, admit
 from mimics_app.rendering.haptic.kernels import arm, robot
+from mimics_app.rendering.haptic.kernels.admittance import VirtualMass, admit
 from mimics_app.rendering.haptic.kernels.arm import step_arm
 from mimics_app.rendering.haptic.kernels.robot import command_robot, place_handle, sense, step_robot
 

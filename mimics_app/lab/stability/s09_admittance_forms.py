@@ -19,7 +19,7 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.haptic import AdmittanceForm
 from mimics_app.lab.experiment import Experiment, Outcome, Row, largest_disagreement, points_of
-from mimics_app.rendering.haptic.control.admittance import VirtualMass, admit
+from mimics_app.rendering.haptic.kernels.admittance import VirtualMass, admit
 from mimics_app.rendering.haptic.kernels.kinematics import apply_jacobian, forward
 from mimics_app.rendering.haptic.kernels.vectors import copy, norm
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
-from mimics_app.rendering.haptic.control.admittance import VirtualMass, admit
+from mimics_app.rendering.haptic.kernels.admittance import VirtualMass, admit
 from mimics_app.rendering.haptic.kernels.kinematics import robot_to_tool
 
 if TYPE_CHECKING:

@@ -19,10 +19,10 @@ from mimics_app.contracts.loop.device_descriptor import Kin
 from mimics_app.contracts.loop.gait_state import GaitState
 from mimics_app.contracts.loop.haptic import SafetyState, TripCause
 from mimics_app.contracts.loop.loop_fields import MAX_JOINTS
-from mimics_app.rendering.haptic.control.admittance import limit_motion
-from mimics_app.rendering.haptic.control.impedance import draw_along, draw_joints
 from mimics_app.rendering.haptic.kernels.acting import drop_force, payable_share, tank_level
+from mimics_app.rendering.haptic.kernels.admittance import limit_motion
 from mimics_app.rendering.haptic.kernels.controller_slot import drives_to_target, moves_mass, person_leads
+from mimics_app.rendering.haptic.kernels.impedance import draw_along, draw_joints
 from mimics_app.rendering.haptic.kernels.joints import (
     find_jacobian,
     points_of,
