@@ -144,12 +144,18 @@ def test_who_walks_against_a_board_stands_and_along_it_goes_on() -> None:
 
 
 @pytest.mark.parametrize(
-    ("ball", "words"),
-    [((0.0, -1.0), "ahead, 1 m"), ((0.0, 3.0), "behind, 3 m"), ((2.0, 0.2), "right, 2 m"), ((-2.0, 0.2), "left, 2 m")],
+    ("ball", "where", "far"),
+    [
+        ((0.0, -1.0), "ahead", "1 m"),
+        ((0.0, 3.0), "behind", "3 m"),
+        ((2.0, 0.2), "right", "2 m"),
+        ((-2.0, 0.2), "left", "2 m"),
+    ],
 )
-def test_the_cards_say_where_the_ball_is(ball: tuple[float, float], words: str) -> None:
+def test_the_cards_say_where_the_ball_is(ball: tuple[float, float], where: str, far: str) -> None:
     play = SoccerPlay(SoccerSpec("person", "ball"), 1, advises=False)
     play._match.person.put(0.0, 0.0, math.pi)  # the person looks along -z, where their goal is
     play._match.ball.put(*ball)
     cards = play.cards(None, 0)  # type: ignore[arg-type]
-    assert cards["ball"].text == words and cards["goal"].text == "ahead, 8 m"
+    assert (cards["ball"].label, cards["ball"].text) == (f"Ball: {where}", far)
+    assert (cards["goal"].label, cards["goal"].text) == ("Goal: ahead", "8 m")

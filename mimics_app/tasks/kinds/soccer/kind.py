@@ -288,10 +288,14 @@ class SoccerPlay(KindPlay):
         match, view = self._match, self._match.view_of_person()
         left = max(self._spec.match_s - self._seconds, 0.0)
         return {
-            "goals": Card(phrase("You : red"), f"{match.goals} : {match.opponent_goals}", width=150.0),
-            "left": Card(phrase("Left"), f"{left:.0f} s", width=130.0),
-            "ball": Card(phrase("Ball"), _way_to(view, view.ball), width=160.0),
-            "goal": Card(phrase("Your goal"), _way_to(view, view.goal), width=160.0),
+            "goals": Card(phrase("You : red"), f"{match.goals} : {match.opponent_goals}", width=130.0),
+            "left": Card(phrase("Left"), f"{left:.0f} s", width=100.0),
+            "ball": Card(
+                phrase("Ball: {where}", where=_WHERE[_side(view, view.ball)]), _far(view, view.ball), width=130.0
+            ),
+            "goal": Card(
+                phrase("Goal: {where}", where=_WHERE[_side(view, view.goal)]), _far(view, view.goal), width=130.0
+            ),
             "speed": speed_card(match.person.walker.speed, self._spec.fastest),
             "steps": count_card(phrase("Steps"), match.person.walker.footfalls.count),
             "kicks": count_card(phrase("Touches"), match.kicks),
@@ -338,9 +342,9 @@ def _side(view: PlayerView, place: complex) -> int:
     return 3 if abs(off) > math.pi - _AHEAD else 1 if off > 0.0 else 2
 
 
-def _way_to(view: PlayerView, place: complex) -> str:
-    """Return direction and distance of a place in words."""
-    return phrase("{where}, {metres:.0f} m", where=_WHERE[_side(view, place)], metres=abs(place - view.me))
+def _far(view: PlayerView, place: complex) -> str:
+    """Return the distance of a place in words."""
+    return f"{abs(place - view.me):.0f} m"
 
 
 class SoccerKind(TaskKind):
