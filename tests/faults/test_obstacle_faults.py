@@ -94,6 +94,9 @@ def _joints(plant: np.ndarray) -> np.ndarray:
         (GaitState.WALKING, "encoder_not_finite:left knee", True),
         (GaitState.EXPLORING, "silent", True),
         (GaitState.WALKING, "deaf", True),
+        (GaitState.WALKING, "encoder_stuck:left knee", True),
+        (GaitState.EXPLORING, "encoder_stuck:left hip", True),
+        (GaitState.COLLISION_ENABLED, "encoder_stuck:right knee", False),
         (GaitState.EXPLORING, "sensor_dead:right hip", False),
     ],
 )

@@ -19,14 +19,18 @@ WALL = 0.24
 
 def test_the_foot_is_held_at_the_wall_and_nothing_stops(tmp_path) -> None:
     with mimics.open(SCENE, runs=tmp_path) as session:
-        session.step(9.0)
+        session.step(20.0)
         folder = session.run_dir
     haptic = mimics.load(folder).haptic
     assert np.asarray(haptic["state"])[-1] == SafetyState.ACTIVE and not np.asarray(haptic["cause"]).any()
     x = np.asarray(haptic["hip_world"])[:, 0]
-    late = np.asarray(haptic["t"]) > 7.0
+    late = np.asarray(haptic["t"]) > 9.0
     assert x.max() < WALL + 0.03, "the goal of the limb lies 35 mm behind the wall"
     assert (x[late] > WALL - 0.06).any() and np.asarray(haptic["tank"]).min() >= 0.0
+    wish, felt = np.asarray(haptic["left_x_des"])[late], np.asarray(haptic["left_f_x"])[late]
+    assert wish.max() < WALL + 1e-3, "x_des stays on the border"
+    assert np.abs(wish - x[late]).max() < 0.08, "and near the foot, also while an empty tank holds the drives back"
+    assert (felt < 0.0).mean() > 0.15, "the wall is pressed again and again"
 
 
 @pytest.mark.parametrize("name", ["lokomat_impedance", "lokomat_combined"])

@@ -17,6 +17,7 @@ from mimics_app.rendering.haptic.control.lokomat.guidance_force import (
     guide_joints,
     nearest_time,
 )
+from mimics_app.rendering.haptic.control.lokomat.leg_control import LEG_INPUT, LEG_STATE, control_combined
 from mimics_app.rendering.haptic.control.lokomat.position_control import (
     driven_mass,
     foot_stiffness,
@@ -161,6 +162,16 @@ def test_the_window_lets_a_leg_lag_and_returns_one_that_leaves_the_path() -> Non
     assert np.linalg.norm(_in_window(full, far, now)) > 10.0, "beyond the window the path pulls"
     at, zero, tau = np.array([0.1, 0.3]), np.zeros(2), np.zeros(2)
     assert nearest_time(at, at + 0.1, zero, zero, 0.1) == 0.0, "a reference that stands is a place"
+
+
+def test_a_leg_that_cannot_follow_does_not_let_its_virtual_one_run_away(rig: Rig) -> None:
+    """A person pushes for 3 s while the drives are held: 0.1 rad away, and back at once when the person lets go."""
+    now, state = np.zeros(1, LEG_INPUT), np.zeros(1, LEG_STATE)
+    now["dt"], now["q"], now["torque"] = 1e-3, (0.3, 0.6), (60.0, 0.0)
+    for _ in range(3000):
+        control_combined(rig.settings[0], now[0], state[0])
+    assert 0.05 < np.abs(state["shafts"]["theta"][0] - now["q"][0]).max() <= 0.1 + 1e-9
+    assert np.isfinite(state["tau"]).all()
 
 
 def test_a_hit_wall_stays_below_the_force_limit() -> None:

@@ -32,20 +32,19 @@ FORCE, RISE, POWER, WALL = 0, 1, 2, 3
 
 
 @kernel
-def _hit(kind, impacts, settings, now, state, limits, place, jacobian, last, excess):
+def _hit(kind, impacts, rng, settings, now, state, limits, place, jacobian, last, excess):
     """Let a foot of random pose and speed run into a wall of random numbers, again and again; note what is exceeded."""
-    random = np.random.random
     for number in range(impacts):
         for joint in range(2):
-            now.q[joint] = (-0.4 if joint == 0 else 0.0) + 1.4 * random()
-            now.dq[joint] = (10.0 if joint == 0 else 16.0) * (random() - 0.5)
-            now.torque[joint] = 400.0 * (random() - 0.5)
+            now.q[joint] = (-0.4 if joint == 0 else 0.0) + 1.4 * rng.random()
+            now.dq[joint] = (10.0 if joint == 0 else 16.0) * (rng.random() - 0.5)
+            now.torque[joint] = 400.0 * (rng.random() - 0.5)
             last[joint] = 0.0
         place_foot(settings.frame.geometry, 0, now.q, place)
         settings.outline.count = 0
-        put_wall(settings.outline, place[0] + 0.003 * random(), 0.0, -1.0, 0.0)
-        settings.foot.stiffness, settings.foot.damping = 100.0 + 49_900.0 * random(), 1e5 * random()
-        settings.foot.friction, settings.foot.impulse.ticks = 2.0 * random(), int(20.0 * random())
+        put_wall(settings.outline, place[0] + 0.003 * rng.random(), 0.0, -1.0, 0.0)
+        settings.foot.stiffness, settings.foot.damping = 100.0 + 49_900.0 * rng.random(), 1e5 * rng.random()
+        settings.foot.friction, settings.foot.impulse.ticks = 2.0 * rng.random(), int(20.0 * rng.random())
         state.started = 0
         role = number % ROLES
         set_limits(role, limits)
@@ -83,7 +82,7 @@ def test_no_random_impact_exceeds_the_limits_of_a_leg(kind: int, impacts: int) -
     now, state, excess = np.zeros(1, LEG_INPUT), np.zeros(1, LEG_STATE), np.full(4, -1.0)
     now["dt"], now["hard"] = 1e-3, 1
     limits, work = np.zeros(1, LEG_LIMITS), (np.zeros(3), np.zeros(4), np.zeros(2))
-    _hit(kind, impacts, rig.settings[0], now[0], state[0], limits[0], *work, excess)
+    _hit(kind, impacts, np.random.default_rng(5), rig.settings[0], now[0], state[0], limits[0], *work, excess)
     assert excess[FORCE] <= 1e-9 and excess[POWER] <= 1e-9 and excess[RISE] <= 1e-9 and excess[WALL] <= 1e-9
     assert excess[FORCE] > -1e-6 and excess[RISE] > -1e-6, "the limits act"
 

@@ -31,6 +31,7 @@ from mimics_app.contracts.loop.controller_slots import CommandKind, Lead
 from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
 from mimics_app.contracts.loop.gait_state import GaitState
 from mimics_app.rendering.haptic.control.lokomat.constrained_shafts import SurfaceFriction
+from mimics_app.rendering.haptic.control.lokomat.encoder_watch import ENCODER_WATCH, encoder_is_frozen
 from mimics_app.rendering.haptic.control.lokomat.heel_strike import HEEL_STRIKE, watch_heel
 from mimics_app.rendering.haptic.control.lokomat.leg_control import (
     LEG_INPUT,
@@ -147,6 +148,7 @@ PARAMETERS = (
     ControllerParameter("rate", 1000.0, 500.0, 1000.0, "Hz"),  # of both legs' control; below it walls vibrate (S18)
     ControllerParameter("guidance_window", 0.0, 0.0, 0.3, "s"),  # 0: impedance around the reference
     ControllerParameter("guidance_width", 0.05, 0.0, 0.3, "rad"),  # from the path, without torque; in a window
+    ControllerParameter("frozen_torque", 10.0, 1.0, 1000.0, "N m"),  # change of load without a step of the encoder
 )
 """Parameters of both controllers."""
 
@@ -156,6 +158,7 @@ PARAMETERS = (
     _PD_STIFFNESS, _COMPUTED, _GUIDANCE_STIFFNESS, _GUIDANCE_DAMPING, _COMPENSATION, _COULOMB, _VISCOUS, _MOTOR_MASS,
     _ORTHOSIS_MASS, _SHANK_ORTHOSIS, _LEG_MASS, _SHANK_WITH_FOOT, _HIP_LINK, _HIP_MOVED, _HIP_OFFSET, _KNEE_LINK,
     _KNEE_MOVED, _KNEE_OFFSET, _SEQUENCE, _OBSTACLE_AFTER, _EXPLORING_LEG, _EXPLORATION, _RATE, _WINDOW, _WIDTH,
+    _FROZEN,
 ) = places_of(PARAMETERS)  # fmt: skip
 
 _OF_A_LEG = (("x_real", "m"), ("x_des", "m"), ("f_x", "N"), ("eta_1", "m"), ("eta_2", "m"), ("guidance", "1"))
@@ -213,8 +216,10 @@ _STATE = LEG_STATE.itemsize // 8
 _WALK = _INPUT + 2 * _STATE
 _HEELS = _WALK + WALK.itemsize // 8
 _HEEL = HEEL_STRIKE.itemsize // 8
+_ENCODERS = _HEELS + 2 * _HEEL
+_ENCODER = ENCODER_WATCH.itemsize // 8
 """Places of the records in a controller's memory: numbers of a leg, input of a leg, states of both legs, gait state,
-heel strikes of both legs."""
+heel strikes and encoders of both legs."""
 
 WALK_PLACES = slice(_WALK, _HEELS)
 """Places of the gait state, a WALK record."""
@@ -397,6 +402,16 @@ def _watch_foot(
 
 
 @kernel
+def _stop_without_encoder(now: ControlInputRecord, parameters: Vec, memory: Vec, out: ControlOutputRecord) -> None:
+    """Latch a stop where an encoder of a leg is frozen."""
+    for leg in range(2):
+        watch = memory[_ENCODERS + leg * _ENCODER : _ENCODERS + (leg + 1) * _ENCODER].view(ENCODER_WATCH)[0]
+        q, torque = now.q[2 * leg : 2 * leg + 2], now.torque_meas[2 * leg : 2 * leg + 2]
+        if encoder_is_frozen(watch, q, torque, parameters[_FROZEN], now.dt):
+            out.stop = 1
+
+
+@kernel
 def control_legs(
     combined: bool, now: ControlInputRecord, parameters: Vec, memory: Vec, out: ControlOutputRecord
 ) -> None:
@@ -420,6 +435,7 @@ def control_legs(
     _write_object(settings, walk.called, parameters)
     if walks:
         _advance_walk(walk, now, parameters, out)
+    _stop_without_encoder(now, parameters, memory, out)
     stands, period = _reference_stands(now), math.ceil(1.0 / (parameters[_RATE] * now.dt) - _ROUNDED)
     for leg in range(2):
         state = memory[_INPUT + leg * _STATE : _INPUT + (leg + 1) * _STATE].view(LEG_STATE)[0]

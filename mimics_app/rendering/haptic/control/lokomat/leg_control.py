@@ -103,6 +103,11 @@ LEG_STATE = np.dtype(
 """State and outputs of the control of one leg; zeros are the initial state."""
 
 
+_LEASH = 0.1
+"""Distance of the virtual leg from the leg at each joint that no tracking reaches [rad]: beyond, limits or an empty
+energy tank keep the drives from following, and a virtual leg that ran away would pull at the person when they can."""
+
+
 @kernel
 def _find_foot(settings: LegSettingsRecord, now: LegInputRecord, state: LegStateRecord) -> None:
     """Set place and speed of the measured foot, and the object's surface at it."""
@@ -189,6 +194,18 @@ def _shaft_forces(settings: LegSettingsRecord, now: LegInputRecord, state: LegSt
 
 
 @kernel
+def _keep_near(settings: LegSettingsRecord, now: LegInputRecord, state: LegStateRecord) -> None:
+    """Let the virtual leg go no farther from the leg than drives at their limits could ever draw it back from."""
+    far = False
+    for joint in range(2):
+        away = state.shafts.theta[joint] - now.q[joint]
+        far = far or abs(away) > _LEASH
+        state.more[joint] = eta_of(settings.frame.links[joint], now.q[joint] + min(_LEASH, max(-_LEASH, away)))
+    if far:
+        place_shafts(state.shafts, settings.frame, state.more)
+
+
+@kernel
 def control_combined(settings: LegSettingsRecord, now: LegInputRecord, state: LegStateRecord) -> None:
     """Set state.tau by combined admittance and impedance control; arguments as `control_impedance`."""
     _find_foot(settings, now, state)
@@ -205,6 +222,7 @@ def control_combined(settings: LegSettingsRecord, now: LegInputRecord, state: Le
         state.force,
         now.dt,
     )
+    _keep_near(settings, now, state)
     for joint in range(2):
         arm = lever(settings.frame.links[joint], state.shafts.theta[joint])
         state.wish_rate[joint] = state.shafts.rate[joint] / arm
