@@ -52,6 +52,8 @@ MODULES = (
     f"{_LOKOMAT}.load_compensation",
     f"{_LOKOMAT}.leg_control",
     f"{_LOKOMAT}.gait_limits",
+    f"{_LOKOMAT}.heel_strike",
+    f"{_LOKOMAT}.encoder_watch",
     "mimics_app.rendering.haptic.controllers.orthosis_walk",
 )
 """Where records of touch are declared: every dtype with fields that a module of these names in capitals."""

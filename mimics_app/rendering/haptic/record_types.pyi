@@ -1405,6 +1405,24 @@ class LegLimitsRecord:
     power: float
     stiffness: float
 
+class HeelStrikeRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.heel_strike.HEEL_STRIKE`."""
+
+    count: int
+    swings: int
+    x: float
+    v: float
+    a: float
+
+class EncoderWatchRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.encoder_watch.ENCODER_WATCH`."""
+
+    begun: int
+    q: Floats
+    least: Floats
+    most: Floats
+    waited: Floats
+
 class WalkRecord:
     """`mimics_app.rendering.haptic.controllers.orthosis_walk.WALK`."""
 
