@@ -54,8 +54,8 @@ copy_front = cast("Callable[[Any, Any, int], None]", _copy_front)
 
 
 @intrinsic
-def _prefetch_line(typingctx, record, offset):
-    def codegen(context, builder, signature, args):  # type: ignore[no-untyped-call]
+def _prefetch_line(typingctx, record, offset):  # type: ignore[no-untyped-def]
+    def codegen(context, builder, signature, args):  # type: ignore[no-untyped-def]
         word, pointer = ir.IntType(32), ir.IntType(8).as_pointer()
         kind = ir.FunctionType(ir.VoidType(), [pointer, word, word, word])
         prefetch = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0i8")  # type: ignore[no-untyped-call]

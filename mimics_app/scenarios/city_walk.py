@@ -64,8 +64,7 @@ class CityWalk(TouchScene):
         self._led = [figures[name] for name in walkers if name in led]
         self._others = [(figures[name], walkers[name].speed) for name in walkers if name not in led]
         self._person = world.find(spec.person)
-        own = figures[spec.person].walk
-        add_kick(below(self._person, world.motion.animators), own, lambda: self._walk[TAPPING])
+        add_kick(below(self._person, world.motion.animators), figures[spec.person].walk, lambda: self._walk[TAPPING])
         see_past_head(world.cameras, self._person)
         self._weather = Weather(world, self._person)
         path = paths[walkers[spec.person].path]

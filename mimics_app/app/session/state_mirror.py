@@ -44,6 +44,7 @@ class StateMirror:
     def listen(self, frames: Frames, now_ns: int) -> None:
         """Note what has begun in a frame that a sound may be assigned to: contacts, cues and orders of the task."""
         audio = with_gait_cues(frames.orders, frames.events).audio
+        begun: list[tuple[int, str]]
         begun = [(int(event["t_ns"]), TOUCHES[int(event["kind"])]) for event in _touches(frames.events)]
         begun += [(cue.t_ns, cue.kind) for cue in audio.cues]
         begun += [(order.t_ns, order.sound) for order in audio.sounds]

@@ -41,6 +41,7 @@ class _AskingStep(Step):
         self._spec, self._rng = spec, random.Random(seed)
         self._asked = 0
         self._open = False
+        self._since = self._pause = 0.0
         self._wait()
 
     def take(self, seen: Seen, seconds: float) -> None:
@@ -129,8 +130,8 @@ class ReadingStep(_AskingStep):
     """Letters E of smaller and smaller size: the hand moves to where it is open (the tumbling E of Snellen charts)."""
 
     def __init__(self, spec: CalibrationSpec, seed: int, number: int) -> None:
-        heights = (math.log(height) for height in (_FIRST_HEIGHT, _LARGEST, _SMALLEST))
-        self._stair = Staircase(*heights, _HEIGHT_STEPS, _COUNTING)
+        first, largest, smallest = (math.log(height) for height in (_FIRST_HEIGHT, _LARGEST, _SMALLEST))
+        self._stair = Staircase(first, largest, smallest, _HEIGHT_STEPS, _COUNTING)
         self._letter: Letter | None = None
         super().__init__(spec, f"reading {seed} {number}", "")
 

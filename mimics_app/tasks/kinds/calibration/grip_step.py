@@ -32,6 +32,8 @@ class GripStep(Step):
         self._spec = spec
         self._forces: list[float] = []
         self._times: list[float] = []
+        self._squeezes, self._opened = True, False
+        self._since = self._word_s = 0.0
         self._begin()
 
     @property

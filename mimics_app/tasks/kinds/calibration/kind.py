@@ -24,7 +24,7 @@ from mimics_app.tasks.kinds.calibration.step import Cue, Seen, Step, Tone
 from mimics_app.tasks.kinds.calibration.walking_step import WalkingStep
 from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, TaskBlock, TaskKind, Values
 from mimics_app.tasks.observation import Observation
-from mimics_app.tasks.walking.worn_orthosis import legs_in
+from mimics_app.tasks.walking.worn_orthosis import legs_in, strikes_in
 from mimics_app.world.components.registry import Component
 
 if TYPE_CHECKING:
@@ -160,7 +160,7 @@ class CalibrationPlay(KindPlay):
 
     def _seen(self, seen: Observation, seconds: float) -> Seen:
         x, y, z = (here - rest for here, rest in zip(seen.hip_world, self._rest, strict=True))
-        legs = None if self._legs is None else self._legs.read(seen.q, seconds)
+        legs = None if self._legs is None else self._legs.read(seen.q, strikes_in(seen), seconds)
         return Seen(seen.now_ns * _NS, seen.shown_ns * _NS, (x, y, z), seen.grasp, legs)
 
     def _sound(self, tone: Tone, now_ns: int) -> SoundTrigger:

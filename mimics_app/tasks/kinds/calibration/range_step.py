@@ -46,6 +46,8 @@ class RangeStep(Step):
         ]
         self._left, self._count = deque(rounds), len(rounds)
         self._found: dict[tuple[bool, str], list[float]] = {}
+        self._way = self._since = 0.0
+        self._returns = False
         self._begin()
 
     @property
