@@ -80,6 +80,7 @@ class RunSettings:
         trials: Number of trials that count, the scene's list repeated where it is shorter; 0: as in the scene.
         participant: Code of the person, for results over time; "": none.
         language: Language of the texts that the person sees, one of `contracts.system.language.LANGUAGES`; "": English.
+        fit: Run folder of a calibration, or file of a fit, to which the task is fitted; None: as the scene has it.
         opt: One of PICTURE_OPTIONS, or "".
         steer: Program of an installed package that gives commands; "": none.
         markers: Stream of markers of the lab streaming layer that may give notes, marks and stops; "": none.
@@ -118,6 +119,7 @@ class RunSettings:
     trials: int = 0
     participant: str = ""
     language: str = ""
+    fit: Path | None = None
     opt: str = ""
     steer: str = ""
     markers: str = ""

@@ -49,7 +49,8 @@ def check_section(spec: TaskSpec, scene: Scene) -> list[Issue]:
     """Return the faults of a scene's task: its own, those of its trial file, and missing sounds or objects."""
     issues = [scene.issue(issue.pointer, issue.what, issue.fix) for issue in check_task(spec)]
     kinds = [issue for kind in task_kinds() for issue in kind.check_scene(spec, scene)]
-    return [*issues, *kinds, *_check_sounds(spec, scene), *_check_names(spec, scene), *_check_trial_file(spec, scene)]
+    named = [*_check_sounds(spec, scene), *_check_names(spec, scene), *_check_fitting(spec, scene)]
+    return [*issues, *kinds, *named, *_check_trial_file(spec, scene)]
 
 
 def _check_sounds(spec: TaskSpec, scene: Scene) -> list[Issue]:
@@ -61,6 +62,16 @@ def _check_sounds(spec: TaskSpec, scene: Scene) -> list[Issue]:
         if isinstance(deed, SoundDeed)
     }
     return scene.check_names(named, "no sound is called", known, 'give an entity a "sound" component')
+
+
+def _check_fitting(spec: TaskSpec, scene: Scene) -> list[Issue]:
+    """Check that what is scaled exists and has a place of its own."""
+    named = {
+        f"/task/fitting/entities/{i}": name for i, name in enumerate(spec.fitting.entities if spec.fitting else ())
+    }
+    moved = [place for place, name in named.items() if name in scene.by_id and scene.by_id[name].parent is not None]
+    held = [scene.issue(place, "it moves with its parent", "name the parent instead") for place in moved]
+    return [*scene.check_names(named, "no entity", scene.by_id), *held]
 
 
 def _check_names(spec: TaskSpec, scene: Scene) -> list[Issue]:

@@ -26,6 +26,7 @@ __all__ = [
     "DurationGoal",
     "EnterCondition",
     "ExitCondition",
+    "FittingSpec",
     "GoalSpec",
     "KeyCondition",
     "MapSpec",
@@ -221,6 +222,15 @@ class ActionDeed(Component, frozen=True, tag="action", tag_field="kind"):
 Deed = SoundDeed | MessageDeed | ActionDeed
 
 
+class FittingSpec(Component, frozen=True):
+    """What is scaled to a person's range of motion, about the middle of the robot's workspace."""
+
+    entities: Annotated[
+        tuple[str, ...],
+        Meta(max_length=1000, description="Entities without a parent: their place, and curves of theirs."),
+    ] = ()
+
+
 class TriggerSpec(Component, frozen=True):
     """A condition, and the actions carried out when it occurs."""
 
@@ -321,6 +331,12 @@ class _TaskBase(Component, frozen=True):
             "with H; '': the scene's description."
         ),
     ] = ""
+    fitting: Annotated[
+        FittingSpec | None,
+        Meta(
+            description="What is scaled to a person's range of motion; absent: nothing, as where all is at its place."
+        ),
+    ] = None
     prompt: Annotated[
         str, Meta(description="Line shown during a trial while its kind of task has nothing to say; '': none.")
     ] = ""

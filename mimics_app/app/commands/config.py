@@ -19,6 +19,7 @@ __all__ = ["add_arguments", "run"]
 
 _TITLES = {
     "run": "Options of mimics run",
+    "fitted": "Fitted to the person",
     "safety": "Limits and thresholds of the haptic loop; they cannot be changed during a run",
     "tolerances": "Errors that the planner accepts; mimics explain shows what it chooses",
 }
@@ -55,6 +56,8 @@ def _lines(settings: list[EffectiveSetting]) -> Iterator[str]:
     shown = [each for each in settings if each.value not in ("", None)]
     for section, title in _TITLES.items():
         rows = [(each.name, _text(each), each.origin) for each in shown if each.section == section]
+        if not rows:
+            continue
         name, value = (max(len(row[k]) for row in rows) for k in (0, 1))
         yield title
         for row in rows:

@@ -79,6 +79,12 @@ def _add_person(group: Container) -> None:
         help="language of the texts that the person sees (default: as last chosen in the launcher, else the system's)",
     )
     group.add_argument(
+        "--fit",
+        type=Path,
+        metavar="RUN",
+        help="fit paths, grips, text and volume to a person: run folder of their calibration, or a file of a fit",
+    )
+    group.add_argument(
         "--patient",
         choices=PATIENTS,
         default="",

@@ -85,7 +85,7 @@ def picture_quality(scene: Scene, profile: Profile, pixels: int = 0, *, limited:
     """
     visual = visual_of(scene)
     boards = scene.components(HudComponent)
-    depth = boards[0][1].depth if boards else RenderSettings().hud_depth
+    board = boards[0][1] if boards else HudComponent()
     wanted = RenderSettings(
         bloom=visual.bloom,
         ambient_occlusion=visual.ambient_occlusion,
@@ -96,7 +96,8 @@ def picture_quality(scene: Scene, profile: Profile, pixels: int = 0, *, limited:
         shadows="texture_additive" if visual.shadows == "auto" else visual.shadows,
         shadow_distance=shadow_distance_of(scene),
         cascades=visual.cascades,
-        hud_depth=depth,
+        hud_depth=board.depth,
+        hud_enlarged=board.enlarged,
         fog_density=visual.fog_density,
         profile=profile,
     )
@@ -309,7 +310,8 @@ class Picture:
     def _lay_out(self, board: Board, views: Sequence[View]) -> None:
         hud = self.renderer.hud
         screen = [view for view in views if view.screen == views[0].screen]
-        plane = plane_of_views(screen, self.renderer.settings.hud_depth)
+        settings = self.renderer.settings
+        plane = plane_of_views(screen, settings.hud_depth, settings.hud_enlarged)
         hud.width, hud.height = plane.canvas_width, plane.canvas_height
         worn, page = self.presenter.worn, None if self.presenter.mirrored else self.page
         self._show_image(hud, None if page is None else page.picture)

@@ -75,7 +75,8 @@ class SceneReload:
     def _take(self, now_ns: int) -> None:
         session = self._session
         try:
-            scene = load_checked_scene(session.scene.path, before=session.scene, device=session.scene.device)
+            before = session.scene
+            scene = load_checked_scene(before.path, before=before, device=before.device, edit=before.edit)
             open_scenario(scene, build_world(scene))  # in a separate world, so that its faults leave this one intact
             side = HapticSceneData(scene)
             if not side.fits(session.side, session.memory):

@@ -6,12 +6,14 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.app.picture.loop_cards import loop_cards
 from mimics_app.app.planner.plan import apply_plan
 from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.scenes.person_edit import PersonEdit
 from mimics_app.app.scenes.scenario_choice import open_scenario
 from mimics_app.app.session.replay import RecordedTask, TaskFrame, TaskReplay, play_loop, recorded_task, task_frames
 from mimics_app.app.session.trackers import replayed_hub
@@ -21,10 +23,12 @@ from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import MonotonicClock, VirtualClock
 from mimics_app.contracts.errors import PartialDataError, counted
 from mimics_app.contracts.messages.board import Board
+from mimics_app.contracts.messages.fit import Fit
 from mimics_app.contracts.messages.stage_messages import TaskOrders
 from mimics_app.contracts.ports.display_port import FrameTiming
 from mimics_app.inputs.trackers.hub import TrackerHub
 from mimics_app.recording.replay import compare, gather
+from mimics_app.recording.report_values import mapping
 from mimics_app.recording.run import Run
 from mimics_app.recording.task_lines import gather_task
 from mimics_app.world.content.world import World
@@ -168,7 +172,7 @@ def open_replay(run: Run, scene: Path | None = None) -> ReplayedScene:
     if "task" not in run.session:
         raise PartialDataError(f"{run.folder} does not hold the inputs of its task", "it is too old to be looked at")
     task = recorded_task(run)
-    checked = load_checked_scene(scene or _file_of(run))
+    checked = load_checked_scene(scene or _file_of(run), edit=_edit_of(run))
     apply_plan(checked, _profile_of(run))
     data = gather(run)
     replayed = play_loop(run, data)
@@ -179,6 +183,19 @@ def open_replay(run: Run, scene: Path | None = None) -> ReplayedScene:
     difference = compare(data.samples, replayed.samples, run.layout.uncompared)
     notes = [] if difference is None else [f"the touch differs from the recording: {difference}"]
     return ReplayedScene(_Recorded(run, task, frames, checked, (*notes, *_notes_on(run, checked, task.seed))))
+
+
+def _edit_of(run: Run) -> PersonEdit | None:
+    """Return the change of the scene for the person who played; None: none.
+
+    Raises:
+        PartialDataError: It is damaged.
+    """
+    try:
+        fit = msgspec.convert(mapping(run.session.get("fit")), Fit)
+    except msgspec.ValidationError as error:
+        raise PartialDataError(f"{run.folder}: its header does not say what was fitted", str(error)) from error
+    return PersonEdit(fit) if fit != Fit() else None
 
 
 def _file_of(run: Run) -> Path:

@@ -12,18 +12,21 @@ import mimics_app.tasks.scene_section  # noqa: F401  registers the task block
 from mimics_app.app.scenes.scene_search import find_scene
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.world.files.scene.file import FaultyScene, load_scene
-from mimics_app.world.files.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene, SceneEdit
 
 __all__ = ["check_scene", "load_checked_scene", "read_scene"]
 
 
-def load_checked_scene(path: Path | str, before: Scene | None = None, *, device: str = "") -> Scene:
+def load_checked_scene(
+    path: Path | str, before: Scene | None = None, *, device: str = "", edit: SceneEdit | None = None
+) -> Scene:
     """Read a scene with the files it names, and check it.
 
     Args:
         path: The scene file, or the name of a shipped scene.
         before: The scene that it replaces, see `load_scene`.
         device: NAME or NAME:ADDRESS of the device that plays it, see `load_scene`.
+        edit: Change for the person who plays, see `load_scene`.
 
     Raises:
         SceneError: Every fault of the files and, where they can be read, every fault that a stage has found, each with
@@ -31,7 +34,7 @@ def load_checked_scene(path: Path | str, before: Scene | None = None, *, device:
         DeviceError: The device of the scene's robot does not exist.
     """
     try:
-        scene = read_scene(path, before, device=device)
+        scene = read_scene(path, before, device=device, edit=edit)
     except FaultyScene as error:
         raise SceneError(dict.fromkeys([*error.issues, *_also_in(error.scene)])) from error
     return check_scene(scene)
@@ -46,13 +49,15 @@ def _also_in(scene: Scene | None) -> list[Issue]:
     return check_apart(scene)
 
 
-def read_scene(path: Path | str, before: Scene | None = None, *, device: str = "") -> Scene:
+def read_scene(
+    path: Path | str, before: Scene | None = None, *, device: str = "", edit: SceneEdit | None = None
+) -> Scene:
     """Do the first half of `load_checked_scene`, the check of the files, which imports no compiled code.
 
     Raises:
         SceneError: Every fault of the files.
     """
-    return load_scene(find_scene(Path(path)), before=before, device=device.partition(":")[0])
+    return load_scene(find_scene(Path(path)), before=before, device=device.partition(":")[0], edit=edit)
 
 
 def check_scene(scene: Scene) -> Scene:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from contextlib import ExitStack
 from pathlib import Path
 
+from mimics_app.app.scenes.fitted_scene import FITTED
 from mimics_app.app.session.header import describe_session
 from mimics_app.app.session.preparation import Given, SessionParts, prepare
 from mimics_app.app.session.session import Session
@@ -54,7 +55,16 @@ def build_session(
         session.trackers.start()
         session.on_close = stack.pop_all()
     session.begin()
+    _fit(session, parts)
     return session
+
+
+def _fit(session: Session, parts: SessionParts) -> None:
+    """Set the volume that fits the person, and journal all that was fitted, each with its source."""
+    for change in parts.scene.document.get(FITTED, ()):
+        if change["name"] == "volume":
+            session.sound.set_volume(change["value"])
+        session.recorder.journal("fitted", {**change, "calibration": parts.fit.source})
 
 
 def _assemble(parts: SessionParts, stack: ExitStack) -> Session:

@@ -9,6 +9,7 @@ from typing import Any, cast, get_type_hints
 
 import msgspec
 
+from mimics_app.app.scenes.fitted_scene import FITTED
 from mimics_app.app.session.preparation import SessionParts
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.device_fit import device_values
@@ -45,8 +46,8 @@ class EffectiveSetting:
     """One value.
 
     Attributes:
-        section: "run": an option of `mimics run`; "safety": a limit or threshold of the haptic loop; "tolerances": an
-            error that the planner accepts.
+        section: "run": an option of `mimics run`; "fitted": fitted to the person; "safety": a limit or threshold of the
+            haptic loop; "tolerances": an error that the planner accepts.
         name: As it is written in the section.
         value: In `unit`.
         unit: "" for a number without unit, a word or a truth value.
@@ -70,7 +71,7 @@ def effective_settings(parts: SessionParts, options: Mapping[str, str]) -> list[
         parts: The prepared run; its parameters are fitted to the device here.
         options: Meaning of each option of `mimics run`, by the name of its field in `RunSettings`.
     """
-    return [*_options(parts.settings, options), *_limits(parts), *_tolerances(parts)]
+    return [*_options(parts.settings, options), *_fitted(parts), *_limits(parts), *_tolerances(parts)]
 
 
 def _options(settings: RunSettings, meanings: Mapping[str, str]) -> Iterator[EffectiveSetting]:
@@ -80,6 +81,14 @@ def _options(settings: RunSettings, meanings: Mapping[str, str]) -> Iterator[Eff
         origin = _DEFAULT if value == getattr(defaults, name) and name != "scene" else "command line"
         meaning = meanings[name]
         yield EffectiveSetting("run", name, _plain(value), _OPTION_UNITS.get(name, ""), origin, meaning)
+
+
+def _fitted(parts: SessionParts) -> Iterator[EffectiveSetting]:
+    """Numbers that are fitted to the person; without a calibration there are none."""
+    origin = f"calibration {parts.fit.source}"
+    for change in parts.scene.document.get(FITTED, ()):
+        meaning = f"{change['meaning']}; the scene has {change['before']:g}"
+        yield EffectiveSetting("fitted", change["name"], change["value"], change["unit"], origin, meaning)
 
 
 def _limits(parts: SessionParts) -> Iterator[EffectiveSetting]:

@@ -6,13 +6,14 @@ Faults of files and devices are found here.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import msgspec
 
 from mimics_app.app.planner.plan import Plan, apply_plan
 from mimics_app.app.scenes.loading import check_scene
+from mimics_app.app.scenes.person_edit import PersonEdit
 from mimics_app.app.scenes.scenario_choice import open_scenario
 from mimics_app.app.session.body import Body, open_body
 from mimics_app.app.session.mover import mover_of
@@ -26,6 +27,7 @@ from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.loop.loop_ports import DevicePlugin
+from mimics_app.contracts.messages.fit import Fit
 from mimics_app.contracts.ports.scenario_port import Scenario, TaskContext
 from mimics_app.contracts.system.language import SOURCE, speak
 from mimics_app.inputs.commands.command_file import TimedCommand, read_command_file
@@ -70,6 +72,7 @@ class SessionParts:
         parameter_store: The haptic parameters.
         held: What the operator's ceiling makes of the scene's limits.
         softened: A line for each contact that the device cannot hold as the scene asks.
+        fit: What fits the person who plays.
         task: The task; its trial file has been read, and its parameters' defaults taken from the scene.
         body: Body signals, their processing, the estimated state, and the learning system.
         robot: The scene's robot, with the device of this run.
@@ -96,6 +99,7 @@ class SessionParts:
     plugin: DevicePlugin
     softened: Sequence[str] = ()
     commands: Sequence[TimedCommand] = ()
+    fit: Fit = field(default_factory=Fit)
     device_given: bool = False
     recorded: Mapping[str, object] | None = None
 
@@ -205,6 +209,7 @@ def prepare_scene(
         plugin=device.plugin,
         softened=device.softened,
         commands=commands,
+        fit=scene.edit.fit if isinstance(scene.edit, PersonEdit) else Fit(),
         device_given=given.device is not None,
         recorded=device.recorded,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from mimics_app.app.scenes.loading import read_scene
+from mimics_app.app.scenes.person_edit import PersonEdit, read_fit
 from mimics_app.app.settings import RunSettings
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.tailoring import with_trials
@@ -24,7 +25,7 @@ def read_requested(settings: RunSettings) -> Scene:
         SceneError: The scene or the file of the display is faulty.
         UsageError: The session has no such trial.
     """
-    scene = read_scene(settings.scene, device=settings.device)
+    scene = read_scene(settings.scene, device=settings.device, edit=_edit(settings))
     if settings.display or scene.system(DisplaySettings) is not None:
         from mimics_app.app.picture.shown_on import check_display
 
@@ -33,6 +34,11 @@ def read_requested(settings: RunSettings) -> Scene:
     trials = sum(len(block.trials) * block.repetitions for block in trial_blocks(task))
     check_first_trial(settings.from_trial, trials)
     return scene
+
+
+def _edit(settings: RunSettings) -> PersonEdit | None:
+    """Return the change of the scene for the person who plays; None: none."""
+    return None if settings.fit is None else PersonEdit(read_fit(settings.fit))
 
 
 def with_requested_trials(task: TaskSpec, settings: RunSettings) -> TaskSpec:

@@ -14,6 +14,7 @@ from mimics_app.app.settings import DIFFICULTIES
 from mimics_app.app.study.counterbalance import Order, order_of
 from mimics_app.app.study.forms import Form
 from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.messages.fit import FitLimits
 from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.recording.json_text import parse_object
 
@@ -64,6 +65,7 @@ class Protocol(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
         seed: Seed of all orders and runs.
         title: Title for the reports.
         forms: Forms and questionnaires by name.
+        fitting: How far the tasks are fitted to a calibration of the participant.
         format, version: Of the file.
     """
 
@@ -73,6 +75,7 @@ class Protocol(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     seed: int = 1
     title: str = ""
     forms: dict[str, Form] = {}
+    fitting: FitLimits = FitLimits()
     format: str = "mimics study"
     version: Annotated[int, Meta(ge=1, le=1)] = 1
 

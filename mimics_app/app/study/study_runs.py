@@ -9,19 +9,25 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+import msgspec
+
+from mimics_app.app.scenes.person_edit import FitFile
 from mimics_app.app.study.protocol import PlannedRun, scene_of
 from mimics_app.app.study.study_folder import Attempt, Participant, StudyFolder
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.messages.trial_counts import SESSION_ENDED
 from mimics_app.recording.calibrations import calibration_of
+from mimics_app.recording.event_log import to_json
 from mimics_app.recording.run import Run
-from mimics_app.recording.run_folder import PRIVATE_FOLDER
+from mimics_app.recording.run_folder import PRIVATE_FOLDER, write_atomically
 
 __all__ = ["Next", "find_next", "play_next"]
 
 Answer = Literal["", "resume", "restart", "abandon"]
 """What the operator chooses for a run that was interrupted; "": nothing yet."""
 
+_FIT = "fit.json"
+"""File beside a run folder: calibration and limits to which the run is fitted."""
 _LAST_STATE = "done"
 """State of the task after its last trial."""
 
@@ -115,11 +121,22 @@ def _play(study: StudyFolder, found: Next, attempt: int, from_trial: int, extra:
     folder = study.attempt_folder(found.participant, found.session, found.run.number, attempt)
     folder.mkdir(mode=PRIVATE_FOLDER)
     options = ["--seed", str(found.run.seed), "--from-trial", str(from_trial), "--difficulty", condition.difficulty]
+    options += _fitted(study, found.participant, folder)
     options += ["--trials", str(condition.trials)] if condition.trials else []
     options += [f"--participant={found.participant.code}", "--runs", str(folder), *condition.options, *extra]
     scene = scene_of(study.protocol_file, condition)
     command = [sys.executable, "-m", "mimics_app", "run", str(scene), *options]
     return subprocess.run(command, stdout=sys.stderr, check=False).returncode
+
+
+def _fitted(study: StudyFolder, participant: Participant, folder: Path) -> list[str]:
+    """Return the option that fits a run to the newest calibration of a participant; without one, or not wanted: []."""
+    calibrations = study.calibrations_of(participant)
+    if not calibrations or not study.protocol.fitting.on:
+        return []
+    file = folder / _FIT
+    write_atomically(file, to_json(msgspec.to_builtins(FitFile(calibrations[-1][1], study.protocol.fitting))))
+    return [f"--fit={file}"]
 
 
 def _ended_whole(folder: Path | None) -> bool:

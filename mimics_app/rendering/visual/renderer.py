@@ -365,7 +365,7 @@ class Renderer:
         draws = self._draw_hud(views) if within else 0
         filtered, written = picture.finish([view.rectangle for view in views], parts)
         alone = not (within or self.world.insets or (self._overlay is not None and self._overlay.layers))
-        over = (self.hud, views[0], self.settings.hud_depth)
+        over = (self.hud, views[0], self.settings.hud_depth, self.settings.hud_enlarged)
         if (drawn := self._board.draw(picture.finished, written if alone else None, *over)) is None:
             picture.show(picture.finished)
             self._surface.note_changed(None)
@@ -378,4 +378,4 @@ class Renderer:
             draws += self._overlay.draw_atlas(self._surface.framebuffer, self._shadows)
             self._overlay.lay_out(self.hud.width, self.hud.height)
             huds.append(self._overlay.hud)
-        return draws + self._hud_pass.draw_over(huds, views, self.settings.hud_depth)
+        return draws + self._hud_pass.draw_over(huds, views, self.settings.hud_depth, self.settings.hud_enlarged)

@@ -71,6 +71,7 @@ class RenderSettings:
         bloom: Share of the light that bloom spreads, 0 to 1; 0 disables it.
         fog_density: Density of the fog in the horizon's colour [1/m]; 0 disables it.
         hud_depth: Distance of the heads-up display from the eyes [m].
+        hud_enlarged: Factor on its size.
         scale: Resolution of the world's picture over that of the surface, 0.25 to 1; heads-up display stays sharp.
         detail: Factor on the distances at which levels of detail change, 0.25 to 4.
         mirror_scale: Resolution of mirrors over that of the picture, 0.1 to 1.
@@ -104,6 +105,7 @@ class RenderSettings:
     bloom: float = 0.0
     fog_density: float = 0.12
     hud_depth: float = 1.0
+    hud_enlarged: float = 1.0
     scale: float = 1.0
     detail: float = 1.0
     mirror_scale: float = 1.0

@@ -188,9 +188,11 @@ class Patient(Component, frozen=True):
     ] = None
     ease: Annotated[Share | None, Meta(description="Share of that range within which a movement is comfortable")] = None
     hearing_left: Annotated[
-        _Level | None, Meta(description="Softest level that is heard from the left [dB, 0 as authored]")
+        _Level | None, Meta(description="Softest level that is perceived from the left [dB, 0 as authored]")
     ] = None
-    hearing_right: Annotated[_Level | None, Meta(description="Softest level that is heard from the right [dB]")] = None
+    hearing_right: Annotated[_Level | None, Meta(description="Softest level that is perceived from the right [dB]")] = (
+        None
+    )
     letter: Annotated[
         _Letter | None, Meta(description="Height of the smallest letter that is read [px of a picture 720 px high]")
     ] = None

@@ -258,6 +258,7 @@ class Hud(Component, frozen=True):
         ),
     ] = ("progress", "time", "contacts", "force")
     depth: Annotated[Length, Meta(description="Distance before the eyes [m]")] = 1.0
+    enlarged: Annotated[float, Meta(ge=1, le=2, description="Factor on the size of all of it, text too")] = 1.0
     force_full: Annotated[PositiveForce, Meta(description="Force that fills the force bar [N]")] = 30.0
 
 

@@ -64,7 +64,7 @@ class HudPlane:
         return float(self.canvas_height * np.linalg.norm(self.right_world) / np.linalg.norm(self.up_world))
 
 
-def plane_of_views(views: Sequence[View], depth: float) -> HudPlane:
+def plane_of_views(views: Sequence[View], depth: float, enlarged: float = 1.0) -> HudPlane:
     """Return the plane that fills the mean frustum of one screen's views at a depth.
 
     With one view it fills the picture exactly, off-axis or not; with two it is centred between the eyes, which see it
@@ -73,8 +73,9 @@ def plane_of_views(views: Sequence[View], depth: float) -> HudPlane:
     Args:
         views: The views of one screen.
         depth: Distance from the eyes [m], limited by near and far plane, and for two eyes by comfortable convergence.
+        enlarged: Factor on the size of all that is on the display.
     """
-    return _plane_of(tuple(views), depth)
+    return _plane_of(tuple(views), depth, enlarged)
 
 
 def places_of(rows: NDArray[np.void], plane: HudPlane) -> F8:
@@ -85,7 +86,7 @@ def places_of(rows: NDArray[np.void], plane: HudPlane) -> F8:
 
 
 @lru_cache(maxsize=4)
-def _plane_of(views: tuple[View, ...], depth: float) -> HudPlane:
+def _plane_of(views: tuple[View, ...], depth: float, enlarged: float) -> HudPlane:
     depth = max(depth, _MIN_STEREO_DEPTH) if len(views) > 1 else depth
     nearest, farthest = max(view.near for view in views), min(view.far for view in views)
     depth = min(max(depth, _BEYOND * nearest), farthest / _BEYOND)
@@ -99,7 +100,7 @@ def _plane_of(views: tuple[View, ...], depth: float) -> HudPlane:
     left, right, bottom, top = depth * (_readable(seen) if around else seen)
     origin = centre + axes @ np.array([left, bottom, -depth])
     canvas = CANVAS_HEIGHT / _ENLARGED if around else canvas_height((right - left) / (top - bottom))
-    return HudPlane(origin, axes[:, 0] * (right - left), axes[:, 1] * (top - bottom), canvas)
+    return HudPlane(origin, axes[:, 0] * (right - left), axes[:, 1] * (top - bottom), canvas / enlarged)
 
 
 def _axes_between(first: F8, last: F8) -> F8:
@@ -171,12 +172,12 @@ class HudPass:
         ctx.fbo.scissor = None  # type: ignore[assignment]
         return len(within) * len(self._kinds)
 
-    def draw_over(self, huds: Sequence[Hud], views: Sequence[View], depth: float) -> int:
-        """Draw displays over all views that are on a screen, at a depth [m]; return the draw calls."""
+    def draw_over(self, huds: Sequence[Hud], views: Sequence[View], depth: float, enlarged: float) -> int:
+        """Draw displays over all views that are on a screen, at a depth [m] and enlarged; return the draw calls."""
         draws, huds = 0, [hud for hud in huds if not hud.empty]
         for screen in dict.fromkeys(view.screen for view in views if huds and view.screen >= 0):
             eyes = [view for view in views if view.screen == screen]
-            plane = plane_of_views(eyes, depth)
+            plane = plane_of_views(eyes, depth, enlarged)
             draws += sum(self.draw(hud, view, plane) for view in eyes for hud in huds)
         return draws
 

@@ -13,6 +13,7 @@ from mimics_app.rendering.visual.effects.projectors import Beam
 from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.passes.cord import CORD_BLOCK, fill_cord_block
 from mimics_app.rendering.visual.passes.hud import places_of, plane_of_views
+from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.shadows.shadow_maps import ShadowMap
 from mimics_app.rendering.visual.stages.world_stage import FrameScene
 from mimics_app.rendering.visual.view import Rect, View
@@ -154,8 +155,13 @@ def capture_frame(
         renewed=renewed,
         redrawn=redrawn,
         spreads=scene.settings.ambient_occlusion > 0.0 or scene.by_stencil,
-        board=_NOWHERE if hud is None else places_of(hud.rows(), plane_of_views([view], scene.settings.hud_depth)),
+        board=_NOWHERE if hud is None else _places_on_board(hud, view, scene.settings),
     )
+
+
+def _places_on_board(hud: Hud, view: View, settings: RenderSettings) -> F8:
+    """Return where the rectangles of the display are, see `places_of`."""
+    return places_of(hud.rows(), plane_of_views([view], settings.hud_depth, settings.hud_enlarged))
 
 
 def _overlaid(scene: FrameScene) -> dict[int | str, Overlaid]:

@@ -84,11 +84,12 @@ class KeptBoard(BoardCopy):
         hud: Hud,
         view: View,
         depth: float,
+        enlarged: float,
     ) -> int | None:
         if finished is None or parts is None or hud.empty or view.screen < 0:
             self._surface.painter = self._drawn = None
             return None
-        plane = plane_of_views([view], depth)
+        plane = plane_of_views([view], depth, enlarged)
         before, clip, place = self._drawn, clip_from_hud(view, plane), view.rectangle
         kept = before is not None and self._surface.painter is self and before.has_place_of(hud, clip, place)
         if before is None or not kept or before.revision != hud.revision:

@@ -35,6 +35,7 @@ class BoardCopy:
         hud: Hud,
         view: View,
         depth: float,
+        enlarged: float,
     ) -> int | None:
         """Copy what changed of a picture to the surface, and draw the display over that and where it changed itself.
 
@@ -44,6 +45,7 @@ class BoardCopy:
             hud: The display.
             view: The only view of the picture.
             depth: Distance of the display [m].
+            enlarged: Factor on its size.
 
         Returns:
             Draw calls made; None where all of it has to be copied and drawn.

@@ -102,7 +102,7 @@ class HearingStep(_AskingStep):
     @property
     def cue(self) -> Cue:
         tone = self._tone if self._open else None
-        return Cue("Where is the sound? Move the hand to that side, and back. Heard nothing: stay", tone=tone)
+        return Cue("Where is the sound? Move the hand to that side, and back. No sound: stay", tone=tone)
 
     @property
     def over(self) -> bool:

@@ -224,8 +224,8 @@ class CalibrationKind(TaskKind):
         _column("grip_n", "Grip strength [N]."),
         _column("release_s", "Time from the word to the open hand [s]."),
         _column("walking_mps", "Comfortable walking speed [m/s]."),
-        _column("hearing_left_db", "Softest level heard from the left [dB, 0 as authored]."),
-        _column("hearing_right_db", "Softest level heard from the right [dB, 0 as authored]."),
+        _column("hearing_left_db", "Softest level perceived from the left [dB, 0 as authored]."),
+        _column("hearing_right_db", "Softest level perceived from the right [dB, 0 as authored]."),
         _column("letter_px", "Height of the smallest letter that was read [px of a picture 720 px high]."),
     )
     completes = "measured"

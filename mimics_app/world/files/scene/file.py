@@ -21,7 +21,7 @@ from mimics_app.world.files.reading.paths import find_root
 from mimics_app.world.files.reading.struct_reader import is_comment
 from mimics_app.world.files.scene.checks import check_meaning
 from mimics_app.world.files.scene.loader import SceneLoader
-from mimics_app.world.files.scene.scene import Scene
+from mimics_app.world.files.scene.scene import Scene, SceneEdit
 from mimics_app.world.files.scene.scene_files import read_sources
 
 if TYPE_CHECKING:
@@ -44,7 +44,14 @@ class FaultyScene(SceneError):
         self.scene = scene
 
 
-def load_scene(path: Path | str, root: Path | None = None, before: Scene | None = None, *, device: str = "") -> Scene:
+def load_scene(
+    path: Path | str,
+    root: Path | None = None,
+    before: Scene | None = None,
+    *,
+    device: str = "",
+    edit: SceneEdit | None = None,
+) -> Scene:
     """Read a scene file and all files it names.
 
     Args:
@@ -52,6 +59,7 @@ def load_scene(path: Path | str, root: Path | None = None, before: Scene | None 
         root: Folder that all its files must be inside; default: see `paths.find_root`.
         before: Scene it replaces; data derived from equal sources is reused.
         device: Name of the device that plays it, whose entities replace others where the files have such; "": none.
+        edit: Change of the resolved scene for the person who plays; None: none.
 
     Raises:
         SceneError: every fault found, each with file, JSON pointer, what is wrong, and the nearest right name.
@@ -62,7 +70,7 @@ def load_scene(path: Path | str, root: Path | None = None, before: Scene | None 
     folder = find_root(path) if root is None else root
     sources = read_sources(path, folder, issues)
     _stop_after_many(issues, path)
-    scene = SceneLoader(sources, folder, issues, device).load()
+    scene = SceneLoader(sources, folder, issues, device, edit).load()
     if before is not None:
         scene.take_over(before)
     _stop_after_many(issues, path)

@@ -16,7 +16,7 @@ from mimics_app.world.files.reading.struct_reader import FAILED, is_comment, rea
 from mimics_app.world.files.scene.assets import read_asset, sounds_of_model
 from mimics_app.world.files.scene.document import EntityDraft, SceneDocument, resolve
 from mimics_app.world.files.scene.materials import load_materials, load_techniques
-from mimics_app.world.files.scene.scene import Scene, SceneEntity
+from mimics_app.world.files.scene.scene import Scene, SceneEdit, SceneEntity
 from mimics_app.world.files.scene.scene_files import SceneSource
 from mimics_app.world.files.scene.spec import TransformSpec
 from mimics_app.world.files.scene.unfolding import unfold_model
@@ -27,13 +27,21 @@ __all__ = ["SceneLoader"]
 class SceneLoader:
     """Decoder of a resolved document; every fault goes to `issues` with its place in the files."""
 
-    def __init__(self, sources: list[SceneSource], root: Path, issues: list[Issue], device: str = "") -> None:
+    def __init__(
+        self,
+        sources: list[SceneSource],
+        root: Path,
+        issues: list[Issue],
+        device: str = "",
+        edit: SceneEdit | None = None,
+    ) -> None:
         self._sources = sources
         self._issues = issues
         self._device = device
         self._document: SceneDocument = resolve(sources, issues, device)
         main = sources[0]
         self._scene = Scene(_text(main, "name") or main.path.stem, main.path, root, {}, self._document.origins)
+        self._scene.edit = edit
 
     def load(self) -> Scene:
         """Decode the scene, or stop after `MOST_SOUGHT` faults."""
@@ -50,6 +58,8 @@ class SceneLoader:
         for draft in list(self._document.entities):
             unfold_model(draft, self._document, scene.assets, self._issues)
         scene.document = self._resolved(main)
+        if scene.edit is not None and not self._issues:
+            scene.document = scene.edit(scene.document)
         for i, draft in enumerate(self._document.entities):
             if len(self._issues) >= MOST_SOUGHT:
                 return scene
@@ -95,21 +105,22 @@ class SceneLoader:
 
     def _load_sections(self) -> None:
         scene, systems = self._scene, system_types()
-        for pointer, layer in self._document.sections.items():
+        for pointer in self._document.sections:
             kind, _, name = pointer.partition("/")
+            plain = scene.document["systems"][name] if kind == "systems" else scene.document[kind]
             if kind == "systems":
                 if name not in systems:
                     self._report(f"/{pointer}", f'unknown system "{name}"', nearest(name, systems))
                     continue
-                struct = read_struct(systems[name], layer.value, self._report, f"/{pointer}")
+                struct = read_struct(systems[name], plain, self._report, f"/{pointer}")
                 if struct is not FAILED:
                     scene.systems[name] = struct
                 continue
             if kind == "task":
-                scene.task = layer.value
+                scene.task = plain
             section = section_of(kind)
             if section is not None:
-                struct = read_struct(section.type, layer.value, self._report, f"/{kind}")
+                struct = read_struct(section.type, plain, self._report, f"/{kind}")
                 if struct is not FAILED:
                     scene.sections[kind] = struct
 

@@ -58,7 +58,7 @@ def reload_scene(world: World, old: Scene) -> tuple[Scene, Changes]:
     Raises:
         SceneError: the file has faults now; world and old scene are untouched.
     """
-    new = load_scene(old.path, old.root, device=old.device)
+    new = load_scene(old.path, old.root, device=old.device, edit=old.edit)
     return new, apply_scene(world, old, new)
 
 

@@ -23,7 +23,14 @@ from mimics_app.world.files.reading.provenance import Origins
 from mimics_app.world.files.scene.assets import SceneAsset, find_in_model
 from mimics_app.world.files.scene.spec import TransformSpec
 
-__all__ = ["Scene", "SceneEntity"]
+__all__ = ["Scene", "SceneEdit", "SceneEntity"]
+
+SceneEdit = Callable[[dict[str, Any]], dict[str, Any]]
+"""Returns a changed copy of a resolved scene, as plain JSON.
+
+Raises:
+    UsageError: It cannot be changed in this way.
+"""
 
 _QUATERNION_TOLERANCE = 1e-3
 """Largest deviation of a quaternion's length from 1: four decimals pass, a mistyped number does not."""
@@ -89,6 +96,7 @@ class Scene:
         methods: Settings chosen by the planner where the files leave the choice to it, by group of methods; {} before
             it ran.
         notes: Notes on parts of models that were left out or repaired.
+        edit: Change of the resolved document for the person who plays; None: none.
         read: Names of the component types whose values were requested since it was last cleared.
     """
 
@@ -116,6 +124,7 @@ class Scene:
     named_files: list[Path] = field(default_factory=list)
     broken: set[str] = field(default_factory=set)
     methods: dict[str, Settings] = field(default_factory=dict)
+    edit: SceneEdit | None = None
     read: set[str] = field(default_factory=set)
     _derived: dict[Hashable, _Derived] = field(default_factory=dict)
     _before: dict[Hashable, _Derived] = field(default_factory=dict)

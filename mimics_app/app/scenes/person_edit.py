@@ -1,0 +1,72 @@
+"""Change of a scene for the person who plays it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from mimics_app.app.scenes.fitted_scene import fitted
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.messages.calibration_record import Calibration
+from mimics_app.contracts.messages.fit import Fit, FitLimits, fit_of
+from mimics_app.contracts.system.regular_file import read_regular
+
+__all__ = ["FitFile", "PersonEdit", "read_fit"]
+
+_LARGEST = 1 << 20
+"""Largest file of a fit [bytes]."""
+
+
+class FitFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """File of a fit, JSON.
+
+    Attributes:
+        calibration: What was measured.
+        limits: How far the tasks may be fitted.
+    """
+
+    calibration: Calibration
+    limits: FitLimits = FitLimits()
+
+
+@dataclass(frozen=True, slots=True)
+class PersonEdit:
+    """Change of the resolved document of a scene, see `world.files.scene.scene.SceneEdit`.
+
+    Attributes:
+        fit: What fits the person.
+    """
+
+    fit: Fit
+
+    def __call__(self, document: dict[str, Any]) -> dict[str, Any]:
+        """Return a changed copy of a document."""
+        return fitted(document, self.fit)
+
+
+def read_fit(place: Path) -> Fit:
+    """Return what fits the person of a calibration.
+
+    Args:
+        place: Run folder of the calibration, or a `FitFile`.
+
+    Raises:
+        SceneError: It cannot be read, or nothing was measured there.
+    """
+    if place.is_dir():
+        from mimics_app.recording.calibrations import calibration_of
+        from mimics_app.recording.run import Run
+
+        calibration = calibration_of(Run.open(place))
+        if calibration is None:
+            raise SceneError(Issue(str(place), "", "nothing was calibrated in this run", "mimics run calibration"))
+        return fit_of(calibration, FitLimits())
+    try:
+        given = msgspec.json.decode(read_regular(place, _LARGEST), type=FitFile)
+    except (OSError, msgspec.MsgspecError) as error:
+        what, fix = f"is no fit of a person: {error}", "see docs/guide/fitting.md"
+        raise SceneError(Issue(str(place), "", what, fix)) from error
+    return fit_of(given.calibration, given.limits)
