@@ -42,6 +42,8 @@ _COUNT, _COUNT_SIZE = 180.0, 120.0
 """Diameter of the disc of a countdown, and height of its digit [hud px]."""
 _NEUTRAL = 46.0
 """Diameter of the ring at the middle of a lever [hud px]."""
+_LARGE, _SMALLEST = 25.0, 17.0
+"""Font size of a card's text, and to what it shrinks before a long one is cut [hud px]."""
 _TEXT, _LINE = 30.0, 38.0
 """Font size and line spacing of a message [hud px]."""
 
@@ -123,8 +125,9 @@ def _draw_card(hud: Hud, card: Card, corner: tuple[float, float], force_full: fl
         hud.text(x + width, y + 27.0, translated(card.text), 17.0, INK, bold=True, align="right")
         _draw_bar(hud, card.bar, (x, y), width, force_full)
         return
-    room = 0.62 * width if card.remark else width
-    free = width - 8.0 - hud.text(x, y, translated(card.text), 25.0, _COLOURS[card.tone], bold=True, width=room)
+    room, text = 0.62 * width if card.remark else width, translated(card.text)
+    size = max(_SMALLEST, min(_LARGE, _LARGE * room / max(hud.measure(text, _LARGE, bold=True), 1.0)))
+    free = width - 8.0 - hud.text(x, y, text, size, _COLOURS[card.tone], bold=True, width=room)
     if card.remark:
         remark = translated(card.remark)
         size = min(17.0, 17.0 * free / hud.measure(remark, 17.0))

@@ -12,7 +12,8 @@ from mimics_app.contracts.system.phrases import phrase
 
 __all__ = ["gait_card", "loop_cards"]
 
-_WIDTH = 560.0
+_WIDTH = 880.0
+"""Width of the card: a sentence has to be read whole, in every language, by somebody who walks."""
 
 _WORDS: Mapping[GaitState, tuple[str, Tone]] = {
     GaitState.WALKING: (phrase("Walk"), Tone.CALM),
