@@ -15,6 +15,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
+from numba.core.errors import NumbaExperimentalFeatureWarning
+
 from mimics_app.contracts.errors import MimicsError
 
 __all__ = ["EDGES", "Survey", "as_text", "spoil_bytes", "spoil_json", "survey"]
@@ -90,6 +92,7 @@ def survey(read: Callable[[int], object], seeds: range) -> Survey:
     found = Survey()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
+        warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)  # it is about a kernel compiled meanwhile
         for seed in seeds:
             try:
                 read(seed)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from pathlib import Path
 from typing import Annotated
 
@@ -142,7 +143,7 @@ def scene_of(protocol: Path, condition: Condition) -> Path:
         SceneError: There is none.
     """
     beside = protocol.parent / condition.scene
-    return beside if beside.is_file() else find_scene(Path(condition.scene))
+    return beside if os.path.isfile(beside) else find_scene(Path(condition.scene))
 
 
 def seed_of(*parts: object) -> int:

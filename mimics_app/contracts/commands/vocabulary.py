@@ -262,4 +262,7 @@ def read_command(written: bytes) -> AnyCommand:
     Raises:
         ValueError: It is none.
     """
-    return _DECODER.decode(written)
+    try:
+        return _DECODER.decode(written)
+    except RecursionError as error:
+        raise ValueError("it is nested too deeply") from error

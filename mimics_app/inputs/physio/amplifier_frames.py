@@ -72,7 +72,7 @@ class AmplifierReader:
                 if len(self._bytes) <= _LONGEST:
                     break
                 self.damaged += 1
-                used = 1
+                used = 1 if self._bytes[0] == _MARK[0] else len(self._bytes) - 1  # the last one may begin a mark
             del self._bytes[:used]
             if samples is not None:
                 found.append(samples)

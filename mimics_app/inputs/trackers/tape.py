@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -93,7 +92,7 @@ def _report(line: bytes, file: Path, number: int, last: bool) -> TrackerSample |
         if len(line) > _LONGEST:
             raise msgspec.DecodeError(f"it has more than {_LONGEST} bytes")
         read = msgspec.json.decode(line, type=_Line)
-    except (msgspec.DecodeError, json.JSONDecodeError) as error:
+    except (msgspec.DecodeError, ValueError) as error:  # ValueError: bytes that are no UTF-8
         if last and not line.endswith(b"\n"):
             return None
         raise SceneError(Issue(str(file), f"line {number}", f"is not a tracker report: {error}")) from None
