@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from mimics_app.app.cues.gait_clock import GaitClock
+from mimics_app.app.cues.sound_surroundings import GaitClock
 from mimics_app.contracts.messages.stage_messages import SoundEvent
 from mimics_app.rendering.audio.offline import render_offline
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec

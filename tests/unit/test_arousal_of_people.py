@@ -11,7 +11,7 @@ from mimics_app.contracts.messages.stage_messages import SignalBlock
 from mimics_app.dsp.stage import PhysioDsp
 from mimics_app.estimation.fusion import FusionEstimation
 from mimics_app.inputs.physio.simulated.kinds import KINDS as SIMULATED
-from mimics_app.lab.physio.arousal_study import arousal_study
+from mimics_app.lab.physio.bench import arousal_study
 from tests.support.body_signals import body
 from tests.support.own_people import KINDS, OwnPerson, states_of
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.app.cues.effect_cues import EffectCues
+from mimics_app.app.session.visible_scene import EffectCues
 from mimics_app.contracts.loop.haptic import EVENT, EventKind
 from mimics_app.contracts.messages.stage_messages import TaskOrders
 from mimics_app.contracts.messages.trial_state import TaskView, TrialState

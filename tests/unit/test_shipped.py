@@ -15,10 +15,10 @@ from mimics_app.app.play.launching import (
     last_choice,
     launcher_cards,
     launcher_settings,
+    refusals,
     remember,
     settings_of_choice,
 )
-from mimics_app.app.play.players import refusals
 from mimics_app.app.scenes import shipped
 from mimics_app.app.scenes.scene_search import find_scene
 from mimics_app.app.scenes.shipped import GROUPS, find_shipped, shipped_scenes, thumbnail_of

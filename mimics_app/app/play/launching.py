@@ -8,18 +8,27 @@ from pathlib import Path
 from mimics_app.app.installation.display_files import find_display_files
 from mimics_app.app.installation.serial_ports import list_serial_ports
 from mimics_app.app.play.operators_page import DEFAULT_PORT, can_serve
-from mimics_app.app.play.players import ADDRESSED, players, refusals
 from mimics_app.app.scenes.shipped import GROUPS, ShippedScene, find_shipped, shipped_scenes, thumbnail_of
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal.participant import canonical_code, why_no_code
 from mimics_app.app.terminal.participant_language import usual_language
 from mimics_app.app.terminal.user_files import LAUNCHER, read_config, write_config
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
 from mimics_app.contracts.messages.trial_counts import finished_words, practice_only
 from mimics_app.contracts.ports.display_choice import display_names, kind_of_display
 from mimics_app.contracts.system.language import LANGUAGES
 from mimics_app.contracts.system.phrases import phrase
 from mimics_app.recording.history import EarlierRun, cut_off_runs, local_time, recent_runs
-from mimics_app.rendering.haptic.devices.device_names import BUILT_IN, SIMULATED, load_built_in
+from mimics_app.rendering.haptic.devices.described import descriptor_of
+from mimics_app.rendering.haptic.devices.device_names import (
+    BUILT_IN,
+    POINTER,
+    REPLAY,
+    SIMULATED,
+    device_names,
+    load_built_in,
+)
 from mimics_app.rendering.visual.launcher.launcher import LauncherChoice, ScenarioCard
 from mimics_app.rendering.visual.launcher.setting import Choice, Setting
 
@@ -29,6 +38,7 @@ __all__ = [
     "last_choice",
     "launcher_cards",
     "launcher_settings",
+    "refusals",
     "remember",
     "settings_of_choice",
 ]
@@ -39,9 +49,45 @@ _MOST_RECENT = 12
 _SIMULATED = tuple(name for name in BUILT_IN if name.startswith("simulated"))
 
 
+_AT_WINDOW = ""
+"""Value of the setting "who plays" for the person at the window."""
+
+_ADDRESSED = tuple(name for name in BUILT_IN if load_built_in(name).address and not load_built_in(name).optional)
+"""Devices that need an address."""
+
+
 def launcher_settings() -> list[Setting]:
     """Return the settings of the launcher, with the devices and displays of this installation."""
     return [*_person_settings(), *_task_settings(), *_output_settings()]
+
+
+def _players() -> dict[str, str]:
+    """Return the captions of the devices: the person at the window first, what needs an address last."""
+    others = sorted((name for name in device_names() if name not in (POINTER, REPLAY)), key=_ADDRESSED.__contains__)
+    captions = {name: load_built_in(name).caption if name in BUILT_IN else name for name in others}
+    return {_AT_WINDOW: load_built_in(POINTER).caption, **captions}
+
+
+def refusals(scene: ShippedScene) -> Mapping[tuple[str, str], str]:
+    """Return why a scene cannot be played, by ("device", value): its robot has another shape than the device."""
+    if not scene.device:
+        return {}
+    captions, wanted = _players(), descriptor_of(scene.device)
+    fitting = [value for value in captions if _fits(value, wanted) or value.partition(":")[0] in scene.also]
+    named = scene.device if scene.device in fitting else next(iter(fitting), scene.device)
+    words = phrase(
+        "This scene is played with {limb:s}. Choose: {device}", limb=scene.takes, device=captions.get(named, named)
+    )
+    return {("device", value): words for value in captions if value not in fitting}
+
+
+def _fits(value: str, wanted: DeviceDescriptor) -> bool:
+    """Whether a device has the joints and points of contact that a scene is made for, as far as is known."""
+    try:
+        there = descriptor_of(value.partition(":")[0] or POINTER)
+    except DeviceError:
+        return True  # what is wrong with it is said at the start
+    return there.extent.joints == wanted.extent.joints and there.contacts == wanted.contacts
 
 
 def _person_settings() -> list[Setting]:
@@ -51,7 +97,7 @@ def _person_settings() -> list[Setting]:
             "device",
             phrase("Who plays"),
             phrase("A person at this computer, a robot, or a simulated patient."),
-            _choices(players()),
+            _choices(_players()),
         ),
         Setting(
             "address",
@@ -60,7 +106,7 @@ def _person_settings() -> list[Setting]:
             _choices({each["port"]: each["port"] for each in list_serial_ports()}),
             typed=True,
             empty=phrase("type it here"),
-            with_values=ADDRESSED,
+            with_values=_ADDRESSED,
         ),
         Setting(
             "patient",
@@ -159,7 +205,7 @@ def settings_of_choice(choice: LauncherChoice) -> RunSettings:
     """Return the person's choice as the settings of a run."""
     chosen = choice.settings
     device = chosen["device"]
-    if device in ADDRESSED:
+    if device in _ADDRESSED:
         device = f"{device}:{chosen['address']}"
     return RunSettings(
         scene=choice.scene,

@@ -123,7 +123,10 @@ def _compute(servo: bool, settings: LegSettingsRecord, now: LegInputRecord, stat
 def _walk(ticks: int, late: float = 0.0) -> F8:
     """Return the reference of hip and knee with velocity and acceleration, shape [ticks, 3, 2]."""
     step, (knee, least) = step_of(_SPEED, _HEIGHT), knee_series(_HEIGHT)
-    u, phase = np.hypot(_SPEED, least), natural_cadence(_SPEED, _HEIGHT) * _DT * np.arange(ticks, dtype=np.float64) - late
+    u, phase = (
+        np.hypot(_SPEED, least),
+        natural_cadence(_SPEED, _HEIGHT) * _DT * np.arange(ticks, dtype=np.float64) - late,
+    )
     thigh: F8 = np.array([1.0, step, step * step]) @ thigh_series(_HEIGHT)
     shank: F8 = np.array([1.0, u, u * u]) @ knee
     path = np.stack([series_at(thigh, phase), series_at(shank, phase)], 1)

@@ -1,18 +1,24 @@
-"""`mimics bench physio`: detector, cost, latency, policies on simulated people, guided walk, and peers."""
+"""`mimics bench physio`: detector, cost, latency, policies on simulated people, guided walk, and peers.
+
+The people of the study of arousal rest, then play through five stretches that are too hard, right or too easy.
+Simulation is not clinical evidence.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import asdict
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.estimation.fusion import FusionEstimation
+from mimics_app.inputs.physio.simulated.kinds import KINDS, Kind
 from mimics_app.lab.peer_harness import run_harness
-from mimics_app.lab.physio.arousal_study import arousal_study
 from mimics_app.lab.physio.cohort import play_cohort
 from mimics_app.lab.physio.detection import (
     NOISE_DB,
@@ -24,11 +30,12 @@ from mimics_app.lab.physio.detection import (
 )
 from mimics_app.lab.physio.load_sessions import draw_load_people
 from mimics_app.lab.physio.noise_study import noise_rows
+from mimics_app.lab.physio.simulated_task import POWER_W, REST_S, SignalSession
 from mimics_app.lab.physio.state_study import state_study
 from mimics_app.lab.physio.walk_study import CONTROLS, WalkResult, walk_study
 from mimics_app.learning.registry import POLICIES
 
-__all__ = ["measure_noise", "measure_physio"]
+__all__ = ["arousal_study", "measure_noise", "measure_physio"]
 
 _SIMULATED = "simulated people; a simulation is not clinical evidence"
 _NOISY_MINUTES = 5.0
@@ -37,6 +44,14 @@ _AROUSED = range(40, 80)
 """Seeds of the people of the arousal: none of them was looked at when its variance was set."""
 _GAPS = (0.08, 0.15, 0.22)
 """Deviation of the demand from the best one in a trial that is too easy or too hard."""
+
+
+_BASELINE_S = 60.0
+"""Length of the calibration [s]."""
+_AROUSAL_GAPS, _STRETCH_S = (0.3, 0.0, -0.3, 0.15, 0.3), 66
+"""Deviation of the demand from the best one in each stretch, and its length [s]: the features look back a minute."""
+_Z = 1.96
+"""Standard deviations of the half width of a 95 % interval."""
 
 
 def measure_physio(folder: Path | None, peers: Path | None) -> dict[str, Any]:
@@ -65,6 +80,54 @@ def measure_physio(folder: Path | None, peers: Path | None) -> dict[str, Any]:
         "guided_walk": list(_walks()),
         "peers": _peers(folder, peers),
     }
+
+
+@dataclass(frozen=True, slots=True)
+class _ArousalScore:
+    """Score of the estimated arousal of one person.
+
+    Attributes:
+        heart: Response of the person's heart, which names the kind.
+        covered: Share of the seconds in which the truth lies in the stated 95 % interval.
+        deviation: Mean stated standard deviation.
+        correlation: Of estimate and truth over the session.
+    """
+
+    heart: str
+    covered: float
+    deviation: float
+    correlation: float
+
+
+def arousal_study(people: Sequence[int]) -> list[_ArousalScore]:
+    """Return the scores of simulated people.
+
+    Args:
+        people: Seed of each; the kind follows from it in turn.
+    """
+    return [_score(KINDS[seed % len(KINDS)], np.random.default_rng([seed, 292])) for seed in people]
+
+
+def _score(kind: Kind, rng: np.random.Generator) -> _ArousalScore:
+    mean, variance, truth = _play(kind, rng).T
+    covered = np.abs(mean - truth) < _Z * np.sqrt(variance)
+    agrees = float(np.corrcoef(mean, truth)[0, 1])
+    return _ArousalScore(kind.heart, float(covered.mean()), float(np.sqrt(variance).mean()), agrees)
+
+
+def _play(kind: Kind, rng: np.random.Generator) -> F8:
+    """Return mean, variance and true arousal of each second in which arousal is known, shape [s, 3]."""
+    who, body = rng.spawn(2)
+    people, rows = kind.people(who), []
+    session, estimation = SignalSession(people, kind.signals(body)), FusionEstimation(_BASELINE_S)
+    for second in range(REST_S + len(_AROUSAL_GAPS) * _STRETCH_S):
+        playing = second >= REST_S
+        gap = _AROUSAL_GAPS[(second - REST_S) // _STRETCH_S] if playing else np.nan
+        for frame in session.live(1, float(people.best[0]) + gap, POWER_W if playing else 0.0):
+            arousal = estimation.update(frame).arousal
+            if arousal is not None:
+                rows.append((arousal.mean, arousal.variance, float(people.arousal[0])))
+    return np.array(rows)
 
 
 def _arousal() -> dict[str, dict[str, float]]:
