@@ -161,6 +161,7 @@ def test_legs_in_the_gait_orthosis_walk_the_shipped_scene() -> None:
 def test_every_walk_is_played_in_the_gait_orthosis_and_by_hand() -> None:
     for name in ("city_walk", "canyon_walk", "soccer"):
         hand = load_checked_scene(SCENES / f"{name}.json")
+        assert load_checked_scene(SCENES / f"{name}.json", device="pointer").hash == hand.hash
         legs = load_checked_scene(SCENES / f"{name}.json", device="lokomat:udp:10.0.0.2:5000")
         assert hand.devices == ("lokomat",)
         assert (hand.first(Robot) or Robot()).device == "simulated_hapticmaster"

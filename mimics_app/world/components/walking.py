@@ -40,14 +40,15 @@ class WalkingPath(Component, frozen=True):
 
 @component("path_walker")
 class PathWalker(Component, frozen=True):
-    """Somebody who walks along a `walking_path`, with a model whose steps sound as the ground."""
+    """Somebody who walks along a `walking_path`, with a model whose steps sound as the ground; or a car."""
 
     path: Annotated[str, Meta(description="Id of the entity with the `walking_path`")]
     start: Annotated[Extent, Meta(description="Distance along the path at the begin of a trial [m]")] = 0.0
     aside: Annotated[float, Meta(ge=-20, le=20, description="Distance to the right of the path [m]")] = 0.0
-    speed: Annotated[float, Meta(ge=0, le=2.5, description="Speed [m/s]; not used by the person and with `beside`")] = (
-        1.2
-    )
+    speed: Annotated[
+        float,
+        Meta(ge=0, le=15.0, description="Speed [m/s], of a car up to 15; not used by the person and with `beside`"),
+    ] = 1.2
     beside: Annotated[
         str | None,
         Meta(description="Id of a walker who is accompanied: same pace, `start` ahead of them, on the same path"),

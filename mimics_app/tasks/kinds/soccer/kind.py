@@ -378,7 +378,7 @@ class SoccerKind(TaskKind):
             return []
         named = {f"/task/soccer/{field}": getattr(soccer, field) for field in ("person", "ball", "opponent")}
         issues = scene.check_names({k: v for k, v in named.items() if v is not None}, "no entity", scene.by_id)
-        if scene.device and soccer.felt is not None:  # it is an entity of the orthosis
+        if scene.device in scene.devices and soccer.felt is not None:  # it is an entity of the orthosis
             issues += scene.check_entity_with(HapticObject, "/task/soccer/felt", soccer.felt)
         return issues
 
