@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from mimics_app.rendering.visual.figures.glyphs import GlyphAtlas
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Align, Colour, Hud
 
 __all__ = ["Fault", "WatchedHud", "page_canvas"]
@@ -21,11 +22,11 @@ class Fault:
 
 
 class WatchedHud(Hud):
-    """Collects the faults of what is drawn on it: `faults`."""
+    """Collects the faults of what is drawn on it, and on others that share the list: `faults`."""
 
-    def __init__(self) -> None:
-        super().__init__()
-        self.faults: list[Fault] = []
+    def __init__(self, atlas: GlyphAtlas | None = None, faults: list[Fault] | None = None) -> None:
+        super().__init__(atlas)
+        self.faults: list[Fault] = [] if faults is None else faults
         self._boxes: list[tuple[float, float, float, float]] = []
 
     def clear(self) -> None:
@@ -69,8 +70,8 @@ class WatchedHud(Hud):
             self.faults.append(Fault(text, f"no glyphs for {missing}"))
         return length
 
-    def wrap(self, text: str, size: float, width: float, lines: int) -> list[str]:
-        out = super().wrap(text, size, width, lines)
+    def wrap(self, text: str, size: float, width: float, lines: int, *, bold: bool = False) -> list[str]:
+        out = super().wrap(text, size, width, lines, bold=bold)
         if " ".join(out).split() != text.split():
             self.faults.append(Fault(text, f"cut to {len(out)} lines"))
         return out

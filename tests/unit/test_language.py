@@ -50,7 +50,7 @@ def test_a_phrase_is_english_whatever_is_spoken() -> None:
             "Goal reached in 8.3 s\n63 of 100 points. Lost: 47 by time in contact (17.2 s), 30 by time (48.0 s)",
             "Ziel erreicht in 8,3 s\n63 von 100 Punkten. Abzug: 47 für Zeit in Kontakt (17,2 s), 30 für Zeit (48,0 s)",
         ),
-        ("one hand · 6 trials, up to 4 min", "einer Hand · 6 Durchgänge, bis zu 4 min"),
+        ("one hand · 6 trials, up to 4 min", "eine Hand · 6 Durchgänge, bis zu 4 min"),
         ("Practice: get ready", "Übung: Machen Sie sich bereit"),
         ("version 1.2.3 at 192.168.0.10", "version 1.2.3 at 192.168.0.10"),
         ("/tmp/run_1.5/a", "/tmp/run_1.5/a"),

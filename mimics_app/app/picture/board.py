@@ -6,6 +6,7 @@ from collections.abc import Hashable, Sequence
 from typing import Any
 
 import numpy as np
+from msgspec import structs
 
 from mimics_app.contracts.arrays import F4
 from mimics_app.contracts.messages.board import Bar, Board, Card, Tone
@@ -42,8 +43,8 @@ _COUNT, _COUNT_SIZE = 180.0, 120.0
 """Diameter of the disc of a countdown, and height of its digit [hud px]."""
 _NEUTRAL = 46.0
 """Diameter of the ring at the middle of a lever [hud px]."""
-_LARGE, _SMALLEST = 25.0, 17.0
-"""Font size of a card's text, and to what it shrinks before a long one is cut [hud px]."""
+_LEAST_CARD = 13.0
+"""Least size of a card's text, which takes two lines where that is still too large [hud px]."""
 _TEXT, _LINE = 30.0, 38.0
 """Font size and line spacing of a message [hud px]."""
 
@@ -75,7 +76,8 @@ class BoardLayout:
             force_full: Full scale of bars without a scale of their own [N].
             page: Page over the board, None for none.
         """
-        cards = tuple((name, board.cards[name]) for name in show if name in board.cards)
+        room = hud.width - 2.0 * _MARGIN
+        cards = tuple((name, _narrowed(board.cards[name], room)) for name in show if name in board.cards)
         said = (board.message, board.alarm, board.count, board.asks, board.neutral)
         wanted = (id(hud), cards, said, force_full, hud.width, hud.height, page)
         if self._laid == (wanted, hud.revision):
@@ -111,6 +113,11 @@ class BoardLayout:
         return known[1]
 
 
+def _narrowed(card: Card, room: float) -> Card:
+    """Return a card that is no wider than a room [hud px]."""
+    return card if card.width <= room else structs.replace(card, width=room)
+
+
 def _by_kind(rows: F4) -> F4:
     """Return the rectangles of cards, which do not overlap, with the boxes of all of them first: two draws."""
     return rows[np.argsort(rows[:, KIND], kind="stable")]
@@ -120,14 +127,19 @@ def _draw_card(hud: Hud, card: Card, corner: tuple[float, float], force_full: fl
     left, bottom = corner
     hud.box(left, bottom, card.width, _HEIGHT, _PANEL, radius=12.0)
     x, y, width = left + 16.0, bottom + 12.0, card.width - 32.0
-    hud.text(x, y + 27.0, translated(card.label), 15.0, FAINT)
+    room = width if card.bar is None else width - 8.0 - hud.measure(translated(card.text), 17.0, bold=True)
+    hud.fitted(x, y + 27.0, translated(card.label), (10.0, 15.0), room, FAINT)
     if card.bar is not None:
         hud.text(x + width, y + 27.0, translated(card.text), 17.0, INK, bold=True, align="right")
         _draw_bar(hud, card.bar, (x, y), width, force_full)
         return
     room, text = 0.62 * width if card.remark else width, translated(card.text)
-    size = max(_SMALLEST, min(_LARGE, _LARGE * room / max(hud.measure(text, _LARGE, bold=True), 1.0)))
-    free = width - 8.0 - hud.text(x, y, text, size, _COLOURS[card.tone], bold=True, width=room)
+    if hud.measure(text, _LEAST_CARD, bold=True) > room:
+        for number, line in enumerate(hud.wrap(text, _LEAST_CARD, room, 2, bold=True)):
+            hud.text(x, y + 10.0 - 16.0 * number, line, _LEAST_CARD, _COLOURS[card.tone], bold=True)
+        return
+    drawn = hud.fitted(x, y, text, (_LEAST_CARD, 25.0), room, _COLOURS[card.tone], bold=True)
+    free = width - 8.0 - drawn
     if card.remark:
         remark = translated(card.remark)
         size = min(17.0, 17.0 * free / hud.measure(remark, 17.0))
@@ -166,24 +178,25 @@ def _draw_neutral(hud: Hud, place: tuple[float, float]) -> None:
 
 def _draw_message(hud: Hud, message: str, panel: Colour, canvas: tuple[float, float], at_top: bool) -> None:
     canvas_width, canvas_height = canvas
-    room = canvas_width - 2.0 * _MARGIN - 64.0
-    lines = [line for part in translated(message).split("\n") for line in _broken(hud, part, room)]
-    width = min(max(hud.measure(line, _TEXT, bold=True) for line in lines), room) + 64.0
+    room, shown = canvas_width - 2.0 * _MARGIN - 64.0, translated(message)
+    longest = max((hud.measure(word, _TEXT, bold=True) for word in shown.split()), default=0.0)
+    size = _TEXT * min(1.0, room / max(longest, 1.0))
+    lines = [line for part in shown.split("\n") for line in _broken(hud, part, size, room)]
+    width = min(max(hud.measure(line, size, bold=True) for line in lines), room) + 64.0
     high = 64.0 + _LINE * (len(lines) - 1)
     x = 0.5 * (canvas_width - width)
     y = canvas_height - 2.0 * _MARGIN - _HEIGHT - high if at_top else 46.0
     hud.box(x, y, width, high, panel, radius=18.0)
     for number, line in enumerate(reversed(lines)):
         place = 0.5 * canvas_width, y + 21.0 + _LINE * number
-        hud.text(*place, line, _TEXT, INK, bold=True, align="centre", width=width - 32.0)
+        hud.text(*place, line, size, INK, bold=True, align="centre", width=width - 32.0)
 
 
-def _broken(hud: Hud, part: str, room: float) -> list[str]:
+def _broken(hud: Hud, part: str, size: float, room: float) -> list[str]:
     """Return a line of a message, wrapped where it is wider than the picture, to at most half its height."""
-    if hud.measure(part, _TEXT, bold=True) <= room:
+    if hud.measure(part, size, bold=True) <= room:
         return [part]
-    most = int(0.5 * hud.height / _LINE)
-    return hud.wrap(part, _TEXT, room * hud.measure(part, _TEXT) / hud.measure(part, _TEXT, bold=True), most)
+    return hud.wrap(part, size, room, int(0.5 * hud.height / _LINE), bold=True)
 
 
 def stability_card(snapshot: HapticSnapshot) -> Card:

@@ -167,7 +167,7 @@ def _output_settings() -> list[Setting]:
     """Return the settings of picture and sound."""
     kinds = {name: kind_of_display(name) for name in display_names()}
     captions = {name: kind.caption for name, kind in kinds.items() if kind.file != "must"}
-    displays = {"": phrase("this screen, or the scene's display"), **captions, **_found_displays()}
+    displays = {"": phrase("usual for the scene"), **captions, **_found_displays()}
     return [
         Setting(
             "profile",
@@ -271,7 +271,8 @@ def _card(scene: ShippedScene, last: EarlierRun | None) -> ScenarioCard:
         picture=thumbnail_of(scene.name),
         scene=scene.file,
         group=GROUPS[scene.group],
-        facts=" · ".join(part for part in (scene.takes, scene.lasts, _beyond(scene)) if part),
+        facts=" · ".join(part for part in (scene.takes, scene.lasts) if part),
+        limits=_beyond(scene),
         refuses=refusals(scene),
         badge="" if last is None or last.score is None else phrase("last: {score:.0f} of 100", score=last.score),
     )

@@ -30,6 +30,9 @@ _NARROWEST = 400.0
 HUD_ROW = np.dtype([("box", "f4", (4,)), ("picture", "f4", (4,)), ("tint", "f4", (4,)), ("style", "f4", (4,))])
 """One rectangle as shaders/hud/hud.vert reads it."""
 
+_ROUNDING = 1e-6
+"""Tolerance of a line that was made to fit [hud px]."""
+
 _BOX, _GLYPH, _IMAGE = 0.0, 1.0, 2.0
 FLOATS, KIND = HUD_ROW.itemsize // 4, 12
 """Numbers of a rectangle, and which of them is its kind."""
@@ -185,21 +188,39 @@ class Hud:
         self._append(rows)
         return length
 
+    def fitted(
+        self,
+        x: float,
+        y: float,
+        text: str,
+        sizes: tuple[float, float],
+        width: float,
+        colour: Colour,
+        *,
+        bold: bool = False,
+        align: Align = "left",
+    ) -> float:
+        """Add a line as large as fits into a width, between a least and a greatest size; return its width [hud px]."""
+        least, greatest = sizes
+        size = greatest * width / max(self.measure(text, greatest, bold=bold), 1.0)
+        size = min(greatest, max(least, size))
+        return self.text(x, y, text, size, colour, bold=bold, align=align, width=max(0.0, width) + _ROUNDING)
+
     def measure(self, text: str, size: float, *, bold: bool = False) -> float:
         """Return the width of a line of text [hud px]."""
         return self.atlas.face(bold=bold).measure(text) * size
 
-    def wrap(self, text: str, size: float, width: float, lines: int) -> list[str]:
+    def wrap(self, text: str, size: float, width: float, lines: int, *, bold: bool = False) -> list[str]:
         """Break text at spaces into at most `lines` lines of `width` [hud px]; longer text ends in an ellipsis."""
         out: list[str] = []
         rest = text.split()
         while rest and len(out) < lines:
             count = 1
-            while count < len(rest) and self.measure(" ".join(rest[: count + 1]), size) <= width:
+            while count < len(rest) and self.measure(" ".join(rest[: count + 1]), size, bold=bold) <= width:
                 count += 1
             last = len(out) == lines - 1
             line = " ".join(rest if last else rest[:count])
-            out.append(self._shorten(line, size, width, bold=False))
+            out.append(self._shorten(line, size, width, bold=bold))
             rest = rest[count:]
         return out
 

@@ -19,7 +19,7 @@ _PANEL: Colour = (0.05, 0.06, 0.08, 0.97)
 """Hardly any text of the page behind it shows through."""
 _LINE, _SIZE = 30.0, 17.0
 _TITLE, _WORDS, _WORDS_LINE = 30.0, 20.0, 27.0
-_MOST_LINES = 6
+_MOST_LINES = 10
 _PICTURE = (416.0, 234.0)
 """Width and height of the image [hud px]."""
 _EDGE, _GAP = 30.0, 24.0
@@ -73,7 +73,8 @@ def draw_page(hud: Hud, page: KeyPage) -> None:
         hud.image((x + fits * (beside + _GAP), top - fits * (24.0 + high), fits * _PICTURE[0], fits * high), 0)
     at = top - fits * (24.0 + 0.8 * _TITLE)
     if page.title:
-        hud.text(x, at, translated(page.title), fits * _TITLE, INK, bold=True, width=fits * beside)
+        sizes = fits * 0.5 * _TITLE, fits * _TITLE
+        hud.fitted(x, at, translated(page.title), sizes, fits * beside, INK, bold=True)
         at -= fits * (_TITLE + 18.0)
     for number, line in enumerate(lines):
         hud.text(x, at - fits * _WORDS_LINE * number, line, fits * _WORDS, INK)

@@ -11,6 +11,7 @@ import numpy as np
 
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.messages.window_input import InputEvent
+from mimics_app.contracts.system.language import translated
 from mimics_app.contracts.system.phrases import phrase
 from mimics_app.rendering.visual.figures.key_page import draw_keys
 from mimics_app.rendering.visual.launcher.launcher_page import (
@@ -404,5 +405,6 @@ class Launcher:
 
 
 def _text_of(card: ScenarioCard) -> str:
-    """Return the text that a search is matched against."""
-    return f"{card.title} {card.description} {card.group} {card.scene.stem}".lower()
+    """Return the text that a search is matched against, in English and in the present language."""
+    shown = (translated(text) for text in (card.title, card.description, card.group))
+    return " ".join((card.title, card.description, card.group, card.scene.stem, *shown)).lower()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -29,14 +30,19 @@ __all__ = ["LauncherPage", "PageState", "ScenarioCard", "Spot", "refused_setting
 _MARGIN = 40.0
 _GAP = 20.0
 _HEAD = 132.0
-_SIDE, _SIDE_SHARE = 340.0, 0.42
-_FOOT = 56.0
-_ROW, _ROW_GAP = 44.0, 7.0
-_START, _LINE = 54.0, 18.0
+_SIDE, _SIDE_SHARE = 340.0, 0.5
+_ROW, _ROW_GAP = 36.0, 5.0
+_START = 54.0
+_EXPLAINED, _LINE = 3600.0, 20.0
+"""Length of the longest explanation, over all its lines, and distance of the lines [hud px]."""
+_LEAST_LINES = 3
 _TAB_HEIGHT, _TAB_TEXT = 34.0, 16.0
 _MIN_CARD = 250.0
 _PICTURE_SHAPE = 16.0 / 9.0
-_TEXT_HEIGHT = 112.0
+_TEXT_HEIGHT = 96.0
+_FACTS, _FACTS_LINE = 12.5, 16.0
+_LABEL_ROOM = 64.0
+"""Width of a setting that its arrows take [hud px]."""
 _HINT = phrase("Arrows, Tab, stick: move    Enter, A: choose    type: search    F1: keys    Esc, B: leave")
 
 
@@ -46,7 +52,7 @@ class ScenarioCard:
 
     Attributes:
         title: A few words.
-        description: A sentence or two.
+        description: A sentence or two, shown where it is in focus.
         picture: PNG or JPEG file, or None; drawn at 16:9.
         scene: The scene file.
         group: Group that it is listed in.
@@ -54,6 +60,7 @@ class ScenarioCard:
         badge: Emphasised text in the corner of the picture, such as the last score.
         everywhere: True to list it in searches and under "All" too; False for its group alone, as a played scene.
         run: Folder of the earlier session that it stands for; None: it stands for the scene.
+        limits: Limits beyond the usual ones, shown after the description; "" for none.
         refuses: Why the scene cannot be played, in words, by (setting, value).
     """
 
@@ -66,6 +73,7 @@ class ScenarioCard:
     badge: str = ""
     everywhere: bool = True
     run: Path | None = None
+    limits: str = ""
     refuses: Mapping[tuple[str, str], str] = field(default_factory=dict)
 
 
@@ -147,7 +155,7 @@ class LauncherPage:
         """Largest scroll position of the cards [hud px]."""
         rows = -(-len(self.state.cards) // self.columns)
         content = rows * (self._card_size[1] + _GAP) - _GAP
-        return max(0.0, content - (self._hud.height - _HEAD - _FOOT))
+        return max(0.0, content - (self._hud.height - _HEAD - self._foot))
 
     def card_box(self, index: int, scroll: float) -> Box:
         """Return the box of a card."""
@@ -180,16 +188,26 @@ class LauncherPage:
         self._draw_scroll_bar()
         # Cards that scroll under head and foot are covered again, which replaces clipping in the one draw call.
         hud.box(0.0, hud.height - _HEAD + 8.0, hud.width, _HEAD - 8.0, BACK)
-        hud.box(0.0, 0.0, hud.width, _FOOT - 8.0, BACK)
+        hud.box(0.0, 0.0, hud.width, self._foot - 8.0, BACK)
         self._draw_head()
         self._draw_settings()
-        hud.text(
-            _MARGIN, 20.0, translated(state.notice or _HINT), 15.0, ALARM if state.notice else FAINT, width=self._wide
-        )
+        foot, ink = translated(state.notice or _HINT), ALARM if state.notice else FAINT
+        hud.fitted(_MARGIN, 18.0, foot, (11.0, 15.0), self._wide, ink)
+        self._draw_explanation()
 
     @property
     def _wide(self) -> float:
         return self._hud.width - 2.0 * _MARGIN
+
+    @property
+    def _lines(self) -> int:
+        """Number of lines of an explanation."""
+        return max(_LEAST_LINES, math.ceil(_EXPLAINED / self._wide))
+
+    @property
+    def _foot(self) -> float:
+        """Height of the explanation and the keys below everything else [hud px]."""
+        return 54.0 + _LINE * self._lines
 
     @property
     def _cards_width(self) -> float:
@@ -210,17 +228,17 @@ class LauncherPage:
 
     @property
     def _start_box(self) -> Box:
-        return (self._side_x, _FOOT, self._side_width, _START)
+        return (self._side_x, self._foot, self._side_width, _START)
 
     def _option_box(self, index: int) -> Box:
         top = self._hud.height - _HEAD - index * (_ROW + _ROW_GAP)
         return (self._side_x, top - _ROW, self._side_width, _ROW)
 
     def _tab_box(self, index: int) -> Box:
-        """Return the box of a tab; tabs that are wider than the cards together are narrowed."""
+        """Return the box of a tab; tabs that are wider than the page together are narrowed."""
         widths = [self._hud.measure(translated(name), _TAB_TEXT, bold=True) + 28.0 for name in self.state.tabs]
         gap = 8.0
-        fits = min(1.0, self._cards_width / (sum(widths) + gap * (len(widths) - 1)))
+        fits = min(1.0, self._wide / (sum(widths) + gap * (len(widths) - 1)))
         x = _MARGIN + fits * (sum(widths[:index]) + gap * index)
         return (x, self._hud.height - _HEAD + 18.0, fits * widths[index], _TAB_HEIGHT)
 
@@ -228,7 +246,7 @@ class LauncherPage:
         hud, state, y = self._hud, self.state, self._hud.height - 62.0
         hud.text(_MARGIN, y, "mimics", 38.0, INK, bold=True)
         beside = _MARGIN + hud.measure("mimics", 38.0, bold=True) + 16.0
-        hud.text(beside, y, translated(phrase("Choose a scene")), 20.0, FAINT, width=max(0.0, self._side_x - beside))
+        hud.fitted(beside, y, translated(phrase("Choose a scene")), (12.0, 20.0), self._side_x - beside - 12.0, FAINT)
         for index, name in enumerate(map(translated, state.tabs)):
             box = self._tab_box(index)
             here, focused = index == state.tab and not state.search, state.focus == ("tab", index)
@@ -243,18 +261,17 @@ class LauncherPage:
         caret = "" if state.is_filling_field else "|"
         text = f"{state.search}{caret}" if state.search else translated(phrase("Type to search"))
         hud.text(x + 18.0, hud.height - 66.0, text, 17.0, INK if state.search else FAINT, width=width - 36.0)
-        hud.text(x, hud.height - _HEAD + 12.0, translated(phrase("Settings")), 16.0, FAINT, bold=True)
 
     def _draw_scroll_bar(self) -> None:
         """Draw where the shown cards are among all of them, where not all fit."""
         hidden = self.max_scroll
         if hidden <= 0.0:
             return
-        hud, room = self._hud, self._hud.height - _HEAD - _FOOT
+        hud, room = self._hud, self._hud.height - _HEAD - self._foot
         height = room * room / (room + hidden)
         top = hud.height - _HEAD - (room - height) * self.state.scroll / hidden
         x = _MARGIN + self._cards_width + 6.0
-        hud.box(x, _FOOT, 6.0, room, PANEL, radius=3.0)
+        hud.box(x, self._foot, 6.0, room, PANEL, radius=3.0)
         hud.box(x, top - height, 6.0, height, FAINT, radius=3.0)
 
     def _draw_card(self, index: int) -> None:
@@ -270,10 +287,14 @@ class LauncherPage:
         if card.badge:
             self._draw_badge(translated(card.badge), (x + width - 18.0, y + height - 18.0))
         text_y, room = y + height - picture - 36.0, width - 28.0
-        self._fitted(x + 14.0, text_y, translated(card.title), (14.5, 17.5), room, bold=True)
-        for number, line in enumerate(hud.wrap(translated(card.description), 13.0, room, 3)):
-            hud.text(x + 14.0, text_y - 20.0 - 16.5 * number, line, 13.0, FAINT)
-        self._fitted(x + 14.0, y + 13.0, translated(card.facts), (10.5, 12.5), room)
+        title = translated(card.title)
+        size = 17.5 if hud.measure(title, 17.5, bold=True) <= room else 15.0
+        for number, line in enumerate(hud.wrap(title, size, room, 2, bold=True)):
+            hud.text(x + 14.0, text_y - 19.0 * number, line, size, INK, bold=True)
+        facts = translated(card.facts)
+        lines = [facts] if hud.measure(facts, _FACTS) <= room else facts.split(" · ")
+        for number, line in enumerate(reversed(lines)):
+            hud.fitted(x + 14.0, y + 14.0 + _FACTS_LINE * number, line, (10.5, _FACTS), room, FAINT)
         if focused:
             hud.box(*box, ACCENT, radius=14.0, border=3.0)
 
@@ -284,30 +305,25 @@ class LauncherPage:
         hud.box(right - width, top - 26.0, width, 26.0, PANEL, radius=13.0)
         hud.text(right - 10.0, top - 18.0, text, 14.0, ACCENT, bold=True, align="right")
 
-    def _fitted(
-        self, x: float, y: float, text: str, sizes: tuple[float, float], room: float, *, bold: bool = False
-    ) -> None:
-        """Write a line as large as fits between a least and a greatest size; what still does not fit is cut off."""
-        least, greatest = sizes
-        fits = greatest * room / max(self._hud.measure(text, greatest, bold=bold), 1.0)
-        self._hud.text(x, y, text, min(greatest, max(least, fits)), INK, bold=bold, width=room)
-
     def _draw_settings(self) -> None:
         hud, state = self._hud, self.state
         for index in range(len(state.settings)):
             self._draw_option(index)
         x, y, width, height = self._start_box
-        room = int((hud.height - _HEAD - len(state.settings) * (_ROW + _ROW_GAP) - y - height - 14.0) // _LINE)
-        refused = self._refused
-        text, ink = (refused[1], ALARM) if refused else (self._explanation(), FAINT)
-        lines = hud.wrap(translated(text), 14.0, width, room) if room > 0 else []
-        for number, line in enumerate(reversed(lines)):
-            hud.text(x, y + height + 14.0 + _LINE * number, line, 14.0, ink)
-        focused = state.focus == ("start", 0)
+        refused, focused = self._refused, state.focus == ("start", 0)
         hud.box(x, y, width, height, PANEL if refused else ACCENT if focused else QUIET, radius=16.0)
         label, ink = translated(self._start_label()), FAINT if refused else ON_ACCENT
-        size = min(22.0, 22.0 * (width - 32.0) / max(hud.measure(label, 22.0, bold=True), 1.0))
-        hud.text(x + 0.5 * width, y + 19.0, label, max(size, 13.0), ink, bold=True, align="centre", width=width - 24.0)
+        size = 22.0 * (width - 32.0) / max(hud.measure(label, 22.0, bold=True), 1.0)
+        if size < 13.0:
+            label, size = translated(phrase("Start")), 22.0
+        hud.text(x + 0.5 * width, y + 19.0, label, min(size, 22.0), ink, bold=True, align="centre", width=width - 24.0)
+
+    def _draw_explanation(self) -> None:
+        """Write why the chosen scene cannot be played, else what is in focus, above the keys."""
+        hud, refused = self._hud, self._refused
+        text, ink = (translated(refused[1]), ALARM) if refused else (self._explanation(), FAINT)
+        for number, line in enumerate(hud.wrap(text, 15.0, self._wide, self._lines)):
+            hud.text(_MARGIN, self._foot - 28.0 - _LINE * number, line, 15.0, ink)
 
     @property
     def _chosen(self) -> ScenarioCard | None:
@@ -326,27 +342,28 @@ class LauncherPage:
         return phrase("Show the result") if card.run else phrase("Start: {title}", title=card.title)
 
     def _explanation(self) -> str:
-        """Return the text above the start button: help on the focused setting, else the chosen scene's description."""
+        """Return help on the focused setting, else the chosen scene's description and limits, as shown."""
         state = self.state
         kind, which = state.focus
         if kind == "option" and which < len(state.settings):
-            return state.settings[which].help
-        return "" if self._chosen is None else self._chosen.description
+            return translated(state.settings[which].help)
+        card = self._chosen
+        return "" if card is None else " ".join(filter(None, map(translated, (card.description, card.limits))))
 
     def _draw_option(self, index: int) -> None:
         hud, setting = self._hud, self.state.settings[index]
         x, y, width, _ = box = self._option_box(index)
         focused = self.state.focus == ("option", index)
         hud.box(*box, PANEL_LIT if focused else PANEL, radius=12.0)
-        hud.text(x + 0.5 * width, y + 28.0, translated(setting.label), 12.5, FAINT, align="centre")
+        hud.text(x + 0.5 * width, y + 23.0, translated(setting.label), 11.5, FAINT, align="centre")
         value = self.state.values.get(setting.name, "")
-        words, room = setting.words(value) + ("|" if setting.typed and focused else ""), width - 76.0
-        size = min(16.0, max(12.0, 16.0 * room / max(hud.measure(words, 16.0, bold=True), 1.0)))
+        words, room = setting.words(value) + ("|" if setting.typed and focused else ""), width - _LABEL_ROOM
+        size = min(15.0, max(11.0, 15.0 * room / max(hud.measure(words, 15.0, bold=True), 1.0)))
         refused = self._refused is not None and self._refused[0] is setting
         colour = INK if (value or not setting.typed) and not refused else FAINT
-        hud.text(x + 0.5 * width, y + 9.0, words, size, colour, bold=True, align="centre", width=room)
+        hud.text(x + 0.5 * width, y + 7.0, words, size, colour, bold=True, align="centre", width=room)
         if setting.choices:
-            hud.text(x + 22.0, y + 15.0, "◀", 16.0, ACCENT if focused else FAINT, align="centre")
-            hud.text(x + width - 22.0, y + 15.0, "▶", 16.0, ACCENT if focused else FAINT, align="centre")
+            hud.text(x + 20.0, y + 11.0, "◀", 16.0, ACCENT if focused else FAINT, align="centre")
+            hud.text(x + width - 20.0, y + 11.0, "▶", 16.0, ACCENT if focused else FAINT, align="centre")
         if focused:
             hud.box(*box, ACCENT, radius=12.0, border=2.5)

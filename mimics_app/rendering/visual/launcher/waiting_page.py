@@ -17,6 +17,7 @@ _BAR, _RUNNER = 420.0, 110.0
 """Widths of the bar and of the runner on it [hud px]; the duration is unknown, as it depends on the driver."""
 
 _PERIOD_S = 1.6
+_MARGIN = 24.0
 
 
 class WaitingPage:
@@ -39,7 +40,8 @@ class WaitingPage:
         x = 0.5 * (hud.width - _BAR)
         hud.clear()
         hud.box(0.0, 0.0, hud.width, hud.height, BACK)
-        hud.text(0.5 * hud.width, centre + 44.0, translated(self._title), 30.0, INK, bold=True, align="centre")
+        title, room = translated(self._title), hud.width - 2.0 * _MARGIN
+        hud.fitted(0.5 * hud.width, centre + 44.0, title, (14.0, 30.0), room, INK, bold=True, align="centre")
         hud.box(x, centre, _BAR, 8.0, PANEL_LIT, radius=4.0)
         swing = 0.5 - 0.5 * math.cos(2.0 * math.pi * self._frames / (_PERIOD_S * FRAMES_PER_SECOND))
         hud.box(x + swing * (_BAR - _RUNNER), centre, _RUNNER, 8.0, ACCENT, radius=4.0)
