@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from mimics_app.contracts.messages.trial_counts import FINISHED
 from mimics_app.contracts.system.phrases import counted_phrase, phrase
 from mimics_app.tasks.kinds.kind import KindPlay
+from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.score import lost_points
 from mimics_app.tasks.task import MEASURES, DurationGoal, GoalSpec, PointGoal, ScoreSpec
 
@@ -80,8 +81,9 @@ def result_lines(happened: str, score: float | None, lost: str, *, finished: boo
 
 
 def loss_captions() -> list[str]:
-    """Return the captions of all parts of a score, which are phrases."""
-    return [_caption(measure.part) for measure in MEASURES]
+    """Return the captions of the parts that a score usually has, which are phrases."""
+    unscored = {measure.part for kind in task_kinds() if not kind.scored for measure in kind.measures}
+    return [_caption(measure.part) for measure in MEASURES if measure.part not in unscored]
 
 
 def _caption(part: str) -> str:

@@ -16,6 +16,7 @@ from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.contracts.system import resources
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.descriptors.leg import LEG, LEGS
+from mimics_app.tasks.kinds.calibration.spec import DIRECTIONS, STEPS
 from mimics_app.tasks.outcome_words import loss_captions
 from mimics_app.tasks.prompt import cause_words
 
@@ -109,6 +110,8 @@ def _in_sets() -> Iterator[tuple[str, str, str]]:
     yield from ((text, "", "causes of stops") for text in causes)
     yield from ((state.value, "", "states of a trial") for state in TrialState)
     yield from ((text, "", "parts of a score") for text in loss_captions())
+    yield from ((text, "", "steps of a calibration") for step in STEPS for text in (step, step.capitalize()))
+    yield from ((text, "", "directions of a calibration") for text in DIRECTIONS)
     limbs = [limb for descriptor in (HAPTICMASTER, LEG, LEGS) for limb in descriptor.contacts]
     yield from ((text, "", "points of contact") for text in limbs)
 

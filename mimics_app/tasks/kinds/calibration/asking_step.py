@@ -8,6 +8,7 @@ from abc import abstractmethod
 
 from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.messages.calibration_record import CalibratedMeasure
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.tasks.kinds.calibration.spec import DIRECTIONS, CalibrationSpec
 from mimics_app.tasks.kinds.calibration.staircase import Staircase
 from mimics_app.tasks.kinds.calibration.step import Cue, Letter, Seen, Step, Tone, spread_of
@@ -102,7 +103,7 @@ class HearingStep(_AskingStep):
     @property
     def cue(self) -> Cue:
         tone = self._tone if self._open else None
-        return Cue("Where is the sound? Move the hand to that side, and back. No sound: stay", tone=tone)
+        return Cue(phrase("Where is the sound? Move the hand to that side, and back. No sound: stay"), tone=tone)
 
     @property
     def over(self) -> bool:
@@ -138,7 +139,7 @@ class ReadingStep(_AskingStep):
     @property
     def cue(self) -> Cue:
         letter = self._letter if self._open else None
-        return Cue("Where is the E open? Move the hand there, and back. Not to be seen: stay", letter=letter)
+        return Cue(phrase("Where is the E open? Move the hand there, and back. Not to be seen: stay"), letter=letter)
 
     @property
     def over(self) -> bool:

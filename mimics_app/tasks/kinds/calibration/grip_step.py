@@ -9,6 +9,7 @@ from __future__ import annotations
 from statistics import fmean, median
 
 from mimics_app.contracts.messages.calibration_record import CalibratedMeasure
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.tasks.kinds.calibration.spec import CalibrationSpec
 from mimics_app.tasks.kinds.calibration.step import Cue, Seen, Step, spread_of
 
@@ -39,8 +40,8 @@ class GripStep(Step):
     @property
     def cue(self) -> Cue:
         if self._squeezes:
-            return Cue("Squeeze as hard as you can, and hold", squeeze=True)
-        return Cue("Rest the hand" if self._opened else "Let go")
+            return Cue(phrase("Squeeze as hard as you can, and hold"), squeeze=True)
+        return Cue(phrase("Rest the hand") if self._opened else "Let go")
 
     @property
     def share(self) -> float:
@@ -76,7 +77,7 @@ class GripStep(Step):
             return
         self.done = True
         if max(self._forces) < _FELT:
-            self.skipped = "no grip was felt: the device does not measure it, or the hand did not close"
+            self.skipped = phrase("no grip was felt: the device does not measure it, or the hand did not close")
             return
         force, count = fmean(self._forces), len(self._forces)
         self.measures = [CalibratedMeasure("grip", force, "N", count, spread_of(self._forces))]

@@ -15,6 +15,7 @@ from mimics_app.contracts.messages.orders import Feature
 from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.messages.stage_messages import SoundTrigger
 from mimics_app.contracts.ports.scenario_port import TaskContext
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.tasks.kinds.calibration.asking_step import HearingStep, ReadingStep
 from mimics_app.tasks.kinds.calibration.grip_step import GripStep
 from mimics_app.tasks.kinds.calibration.range_step import RangeStep
@@ -57,6 +58,19 @@ _COLUMNS = {
     "letter": "letter_px",
 }
 """Column of each measure that has one."""
+
+
+_NAMES = {"release": phrase("letting go"), "letter": phrase("smallest letter")}
+"""Names of measures whose own name says too little."""
+_FIGURES = {
+    "m": phrase("{name:s} {value:.0f} cm"),
+    "s": phrase("{name:s} {value:.2f} s"),
+    "m/s": phrase("{name:s} {value:.2f} m/s"),
+    "N": phrase("{name:s} {value:.0f} N"),
+    "dB": phrase("{name:s} {value:.0f} dB"),
+    "px": phrase("{name:s} {value:.0f} px"),
+}
+"""Phrase of a measure by its unit."""
 
 
 class CalibrationPlay(KindPlay):
@@ -134,26 +148,27 @@ class CalibrationPlay(KindPlay):
 
     def outcome_words(self, row: Mapping[str, object], *, finished: bool) -> str:
         if self._step.skipped:
-            return f"{self._label.capitalize()} is not measured: {self._step.skipped}"
+            return phrase("{step:s} is not measured: {why}", step=self._label.capitalize(), why=self._step.skipped)
         if not finished:
-            return f"{self._label} is not measured to its end"
-        return f"{self._label.capitalize()}: {', '.join(map(_words, _shown(self._step.measures)))}"
+            return phrase("{step:s} is not measured to its end", step=self._label)
+        found = ", ".join(map(_words, _shown(self._step.measures)))
+        return phrase("{step:s} measured: {found}", step=self._label.capitalize(), found=found)
 
     def holds(self, goal: Component, seen: Observation) -> bool:
         return self._step.done
 
     def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:
-        return {"step": Card("Step", self._label, width=170.0)}
+        return {"step": Card(phrase("Step"), self._label, width=170.0)}
 
     def _made(self, label: str) -> Step:
         """Return a step that begins."""
         spec, number = self._spec, self._number
         if label == "grip":
-            return GripStep(spec, "a mouse or gamepad does not measure it" if self._context.by_pointer else "")
+            return GripStep(spec, phrase("a mouse or gamepad does not measure it") if self._context.by_pointer else "")
         if label == "walking":
-            return WalkingStep(spec, "" if self._legs is not None else "this device has no belt")
+            return WalkingStep(spec, "" if self._legs is not None else phrase("this device has no belt"))
         if label == "hearing":
-            return HearingStep(spec, self._seed, number, "" if self._context.audible else "the sound is off")
+            return HearingStep(spec, self._seed, number, "" if self._context.audible else phrase("the sound is off"))
         if label == "reading":
             return ReadingStep(spec, self._seed, number)
         return RangeStep(spec)
@@ -183,11 +198,9 @@ def _shown(measures: Sequence[CalibratedMeasure]) -> list[CalibratedMeasure]:
 
 def _words(measure: CalibratedMeasure) -> str:
     name = measure.name.partition("_")[2] or measure.name
-    more = "at least " if measure.at_least else ""
-    if measure.unit == "m":
-        return f"{name} {more}{100.0 * measure.value:.0f} cm"
-    digits = 2 if measure.unit in ("s", "m/s") else 0
-    return f"{name} {more}{measure.value:.{digits}f} {measure.unit}"
+    name, value = _NAMES.get(name, name), measure.value * (100.0 if measure.unit == "m" else 1.0)
+    measured = phrase(_FIGURES[measure.unit], name=name, value=value)
+    return phrase("{measured:s} or more", measured=measured) if measure.at_least else measured
 
 
 class CalibrationSection(ReportSection):
@@ -200,13 +213,13 @@ class CalibrationSection(ReportSection):
 
     def tiles(self, task: Mapping[str, Any]) -> Mapping[str, tuple[Any, str]]:
         return {
-            **{f"reach {name}": (task.get(f"reach_{name}_m"), "m") for name in _REACHES},
-            "grip strength": (task.get("grip_n"), "N"),
-            "time to let go": (task.get("release_s"), "s"),
-            "walking speed": (task.get("walking_mps"), "m/s"),
-            "hears from the left": (task.get("hearing_left_db"), "dB"),
-            "hears from the right": (task.get("hearing_right_db"), "dB"),
-            "reads letters of": (task.get("letter_px"), "px"),
+            **{phrase("reach {name:s}", name=name): (task.get(f"reach_{name}_m"), "m") for name in _REACHES},
+            phrase("grip strength"): (task.get("grip_n"), "N"),
+            phrase("time to let go"): (task.get("release_s"), "s"),
+            phrase("walking speed"): (task.get("walking_mps"), "m/s"),
+            phrase("hears from the left"): (task.get("hearing_left_db"), "dB"),
+            phrase("hears from the right"): (task.get("hearing_right_db"), "dB"),
+            phrase("reads letters of"): (task.get("letter_px"), "px"),
         }
 
 

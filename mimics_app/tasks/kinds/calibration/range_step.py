@@ -7,6 +7,7 @@ from statistics import median
 
 from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.messages.calibration_record import CalibratedMeasure
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.tasks.kinds.calibration.spec import DIRECTIONS, CalibrationSpec
 from mimics_app.tasks.kinds.calibration.step import Cue, Seen, Step, spread_of
 
@@ -56,8 +57,10 @@ class RangeStep(Step):
             return Cue("")
         comfortable, direction = self._left[0]
         if self._returns:
-            return Cue("Back to the middle", light=(0.0, 0.0, 0.0), comfortable=comfortable)
-        prompt = "Follow the light as far as is comfortable" if comfortable else "Follow the light as far as you can"
+            return Cue(phrase("Back to the middle"), light=(0.0, 0.0, 0.0), comfortable=comfortable)
+        prompt = phrase(
+            "Follow the light as far as is comfortable" if comfortable else "Follow the light as far as you can"
+        )
         return Cue(prompt, _along(direction, self._way), direction, comfortable=comfortable)
 
     @property

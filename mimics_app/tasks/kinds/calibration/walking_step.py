@@ -5,6 +5,7 @@ from __future__ import annotations
 from statistics import fmean, median
 
 from mimics_app.contracts.messages.calibration_record import CalibratedMeasure
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.tasks.kinds.calibration.spec import CalibrationSpec
 from mimics_app.tasks.kinds.calibration.step import Cue, Seen, Step, spread_of
 
@@ -25,7 +26,7 @@ class WalkingStep(Step):
 
     @property
     def cue(self) -> Cue:
-        return Cue("Walk as fast as is comfortable")
+        return Cue(phrase("Walk as fast as is comfortable"))
 
     @property
     def share(self) -> float:
