@@ -12,8 +12,8 @@ from mimics_app.inputs.physio.simulated.signals import Disturbance, SignalGenera
 from mimics_app.lab.figure import Figure
 from mimics_app.lab.physio.detection import Annotated, f1_of, matched, mixed_noise
 from mimics_app.lab.physio_drawing import Cell, Grid, heat_map, physio_figure, row_of
+from mimics_app.learning.policies.rules import Proportional
 from mimics_app.learning.policy import TARGET, Outcome
-from mimics_app.learning.rules import Proportional
 from mimics_app.plotting.marks import word
 
 __all__ = ["failure_map", "loop_stability"]

@@ -10,7 +10,7 @@ from mimics_app.contracts.messages.action_space import ActionSpace, Parameter
 from mimics_app.contracts.messages.stage_messages import TaskAction, TrialResult, UserState
 from mimics_app.learning.goals import STATES
 from mimics_app.learning.policy import Outcome, Policy
-from mimics_app.learning.registry import EXPLORERS, build_policy
+from mimics_app.learning.registry import build_policy
 
 __all__ = ["Agent"]
 
@@ -43,7 +43,8 @@ class Agent:
         start = space.demand(space.defaults())
         self._demand = 0.5 if start is None else start
         self._policy.begin(np.array([self._demand]), self._rng)
-        neutral = [p for p in space if p.harder == 0 and p.high > p.low] if policy in EXPLORERS else []
+        explores = isinstance(policy, str) and getattr(self._policy, "explores", False)
+        neutral = [p for p in space if p.harder == 0 and p.high > p.low] if explores else []
         self._arms = [_Arms(p, self._rng) for p in neutral]
         self._waits = not set(STATES).isdisjoint(self._policy.follows)
         self._values = space.defaults()

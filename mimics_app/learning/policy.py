@@ -66,6 +66,7 @@ class Policy(Protocol):
         follows: Goals that it can follow: names of `learning.goals` ("arousal"), or a goal with its numbers
             ("success:0.7"). A run with another goal is refused. Controls, which follow none, name those beside which
             they are run.
+        explores: True: beside it, neutral parameters are explored by their rewards. A policy may be without it.
     """
 
     @property

@@ -2,38 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import cast
 
 from mimics_app.contracts.errors import UsageError, nearest
+from mimics_app.contracts.ports.members import load_member, member_names
 from mimics_app.contracts.ports.plugins import PluginError, PluginGroup, fault_of_builder
-from mimics_app.learning.bandits import LinUcb, Thompson
+from mimics_app.learning import policies
 from mimics_app.learning.goals import is_among
 from mimics_app.learning.policy import Policy
-from mimics_app.learning.rules import Fixed, KalmanSkill, Proportional, RandomLevel, Staircase
-from mimics_app.learning.temporal import ActorCritic, SarsaLambda, TabularQ
 
-__all__ = ["EXPLORERS", "PLUGINS", "POLICIES", "build_policy", "check_goal", "check_policy"]
+__all__ = ["PLUGINS", "POLICIES", "build_policy", "check_goal", "check_policy"]
 
 PLUGINS = PluginGroup("mimics_app.policies", fault_of_builder(Policy))
 
-POLICIES: dict[str, Callable[[], Policy]] = {
-    "fixed": Fixed,
-    "random": RandomLevel,
-    "staircase": Staircase,
-    "proportional": Proportional,
-    "kalman_performance": lambda: KalmanSkill(use_load=False),
-    "kalman": KalmanSkill,
-    "linucb": LinUcb,
-    "thompson": Thompson,
-    "q": TabularQ,
-    "sarsa": SarsaLambda,
-    "actor_critic": ActorCritic,
+POLICIES: Mapping[str, Callable[[], Policy]] = {
+    name: build
+    for module in member_names(policies)
+    for name, build in load_member(policies, module, "POLICIES", dict).items()
 }
-"""Built-in policies by name."""
-
-EXPLORERS = frozenset({"random", "linucb", "thompson", "q", "sarsa", "actor_critic"})
-"""Built-in policies that explore."""
+"""Builders of the built-in policies by name."""
 
 
 def check_policy(name: str) -> None:

@@ -18,8 +18,8 @@ import mimics_app as mimics
 from mimics_app.app.api.unit_array import Quantity, Table
 from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.contracts.system.resources import root
+from mimics_app.learning.policies.rules import Staircase
 from mimics_app.learning.policy import Choice
-from mimics_app.learning.rules import Staircase
 from mimics_app.recording.run import Run
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_hapticmaster import build_simulated_hapticmaster

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.learning import rules
+from mimics_app.learning.policies import rules
+from mimics_app.learning.policies.rules import KalmanSkill
 from mimics_app.learning.policy import Outcome
-from mimics_app.learning.rules import KalmanSkill
 
 SLOPE, ODDS = 10.0, np.log(0.7 / 0.3)
 

@@ -11,10 +11,10 @@ from mimics_app.contracts.messages.stage_messages import Estimate, TrialResult, 
 from mimics_app.estimation.fusion import EffortModel
 from mimics_app.lab.physio.cohort import play_cohort
 from mimics_app.learning.agent import Agent
-from mimics_app.learning.bandits import LinUcb
 from mimics_app.learning.goals import StateBand, SuccessShare, build_goal
+from mimics_app.learning.policies.bandits import LinUcb
 from mimics_app.learning.policy import LEVELS, TARGET, Outcome
-from mimics_app.learning.registry import EXPLORERS, POLICIES, build_policy
+from mimics_app.learning.registry import POLICIES, build_policy
 from mimics_app.tasks.adaptation import Adaptation
 
 RADIUS = Parameter("radius", 1.0, 0.6, 1.2, harder=-1)
@@ -229,7 +229,12 @@ def test_a_goal_that_cannot_be_is_refused(words: str) -> None:
 def test_a_policy_that_is_not_there_is_reported_with_the_nearest() -> None:
     with pytest.raises(UsageError, match="kalman"):
         build_policy("kalmann")
-    assert set(POLICIES) >= EXPLORERS
+
+
+def test_policies_that_learn_from_rewards_and_the_random_one_explore() -> None:
+    assert {name for name in POLICIES if getattr(build_policy(name), "explores", False)} == {
+        "random", "linucb", "thompson", "q", "sarsa", "actor_critic"
+    }  # fmt: skip
 
 
 def test_pure_effort_is_explained_by_its_power() -> None:

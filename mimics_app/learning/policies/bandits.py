@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.learning.policy import LEVELS, REWARDS, TARGET, Choice, Outcome
+from mimics_app.learning.policy import LEVELS, REWARDS, TARGET, Choice, Outcome, Policy
 
-__all__ = ["LinUcb", "Thompson"]
+__all__ = ["POLICIES", "LinUcb", "Thompson"]
 
 _CENTRES = np.linspace(0.0, 1.0, 9)
 """Centres of the radial basis functions over the demand, nearer than their width: no demand lies between them."""
@@ -32,6 +34,7 @@ class _LinearBandit:
     """Linear reward model: radial basis functions over the demand, and the step indicated by the last trial."""
 
     follows = REWARDS
+    explores = True
 
     def begin(self, start: F8, rng: np.random.Generator) -> None:
         """Begin a session of people at these demands [n]."""
@@ -113,3 +116,7 @@ class Thompson(_LinearBandit):
         chosen = best[0]
         share = ((best == chosen).sum(axis=0) + 0.5) / (self._draws + 1.5)
         return Choice(LEVELS[chosen], share)
+
+
+POLICIES: dict[str, Callable[[], Policy]] = {"linucb": LinUcb, "thompson": Thompson}
+"""Builders of these policies by name."""

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.learning.policy import CONTROL, LEVELS, TARGET, Choice, Outcome, logit
+from mimics_app.learning.policy import CONTROL, LEVELS, TARGET, Choice, Outcome, Policy, logit
 
-__all__ = ["Fixed", "KalmanSkill", "Proportional", "RandomLevel", "Staircase"]
+__all__ = ["POLICIES", "Fixed", "KalmanSkill", "Proportional", "RandomLevel", "Staircase"]
 
 _FIRST_SPREAD, _WALK = 0.2, 0.005
 """Standard deviation of a person's demand of 70 % success before any trial, and of its change in a trial [demand]."""
@@ -30,6 +30,7 @@ class Fixed:
     """Keeps the demand of the session's beginning."""
 
     follows: Collection[str] = CONTROL
+    explores = False
 
     def begin(self, start: F8, rng: np.random.Generator) -> None:
         """Begin a session of people at these demands [n]."""
@@ -45,6 +46,8 @@ class Fixed:
 
 class RandomLevel(Fixed):
     """Draws among the levels with equal probability."""
+
+    explores = True
 
     def begin(self, start: F8, rng: np.random.Generator) -> None:
         """Begin a session of people at these demands [n]."""
@@ -141,3 +144,14 @@ class KalmanSkill(Fixed):
         )
         self._demand = np.clip(self._demand + gain * np.nan_to_num(view - self._demand), 0.0, 1.0)
         self._variance = self._variance * (1.0 - gain)
+
+
+POLICIES: dict[str, Callable[[], Policy]] = {
+    "fixed": Fixed,
+    "random": RandomLevel,
+    "staircase": Staircase,
+    "proportional": Proportional,
+    "kalman_performance": lambda: KalmanSkill(use_load=False),
+    "kalman": KalmanSkill,
+}
+"""Builders of these policies by name."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.learning.policy import REWARDS, TARGET, Choice, Outcome
+from mimics_app.learning.policy import REWARDS, TARGET, Choice, Outcome, Policy
 
-__all__ = ["ActorCritic", "SarsaLambda", "TabularQ"]
+__all__ = ["POLICIES", "ActorCritic", "SarsaLambda", "TabularQ"]
 
 MOVES = np.array([-0.2, -0.07, 0.0, 0.07, 0.2])
 """Actions: changes of the demand."""
@@ -32,6 +34,7 @@ class _Table:
     """
 
     follows = REWARDS
+    explores = True
 
     def __init__(self, rate: float = 0.4, discount: float = 0.5) -> None:
         self._rate, self._discount = rate, discount
@@ -155,3 +158,7 @@ class ActorCritic(_Table):
         slope[self._rows, moved] += 1.0
         self._table[self._rows, before] += 1.5 * error[:, None] * slope
         self._state = following
+
+
+POLICIES: dict[str, Callable[[], Policy]] = {"q": TabularQ, "sarsa": SarsaLambda, "actor_critic": ActorCritic}
+"""Builders of these policies by name."""
