@@ -191,8 +191,8 @@ def _language_of(run: Run) -> str:
 
 def _render(page: Page) -> str:
     """Return a report as HTML, with automatic escaping; characters that UTF-8 cannot encode become question marks."""
-    templates = load_templates(_TEMPLATES, shown=shown, translated=translated)
-    text = templates.get_template("report.html.j2").render(page=page, language=spoken())
+    templates = load_templates(_TEMPLATES, shown=shown)
+    text = templates.get_template("report.html.j2").render(page=page, language=spoken(), translated=translated)
     return text.encode("utf-8", "replace").decode()
 
 

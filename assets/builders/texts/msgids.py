@@ -23,7 +23,7 @@ from mimics_app.tasks.prompt import cause_words
 __all__ = ["Msgid", "find_msgids"]
 
 _CODE = Path(__file__).resolve().parents[3] / "mimics_app"
-_IN_TEMPLATE = re.compile(r'"((?:[^"\\]|\\.)*)" \| translated')
+_IN_TEMPLATE = re.compile(r'translated\("((?:[^"\\]|\\.)*)"\)')
 _IN_SCENE = ("title", "description", "instructions", "prompt")
 """Members of a scene, and of its task, that a person reads."""
 

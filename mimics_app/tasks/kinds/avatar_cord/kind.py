@@ -261,7 +261,7 @@ class AvatarCordSection(ReportSection):
         return {
             phrase("mean answer on ownership"): (task.get("ownership"), ""),
             phrase("drift towards the avatar"): (task.get("drift_m"), "m"),
-            "taps off their time, mean of the trials' worst": (task.get("tap_error_ms"), "ms"),
+            phrase("taps off their time, mean of the trials' worst"): (task.get("tap_error_ms"), "ms"),
         }
 
 

@@ -41,7 +41,7 @@ class GripStep(Step):
     def cue(self) -> Cue:
         if self._squeezes:
             return Cue(phrase("Squeeze as hard as you can, and hold"), squeeze=True)
-        return Cue(phrase("Rest the hand") if self._opened else "Let go")
+        return Cue(phrase("Rest the hand" if self._opened else "Let go"))
 
     @property
     def share(self) -> float:
