@@ -14,12 +14,14 @@ __all__ = [
     "PROFILES",
     "QUALITIES",
     "RECIPES",
+    "SIDES",
     "SOUNDS",
     "Difficulty",
     "OperatorLost",
     "Profile",
     "Quality",
     "RunSettings",
+    "Side",
     "SoundChoice",
 ]
 
@@ -27,11 +29,13 @@ Profile = Literal["draft", "training", "study"]
 SoundChoice = Literal["auto", "device", "file", "off"]
 Quality = Literal["auto", "full"]
 Difficulty = Literal["easier", "usual", "harder"]
+Side = Literal["left", "right"]
 OperatorLost = Literal["continue", "pause", "stop"]
 
 PROFILES: tuple[Profile, ...] = ("draft", "training", "study")
 OPERATOR_LOST: tuple[OperatorLost, ...] = ("continue", "pause", "stop")
 QUALITIES: tuple[Quality, ...] = ("auto", "full")
+SIDES: tuple[Side, ...] = ("left", "right")
 DIFFICULTIES: tuple[Difficulty, ...] = ("easier", "usual", "harder")
 SOUNDS: tuple[SoundChoice, ...] = ("auto", "device", "file", "off")
 PATIENTS = ("healthy", "moderate", "severe")
@@ -81,6 +85,7 @@ class RunSettings:
         participant: Code of the person, for results over time; "": none.
         language: Language of the texts that the person sees, one of `contracts.system.language.LANGUAGES`; "": English.
         fit: Run folder of a calibration, or file of a fit, to which the task is fitted; None: as the scene has it.
+        side: Side of the person that plays; "left" mirrors the scene.
         opt: One of PICTURE_OPTIONS, or "".
         steer: Program of an installed package that gives commands; "": none.
         markers: Stream of markers of the lab streaming layer that may give notes, marks and stops; "": none.
@@ -120,6 +125,7 @@ class RunSettings:
     participant: str = ""
     language: str = ""
     fit: Path | None = None
+    side: Side = "right"
     opt: str = ""
     steer: str = ""
     markers: str = ""

@@ -15,6 +15,7 @@ from mimics_app.app.settings import (
     PICTURE_OPTIONS,
     QUALITIES,
     RECIPES,
+    SIDES,
     SOUNDS,
     RunSettings,
 )
@@ -83,6 +84,12 @@ def _add_person(group: Container) -> None:
         type=Path,
         metavar="RUN",
         help="fit paths, grips, text and volume to a person: run folder of their calibration, or a file of a fit",
+    )
+    group.add_argument(
+        "--side",
+        choices=SIDES,
+        default="right",
+        help="side of the person that plays; left: the mirror image of the scene, where it has one",
     )
     group.add_argument(
         "--patient",

@@ -18,7 +18,7 @@ from mimics_app.app.scenes.scenario_choice import open_scenario
 from mimics_app.app.session.replay import RecordedTask, TaskFrame, TaskReplay, play_loop, recorded_task, task_frames
 from mimics_app.app.session.trackers import replayed_hub
 from mimics_app.app.session.visible_scene import VisibleScene
-from mimics_app.app.settings import PROFILES, Profile
+from mimics_app.app.settings import PROFILES, Profile, Side
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import MonotonicClock, VirtualClock
 from mimics_app.contracts.errors import PartialDataError, counted
@@ -195,7 +195,8 @@ def _edit_of(run: Run) -> PersonEdit | None:
         fit = msgspec.convert(mapping(run.session.get("fit")), Fit)
     except msgspec.ValidationError as error:
         raise PartialDataError(f"{run.folder}: its header does not say what was fitted", str(error)) from error
-    return PersonEdit(fit) if fit != Fit() else None
+    side: Side = "left" if mapping(run.session.get("settings")).get("side") == "left" else "right"
+    return PersonEdit(fit, side) if fit != Fit() or side == "left" else None
 
 
 def _file_of(run: Run) -> Path:

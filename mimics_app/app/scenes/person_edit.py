@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
 from mimics_app.app.scenes.fitted_scene import fitted
+from mimics_app.app.scenes.mirrored_scene import mirrored
+from mimics_app.app.settings import Side
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.messages.calibration_record import Calibration
 from mimics_app.contracts.messages.fit import Fit, FitLimits, fit_of
@@ -38,13 +40,19 @@ class PersonEdit:
 
     Attributes:
         fit: What fits the person.
+        side: Side that plays, "left" or "right"; scenes are made for the right one.
     """
 
-    fit: Fit
+    fit: Fit = field(default_factory=Fit)
+    side: Side = "right"
 
     def __call__(self, document: dict[str, Any]) -> dict[str, Any]:
-        """Return a changed copy of a document."""
-        return fitted(document, self.fit)
+        """Return a changed copy of a document; it is fitted on the side that plays.
+
+        Raises:
+            UsageError: The scene cannot be mirrored.
+        """
+        return fitted(mirrored(document) if self.side == "left" else document, self.fit)
 
 
 def read_fit(place: Path) -> Fit:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from mimics_app.app.scenes.loading import read_scene
 from mimics_app.app.scenes.person_edit import PersonEdit, read_fit
 from mimics_app.app.settings import RunSettings
+from mimics_app.contracts.messages.fit import Fit
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.tailoring import with_trials
 from mimics_app.tasks.task import TaskSpec
@@ -23,7 +24,7 @@ def read_requested(settings: RunSettings) -> Scene:
 
     Raises:
         SceneError: The scene or the file of the display is faulty.
-        UsageError: The session has no such trial.
+        UsageError: The session has no such trial, or the scene has no mirror image.
     """
     scene = read_scene(settings.scene, device=settings.device, edit=_edit(settings))
     if settings.display or scene.system(DisplaySettings) is not None:
@@ -38,7 +39,9 @@ def read_requested(settings: RunSettings) -> Scene:
 
 def _edit(settings: RunSettings) -> PersonEdit | None:
     """Return the change of the scene for the person who plays; None: none."""
-    return None if settings.fit is None else PersonEdit(read_fit(settings.fit))
+    if settings.fit is None and settings.side == "right":
+        return None
+    return PersonEdit(Fit() if settings.fit is None else read_fit(settings.fit), settings.side)
 
 
 def with_requested_trials(task: TaskSpec, settings: RunSettings) -> TaskSpec:

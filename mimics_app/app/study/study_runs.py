@@ -11,9 +11,13 @@ from typing import Literal
 
 import msgspec
 
+from mimics_app.app.scenes.loading import read_scene
+from mimics_app.app.scenes.mirrored_scene import why_not_mirrored
 from mimics_app.app.scenes.person_edit import FitFile
-from mimics_app.app.study.protocol import PlannedRun, scene_of
+from mimics_app.app.settings import SIDES
+from mimics_app.app.study.protocol import Condition, PlannedRun, scene_of
 from mimics_app.app.study.study_folder import Attempt, Participant, StudyFolder
+from mimics_app.app.terminal.output import say
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.messages.trial_counts import SESSION_ENDED
 from mimics_app.recording.calibrations import calibration_of
@@ -122,6 +126,7 @@ def _play(study: StudyFolder, found: Next, attempt: int, from_trial: int, extra:
     folder.mkdir(mode=PRIVATE_FOLDER)
     options = ["--seed", str(found.run.seed), "--from-trial", str(from_trial), "--difficulty", condition.difficulty]
     options += _fitted(study, found.participant, folder)
+    options += _sided(study, found.participant, condition)
     options += ["--trials", str(condition.trials)] if condition.trials else []
     options += [f"--participant={found.participant.code}", "--runs", str(folder), *condition.options, *extra]
     scene = scene_of(study.protocol_file, condition)
@@ -137,6 +142,19 @@ def _fitted(study: StudyFolder, participant: Participant, folder: Path) -> list[
     file = folder / _FIT
     write_atomically(file, to_json(msgspec.to_builtins(FitFile(calibrations[-1][1], study.protocol.fitting))))
     return [f"--fit={file}"]
+
+
+def _sided(study: StudyFolder, participant: Participant, condition: Condition) -> list[str]:
+    """Return the option for the affected or, without one, preferred side of a participant; a scene without one: []."""
+    given = [line["answers"] for line in study.answers_of(participant)]
+    sides = [answers[item] for item in ("hand", "side") for answers in given if answers.get(item) in SIDES]
+    if not sides or sides[-1] != "left":
+        return []
+    why = why_not_mirrored(read_scene(scene_of(study.protocol_file, condition)).document)
+    if why:
+        say(f"{condition.scene} is played as it is, not on the left side: {why}")
+        return []
+    return ["--side=left"]
 
 
 def _ended_whole(folder: Path | None) -> bool:

@@ -196,6 +196,7 @@ class Patient(Component, frozen=True):
     letter: Annotated[
         _Letter | None, Meta(description="Height of the smallest letter that is read [px of a picture 720 px high]")
     ] = None
+    mirrored: Annotated[bool, Meta(description="True: random movements are those of the mirror image")] = False
 
 
 @component("next_mark")

@@ -52,6 +52,7 @@ class Impairment:
         ease: Share of that range within which a movement is comfortable.
         hearing_left, hearing_right: Softest level that is heard from a side [dB, 0 as authored].
         letter: Height of the smallest letter that is read [px of a picture 720 px high].
+        mirrored: Whether random movements are those of the mirror image.
     """
 
     arm_mass: float
@@ -73,6 +74,7 @@ class Impairment:
     hearing_left: float = -45.0
     hearing_right: float = -45.0
     letter: float = 12.0
+    mirrored: bool = False
 
     @property
     def abilities(self) -> Abilities:
@@ -143,6 +145,7 @@ def write_arm(memory: NDArray[np.float64], person: Impairment, via_points: NDArr
         arm.INTENT: float(intent),
         arm.STRENGTH: person.strength,
         arm.OPENING: person.release,
+        arm.MIRRORED: float(person.mirrored),
     }
     for place, value in values.items():
         memory[place] = value

@@ -37,6 +37,7 @@ __all__ = [
     "INTENT",
     "LEAST",
     "LIMITED",
+    "MIRRORED",
     "MOST",
     "OPENING",
     "PATH",
@@ -101,8 +102,12 @@ MOST = 63
 STRENGTH = 66  # largest grasp force [N]
 OPENING = 67  # time in which the hand opens [s]
 EFFORT = 68  # of the newest closing: 1 usual, 2 all the strength
-PATH = 69  # via points, three numbers each [m]
+MIRRORED = 69  # 1: the mirror image of an arm, across the lateral axis
+PATH = 70  # via points, three numbers each [m]
 ARM_LENGTH = PATH + 3 * PATH_POINTS
+
+_LATERAL = 1
+"""Axis of the robot frame to the sides of the person."""
 
 _GRIP_STIFFNESS = 4000.0
 """Stiffness of the grip on the handle [N/m]."""
@@ -146,6 +151,12 @@ def min_jerk(share: float) -> float:
 
 
 @kernel
+def _sense(arm: Vec, axis: int) -> float:
+    """Sense of random movements along an axis of the robot frame: the other one laterally in the mirror image."""
+    return -1.0 if axis == _LATERAL and arm[MIRRORED] != 0.0 else 1.0
+
+
+@kernel
 def _nearest_via_point(arm: Vec) -> int:
     """Index of the via point nearest to the hand, searched around the last one: it keeps its branch of the path."""
     last = int(arm[INDEX])
@@ -175,7 +186,7 @@ def _plan_movement(arm: Vec) -> None:
     length = 0.0
     for i in range(3):
         arm[FROM + i] = arm[INTENDED + i]
-        arm[TO + i] = arm[PATH + 3 * there + i] + error * gauss(arm, GENERATOR)
+        arm[TO + i] = arm[PATH + 3 * there + i] + _sense(arm, i) * error * gauss(arm, GENERATOR)
         length += (arm[TO + i] - arm[FROM + i]) ** 2
     arm[DURATION] = max(_SHORTEST_MOVEMENT, _PEAK_OF_MIN_JERK * math.sqrt(length) / arm[PEAK_SPEED])
     arm[ELAPSED] = 0.0
@@ -249,7 +260,7 @@ def _aim(arm: Vec, target: Vec) -> None:
     for i in range(3):
         arm[FROM + i] = arm[INTENDED + i]
         arm[START_VELOCITY + i] = arm[INTENDED + 3 + i]
-        step = share * (target[i] - arm[HAND + i]) + error * gauss(arm, GENERATOR)
+        step = share * (target[i] - arm[HAND + i]) + _sense(arm, i) * error * gauss(arm, GENERATOR)
         arm[TO + i] = arm[INTENDED + i] + step
         length += step * step
     arm[DURATION] = max(_SHORTEST_MOVEMENT, _PEAK_OF_MIN_JERK * math.sqrt(length) / arm[PEAK_SPEED])
@@ -335,7 +346,8 @@ def step_arm(arm: Vec, handle: Vec, active: bool, trial: float, target: Vec, clo
         muscle = -_RELAXED_DAMPING * v
         if acting:
             muscle = arm[ARM_STIFFNESS] * (arm[INTENDED + i] - x) + arm[ARM_DAMPING] * (arm[INTENDED + 3 + i] - v)
-            muscle += arm[TREMOR] * math.sin(2.0 * math.pi * arm[TREMOR_HZ] * arm[TIME] + arm[TREMOR_PHASE + i])
+            shake = math.sin(2.0 * math.pi * arm[TREMOR_HZ] * arm[TIME] + arm[TREMOR_PHASE + i])
+            muscle += _sense(arm, i) * arm[TREMOR] * shake
         v += dt * (muscle - pull) / arm[ARM_MASS]
         arm[HAND + 3 + i] = v
         arm[HAND + i] = x + dt * v

@@ -171,7 +171,7 @@ class CarryTask(TaskKind):
         carry = spec.find(CarrySpec)
         if carry is None:
             return
-        for name in ("falls_from", "lost_outside", "lost_inside"):
+        for name in ("lost_outside", "lost_inside"):
             box = getattr(carry, name)
             if box is not None and any(low > high for low, high in zip(box.low, box.high, strict=True)):
                 yield f"{pointer}/carry/{name}", "low lies beyond high", "exchange the two"

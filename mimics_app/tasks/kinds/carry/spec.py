@@ -37,7 +37,9 @@ class CarrySpec(Component, frozen=True):
     ] = 0.06
     falls_from: Annotated[
         BoxSpec | None,
-        Meta(description="It begins each trial at a random place in here; absent: where the scene has it"),
+        Meta(
+            description="It begins each trial at a random place between these corners; absent: where the scene has it"
+        ),
     ] = None
     lost_outside: Annotated[
         BoxSpec | None, Meta(description="Out of here for two seconds and not held: it falls again; absent: nowhere")

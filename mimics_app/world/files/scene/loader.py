@@ -60,6 +60,9 @@ class SceneLoader:
         scene.document = self._resolved(main)
         if scene.edit is not None and not self._issues:
             scene.document = scene.edit(scene.document)
+            for made in scene.document["entities"][len(self._document.entities) :]:
+                layer = main.layer.child("", made)
+                self._document.add(EntityDraft(made["id"], made["parent"], [layer]))
         for i, draft in enumerate(self._document.entities):
             if len(self._issues) >= MOST_SOUGHT:
                 return scene

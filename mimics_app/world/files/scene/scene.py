@@ -26,7 +26,7 @@ from mimics_app.world.files.scene.spec import TransformSpec
 __all__ = ["Scene", "SceneEdit", "SceneEntity"]
 
 SceneEdit = Callable[[dict[str, Any]], dict[str, Any]]
-"""Returns a changed copy of a resolved scene, as plain JSON.
+"""Returns a changed copy of a resolved scene, as plain JSON; new entities come last.
 
 Raises:
     UsageError: It cannot be changed in this way.
