@@ -10,19 +10,48 @@ from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.loop.haptic import TripCause
 from mimics_app.contracts.system.resources import root
 
+SCENE = root() / "scenes" / "wavy_tunnel.json"
+OF_DEVICES = ("F01", "F02", "F03", "F04", "F17")
+
 
 @pytest.mark.fault("F03")
 def test_every_fault_during_contact_is_handled_as_stated():
-    rows = measure_faults(root() / "scenes" / "wavy_tunnel.json", 1, lambda _: None)["rows"]
+    rows = measure_faults(SCENE, 1, lambda _: None, OF_DEVICES)["rows"]
+    assert {row["number"] for row in rows} == set(OF_DEVICES)
     failed = [row for row in rows if not row["passed"]]
     assert not failed
     stops = [row for row in rows if row["cause"] != TripCause.NONE.name]
     assert all(row["t_safe_ms"]["max"] <= row["bound_ms"] and row["told"] for row in stops)
-    spike = next(row for row in rows if row["cause"] == TripCause.NONE.name)
+    spike = next(row for row in rows if row["fault"].startswith("spike"))
     assert spike["force_max_n"] > 0.0 and "t_safe_ms" not in spike
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", OF_DEVICES)
+def test_a_hundred_of_each_fault_of_a_device_are_handled_as_stated(number):
+    rows = measure_faults(SCENE, 100, lambda _: None, [number])["rows"]
+    assert rows and all(row["passed"] and row["repeat"] == 100 for row in rows), rows
+
+
+@pytest.mark.parametrize("number", ["F05", "F10"])
+@pytest.mark.parametrize("repeats", [1, pytest.param(100, marks=pytest.mark.slow)])
+def test_every_fault_of_a_process_leaves_what_is_promised(number, repeats):
+    (row,) = measure_faults(SCENE, repeats, lambda _: None, [number])["rows"]
+    assert (row["number"], row["repeat"]) == (number, repeats) and row["passed"], row
+
+
+@pytest.mark.slow
+def test_a_hundred_kills_of_the_application_lose_a_tenth_of_a_second_at_most():
+    (row,) = measure_faults(SCENE, 50, lambda _: None, ["F11"])["rows"]  # 50 with and 50 without the recorder
+    assert row["repeat"] == 100 and row["passed"], row
+
+
+def test_a_fault_that_is_not_known_is_said():
+    with pytest.raises(UsageError, match='no fault "F99"'):
+        measure_faults(SCENE, 1, lambda _: None, ["F99"])
 
 
 def test_a_scene_in_which_nothing_is_touched_is_refused(monkeypatch):
     monkeypatch.setattr(fault_bench, "_SEARCHED_S", 0.5)
     with pytest.raises(UsageError, match="touches nothing"):
-        measure_faults(root() / "scenes" / "guided_walk.json", 1, lambda _: None)
+        measure_faults(root() / "scenes" / "guided_walk.json", 1, lambda _: None, ["F03"])

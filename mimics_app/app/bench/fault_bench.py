@@ -1,26 +1,29 @@
-"""`mimics bench faults`: faults during contact, and the time until the person feels no force.
+"""`mimics bench faults`: faults during contact, and the time until the person feels no force; faults of processes.
 
-The whole session runs on the virtual clock with the simulated robot and person, so that every time is exact: the state
-machine, limiter and reports are those of a live session.
+Of the former the whole session runs on the virtual clock with the simulated robot and person, so that every time is
+exact: the state machine, limiter and reports are those of a live session.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from mimics_app.app.bench.process_faults import PROCESS_FAULTS
 from mimics_app.app.session.core import SessionCore, open_core
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
-from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.errors import UsageError, require_choice
 from mimics_app.contracts.loop.haptic import SAMPLE, SafetyState, TripCause
+from mimics_app.contracts.messages.orders import HapticField, HapticOrder
 from mimics_app.contracts.shared_memory.command_ring import request_stop
 from mimics_app.contracts.shared_memory.ring_reader import RingReader
 from mimics_app.rendering.haptic.devices.device_names import SIMULATED
@@ -33,12 +36,14 @@ class Fault:
     """One fault.
 
     Attributes:
+        number: Its number in docs/faults.md.
         name: What happens, in words.
         cause: Cause that the loop must latch; NONE: it must go on, with the force within its limits.
         bound_ms: Time in which the force must be zero [ms].
         begin: Makes it happen at the next tick.
     """
 
+    number: str
     name: str
     cause: TripCause
     bound_ms: float
@@ -49,19 +54,31 @@ def _of_device(fault: str) -> Callable[[SessionCore], None]:
     return lambda core: core.haptics.inject(fault)
 
 
+def _order_no_number(core: SessionCore) -> None:
+    core.parameter_store.order(HapticOrder({HapticField("stiffness", "tunnel"): math.nan}))
+
+
 _FAULTS = (
-    Fault("position not a number", TripCause.NOT_FINITE, 0.0, _of_device("encoder_not_finite")),
-    Fault("force infinite", TripCause.NOT_FINITE, 0.0, _of_device("sensor_not_finite")),
-    Fault("stop key", TripCause.STOP_KEY, 2.0, lambda core: request_stop(core.memory)),
-    Fault("stop button of the device", TripCause.DEVICE_BUTTON, 2.0, _of_device("button")),
-    Fault("no data from the device", TripCause.STALE_DEVICE, 21.0, _of_device("silent")),
-    Fault("drive fault", TripCause.DEVICE_FAULT, 1.0, _of_device("drive_fault")),
-    Fault("no command taken by the device", TripCause.DEVICE_FAULT, 22.0, _of_device("deaf")),
-    Fault("position jumps by 10 mm", TripCause.JUMP, 1.0, _of_device("encoder_jump")),
-    Fault("velocity of 3 m/s", TripCause.VELOCITY, 1.0, _of_device("velocity")),
-    Fault("sensor sticks at 300 N", TripCause.SENSOR, 22.0, _of_device("sensor_high")),
-    Fault("spike of 400 N at the sensor", TripCause.NONE, 0.0, _of_device("sensor_spike")),
-    Fault("sensor sticks at 249 N", TripCause.NONE, 0.0, _of_device("sensor_pulls")),
+    Fault("F03", "position not a number", TripCause.NOT_FINITE, 0.0, _of_device("encoder_not_finite")),
+    Fault("F03", "force infinite", TripCause.NOT_FINITE, 0.0, _of_device("sensor_not_finite")),
+    Fault("F17", "stop key", TripCause.STOP_KEY, 2.0, lambda core: request_stop(core.memory)),
+    Fault("F17", "stop button of the device", TripCause.DEVICE_BUTTON, 2.0, _of_device("button")),
+    Fault("F02", "no data from the device", TripCause.STALE_DEVICE, 21.0, _of_device("silent")),
+    Fault(
+        "F01",
+        "the device reports a fault, as where its line is pulled",
+        TripCause.DEVICE_FAULT,
+        1.0,
+        _of_device("drive_fault"),
+    ),
+    Fault("F01", "no command taken by the device", TripCause.DEVICE_FAULT, 22.0, _of_device("deaf")),
+    Fault("F03", "position jumps by 10 mm", TripCause.JUMP, 1.0, _of_device("encoder_jump")),
+    Fault("F03", "velocity of 3 m/s", TripCause.VELOCITY, 1.0, _of_device("velocity")),
+    Fault("F03", "sensor sticks at 300 N", TripCause.SENSOR, 22.0, _of_device("sensor_high")),
+    Fault("F03", "spike of 400 N at the sensor", TripCause.NONE, 0.0, _of_device("sensor_spike")),
+    Fault("F03", "sensor sticks at 249 N", TripCause.NONE, 0.0, _of_device("sensor_pulls")),
+    Fault("F02", "half of the data damaged", TripCause.NONE, 0.0, _of_device("garbage")),
+    Fault("F04", "an order that is not a number", TripCause.NONE, 0.0, _order_no_number),
 )
 
 _PRESSED_N = 1.0
@@ -74,21 +91,32 @@ _AFTER_FRAMES = 20
 """Frames that are examined from the fault on, a third of a second."""
 
 
-def measure_faults(scene: Path, repeats: int, report: Callable[[str], None]) -> dict[str, Any]:
-    """Let every fault happen while the person presses against something.
+def measure_faults(
+    scene: Path, repeats: int, report: Callable[[str], None], numbers: Sequence[str] = ()
+) -> dict[str, Any]:
+    """Let every fault happen while the person presses against something, and every fault of a process.
 
     Args:
         scene: Scene with something to touch.
         repeats: Number of sessions per fault, each with its own seed.
         report: Called with what is done next.
+        numbers: Numbers of the faults in docs/faults.md; (): all.
 
     Raises:
-        UsageError: The simulated person touches nothing in the scene.
+        UsageError: The simulated person touches nothing in the scene, or there is no fault of a number.
     """
+    known = sorted({*(fault.number for fault in _FAULTS), *PROCESS_FAULTS})
+    for number in numbers:
+        require_choice(number, known, "fault")
     rows = []
     for fault in _FAULTS:
-        report(f"faults: {fault.name}, {repeats} times")
-        rows.append(_row(fault, [_measure(scene, fault, seed) for seed in range(1, repeats + 1)]))
+        if not numbers or fault.number in numbers:
+            report(f"faults: {fault.number}, {fault.name}, {repeats} times")
+            rows.append(_row(fault, [_measure(scene, fault, seed) for seed in range(1, repeats + 1)]))
+    for number in PROCESS_FAULTS:
+        if not numbers or number in numbers:
+            report(f"faults: {number}, of a process, {repeats} times")
+            rows.append({"number": number, **PROCESS_FAULTS[number](scene, repeats, report)})
     return {"rows": rows}
 
 
@@ -161,7 +189,12 @@ def _row(fault: Fault, outcomes: list[_Outcome]) -> dict[str, Any]:
     stops = fault.cause != TripCause.NONE
     right = [each.latched == fault.cause and each.reported == stops and each.within for each in outcomes]
     in_time = [each.t_safe_ms <= fault.bound_ms or not stops for each in outcomes]
-    row: dict[str, Any] = {"fault": fault.name, "repeat": len(outcomes), "cause": fault.cause.name}
+    row: dict[str, Any] = {
+        "number": fault.number,
+        "fault": fault.name,
+        "repeat": len(outcomes),
+        "cause": fault.cause.name,
+    }
     if stops:
         times = [each.t_safe_ms for each in outcomes]
         p50, p99 = np.percentile(times, (50, 99))

@@ -14,7 +14,8 @@ import statistics
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
@@ -27,7 +28,7 @@ from mimics_app.contracts.shared_memory.session_memory import ControlWord
 from mimics_app.recording.recover import recover
 from mimics_app.recording.run import Run
 
-__all__ = ["measure_record"]
+__all__ = ["measure_record", "played_session"]
 
 _KINDS = ("application", "application and recorder")
 """What is killed: after the first the recorder drains the rings, after the second nobody does. (After a power failure
@@ -95,22 +96,34 @@ def _summary(killed: Sequence[_Killed]) -> Mapping[str, Any]:
 def _kill_one(scene: Path, kind: str, after_s: float) -> _Killed:
     """Start a session, kill it after a time, repair its recording and compare."""
     clock = MonotonicClock()
+    with played_session(scene) as (child, facts):
+        assert child.stdout is not None
+        control = _control_words(child.pid, facts["memory"])
+        clock.sleep_until_ns(clock.now_ns() + round(after_s * 1e9))
+        if kind == _KINDS[1]:
+            os.kill(facts["recorder"], signal.SIGSTOP)  # it writes nothing between the two kills
+            child.kill()
+            os.kill(facts["recorder"], signal.SIGKILL)
+        child.kill()
+        lines = child.stdout.read().split()
+        return _compare(Path(facts["folder"]), int(control[ControlWord.TICKS]), int(lines[-1]) if lines else 0)
+
+
+@contextmanager
+def played_session(scene: Path) -> Iterator[tuple[subprocess.Popen[str], dict[str, Any]]]:
+    """Yield a live session in a process of its own, and what it says of itself, see `record_load`; it is killed then.
+
+    Raises:
+        DeviceError: It did not start.
+    """
     with tempfile.TemporaryDirectory(prefix="mimics-bench-") as runs:
         command = [sys.executable, "-m", "mimics_app.app.bench.record_load", str(scene), runs]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
             assert child.stdout is not None
             try:
-                facts = _facts(child.stdout)
-                control = _control_words(child.pid, facts["memory"])
-                clock.sleep_until_ns(clock.now_ns() + round(after_s * 1e9))
-                if kind == _KINDS[1]:
-                    os.kill(facts["recorder"], signal.SIGSTOP)  # it writes nothing between the two kills
-                    child.kill()
-                    os.kill(facts["recorder"], signal.SIGKILL)
+                yield child, _facts(child.stdout)
             finally:
                 child.kill()
-            lines = child.stdout.read().split()
-        return _compare(Path(facts["folder"]), int(control[ControlWord.TICKS]), int(lines[-1]) if lines else 0)
 
 
 def _facts(lines: IO[str]) -> dict[str, Any]:

@@ -101,7 +101,8 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="with render: city, nodes, crowd, walk, people, people_full or particles; with frame: scenes, walk or "
         "people (default: all); with software: scenes (default: wavy_tunnel, pick_and_place, avatar_cord); with "
-        "physio: figures, or noise for a table of R peaks by kind of noise (default: all)",
+        "physio: figures, or noise for a table of R peaks by kind of noise; with faults: numbers of docs/faults.md, "
+        "F01 .. (default: all)",
     )
     parser.add_argument(
         "--data",
@@ -146,7 +147,7 @@ def run(args: argparse.Namespace) -> int:
     if args.what == "render":
         return _run_render(args)
 
-    if args.names and args.what not in ("frame", "physio", "software"):
+    if args.names and args.what not in ("faults", "frame", "physio", "software"):
         raise UsageError(
             f"bench {args.what} takes no further name: {' '.join(args.names)}", f"mimics bench {args.what}"
         )
@@ -334,11 +335,11 @@ def _measure_record(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _measure_faults(args: argparse.Namespace) -> dict[str, Any]:
-    """Measure the time from each fault of a device to zero force."""
+    """Measure the time from each fault of a device to zero force, and what faults of processes leave."""
     from mimics_app.app.bench.fault_bench import measure_faults
     from mimics_app.app.scenes.scene_search import find_scene
 
-    return measure_faults(find_scene(args.scene), args.n or _REPEATS, _say)
+    return measure_faults(find_scene(args.scene), args.n or _REPEATS, _say, args.names)
 
 
 def _measure_console(args: argparse.Namespace) -> dict[str, Any]:
