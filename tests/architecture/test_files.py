@@ -1,7 +1,8 @@
-"""Names of files: a name means one thing wherever it appears, and a small module has more than one user."""
+"""Names of files mean one thing wherever they appear, small modules have several users, functions few arguments."""
 
 from __future__ import annotations
 
+import ast
 from collections import Counter, defaultdict
 from pathlib import PurePosixPath
 
@@ -169,3 +170,32 @@ def test_a_small_module_with_one_user_is_part_of_it() -> None:
 def test_a_planted_small_module_is_found(count: int, users: set[str], found: bool) -> None:
     lines = {"a": 100, "b": 100, "planted": count}
     assert (_foldable(lines, {"a": {"b", "c"}, "b": {"a", "c"}, "planted": users}) == ["planted"]) is found
+
+
+_MOST_ARGUMENTS = 9
+
+LONG_SIGNATURES = {
+    "lab/stability/replayed_wall.py: _stroke": "calls the tick as the loop does",
+    "rendering/haptic/kernels/tick.py: tick": "all that a tick depends on, which is recorded and replayed",
+    "rendering/haptic/loop_tick.py: loop_tick": "the tick with its input and output, called by address",
+    "rendering/haptic/replay_loop.py: replay_recorded": "calls the tick with recorded inputs",
+}
+"""Functions with more arguments, and why they have no record for them."""
+
+
+def _long_signatures(path: str, tree: ast.Module) -> list[str]:
+    """Functions of a module with more than `_MOST_ARGUMENTS` arguments."""
+    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+    counts = [(each.name, each.args.posonlyargs + each.args.args + each.args.kwonlyargs) for each in functions]
+    return [f"{path}: {name}" for name, arguments in counts if len(arguments) > _MOST_ARGUMENTS]
+
+
+def test_functions_take_records_instead_of_many_arguments() -> None:
+    found = {long for path, tree in modules().items() for long in _long_signatures(path, tree)}
+    assert found == set(LONG_SIGNATURES)
+
+
+def test_a_planted_long_signature_is_found() -> None:
+    nine, ten = (", ".join(f"a{k}" for k in range(count)) for count in (9, 10))
+    tree = ast.parse(f"def short({nine}): ...\nclass A:\n    def long({ten}): ...\n")
+    assert _long_signatures("x.py", tree) == ["x.py: long"]

@@ -23,7 +23,7 @@ from mimics_app.contracts.loop.loop_ports import (
     DATA_TORQUE,
     INBOX_LENGTH,
 )
-from mimics_app.lab.haptic.lokomat_rig import IMPEDANCE, Person, Rig
+from mimics_app.lab.haptic.lokomat_rig import IMPEDANCE, LegControl, Person, Rig
 from mimics_app.lab.probe import shortest_us
 from mimics_app.maths.gait_series import knee_series, natural_cadence, series_at, step_of, thigh_series
 from mimics_app.rendering.haptic.control.lokomat.guidance_force import guide_joints
@@ -71,9 +71,7 @@ def _lead(
     memory: Vec,
     ports: tuple[Vec, Vec, Vec],
     servo: bool,
-    settings: LegSettingsRecord,
-    now: LegInputRecord,
-    state: LegStateRecord,
+    control: LegControl,
     links: Vec,
     walk: F8,
     persons: F8,
@@ -81,6 +79,7 @@ def _lead(
 ) -> None:
     """Lead the left leg along `walk`, shape [ticks, 3, 2]; the person bears it, and draws it to `persons` if any."""
     data, command, inbox = ports
+    settings, now, state = control
     plant = memory[memory.shape[0] - orthosis.MACHINE :]
     leg, place = orthosis.leg_of(plant, 0), orthosis.PERSON_TORQUE
     for tick in range(rows.shape[0]):
@@ -161,8 +160,7 @@ class Leg:
         play = self._rig.begin(IMPEDANCE, Person(), start=(float(start[0]), float(start[1])))
         play.now["guidance"], rows = 1.0, np.zeros((len(walk), 4))
         ports = np.zeros(DATA_LENGTH), np.zeros(COMMAND_LENGTH), np.zeros(INBOX_LENGTH)
-        settings, now, state = self._rig.settings[0], play.now[0], play.state[0]
-        _lead(play.memory, ports, self._servo, settings, now, state, self._rig.person_links, walk, persons, rows)
+        _lead(play.memory, ports, self._servo, play.control, self._rig.person_links, walk, persons, rows)
         away, torque = (rows[:, :2] - walk[:, 0])[cycle:], rows[cycle:, 2:]
         return Led(float(np.sqrt((away**2).mean())), float(np.sqrt((torque**2).mean())))
 

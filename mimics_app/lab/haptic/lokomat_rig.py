@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,7 +51,7 @@ from mimics_app.world.components.robot import Robot
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import LegInputRecord, LegSettingsRecord, LegStateRecord, Table
 
-__all__ = ["COMBINED", "CONTROLS", "IMPEDANCE", "Person", "Play", "Rest", "Rig", "Rows"]
+__all__ = ["COMBINED", "CONTROLS", "IMPEDANCE", "LegControl", "Person", "Play", "Rest", "Rig", "Rows"]
 
 IMPEDANCE, COMBINED = 0, 1
 CONTROLS = ("impedance", "combined")
@@ -136,13 +136,25 @@ def _move(person: Vec, links: Vec, geometry: Vec, state: Vec, t: float, tau: Vec
         tau[joint] += person[_STIFFNESS] * (error + _LAG * rate)
 
 
+class LegControl(NamedTuple):
+    """Records of the control of a leg.
+
+    Attributes:
+        settings: LEG_SETTINGS.
+        now: LEG_INPUT of the present tick.
+        state: LEG_STATE.
+    """
+
+    settings: LegSettingsRecord
+    now: LegInputRecord
+    state: LegStateRecord
+
+
 @kernel
 def _run(
     kind: int,
     memory: Vec,
-    settings: LegSettingsRecord,
-    now: LegInputRecord,
-    state: LegStateRecord,
+    control: LegControl,
     person: Vec,
     links: Vec,
     ports: tuple[Vec, Vec, Vec, Vec],
@@ -151,6 +163,7 @@ def _run(
 ) -> None:
     """Run the left leg from a tick on for as many as `rows` has; the last port is a torque added to the person."""
     data, command, inbox, added = ports
+    settings, now, state = control
     plant = memory[memory.shape[0] - _LENGTH :]
     leg, motion = orthosis.leg_of(plant, 0), orthosis.state_of(plant, 0)
     for tick in range(first, first + rows.shape[0]):
@@ -338,12 +351,16 @@ class Play:
         default_factory=lambda: (np.zeros(DATA_LENGTH), np.zeros(COMMAND_LENGTH), np.zeros(INBOX_LENGTH))
     )
 
+    @property
+    def control(self) -> LegControl:
+        """The records of the control."""
+        return LegControl(self.rig.settings[0], self.now[0], self.state[0])
+
     def go(self, seconds: float) -> Rows:
         """Go on for a time [s]; return the columns of that part."""
         rig, rows = self.rig, np.zeros((round(seconds * self.rig.rate), len(_NAMES)))
         numbers, links, ports = self.person.numbers, rig.person_links, (*self._ports, self.added)
-        settings, now, state = rig.settings[0], self.now[0], self.state[0]
-        _run(self.kind, self.memory, settings, now, state, numbers, links, ports, self.ticks, rows)
+        _run(self.kind, self.memory, self.control, numbers, links, ports, self.ticks, rows)
         t = (self.ticks + np.arange(len(rows))) / rig.rate
         self.ticks += len(rows)
         return dict(zip(_NAMES, rows.T, strict=True)) | {"t": t}
