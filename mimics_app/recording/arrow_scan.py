@@ -80,7 +80,11 @@ def read_schema(path: Path) -> pa.Schema | None:
 
 
 def scan_stream(
-    path: Path, decode: Callable[[memoryview], Block], schema: pa.Schema, index: NDArray[Any] | None = None
+    path: Path,
+    decode: Callable[[memoryview], Block],
+    schema: pa.Schema,
+    index: NDArray[Any] | None = None,
+    begin: int = 0,
 ) -> Iterator[Found | Damage]:
     """Yield the valid blocks and the damaged parts in the order of the file; nothing without the file.
 
@@ -89,8 +93,9 @@ def scan_stream(
         decode: `decode_samples`, `decode_parameters` or `decode_signals`.
         schema: Schema it was written with.
         index: Rows of the sidecar, if any.
+        begin: Offset of a block from which on it is read [bytes]; 0: from the first one.
     """
-    with _opened(path, schema, index) as (view, spans):
+    with _opened(path, schema, index, begin) as (view, spans):
         kept = 0
         for span in spans:
             yield from _read_span(view, span, decode)
@@ -127,7 +132,9 @@ def last_block(
 
 
 @contextmanager
-def _opened(path: Path, schema: pa.Schema, index: NDArray[Any] | None) -> Iterator[tuple[memoryview, Iterator[Span]]]:
+def _opened(
+    path: Path, schema: pa.Schema, index: NDArray[Any] | None, begin: int = 0
+) -> Iterator[tuple[memoryview, Iterator[Span]]]:
     """Open a stream: its bytes and the spans of its possible blocks; both empty without the file."""
     try:
         file = open_regular(path)
@@ -139,7 +146,7 @@ def _opened(path: Path, schema: pa.Schema, index: NDArray[Any] | None) -> Iterat
             yield memoryview(b""), iter(())
             return
         with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data, memoryview(data) as view:
-            yield view, _spans(data, _schema_length(data) or len(schema_bytes(schema)), index)
+            yield view, _spans(data, begin or _schema_length(data) or len(schema_bytes(schema)), index)
 
 
 def _read_span(view: memoryview, span: Span, decode: Callable[[memoryview], Block]) -> Iterator[Found | Damage]:

@@ -77,7 +77,6 @@ class RecordedField:
         point: Number of the point of contact; 0 also where the field is one of the device.
         units: Unit of each component that the device fills.
         vector: Whether its components are numbered, even where there is one.
-        first: Place of its first component in the field of the samples.
     """
 
     name: str
@@ -85,7 +84,6 @@ class RecordedField:
     point: int
     units: tuple[str, ...]
     vector: bool
-    first: int = 0
 
 
 def recorded_fields(extent: Extent) -> tuple[RecordedField, ...]:
@@ -94,10 +92,7 @@ def recorded_fields(extent: Extent) -> tuple[RecordedField, ...]:
     for _, field, point in _places(extent.contacts):
         units = field.present(extent)
         if field.per is Per.CONTROLLER:
-            fields += [
-                RecordedField(name, field.name, point, (unit,), vector=False, first=i)
-                for i, (name, unit) in enumerate(extent.numbers)
-            ]
+            fields += [RecordedField(name, field.name, point, (unit,), vector=False) for name, unit in extent.numbers]
         elif units:
             fields.append(RecordedField(_field_name(field, point), field.name, point, units, bool(field.shape)))
     return tuple(fields)

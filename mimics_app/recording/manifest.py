@@ -15,7 +15,7 @@ from mimics_app.recording.run_folder import FILES, write_atomically
 
 __all__ = ["Manifest", "Seal", "hash_files", "read_manifest", "write_manifest"]
 
-_SEALED = ("haptic", "index", "parameters", "statics", "signals", "events", "trials", "session")
+_SEALED = ("haptic", "index", "columns", "parameters", "statics", "signals", "events", "trials", "session")
 
 
 @dataclass(frozen=True, slots=True)

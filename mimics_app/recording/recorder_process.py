@@ -31,6 +31,7 @@ from mimics_app.contracts.system.child_signals import ignore_signals
 from mimics_app.contracts.system.run_environment import clock_pair
 from mimics_app.recording.arrow_format import BLOCK_ROWS
 from mimics_app.recording.byte_channel import CLOSE, LINE, PARAMETERS, SIGNALS, TRIAL, Inbox
+from mimics_app.recording.column_file import ColumnFile
 from mimics_app.recording.event_log import encode_line
 from mimics_app.recording.manifest import Manifest, hash_files, write_manifest
 from mimics_app.recording.recorder_status import PROBLEMS, Problem, RecorderStatus, StatusWord
@@ -113,6 +114,7 @@ class _Session:
         resume = restarts > 0
         self._samples = SampleStream(folder, self._hash, extent, resume=resume)
         self._samples.claim()
+        self._columns = ColumnFile(folder, extent, resume=resume)
         self._parameters = ParameterStream(folder, resume=resume)
         self._signals = SignalStream(folder, resume=resume)
         self._events = EventStream(folder, self._hash, resume=resume)
@@ -253,6 +255,8 @@ class _Session:
         except OSError as error:
             self._trouble(error)
             self._lose_rows(count)
+        else:
+            self._columns.add(self._block[:count])
 
     # trouble
 
@@ -313,7 +317,7 @@ class _Session:
         self._next_sync = now_ns + _SYNC_NS
         self._write_trials()
         with self._noting_trouble():
-            for stream in (self._samples, self._parameters, self._signals, self._events):
+            for stream in (self._samples, self._columns, self._parameters, self._signals, self._events):
                 stream.sync()
         self._note_clock()
 
@@ -345,7 +349,7 @@ class _Session:
         self._own_line("end", {"status": status, **clock_pair()})
         (self._folder / RESERVE).unlink(missing_ok=True)
         self._write_trials(all_of_them=True)
-        for stream in (self._samples, self._parameters, self._signals, self._events, self._trials):
+        for stream in (self._samples, self._columns, self._parameters, self._signals, self._events, self._trials):
             with self._noting_trouble():
                 stream.close()
         return self._seal(status)

@@ -30,6 +30,7 @@ from mimics_app.recording.arrow_format import (
     schema_bytes,
 )
 from mimics_app.recording.arrow_scan import Damage, read_index, read_schema, scan_stream, sorted_scan
+from mimics_app.recording.column_file import end_of_columns
 from mimics_app.recording.column_layout import SampleLayout, layout_of
 from mimics_app.recording.event_log import split_lines
 from mimics_app.recording.manifest import Manifest, hash_files, write_manifest
@@ -204,6 +205,23 @@ def _copy_blocks(path: Path, file: AppendFile, layout: SampleLayout) -> tuple[li
     return index, damages
 
 
+def _repair_columns(folder: Path) -> list[str]:
+    """Cut the columns off after their last valid batch: all their rows are in haptic.arrows."""
+    path = folder / FILES["columns"]
+    if not _is_own_file(path):
+        return []
+    end = end_of_columns(folder, layout_of(read_schema(folder / FILES["haptic"]))[0].extent)
+    if end == 0:
+        _put_aside(path)
+        return [path.name]
+    if path.stat().st_size == end + len(END_OF_STREAM):
+        return []
+    file = AppendFile(path, resume_at=end)
+    file.append(END_OF_STREAM)
+    file.close()
+    return [path.name]
+
+
 def _repair_parameters(folder: Path) -> list[str]:
     path = folder / FILES["parameters"]
     schema = read_schema(path) or parameters_schema()
@@ -244,6 +262,7 @@ def _repair_trials(folder: Path) -> list[str]:
 
 _REPAIRS: dict[str, Callable[[Path], list[str]]] = {
     "haptic": _repair_haptic,
+    "columns": _repair_columns,
     "parameters": _repair_parameters,
     "signals": _repair_signals,
     "events": _repair_events,

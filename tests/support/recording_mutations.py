@@ -17,7 +17,10 @@ from mimics_app.recording.arrow_format import encode_parameters, encode_samples
 from mimics_app.recording.run import Run
 from tests.support.synthetic_run import packed, scene_block
 
-SEALED = ("haptic.arrows", "haptic.arrows.idx", "parameters.arrows", "events.jsonl", "trials.csv", "session.json")
+SEALED = (
+    "haptic.arrows", "haptic.arrows.idx", "haptic_columns.arrows", "parameters.arrows", "events.jsonl", "trials.csv",
+    "session.json",
+)  # fmt: skip
 STATICS = "haptic_statics.npz"
 FILES = (*SEALED, STATICS, "manifest.json", "trips/trip_000.arrows")
 

@@ -11,6 +11,7 @@ from mimics_app.contracts.loop.controller_slots import Lead, Slot
 from mimics_app.contracts.loop.haptic import EVENT, SAMPLE, SCENE, EventKind, SafetyState, TripCause
 from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows, new_rows, pack_rows
 from mimics_app.contracts.system.run_environment import clock_pair, describe_environment
+from mimics_app.recording.column_file import ColumnFile
 from mimics_app.recording.event_log import encode_line
 from mimics_app.recording.manifest import Manifest, hash_files, write_manifest
 from mimics_app.recording.state_hash import StateHash
@@ -117,9 +118,10 @@ def write_synthetic_run(folder: Path, seconds: float = 24.0, *, live: bool = Tru
     """Fill an empty folder; with `closed` the manifest is written too."""
     samples = samples_of_session(seconds, live=live)
     state = StateHash()
-    stream = SampleStream(folder, state)
+    stream, columns = SampleStream(folder, state), ColumnFile(folder)
     for first in range(0, len(samples), 50):
         stream.append(samples[first : first + 50], first)
+        columns.add(samples[first : first + 50])
     parameters = ParameterStream(folder)
     for sequence in range(1, 5):
         controller = Slot.PERSON if sequence % 2 == 0 else Slot.START
@@ -162,7 +164,7 @@ def write_synthetic_run(folder: Path, seconds: float = 24.0, *, live: bool = Tru
     }  # fmt: skip
     session = {"format": "mimics run", "version": 1, **describe_environment(), "clock": clock_pair(), **header}
     (folder / "session.json").write_text(json.dumps(session))
-    for file in (stream, parameters, log, trials) if closed else ():
+    for file in (stream, columns, parameters, log, trials) if closed else ():
         file.close()
     if closed:
         summary = {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from mimics_app.app.api.unit_array import Quantity, Table
-from mimics_app.contracts.loop.loop_fields import point_rows
 from mimics_app.dsp.channel_kinds import feature_units
-from mimics_app.recording.columns import recorded_fields
+from mimics_app.recording.columns import RecordedField, recorded_fields
+from mimics_app.recording.haptic_columns import HapticColumns
 from mimics_app.recording.run import Run
 from mimics_app.recording.series import SIGNAL_UNITS
 
@@ -36,6 +36,42 @@ class Signal:
     t_s: Quantity
     values: Quantity
     rate: float
+
+
+class _HapticFields(Mapping[str, Quantity]):
+    """Fields of the haptic stream by name, each read at its first use.
+
+    Attributes:
+        units: Unit of each.
+
+    Args:
+        run: The run.
+    """
+
+    def __init__(self, run: Run) -> None:
+        self._columns, self._found = HapticColumns(run), dict[str, Quantity]()
+        self._places: dict[str, tuple[int, RecordedField]] = {}
+        first = 0
+        for field in recorded_fields(run.layout.extent):
+            self._places[field.name] = (first, field)
+            first += len(field.units)
+        self.units = {name: ", ".join(dict.fromkeys(field.units)) for name, (_, field) in self._places.items()}
+
+    def __getitem__(self, name: str) -> Quantity:
+        if name not in self._found:
+            first, field = self._places[name]
+            values = self._columns.read(range(first, first + len(field.units)))
+            self._found[name] = Quantity(values if field.vector else values[:, 0], self.units[name])
+        return self._found[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._places  # without reading it
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._places)
+
+    def __len__(self) -> int:
+        return len(self._places)
 
 
 class Recording:
@@ -65,21 +101,12 @@ class Recording:
 
     @cached_property
     def haptic(self) -> Table:
-        """Every tick of the loop, one row a millisecond: columns as in docs/recording.md, SI units.
+        """Every tick of the loop, one row a millisecond: columns as in docs/recording.md, SI units; read one by one.
 
         Points of contact after the first are in columns as "point_1_hip_world".
         """
-        samples, extent = self.run.haptic, self.run.layout.extent
-        columns = {}
-        for column in recorded_fields(extent):
-            values = samples[column.field] if column.point == 0 else point_rows(samples, column.point)[column.field]
-            kept = values
-            if values.ndim > 1 and column.vector:
-                kept = values[:, : len(column.units)]
-            elif values.ndim > 1:
-                kept = values[:, column.first]
-            columns[column.name] = Quantity(kept, ", ".join(dict.fromkeys(column.units)))
-        return Table(columns)
+        columns = _HapticFields(self.run)
+        return Table(columns, columns.units)
 
     @cached_property
     def events(self) -> Table:

@@ -41,10 +41,12 @@ class Table(Mapping[str, Quantity]):
 
     Args:
         columns: Arrays of shape [rows] or [rows, k].
+        units: Unit of each column, where reading the columns takes time; None: as they say.
     """
 
-    def __init__(self, columns: Mapping[str, Quantity]) -> None:
-        self._columns = dict(columns)
+    def __init__(self, columns: Mapping[str, Quantity], units: Mapping[str, str] | None = None) -> None:
+        self._columns = columns
+        self._units = units
 
     @property
     def rows(self) -> int:
@@ -54,7 +56,7 @@ class Table(Mapping[str, Quantity]):
     @property
     def units(self) -> dict[str, str]:
         """Unit of each column."""
-        return {name: column.units for name, column in self._columns.items()}
+        return {name: self[name].units for name in self} if self._units is None else dict(self._units)
 
     def where(self, **wanted: object) -> Table:
         """Return the rows whose columns have these values, as `events.where(kind="contact")`.
