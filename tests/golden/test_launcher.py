@@ -19,7 +19,7 @@ from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.messages.window_input import GamepadState, InputEvent
 from mimics_app.rendering.visual.launcher.launcher import Launcher, LauncherChoice, ScenarioCard
 from mimics_app.rendering.visual.launcher.result_page import Button, ResultContent, ResultPage
-from mimics_app.rendering.visual.launcher.setting import Choice, Setting
+from mimics_app.rendering.visual.launcher.setting import Setting, SettingChoice
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from tests.support.cut_words import watch_cut_words
@@ -27,12 +27,19 @@ from tests.support.xvfb import display
 
 _ROOT = Path(__file__).parents[2]
 OPTIONS = [
-    Setting("profile", "Quality", "Of the picture.", [Choice("auto", "usual"), Choice("fast", "quick")]),
-    Setting("device", "Who plays", "Who.", [Choice("simulated", "a"), Choice("pointer", "b"), Choice("replay", "c")]),
-    Setting("patient", "Patient", "How.", [Choice("healthy", "healthy"), Choice("severe", "severe")]),
+    Setting("profile", "Quality", "Of the picture.", [SettingChoice("auto", "usual"), SettingChoice("fast", "quick")]),
+    Setting(
+        "device",
+        "Who plays",
+        "Who.",
+        [SettingChoice("simulated", "a"), SettingChoice("pointer", "b"), SettingChoice("replay", "c")],
+    ),
+    Setting("patient", "Patient", "How.", [SettingChoice("healthy", "healthy"), SettingChoice("severe", "severe")]),
 ]
 CARDS = [ScenarioCard(f"Scene {n}", "Words about it. " * 5, None, Path(f"scene_{n}.json")) for n in range(7)]
-WHO = Setting("who", "Who plays", "A person or a robot.", [Choice("mouse", "mouse"), Choice("robot", "robot")])
+WHO = Setting(
+    "who", "Who plays", "A person or a robot.", [SettingChoice("mouse", "mouse"), SettingChoice("robot", "robot")]
+)
 PORT = Setting("port", "Port", "Of the robot.", typed=True, empty="type it here", with_values=("robot",))
 GROUPED = [
     ScenarioCard("Wavy tunnel", "Carry the ball.", None, Path("wavy_tunnel.json"), "Tasks", "one hand", "90"),
@@ -314,7 +321,7 @@ def test_a_player_that_cannot_play_a_scene_is_refused_in_words():
 
 
 def test_who_cannot_play_a_scene_is_not_among_the_choices():
-    who = replace(WHO, choices=[Choice(name, name) for name in ("mouse", "legs", "leg", "robot")])
+    who = replace(WHO, choices=[SettingChoice(name, name) for name in ("mouse", "legs", "leg", "robot")])
     card = replace(GROUPED[1], refuses={("who", name): "with one leg" for name in ("mouse", "legs", "robot")})
     with create_surface("egl", (1280, 720)) as surface:
         launcher = Launcher(surface, [card, GROUPED[0]], [who, PORT])

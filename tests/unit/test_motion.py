@@ -11,7 +11,7 @@ import pytest
 from mimics_app.contracts.errors import SceneError
 from mimics_app.world.components.animation import AnimationState, AnimationTransition
 from mimics_app.world.content.motion.animator import Animator, mask_of
-from mimics_app.world.content.motion.clip import ClipEvent, Interpolation, Track, TrackPath, pack_clip
+from mimics_app.world.content.motion.clip import ClipEvent, Interpolation, MotionTrack, TrackPath, pack_clip
 from mimics_app.world.content.motion.layer import Layer
 from mimics_app.world.content.motion.pose import Pose
 from mimics_app.world.content.motion.root_motion import RootMotion
@@ -202,7 +202,7 @@ def test_an_avatar_without_a_persons_bones_is_refused(tmp_path: Path) -> None:
 
 def test_a_clip_of_next_to_no_duration_repeats_its_events_a_bounded_number_of_times() -> None:
     times, values = np.array([0.0, 1e-30], np.float32), np.zeros((2, 1, 3), np.float32)
-    track = Track(0, TrackPath.TRANSLATION, Interpolation.LINEAR, times, values)
+    track = MotionTrack(0, TrackPath.TRANSLATION, Interpolation.LINEAR, times, values)
     clip = pack_clip("short", [track], (ClipEvent(0.0, "step"),))
     rest = Pose(np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]), np.ones((1, 3)), np.zeros(0))
     assert len(Layer(clip, rest, np.zeros(2, np.int32)).step(1.0)) == 1000

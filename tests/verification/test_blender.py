@@ -21,7 +21,7 @@ import pytest
 from mimics_app.app.viewer.playing import animators_of, play_clip, write_vertices
 from mimics_app.app.viewer.shown import open_shown
 from mimics_app.contracts.system.resources import root
-from mimics_app.world.content.motion.clip import Clip, Interpolation, Track, TrackPath, pack_clip
+from mimics_app.world.content.motion.clip import Clip, Interpolation, MotionTrack, TrackPath, pack_clip
 from mimics_app.world.files.scene.model_world import load_model_world
 from tests.support.shared_data import shared_folder
 
@@ -63,13 +63,15 @@ def _by_us(
     return {str(name): written["positions"][names == name] for name in np.unique(names)}
 
 
-def _tracks(clip: Clip) -> list[Track]:
+def _tracks(clip: Clip) -> list[MotionTrack]:
     """A packed clip's tracks one by one."""
     found = []
     for target, path, kind, first, keys, value, width in clip.tracks.tolist():
         parts = 3 if kind == Interpolation.CUBIC else 1
         values = clip.values[value : value + keys * parts * width].reshape(keys, parts, width)
-        found.append(Track(target, TrackPath(path), Interpolation(kind), clip.times[first : first + keys], values))
+        found.append(
+            MotionTrack(target, TrackPath(path), Interpolation(kind), clip.times[first : first + keys], values)
+        )
     return found
 
 
@@ -82,7 +84,7 @@ def _straight(clip: Clip, at: float) -> Clip:
             flips = np.cumprod(np.append(1.0, np.sign(np.sum(values[1:] * values[:-1], axis=1))))
             mixed = np.array([np.interp(at, track.times, part) for part in (values * flips[:, None]).T])
             track = replace(track, times=track.times[:1], values=mixed[None, None, :].astype(np.float32))
-        tracks.append(Track(track.target, track.path, track.interpolation, track.times, track.values))
+        tracks.append(MotionTrack(track.target, track.path, track.interpolation, track.times, track.values))
     return replace(pack_clip(clip.name, tracks), duration=clip.duration)
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import msgspec
 
-from mimics_app.app.planner.plan import Choice, Costlier, Plan
+from mimics_app.app.planner.plan import Costlier, Plan, PlannedMethod
 from mimics_app.app.planner.uses import (
     TOUCH,
     WHOLE_TICK,
@@ -115,7 +115,7 @@ def _stated(row: Part | _LeftOut) -> dict[str, Any]:
     return {name: value for name, value in asdict(row).items() if value is not None}
 
 
-def _part(scene: Scene, choice: Choice, plan: Plan) -> Part:
+def _part(scene: Scene, choice: PlannedMethod, plan: Plan) -> Part:
     taken, refused, costlier = choice.taken, choice.refused, choice.costlier
     timed = bool(plan.pixels and uses()[choice.group].pixels)
     return Part(
@@ -135,7 +135,7 @@ def _part(scene: Scene, choice: Choice, plan: Plan) -> Part:
     )
 
 
-def _note(scene: Scene, choice: Choice, plan: Plan) -> str:
+def _note(scene: Scene, choice: PlannedMethod, plan: Plan) -> str:
     if choice.taken.settings.get("cascaded"):
         return _cascade_note(scene)
     return _ALONE if len(plan.table.groups[choice.group]) == 1 else ""

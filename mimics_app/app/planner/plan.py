@@ -23,7 +23,7 @@ from mimics_app.world.components.tolerance_units import FIELD_OF_UNIT
 from mimics_app.world.files.scene.method_plugins import Use, method_plugins
 from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["ROOM", "Choice", "Costlier", "Plan", "apply_plan", "choose", "load_table", "plan_scene"]
+__all__ = ["ROOM", "Costlier", "Plan", "PlannedMethod", "apply_plan", "choose", "load_table", "plan_scene"]
 
 
 ROOM = 0.5
@@ -46,7 +46,7 @@ class Costlier:
 
 
 @dataclass(frozen=True, slots=True)
-class Choice:
+class PlannedMethod:
     """Choice from one group.
 
     Attributes:
@@ -87,7 +87,7 @@ class Plan:
     tolerances: Mapping[str, float]
     table: Table
     origin: str
-    choices: tuple[Choice, ...]
+    choices: tuple[PlannedMethod, ...]
     pixels: int = 0
 
     @property
@@ -153,7 +153,7 @@ def plan_scene(
     table, origin = load_table() if table is None else (table, "given")
     tolerances = tolerances_of(scene, profile)
     room_ms = ROOM * tolerances["frame_ms"] if pixels and limited and profile != "study" else math.inf
-    choices = list[Choice]()
+    choices = list[PlannedMethod]()
     for group, use in uses().items():
         if _is_bounded(table.groups.get(group, ())) and use.used(scene):
             scale = pixels / use.pixels if use.pixels else 0.0
@@ -187,7 +187,7 @@ class _Budget:
 
 def _choice(
     scene: Scene, group: str, use: Use, rows: Sequence[Row], tolerances: Mapping[str, float], budget: _Budget
-) -> Choice:
+) -> PlannedMethod:
     allowed = [row for row in rows if use.allowed(scene, row.settings)] or list(rows)
     rivals = [row for row in allowed if budget.scale or not use.only_live(row.settings)] or allowed
     tolerance = tolerances[FIELD_OF_UNIT[rows[0].unit]]
@@ -195,7 +195,7 @@ def _choice(
     named = use.named(scene)
     taken = best if named is None else _row_of(named, rows)
     cheaper = [rival for rival in rivals if rival.cost_us < taken.cost_us and not rival.error <= tolerance]
-    return Choice(
+    return PlannedMethod(
         group=group,
         what=use.what,
         taken=taken,

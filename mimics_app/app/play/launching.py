@@ -30,7 +30,7 @@ from mimics_app.rendering.haptic.devices.device_names import (
     load_built_in,
 )
 from mimics_app.rendering.visual.launcher.launcher import LauncherChoice, ScenarioCard
-from mimics_app.rendering.visual.launcher.setting import Choice, Setting
+from mimics_app.rendering.visual.launcher.setting import Setting, SettingChoice
 
 __all__ = [
     "LANGUAGE",
@@ -260,8 +260,8 @@ def last_choice() -> LauncherChoice | None:
     return LauncherChoice(scene.file, {str(name): str(value) for name, value in settings.items()})
 
 
-def _choices(words: Mapping[str, str]) -> list[Choice]:
-    return [Choice(value, text) for value, text in words.items()]
+def _choices(words: Mapping[str, str]) -> list[SettingChoice]:
+    return [SettingChoice(value, text) for value, text in words.items()]
 
 
 def _card(scene: ShippedScene, last: EarlierRun | None) -> ScenarioCard:

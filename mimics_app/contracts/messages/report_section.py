@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.system.phrases import phrase
 
-__all__ = ["Curve", "Marks", "ReportSection", "ReportedAttempt", "Traces", "TunnelShape", "Word", "frontal"]
+__all__ = ["Marks", "PlottedCurve", "ReportSection", "ReportedAttempt", "Traces", "TunnelShape", "Word", "frontal"]
 
 Traces = Mapping[str, Mapping[str, tuple[str, F8]]]
 """Axis label with unit -> style -> (name, values) of a line."""
@@ -54,7 +54,7 @@ class ReportedAttempt(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Curve:
+class PlottedCurve:
     """A line in the frontal plane, lateral and vertical [m].
 
     Attributes:
@@ -116,13 +116,13 @@ class ReportSection:
         """Return figures of the run by caption: value (None: left out) and unit; `task` holds the session's totals."""
         return {}
 
-    def behind(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Curve]:
+    def behind(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[PlottedCurve]:
         """Return the curves in the background of the path."""
         return ()
 
-    def hand(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Curve]:
+    def hand(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[PlottedCurve]:
         """Return the path of the hand where the person led."""
-        return [Curve(np.where(attempt.free[:, None], frontal(attempt), np.nan), "robot", "handle path")]
+        return [PlottedCurve(np.where(attempt.free[:, None], frontal(attempt), np.nan), "robot", "handle path")]
 
     def marks(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Marks]:
         """Return marked points of the path."""

@@ -7,10 +7,10 @@ from typing import ClassVar
 
 from mimics_app.dsp.motion import Motion, motion_features
 
-__all__ = ["CHANNEL", "Head"]
+__all__ = ["CHANNEL", "HeadMovement"]
 
 
-class Head(Motion):
+class HeadMovement(Motion):
     """Angular speed of the head [rad/s]."""
 
     name: ClassVar[str] = "head"
@@ -20,4 +20,4 @@ class Head(Motion):
     least: ClassVar[float] = 0.05
 
 
-CHANNEL = Head
+CHANNEL = HeadMovement

@@ -53,7 +53,7 @@ _SHORTEST, _LONGEST = 0.38, 1.5
 """Range of the periods that are tried [s]."""
 _FARTHEST = 3.4
 """Longest step of a path, in periods: up to two beats in a row may be missed."""
-_WIDEST = 3.0
+_LARGEST_DEVIATION = 3.0
 """Largest deviation of an interval from the period, in standard deviations."""
 _MOST_SIZE = 1.2
 """Largest size of a beat relative to a form that is not averaged yet."""
@@ -204,7 +204,7 @@ def _link(count: int, peaks: Floats, period: float, model: PathModel) -> int:
             beats = max(np.floor(steps + 0.5), 1.0)
             away = (steps / beats - 1.0) / model.spread
             value = peaks[_SUM, i] + density - 0.5 * away * away - (beats - 1.0) * model.missed
-            if abs(away) <= _WIDEST and value > best:
+            if abs(away) <= _LARGEST_DEVIATION and value > best:
                 best, before = value, i
         peaks[_SUM, j], peaks[_FROM, j] = peaks[_SCORE, j] + best, before
         if peaks[_SUM, j] > peaks[_SUM, end]:

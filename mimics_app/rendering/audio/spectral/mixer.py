@@ -39,7 +39,7 @@ from mimics_app.rendering.audio.spectral.mix_kernels import (
 )
 from mimics_app.rendering.audio.spectral.room import Room
 from mimics_app.rendering.audio.spectral.sofa import read_sofa
-from mimics_app.rendering.audio.spectral.steer_kernels import Head, Places, pan_harmonics, pan_pair, steer
+from mimics_app.rendering.audio.spectral.steer_kernels import MeasuredHead, Places, pan_harmonics, pan_pair, steer
 from mimics_app.rendering.audio.spectral.voice_store import VoiceStore, pack_bank
 
 __all__ = ["SpectralMixer"]
@@ -138,7 +138,7 @@ class SpectralMixer:
         self._room = Room(settings.rate, self.channels)
         self._master, self._master_now = 1.0, 1.0
         steps = np.array([DELAYS_PER_SAMPLE, half_delay_rows(self.rate)], np.int64)
-        self._head = Head(
+        self._head = MeasuredHead(
             np.zeros(3),
             np.zeros((1, 3)),
             np.eye(3),

@@ -17,7 +17,7 @@ from mimics_app.contracts.shared_memory.sound_scene import SOUND_SPEED
 from mimics_app.rendering.audio.spectral.cell_kernels import Cells, cell_of, fill_cell
 from mimics_app.rendering.audio.spectral.mix_kernels import State, Voices
 
-__all__ = ["CONE", "EXPONENTIAL", "INVERSE", "LINEAR", "Head", "Places", "pan_harmonics", "pan_pair", "steer"]
+__all__ = ["CONE", "EXPONENTIAL", "INVERSE", "LINEAR", "MeasuredHead", "Places", "pan_harmonics", "pan_pair", "steer"]
 
 
 INVERSE, LINEAR, EXPONENTIAL = 0, 1, 2
@@ -48,7 +48,7 @@ _ROOT_5_8 = np.sqrt(5.0 / 8.0)
 """Factors of the SN3D normalisation of spherical harmonics."""
 
 
-class Head(NamedTuple):
+class MeasuredHead(NamedTuple):
     """The listener.
 
     Attributes:
@@ -111,7 +111,7 @@ class Places(NamedTuple):
 
 
 @kernel
-def steer(order: Words, places: Places, buses: F8, voices: Voices, head: Head) -> None:
+def steer(order: Words, places: Places, buses: F8, voices: Voices, head: MeasuredHead) -> None:
     """Set cell, delay, bands, pitch and change flag of some voices for the next block.
 
     Args:
@@ -198,7 +198,7 @@ def _pitch(towards: float, away: float, doppler: float) -> float:
 
 @kernel
 def _find(
-    x: float, y: float, z: float, distance: float, head: Head, direction: F8, voices: Voices, v: int
+    x: float, y: float, z: float, distance: float, head: MeasuredHead, direction: F8, voices: Voices, v: int
 ) -> tuple[int, int]:
     """Set the direction of an offset in the head's axes, ahead if inside the head; return cell and row of delays."""
     axes = head.axes

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 from mimics_app.contracts.system.language import translated
 
-__all__ = ["Choice", "Setting", "shown_settings"]
+__all__ = ["Setting", "SettingChoice", "shown_settings"]
 
 
 @dataclass(frozen=True, slots=True)
-class Choice:
+class SettingChoice:
     """A value and its text."""
 
     value: str
@@ -36,7 +36,7 @@ class Setting:
     name: str
     label: str
     help: str
-    choices: Sequence[Choice] = ()
+    choices: Sequence[SettingChoice] = ()
     typed: bool = False
     empty: str = ""
     with_values: Sequence[str] = ()

@@ -13,7 +13,7 @@ from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.rendering.visual.materials.material_instance import MaterialInstance, make_pass, pack_material
 from mimics_app.rendering.visual.materials.picture_arrays import PictureArrays, encode_srgb
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
-from mimics_app.rendering.visual.materials.techniques import SAFE, Choice, choose_technique, technique_chain
+from mimics_app.rendering.visual.materials.techniques import SAFE, ChosenTechnique, choose_technique, technique_chain
 from mimics_app.rendering.visual.materials.texture_store import TextureStore
 from mimics_app.rendering.visual.pictures.live_picture import LivePicture
 from mimics_app.rendering.visual.settings import Shading
@@ -202,7 +202,7 @@ class MaterialStore:
                 self._broken[choice.name] = f"does not compile ({error.issues[0]})"
 
     def _make_own(
-        self, name: str, material: Material, pictures: _Pictures, coloured: bool, choice: Choice
+        self, name: str, material: Material, pictures: _Pictures, coloured: bool, choice: ChosenTechnique
     ) -> MaterialInstance:
         """Make an instance with a state of its own."""
         features = self._features(material, pictures, coloured)

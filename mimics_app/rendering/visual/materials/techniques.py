@@ -9,7 +9,7 @@ from mimics_app.contracts.errors import nearest
 from mimics_app.rendering.visual.surfaces.capabilities import Capabilities
 from mimics_app.world.content.materials.technique import Profile, TechniqueSpec
 
-__all__ = ["SAFE", "Choice", "choose_technique", "technique_chain"]
+__all__ = ["SAFE", "ChosenTechnique", "choose_technique", "technique_chain"]
 
 SAFE = "unlit"
 """Technique in use where a whole chain fails."""
@@ -19,7 +19,7 @@ _DEFAULT = "lit"
 
 
 @dataclass(frozen=True)
-class Choice:
+class ChosenTechnique:
     """Technique chosen for a material.
 
     Attributes:
@@ -41,7 +41,7 @@ def choose_technique(
     has: Capabilities,
     profile: Profile,
     broken: Mapping[str, str] | None = None,
-) -> Choice:
+) -> ChosenTechnique:
     """Choose the first usable technique of a chain of fallbacks.
 
     Args:
@@ -55,17 +55,17 @@ def choose_technique(
     if wanted not in known:
         why = f'no technique "{wanted}"; {nearest(wanted, known)}'
         instead = choose_technique(_DEFAULT, known, has, profile, broken)
-        return Choice(instead.name, instead.spec, f'{why}; drawn as "{instead.name}"', fault=True)
+        return ChosenTechnique(instead.name, instead.spec, f'{why}; drawn as "{instead.name}"', fault=True)
     reasons: list[str] = []
     for name in technique_chain(wanted, known):
         spec = known[name]
         reason = _refusal(name, spec, has, profile, broken)
         if not reason:
             why = f'"{wanted}" drawn as "{name}": {", ".join(reasons)}' if reasons else ""
-            return Choice(name, spec, why, fault=wanted in broken)
+            return ChosenTechnique(name, spec, why, fault=wanted in broken)
         reasons.append(f"{name} {reason}")
     why = f'"{wanted}" drawn as "{SAFE}": {", ".join(reasons)}'
-    return Choice(SAFE, known[SAFE], why, fault=any(name in broken for name in technique_chain(wanted, known)))
+    return ChosenTechnique(SAFE, known[SAFE], why, fault=any(name in broken for name in technique_chain(wanted, known)))
 
 
 def technique_chain(wanted: str, known: Mapping[str, TechniqueSpec]) -> list[str]:

@@ -12,7 +12,7 @@ from mimics_app.rendering.visual.shadows.shadow_layers import SunBox
 __all__ = ["SteadyBox"]
 
 
-_WIDEST = SHADOW_STEP**3
+_LARGEST_RATIO = SHADOW_STEP**3
 """Largest ratio of a box's width to the required one."""
 
 _MIN_TEXELS = 1.5
@@ -34,7 +34,7 @@ class SteadyBox(SunBox):
         if had is not None and had.size == size and self._sun == sun and len(radii):
             border = 1.0 - 2.0 * _MIN_TEXELS / size
             reach, inside = enclose(centres, radii, had.clip_from_world, np.array([border, border, 1.0]))
-            if had.texel <= _WIDEST * shadow_texel(reach, size):
+            if had.texel <= _LARGEST_RATIO * shadow_texel(reach, size):
                 if inside:
                     return had
                 room = SHADOW_STEP

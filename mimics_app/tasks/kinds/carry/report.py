@@ -9,7 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.messages.report_section import Curve, Marks, ReportedAttempt, ReportSection, Traces, frontal
+from mimics_app.contracts.messages.report_section import (
+    Marks,
+    PlottedCurve,
+    ReportedAttempt,
+    ReportSection,
+    Traces,
+    frontal,
+)
 from mimics_app.contracts.system.phrases import phrase
 
 __all__ = ["CarrySection"]
@@ -42,7 +49,7 @@ class CarrySection(ReportSection):
             phrase("grip force off its target"): (task.get("grasp_error_n"), "N"),
         }
 
-    def behind(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Curve]:
+    def behind(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[PlottedCurve]:
         carry = facts["carry"]
         mark, within = np.array(carry["mark_world"], np.float64), float(carry["within_m"])
         height = mark[1] + float(carry.get("above_m", 0.0))
@@ -51,16 +58,16 @@ class CarrySection(ReportSection):
         outlines = [_outline(box) for box in carry.get("obstacles", ())[:shown]]
         labels = ["obstacle", *[""] * len(outlines)]
         return [
-            Curve(ends, "wall", "mark"),
-            *(Curve(o, "wall", label) for o, label in zip(outlines, labels, strict=False)),
+            PlottedCurve(ends, "wall", "mark"),
+            *(PlottedCurve(o, "wall", label) for o, label in zip(outlines, labels, strict=False)),
         ]
 
-    def hand(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Curve]:
+    def hand(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[PlottedCurve]:
         path, held = frontal(attempt), _is_held(attempt, facts)
         empty = np.where((attempt.free & ~held)[:, None], path, np.nan)
         full = np.where((attempt.free & held)[:, None], path, np.nan)
         name = f"{facts['carry']['body']} in the hand"
-        return [Curve(empty, "robot", "hand, empty"), Curve(full, "carried", name)]
+        return [PlottedCurve(empty, "robot", "hand, empty"), PlottedCurve(full, "carried", name)]
 
     def marks(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Marks]:
         held, path = _is_held(attempt, facts), frontal(attempt)

@@ -9,7 +9,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.messages.report_section import (
-    Curve,
+    PlottedCurve,
     ReportedAttempt,
     ReportSection,
     Traces,
@@ -36,13 +36,13 @@ class TunnelSection(ReportSection):
     def takes(self, facts: Mapping[str, Any], attempts: Sequence[ReportedAttempt]) -> bool:
         return any(attempt.tunnel is not None for attempt in attempts)
 
-    def behind(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Curve]:
+    def behind(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[PlottedCurve]:
         if attempt.tunnel is None:
             return ()
         first, second = _walls(attempt.tunnel)
         bisector = attempt.tunnel.bisector_world[:, :2]
-        walls = [Curve(first, "wall", "walls of the tunnel"), Curve(second, "wall")]
-        return [*walls, Curve(bisector, "bisector", "centre line of the tunnel")]
+        walls = [PlottedCurve(first, "wall", "walls of the tunnel"), PlottedCurve(second, "wall")]
+        return [*walls, PlottedCurve(bisector, "bisector", "centre line of the tunnel")]
 
     def words(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Word]:
         """Return the captions of both ends, outside the walls and the path."""

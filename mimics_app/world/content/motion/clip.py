@@ -10,7 +10,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F4, F8, I4
 
-__all__ = ["Clip", "ClipEvent", "Interpolation", "Track", "TrackPath", "clip_of_poses", "pack_clip"]
+__all__ = ["Clip", "ClipEvent", "Interpolation", "MotionTrack", "TrackPath", "clip_of_poses", "pack_clip"]
 
 
 class TrackPath(IntEnum):
@@ -50,7 +50,7 @@ class ClipEvent:
 
 
 @dataclass(frozen=True, eq=False)
-class Track:
+class MotionTrack:
     """Keys of one property of one target.
 
     Attributes:
@@ -100,7 +100,7 @@ class Clip:
         return replace(self, tracks=tracks)
 
 
-def pack_clip(name: str, tracks: Sequence[Track], events: tuple[ClipEvent, ...] = ()) -> Clip:
+def pack_clip(name: str, tracks: Sequence[MotionTrack], events: tuple[ClipEvent, ...] = ()) -> Clip:
     """Pack at least one track into a clip."""
     lines, key, value = [], 0, 0
     for track in tracks:
@@ -130,8 +130,8 @@ def clip_of_poses(name: str, seconds: float, rotations: F8, places: F8, moved: S
     """
     times = (seconds * np.arange(len(rotations))).astype(np.float32)
 
-    def track(slot: int, path: TrackPath, values: F8) -> Track:
-        return Track(slot, path, Interpolation.LINEAR, times, values.astype(np.float32)[:, None, :])
+    def track(slot: int, path: TrackPath, values: F8) -> MotionTrack:
+        return MotionTrack(slot, path, Interpolation.LINEAR, times, values.astype(np.float32)[:, None, :])
 
     tracks = [track(slot, TrackPath.ROTATION, rotations[:, slot]) for slot in moved]
     return pack_clip(name, [*tracks, track(root, TrackPath.TRANSLATION, places)])

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from mimics_app.contracts.arrays import F4
-from mimics_app.world.content.motion.clip import Clip, ClipEvent, Interpolation, Track, TrackPath, pack_clip
+from mimics_app.world.content.motion.clip import Clip, ClipEvent, Interpolation, MotionTrack, TrackPath, pack_clip
 from mimics_app.world.files.gltf.accessors import GltfAccessors
 from mimics_app.world.files.gltf.gltf_document import GltfSource
 from mimics_app.world.files.gltf.meshes import GltfMesh
@@ -67,7 +67,7 @@ class GltfClips:
                 self._source.fail(f"/animations/{i}/channels", f"the model has more than {MAX_CHANNELS} channels")
 
     def _read(self, item: dict[str, Any], place: str) -> Clip | None:
-        tracks: dict[tuple[int, TrackPath], Track] = {}
+        tracks: dict[tuple[int, TrackPath], MotionTrack] = {}
         for i, channel in enumerate(self._source.list(item, "channels", place)):
             with self._source.collecting():
                 here = f"{place}/channels/{i}"
@@ -82,7 +82,7 @@ class GltfClips:
         name = self._source.text(item, "name", place) or f"clip {place.rpartition('/')[2]}"
         return pack_clip(name, list(tracks.values()), self._events(item, place))
 
-    def _channel(self, item: dict[str, Any], channel: object, place: str, here: str) -> Track | None:
+    def _channel(self, item: dict[str, Any], channel: object, place: str, here: str) -> MotionTrack | None:
         source = self._source
         channel = source.entry(channel, here)
         target = source.object(channel, "target", here)
@@ -102,7 +102,7 @@ class GltfClips:
             return None
         times = self._times(sampler, where)
         values = self._values(sampler, where, path, width, len(times), _KINDS[kind])
-        return Track(node, _PATHS[path][0], _KINDS[kind], times, values)
+        return MotionTrack(node, _PATHS[path][0], _KINDS[kind], times, values)
 
     def _width(self, node: int, path: str, here: str) -> int:
         if path != "weights":
