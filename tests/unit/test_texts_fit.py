@@ -202,7 +202,7 @@ def test_every_result_fits(code: str, size: tuple[int, int], monkeypatch: pytest
         ]
         for scene, measures in shown:
             task = {"completed": 3, "trials": 4, "score": 63.4, "counted": "trials", "contacts": 12, "placed": 3}
-            folder = "/home/somebody/runs/20260101T101500Z_tunnel_along"
+            folder = "/srv/sessions/runs/20260101T101500Z_tunnel_along"
             content = result_content(
                 scene.title,
                 {"task": task},
