@@ -52,7 +52,7 @@ class Bank(NamedTuple):
     loops: Words
 
 
-class Sound(NamedTuple):
+class BankSound(NamedTuple):
     """One sound of the bank.
 
     Attributes:
@@ -120,7 +120,7 @@ def _take(voices: Voices, v: int, bank: Bank, frames: int) -> None:
     history, end = voices.history, SIZE * (v + 1)
     move(history, SIZE * v, history, SIZE * v + frames, SIZE - frames)
     row, cursor = voices.sound[v], voices.cursor[v]
-    sound = Sound(bank.samples, bank.begin[row], bank.length[row], bank.loops[row])
+    sound = BankSound(bank.samples, bank.begin[row], bank.length[row], bank.loops[row])
     first, last = voices.pitch[v, 0], voices.pitch[v, 1]
     voices.pitch[v, 0] = last
     silent = min(voices.wait[v], frames)
@@ -137,7 +137,7 @@ def _take(voices: Voices, v: int, bank: Bank, frames: int) -> None:
 
 
 @kernel
-def _read(sound: Sound, cursor: int, history: F4, place: int, end: int) -> int:
+def _read(sound: BankSound, cursor: int, history: F4, place: int, end: int) -> int:
     """Fill a history from `place` to `end` with samples of a sound from `cursor` on; return the next cursor."""
     while place < end:
         if sound.loops == 1:
@@ -152,7 +152,7 @@ def _read(sound: Sound, cursor: int, history: F4, place: int, end: int) -> int:
 
 
 @kernel
-def _read_bent(sound: Sound, cursor: float, pitch: float, turn: float, history: F4, place: int, end: int) -> float:
+def _read_bent(sound: BankSound, cursor: float, pitch: float, turn: float, history: F4, place: int, end: int) -> float:
     """Like `_read` at a pitch that changes by `turn` per sample, by Catmull-Rom interpolation."""
     samples, length = sound.samples, sound.length
     for i in range(place, end):
@@ -186,7 +186,7 @@ def _between(a: float, b: float, c: float, d: float, share: float) -> float:
 
 
 @kernel
-def _sample(sound: Sound, k: int) -> float:
+def _sample(sound: BankSound, k: int) -> float:
     """Return sample k of a sound; beyond its ends zero, or the wrapped sample of a loop."""
     if sound.loops == 1:
         return sound.samples[sound.begin + k % sound.length]

@@ -36,7 +36,7 @@ from mimics_app.rendering.haptic.kernels.objects.triples import (
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import Floats, SolidRecord
 
-__all__ = ["CORNER_SHARE", "RIM_POINTS", "Feature", "add_point", "lay_over", "write_feature"]
+__all__ = ["CORNER_SHARE", "RIM_POINTS", "ContactFeature", "add_point", "lay_over", "write_feature"]
 
 
 CORNER_SHARE = 0.25
@@ -64,7 +64,7 @@ _FACE = 4
 """Corners of a face of a box."""
 
 
-class Feature(NamedTuple):
+class ContactFeature(NamedTuple):
     """Part of a solid that faces another one.
 
     Attributes:
@@ -141,7 +141,7 @@ def _cylinder_feature(solid: SolidRecord, d: Vec3, corners: Floats) -> tuple[int
 
 
 @kernel
-def write_feature(solid: SolidRecord, d: Vec3, corners: Floats) -> Feature:
+def write_feature(solid: SolidRecord, d: Vec3, corners: Floats) -> ContactFeature:
     """Return the feature of a box or cylinder that faces d.
 
     Args:
@@ -150,17 +150,17 @@ def write_feature(solid: SolidRecord, d: Vec3, corners: Floats) -> Feature:
         corners: Receives the corners, shape [8, 3].
     """
     if solid.kind == ShapeKind.BOX:
-        return Feature(corners, _FACE, _box_face(solid, d, corners), CORNER_SHARE)
+        return ContactFeature(corners, _FACE, _box_face(solid, d, corners), CORNER_SHARE)
     count, n = _cylinder_feature(solid, d, corners)
     if count == 2:
         # Continuous from half for each end of a lying cylinder to the eighth of a point of the rim.
         lean = abs(dot(axis(solid, 1), d)) / _LEANS
-        return Feature(corners, 2, n, 0.5 - (0.5 - 1.0 / RIM_POINTS) * lean)
-    return Feature(corners, count, n, 1.0 / RIM_POINTS)
+        return ContactFeature(corners, 2, n, 0.5 - (0.5 - 1.0 / RIM_POINTS) * lean)
+    return ContactFeature(corners, count, n, 1.0 / RIM_POINTS)
 
 
 @kernel
-def _project(feature: Feature, origin: Vec3, u: Vec3, v: Vec3, polygon: F8) -> None:
+def _project(feature: ContactFeature, origin: Vec3, u: Vec3, v: Vec3, polygon: F8) -> None:
     """Write the coordinates u, v of a feature's corners in the plane of contact."""
     corners = feature.corners
     for k in range(feature.corner_count):
@@ -169,7 +169,7 @@ def _project(feature: Feature, origin: Vec3, u: Vec3, v: Vec3, polygon: F8) -> N
 
 
 @kernel
-def _plane_of(feature: Feature, origin: Vec3, u: Vec3, v: Vec3, n: Vec3) -> Plane:
+def _plane_of(feature: ContactFeature, origin: Vec3, u: Vec3, v: Vec3, n: Vec3) -> Plane:
     """Height of a feature along n as a linear function: of its face, or along a line and constant across it."""
     corners, m = feature.corners, feature.normal
     first = (corners[0, 0], corners[0, 1], corners[0, 2])
@@ -301,8 +301,8 @@ def _intersect(polygons: F8, count_a: int, count_b: int) -> tuple[int, int]:
 
 @kernel
 def lay_over(
-    a: Feature,
-    b: Feature,
+    a: ContactFeature,
+    b: ContactFeature,
     n: Vec3,
     lone: float,
     round_b: float,
