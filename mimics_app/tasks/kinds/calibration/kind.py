@@ -16,8 +16,8 @@ from mimics_app.contracts.messages.report_section import ReportedAttempt, Report
 from mimics_app.contracts.messages.stage_messages import SoundTrigger
 from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.contracts.system.phrases import phrase
-from mimics_app.tasks.kinds.calibration.question_step import HearingStep, ReadingStep
 from mimics_app.tasks.kinds.calibration.grip_step import GripStep
+from mimics_app.tasks.kinds.calibration.question_step import HearingStep, ReadingStep
 from mimics_app.tasks.kinds.calibration.range_step import RangeStep
 from mimics_app.tasks.kinds.calibration.simulated import Wish, wish_of
 from mimics_app.tasks.kinds.calibration.spec import STEPS, CalibrationSpec, MeasuredGoal, StepName
