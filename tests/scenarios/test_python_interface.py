@@ -69,6 +69,41 @@ def test_played_in_steps_it_is_the_run_of_the_command(tmp_path: Path) -> None:
     assert session.run_dir.parent == tmp_path / "b"
 
 
+def test_an_unrecorded_session_is_the_recorded_one_and_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+
+    def played(*, record: bool) -> tuple[dict[str, bytes], dict[str, object], list[dict[str, object]]]:
+        rows: list[dict[str, object]] = []
+        with mimics.open("wavy_tunnel", seed=3, trials=1, patient="healthy", seconds=20, record=record) as session:
+            session.on_trial(rows.append)
+            session.step(18.0)
+            sent = session.command(mimics.Note("here"))
+            session.step(0.5)
+            assert sent.done and session.picture(64, 36).std() > 5.0
+            state = {name: column.tobytes() for name, column in session.state.items()}
+        return state, session.result, rows
+
+    state, result, rows = played(record=False)
+    assert rows and not list(tmp_path.iterdir())
+    recorded_state, recorded_result, recorded_rows = played(record=True)
+    assert state == recorded_state and rows == recorded_rows
+    assert set(recorded_result) - set(result) == {"seed", "run_dir", "audio", "state_hash"}
+    assert result["unread"] == [*recorded_result["unread"], "sound"]
+    assert all(result[name] == recorded_result[name] for name in set(result) - {"wall_s", "unread"})
+
+
+def test_what_needs_a_recording_is_refused_without_one() -> None:
+    for settings in ({"sound": "auto"}, {"window": True}):
+        with pytest.raises(mimics.errors.UsageError, match="need a recorded session"):
+            mimics.open("wavy_tunnel", record=False, **settings)
+    with mimics.open("wavy_tunnel", record=False) as session, pytest.raises(mimics.errors.UsageError, match="recorded"):
+        print(session.run_dir)
+    with pytest.raises(mimics.errors.UsageError, match="another scene"), mimics.open("wavy_tunnel", record=False):
+        mimics.open("wavy_tunnel")
+
+
 def test_an_edited_scene_is_another_scene(tmp_path: Path) -> None:
     def played(**changes: float) -> dict[str, object]:
         with mimics.open("wavy_tunnel", seed=3, runs=tmp_path) as session:

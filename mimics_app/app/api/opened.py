@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.app.api.unit_array import Quantity, Table
-from mimics_app.app.play.result import summarise
+from mimics_app.app.play.result import summarise, summarise_play
 from mimics_app.app.scenes.loading import check_scene
 from mimics_app.app.scenes.scene_search import find_scene
 from mimics_app.app.session.assembly import build_session, start_loop
+from mimics_app.app.session.core import SessionCore, open_core
 from mimics_app.app.session.frame import Frames
-from mimics_app.app.session.preparation import Given
+from mimics_app.app.session.preparation import Given, prepare
 from mimics_app.app.session.requested import read_requested
 from mimics_app.app.session.session import Session
 from mimics_app.app.settings import RunSettings
@@ -91,12 +92,14 @@ class Opened:
         settings: Settings of the run.
         given: Policy and device given as objects.
         window: Whether a person plays at a window, in real time.
+        record: Whether it is recorded.
     """
 
-    def __init__(self, scene: Scene, settings: RunSettings, given: Given, *, window: bool) -> None:
+    def __init__(self, scene: Scene, settings: RunSettings, given: Given, *, window: bool, record: bool) -> None:
         self.scene = scene
-        self._edits, self._settings, self._given, self._window = SceneEdits(scene), settings, given, window
-        self._session: Session | None = None
+        self._edits, self._settings, self._given = SceneEdits(scene), settings, given
+        self._window, self._record = window, record
+        self._session: SessionCore | None = None
         self._listeners: list[Callable[[Trial], None]] = []
         self._notices: list[str] = []
         self._reported, self._reset_at = 0, -1
@@ -111,8 +114,15 @@ class Opened:
 
     @property
     def run_dir(self) -> Path:
-        """Folder of the recording; `mimics_app.load` reads it."""
-        return self._begun.folder
+        """Folder of the recording; `mimics_app.load` reads it.
+
+        Raises:
+            UsageError: The scene was opened with `record=False`.
+        """
+        session = self._begun
+        if not isinstance(session, Session):
+            raise UsageError("this session is not recorded", "leave out record=False")
+        return session.folder
 
     @property
     def time_s(self) -> float:
@@ -158,7 +168,7 @@ class Opened:
 
     @property
     def result(self) -> dict[str, Any]:
-        """The object of `mimics run --json` after `close`; {} before."""
+        """The object of `mimics run --json` after `close`, {} before; unrecorded without what a recording has."""
         return self._result
 
     def step(self, seconds: float = 1.0 / FRAMES_PER_SECOND) -> None:
@@ -264,7 +274,7 @@ class Opened:
         return f"<{self.scene.name}, {state}>"
 
     @property
-    def _begun(self) -> Session:
+    def _begun(self) -> SessionCore:
         """The session, which begins now if it has not."""
         if self._session is None:
             if self._closed:
@@ -272,14 +282,14 @@ class Opened:
             self._session = self._begin()
         return self._session
 
-    def _begin(self) -> Session:
+    def _begin(self) -> SessionCore:
         self._edits.apply()
         self._begun_ns = MonotonicClock().now_ns()
         with ExitStack() as stack:
             stack.enter_context(private_files())
             if self._settings.steer:
                 raise UsageError("a program gives its commands itself", "leave out steer")
-            session = build_session(self._settings, live=self._window, read=self.scene, given=self._given)
+            session = self._build()
             stack.callback(session.__exit__)
             if session.live and not self._window:
                 raise UsageError("the device runs in real time", "open the scene with window=True")
@@ -287,11 +297,16 @@ class Opened:
             self._frames = Frames(session)
             self._sender = CommandSender(session.memory, CommandSource.PYTHON, "python")
             self._hears = self._listen(session)
-            if self._window:
+            if self._window and isinstance(session, Session):
                 self._live = _open_window(session)
             self._start_ns = session.clock.now_ns()
             stack.pop_all()
         return session
+
+    def _build(self) -> SessionCore:
+        if self._record:
+            return build_session(self._settings, live=self._window, read=self.scene, given=self._given)
+        return open_core(prepare(self._settings, live=False, read=self.scene, given=self._given))
 
     def _end(self) -> None:
         session = self._session
@@ -300,8 +315,13 @@ class Opened:
         self._close_picture()
         if self._live is not None:
             self._live.end()
+        wall_s = (MonotonicClock().now_ns() - self._begun_ns) * 1e-9
+        if not isinstance(session, Session):
+            session.stop()
+            self._result = summarise_play(session, self._frames, wall_s)
+            return
         sound = session.end_stages()
-        summary = summarise(session, self._frames, sound, (MonotonicClock().now_ns() - self._begun_ns) * 1e-9)
+        summary = summarise(session, self._frames, sound, wall_s)
         manifest = session.finish(summary)
         self._result = {**summary, "state_hash": manifest.state_hash}
 
@@ -325,7 +345,7 @@ class Opened:
                 listener(dict(row))
         self._reported = len(rows)
 
-    def _listen(self, session: Session) -> bool:
+    def _listen(self, session: SessionCore) -> bool:
         """Keep what is mixed from now on; return whether anything is."""
         if session.live or self._settings.sound == "off":
             return False
@@ -368,12 +388,13 @@ def _open_window(session: Session) -> LiveFrames:
     return LiveFrames(session)
 
 
-def open(scene: Path | str, *, window: bool = False, **settings: object) -> Opened:
-    """Open a scene for playing; every run is recorded.
+def open(scene: Path | str, *, window: bool = False, record: bool = True, **settings: object) -> Opened:
+    """Open a scene for playing.
 
     Args:
         scene: Scene file, or the name of a shipped scene.
         window: True: a person plays at a window in real time; else the simulated person, as fast as possible.
+        record: False: without a run folder, sound and processes of its own, which is the quickest to begin and end.
         **settings: Options of `mimics run` by their names: `seed`, `patient`, `physio`, `learn`, `goal`, `profile`,
             `device`, `difficulty`, `trials`, `seconds` [s], `sound` ("auto", "file" or "off"), `commands`, `runs` ...
             `learn` may be a policy itself, an object as `mimics_app.learning.policy.Policy`, and `device` a function
@@ -384,7 +405,7 @@ def open(scene: Path | str, *, window: bool = False, **settings: object) -> Open
 
     Raises:
         SceneError: The scene is faulty.
-        UsageError: A setting is unknown, or another scene is open in this process.
+        UsageError: A setting is unknown, or needs a recording; or another scene is open in this process.
         DeviceError: The device is not available.
     """
     if _open:
@@ -393,11 +414,13 @@ def open(scene: Path | str, *, window: bool = False, **settings: object) -> Open
     given = Given(**{_AS_OBJECTS[name]: settings[name] for name in objects})  # type: ignore[arg-type]
     named = {name: value for name, value in settings.items() if name not in objects}
     chosen = _settings(find_scene(Path(scene)), named, window=window)
+    if not record and (window or chosen.sound != "off"):
+        raise UsageError("a window and sound need a recorded session", "leave out record=False")
     if chosen.device:
         from mimics_app.rendering.haptic.devices.device_names import check_device_name
 
         check_device_name(chosen.device)
-    return Opened(check_scene(read_requested(chosen)), chosen, given, window=window)
+    return Opened(check_scene(read_requested(chosen)), chosen, given, window=window, record=record)
 
 
 def _settings(scene: Path, given: Mapping[str, object], *, window: bool) -> RunSettings:
