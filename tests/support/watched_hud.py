@@ -1,9 +1,10 @@
-"""A canvas that notices texts that are cut, or that leave their box or the canvas."""
+"""A canvas that notices texts that are cut, that leave their box or the canvas, or that were not looked up."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+from mimics_app.contracts.system.language import catalogue, spoken, translated
 from mimics_app.rendering.visual.figures.glyphs import GlyphAtlas
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Align, Colour, Hud
 
@@ -22,7 +23,10 @@ class Fault:
 
 
 class WatchedHud(Hud):
-    """Collects the faults of what is drawn on it, and on others that share the list: `faults`."""
+    """Collects the faults of what is drawn on it, and on others that share the list: `faults`.
+
+    A text that would be translated into the present language has been drawn without being looked up.
+    """
 
     def __init__(self, atlas: GlyphAtlas | None = None, faults: list[Fault] | None = None) -> None:
         super().__init__(atlas)
@@ -60,6 +64,7 @@ class WatchedHud(Hud):
         align: Align = "left",
         width: float = float("inf"),
     ) -> float:
+        self._look_up(text)
         if self.measure(text, size, bold=bold) > width + _ROUNDING:
             self.faults.append(Fault(text, "cut"))
         length = super().text(x, y, text, size, colour, bold=bold, align=align, width=width)
@@ -71,10 +76,15 @@ class WatchedHud(Hud):
         return length
 
     def wrap(self, text: str, size: float, width: float, lines: int, *, bold: bool = False) -> list[str]:
+        self._look_up(text)
         out = super().wrap(text, size, width, lines, bold=bold)
         if " ".join(out).split() != text.split():
             self.faults.append(Fault(text, f"cut to {len(out)} lines"))
         return out
+
+    def _look_up(self, text: str) -> None:
+        if translated(text) != text and text not in catalogue(spoken()).values():
+            self.faults.append(Fault(text, "not translated"))
 
     def _check(self, text: str, left: float, right: float, bottom: float, top: float) -> None:
         middle = 0.5 * (left + right), 0.5 * (bottom + top)

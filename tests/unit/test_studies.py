@@ -6,6 +6,7 @@ import csv
 import json
 import re
 import stat
+import subprocess
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -135,6 +136,24 @@ def test_runs_follow_the_plan_to_its_end(study: StudyFolder, played: Played) -> 
         assert attempt is not None and attempt.outcome == "done"
     assert conditions == ["wide", "far"]
     assert play_next(study, person, "", []) is None
+
+
+def test_a_participant_has_a_language(study: StudyFolder, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is an option of each run from then on, stays with the participant when others leave, and is no one else's."""
+    given: list[list[str]] = []
+
+    def run(command: list[str], **_: object) -> subprocess.CompletedProcess[bytes]:
+        given.append(command)
+        return subprocess.CompletedProcess(command, 3)
+
+    monkeypatch.setattr(study_runs.subprocess, "run", run)
+    first, second = study.find_or_add("P01"), study.find_or_add("P02")
+    assert study.with_language(second, "sl").language == "sl"
+    study.erase(first)
+    assert [(each.code, each.row, each.language) for each in study.participants] == [("P02", 1, "sl")]
+    study_runs.play_next(study, study.find("P02"), "", ())
+    study_runs.play_next(study, study.find_or_add("P03"), "", ())
+    assert ["--language=sl" in command for command in given] == [True, False]
 
 
 @pytest.mark.parametrize(("answer", "scores"), [("resume", [50.0] * 3), ("restart", [50.0] * 3), ("abandon", [])])

@@ -293,9 +293,13 @@ def test_a_text_that_is_cut_or_leaves_its_box_is_noticed() -> None:
     hud.text(105.0, 105.0, "fits", 4.0)
     hud.wrap("one two three four five six seven", 20.0, 60.0, 2)
     hud.text(10.0, 10.0, "\u6f22", 20.0)
+    with speaking("de"):
+        hud.text(10.0, 10.0, "Time", 20.0)
+        hud.text(10.0, 10.0, "Zeit 8,3 s", 20.0)
     assert [fault.how.split(" to")[0].split(" [")[0] for fault in hud.faults] == [
         "cut",
         "outside its box",
         "cut",
         "no glyphs for",
+        "not translated",
     ]

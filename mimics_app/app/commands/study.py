@@ -12,6 +12,7 @@ from mimics_app.app.study.counterbalance import ORDERS
 from mimics_app.app.terminal.arguments import Container, folder_to_write, positive_time, random_seed, whole_number
 from mimics_app.app.terminal.output import answer, say
 from mimics_app.contracts.errors import PartialDataError, UsageError
+from mimics_app.contracts.system.language import LANGUAGES
 
 __all__ = ["add_arguments", "run"]
 
@@ -73,6 +74,12 @@ def _add_verbs(group: Container) -> None:
     group.add_argument("--answers", type=Path, metavar="FILE", help="form: answers as JSON, by item")
     group.add_argument(
         "--person", default="", metavar="NAME", help="run: name instead of a code; kept in the key file only"
+    )
+    group.add_argument(
+        "--language",
+        choices=tuple(LANGUAGES),
+        default="",
+        help="run: language of the texts that the participant sees, kept for later runs",
     )
     group.add_argument("--options", default="", metavar="TEXT", help='run: options of mimics run, e.g. "--headless"')
     chosen = group.add_mutually_exclusive_group()

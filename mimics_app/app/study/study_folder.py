@@ -1,7 +1,7 @@
 """Folder of a study: its protocol, its participants, their sessions, and where the names of the participants are.
 
     STUDY/study.json                            protocol
-    STUDY/participants.jsonl                    code and row of the squares of each participant
+    STUDY/participants.jsonl                    code, row of the squares and language of each participant
     STUDY/sub-CODE/answers.jsonl                forms and questionnaires as answered, a line each time
     STUDY/sub-CODE/calibrations.jsonl           what calibrations found, a line each time
     STUDY/sub-CODE/ses-001/journal.jsonl        what began and ended
@@ -20,7 +20,7 @@ import os
 import re
 import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -54,10 +54,18 @@ class Participant:
     Attributes:
         code: Pseudonym.
         row: Row of the squares, 0 first.
+        language: Language of the texts that the participant sees, see `contracts.system.language`; "": the usual one.
     """
 
     code: str
     row: int
+    language: str = ""
+
+    @property
+    def line(self) -> bytes:
+        """The line of the participant in the list of all."""
+        stated = {"language": self.language} if self.language else {}
+        return to_json({"participant": self.code, "row": self.row, **stated}) + b"\n"
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,7 +143,8 @@ class StudyFolder:
     @property
     def participants(self) -> list[Participant]:
         """All participants in the order in which they were added."""
-        return [Participant(line["participant"], line["row"]) for line in _lines(self.path / _PARTICIPANTS)]
+        lines = _lines(self.path / _PARTICIPANTS)
+        return [Participant(line["participant"], line["row"], str(line.get("language", ""))) for line in lines]
 
     def find(self, text: str) -> Participant:
         """Return a participant by code.
@@ -181,6 +190,13 @@ class StudyFolder:
     def _names(self) -> dict[str, str]:
         data = read_or_nothing(self.key_file)
         return {code: str(name) for code, name in parse_object(data).items()} if data else {}
+
+    def with_language(self, participant: Participant, language: str) -> Participant:
+        """Keep the language of a participant for all runs that follow; return the participant with it."""
+        changed = replace(participant, language=language)
+        listed = [changed if each.code == participant.code else each for each in self.participants]
+        write_atomically(self.path / _PARTICIPANTS, b"".join(each.line for each in listed))
+        return changed
 
     def folder_of(self, participant: Participant) -> Path:
         """Return the folder of a participant."""
@@ -258,8 +274,7 @@ class StudyFolder:
         if folder.exists():
             shutil.rmtree(folder)
         kept = [each for each in self.participants if each != participant]
-        lines = [to_json({"participant": each.code, "row": each.row}) + b"\n" for each in kept]
-        write_atomically(self.path / _PARTICIPANTS, b"".join(lines))
+        write_atomically(self.path / _PARTICIPANTS, b"".join(each.line for each in kept))
         name = names.pop(participant.code, "")
         if name:
             write_atomically(self.key_file, to_json(names))

@@ -128,6 +128,7 @@ def _play(study: StudyFolder, found: Next, attempt: int, from_trial: int, extra:
     options += _fitted(study, found.participant, folder)
     options += _sided(study, found.participant, condition)
     options += ["--trials", str(condition.trials)] if condition.trials else []
+    options += [f"--language={found.participant.language}"] if found.participant.language else []
     options += [f"--participant={found.participant.code}", "--runs", str(folder), *condition.options, *extra]
     scene = scene_of(study.protocol_file, condition)
     command = [sys.executable, "-m", "mimics_app", "run", str(scene), *options]

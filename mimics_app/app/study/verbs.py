@@ -117,6 +117,8 @@ def _person(args: argparse.Namespace, study: StudyFolder, words: list[str], *, a
 def _run(args: argparse.Namespace, folder: Path, words: list[str]) -> int:
     study = StudyFolder(folder)
     participant = _person(args, study, words, add=True)
+    if args.language:
+        participant = study.with_language(participant, args.language)
     chosen = "resume" if args.resume else "restart" if args.restart_block else "abandon" if args.abandon else ""
     attempt = play_next(study, participant, chosen, shlex.split(args.options))  # type: ignore[arg-type]
     if attempt is None:
