@@ -9,15 +9,16 @@ import pytest
 
 from mimics_app.app.picture.board import BoardLayout, stability_card
 from mimics_app.contracts.loop.haptic import TripCause
-from mimics_app.contracts.messages.board import Bar, Board, Card
+from mimics_app.contracts.messages.board import Bar, Board, Card, Tone
 from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.figures.key_page import KeyPage
+from mimics_app.rendering.visual.figures.palette import TONES
 from mimics_app.tasks.cards import time_card
 from mimics_app.tasks.prompt import BUILT_IN, cause_words
 from tests.support.cut_words import watch_cut_words
 
-GREEN, ORANGE, RED = (0.36, 0.78, 0.47), (0.96, 0.62, 0.16), (0.90, 0.22, 0.20)
+GREEN, ORANGE, RED = (TONES[tone][:3] for tone in (Tone.CALM, Tone.WARN, Tone.ALARM))
 
 
 def _colours(margin: float, energy: float = 0.0) -> set[tuple[float, ...]]:

@@ -15,24 +15,15 @@ from mimics_app.contracts.system.language import translated
 from mimics_app.contracts.system.phrases import phrase
 from mimics_app.rendering.visual.figures.hud import KIND, Colour, Hud
 from mimics_app.rendering.visual.figures.key_page import KeyPage, draw_page
-from mimics_app.rendering.visual.figures.palette import ACCENT, FAINT, INK
+from mimics_app.rendering.visual.figures.palette import BOARD, FAINT, INK, TONES
 
 __all__ = ["OPERATORS_CARDS", "BoardLayout", "stability_card"]
 
 OPERATORS_CARDS = frozenset({"margin"})
 """Cards for the operator, shown with the forces (F5)."""
 
-_PANEL: Colour = (0.06, 0.08, 0.11, 0.80)
 _ALARM_PANEL: Colour = (0.55, 0.08, 0.08, 0.86)
-_RIGHT: Colour = (0.36, 0.78, 0.47, 0.34)
-_COLOURS: dict[Tone, Colour] = {
-    Tone.PLAIN: INK,
-    Tone.FAINT: FAINT,
-    Tone.ACCENT: ACCENT,
-    Tone.CALM: (0.36, 0.78, 0.47, 1.0),
-    Tone.WARN: (0.96, 0.62, 0.16, 1.0),
-    Tone.ALARM: (0.90, 0.22, 0.20, 1.0),
-}
+_RIGHT: Colour = (*TONES[Tone.CALM][:3], 0.34)
 _WARN_LOAD, _ALARM_LOAD = 0.4, 0.8
 """Shares of a full bar [-] from which a load is coloured as a warning, and as an alarm."""
 
@@ -94,7 +85,7 @@ class BoardLayout:
         if board.neutral is not None:
             _draw_neutral(hud, board.neutral)
         if board.message and (page is None or board.alarm):
-            panel = _ALARM_PANEL if board.alarm else _PANEL
+            panel = _ALARM_PANEL if board.alarm else BOARD
             hud.extend(self._rows("", hud, (_draw_message, board.message, panel, (hud.width, hud.height), board.asks)))
         if board.count:
             _draw_count(hud, board.count)
@@ -125,7 +116,7 @@ def _by_kind(rows: F4) -> F4:
 
 def _draw_card(hud: Hud, card: Card, corner: tuple[float, float], force_full: float) -> None:
     left, bottom = corner
-    hud.box(left, bottom, card.width, _HEIGHT, _PANEL, radius=12.0)
+    hud.box(left, bottom, card.width, _HEIGHT, BOARD, radius=12.0)
     x, y, width = left + 16.0, bottom + 12.0, card.width - 32.0
     room = width if card.bar is None else width - 8.0 - hud.measure(translated(card.text), 17.0, bold=True)
     hud.fitted(x, y + 27.0, translated(card.label), (10.0, 15.0), room, FAINT)
@@ -136,14 +127,14 @@ def _draw_card(hud: Hud, card: Card, corner: tuple[float, float], force_full: fl
     room, text = 0.62 * width if card.remark else width, translated(card.text)
     if hud.measure(text, _LEAST_CARD, bold=True) > room:
         for number, line in enumerate(hud.wrap(text, _LEAST_CARD, room, 2, bold=True)):
-            hud.text(x, y + 10.0 - 16.0 * number, line, _LEAST_CARD, _COLOURS[card.tone], bold=True)
+            hud.text(x, y + 10.0 - 16.0 * number, line, _LEAST_CARD, TONES[card.tone], bold=True)
         return
-    drawn = hud.fitted(x, y, text, (_LEAST_CARD, 25.0), room, _COLOURS[card.tone], bold=True)
+    drawn = hud.fitted(x, y, text, (_LEAST_CARD, 25.0), room, TONES[card.tone], bold=True)
     free = width - 8.0 - drawn
     if card.remark:
         remark = translated(card.remark)
         size = min(17.0, 17.0 * free / hud.measure(remark, 17.0))
-        hud.text(x + width, y + 4.0, remark, size, _COLOURS[card.remark_tone], align="right")
+        hud.text(x + width, y + 4.0, remark, size, TONES[card.remark_tone], align="right")
 
 
 def _draw_bar(hud: Hud, bar: Bar, corner: tuple[float, float], width: float, force_full: float) -> None:
@@ -158,15 +149,15 @@ def _draw_bar(hud: Hud, bar: Bar, corner: tuple[float, float], width: float, for
 
 def _bar_colour(tone: Tone, share: float) -> Colour:
     if tone is not Tone.LOAD:
-        return _COLOURS[tone]
+        return TONES[tone]
     if share < _WARN_LOAD:
-        return _COLOURS[Tone.CALM]
-    return _COLOURS[Tone.WARN if share < _ALARM_LOAD else Tone.ALARM]
+        return TONES[Tone.CALM]
+    return TONES[Tone.WARN if share < _ALARM_LOAD else Tone.ALARM]
 
 
 def _draw_count(hud: Hud, count: int) -> None:
     x, y = 0.5 * hud.width, 0.5 * hud.height
-    hud.box(x - 0.5 * _COUNT, y - 0.5 * _COUNT, _COUNT, _COUNT, _PANEL, radius=0.5 * _COUNT)
+    hud.box(x - 0.5 * _COUNT, y - 0.5 * _COUNT, _COUNT, _COUNT, BOARD, radius=0.5 * _COUNT)
     hud.text(x, y - 0.36 * _COUNT_SIZE, str(count), _COUNT_SIZE, INK, bold=True, align="centre")
 
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+from mimics_app.contracts.messages.board import Tone
 from mimics_app.rendering.visual.figures.hud import Colour
 
-__all__ = ["ACCENT", "ALARM", "BACK", "FAINT", "INK", "ON_ACCENT", "PANEL", "PANEL_LIT", "QUIET"]
+__all__ = ["ACCENT", "ALARM", "BACK", "BOARD", "FAINT", "INK", "ON_ACCENT", "PANEL", "PANEL_LIT", "QUIET", "TONES"]
 
 INK: Colour = (0.96, 0.97, 0.98, 1.0)
 """Text and numbers."""
@@ -32,3 +35,16 @@ PANEL_LIT: Colour = (0.133, 0.169, 0.216, 1.0)
 
 ALARM: Colour = (1.0, 0.62, 0.55, 1.0)
 """Errors."""
+
+BOARD: Colour = (0.06, 0.08, 0.11, 0.80)
+"""Ground of the cards and the message over the picture."""
+
+TONES: Mapping[Tone, Colour] = {
+    Tone.PLAIN: INK,
+    Tone.FAINT: FAINT,
+    Tone.ACCENT: ACCENT,
+    Tone.CALM: (0.70, 0.85, 0.60, 1.0),
+    Tone.WARN: (0.98, 0.80, 0.22, 1.0),
+    Tone.ALARM: (0.90, 0.22, 0.20, 1.0),
+}
+"""Colours of the tones; those of a status are also told apart by people without one kind of cones."""
