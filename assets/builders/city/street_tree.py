@@ -9,6 +9,7 @@ from assets.builders.city.textures import TILE
 from assets.builders.kit.rng import Rng
 from assets.builders.kit.sketch import Point, Sketch
 from assets.builders.kit.solids import Skin, add_column
+from mimics_app.maths.triples import cross
 
 __all__ = ["TREES", "TreeKind", "build_coarse_tree", "build_tree"]
 
@@ -114,8 +115,8 @@ def _add_card(sketch: Sketch, place: Point, facing: Point, normal: Point, side: 
     It is folded along a diagonal and hugs the crown, so that at its outline no card stands off as a plate.
     """
     helper = (0.0, 1.0, 0.0) if abs(facing[1]) < 0.8 else (1.0, 0.0, 0.0)
-    right = _unit(_cross(helper, facing))
-    up = _cross(facing, right)
+    right = _unit(cross(helper, facing))
+    up = cross(facing, right)
     half = 0.5 * side
     corners = [
         (
@@ -135,7 +136,3 @@ def _add_card(sketch: Sketch, place: Point, facing: Point, normal: Point, side: 
 def _unit(v: Point) -> Point:
     length = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
     return v[0] / length, v[1] / length, v[2] / length
-
-
-def _cross(a: Point, b: Point) -> Point:
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]

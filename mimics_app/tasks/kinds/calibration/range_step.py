@@ -8,6 +8,7 @@ from statistics import median
 from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.messages.calibration_record import CalibratedMeasure
 from mimics_app.contracts.system.phrases import phrase
+from mimics_app.maths.triples import dot
 from mimics_app.tasks.kinds.calibration.spec import DIRECTIONS, CalibrationSpec
 from mimics_app.tasks.kinds.calibration.step import Cue, Seen, Step, spread_of
 
@@ -77,7 +78,7 @@ class RangeStep(Step):
         key = self._left[0]
         farthest = self._farthest[key[1]]
         self._way = min(self._way + self._spec.pace * seconds, farthest)
-        here = _dot(DIRECTIONS[key[1]], seen.hand)
+        here = dot(DIRECTIONS[key[1]], seen.hand)
         self._places.append((seen.now_s, here))
         while self._places[0][0] < seen.now_s - self._spec.still_s:
             self._places.popleft()
@@ -119,9 +120,5 @@ def _along(direction: str, way: float) -> Vec3:
     return way * x, way * y, way * z
 
 
-def _dot(one: Vec3, other: Vec3) -> float:
-    return one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
-
-
 def _length(values: Vec3) -> float:
-    return _dot(values, values) ** 0.5
+    return dot(values, values) ** 0.5

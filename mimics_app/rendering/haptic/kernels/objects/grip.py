@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.haptic_objects import BodyFlag, ShapeKind
+from mimics_app.maths import vec
 from mimics_app.rendering.haptic.kernels.friction import forget_friction, hayward_armstrong
 from mimics_app.rendering.haptic.kernels.objects.extents import half_extent, mesh_extent
 
@@ -69,12 +70,6 @@ _TORQUE_ON = int(BodyFlag.TORQUE_ON_OBJECT)
 
 _UPRIGHT = 0.1
 """Horizontal part of a unit vector below which it counts as vertical: 6 degrees [-]."""
-
-
-@kernel
-def _dot(a: Vec, b: Vec) -> float:
-    """Inner product of two vectors, shape [3]."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @kernel
@@ -305,7 +300,7 @@ def _hold_twist(
     """Add the torque of the contact patches about the axis: a spring and damper that slips at the Coulomb torque."""
     radius = _PATCH_RADIUS * grip.half_width
     stiffness = 2.0 * k * radius * radius
-    lag = _PATCH_TIME * _dot(motion.omega, grip.axis)
+    lag = _PATCH_TIME * vec.dot(motion.omega, grip.axis)
     most = surface.friction_dynamic * pressed * _PATCH_ARM * radius
     grip.twist += lag / _PATCH_TIME * dt
     torque = -stiffness * (grip.twist + lag)
