@@ -224,7 +224,7 @@ class HapticEngine:
         """
         steps = calibration_steps(self._plugin)
         if not steps:
-            raise UsageError("this device has no steps of calibration")
+            raise UsageError(f"the device {self._plugin.name} has no steps of calibration")
         require_choice(step, steps, "step of this device's calibration")
         if self.life is not DeviceLife.INACTIVE:
             raise UsageError(f"the device is {self.life}: it is calibrated while it is inactive", "stop it first")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mimics_app.contracts.loop.calibrated_device import calibration_steps
 from mimics_app.rendering.haptic.devices.conformance_finding import NotApplicable, must
 from mimics_app.rendering.haptic.devices.device_bench import DeviceBench
 from mimics_app.rendering.haptic.devices.kit_orders import (
@@ -14,6 +15,7 @@ from mimics_app.rendering.haptic.devices.kit_orders import (
     MOVE_TICKS,
     REST_TICKS,
     SPEED,
+    gives_data_again,
     needs_motion,
     needs_other_side,
     order,
@@ -42,6 +44,19 @@ def _must_be_inactive(bench: DeviceBench, when: str) -> None:
 
 def _is_inactive_at_first(bench: DeviceBench, robot: Robot) -> None:
     _must_be_inactive(bench, "before it is activated")
+
+
+def _takes_its_calibration_while_inactive(bench: DeviceBench, robot: Robot) -> None:
+    """Check that each step of a device's calibration ends, and leaves it without power."""
+    steps = calibration_steps(bench.plugin)
+    if not steps:
+        raise NotApplicable("it has no steps of calibration")
+    inactive = order(bench, enabled=False)
+    for name, begin in steps.items():
+        begin()
+        bench.run(REST_TICKS, inactive)  # data that was on its way
+        must(gives_data_again(bench, inactive), f'no data after the step "{name}"; {bench.plugin.trouble()}')
+        _must_be_inactive(bench, f'after the step "{name}" of its calibration')
 
 
 def _is_activated_again(bench: DeviceBench, robot: Robot) -> None:
@@ -82,7 +97,7 @@ def _is_configured_again(bench: DeviceBench, robot: Robot) -> None:
 
 Check = Callable[[DeviceBench, "Robot"], None]
 
-FIRST: tuple[Check, ...] = (_is_inactive_at_first,)
+FIRST: tuple[Check, ...] = (_is_inactive_at_first, _takes_its_calibration_while_inactive)
 """Before any other command."""
 
 MOVING: tuple[Check, ...] = (_is_activated_again,)
