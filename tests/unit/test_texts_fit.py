@@ -38,6 +38,8 @@ from tests.support.watched_hud import Fault, WatchedHud, page_canvas
 
 SIZES = [(640, 360), (1280, 720), (1920, 1080), (1080, 1920)]
 """Windows [px]; three of them have the same canvas, so that two are laid out."""
+ENLARGED = (1.0, 2.0)
+"""Factors on the board (`hud.enlarged` of a scene, or of a calibration)."""
 CANVASES = [(1280, 720), (1080, 1920)]
 KINDS = Path(board_module.__file__).parents[2] / "tasks"
 LONGEST_LINE = 95
@@ -67,11 +69,11 @@ def watched(monkeypatch: pytest.MonkeyPatch) -> list[Fault]:
     return faults
 
 
-def board_canvas(size: tuple[int, int], faults: list[Fault]) -> WatchedHud:
-    """Return the canvas of a board, as `Hud.fit` sets it."""
+def board_canvas(size: tuple[int, int], faults: list[Fault], enlarged: float = 1.0) -> WatchedHud:
+    """Return the canvas of a board, as a picture with its `hud.enlarged` sets it."""
     hud = WatchedHud(faults=faults)
     aspect = size[0] / size[1]
-    hud.height = canvas_height(aspect)
+    hud.height = canvas_height(aspect, enlarged)
     hud.width = hud.height * aspect
     return hud
 
@@ -134,9 +136,10 @@ def messages() -> list[str]:
 
 @in_every_language_and_window
 def test_every_card_fits(code: str, size: tuple[int, int], watched: list[Fault]) -> None:
-    hud, layout = board_canvas(size, watched), BoardLayout()
+    layout = BoardLayout()
     with speaking(code):
-        for name, card in every_card().items():
+        for enlarged, (name, card) in itertools.product(ENLARGED, every_card().items()):
+            hud = board_canvas(size, watched, enlarged)
             layout.lay(hud, Board({name: card}), [name], 50.0)
             boxes = hud.rows()["box"]
             assert boxes[:, 0].min() >= 0.0 and (boxes[:, 0] + boxes[:, 2]).max() <= hud.width, card
@@ -145,10 +148,12 @@ def test_every_card_fits(code: str, size: tuple[int, int], watched: list[Fault])
 
 @in_every_language_and_window
 def test_every_message_fits(code: str, size: tuple[int, int], watched: list[Fault]) -> None:
-    hud, layout = board_canvas(size, watched), BoardLayout()
+    layout = BoardLayout()
     with speaking(code):
-        for message in messages():
-            layout.lay(hud, Board(message=message), [], 50.0)
+        for enlarged in ENLARGED:
+            hud = board_canvas(size, watched, enlarged)
+            for message in messages():
+                layout.lay(hud, Board(message=message), [], 50.0)
     assert not summary(watched)
 
 

@@ -171,7 +171,7 @@ def _draw_message(hud: Hud, message: str, panel: Colour, canvas: tuple[float, fl
     canvas_width, canvas_height = canvas
     room, shown = canvas_width - 2.0 * _MARGIN - 64.0, translated(message)
     longest = max((hud.measure(word, _TEXT, bold=True) for word in shown.split()), default=0.0)
-    size = _TEXT * min(1.0, room / max(longest, 1.0))
+    size = _TEXT * min(1.0, 0.999 * room / max(longest, 1.0))  # less, so that rounding cuts nothing
     lines = [line for part in shown.split("\n") for line in _broken(hud, part, size, room)]
     width = min(max(hud.measure(line, size, bold=True) for line in lines), room) + 64.0
     high = 64.0 + _LINE * (len(lines) - 1)

@@ -41,9 +41,12 @@ _BEFORE: dict[Align, float] = {"left": 0.0, "centre": 0.5, "right": 1.0}
 """Share of a line's length that is left of its place."""
 
 
-def canvas_height(aspect: float) -> float:
-    """Return the height of the canvas for a picture, by its aspect ratio (width / height) [hud px]."""
-    return max(CANVAS_HEIGHT, _NARROWEST / aspect)
+def canvas_height(aspect: float, enlarged: float = 1.0) -> float:
+    """Return the height of the canvas for a picture, by its aspect ratio (width / height) [hud px].
+
+    What is on it is enlarged by a factor, as far as the canvas stays wide enough for its texts.
+    """
+    return max(CANVAS_HEIGHT / enlarged, _NARROWEST / aspect)
 
 
 class Hud:

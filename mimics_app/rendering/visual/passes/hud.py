@@ -99,8 +99,9 @@ def _plane_of(views: tuple[View, ...], depth: float, enlarged: float) -> HudPlan
     around = len(views) > 1 and bool(seen[3] - seen[2] >= _HEADSET_HEIGHT)
     left, right, bottom, top = depth * (_readable(seen) if around else seen)
     origin = centre + axes @ np.array([left, bottom, -depth])
-    canvas = CANVAS_HEIGHT / _ENLARGED if around else canvas_height((right - left) / (top - bottom))
-    return HudPlane(origin, axes[:, 0] * (right - left), axes[:, 1] * (top - bottom), canvas / enlarged)
+    aspect = (right - left) / (top - bottom)
+    canvas = CANVAS_HEIGHT / (_ENLARGED * enlarged) if around else canvas_height(aspect, enlarged)
+    return HudPlane(origin, axes[:, 0] * (right - left), axes[:, 1] * (top - bottom), canvas)
 
 
 def _axes_between(first: F8, last: F8) -> F8:
