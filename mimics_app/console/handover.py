@@ -68,6 +68,7 @@ class SessionCard:
         second_views: Names of what can be shown beside the person's picture.
         faults: Faults that the device can be given, by name, and what happens; none for a real device.
         signals: Names of the body signals, in the order of their index in `signal_samples`.
+        edit: Change of the scene for the person who plays, as plain JSON; {}: none.
     """
 
     version: int
@@ -88,6 +89,7 @@ class SessionCard:
     second_views: list[str] = field(default_factory=list)
     faults: dict[str, str] = field(default_factory=dict)
     signals: list[str] = field(default_factory=list)
+    edit: dict[str, object] = field(default_factory=dict)
 
     @property
     def shown(self) -> dict[str, object]:

@@ -9,6 +9,7 @@ import pytest
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
+from mimics_app.contracts.messages.calibration_record import DIRECTIONS
 from mimics_app.rendering.haptic.devices.patients import PRESETS, Impairment, impairment_of, write_arm
 from mimics_app.rendering.haptic.kernels import arm
 from mimics_app.rendering.haptic.kernels.arm import step_arm
@@ -17,7 +18,7 @@ from mimics_app.tasks.kinds.calibration.grip_step import OPEN, GripStep
 from mimics_app.tasks.kinds.calibration.question_step import HearingStep, ReadingStep
 from mimics_app.tasks.kinds.calibration.range_step import RangeStep
 from mimics_app.tasks.kinds.calibration.simulated import Wish, wish_of
-from mimics_app.tasks.kinds.calibration.spec import DIRECTIONS, CalibrationSpec
+from mimics_app.tasks.kinds.calibration.spec import CalibrationSpec
 from mimics_app.tasks.kinds.calibration.step import Seen, Step
 from mimics_app.world.components.robot import Patient
 

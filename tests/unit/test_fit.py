@@ -17,8 +17,8 @@ from mimics_app.app.scenes.person_edit import FitFile, PersonEdit, read_fit
 from mimics_app.app.study.study_folder import StudyFolder
 from mimics_app.app.study.study_runs import play_next
 from mimics_app.contracts.errors import SceneError
-from mimics_app.contracts.messages.calibration_record import CalibratedMeasure, Calibration
-from mimics_app.contracts.messages.fit import DIRECTIONS, Fit, FitLimits, fit_of
+from mimics_app.contracts.messages.calibration_record import DIRECTIONS, CalibratedMeasure, Calibration
+from mimics_app.contracts.messages.fit import Fit, FitLimits, fit_of
 from mimics_app.contracts.system.resources import root
 from mimics_app.recording.event_log import to_json
 from mimics_app.tasks.scene_section import task_of

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Self
 
@@ -15,11 +16,13 @@ from mimics_app.app.picture.shown_on import open_display
 from mimics_app.app.picture.window_opening import open_window
 from mimics_app.app.planner.plan import apply_plan
 from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.scenes.person_edit import edit_of_plain
 from mimics_app.app.scenes.scenario_choice import open_scenario
 from mimics_app.app.scenes.scene_search import find_scene
 from mimics_app.contracts.clock import FRAME_NS, SECOND_NS, Clock, MonotonicClock
 from mimics_app.contracts.errors import DeviceError, Issue, SceneError
 from mimics_app.contracts.messages.mirror_frame import MirrorFrame
+from mimics_app.recording.report_values import mapping
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 from mimics_app.rendering.visual.surfaces.surface import Size
 from mimics_app.world.content.effects import Burst
@@ -40,13 +43,14 @@ class MirroredScene:
     Args:
         name: Name of the scene, or its file.
         wanted: Hash of the session's scene.
+        edit: Change of the scene for the person who plays, as plain JSON; None: none.
 
     Raises:
         SceneError: It is not here, or another one than the session's.
     """
 
-    def __init__(self, name: str, wanted: str) -> None:
-        self.scene = load_checked_scene(find_scene(Path(name)))
+    def __init__(self, name: str, wanted: str, edit: Mapping[str, object] | None = None) -> None:
+        self.scene = load_checked_scene(find_scene(Path(name)), edit=edit_of_plain(edit or {}))
         if self.scene.hash != wanted:
             what = "is another one than that of the session"
             raise SceneError(Issue(str(self.scene.path), "", what, "copy the files of the scene from that computer"))
@@ -116,7 +120,7 @@ class MirrorDisplay:
         self._clock: Clock = MonotonicClock()
         self._link, self._buffer, self._output = link, buffer, output
         card = self._wait_for_session()
-        self._shown = MirroredScene(scene or str(card["scene"]), str(card["scene_hash"]))
+        self._shown = MirroredScene(scene or str(card["scene"]), str(card["scene_hash"]), mapping(card.get("edit")))
         self.scene = self._shown.scene.name
         title = f"{self._shown.scene.title or self.scene} - mimics mirror"
         surface = open_window(size, title) if output is None else open_offscreen("auto", size or _OFFSCREEN)

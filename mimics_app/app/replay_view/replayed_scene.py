@@ -13,17 +13,16 @@ from numpy.typing import NDArray
 from mimics_app.app.picture.loop_cards import loop_cards
 from mimics_app.app.planner.plan import apply_plan
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.app.scenes.person_edit import PersonEdit
+from mimics_app.app.scenes.person_edit import PersonEdit, edit_of_plain
 from mimics_app.app.scenes.scenario_choice import open_scenario
 from mimics_app.app.session.replay import RecordedTask, TaskFrame, TaskReplay, play_loop, recorded_task, task_frames
 from mimics_app.app.session.trackers import replayed_hub
 from mimics_app.app.session.visible_scene import VisibleScene
-from mimics_app.app.settings import PROFILES, Profile, Side
+from mimics_app.app.settings import PROFILES, Profile
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import MonotonicClock, VirtualClock
 from mimics_app.contracts.errors import PartialDataError, counted
 from mimics_app.contracts.messages.board import Board
-from mimics_app.contracts.messages.fit import Fit
 from mimics_app.contracts.messages.stage_messages import TaskOrders
 from mimics_app.contracts.ports.display_port import FrameTiming
 from mimics_app.inputs.trackers.hub import TrackerHub
@@ -192,11 +191,9 @@ def _edit_of(run: Run) -> PersonEdit | None:
         PartialDataError: It is damaged.
     """
     try:
-        fit = msgspec.convert(mapping(run.session.get("fit")), Fit)
+        return edit_of_plain(mapping(run.session.get("edit")))
     except msgspec.ValidationError as error:
-        raise PartialDataError(f"{run.folder}: its header does not say what was fitted", str(error)) from error
-    side: Side = "left" if mapping(run.session.get("settings")).get("side") == "left" else "right"
-    return PersonEdit(fit, side) if fit != Fit() or side == "left" else None
+        raise PartialDataError(f"{run.folder}: the change of its scene is damaged", str(error)) from error
 
 
 def _file_of(run: Run) -> Path:

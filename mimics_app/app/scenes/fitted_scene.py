@@ -12,7 +12,8 @@ import copy
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple, cast
 
-from mimics_app.contracts.messages.fit import DIRECTIONS, Fit
+from mimics_app.contracts.messages.calibration_record import DIRECTIONS
+from mimics_app.contracts.messages.fit import Fit
 
 __all__ = ["FITTED", "Change", "fitted"]
 
@@ -23,15 +24,6 @@ _Document = Mapping[str, Any]
 _Slot = tuple[dict[Any, Any], object]
 """What holds a value, a table or a list, and its key there."""
 
-_AXES = {
-    "right": (0, 1.0),
-    "left": (0, -1.0),
-    "up": (1, 1.0),
-    "down": (1, -1.0),
-    "forward": (2, -1.0),
-    "back": (2, 1.0),
-}
-"""Axis of the world and sense of each direction."""
 _BOXES = ("falls_from", "lost_outside", "lost_inside")
 _WIDTHS = {"tunnel": ("radius",), "ball": ("radius_min", "radius_max")}
 """Radii by component."""
@@ -128,10 +120,9 @@ def _deflections(task: _Document, most: float) -> _Changed:
 def _factor(document: _Document, fit: Fit) -> float:
     """Return the factor with which the paths stay within a person's reach, at most 1."""
     rest, factor = _rest(document), 1.0
-    places = [holder[key] for holder, key in _places(document)]
-    for name in DIRECTIONS:
-        axis, sense = _AXES[name]
-        needed = max((sense * (place[axis] - rest[axis]) for place in places), default=0.0)
+    ways = [[value - at for value, at in zip(holder[key], rest, strict=True)] for holder, key in _places(document)]
+    for name, direction in DIRECTIONS.items():
+        needed = max((sum(a * b for a, b in zip(direction, way, strict=True)) for way in ways), default=0.0)
         if name in fit.reaches and needed > 0.0:
             factor = min(factor, fit.reaches[name] / needed)
     return max(factor, min(fit.least_reach, 1.0))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +15,9 @@ from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.messages.calibration_record import Calibration
 from mimics_app.contracts.messages.fit import Fit, FitLimits, fit_of
 from mimics_app.contracts.system.regular_file import read_regular
+from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["FitFile", "PersonEdit", "read_fit"]
+__all__ = ["FitFile", "PersonEdit", "edit_of_plain", "plain_edit", "read_fit"]
 
 _LARGEST = 1 << 20
 """Largest file of a fit [bytes]."""
@@ -34,8 +35,7 @@ class FitFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     limits: FitLimits = FitLimits()
 
 
-@dataclass(frozen=True, slots=True)
-class PersonEdit:
+class PersonEdit(msgspec.Struct, frozen=True):
     """Change of the resolved document of a scene, see `world.files.scene.scene.SceneEdit`.
 
     Attributes:
@@ -43,7 +43,7 @@ class PersonEdit:
         side: Side that plays, "left" or "right"; scenes are made for the right one.
     """
 
-    fit: Fit = field(default_factory=Fit)
+    fit: Fit = Fit()
     side: Side = "right"
 
     def __call__(self, document: dict[str, Any]) -> dict[str, Any]:
@@ -53,6 +53,21 @@ class PersonEdit:
             UsageError: The scene cannot be mirrored.
         """
         return fitted(mirrored(document) if self.side == "left" else document, self.fit)
+
+
+def plain_edit(scene: Scene) -> dict[str, object]:
+    """Return the change of a scene for the person who plays as plain JSON, {} for none."""
+    edit = scene.edit
+    return msgspec.to_builtins(edit) if isinstance(edit, PersonEdit) else {}
+
+
+def edit_of_plain(plain: Mapping[str, object]) -> PersonEdit | None:
+    """Return the change of `plain_edit`, None for none.
+
+    Raises:
+        msgspec.ValidationError: It is damaged.
+    """
+    return msgspec.convert(plain, PersonEdit) if plain else None
 
 
 def read_fit(place: Path) -> Fit:

@@ -9,10 +9,10 @@ from typing import Any
 import msgspec
 
 from mimics_app.app.planner.explain import explain_plan
+from mimics_app.app.scenes.person_edit import plain_edit
 from mimics_app.app.session.mover import mover_of
 from mimics_app.app.session.preparation import SessionParts
 from mimics_app.contracts.loop.haptic import SafetyState, TripCause
-from mimics_app.contracts.messages.fit import Fit
 from mimics_app.recording.report_values import mapping
 from mimics_app.rendering.haptic.devices.scene_contacts import contacts_of
 from mimics_app.rendering.haptic.scene_block import safety_of
@@ -52,7 +52,7 @@ def describe_session(parts: SessionParts) -> dict[str, Any]:
         },
         "task": task_record(parts.task, parts.context),
         "facts": parts.scenario.facts,
-        **({"fit": msgspec.to_builtins(parts.fit)} if parts.fit != Fit() else {}),
+        **({"edit": edit} if (edit := plain_edit(scene)) else {}),
         "names": _names(scene),
         **({"body": parts.body.header} if parts.body.header else {}),
         "plan": explain_plan(scene, parts.plan.without_picture if parts.live else parts.plan),

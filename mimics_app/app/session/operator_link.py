@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mimics_app.app.picture.around_hand import AROUND
+from mimics_app.app.scenes.person_edit import plain_edit
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.operator_status import status_of, trial_line
 from mimics_app.app.session.state_mirror import StateMirror
@@ -172,6 +173,7 @@ class OperatorLink:
             second_views=self._second_views,
             faults=FAULT_WORDS if session.haptics.plugin.simulated else {},
             signals=list(self._names),
+            edit=plain_edit(session.scene),
         )
 
     # the operator

@@ -6,7 +6,19 @@ from collections.abc import Mapping
 
 import msgspec
 
-__all__ = ["CALIBRATED", "NOT_MEASURED", "CalibratedMeasure", "Calibration"]
+from mimics_app.contracts.arrays import Vec3
+
+__all__ = ["CALIBRATED", "DIRECTIONS", "NOT_MEASURED", "CalibratedMeasure", "Calibration"]
+
+DIRECTIONS: dict[str, Vec3] = {
+    "right": (1.0, 0.0, 0.0),
+    "left": (-1.0, 0.0, 0.0),
+    "up": (0.0, 1.0, 0.0),
+    "down": (0.0, -1.0, 0.0),
+    "forward": (0.0, 0.0, -1.0),
+    "back": (0.0, 0.0, 1.0),
+}
+"""Directions of a range of motion, in the world, where the person looks along -z."""
 
 CALIBRATED, NOT_MEASURED = "calibrated", "not_measured"
 """Kinds of the journal's lines with one measure, and with a step that could not be measured."""

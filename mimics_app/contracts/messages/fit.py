@@ -8,12 +8,9 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta
 
-from mimics_app.contracts.messages.calibration_record import Calibration
+from mimics_app.contracts.messages.calibration_record import DIRECTIONS, Calibration
 
-__all__ = ["DIRECTIONS", "Fit", "FitLimits", "fit_of"]
-
-DIRECTIONS = ("right", "left", "up", "down", "forward", "back")
-"""Directions of a range of motion."""
+__all__ = ["Fit", "FitLimits", "fit_of"]
 
 _Share = Annotated[float, Meta(gt=0.0, le=1.0)]
 _Factor = Annotated[float, Meta(ge=1.0, le=2.0)]

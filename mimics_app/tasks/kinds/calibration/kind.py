@@ -10,7 +10,7 @@ from msgspec import structs
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.messages.board import Card
-from mimics_app.contracts.messages.calibration_record import CALIBRATED, NOT_MEASURED, CalibratedMeasure
+from mimics_app.contracts.messages.calibration_record import CALIBRATED, DIRECTIONS, NOT_MEASURED, CalibratedMeasure
 from mimics_app.contracts.messages.orders import Feature
 from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.messages.stage_messages import SoundTrigger
@@ -47,9 +47,8 @@ _NS = 1e-9
 """A nanosecond [s]."""
 _BESIDE = 0.5
 """Distance of a sound from the ears [m]."""
-_REACHES = ("right", "left", "up", "down", "forward", "back")
 _COLUMNS = {
-    **{f"reach_{name}": f"reach_{name}_m" for name in _REACHES},
+    **{f"reach_{name}": f"reach_{name}_m" for name in DIRECTIONS},
     "grip": "grip_n",
     "release": "release_s",
     "walking": "walking_mps",
@@ -213,7 +212,7 @@ class CalibrationSection(ReportSection):
 
     def tiles(self, task: Mapping[str, Any]) -> Mapping[str, tuple[Any, str]]:
         return {
-            **{phrase("reach {name:s}", name=name): (task.get(f"reach_{name}_m"), "m") for name in _REACHES},
+            **{phrase("reach {name:s}", name=name): (task.get(f"reach_{name}_m"), "m") for name in DIRECTIONS},
             phrase("grip strength"): (task.get("grip_n"), "N"),
             phrase("time to let go"): (task.get("release_s"), "s"),
             phrase("walking speed"): (task.get("walking_mps"), "m/s"),
@@ -233,7 +232,7 @@ class CalibrationKind(TaskKind):
 
     name, section, goals = "calibration", CalibrationSpec, (MeasuredGoal,)
     measures = (
-        *(_column(f"reach_{name}_m", f"How far the hand gets, {name} [m].") for name in _REACHES),
+        *(_column(f"reach_{name}_m", f"How far the hand gets, {name} [m].") for name in DIRECTIONS),
         _column("grip_n", "Grip strength [N]."),
         _column("release_s", "Time from the word to the open hand [s]."),
         _column("walking_mps", "Comfortable walking speed [m/s]."),

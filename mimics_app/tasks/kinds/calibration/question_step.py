@@ -7,9 +7,9 @@ import random
 from abc import abstractmethod
 
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.messages.calibration_record import CalibratedMeasure
+from mimics_app.contracts.messages.calibration_record import DIRECTIONS, CalibratedMeasure
 from mimics_app.contracts.system.phrases import phrase
-from mimics_app.tasks.kinds.calibration.spec import DIRECTIONS, CalibrationSpec
+from mimics_app.tasks.kinds.calibration.spec import CalibrationSpec
 from mimics_app.tasks.kinds.calibration.staircase import Staircase
 from mimics_app.tasks.kinds.calibration.step import Cue, Letter, Seen, Step, Tone, spread_of
 

@@ -6,10 +6,10 @@ from collections import deque
 from statistics import median
 
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.messages.calibration_record import CalibratedMeasure
+from mimics_app.contracts.messages.calibration_record import DIRECTIONS, CalibratedMeasure
 from mimics_app.contracts.system.phrases import phrase
 from mimics_app.maths.triples import dot
-from mimics_app.tasks.kinds.calibration.spec import DIRECTIONS, CalibrationSpec
+from mimics_app.tasks.kinds.calibration.spec import CalibrationSpec
 from mimics_app.tasks.kinds.calibration.step import Cue, Seen, Step, spread_of
 
 __all__ = ["RangeStep"]

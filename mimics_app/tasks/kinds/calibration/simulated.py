@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from mimics_app.contracts.messages.abilities import Abilities
-from mimics_app.tasks.kinds.calibration.spec import DIRECTIONS
+from mimics_app.contracts.messages.calibration_record import DIRECTIONS
 from mimics_app.tasks.kinds.calibration.step import Cue
 
 __all__ = ["Wish", "wish_of"]

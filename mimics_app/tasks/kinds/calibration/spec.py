@@ -9,21 +9,11 @@ from msgspec import Meta
 from mimics_app.world.components.bounds import Length, PositiveSeconds, Speed
 from mimics_app.world.components.registry import Component
 
-__all__ = ["DIRECTIONS", "STEPS", "CalibrationSpec", "MeasuredGoal", "StepName"]
+__all__ = ["STEPS", "CalibrationSpec", "MeasuredGoal", "StepName"]
 
 StepName = Literal["range", "grip", "walking", "hearing", "reading"]
 STEPS: tuple[StepName, ...] = ("range", "grip", "walking", "hearing", "reading")
 """Steps of a calibration, which the trials of the task name."""
-
-DIRECTIONS: dict[str, tuple[float, float, float]] = {
-    "right": (1.0, 0.0, 0.0),
-    "left": (-1.0, 0.0, 0.0),
-    "up": (0.0, 1.0, 0.0),
-    "down": (0.0, -1.0, 0.0),
-    "forward": (0.0, 0.0, -1.0),
-    "back": (0.0, 0.0, 1.0),
-}
-"""Directions in which the range is measured, in the world, where the person looks along -z."""
 
 _Reaches = tuple[Length, Length, Length, Length, Length, Length]
 

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from mimics_app.app.mirror.mirror_display import MirroredScene
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.scenes.mirrored_scene import mirrored, why_not_mirrored
-from mimics_app.app.scenes.person_edit import PersonEdit
+from mimics_app.app.scenes.person_edit import PersonEdit, edit_of_plain, plain_edit
 from mimics_app.app.study.study_folder import StudyFolder
 from mimics_app.app.study.study_runs import play_next
-from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.errors import SceneError, UsageError
+from mimics_app.contracts.messages.fit import Fit
 from mimics_app.world.components.robot import Patient
 from mimics_app.world.components.visible import MeshComponent
 from mimics_app.world.content.extent import world_extent
@@ -43,7 +46,7 @@ class Played:
         change_component(scene, "robot", sensor_noise=0.0, sensor_quantum=0.0)
         play = CorePlay.of(scene, 3, patient="moderate")
         poses = []
-        for _ in range(round(60 * LENGTHS.get(name, 4.0))):
+        for _ in range(round(60 * LENGTHS.get(name, 7.0))):
             play.step()
             poses.append(play.frames.snapshot.poses.copy())
         self.samples, self.poses = play.samples, np.array(poses)
@@ -135,6 +138,15 @@ def test_a_scene_without_a_mirror_image_is_refused_with_a_word(name: str, why: s
 def test_a_robot_that_stands_aside_has_no_mirror_image(robot: dict[str, Any], why: str) -> None:
     document = {"entities": [{"id": "robot", "parent": None, "transform": {}, "components": {"robot": robot}}]}
     assert why in why_not_mirrored(document) and bool(why) == bool(why_not_mirrored(document))
+
+
+def test_a_second_display_and_a_replay_make_the_same_scene_from_what_they_are_given() -> None:
+    scene = load_checked_scene("wavy_tunnel", edit=PersonEdit(Fit(reaches={"left": 0.08}, least_reach=0.2), "left"))
+    sent = json.loads(json.dumps(plain_edit(scene)))
+    assert MirroredScene("wavy_tunnel", scene.hash, sent).scene.hash == scene.hash
+    assert edit_of_plain(sent) == scene.edit and edit_of_plain({}) is None
+    with pytest.raises(SceneError, match="another one"):
+        MirroredScene("wavy_tunnel", scene.hash)
 
 
 def test_the_side_of_a_participant_is_that_of_the_form(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
