@@ -101,6 +101,7 @@ SETTINGS = {
     "support_stiffness": 1500.0,  # [N/m]
     "support_limit": 900.0,  # [N]
     "stride": 0.0,  # mean of the person's own strides [s]; 0: the preset's, which is that of free walking
+    "keeps_step": 0.0,  # rate at which the person falls into the step in which the legs are led [1/s]; 0: never
     "clearance": 0.12,  # of the soles above the belt in the standing pose where the pelvis is held [m]
 }
 """Numbers of `robot.settings` and their defaults; those of the machine are of a plausible size, and not verified."""
@@ -121,6 +122,7 @@ _MAY_BE_ZERO = (
     "exploring_torque",
     "support",
     "stride",
+    "keeps_step",
 )
 
 _PELVIS = ("held", "free")
@@ -182,6 +184,9 @@ def _move_person(memory: Vec, inbox: Vec, data: Vec) -> None:
     reaches = memory[VIA_POINTS] > 1.0
     intends = memory[_ACTS] != 0.0 and all_finite(inbox) and inbox[INBOX_ACTIVE] != 0.0 and not reaches
     acting = intends and plant[orthosis.BELT + treadmill.BELT_SPEED] >= memory[_SLOWEST]
+    if acting:
+        left, right = orthosis.state_of(plant, 0), orthosis.state_of(plant, 1)
+        gait_person.keep_step(person, left[0] - right[0], left[2] - right[2], plant[orthosis.TICK])
     gait_person.move_walker(person, acting, plant[orthosis.TICK])
     for number in range(_LEGS):
         state = orthosis.state_of(plant, number)
@@ -250,6 +255,7 @@ def build_simulated_lokomat(request: DeviceRequest) -> DevicePlugin:
     write_person_in(memory[_WALKER:_MACHINE], person, own.weight, request.rate, 2 * request.seed + 1)
     if numbers["stride"] > 0.0:
         memory[_WALKER + gait_person.STRIDE] = memory[_WALKER + gait_person.STRIDE_NOW] = numbers["stride"]
+    memory[_WALKER + gait_person.KEEPS] = numbers["keeps_step"]
     plant = memory[PLANT]
     _write_plant(plant, request, own, numbers, free=pelvis == "free")
     _write_treadmill(plant, own, numbers)

@@ -38,6 +38,7 @@ __all__ = [
     "GAIT",
     "GENERATOR",
     "HARMONICS",
+    "KEEPS",
     "LIMB",
     "LIMBS",
     "PASSIVE_DAMPING",
@@ -59,6 +60,7 @@ __all__ = [
     "WALKER",
     "WILL",
     "intended",
+    "keep_step",
     "limb_of",
     "limb_torques",
     "move_walker",
@@ -74,7 +76,8 @@ STRIDE_NOW = 3  # of the present stride [s]
 AMPLITUDE = 4  # of the own gait as a share of that of the series
 GENERATOR = 5  # state of the random generator
 WILL = 6  # share of the voluntary torque: who begins to walk does not start at once
-GAIT = 7  # series of hip and knee
+KEEPS = 7  # rate at which the own gait is drawn to the step in which the legs are led [1/s]; 0: it keeps its own time
+GAIT = 8  # series of hip and knee
 LIMBS = GAIT + 2 * SERIES  # records of the left and the right limb
 
 FLEXING, EXTENDING = 0, 1  # directions: of a torque, and of the motion that a reflex answers
@@ -123,6 +126,9 @@ _FEAR_STIFFNESS, _FEAR_DAMPING, _FEAR_TIME = 60.0, 4.0, 0.5
 _CONTRACTURE_DAMPING = 0.02
 """Damping of contracture per stiffness [s]."""
 
+_APART = 0.08
+"""Amplitude of the hips' difference from which on a step is felt [rad]."""
+
 _FASTEST, _SLOWEST = 0.5, 1.5
 """Bounds of a stride's duration, as shares of the mean."""
 
@@ -145,6 +151,27 @@ def intended(walker: Vec, joint: int, phase: float) -> tuple[float, float]:
         angle += walker[AMPLITUDE] * (a * cosine + b * sine)
         rate += walker[AMPLITUDE] * turn * (b * cosine - a * sine)
     return angle, rate
+
+
+@kernel
+def keep_step(walker: Vec, apart: float, rate: float, dt: float) -> None:
+    """Draw the phase of the own gait to that in which both hips are.
+
+    Args:
+        walker: Record of `WALKER` numbers.
+        apart: Left hip minus right one [rad].
+        rate: Its rate [rad/s].
+        dt: Tick [s].
+    """
+    turn = 2.0 * math.pi
+    moves = rate * walker[STRIDE_NOW] / turn
+    if walker[KEEPS] == 0.0 or math.hypot(apart, moves) < _APART:
+        return
+    left, left_rate = intended(walker, 0, walker[PHASE])
+    right, right_rate = intended(walker, 0, walker[PHASE] + 0.5)
+    ahead = math.atan2(-moves, apart) - math.atan2((right_rate - left_rate) / turn, left - right)
+    ahead = math.atan2(math.sin(ahead), math.cos(ahead)) / turn
+    walker[PHASE] = (walker[PHASE] + walker[KEEPS] * ahead * dt) % 1.0
 
 
 @kernel
