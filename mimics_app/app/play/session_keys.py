@@ -14,7 +14,7 @@ _ALWAYS: Keys = (
     (phrase("Space, gamepad B"), phrase("stop the force at once")),
     ("R", phrase("allow force again after a stop")),
     (phrase("P, gamepad Start"), phrase("pause; once more: resume")),
-    (phrase("1 to 9"), phrase("the views of the scene, where it has several")),
+    (phrase("1 to 9, gamepad LB or RB"), phrase("the views of the scene, where it has several")),
     ("H", phrase("this page; then the operator's keys")),
     ("Esc", phrase("end the session")),
 )
