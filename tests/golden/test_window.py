@@ -16,7 +16,7 @@ import pytest
 
 from mimics_app.app.picture import window_opening
 from mimics_app.app.picture.window_opening import open_window, remember_size
-from mimics_app.rendering.visual.surfaces import window_size
+from mimics_app.rendering.visual.surfaces.window import on_the_desktop, usual_size
 from tests.support.xvfb import display
 
 _ROOT = Path(__file__).parents[2]
@@ -259,7 +259,7 @@ def test_a_window_is_no_larger_than_all_monitors_together(
 ) -> None:
     glfw = ModuleType("glfw")
     glfw.get_monitors, glfw.get_monitor_workarea = lambda: monitors, lambda monitor: monitor  # type: ignore[attr-defined]
-    assert window_size.on_the_desktop(glfw, (1280, 720)) == size
+    assert on_the_desktop(glfw, (1280, 720)) == size
 
 
 @pytest.mark.parametrize(
@@ -281,7 +281,7 @@ def test_a_window_suits_the_work_area_and_the_content_scale(
     glfw.PLATFORM_X11, glfw.PLATFORM_WIN32 = "x11", "win32"
     glfw.get_platform, glfw.get_primary_monitor = lambda: platform, lambda: area
     glfw.get_monitor_workarea, glfw.get_monitor_content_scale = lambda monitor: monitor, lambda _: (scale, scale)
-    assert window_size.usual_size(glfw) == size
+    assert usual_size(glfw) == size
 
 
 def test_a_size_given_by_hand_is_that_of_the_next_window(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

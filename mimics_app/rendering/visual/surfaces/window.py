@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from mimics_app.contracts.ports.display_port import WindowPlace
     from mimics_app.rendering.visual.surfaces.wall_windows import WallWindows
 
-__all__ = ["WindowSurface"]
+__all__ = ["WindowSurface", "on_the_desktop", "usual_size"]
 
 _NO_DISPLAY = "give the session a screen; without one: --headless, or --backend egl"
 _FIX_GL = "install it with: apt-get install libgl1 libgl1-mesa-dri, or run headless: --headless"
@@ -35,7 +35,7 @@ _SHARE = 2.0 / 3.0
 """Share of the work area's width and height: 1280x720 on a monitor of 1920x1080, 2560x1440 on one of 3840x2160."""
 
 
-def _usual_size(glfw: ModuleType) -> Size:
+def usual_size(glfw: ModuleType) -> Size:
     """Return a size of 16:9 that suits the primary monitor; text grows with the window, so it stays readable."""
     area = _work_area(glfw)
     width = max(_smallest_size(glfw)[0], _SHARE * min(area[0], area[1] * _SMALLEST[0] / _SMALLEST[1]))
@@ -50,7 +50,7 @@ def _smallest_size(glfw: ModuleType) -> Size:
     return round(_SMALLEST[0] * scale), round(_SMALLEST[1] * scale)
 
 
-def _on_the_desktop(glfw: ModuleType, size: Size) -> Size:
+def on_the_desktop(glfw: ModuleType, size: Size) -> Size:
     """Limit a size to that of all monitors' work areas together [px]."""
     areas = [glfw.get_monitor_workarea(monitor) for monitor in glfw.get_monitors()]
     areas = [area for area in areas if area[2] > 0 and area[3] > 0]
@@ -117,7 +117,7 @@ class WindowSurface(Surface):
         context = moderngl.create_context(require=430)
         if size is None:
             if self._scene and rasteriser_of(context).pays_for_pixels:
-                glfw.set_window_size(self._window, *_on_the_desktop(glfw, _smallest_size(glfw)))
+                glfw.set_window_size(self._window, *on_the_desktop(glfw, _smallest_size(glfw)))
         if self._visible:
             glfw.show_window(self._window)
         self._resting = self._on_screen(*glfw.get_cursor_pos(self._window))
@@ -350,7 +350,7 @@ def _open_window(glfw: ModuleType, wanted: Size | None, title: str, *, stereo: b
     glfw.window_hint(glfw.VISIBLE, False)
     for of_window in (glfw.X11_CLASS_NAME, glfw.X11_INSTANCE_NAME):
         glfw.window_hint_string(of_window, "mimics")  # by which a desktop finds the entry of the menu and its icon
-    size = _on_the_desktop(glfw, wanted or _usual_size(glfw))
+    size = on_the_desktop(glfw, wanted or usual_size(glfw))
     window = glfw.create_window(*size, title, None, None)
     if not window:  # a driver that cannot report a reset may refuse the request
         glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.NO_ROBUSTNESS)
