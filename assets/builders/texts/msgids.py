@@ -12,11 +12,12 @@ from typing import Any
 
 from mimics_app.console.page_texts import page_texts
 from mimics_app.contracts.loop.haptic import TripCause
+from mimics_app.contracts.messages.calibration_record import DIRECTIONS
 from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.contracts.system import resources
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.descriptors.leg import LEG, LEGS
-from mimics_app.tasks.kinds.calibration.spec import DIRECTIONS, STEPS
+from mimics_app.tasks.kinds.calibration.spec import STEPS
 from mimics_app.tasks.outcome_words import loss_captions
 from mimics_app.tasks.prompt import cause_words
 
