@@ -11,10 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimics_app.app.session.core import open_core
-from mimics_app.app.session.frame import Frames
-from mimics_app.app.session.preparation import prepare
-from mimics_app.app.settings import RunSettings
+import mimics_app as mimics
 from mimics_app.contracts.clock import FRAMES_PER_SECOND, SECOND_NS, TICK_NS
 from mimics_app.contracts.system.resources import root
 from mimics_app.recording.run import Run
@@ -35,11 +32,6 @@ def shared_mappings(process: int | str = "self") -> int:
     return sum("memfd:" in line for line in Path(f"/proc/{process}/maps").read_text().splitlines())
 
 
-def play(frames: Frames, seconds: float) -> None:
-    for _ in range(round(seconds * FRAMES_PER_SECOND)):
-        frames.advance_frame()
-
-
 @pytest.mark.fault("F18")
 @pytest.mark.parametrize(
     ("seconds", "most_mb"),
@@ -47,14 +39,12 @@ def play(frames: Frames, seconds: float) -> None:
     ids=["two minutes", "8 h"],
 )
 def test_a_long_session_needs_no_more_than_a_short_one(seconds: float, most_mb: float) -> None:
-    settings = RunSettings(SCENE, headless=True, sound="off", trials=10_000)
-    with open_core(prepare(settings, live=False)) as core:
-        frames = Frames(core)
-        play(frames, WARM_S)
+    with mimics.open(SCENE, trials=10_000, record=False) as session:
+        session.step(WARM_S)
         before = resident_mb(), descriptors(), shared_mappings()
-        play(frames, seconds)
+        session.step(seconds)
         after = resident_mb(), descriptors(), shared_mappings()
-        assert frames.number == round((WARM_S + seconds) * FRAMES_PER_SECOND)
+    assert session.result["frames"] == round((WARM_S + seconds) * FRAMES_PER_SECOND)
     assert after[0] - before[0] < most_mb
     assert after[1:] == before[1:]
 

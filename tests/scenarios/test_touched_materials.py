@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
+import mimics_app as mimics
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.contracts.clock import VirtualClock
 from mimics_app.contracts.loop.haptic import EventKind
@@ -16,17 +16,15 @@ from mimics_app.rendering.audio.engine import open_mixer
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from tests.support.audio_scene import RATE, contact
-from tests.support.command import mimics
 
 SCENE = Path(__file__).resolve().parents[2] / "scenes/examples/surfaces.json"
 MOST_S = 8.2  # by then the patient has touched the slippery and the round one
 
 
 def test_each_surface_of_a_scene_sounds_as_its_material(tmp_path):
-    options = ("--seconds", MOST_S, "--seed", 7, "--pictures", 0, "--runs", tmp_path, "--json")
-    done = mimics("run", SCENE, "--headless", "--sound", "file", *options)
-    assert done.returncode == 0, done.stderr
-    run = Run.open(Path(json.loads(done.stdout)["run_dir"]))
+    with mimics.open(SCENE, seed=7, seconds=MOST_S, sound="file", runs=tmp_path) as session:
+        session.run()
+    run = Run.open(session.run_dir)
     header, samples = run.session["names"], run.haptic
     names = header["materials"]
     assert names == list(objects_of_scene(load_checked_scene(SCENE)).materials)
