@@ -86,6 +86,7 @@ class RunSettings:
         language: Language of the texts that the person sees, one of `contracts.system.language.LANGUAGES`; "": English.
         fit: Run folder of a calibration, or file of a fit, to which the task is fitted; None: as the scene has it.
         side: Side of the person that plays; "left" mirrors the scene.
+        larger_text: Whether all that is over the picture is enlarged.
         opt: One of PICTURE_OPTIONS, or "".
         steer: Program of an installed package that gives commands; "": none.
         markers: Stream of markers of the lab streaming layer that may give notes, marks and stops; "": none.
@@ -126,6 +127,7 @@ class RunSettings:
     language: str = ""
     fit: Path | None = None
     side: Side = "right"
+    larger_text: bool = False
     opt: str = ""
     steer: str = ""
     markers: str = ""

@@ -254,6 +254,10 @@ def test_the_launcher_fits(code: str, size: tuple[int, int], tmp_path: Path) -> 
         for card in [*cards, *recent(cards[0])]:
             page.state = state(card, ("card", 0), tabs, settings, usual)
             page.draw()
+        for number in range(1, len(settings) + 1):
+            page.state = state(cards[0], ("card", 0), tabs, settings[:number], usual)
+            start, *rows = (spot.box for spot in page.spots() if spot.kind in ("start", "option"))
+            assert min(y for _, y, _, _ in rows) >= start[1] + start[3], "settings above the button"
         refused = {words: (card, value) for card in cards for (_, value), words in card.refuses.items()}
         for card, value in refused.values():
             page.state = state(card, ("card", 0), tabs, settings, {**usual, "device": value})

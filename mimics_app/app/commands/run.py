@@ -91,6 +91,7 @@ def _add_person(group: Container) -> None:
         default="right",
         help="side of the person that plays; left: the mirror image of the scene, where it has one",
     )
+    group.add_argument("--larger-text", action="store_true", help="enlarge all that is shown over the picture")
     group.add_argument(
         "--patient",
         choices=PATIENTS,

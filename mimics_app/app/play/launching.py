@@ -136,6 +136,12 @@ def _person_settings() -> list[Setting]:
             phrase("Language of the person: of this page, of tasks, results and report."),
             _choices(_languages()),
         ),
+        Setting(
+            "text",
+            phrase("Text over the picture"),
+            phrase("Larger: cards and prompts of the session are larger, where the window is wide enough."),
+            _choices({"": phrase("usual size"), "larger": phrase("larger")}),
+        ),
     ]
 
 
@@ -213,6 +219,7 @@ def settings_of_choice(choice: LauncherChoice) -> RunSettings:
         patient=chosen["patient"] if chosen["device"] in _SIMULATED else "",
         participant=canonical_code(chosen["participant"]),
         language=chosen.get(LANGUAGE, ""),
+        larger_text=chosen.get("text") == "larger",
         difficulty=chosen["difficulty"],  # type: ignore[arg-type]
         trials=int(chosen["trials"] or 0),
         profile=chosen["profile"],  # type: ignore[arg-type]

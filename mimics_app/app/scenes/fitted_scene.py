@@ -90,7 +90,7 @@ def _changed(document: _Document, fit: Fit) -> _Changed:
     for entity in document["entities"]:
         board = entity["components"].get("hud")
         if board is not None and fit.text > float(board.get("enlarged", 1.0)):
-            meaning = "Factor on the size of text, by the letters that are read"
+            meaning = "Factor on the size of text, by the letters that are read, or as the person wants it"
             yield Change("text", fit.text, float(board.get("enlarged", 1.0)), "", meaning), board, "enlarged"
 
 

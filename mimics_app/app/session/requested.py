@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from msgspec import structs
+
 from mimics_app.app.scenes.loading import read_scene
 from mimics_app.app.scenes.person_edit import PersonEdit, read_fit
 from mimics_app.app.settings import RunSettings
@@ -15,6 +17,9 @@ from mimics_app.world.components.systems import DisplaySettings
 from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["read_requested", "with_requested_trials"]
+
+_LARGER_TEXT = 1.6
+"""Factor of larger text, the largest that a calibration leads to unless a therapist allows more."""
 
 
 def read_requested(settings: RunSettings) -> Scene:
@@ -39,9 +44,10 @@ def read_requested(settings: RunSettings) -> Scene:
 
 def _edit(settings: RunSettings) -> PersonEdit | None:
     """Return the change of the scene for the person who plays; None: none."""
-    if settings.fit is None and settings.side == "right":
-        return None
-    return PersonEdit(Fit() if settings.fit is None else read_fit(settings.fit), settings.side)
+    fit = Fit() if settings.fit is None else read_fit(settings.fit)
+    if settings.larger_text:
+        fit = structs.replace(fit, text=max(fit.text, _LARGER_TEXT))
+    return None if fit == Fit() and settings.side == "right" else PersonEdit(fit, settings.side)
 
 
 def with_requested_trials(task: TaskSpec, settings: RunSettings) -> TaskSpec:

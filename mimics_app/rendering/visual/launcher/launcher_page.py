@@ -31,7 +31,7 @@ _MARGIN = 40.0
 _GAP = 20.0
 _HEAD = 132.0
 _SIDE, _SIDE_SHARE = 340.0, 0.5
-_ROW, _ROW_GAP = 36.0, 5.0
+_ROW, _LEAST_ROW, _ROW_GAP = 36.0, 28.0, 5.0
 _START = 54.0
 _EXPLAINED, _LINE = 3600.0, 20.0
 """Length of the longest explanation, over all its lines, and distance of the lines [hud px]."""
@@ -231,8 +231,11 @@ class LauncherPage:
         return (self._side_x, self._foot, self._side_width, _START)
 
     def _option_box(self, index: int) -> Box:
-        top = self._hud.height - _HEAD - index * (_ROW + _ROW_GAP)
-        return (self._side_x, top - _ROW, self._side_width, _ROW)
+        """Return the box of a setting; rows are lower where there are many."""
+        room = self._hud.height - _HEAD - self._foot - _START - 2.0 * _ROW_GAP
+        pitch = min(_ROW + _ROW_GAP, max(_LEAST_ROW + _ROW_GAP, room / max(1, len(self.state.settings))))
+        top = self._hud.height - _HEAD - index * pitch
+        return (self._side_x, top - pitch + _ROW_GAP, self._side_width, pitch - _ROW_GAP)
 
     def _tab_box(self, index: int) -> Box:
         """Return the box of a tab; tabs that are wider than the page together are narrowed."""
@@ -352,18 +355,18 @@ class LauncherPage:
 
     def _draw_option(self, index: int) -> None:
         hud, setting = self._hud, self.state.settings[index]
-        x, y, width, _ = box = self._option_box(index)
+        x, y, width, height = box = self._option_box(index)
         focused = self.state.focus == ("option", index)
         hud.box(*box, PANEL_LIT if focused else PANEL, radius=12.0)
-        hud.text(x + 0.5 * width, y + 23.0, translated(setting.label), 11.5, FAINT, align="centre")
+        hud.text(x + 0.5 * width, y + height - 12.5, translated(setting.label), 11.5, FAINT, align="centre")
         value = self.state.values.get(setting.name, "")
         words, room = setting.words(value) + ("|" if setting.typed and focused else ""), width - _LABEL_ROOM
         size = min(15.0, max(11.0, 15.0 * room / max(hud.measure(words, 15.0, bold=True), 1.0)))
         refused = self._refused is not None and self._refused[0] is setting
         colour = INK if (value or not setting.typed) and not refused else FAINT
-        hud.text(x + 0.5 * width, y + 7.0, words, size, colour, bold=True, align="centre", width=room)
+        hud.text(x + 0.5 * width, y + 0.19 * height, words, size, colour, bold=True, align="centre", width=room)
         if setting.choices:
-            hud.text(x + 20.0, y + 11.0, "◀", 16.0, ACCENT if focused else FAINT, align="centre")
-            hud.text(x + width - 20.0, y + 11.0, "▶", 16.0, ACCENT if focused else FAINT, align="centre")
+            hud.text(x + 20.0, y + 0.5 * height - 7.0, "◀", 16.0, ACCENT if focused else FAINT, align="centre")
+            hud.text(x + width - 20.0, y + 0.5 * height - 7.0, "▶", 16.0, ACCENT if focused else FAINT, align="centre")
         if focused:
             hud.box(*box, ACCENT, radius=12.0, border=2.5)
