@@ -6,6 +6,7 @@ import csv
 import json
 import os
 import shutil
+import struct
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -118,6 +119,22 @@ def test_mcap(run: Run, tmp_path: Path) -> None:
         np.testing.assert_array_equal(ecg, signal_values()[SAMPLED])
         gaps = [json.loads(message.data) for *_, message in source.iter_messages(topics=["gaps"])]
         assert [gap["begin_s"] for gap in gaps] == pytest.approx([0.7, SIGNAL_GAP_S[0]])
+
+
+def test_the_index_of_mcap_leads_to_each_message(run: Run, tmp_path: Path) -> None:
+    """The library's own reader goes through whole chunks; others seek by the index."""
+    stream = pytest.importorskip("mcap.stream_reader")
+    chunk, found = b"", 0
+    with exported(run, "mcap", tmp_path)["recording.mcap"].open("rb") as file:
+        for record in stream.StreamReader(file, emit_chunks=True).records:
+            if type(record).__name__ == "Chunk":
+                chunk = stream.get_chunk_data_stream(record)[0].read(record.uncompressed_size)
+            elif type(record).__name__ == "MessageIndex":
+                for log_ns, offset in record.records:
+                    opcode, _, channel, _, at_ns = struct.unpack_from("<BQHIQ", chunk, offset)
+                    assert (opcode, channel, at_ns) == (5, record.channel_id, log_ns)
+                    found += 1
+    assert found > len(TICK)
 
 
 def test_xdf(run: Run, tmp_path: Path) -> None:
