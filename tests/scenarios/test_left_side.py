@@ -46,7 +46,7 @@ class Played:
         change_component(scene, "robot", sensor_noise=0.0, sensor_quantum=0.0)
         play = CorePlay.of(scene, 3, patient="moderate")
         poses = []
-        for _ in range(round(60 * LENGTHS.get(name, 7.0))):
+        for _ in range(round(60 * LENGTHS.get(name, 16.0 if name == "two_fingers" else 7.0))):
             play.step()
             poses.append(play.frames.snapshot.poses.copy())
         self.samples, self.poses = play.samples, np.array(poses)

@@ -12,7 +12,6 @@ from mimics_app.app.study.study_export import export_study
 from mimics_app.app.study.study_folder import StudyFolder
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.messages.calibration_record import CalibratedMeasure, Calibration
-from mimics_app.contracts.messages.leg_motion import LegMotion
 from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.recording.calibrations import calibration_of
 from mimics_app.recording.event_log import to_json
@@ -62,15 +61,15 @@ def test_a_hand_that_gets_as_far_as_the_light_is_limited_by_the_device() -> None
     assert all(measure.at_least == measure.name.startswith("reach") for measure in step.measures)
 
 
-def test_the_belt_is_averaged_after_the_first_third() -> None:
-    step, now = WalkingStep(SPEC, ""), 0.0
+def test_the_speed_of_a_walk_is_that_of_the_belt_after_the_first_third() -> None:
+    step, now, belt = WalkingStep(SPEC, ""), 0.0, 0.0
     while not step.done:
-        speed = 0.8 if now % SPEC.walk_s > SPEC.walk_s / 3.0 - 0.5 else 0.0
-        step.take(Seen(now, now, (0.0, 0.0, 0.0), 0.0, LegMotion(0.0, 0.0, 0.0, 0.0, speed)), FRAME_S)
+        step.take(Seen(now, now, (0.0, 0.0, 0.0), 0.0, belt), FRAME_S)
         now += FRAME_S
+        belt += FRAME_S * (0.8 if now % SPEC.walk_s > 4.0 else 0.1)
     (measure,) = step.measures
     assert (measure.name, measure.unit, measure.repeats) == ("walking", "m/s", 3)
-    assert measure.value == pytest.approx(0.8, rel=0.01) and measure.spread < 0.01
+    assert measure.value == pytest.approx(0.8, rel=0.005) and measure.spread < 0.01
 
 
 def test_a_grip_that_is_not_felt_is_not_measured() -> None:
@@ -87,12 +86,15 @@ def test_a_grip_that_is_not_felt_is_not_measured() -> None:
         ("grip", {"by_pointer": True}, "a mouse or gamepad"),
         ("walking", {}, "no belt"),
         ("hearing", {"audible": False}, "the sound is off"),
+        ("range", {"limb": "left foot", "start_joints": (0.0,) * 4}, "holds the legs"),
     ],
 )
 def test_a_step_that_the_device_cannot_measure_is_skipped_with_a_word(
     label: str, context: dict[str, Any], why: str
 ) -> None:
-    play = CalibrationPlay(SPEC, TaskContext((0.0, 0.0, 0.0), places=PLACES, **context), [label], 1)
+    play = CalibrationPlay(
+        SPEC, TaskContext(**{"start_joints": (0.0, 0.0, 0.0), "places": PLACES, **context}), [label], 1
+    )
     assert play.measures["grip_n"] is None
     assert why in play.outcome_words({}, finished=True)
 

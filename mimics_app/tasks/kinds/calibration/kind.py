@@ -25,7 +25,7 @@ from mimics_app.tasks.kinds.calibration.step import Cue, Seen, Step, Tone
 from mimics_app.tasks.kinds.calibration.walking_step import WalkingStep
 from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, TaskBlock, TaskKind, Values
 from mimics_app.tasks.observation import Observation
-from mimics_app.tasks.walking.worn_orthosis import legs_in, strikes_in
+from mimics_app.tasks.walking.worn_orthosis import legs_in
 from mimics_app.world.components.registry import Component
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ class CalibrationPlay(KindPlay):
     def __init__(self, spec: CalibrationSpec, context: TaskContext, labels: Sequence[str], seed: int) -> None:
         self._spec, self._context, self._seed = spec, context, seed
         self._rest, self._ears = context.places[spec.rest], context.places[spec.ears]
-        self._legs = legs_in(context)
+        self._on_belt = legs_in(context) is not None
         self._events: list[tuple[str, Mapping[str, object]]] = []
         self._sounds: list[SoundTrigger] = []
         self.begin_trial(labels[0], 0)
@@ -107,7 +107,7 @@ class CalibrationPlay(KindPlay):
 
     def travel(self, seen: Observation, seconds: float) -> None:
         if not self._step.done:
-            self._step.take(self._seen(seen, seconds), seconds)
+            self._step.take(self._seen(seen), seconds)
         tone = self._step.cue.tone
         if tone is not None and tone.number != self._played:
             self._played = tone.number
@@ -161,21 +161,30 @@ class CalibrationPlay(KindPlay):
 
     def _made(self, label: str) -> Step:
         """Return a step that begins."""
-        spec, number = self._spec, self._number
+        spec, number, why = self._spec, self._number, self._why_skipped(label)
         if label == "grip":
-            return GripStep(spec, phrase("a mouse or gamepad does not measure it") if self._context.by_pointer else "")
+            return GripStep(spec, why)
         if label == "walking":
-            return WalkingStep(spec, "" if self._legs is not None else phrase("this device has no belt"))
+            return WalkingStep(spec, why)
         if label == "hearing":
-            return HearingStep(spec, self._seed, number, "" if self._context.audible else phrase("the sound is off"))
+            return HearingStep(spec, self._seed, number, why)
         if label == "reading":
-            return ReadingStep(spec, self._seed, number)
-        return RangeStep(spec)
+            return ReadingStep(spec, self._seed, number, why)
+        return RangeStep(spec, why)
 
-    def _seen(self, seen: Observation, seconds: float) -> Seen:
+    def _why_skipped(self, label: str) -> str:
+        """Return why a step cannot be measured here, "" where it can."""
+        if label == "walking":
+            return "" if self._on_belt else phrase("this device has no belt")
+        if self._on_belt:
+            return phrase("this device holds the legs")
+        if label == "grip" and self._context.by_pointer:
+            return phrase("a mouse or gamepad does not measure it")
+        return phrase("the sound is off") if label == "hearing" and not self._context.audible else ""
+
+    def _seen(self, seen: Observation) -> Seen:
         x, y, z = (here - rest for here, rest in zip(seen.hip_world, self._rest, strict=True))
-        legs = None if self._legs is None else self._legs.read(seen.q, strikes_in(seen), seconds)
-        return Seen(seen.now_ns * _NS, seen.shown_ns * _NS, (x, y, z), seen.grasp, legs)
+        return Seen(seen.now_ns * _NS, seen.shown_ns * _NS, (x, y, z), seen.grasp, seen.snapshot.belt_travel)
 
     def _sound(self, tone: Tone, now_ns: int) -> SoundTrigger:
         x, y, z = self._ears

@@ -130,11 +130,11 @@ class HearingStep(_AskingStep):
 class ReadingStep(_AskingStep):
     """Letters E of smaller and smaller size: the hand moves to where it is open (the tumbling E of Snellen charts)."""
 
-    def __init__(self, spec: CalibrationSpec, seed: int, number: int) -> None:
+    def __init__(self, spec: CalibrationSpec, seed: int, number: int, skipped: str = "") -> None:
         first, largest, smallest = (math.log(height) for height in (_FIRST_HEIGHT, _LARGEST, _SMALLEST))
         self._stair = Staircase(first, largest, smallest, _HEIGHT_STEPS, _COUNTING)
         self._letter: Letter | None = None
-        super().__init__(spec, f"reading {seed} {number}", "")
+        super().__init__(spec, f"reading {seed} {number}", skipped)
 
     @property
     def cue(self) -> Cue:

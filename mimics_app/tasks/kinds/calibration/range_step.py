@@ -36,8 +36,8 @@ class RangeStep(Step):
     median of its repeats.
     """
 
-    def __init__(self, spec: CalibrationSpec) -> None:
-        super().__init__()
+    def __init__(self, spec: CalibrationSpec, skipped: str = "") -> None:
+        super().__init__(skipped)
         self._spec = spec
         self._farthest = dict(zip(DIRECTIONS, spec.reaches, strict=True))
         rounds = [

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.messages.calibration_record import CalibratedMeasure
-from mimics_app.contracts.messages.leg_motion import LegMotion
 
 __all__ = ["Cue", "Letter", "Seen", "Step", "Tone", "spread_of"]
 
@@ -22,14 +21,14 @@ class Seen:
         shown_s: When the frame is displayed [s].
         hand: From where the hand rests to where it is [m].
         grasp: Grasp force [N].
-        legs: Both legs on a belt; None: the device has none.
+        belt: Way of the belt so far [m]; 0 without one.
     """
 
     now_s: float
     shown_s: float
     hand: Vec3
     grasp: float
-    legs: LegMotion | None = None
+    belt: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from statistics import fmean, median
+from statistics import median
 
 from mimics_app.contracts.messages.calibration_record import CalibratedMeasure
 from mimics_app.contracts.system.phrases import phrase
@@ -21,7 +21,8 @@ class WalkingStep(Step):
     def __init__(self, spec: CalibrationSpec, skipped: str) -> None:
         super().__init__(skipped)
         self._spec = spec
-        self._since, self._speeds = 0.0, list[float]()
+        self._since = 0.0
+        self._from: tuple[float, float] | None = None  # time [s] and way of the belt [m] from which it counts
         self._means: list[float] = []
 
     @property
@@ -34,12 +35,14 @@ class WalkingStep(Step):
 
     def take(self, seen: Seen, seconds: float) -> None:
         self._since += seconds
-        if seen.legs is not None and self._since >= _RUN_IN * self._spec.walk_s:
-            self._speeds.append(seen.legs.belt_speed)
+        if self._from is None:
+            self._from = (seen.now_s, seen.belt) if self._since >= _RUN_IN * self._spec.walk_s else None
+            return
         if self._since < self._spec.walk_s:
             return
-        self._means.append(fmean(self._speeds))
-        self._since, self._speeds = 0.0, []
+        then, way = self._from
+        self._means.append((seen.belt - way) / (seen.now_s - then))
+        self._since, self._from = 0.0, None
         if len(self._means) == self._spec.repeats:
             self.done = True
             speed = median(self._means)
