@@ -1,6 +1,6 @@
 // What a person reads of a session: texts, lamps, lists. Every text is set as text, never as markup.
 
-import { mark, t } from "./texts.js";
+import { mark, t, told } from "./texts.js";
 
 const byId = (id) => document.getElementById(id);
 const MOST_LINES = 200;
@@ -82,8 +82,8 @@ export function showStatus(status) {
   const state = task.paused ? t("Paused") : t(TRIAL_STATES[task.state] || task.state);
   setText(byId("trial-state"), task.trials ? `${state} – ${t("trial {n} of {all}", { n: task.trial, all: task.trials })}` : state);
   byId("trial-progress").value = task.progress;
-  setText(byId("trial-message"), status.board.message);
-  showPairs(byId("cards"), status.board.cards.map((card) => [card.label, card.text, toneOf(card.tone)]));
+  setText(byId("trial-message"), told(status.board.message));
+  showPairs(byId("cards"), status.board.cards.map((card) => [told(card.label), told(card.text), toneOf(card.tone)]));
   const [words, tone] = SAFETY[status.safety.state] || [status.safety.state, ""];
   lamp("safety", t(words), tone);
   const latched = tone === "bad";
@@ -159,7 +159,7 @@ export function addTrials(entries) {
   for (const trial of entries) {
     const row = document.createElement("tr");
     const number = trial.practice ? t("practice") : `${trial.trial}`;
-    for (const text of [number, t(trial.outcome), figure(trial.seconds, 1, "s"), figure(trial.score, 0), trial.happened || trial.cause || ""]) {
+    for (const text of [number, t(trial.outcome), figure(trial.seconds, 1, "s"), figure(trial.score, 0), told(trial.happened || trial.cause || "")]) {
       const cell = document.createElement("td");
       cell.textContent = text;
       row.append(cell);
