@@ -106,7 +106,7 @@ class ColumnFile:
     def _write(self) -> None:
         columns = [row[: self._count] for row in self._rows]
         arrays = [pa.Array.from_buffers(pa.float64(), self._count, [None, pa.py_buffer(each)]) for each in columns]
-        sums = [zlib.crc32(each) for each in columns]
+        sums = [zlib.crc32(each.data) for each in columns]
         sink = pa.BufferOutputStream()
         with pa.ipc.new_stream(sink, self._schema, options=compressed()) as writer:
             batch = pa.RecordBatch.from_arrays(arrays, schema=self._schema)
