@@ -52,6 +52,7 @@ class _Foot:
     moves: float = 0.0
     strikes: int = 0
     swings: bool = False
+    stood: bool = True
     lift: float = 0.0
     since: float = 0.0
     lengths: list[float] = field(default_factory=list)
@@ -123,14 +124,15 @@ class Footfalls:
     def _comes_down(self, foot: _Foot, struck: bool, lift: float, belt: float) -> bool:
         """Advance a foot; return whether it comes down."""
         if belt < _LEAST_BELT:
-            foot.swings = False
+            foot.swings, foot.stood = False, True
             return False
+        foot.stood = foot.stood or foot.moves < -_UP * belt
         if foot.swings:
             foot.lift = max(foot.lift, lift)
             if struck:
-                foot.swings = False
+                foot.swings = foot.stood = False  # until it goes back with the belt, it has not left again
                 return True
-        elif foot.moves > _UP * belt:
+        elif foot.stood and foot.moves > _UP * belt:
             foot.swings, foot.lift = True, lift
         return False
 
