@@ -84,6 +84,7 @@ def test_a_grip_that_is_not_felt_is_not_measured() -> None:
     ("label", "context", "why"),
     [
         ("grip", {"by_pointer": True}, "a mouse or gamepad"),
+        ("range", {"by_pointer": True}, "a mouse or gamepad"),
         ("walking", {}, "no belt"),
         ("hearing", {"audible": False}, "the sound is off"),
         ("range", {"limb": "left foot", "start_joints": (0.0,) * 4}, "holds the legs"),

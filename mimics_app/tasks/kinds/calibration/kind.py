@@ -178,7 +178,7 @@ class CalibrationPlay(KindPlay):
             return "" if self._on_belt else phrase("this device has no belt")
         if self._on_belt:
             return phrase("this device holds the legs")
-        if label == "grip" and self._context.by_pointer:
+        if label in ("range", "grip") and self._context.by_pointer:
             return phrase("a mouse or gamepad does not measure it")
         return phrase("the sound is off") if label == "hearing" and not self._context.audible else ""
 
