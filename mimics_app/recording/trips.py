@@ -13,37 +13,62 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.clock import TICKS_PER_SECOND
 from mimics_app.contracts.loop.haptic import EventKind, SafetyState, TripCause
+from mimics_app.contracts.system.phrases import phrase
 
 __all__ = ["Trip", "TripReader"]
 
-_BUSY = "close other programs (mimics doctor: scheduling)"
+_BUSY = phrase("close other programs (mimics doctor: scheduling)")
 
 _WORDS: Mapping[TripCause, tuple[str, str]] = {
-    TripCause.NONE: ("a safety stop", "look at the recording"),
-    TripCause.STOP_KEY: ("the stop key was pressed", "reset it when it is safe"),
-    TripCause.DEVICE_BUTTON: ("the device's stop button was pressed", "release it, then reset when it is safe"),
-    TripCause.NOT_FINITE: ("a number that is not finite reached the loop", "look at the device's data and its line"),
-    TripCause.LATE_TICK: ("this computer was too busy", _BUSY),
-    TripCause.MISSED_IN_ROW: ("this computer was too busy: many control cycles in a row were missed", _BUSY),
-    TripCause.STALE_DEVICE: ("the device sent nothing new for too long", "look at its line and its power"),
-    TripCause.WORKSPACE: ("the hand left the workspace", "lead it back before the reset"),
-    TripCause.VELOCITY: ("the hand was faster than velocity_limit", "move more slowly, or look at the device"),
-    TripCause.DEVICE_FAULT: ("the device reports a fault, is gone, or takes no command", "look at device and line"),
-    TripCause.JUMP: ("the position jumped further than a hand can move", "look at the device's sensors and its line"),
-    TripCause.SENSOR: ("the measured force stayed beyond measured_force_limit", "look at the device's force sensor"),
+    TripCause.NONE: (phrase("a safety stop"), phrase("look at the recording")),
+    TripCause.STOP_KEY: (phrase("the stop key was pressed"), phrase("reset it when it is safe")),
+    TripCause.DEVICE_BUTTON: (
+        phrase("the device's stop button was pressed"),
+        phrase("release it, then reset when it is safe"),
+    ),
+    TripCause.NOT_FINITE: (
+        phrase("a number that is not finite reached the loop"),
+        phrase("look at the device's data and its line"),
+    ),
+    TripCause.LATE_TICK: (phrase("this computer was too busy"), _BUSY),
+    TripCause.MISSED_IN_ROW: (phrase("this computer was too busy: many control cycles in a row were missed"), _BUSY),
+    TripCause.STALE_DEVICE: (
+        phrase("the device sent nothing new for too long"),
+        phrase("look at its line and its power"),
+    ),
+    TripCause.WORKSPACE: (phrase("the hand left the workspace"), phrase("lead it back before the reset")),
+    TripCause.VELOCITY: (
+        phrase("the hand was faster than velocity_limit"),
+        phrase("move more slowly, or look at the device"),
+    ),
+    TripCause.DEVICE_FAULT: (
+        phrase("the device reports a fault, is gone, or takes no command"),
+        phrase("look at device and line"),
+    ),
+    TripCause.JUMP: (
+        phrase("the position jumped further than a hand can move"),
+        phrase("look at the device's sensors and its line"),
+    ),
+    TripCause.SENSOR: (
+        phrase("the measured force stayed beyond measured_force_limit"),
+        phrase("look at the device's force sensor"),
+    ),
     TripCause.NOT_FOLLOWING: (
-        "the device does not move as it is driven",
-        "look at its position sensors and its drives",
+        phrase("the device does not move as it is driven"),
+        phrase("look at its position sensors and its drives"),
     ),
     TripCause.OSCILLATION: (
-        "the rendered force shook the hand and did not calm down",
-        "make what was touched softer and less damped, or look at the device's delay",
+        phrase("the rendered force shook the hand and did not calm down"),
+        phrase("make what was touched softer and less damped, or look at the device's delay"),
     ),
     TripCause.CONTROLLER: (
-        "the walk in the orthosis waited too long in a step",
-        "see that both legs hang free and the patient stands, then reset",
+        phrase("the walk in the orthosis waited too long in a step"),
+        phrase("see that both legs hang free and the patient stands, then reset"),
     ),
-    TripCause.ENERGY: ("a contact gave more energy than energy_limit", "make what was touched softer or more damped"),
+    TripCause.ENERGY: (
+        phrase("a contact gave more energy than energy_limit"),
+        phrase("make what was touched softer or more damped"),
+    ),
 }
 """What happened and what to do, by cause."""
 

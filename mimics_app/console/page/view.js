@@ -88,7 +88,8 @@ export function showStatus(status) {
   lamp("safety", t(words), tone);
   const latched = tone === "bad";
   const stop = status.safety.stop;
-  showAlarm(latched ? stop ? t("The force is off: {what}; {advice}", stop) : t("The force is off.") : alarmOf(status));
+  const said = stop && { what: told(stop.what), advice: told(stop.advice) };
+  showAlarm(latched ? said ? t("The force is off: {what}; {advice}", said) : t("The force is off.") : alarmOf(status));
   showPerson(status);
 }
 
