@@ -61,6 +61,16 @@ def test_a_hand_that_gets_as_far_as_the_light_is_limited_by_the_device() -> None
     assert all(measure.at_least == measure.name.startswith("reach") for measure in step.measures)
 
 
+def test_a_person_who_is_very_slow_is_measured_as_far_as_they_came() -> None:
+    step, now = RangeStep(SPEC), 0.0
+    while not step.done and now < 600.0:
+        far = min(0.005 * (now % 20.0), 0.06)  # a hand that creeps, and is never back in time
+        step.take(Seen(now, now, (far, far, far), 0.0), 0.1)
+        now += 0.1
+    assert step.done and now < 560.0
+    assert step.measures and all(0 < measure.repeats <= 3 for measure in step.measures)
+
+
 def test_the_speed_of_a_walk_is_that_of_the_belt_after_the_first_third() -> None:
     step, now, belt = WalkingStep(SPEC, ""), 0.0, 0.0
     while not step.done:

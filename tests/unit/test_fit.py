@@ -17,7 +17,7 @@ from mimics_app.app.scenes.person_edit import FitFile, PersonEdit, read_fit
 from mimics_app.app.study.study_folder import StudyFolder
 from mimics_app.app.study.study_runs import play_next
 from mimics_app.contracts.errors import SceneError
-from mimics_app.contracts.messages.calibration_record import DIRECTIONS, CalibratedMeasure, Calibration
+from mimics_app.contracts.messages.calibration_record import DIRECTIONS, CalibratedMeasure, Calibration, newest_of
 from mimics_app.contracts.messages.fit import Fit, FitLimits, fit_of
 from mimics_app.contracts.system.resources import root
 from mimics_app.recording.event_log import to_json
@@ -125,6 +125,12 @@ def test_a_file_that_is_no_fit_is_refused_with_its_name(tmp_path: Path, text: st
     (tmp_path / "fit.json").write_text(text)
     with pytest.raises(SceneError, match=r"fit\.json"):
         read_fit(tmp_path / "fit.json")
+
+
+def test_the_newest_value_of_each_measure_counts_where_a_later_calibration_left_a_step_out() -> None:
+    grip = {"grip": CalibratedMeasure("grip", 31.0, "N", 3, 0.0)}
+    newest = newest_of([calibration(reach=0.1, grip=20.0), Calibration(grip, {}, "run_8")])
+    assert (newest.value("grip"), newest.value("reach_up"), newest.source) == (31.0, 0.1, "run_8")
 
 
 def test_a_session_of_a_study_is_fitted_to_the_newest_calibration(

@@ -19,6 +19,7 @@ from mimics_app.app.study.protocol import Condition, PlannedRun, scene_of
 from mimics_app.app.study.study_folder import Attempt, Participant, StudyFolder
 from mimics_app.app.terminal.output import say
 from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.messages.calibration_record import newest_of
 from mimics_app.contracts.messages.trial_counts import SESSION_ENDED
 from mimics_app.recording.calibrations import calibration_of
 from mimics_app.recording.event_log import to_json
@@ -140,8 +141,9 @@ def _fitted(study: StudyFolder, participant: Participant, folder: Path) -> list[
     calibrations = study.calibrations_of(participant)
     if not calibrations or not study.protocol.fitting.on:
         return []
+    newest = newest_of([calibration for _, calibration in calibrations])
     file = folder / _FIT
-    write_atomically(file, to_json(msgspec.to_builtins(FitFile(calibrations[-1][1], study.protocol.fitting))))
+    write_atomically(file, to_json(msgspec.to_builtins(FitFile(newest, study.protocol.fitting))))
     return [f"--fit={file}"]
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import msgspec
 
 from mimics_app.contracts.arrays import Vec3
 
-__all__ = ["CALIBRATED", "DIRECTIONS", "NOT_MEASURED", "CalibratedMeasure", "Calibration"]
+__all__ = ["CALIBRATED", "DIRECTIONS", "NOT_MEASURED", "CalibratedMeasure", "Calibration", "newest_of"]
 
 DIRECTIONS: dict[str, Vec3] = {
     "right": (1.0, 0.0, 0.0),
@@ -63,3 +63,10 @@ class Calibration(msgspec.Struct, frozen=True):
         """Return the value of a measure, None where it was not measured."""
         measure = self.measures.get(name)
         return None if measure is None else measure.value
+
+
+def newest_of(calibrations: Sequence[Calibration]) -> Calibration:
+    """Return the newest value of each measure of calibrations in order, at least one: a step may have been left out."""
+    measures = {name: measure for each in calibrations for name, measure in each.measures.items()}
+    last = calibrations[-1]
+    return Calibration(measures, last.skipped, last.source, last.utc)

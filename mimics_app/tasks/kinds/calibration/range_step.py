@@ -18,6 +18,8 @@ _PROGRESS = 0.003
 """Way that a hand gains in the time for a limit, if it is not at its limit [m]."""
 _LONGEST_S = 20.0
 """Longest time for one reach [s]."""
+_MOST_S = 540.0
+"""Time after which the step ends with the reaches that were made [s]."""
 _BACK, _BACK_S = 0.03, 6.0
 """Distance from the rest at which the hand is back [m], and longest time for the way back [s]."""
 _AHEAD = 0.02
@@ -48,6 +50,7 @@ class RangeStep(Step):
         ]
         self._left, self._count = deque(rounds), len(rounds)
         self._found: dict[tuple[bool, str], list[float]] = {}
+        self._spent = 0.0
         self._way = self._since = 0.0
         self._returns = False
         self._begin()
@@ -70,8 +73,12 @@ class RangeStep(Step):
 
     def take(self, seen: Seen, seconds: float) -> None:
         self._since += seconds
+        self._spent += seconds
         if self._returns:
-            if _length(seen.hand) < _BACK or self._since >= _BACK_S:
+            if self._spent >= _MOST_S:
+                self._left.clear()
+                self._begin()
+            elif _length(seen.hand) < _BACK or self._since >= _BACK_S:
                 self._left.popleft()
                 self._begin()
             return
