@@ -12,14 +12,16 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 from scipy import stats
 
+from mimics_app.app import cli
 from mimics_app.app.study import study_runs
 from mimics_app.app.study.change import change_of, paired_difference
 from mimics_app.app.study.counterbalance import balanced_square, latin_square, order_of
-from mimics_app.app.study.forms import Form, Item, check_answers
+from mimics_app.app.study.forms import SHIPPED_FORMS, Form, Item, check_answers
 from mimics_app.app.study.study_folder import StudyFolder, folder_name
 from mimics_app.app.study.study_results import changes_of, effects_of, trials_of
 from mimics_app.app.study.study_runs import Next, find_next, play_next
@@ -312,3 +314,15 @@ def test_a_form_without_sense_is_an_error_of_the_protocol(tmp_path: Path) -> Non
     wrong = protocol() | {"forms": {"f": {"title": "F", "items": {"a": {"label": "A", "kind": "scale"}}}}}
     with pytest.raises(SceneError, match="/forms/f/items/a"):
         StudyFolder.create(tmp_path / "s", wrong)
+
+
+def test_a_form_is_asked_in_the_language_of_the_participant(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """What is typed and kept are the names of the items, whatever the language."""
+    forms = {"nasa_tlx": msgspec.to_builtins(SHIPPED_FORMS["nasa_tlx"])}
+    study = StudyFolder.create(tmp_path / "study", {**protocol(), "forms": forms})
+    study.with_language(study.find_or_add("P01"), "de")
+    assert cli.main(["study", "form", str(study.path), "P01", "nasa_tlx"]) == 0
+    asked = capsys.readouterr().out
+    assert "mental: Wie viel Nachdenken verlangte die Aufgabe? (0 sehr niedrig – 100 sehr hoch)" in asked
+    assert cli.main(["study", "form", str(study.path), "P02", "nasa_tlx"]) == 0
+    assert "mental: How much thinking did the task take? (0 very low – 100 very high)" in capsys.readouterr().out

@@ -10,6 +10,8 @@ import msgspec
 from msgspec import Meta
 
 from mimics_app.contracts.errors import UsageError, nearest
+from mimics_app.contracts.system.language import translated
+from mimics_app.contracts.system.phrases import phrase
 
 __all__ = ["SHIPPED_FORMS", "Answer", "Form", "Item", "check_answers", "item_words"]
 
@@ -80,17 +82,18 @@ def check_answers(form: Form, given: Mapping[str, object]) -> dict[str, Answer]:
 
 
 def item_words(name: str, item: Item) -> str:
-    """Return an item for a person who answers it."""
+    """Return an item for a person who answers it, in the present language; choices are those that are typed."""
+    label = translated(item.label)
     if item.kind == "choice":
-        return f"{name}: {item.label} ({' | '.join(item.choices)})"
+        return f"{name}: {label} ({' | '.join(item.choices)})"
     if item.kind == "text":
-        return f"{name}: {item.label}"
+        return f"{name}: {label}"
     ends = [_end(item.low, item.low_label), _end(item.high, item.high_label)]
-    return f"{name}: {item.label} ({' to '.join(ends)})"
+    return f"{name}: {label} ({' – '.join(ends)})"
 
 
 def _end(value: float | None, label: str) -> str:
-    return " ".join(filter(None, ("any" if value is None else f"{value:g}", label)))
+    return " ".join(filter(None, ("…" if value is None else f"{value:g}", translated(label))))
 
 
 def _checked(name: str, item: Item, given: object) -> Answer:
@@ -122,29 +125,31 @@ def _number(name: str, item: Item, text: str) -> float:
     return value
 
 
-def _load(label: str, high_label: str = "very high", low_label: str = "very low") -> Item:
+def _load(label: str, high_label: str = phrase("very high"), low_label: str = phrase("very low")) -> Item:
     return Item(label, "scale", low=0.0, high=100.0, step=5.0, low_label=low_label, high_label=high_label)
 
 
 SHIPPED_FORMS: dict[str, Form] = {
     # Six scales of 0 to 100 in steps of 5, unweighted: Hart and Staveland 1988, Hart 2006.
     "nasa_tlx": Form(
-        "Task load (NASA-TLX)",
+        phrase("Task load (NASA-TLX)"),
         {
-            "mental": _load("How much thinking did the task take?"),
-            "physical": _load("How much bodily effort did the task take?"),
-            "temporal": _load("How hurried was the pace?"),
-            "performance": _load("How well did you do what you were to do?", "failed", "perfectly"),
-            "effort": _load("How hard did you have to work?"),
-            "frustration": _load("How annoyed, discouraged or stressed were you?"),
+            "mental": _load(phrase("How much thinking did the task take?")),
+            "physical": _load(phrase("How much bodily effort did the task take?")),
+            "temporal": _load(phrase("How hurried was the pace?")),
+            "performance": _load(
+                phrase("How well did you do what you were to do?"), phrase("failed"), phrase("perfectly")
+            ),
+            "effort": _load(phrase("How hard did you have to work?")),
+            "frustration": _load(phrase("How annoyed, discouraged or stressed were you?")),
         },
     ),
     "person": Form(
-        "About the participant",
+        phrase("About the participant"),
         {
-            "age": Item("Age in years", "number", low=0.0, high=130.0, required=False),
-            "hand": Item("Preferred hand", "choice", ["left", "right", "both"]),
-            "side": Item("Affected side", "choice", ["none", "left", "right", "both"]),
+            "age": Item(phrase("Age in years"), "number", low=0.0, high=130.0, required=False),
+            "hand": Item(phrase("Preferred hand"), "choice", ["left", "right", "both"]),
+            "side": Item(phrase("Affected side"), "choice", ["none", "left", "right", "both"]),
         },
     ),
 }

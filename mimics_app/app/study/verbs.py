@@ -16,6 +16,7 @@ from mimics_app.app.study.study_folder import Participant, StudyFolder
 from mimics_app.app.study.study_runs import Next, find_next, play_next
 from mimics_app.app.terminal.output import answer
 from mimics_app.contracts.errors import PartialDataError, UsageError, nearest
+from mimics_app.contracts.system.language import speaking, spoken, translated
 from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.recording.json_text import parse_object
 
@@ -87,11 +88,9 @@ def _form(args: argparse.Namespace, folder: Path, words: list[str]) -> int:
         given[item] = value
     about = {"verb": "form", "participant": participant.code, "form": name}
     if not given:
-        answer(
-            args,
-            {**about, "items": msgspec.to_builtins(form.items)},
-            [form.title, *(item_words(*item) for item in form.items.items())],
-        )
+        with speaking(participant.language or spoken()):
+            lines = [translated(form.title), *(item_words(*item) for item in form.items.items())]
+        answer(args, {**about, "items": msgspec.to_builtins(form.items)}, lines)
         return 0
     answers = check_answers(form, given)
     session = find_next(study, participant).session
