@@ -126,8 +126,10 @@ def questionnaire(count: int = 3) -> AvatarCordSpec:
 def test_a_person_answers_with_three_keys() -> None:
     asking = Asking(questionnaire(), ConditionSpec(), random.Random(1), False, 1.2)
     assert "Where do you feel" in asking.text
+    assert asking.text.endswith("you  ●" + 14 * " ·" + "  the figure"), "the post is below the eyes"
     for _ in range(20):
         asking.step(("right",), 0.1)
+    assert asking.text.endswith("you  " + 14 * "· " + "●  the figure"), "the post is inside the figure"
     assert asking.mark_m == pytest.approx(1.2)  # no farther than the avatar
     asking.step(("left", "enter"), 0.1)
     assert asking.answers[0].value == pytest.approx(1.1)

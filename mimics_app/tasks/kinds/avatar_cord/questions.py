@@ -19,6 +19,8 @@ from mimics_app.tasks.kinds.avatar_cord.spec import (
 __all__ = ["Answer", "Asking", "ownership_of"]
 
 _LEFT, _RIGHT, _TAKE = ({"left", "pad_dpad_left"}, {"right", "pad_dpad_right"}, {"enter", "pad_a", "mouse_left"})
+_PLACES = 15
+"""Dots of the way from the subject to the avatar, beside the question."""
 _WEIGHTS = {"ownership": 1.0, "touch": 0.9, "location": 0.8, "agency": 0.7, "control": -0.8, "other": 0.0}
 """Weight of the ownership in the answers of a simulated subject, by the scale of a statement; control statements
 are those without expected agreement."""
@@ -110,6 +112,7 @@ class Asking:
                 (
                     phrase("Where do you feel you are?"),
                     phrase("Move the green post there with left and right, then press Enter"),
+                    phrase("you  {places}  the figure", places=self._places()),
                 )
             )
         questionnaire = self._questionnaire
@@ -117,6 +120,14 @@ class Asking:
         scale = "  ".join(f"[{value:+d}]" if value == self._value else f"{value:+d}" for value in span)
         answer = phrase("disagree  {scale}  agree    (left, right, Enter)", scale=scale.replace("+0", "0"))
         return "\n".join((asked.text, answer))
+
+    def _places(self) -> str:
+        """Return the way from the subject to the avatar as a row of dots, one of them filled.
+
+        The post itself is out of sight where the subject stands, and inside the avatar.
+        """
+        at = round(self._value / self.distance * (_PLACES - 1))
+        return " ".join("●" if place == at else "·" for place in range(_PLACES))
 
     def step(self, pressed: tuple[str, ...], seconds: float) -> list[Answer]:
         """Take the keys of a frame and return the answers given in it."""
