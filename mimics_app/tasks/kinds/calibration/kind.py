@@ -251,7 +251,6 @@ class CalibrationKind(TaskKind):
     )
     completes = "measured"
     cards = ("step",)
-    label = "Step"
     touches = False
     scored = False
     journals = (CALIBRATED, NOT_MEASURED)
