@@ -242,7 +242,7 @@ def test_the_light_of_a_study_says_what_its_participant_plays_next(
             "over": False,
             "run": 1,
             "condition": "seen",
-            "interrupted": 1,
+            "interrupted_attempt": 1,
             "resume_at": 3,
         },
         {"participant": "P03", "session": 2, "over": True},

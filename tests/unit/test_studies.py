@@ -158,6 +158,46 @@ def test_a_participant_has_a_language(study: StudyFolder, monkeypatch: pytest.Mo
     assert ["--language=sl" in command for command in given] == [True, False]
 
 
+@pytest.mark.parametrize(
+    ("answered", "mirrored"),
+    [
+        ([{"hand": "left"}], True),
+        ([{"hand": "left", "side": "right"}], False),
+        ([{"hand": "right", "side": "left"}], True),
+        ([{"hand": "right", "side": "left"}, {"hand": "right", "side": "none"}], False),
+        ([{"side": "right"}, {"hand": "left", "side": "both"}], True),
+    ],
+)
+def test_the_side_is_the_one_that_was_answered_last(
+    study: StudyFolder, monkeypatch: pytest.MonkeyPatch, answered: list[dict[str, str]], mirrored: bool
+) -> None:
+    given: list[list[str]] = []
+
+    def run(command: list[str], **_: object) -> subprocess.CompletedProcess[bytes]:
+        given.append(command)
+        return subprocess.CompletedProcess(command, 2)
+
+    monkeypatch.setattr(study_runs.subprocess, "run", run)
+    person = study.find_or_add("P01")
+    for answers in answered:
+        study.write_answers(person, "person", 1, answers)
+    play_next(study, person, "", ())
+    assert ["--side=left" in command for command in given] == [mirrored]
+
+
+def test_the_status_counts_what_was_interrupted_and_names_the_attempt(
+    study: StudyFolder, played: Played, capsys: pytest.CaptureFixture[str]
+) -> None:
+    person = study.find_or_add("P1")
+    played.whole = False
+    for answer in ("", "restart", "abandon", ""):
+        play_next(study, person, answer, [])  # type: ignore[arg-type]
+    assert cli.main(["study", "status", str(study.path), "--json"]) == 0
+    (row,) = json.loads(capsys.readouterr().out)["participants"]
+    assert (row["done"], row["interrupted"], row["abandoned"]) == (0, 2, 1)
+    assert (row["run"], row["interrupted_attempt"], row["resume_at"]) == (2, 1, 4)
+
+
 @pytest.mark.parametrize(("answer", "scores"), [("resume", [50.0] * 3), ("restart", [50.0] * 3), ("abandon", [])])
 def test_an_interrupted_run_waits_for_the_operator(
     study: StudyFolder, played: Played, answer: Any, scores: list[float]

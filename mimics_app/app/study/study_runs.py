@@ -149,9 +149,9 @@ def _fitted(study: StudyFolder, participant: Participant, folder: Path) -> list[
 
 def _sided(study: StudyFolder, participant: Participant, condition: Condition) -> list[str]:
     """Return the option for the affected or, without one, preferred side of a participant; a scene without one: []."""
-    given = [line["answers"] for line in study.answers_of(participant)]
-    sides = [answers[item] for item in ("hand", "side") for answers in given if answers.get(item) in SIDES]
-    if not sides or sides[-1] != "left":
+    answers = {item: value for line in study.answers_of(participant) for item, value in line["answers"].items()}
+    side = answers.get("side")  # as answered last, which may be that there is none
+    if (side if side in SIDES else answers.get("hand")) != "left":
         return []
     why = why_not_mirrored(read_scene(scene_of(study.protocol_file, condition)).document)
     if why:

@@ -143,7 +143,7 @@ def _described(found: Next) -> dict[str, Any]:
     if found.run is not None:
         about |= {"run": found.run.number, "condition": found.run.condition}
     if found.interrupted is not None:
-        about |= {"interrupted": found.interrupted.attempt, "resume_at": found.resume_at}
+        about |= {"interrupted_attempt": found.interrupted.attempt, "resume_at": found.resume_at}
     return about
 
 
