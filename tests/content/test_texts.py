@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gettext
 import io
+import re
 from string import Formatter
 
 import pytest
@@ -43,6 +44,21 @@ def test_every_text_is_translated_with_its_values(code: str) -> None:
 
 def placeholders(text: str) -> set[tuple[str, str | None]]:
     return {(name, form) for _, name, form, _ in Formatter().parse(text) if name is not None}
+
+
+FAMILIAR = {
+    "de": r"\b(?:du|dich|dir|deine?\w?|euch|euer)\b",
+    "sl": r"\b(?:ti|tebe|tebi|tvoj\w*)\b",
+    "ca": r"\b(?!(?:objecti|ve|escri|pe|gre|di|se|me|atre)u\b)\w+[eiï]u(?:-\w+)?\b|\b(?:teu|teva)\b",
+    "es": r"\b(?:tú|tus?|ti|te|contigo|vosotr[oa]s|vuestr\w+)\b",
+}
+"""Words of an address other than the formal one; of Catalan the imperatives of the plural, but for other such words."""
+
+
+@pytest.mark.parametrize("code", TRANSLATED)
+def test_a_person_is_addressed_formally(code: str) -> None:
+    forms = [form for entry in read_entries((TEXTS / f"{code}.po").read_bytes()) for form in entry.forms]
+    assert [form for form in forms if re.search(FAMILIAR[code], form, re.IGNORECASE)] == []
 
 
 def test_no_translation_outlives_its_text() -> None:
