@@ -67,11 +67,16 @@ class AppendFile:
                     raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
                 view = view[written:]
         except OSError:
-            os.ftruncate(self._descriptor, self.length)
-            os.lseek(self._descriptor, self.length, os.SEEK_SET)
+            self.cut(self.length)
             raise
         self.length += len(data)
         self._unsynced = True
+
+    def cut(self, length: int) -> None:
+        """Truncate the file to a length [bytes], at which the next block begins."""
+        os.ftruncate(self._descriptor, length)
+        os.lseek(self._descriptor, length, os.SEEK_SET)
+        self.length = length
 
     def sync(self) -> None:
         """Flush the file to the medium."""

@@ -89,11 +89,14 @@ class SampleStream:
         offset = self._file.length
         block = encode_samples(samples, self._seq, first, self._extent)
         self._file.append(block)
+        try:
+            self._index.append(np.array([(self._seq, offset, len(block))], INDEX_ROW).tobytes())
+        except OSError:  # the recorder counts the block as lost, and its columns do not have it
+            self._file.cut(offset)
+            raise
         self._hash.add_samples(samples)
         self.next_row = first + len(samples)
-        row = np.array([(self._seq, offset, len(block))], INDEX_ROW)
         self._seq += 1
-        self._index.append(row.tobytes())
 
     def sync(self) -> None:
         """Flush both files to the medium."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from mimics_app.contracts.loop.haptic import SAMPLE
 from mimics_app.contracts.loop.loop_fields import Extent, point_rows
 from mimics_app.recording import haptic_columns
 from mimics_app.recording.append_file import AppendFile
+from mimics_app.recording.arrow_format import INDEX_ROW
 from mimics_app.recording.column_file import BATCH_ROWS, ColumnFile
 from mimics_app.recording.columns import HAPTICMASTER, column_names, recorded_fields
 from mimics_app.recording.recover import recover
@@ -159,6 +161,31 @@ def test_a_full_disk_ends_the_columns_alone(tmp_path: Path, monkeypatch: pytest.
 
     monkeypatch.setattr(AppendFile, "append", full)
     _record(tmp_path)
+    _assert_equal(tmp_path)
+
+
+def test_a_block_whose_row_of_the_sidecar_finds_no_room_is_in_no_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    append, failing = AppendFile.append, iter([False] * 20 + [True] + [False] * 1000)
+
+    def full(self: AppendFile, data: bytes) -> None:
+        if len(data) == INDEX_ROW.itemsize and next(failing):
+            raise OSError(errno.ENOSPC, "No space left on device")
+        append(self, data)
+
+    monkeypatch.setattr(AppendFile, "append", full)
+    samples, columns = SampleStream(tmp_path, StateHash()), ColumnFile(tmp_path)
+    for first in range(0, BATCH_ROWS + 1000, 50):
+        with suppress(OSError):
+            samples.append(_block(first, 50), first)
+            columns.add(_block(first, 50))
+    samples.close()
+    columns.close()
+    (tmp_path / "session.json").write_text("{}")
+    assert len(Run.open(tmp_path).haptic) == BATCH_ROWS + 950
+    _assert_equal(tmp_path)
+    recover(tmp_path)
     _assert_equal(tmp_path)
 
 
