@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.study.study_export import export_study
 from mimics_app.app.study.study_folder import StudyFolder
+from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.messages.calibration_record import CalibratedMeasure, Calibration
 from mimics_app.contracts.ports.scenario_port import TaskContext
@@ -17,7 +19,7 @@ from mimics_app.recording.calibrations import calibration_of
 from mimics_app.recording.event_log import to_json
 from mimics_app.recording.run import Run
 from mimics_app.tasks.kinds.calibration.grip_step import GripStep
-from mimics_app.tasks.kinds.calibration.kind import KIND, CalibrationPlay
+from mimics_app.tasks.kinds.calibration.kind import KIND, LIGHT, CalibrationPlay
 from mimics_app.tasks.kinds.calibration.range_step import RangeStep
 from mimics_app.tasks.kinds.calibration.spec import CalibrationSpec
 from mimics_app.tasks.kinds.calibration.staircase import Staircase
@@ -69,6 +71,46 @@ def test_a_person_who_is_very_slow_is_measured_as_far_as_they_came() -> None:
         now += 0.1
     assert step.done and now < 560.0
     assert step.measures and all(0 < measure.repeats <= 3 for measure in step.measures)
+
+
+def played(label: str, paused_at: frozenset[int]) -> dict[str, Any]:
+    """Measures of a step, which is paused for 6 s at some frames, of a hand that gets 0.05 m far and holds 20 N."""
+    context = TaskContext(start_joints=(0.0, 0.0, 0.0), places=PLACES)
+    play, now_ns, squeezed_ns = CalibrationPlay(SPEC, context, [label], 1), 0, 0
+    seen: Any = SimpleNamespace(snapshot=SimpleNamespace(belt_travel=0.0))
+    play.start_attempt(seen)
+    for frame in range(30_000):
+        if play.holds(SPEC, seen):
+            break
+        if frame in paused_at:
+            play.pause(6 * SECOND_NS)
+            now_ns += 6 * SECOND_NS
+            squeezed_ns += 6 * SECOND_NS
+        squeezed_ns = now_ns if play.prompt.startswith("Squeeze") else squeezed_ns
+        light = play.visual[LIGHT] or (0.0, 0.0, 0.0)
+        seen.hip_world = tuple(rest + min(max(x, -0.05), 0.05) for rest, x in zip(PLACES["rest"], light, strict=True))
+        seen.grasp = 20.0 if now_ns - squeezed_ns < 0.3 * SECOND_NS else 0.0
+        seen.now_ns = seen.shown_ns = now_ns
+        play.travel(seen, FRAME_S)
+        now_ns += round(FRAME_S * SECOND_NS)
+    return dict(play.measures)
+
+
+@pytest.mark.parametrize(("label", "column", "value"), [("range", "reach_left_m", 0.05), ("grip", "release_s", 0.3)])
+def test_a_pause_at_any_moment_changes_no_measure(label: str, column: str, value: float) -> None:
+    whole = played(label, frozenset())
+    assert whole[column] == pytest.approx(value, abs=0.02)
+    for begin in (0, 30, 60):
+        assert played(label, frozenset(range(begin, 3000, 90))) == pytest.approx(whole, abs=1e-9, nan_ok=True)
+
+
+def test_a_computer_that_stalls_in_a_reach_lets_it_go_on() -> None:
+    for stalled_at in range(0, 400, 7):
+        step, now = RangeStep(SPEC), 0.0
+        for frame in range(500):
+            now += 3.0 if frame == stalled_at else FRAME_S
+            far = min(0.15 * FRAME_S * frame, 0.05) if step.cue.light != (0.0, 0.0, 0.0) else 0.0
+            step.take(Seen(now, now, (far, 0.0, 0.0), 0.0), FRAME_S)
 
 
 def test_the_speed_of_a_walk_is_that_of_the_belt_after_the_first_third() -> None:

@@ -88,6 +88,7 @@ class CalibrationPlay(KindPlay):
         self._on_belt = legs_in(context) is not None
         self._events: list[tuple[str, Mapping[str, object]]] = []
         self._sounds: list[SoundTrigger] = []
+        self._paused_ns = 0
         self.begin_trial(labels[0], 0)
 
     def begin_trial(self, label: str, number: int) -> None:
@@ -104,6 +105,9 @@ class CalibrationPlay(KindPlay):
 
     def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:
         return structs.replace(seen, progress=1.0 if self._step.done else self._step.share)
+
+    def pause(self, paused_ns: int) -> None:
+        self._paused_ns += paused_ns
 
     def travel(self, seen: Observation, seconds: float) -> None:
         if not self._step.done:
@@ -184,7 +188,8 @@ class CalibrationPlay(KindPlay):
 
     def _seen(self, seen: Observation) -> Seen:
         x, y, z = (here - rest for here, rest in zip(seen.hip_world, self._rest, strict=True))
-        return Seen(seen.now_ns * _NS, seen.shown_ns * _NS, (x, y, z), seen.grasp, seen.snapshot.belt_travel)
+        now_s, shown_s = ((t_ns - self._paused_ns) * _NS for t_ns in (seen.now_ns, seen.shown_ns))
+        return Seen(now_s, shown_s, (x, y, z), seen.grasp, seen.snapshot.belt_travel)
 
     def _sound(self, tone: Tone, now_ns: int) -> SoundTrigger:
         x, y, z = self._ears

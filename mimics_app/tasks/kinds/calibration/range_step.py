@@ -90,6 +90,7 @@ class RangeStep(Step):
         while self._places[0][0] < seen.now_s - self._spec.still_s:
             self._places.popleft()
             self._whole = True
+        self._whole = self._whole and len(self._places) > 1  # it begins anew where the computer stalled for all of it
         if self._at_limit(here, farthest) or self._since >= _LONGEST_S:
             self._found.setdefault(key, []).append(self._late_half())
             self._returns, self._since = True, 0.0

@@ -17,8 +17,8 @@ class Seen:
     """What a step observes in a frame.
 
     Attributes:
-        now_s: Time of the frame [s].
-        shown_s: When the frame is displayed [s].
+        now_s: Time of the frame, pauses left out [s].
+        shown_s: When the frame is displayed, likewise [s].
         hand: From where the hand rests to where it is [m].
         grasp: Grasp force [N].
         belt: Way of the belt so far [m]; 0 without one.
