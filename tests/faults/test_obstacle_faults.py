@@ -11,7 +11,7 @@ from mimics_app.app.scenes.loading import check_scene, read_scene
 from mimics_app.contracts.commands.command_records import CommandSource
 from mimics_app.contracts.loop.device_faults import FAULT_NAMES
 from mimics_app.contracts.loop.gait_state import GaitState
-from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.contracts.loop.haptic import SafetyState, TripCause
 from mimics_app.contracts.shared_memory.shared_words import STOP_STRIDE
 from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.haptic.devices.simulated_lokomat import PLANT
@@ -39,8 +39,8 @@ def _until(play: CorePlay, state: GaitState, seconds: float, safety: tuple[Safet
     return False
 
 
-def _ends_standing(seed: int, step: GaitState, fault: str) -> bool:
-    """Play a session up to a step, let the device fail there, and look at both legs; whether the loop stopped itself.
+def _ends_standing(seed: int, step: GaitState, fault: str) -> TripCause:
+    """Play a session up to a step, let the device fail there, and look at both legs; why the loop stopped itself.
 
     A fault that nobody can notice, such as a dead sensor of a leg that is at rest, is followed by the person's STOP.
     """
@@ -63,7 +63,7 @@ def _ends_standing(seed: int, step: GaitState, fault: str) -> bool:
         play.step()
         _assert_held(play)
         assert play.frames.snapshot is not None and play.frames.snapshot.gait_state == GaitState.STANDING
-        return noticed
+        return TripCause(play.frames.snapshot.cause) if noticed else TripCause.NONE
     finally:
         play.core.stop()
 
@@ -89,19 +89,19 @@ def _joints(plant: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    ("step", "fault", "noticed"),
+    ("step", "fault", "cause"),
     [
-        (GaitState.WALKING, "encoder_not_finite:left knee", True),
-        (GaitState.EXPLORING, "silent", True),
-        (GaitState.WALKING, "deaf", True),
-        (GaitState.WALKING, "encoder_stuck:left knee", True),
-        (GaitState.EXPLORING, "encoder_stuck:left hip", True),
-        (GaitState.COLLISION_ENABLED, "encoder_stuck:right knee", False),
-        (GaitState.EXPLORING, "sensor_dead:right hip", False),
+        (GaitState.WALKING, "encoder_not_finite:left knee", TripCause.NOT_FINITE),
+        (GaitState.EXPLORING, "silent", TripCause.STALE_DEVICE),
+        (GaitState.WALKING, "deaf", TripCause.DEVICE_FAULT),
+        (GaitState.WALKING, "encoder_stuck:left knee", TripCause.NOT_FOLLOWING),
+        (GaitState.EXPLORING, "encoder_stuck:left hip", TripCause.NOT_FOLLOWING),
+        (GaitState.COLLISION_ENABLED, "encoder_stuck:right knee", TripCause.NONE),
+        (GaitState.EXPLORING, "sensor_dead:right hip", TripCause.NONE),
     ],
 )
-def test_a_fault_in_the_sequence_ends_in_standing(step: GaitState, fault: str, noticed: bool) -> None:
-    assert _ends_standing(1, step, fault) is noticed
+def test_a_fault_in_the_sequence_ends_in_standing(step: GaitState, fault: str, cause: TripCause) -> None:
+    assert _ends_standing(1, step, fault) is cause
 
 
 @pytest.mark.parametrize("fault", ["silent", "encoder_stuck"])

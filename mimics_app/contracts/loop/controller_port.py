@@ -115,7 +115,9 @@ CONTROL_OUTPUT = np.dtype(
         ("force", "f8", (_POINTS,)),  # added to the virtual force on the user at each point, robot frame [N]
         ("torque", "f8", (MAX_JOINTS,)),  # added at the joints [N, N m]
         ("braked", "i8"),  # 1: the drives are off, and the device's own brakes hold it
-        ("stop", "i8"),  # 1: latch a safety stop in this tick, with the same effect until a person resets it
+        # 1: latch a safety stop in this tick, with the same effect until a person resets it; TripCause.NOT_FOLLOWING:
+        # the same where a position sensor shows no motion
+        ("stop", "i8"),
         ("belt", "f8"),  # share 0-1 of the reference's speed that a treadmill's belt gets
         ("gait", "i8"),  # 1 + GaitState, 0: none
         ("free_leg", "i8"),  # 1: the left leg is the one that an obstacle frees, 2: the right one, 0: none

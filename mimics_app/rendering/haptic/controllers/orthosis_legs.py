@@ -30,6 +30,7 @@ from mimics_app.contracts.loop.controller_port import (
 from mimics_app.contracts.loop.controller_slots import CommandKind, Lead
 from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
 from mimics_app.contracts.loop.gait_state import GaitState
+from mimics_app.contracts.loop.haptic import TripCause
 from mimics_app.rendering.haptic.control.lokomat.constrained_shafts import SurfaceFriction
 from mimics_app.rendering.haptic.control.lokomat.encoder_watch import ENCODER_WATCH, encoder_is_frozen
 from mimics_app.rendering.haptic.control.lokomat.heel_strike import HEEL_STRIKE, watch_heel
@@ -408,7 +409,7 @@ def _stop_without_encoder(now: ControlInputRecord, parameters: Vec, memory: Vec,
         watch = memory[_ENCODERS + leg * _ENCODER : _ENCODERS + (leg + 1) * _ENCODER].view(ENCODER_WATCH)[0]
         q, torque = now.q[2 * leg : 2 * leg + 2], now.torque_meas[2 * leg : 2 * leg + 2]
         if encoder_is_frozen(watch, q, torque, parameters[_FROZEN], now.dt):
-            out.stop = 1
+            out.stop = TripCause.NOT_FOLLOWING
 
 
 @kernel

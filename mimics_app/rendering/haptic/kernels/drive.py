@@ -563,8 +563,10 @@ def control(kin: Kin, scene: SceneRecord, states: Table[StateRecord], held: int,
             for c in range(scene.contacts):
                 copy(states[c].f_user, states[c].f_command)
             _control_motion(kin, scene, states, dt)
-        if state.control.slot != Slot.OFF and state.control.out.stop == 1:
-            _stop(scene, states, TripCause.CONTROLLER, dt)
+        stop = state.control.out.stop
+        if state.control.slot != Slot.OFF and stop != 0:
+            unmoved = stop == TripCause.NOT_FOLLOWING
+            _stop(scene, states, TripCause.NOT_FOLLOWING if unmoved else TripCause.CONTROLLER, dt)
     _note_gait(state)
     if scene.torques == 1:
         _command_torques(kin, scene, states, held, dt)
