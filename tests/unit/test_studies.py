@@ -234,6 +234,9 @@ def test_a_crash_between_begin_and_end_is_an_interruption(study: StudyFolder, mo
         file.write(b'{"run": 1, "att')
     found = find_next(StudyFolder(study.path), person)
     assert found.interrupted is not None and found.resume_at == 1
+    study.write_line(person, 1, {"run": 1, "attempt": 1, "outcome": "abandoned"})
+    following = find_next(StudyFolder(study.path), person).run
+    assert following is not None and following.number == 2, "what a crash cut off is left out, and what follows is read"
 
 
 @pytest.mark.requirement("R34")

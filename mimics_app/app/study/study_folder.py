@@ -299,13 +299,15 @@ class StudyFolder:
         return self.folder_of(participant) / f"ses-{session:03d}"
 
     def _append(self, file: Path, line: Mapping[str, object]) -> None:
-        """Append a line and flush it to the medium."""
+        """Append a line, in place of one that a crash cut off, and flush it to the medium."""
+        content = read_or_nothing(file)
+        if content and not content.endswith(b"\n"):
+            os.truncate(file, content.rfind(b"\n") + 1)
         descriptor = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_APPEND, PRIVATE_FILE)
-        try:
-            os.write(descriptor, to_json(line) + b"\n")
+        with os.fdopen(descriptor, "ab") as stream:  # which raises on a full disk where os.write would write a part
+            stream.write(to_json(line) + b"\n")
+            stream.flush()
             os.fsync(descriptor)
-        finally:
-            os.close(descriptor)
 
 
 def folder_name(code: str) -> str:
