@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +18,11 @@ from mimics_app.app.study.study_folder import StudyFolder
 from mimics_app.app.study.study_runs import play_next
 from mimics_app.contracts.errors import SceneError, UsageError
 from mimics_app.contracts.messages.fit import Fit
+from mimics_app.contracts.system.resources import root
 from mimics_app.world.components.robot import Patient
 from mimics_app.world.components.visible import MeshComponent
 from mimics_app.world.content.extent import world_extent
-from mimics_app.world.files.scene.file import build_world
+from mimics_app.world.files.scene.file import build_world, load_scene
 from mimics_app.world.files.scene.scene import Scene
 from tests.support.core_play import CorePlay, change_component
 
@@ -92,6 +94,17 @@ def test_twice_mirrored_is_the_scene_itself_for_all_that_is_felt() -> None:
         for entity in document["entities"]:
             felt = {key: value for key, value in entity["components"].items() if key not in ("mesh", "patient")}
             assert {key: again[entity["id"]]["components"][key] for key in felt} == felt, (name, entity["id"])
+
+
+def test_no_text_of_a_scene_that_is_mirrored_names_a_side() -> None:
+    """Texts are not mirrored: what is on the left is then on the right."""
+    for file in sorted((root() / "scenes").rglob("*.json")):
+        document = json.loads(file.read_text(encoding="utf-8"))
+        if "entities" not in document or "parts" in file.parts or why_not_mirrored(load_scene(file).document):
+            continue
+        task = document.get("task") or {}
+        texts = [part.get(name, "") for part in (document, task) for name in ("description", "instructions", "prompt")]
+        assert not re.search(r"\b(?:left|right)\b", " ".join([*texts, *task.get("messages", {}).values()])), file.name
 
 
 def test_the_person_is_mirrored_with_the_scene() -> None:
