@@ -141,3 +141,12 @@ def test_a_stopped_belt_has_no_strikes() -> None:
     moving = np.stack([0.2 + 0.25 * np.sin(2.0 * np.pi * 0.5 * t), 0.4 - 0.2 * np.cos(2.0 * np.pi * 0.5 * t)], 1)
     assert len(_found(geometry, moving, runs=True)) > 25, "the same motion on a belt that runs"
     assert not len(_found(geometry, moving, runs=False))
+
+
+@pytest.mark.parametrize("rate", [0.0, -0.2, -0.5])
+def test_a_foot_that_stands_where_the_watch_begins_has_not_struck(rate: float) -> None:
+    """Ahead or behind, at rest or moving back with the belt; a place found from 0 m looks like a swing."""
+    geometry = LOKOMAT.geometry_of(Robot(device="lokomat"))
+    for hip in (0.35, -0.2):
+        angles = np.stack([hip + rate * DT * np.arange(600), np.full(600, 0.1)], 1)
+        assert _found(geometry, angles).size == 0

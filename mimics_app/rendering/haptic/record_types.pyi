@@ -1410,6 +1410,7 @@ class HeelStrikeRecord:
 
     count: int
     swings: int
+    begun: int
     x: float
     v: float
     a: float

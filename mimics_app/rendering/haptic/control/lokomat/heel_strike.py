@@ -29,13 +29,14 @@ HEEL_STRIKE = np.dtype(
     [
         ("count", np.int64),  # strikes so far
         ("swings", np.int64),  # 1: the foot swings forwards
+        ("begun", np.int64),  # 1: it is followed
         ("x", np.float64),  # ankle ahead of the hip, smoothed [m]
         ("v", np.float64),  # its velocity [m/s]
         ("a", np.float64),  # its acceleration [m/s^2]
     ],
     align=True,
 )
-"""Of one leg; zeros are the initial state, from which it finds the foot within a fifth of a second."""
+"""Of one leg; zeros are the initial state, from which it finds the velocity of the foot within a fifth of a second."""
 
 _TAU, _WAIT = 0.020, 0.008
 """Time constant of each pole, and the time for which a foot moves backwards before it is told [s]. Of five times of
@@ -60,6 +61,8 @@ def watch_heel(heel: HeelStrikeRecord, geometry: Vec, q: Vec, runs: bool, dt: fl
         dt: Tick [s].
     """
     place = geometry[THIGH] * math.sin(q[0]) + geometry[SHANK] * math.sin(q[0] - q[1])
+    if heel.begun == 0:  # a foot that stands ahead has not swung there
+        heel.begun, heel.x = 1, place
     r = math.exp(-dt / _TAU)
     free = 1.0 - r
     ahead = heel.x + dt * (heel.v + 0.5 * dt * heel.a)
