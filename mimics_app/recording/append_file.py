@@ -86,8 +86,10 @@ class AppendFile:
 
     def close(self) -> None:
         """Flush the file to the medium and close it."""
-        self.sync()
-        os.close(self._descriptor)
+        try:
+            self.sync()
+        finally:
+            os.close(self._descriptor)
 
 
 def is_claimed(path: Path) -> bool:

@@ -12,7 +12,7 @@ import json
 import mmap
 import zlib
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -91,17 +91,19 @@ class ColumnFile:
 
     def sync(self) -> None:
         """Flush the file to the medium."""
-        if self._file is not None:
-            self._file.sync()
+        with self._until_trouble():
+            if self._file is not None:
+                self._file.sync()
 
     def close(self) -> None:
         """Write the last rows and the end mark, and close the file."""
         if self._count:
             self._write()
         self._append(END_OF_STREAM)
-        if self._file is not None:
-            self._file.close()
-            self._file = None
+        file, self._file = self._file, None
+        if file is not None:
+            with suppress(OSError):
+                file.close()
 
     def _write(self) -> None:
         columns = [row[: self._count] for row in self._rows]
@@ -116,14 +118,20 @@ class ColumnFile:
         self._count = 0
 
     def _append(self, data: bytes | memoryview) -> None:
-        if self._file is None:
-            return
+        with self._until_trouble():
+            if self._file is not None:
+                self._file.append(data)
+
+    @contextmanager
+    def _until_trouble(self) -> Iterator[None]:
+        """End the file where the disk takes no more."""
         try:
-            self._file.append(data)
+            yield
         except OSError:
-            with suppress(OSError):
-                self._file.close()
-            self._file = None
+            file, self._file = self._file, None
+            if file is not None:
+                with suppress(OSError):
+                    file.close()
 
 
 def read_columns(folder: Path, extent: Extent, chosen: Sequence[int]) -> Iterator[Batch]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import os
 from contextlib import suppress
 from pathlib import Path
 
@@ -13,7 +14,7 @@ import pytest
 import mimics_app as mimics
 from mimics_app.contracts.loop.haptic import SAMPLE
 from mimics_app.contracts.loop.loop_fields import Extent, point_rows
-from mimics_app.recording import haptic_columns
+from mimics_app.recording import append_file, haptic_columns
 from mimics_app.recording.append_file import AppendFile
 from mimics_app.recording.arrow_format import INDEX_ROW
 from mimics_app.recording.column_file import BATCH_ROWS, ColumnFile
@@ -162,6 +163,24 @@ def test_a_full_disk_ends_the_columns_alone(tmp_path: Path, monkeypatch: pytest.
     monkeypatch.setattr(AppendFile, "append", full)
     _record(tmp_path)
     _assert_equal(tmp_path)
+
+
+def test_columns_that_cannot_be_flushed_end_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The recorder would take it for trouble with haptic.arrows, and lose its rows."""
+    columns = ColumnFile(tmp_path)
+    columns.add(_block(0, 50))
+    used: list[int] = []
+
+    def fail(descriptor: int) -> None:
+        used.append(descriptor)
+        raise OSError(errno.EIO, "Input/output error")
+
+    monkeypatch.setattr(append_file, "_sync", fail)
+    columns.sync()
+    with pytest.raises(OSError, match="descriptor"):
+        os.fstat(used[0])
+    columns.add(_block(50, 50))
+    columns.close()
 
 
 def test_a_block_whose_row_of_the_sidecar_finds_no_room_is_in_no_file(
