@@ -44,6 +44,16 @@ def test_the_examples_of_the_page_run(tmp_path: Path, capsys: pytest.CaptureFixt
     assert 'there is no setting "sed"; did you mean "seed"' in capsys.readouterr().out
 
 
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [("side", "lft", 'did you mean "left"'), ("difficulty", "hard", 'did you mean "harder"'), ("profile", 3, "known:")],
+)
+def test_a_setting_that_is_none_of_its_words_is_refused(name: str, value: object, said: str) -> None:
+    """A scene would be played on the wrong side without a word."""
+    with pytest.raises(mimics.errors.UsageError, match=f'{name}: there is no "{value}"(.|\n)*{said}'):
+        mimics.open("wavy_tunnel", record=False, **{name: value})  # type: ignore[arg-type]
+
+
 def test_the_tour_shows_the_tick_in_which_a_wall_begins_to_push(tmp_path: Path) -> None:
     page = (root() / "docs" / "guide" / "tour.md").read_text(encoding="utf-8")
     names: dict[str, object] = {"runs": tmp_path}

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self, get_type_hints
+from typing import TYPE_CHECKING, Any, Literal, Self, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -427,13 +427,18 @@ def _settings(scene: Path, given: Mapping[str, object], *, window: bool) -> RunS
     """Return the settings of a run.
 
     Raises:
-        UsageError: One is unknown, or of another type.
+        UsageError: One is unknown, or is none of the words that it takes.
     """
     known = {field.name for field in fields(RunSettings)} - _NOT_HERE - (set() if window else _OF_WINDOW)
     for name in given:
         if name not in known:
             raise UsageError(f'there is no setting "{name}"', nearest(name, known))
-    paths = {name for name, hint in get_type_hints(RunSettings).items() if "Path" in str(hint)}
+    hints = get_type_hints(RunSettings)
+    for name in given:
+        words = get_args(hints[name])
+        if get_origin(hints[name]) is Literal and given[name] not in words:
+            raise UsageError(f'{name}: there is no "{given[name]}"', nearest(str(given[name]), words))
+    paths = {name for name, hint in hints.items() if "Path" in str(hint)}
     plain: dict[str, Any] = {
         name: Path(str(value)) if name in paths and value is not None else value for name, value in given.items()
     }
