@@ -11,8 +11,10 @@ from starlette.websockets import WebSocket
 
 from mimics_app.console.access import Role
 
-__all__ = ["Client", "Clients"]
+__all__ = ["VIEWS", "Client", "Clients"]
 
+VIEWS = "this page was opened with an address for viewing"
+"""Refusal of what a client may not do with its token."""
 _MOST_WAITING = 256
 """Texts that wait for a slow client before it is closed."""
 _PER_SECOND, _AT_ONCE = 20.0, 40.0
@@ -149,7 +151,7 @@ class Clients:
         A request that the operator neither grants nor refuses is granted when it is made once more.
         """
         if not client.may_operate:
-            return "this page was opened with an address for viewing"
+            return VIEWS
         holder = next((each for each in self.open if each.operates), None)
         if holder is None or self._asking is client:
             self._give(client)

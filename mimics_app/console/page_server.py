@@ -21,7 +21,7 @@ from starlette.types import ASGIApp
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from mimics_app.console.access import COOKIE, Access
-from mimics_app.console.clients import Client, Clients
+from mimics_app.console.clients import VIEWS, Client, Clients
 from mimics_app.console.guard import Guard, read_body
 from mimics_app.console.handover import Lines, attach, send_line
 from mimics_app.console.page_files import catalogue, page_files
@@ -182,9 +182,11 @@ class PageServer:
             client.tell({"kind": "answer", "id": -1, "done": False, "why": f"not a request: {error}"})
             return
         why = client.may_ask(ask.id, asyncio.get_running_loop().time())
-        if not why and ask.ask in ("choices", "check"):
-            asyncio.get_running_loop().create_task(_prepare(client, ask))
-            return
+        if not why and ask.ask in ("choices", "check"):  # which tell of studies and their participants
+            if client.may_operate:
+                asyncio.get_running_loop().create_task(_prepare(client, ask))
+                return
+            why = VIEWS
         why = why or self._do(client, ask)
         if why or not bytes(ask.command):
             client.tell({"kind": "answer", "id": ask.id, "done": not why, "why": why})

@@ -126,6 +126,14 @@ def test_a_press_and_a_request_count_once(page: PageAddress, play: LinkedSession
     play.play(5)
 
 
+def test_an_address_for_viewing_tells_nothing_of_studies_and_their_participants(page: PageAddress) -> None:
+    choice = {"scene": "wavy_tunnel", "study": "gait", "participant": "P07"}
+    with open_socket(page, view=True) as client:
+        for number, asked in enumerate(({"ask": "choices"}, {"ask": "check", "choice": choice}), start=1):
+            answer = ask(client, number, **asked)
+            assert (answer["done"], "for viewing" in answer["why"]) == (False, True), asked
+
+
 def test_long_messages_are_refused(page: PageAddress) -> None:
     origin, cookie = enter(page)
     assert post(f"{page.stop_url}/stop", b"{" + b" " * 100_000, origin=origin, cookie=cookie)[0] == 400
