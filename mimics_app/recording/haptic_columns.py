@@ -22,8 +22,8 @@ __all__ = ["HapticColumns"]
 class HapticColumns:
     """The valid rows of haptic.arrows, from haptic_columns.arrows as far as that goes.
 
-    Where haptic.arrows is damaged or of an earlier version, it is read as a whole. All columns have the rows that there
-    were when the first was read.
+    Where haptic.arrows misses blocks or is of an earlier version, it is read as a whole; blocks whose rows are in the
+    columns are not verified again. All columns have the rows that there were when the first was read.
 
     Args:
         run: The run.
