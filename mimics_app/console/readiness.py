@@ -124,7 +124,7 @@ def machine_lights(doctor: Mapping[str, Any]) -> list[Light]:
         Light(
             phrase("disk"),
             room,
-            phrase("room for {hours:.0f} hours of recording", hours=hours),
+            phrase("room for {hours:.0f} h of recording", hours=hours),
             "" if room == "green" else phrase("free some space, or start the page in another folder"),
         ),
         Light(

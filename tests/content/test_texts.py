@@ -61,6 +61,12 @@ def test_a_person_is_addressed_formally(code: str) -> None:
     assert [form for form in forms if re.search(FAMILIAR[code], form, re.IGNORECASE)] == []
 
 
+def test_a_number_of_things_has_its_plural() -> None:
+    """One is "1 step", not "1 steps"."""
+    many = re.compile(r"\{\w+:(?:d|\.0f)\} [a-z]+s\b")
+    assert [msgid.text for msgid in find_msgids() if many.search(msgid.text) and not msgid.plural] == []
+
+
 def test_no_translation_outlives_its_text() -> None:
     written = {msgid.text for msgid in find_msgids()}
     for code in TRANSLATED:

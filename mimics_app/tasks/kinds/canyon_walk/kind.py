@@ -13,7 +13,7 @@ from mimics_app.contracts.messages.board import Card, Tone
 from mimics_app.contracts.messages.orders import Feature, HapticField
 from mimics_app.contracts.messages.stage_messages import SoundTrigger
 from mimics_app.contracts.ports.scenario_port import TaskContext
-from mimics_app.contracts.system.phrases import phrase
+from mimics_app.contracts.system.phrases import counted_phrase, phrase
 from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.deflection import DEAD_ZONE
 from mimics_app.tasks.kinds.canyon_walk.crossing import Beam, Crossing
@@ -213,8 +213,9 @@ class CanyonWalkPlay(KindPlay):
         }
 
     def outcome_words(self, row: Mapping[str, object], *, finished: bool) -> str:
-        beside = phrase("{steps:.0f} steps beside the beam", steps=row["missteps"])
-        missed = beside if row["missteps"] else phrase("no step beside the beam")
+        count = self._crossing.missteps
+        beside = counted_phrase("{n:d} step beside the beam", "{n:d} steps beside the beam", count)
+        missed = beside if count else phrase("no step beside the beam")
         if finished:
             return phrase("Across in {seconds:.0f} s, {missed}", seconds=row["time_s"], missed=missed)
         metres = self._section.end - self._crossing.along
