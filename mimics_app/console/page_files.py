@@ -30,12 +30,13 @@ def page_files() -> dict[str, tuple[bytes, str]]:
 
 
 def catalogue(accepted: str) -> dict[str, object]:
-    """Return the language, and its texts by their English ones, of which the page has what the reader prefers.
+    """Return the language that the reader prefers of those there are, its texts and plural forms by the English ones.
 
     Args:
         accepted: Value of the Accept-Language header.
     """
     wanted = [match.group(1).lower() for part in accepted[:_LONGEST].split(",") if (match := _TAG.match(part.strip()))]
     code = next((each for each in wanted if each in language.LANGUAGES), language.SOURCE)
-    texts = {} if code == language.SOURCE else dict(language.catalogue(code))
-    return {"language": code, "texts": texts}
+    if code == language.SOURCE:
+        return {"language": code, "texts": {}, "plurals": {}}
+    return {"language": code, "texts": dict(language.catalogue(code)), "plurals": dict(language.plural_forms(code))}

@@ -25,6 +25,13 @@ SAID = [
     "A text of somebody's own scene",
     "two\nGo!",
     "/tmp/a_1.5/b",
+    "The session is over: 3 of 5 trials finished",
+    "Time is over: the hand moved 0.8 m, 1 contact",
+    *(f"Across in 8 s, {n} steps beside the beam" for n in (2, 4, 5, 101, 112)),
+    "Range measured: right 30 cm or more, left 20.5 cm",
+    "63 of 100 points. Lost: 20 by distance from the line (12.0 mm), 10 by contacts",
+    "a sentence of nobody, right 30 cm",
+    "constructor",
 ]
 RUN = """
 const [script, texts, said] = process.argv.slice(2).map((text, i) => (i ? JSON.parse(text) : text));

@@ -19,7 +19,17 @@ from string import Formatter
 from mimics_app.contracts.errors import UsageError, nearest
 from mimics_app.contracts.system import resources
 
-__all__ = ["LANGUAGES", "SOURCE", "catalogue", "speak", "speaking", "spoken", "system_language", "translated"]
+__all__ = [
+    "LANGUAGES",
+    "SOURCE",
+    "catalogue",
+    "plural_forms",
+    "speak",
+    "speaking",
+    "spoken",
+    "system_language",
+    "translated",
+]
 
 SOURCE = "en"
 """Language of the keys."""
@@ -164,6 +174,16 @@ def catalogue(language: str) -> Mapping[str, str]:
     """Return the texts of a language by the English ones, without those that have plural forms; {} without a table."""
     entries = getattr(_read(language), "_catalog", {})
     return {key: text for key, text in entries.items() if isinstance(key, str) and key}
+
+
+@cache
+def plural_forms(language: str) -> Mapping[str, list[str]]:
+    """Return the forms of each text of a language that has plural forms, in their order, by both English ones."""
+    english, entries = (getattr(_read(code), "_catalog", {}) for code in (SOURCE, language))
+    forms: dict[str, list[str]] = {}
+    for msgid, number in sorted(key for key in entries if isinstance(key, tuple)):
+        forms.setdefault(msgid, []).append(entries[msgid, number])
+    return {english[msgid, number]: own for msgid, own in forms.items() for number in (0, 1)}
 
 
 @cache
