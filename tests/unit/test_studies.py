@@ -255,6 +255,23 @@ def test_names_stay_in_the_key_file_and_erase_leaves_nothing(study: StudyFolder,
     assert [each.code for each in study.participants] == ["P9"] and find_next(study, other).run is not None
 
 
+def test_names_that_cannot_be_read_are_not_replaced(study: StudyFolder, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As from the account of another operator: the key file is for its user alone, its folder may be for both."""
+    study.of_name(NAME)
+    kept = study.key_file.read_bytes()
+
+    def refuse(path: Path) -> bytes:
+        if path == study.key_file:
+            raise PermissionError(13, "Permission denied", str(path))
+        return path.read_bytes()
+
+    monkeypatch.setattr("mimics_app.app.study.study_folder.read_regular", refuse, raising=False)
+    monkeypatch.setattr("mimics_app.contracts.system.regular_file.read_regular", refuse)
+    with pytest.raises(OutputError, match="Permission denied") as refused:
+        study.of_name("Berta Beispiel")
+    assert refused.value.path == str(study.key_file) and study.key_file.read_bytes() == kept
+
+
 def test_erase_says_where_somebody_wrote_the_name(study: StudyFolder, played: Played) -> None:
     named = study.of_name(NAME)
     (study.path / "notes.txt").write_text(f"{NAME} was tired")

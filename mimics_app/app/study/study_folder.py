@@ -33,7 +33,7 @@ from mimics_app.app.terminal.participant import canonical_code, why_no_code
 from mimics_app.contracts.clock import wall_time
 from mimics_app.contracts.errors import Issue, OutputError, SceneError, UsageError, nearest
 from mimics_app.contracts.messages.calibration_record import Calibration
-from mimics_app.contracts.system.regular_file import read_or_nothing
+from mimics_app.contracts.system.regular_file import read_or_nothing, read_regular
 from mimics_app.recording.event_log import to_json
 from mimics_app.recording.json_text import parse_object
 from mimics_app.recording.run_folder import PRIVATE_FILE, PRIVATE_FOLDER, write_atomically
@@ -178,7 +178,11 @@ class StudyFolder:
         return added
 
     def of_name(self, name: str) -> Participant:
-        """Return the participant with a name, from the key file, where a new code is entered for a new name."""
+        """Return the participant with a name, from the key file, where a new code is entered for a new name.
+
+        Raises:
+            OutputError: The key file cannot be read.
+        """
         names = self._names()
         code = next((code for code, each in names.items() if each == canonical_code(name)), None)
         if code is None:
@@ -188,7 +192,17 @@ class StudyFolder:
         return self.find_or_add(code)
 
     def _names(self) -> dict[str, str]:
-        data = read_or_nothing(self.key_file)
+        """Return the names by code.
+
+        Raises:
+            OutputError: The key file cannot be read, and would lose all names if it were written.
+        """
+        try:
+            data = read_regular(self.key_file)
+        except FileNotFoundError:
+            return {}
+        except OSError as error:
+            raise OutputError(self.key_file, f"cannot be read: {error.strerror or error}", "ask its owner") from error
         return {code: str(name) for code, name in parse_object(data).items()} if data else {}
 
     def with_language(self, participant: Participant, language: str) -> Participant:
