@@ -52,6 +52,8 @@ def test_a_phrase_is_english_whatever_is_spoken() -> None:
         ),
         ("one hand · 6 trials, up to 4 min", "eine Hand · 6 Durchgänge, bis zu 4 min"),
         ("Practice: get ready", "Übung: Machen Sie sich bereit"),
+        ("Participant P 1.2 · Recorded in /data/hand 1.5", "Teilnehmer P 1.2 · Aufgezeichnet in /data/hand 1.5"),
+        ("run 2 of session 1: walking", "Lauf 2 der Sitzung 1: walking"),
         ("version 1.2.3 at 192.168.0.10", "version 1.2.3 at 192.168.0.10"),
         ("/tmp/run_1.5/a", "/tmp/run_1.5/a"),
         ("A text of somebody's own scene, and more", "A text of somebody's own scene, and more"),
@@ -88,6 +90,8 @@ def _filled(template: str, word: str, number: int) -> str:
 
 
 def _value(name: str, form: str | None, word: str, number: int) -> object:
+    if name in ("code", "condition", "file", "folder"):  # names that somebody gave
+        return WORD
     if form in ("", "s", None):
         return word
     return number if name == "n" else 2 if form in ("d", ".0f") else 2.5

@@ -6,6 +6,7 @@ let shapes = [];
 let rules = new Intl.PluralRules("en");
 
 const NUMBER = "[-+]?\\d+(?:\\.\\d+)?";
+const OWN = ["code", "condition", "file", "folder"];
 const WORDS = { undefined: ".+?", s: "[^,]+?" };
 const DECIMAL = /(?<![\w./:-])([-+]?\d+)\.(\d+)(?![\w/]|\.\d)/g;
 
@@ -71,7 +72,7 @@ function filled(text) {
     if (!match) continue;
     const value = (name) => match[1 + names.indexOf(name)];
     const template = forms.length > 1 ? forms[formOf(value("n"), forms.length)] : forms[0];
-    return template.replace(/\{(\w+)(?::[^}]*)?\}/g, (_, name) => told(value(name)));
+    return template.replace(/\{(\w+)(?::[^}]*)?\}/g, (_, name) => (OWN.includes(name) ? value(name) : told(value(name))));
   }
   return "";
 }

@@ -53,6 +53,8 @@ _LISTED = ", "
 """Separates the phrases of a list, all of which are in the catalogue."""
 _VALUES = {"": ".+?", "s": "[^,]+?"}
 """Patterns of words by their format; any other format is that of a number."""
+_OWN = ("code", "condition", "file", "folder")
+"""Values that are names which somebody gave, and stay as they are."""
 _NUMBER = r"[-+]?\d+(?:\.\d+)?"
 _DECIMAL = re.compile(r"(?<![\w./:-])([-+]?\d+)\.(\d+)(?![\w/]|\.\d)")
 """A number with decimals that is no part of a version, an address or a path."""
@@ -116,7 +118,8 @@ class _Table:
             template = self._found.ngettext(shape.key, shape.key, round(float(values["n"])))
         else:
             template = self._plain.get(shape.key, shape.key)
-        return _without_formats(template).format(**{name: self.translate(value) for name, value in values.items()})
+        shown = {name: value if name in _OWN else self.translate(value) for name, value in values.items()}
+        return _without_formats(template).format(**shown)
 
 
 class _Present:

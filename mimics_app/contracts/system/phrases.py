@@ -15,7 +15,7 @@ def phrase(msgid: str, /, **values: object) -> str:
 
     Args:
         msgid: A literal, with `{name:.1f}` for a number, `{name}` for words, which are phrases themselves, and
-            `{name:s}` for words without a comma.
+            `{name:s}` for words without a comma; `{code}`, `{condition}`, `{file}` and `{folder}` are names as given.
         values: Values by name; without any the text is returned as it is, with its names.
     """
     return msgid.format(**values) if values else msgid
