@@ -159,7 +159,7 @@ def test_normalise_of_what_is_no_rotation_gives_the_identity_and_says_so(bad):
     out = np.empty(4)
     assert quat.normalise(np.array(bad, float), out) == 0.0
     assert out.tolist() == list(quat.IDENTITY)
-    with pytest.raises(ValueError, match="no rotation"):
+    with pytest.raises(ValueError, match="not a rotation"):
         quat.normalise_rows(np.array([bad], float))
 
 

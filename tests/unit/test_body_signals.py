@@ -143,7 +143,7 @@ def test_the_table_of_noise_counts_every_kind_and_lays_what_two_excerpts_differ_
     assert (whole.beats, whole.missed, whole.invented) == tuple(
         sum(getattr(part, name) for part in parts) for name in ("beats", "missed", "invented")
     )
-    assert rows["record 118, electrode noise laid anew, 4.6 dB"].beats == 20 * len(beats)
+    assert rows["record 118, electrode noise added again, 4.6 dB"].beats == 20 * len(beats)
     assert all(0.0 <= row.worst <= row.f1 + 1e-12 <= 1.0 + 1e-12 for row in rows.values())
     laid = noise_of(*(Annotated(name, 1000.0, heart + sizes[name] * noise, beats) for name in list(sizes)[1:3]))
     np.testing.assert_allclose(laid, noise, atol=1e-9)

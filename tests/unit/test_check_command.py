@@ -184,7 +184,7 @@ def test_part_that_the_scenario_misses_is_reported_by_check_as_by_run(tmp_path, 
 def test_ball_may_have_any_name(tmp_path, capsys):
     text = (root() / "scenes" / "wavy_tunnel.json").read_text()
     file = tmp_path / "mine.json"
-    file.write_text(text.replace('"id": "ball"', '"id": "my_ball"'))
+    file.write_text(text.replace('"id": "ball"', '"id": "my_ball"').replace('"tunnel", "ball"', '"tunnel", "my_ball"'))
     assert main(["check", str(file)]) == 0
 
 

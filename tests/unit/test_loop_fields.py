@@ -54,9 +54,9 @@ def test_every_number_in_the_snapshot_is_read_where_the_table_says(field: LoopFi
 @pytest.mark.parametrize(
     ("arguments", "why"),
     [
-        (("x", ""), "no unit"),
-        (("x", ("m", "rad")), "no unit for each of 3"),
-        (("x", ("m", "", "m")), "no unit for each of 3"),
+        (("x", ""), "not have one unit"),
+        (("x", ("m", "rad")), "not have one unit for each of 3"),
+        (("x", ("m", "", "m")), "not have one unit for each of 3"),
     ],
 )
 def test_a_row_without_a_unit_is_refused(arguments: tuple[Any, ...], why: str) -> None:

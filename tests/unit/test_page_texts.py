@@ -6,12 +6,13 @@ import json
 import subprocess
 from pathlib import Path
 
+import playwright
 import pytest
 
 from mimics_app.console import page_files
 from mimics_app.contracts.system.language import speaking, translated
 
-NODE = Path(pytest.importorskip("playwright").__file__).parent / "driver" / "node"
+NODE = Path(playwright.__file__).parent / "driver" / "node"
 SCRIPT = Path(page_files.__file__).parent / "page" / "texts.js"
 SAID = [
     "Goal reached in 8.3 s",

@@ -174,6 +174,7 @@ class PaperScene:
         self.file, self.root, self._sounds = str(folder / "scene.json"), folder, sounds
         self.path = folder / "scene.json"
         self.entities = ()
+        self.by_id = {}
         self.document = {}
 
     def issue(self, pointer, what, fix=""):

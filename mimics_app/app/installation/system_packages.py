@@ -90,6 +90,12 @@ NEEDS: tuple[SystemNeed, ...] = (
     ),
     SystemNeed("chromium", "tests that use the operator's page", kind="test-optional", program="chromium"),
     SystemNeed("debootstrap", "bare systems for make fresh", kind="test-optional", program="debootstrap"),
+    SystemNeed(
+        "desktop-file-utils",
+        "the test of the menu entry",
+        kind="test-optional",
+        program="desktop-file-validate",
+    ),
     SystemNeed("gcc", "tests with an OpenXR runtime of their own", kind="test-optional", program="cc"),
     SystemNeed("libc6-dev", "tests with an OpenXR runtime of their own", kind="test-optional", files=("crt1.o",)),
 )
