@@ -92,7 +92,7 @@ def test_every_package_that_a_test_imports_is_pinned() -> None:
     apart = {"test_blender.py", "test_board_source.py", "test_neurokit.py", "test_signal_sources_in_runs.py"}
     # liblsl is a system's library, and the judges of the exports are larger than what they judge (group "judges")
     apart |= {"test_lsl_outlets.py", "test_lsl_flood.py", "test_lsl_beside_load.py"}
-    apart |= {"test_exported_files.py", "test_exporters.py"}
+    apart |= {"test_exported_files.py", "test_exporters.py", "test_export_memory.py"}
     apart |= {"test_study_hostile.py"}  # brainflow, for a message of its own
     for file in (ROOT / "tests").rglob("test_*.py"):
         if file != Path(__file__) and file.name not in apart:
