@@ -33,6 +33,7 @@ SAID = [
     "63 of 100 points. Lost: 20 by distance from the line (12.0 mm), 10 by contacts",
     "a sentence of nobody, right 30 cm",
     "constructor",
+    "run 2 of session 1: walking",
 ]
 RUN = """
 const [script, texts, said] = process.argv.slice(2).map((text, i) => (i ? JSON.parse(text) : text));
