@@ -265,7 +265,7 @@ def test_names_that_cannot_be_read_are_not_replaced(study: StudyFolder, monkeypa
             raise PermissionError(13, "Permission denied", str(path))
         return path.read_bytes()
 
-    monkeypatch.setattr("mimics_app.app.study.study_folder.read_regular", refuse, raising=False)
+    monkeypatch.setattr("mimics_app.app.study.study_folder.read_regular", refuse)
     monkeypatch.setattr("mimics_app.contracts.system.regular_file.read_regular", refuse)
     with pytest.raises(OutputError, match="Permission denied") as refused:
         study.of_name("Berta Beispiel")
