@@ -29,7 +29,7 @@ def test_rate_of_equation_5_is_the_stated_one():
 @given(b=st.floats(0.5, 60.0), m1=st.floats(0.1, 5.0), m2=st.floats(0.1, 5.0))
 def test_damper_of_17_feeds_what_its_corrected_form_takes(b: float, m1: float, m2: float):
     reduced = m1 * m2 / (m1 + m2)
-    # Where the pair oscillates the multipliers' product is 1 +- h b/m exactly; beyond, only the sign is known, and where
+    # Where the pair oscillates the multipliers' product is 1 +- h b/m exactly; beyond only the sign is known, as where
     # the pair grows a million times in the 0.4 s of the motion: it lifts off, which no linear rate tells.
     grown, stays = np.log1p(1e-3 * b / reduced) / 2e-3, np.log(1e6) / 0.4
     if 1e-3 * b / reduced < 0.5 * np.sqrt(1e-6 * 2000.0 / reduced) and grown < stays:
