@@ -21,11 +21,12 @@ from mimics_app.rendering.haptic.no_objects import NO_FIELDS
 from mimics_app.rendering.haptic.objects import new_object_work
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.rendering.haptic.simulate import simulate_objects
-from mimics_app.tasks.kinds.soccer.ball import BALL, SoccerBall, impact_speed
+from mimics_app.tasks.kinds.soccer.ball import BALL, SoccerBall
 from mimics_app.tasks.kinds.soccer.felt_ball import FeltBall
 from mimics_app.tasks.kinds.soccer.match import Match, Pitch
 from mimics_app.tasks.walking.legs import GAITS
 from mimics_app.tasks.walking.walker import Walker
+from tests.support.ball_impact import impact_speed
 
 SCENE = root() / "scenes" / "soccer.json"
 TICK = 1e-3

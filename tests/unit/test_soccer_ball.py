@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mimics_app.tasks.kinds.soccer.ball import BALL, BallSpec, SoccerBall, impact_speed
+from mimics_app.tasks.kinds.soccer.ball import BALL, BallSpec, SoccerBall
+from tests.support.ball_impact import impact_speed
 
 G = 9.81
 AHEAD = np.array([0.0, 0.0, 1.0])

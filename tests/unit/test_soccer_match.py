@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from mimics_app.tasks.kinds.soccer.ball import impact_speed
 from mimics_app.tasks.kinds.soccer.kind import SoccerPlay, SoccerSpec
 from mimics_app.tasks.kinds.soccer.match import Match, Pitch
 from mimics_app.tasks.kinds.soccer.mind import Act, Mind
 from mimics_app.tasks.walking.legs import GAITS
+from tests.support.ball_impact import impact_speed
 
 FRAME = 1.0 / 60.0
 MODERATE = 0.5

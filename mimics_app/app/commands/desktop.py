@@ -1,4 +1,4 @@
-"""`mimics desktop`: an entry in the desktop's menu of applications, by the Desktop Entry Specification 1.5."""
+"""`mimics desktop`: an entry in the desktop's menu of applications, by the Desktop Entry Specification 1.0."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def entry_of(command: list[str], folder: Path) -> str:
     started = " ".join(_quoted(word) for word in command)
     values = {
         "Type": "Application",
-        "Version": "1.5",
+        "Version": "1.0",
         "Name": "mimics",
         "GenericName": "Virtual-reality rehabilitation",
         "Comment": "Tasks that are seen, heard and felt, adapted to the person",

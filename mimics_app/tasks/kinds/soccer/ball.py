@@ -18,7 +18,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 
-__all__ = ["BALL", "BallSpec", "SoccerBall", "impact_speed"]
+__all__ = ["BALL", "BallSpec", "SoccerBall"]
 
 _GRAVITY = 9.81
 _AIR = 1.2
@@ -66,11 +66,6 @@ class BallSpec:
 
 BALL = BallSpec()
 """A ball of size 5 (Laws of the Game: 68 to 70 cm round, 410 to 450 g); its other numbers are settings."""
-
-
-def impact_speed(foot_mass: float, foot_speed: float, spec: BallSpec = BALL) -> float:
-    """Return the speed [m/s] of a resting ball after a central impact of a foot: momentum, and restitution."""
-    return foot_speed * (1.0 + spec.kick_restitution) * foot_mass / (foot_mass + spec.mass)
 
 
 class SoccerBall:
