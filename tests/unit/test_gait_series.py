@@ -61,12 +61,12 @@ def test_step_and_cadence_are_those_of_the_table_at_any_height(group: str, heigh
     assert natural_cadence(speed, height) == pytest.approx(0.5 * steps, rel=0.015)
 
 
-@pytest.mark.parametrize(("kmh", "raw", "aligned"), [(0.5, 3.0, 3.0), (1.9, 6.5, 4.0), (3.2, 7.5, 3.0)])
+@pytest.mark.parametrize(("kmh", "raw", "aligned"), [(0.5, 2.5, 2.5), (1.9, 6.0, 4.0), (3.2, 6.0, 3.0)])
 def test_the_knee_as_another_author_has_it(kmh: float, raw: float, aligned: float) -> None:
-    """Koopman 2014, adults of 47 to 68 years on a treadmill. The goal, 6 degrees, is met at 0.5 km/h as it stands.
+    """Koopman 2014, adults of 47 to 68 years on a treadmill. The goal, 6 degrees at three speeds, is met as it stands.
 
-    At 1.9 and 3.2 km/h the two tables themselves differ by 6.3 and 7.3 degrees: the cycle of the second begins up to
-    4 % later. Moved by that, they agree within 4 degrees.
+    What is left is mostly timing: the two tables themselves differ by 5.3 and 5.9 degrees at 1.9 and 3.2 km/h, and by
+    less than 4 with the second moved by 3 % of the cycle.
     """
     other = knee_by_speed(kmh / 3.6)
     assert _rms(_knee(kmh / 3.6) - other) < raw
@@ -109,5 +109,5 @@ def test_the_bench_and_the_figure_tell_both_what_agrees_and_what_does_not() -> N
     fitted = [degrees for (table, _), degrees in found.items() if "Schwartz" in table]
     assert len(fitted) == 6 and max(fitted) < 1.0
     slow = _rms(_knee(1.9 / 3.6) - knee_by_speed(1.9 / 3.6))
-    assert found["knee, Koopman 2014", 1.9] == pytest.approx(slow, abs=0.1) and slow > 6.0
+    assert found["knee, Koopman 2014", 1.9] == pytest.approx(slow, abs=0.1) and 3.0 < slow < 6.0
     assert found["thigh, Bovi 2011", 4.7] < 3.0

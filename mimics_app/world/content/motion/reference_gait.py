@@ -10,7 +10,10 @@ Sources:
 - Knee from 0.5 to 5 km/h: B. Koopman, E. H. F. van Asseldonk, H. van der Kooij, Speed-dependent reference joint
   trajectory generation for robotic gait support, J. Biomechanics 47 (2014) 1447-1458: regression of six events on
   speed [km/h] and body height [m], joined by quintic polynomials. Rows: 1, speed, its square, height. The
-  coefficients were read from a public table of that regression, not from the paper itself.
+  coefficients were read from a public table of that regression, not from the paper itself. Its times are indices of
+  samples that count from 1: heel contact is at 1. That a cycle has 100 steps of them, from 1 to 101, is not in the
+  table: the last polynomial, from the fastest extension to heel contact, is two to three times smoother with its end at
+  101 than at 100 (from 0.5 to 4.7 km/h).
 
 The two differ by 8 degrees (root mean square) in the knee at 1.2 m/s: in the zero of the joint, and by a later
 toe-off in the second. For hip and ankle at other speeds no data are available (the regression is published for both,
@@ -56,7 +59,7 @@ NATURAL: dict[str, tuple[float, ...]] = {
 """Flexion of hip and knee, dorsiflexion of the ankle [degrees], [50] each."""
 
 _WHEN = (
-    (0.0, 0.0, 0.0, 0.0),  # heel contact
+    (1.0, 0.0, 0.0, 0.0),  # heel contact
     (17.1031, 0.0, 0.0, 0.0),  # maximum flexion in stance
     (48.5422, -0.998055, 0.0, 0.0),  # minimum flexion in stance
     (68.9475, -6.09610, 0.610870, 5.96713),  # maximum flexion velocity
@@ -75,7 +78,8 @@ _BEND = (
     (0.301196, 0.0732306, 0.0, 0.0), (-0.0944567, 0.0, -0.00496254, 0.0), (0.0418350, 0.0, 0.00435602, 0.0),
     (0.0, 0.0, 0.0, 0.0), (-0.783686, 0.224573, -0.0263203, 0.0), (0.0, 0.0, 0.0, 0.0),
 )  # fmt: skip
-"""Times of the six events of the knee [%], its angles there [degrees], and their first and second derivatives."""
+"""Times of the six events of the knee [samples of 1 %, from 1], its angles there [degrees], their first and second
+derivatives."""
 
 _HEIGHT = 1.75
 """Body height for which the knee is computed [m]."""
@@ -100,7 +104,7 @@ def knee_by_speed(speed: float) -> F8:
     kmh = 3.6 * min(max(speed, 0.14), 1.39)  # the measured range
     terms = np.array([1.0, kmh, kmh * kmh, _HEIGHT])
     when, angle, slope, bend = (np.array(rows) @ terms for rows in (_WHEN, _ANGLE, _SLOPE, _BEND))
-    when = np.append(when, 100.0)
+    when = np.append(when, 101.0) - 1.0  # from heel contact
     at = np.arange(SAMPLES) * 100.0 / SAMPLES
     knee = np.empty(SAMPLES)
     for k in range(6):
