@@ -15,6 +15,7 @@ from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS
+from mimics_app.contracts.messages.leg_motion import LegMotion
 from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.haptic.kernels.objects.object_inputs import INPUT_LENGTH, INPUT_POSITION, INPUT_VELOCITY
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS
@@ -103,7 +104,7 @@ def test_the_task_takes_the_speed_that_the_loop_gave_and_has_the_ball_again() ->
     felt, ball, walker = FeltBall("felt", 0.2), SoccerBall(), Walker(GAITS["healthy"], 0)
     loop = Loop(felt)
     walker.put(0.0, 0.0, math.pi)
-    walker.speed = 0.5
+    walker.speed = 0.5  # of legs whose person stands before a board: over the ground nobody moves
     ball.put(0.0, -0.5)
     for _ in range(3):
         loop.frame(ball, walker)
@@ -115,8 +116,27 @@ def test_the_task_takes_the_speed_that_the_loop_gave_and_has_the_ball_again() ->
     for _ in range(3):
         loop.frame(ball, walker)
     assert not felt.held
-    # Ahead is -z, the right +x; the person walks with 0.5 m/s.
-    np.testing.assert_allclose(ball.velocity, (-0.3, 0.4, -2.6), atol=1e-9)
+    np.testing.assert_allclose(ball.velocity, (-0.3, 0.4, -2.1), atol=1e-9)  # ahead is -z, the right +x
+
+
+@pytest.mark.parametrize("turn", [-1.8, 0.0, 1.2])
+def test_a_ball_that_lies_still_lies_still_for_who_walks_and_turns(turn: float) -> None:
+    """The loop has it in the person's frame, which moves and turns; over the ground it has no velocity."""
+    felt, ball, walker = FeltBall("felt", 0.2), SoccerBall(), Walker(GAITS["healthy"], 0)
+    loop, legs = Loop(felt), LegMotion(0.0, 0.0, 0.0, 0.0, 0.5)
+    walker.put(0.0, 0.0, math.pi)
+    ball.put(0.3, -0.6)
+    for _ in range(3):
+        walker.step_by_legs(legs, turn, FRAME)
+        loop.frame(ball, walker)
+    assert not felt.held
+    loop.foot = loop.place - (0.16, 0.0, 0.0)
+    for _ in range(4):
+        walker.step_by_legs(legs, turn, FRAME)
+        loop.frame(ball, walker)
+        assert felt.held
+        assert np.linalg.norm(ball.velocity) < 0.15, "a body flies straight on in a frame that turns for 60 ms"
+    np.testing.assert_allclose(ball.place, (0.3, ball.spec.radius, -0.6), atol=0.006)
 
 
 def test_a_ball_that_something_else_moves_is_the_tasks_again() -> None:

@@ -33,6 +33,8 @@ _BEYOND, _PARKED = 1.5, 3.0
 """Distance from which on the body need not follow the ball, and how far ahead it is then [m]."""
 _OFF, _OTHER = 0.004, 0.03
 """Differences of place [m] and velocity [m/s] of ball and body from which on the body is placed anew."""
+_PUT = 0.2
+"""Way of the person from one frame to the next from which on they were put elsewhere [m]: nobody walks at 12 m/s."""
 _OWN_PLACEMENT = 1
 """Number of the scene's own placement of a body."""
 
@@ -44,21 +46,30 @@ class _Hips:
     Attributes:
         at: Place [m].
         ahead: Heading, of length 1.
-        speed: Walking speed [m/s].
+        t_ns: Time of the frame [ns].
+        moves: Velocity over the ground [m/s].
+        turn: Rate of turn to the left [rad/s].
     """
 
     at: complex
     ahead: complex
-    speed: float
+    t_ns: int
+    moves: complex
+    turn: float
 
     @classmethod
-    def of(cls, walker: Walker) -> _Hips:
-        """Return that of a walker."""
-        return cls(complex(walker.x, walker.z), cmath.rect(1.0, 0.5 * math.pi - walker.yaw), walker.speed)
+    def of(cls, walker: Walker, before: _Hips | None, t_ns: int) -> _Hips:
+        """Return that of a walker, who was at `before` in the last frame and may have been put elsewhere since."""
+        at, ahead = complex(walker.x, walker.z), cmath.rect(1.0, 0.5 * math.pi - walker.yaw)
+        if before is None or t_ns <= before.t_ns or abs(at - before.at) > _PUT:
+            return cls(at, ahead, t_ns, walker.speed * ahead, 0.0)
+        seconds = (t_ns - before.t_ns) * 1e-9
+        turned = -cmath.phase(ahead * before.ahead.conjugate())
+        return cls(at, ahead, t_ns, (at - before.at) / seconds, turned / seconds)
 
-    def velocity(self, moves: F8) -> F8:
-        """Return a velocity over the ground as seen by the person [m/s], [3]."""
-        own = complex(moves[0], moves[2]) * self.ahead.conjugate() - self.speed
+    def velocity(self, moves: F8, at: F8) -> F8:
+        """Return a velocity over the ground at a place as seen by the person [m/s], [3]."""
+        own = (complex(moves[0], moves[2]) - self.moves) * self.ahead.conjugate() + 1j * self.turn * self.place(at)
         return np.array([own.real, moves[1], own.imag])
 
     def place(self, at: F8) -> complex:
@@ -67,9 +78,17 @@ class _Hips:
 
 
 class _Seen(NamedTuple):
-    """The body in a frame: place [m], time [ns], and whether a foot touched it in the hundredths of a second before."""
+    """The body in a frame.
+
+    Attributes:
+        place: As the person sees it [m].
+        at: Over the ground, x + i z [m].
+        t_ns: Time [ns].
+        touched: Whether a foot touched it in the hundredths of a second before.
+    """
 
     place: Vec3
+    at: complex
     t_ns: int
     touched: bool
 
@@ -96,6 +115,7 @@ class FeltBall:
         self.held = self._touched = False
         self._moves: F8 | None = None  # velocity with which the body was placed
         self._before: _Seen | None = None
+        self._hips: _Hips | None = None
         self._given: tuple[F8, F8] | None = None  # place and velocity that the task's ball was given
 
     @property
@@ -119,12 +139,14 @@ class FeltBall:
             return 0.0
         feet = [point.speed for point in seen.points if point.touching]
         begins, self._touched = bool(feet) and not self._touched, bool(feet)
-        hips, body = _Hips.of(walker), _Seen(place, seen.snapshot.t_ns, bool(feet))
-        near = any(_meet_soon(point, body, hips.velocity(ball.velocity)) for point in seen.snapshot.points)
+        hips = self._hips = _Hips.of(walker, self._hips, seen.snapshot.t_ns)
+        body = _Seen(place, hips.at + hips.ahead * complex(place[0], place[2]), hips.t_ns, bool(feet))
+        moves = hips.velocity(ball.velocity, ball.place)
+        near = any(_meet_soon(point, body, moves) for point in seen.snapshot.points)
         if self._is_moved_by_others(ball):
             self.held = near = False
         elif self.held or self._touched:
-            self.held = self._take(body, ball, hips) or near
+            self.held = self._take(body, ball) or near
         if not self.held:
             self._place(body, ball, hips)
             self.held, self._before = near, None
@@ -138,22 +160,21 @@ class FeltBall:
         place, velocity = self._given
         return not (np.array_equal(ball.place, place) and np.array_equal(ball.velocity, velocity))
 
-    def _take(self, body: _Seen, ball: SoccerBall, hips: _Hips) -> bool:
+    def _take(self, body: _Seen, ball: SoccerBall) -> bool:
         """Give place and velocity of the body to the ball; return whether a foot may still have pushed it."""
         before, self._before = self._before, body
-        at = hips.at + hips.ahead * complex(body.place[0], body.place[2])
         radius = ball.spec.radius
-        ball.place[:] = at.real, max(radius + body.place[1] - self._height, radius), at.imag
+        ball.place[:] = body.at.real, max(radius + body.place[1] - self._height, radius), body.at.imag
         if before is None or body.t_ns <= before.t_ns:
             return True
-        x, up, z = (np.array(body.place) - before.place) / ((body.t_ns - before.t_ns) * 1e-9)
-        moves = hips.ahead * (complex(x, z) + hips.speed)
+        seconds = (body.t_ns - before.t_ns) * 1e-9
+        moves, up = (body.at - before.at) / seconds, (body.place[1] - before.place[1]) / seconds
         ball.velocity[:] = moves.real, max(up, 0.0), moves.imag
         return body.touched or before.touched
 
     def _place(self, body: _Seen, ball: SoccerBall, hips: _Hips) -> None:
         """Place the body where the ball is, unless it is there."""
-        now, moves = hips.place(ball.place), hips.velocity(ball.velocity)
+        now, moves = hips.place(ball.place), hips.velocity(ball.velocity, ball.place)
         up = self._height + float(ball.place[1]) - ball.spec.radius
         if abs(now) > _BEYOND:
             now, moves = complex(_PARKED), np.zeros(3)
