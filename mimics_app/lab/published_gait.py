@@ -1,4 +1,4 @@
-"""Published means of hip, knee and pelvis over a cycle of walking, of step and cadence: oracles of the reference gait.
+"""Published means of leg and pelvis over a cycle of walking, of step and cadence: oracles of the reference gait.
 
 M. H. Schwartz, A. Rozumalski, J. P. Trost, The effect of walking speed on the gait of typically developing children,
 J. Biomechanics 41 (2008) 1639-1650, electronic addendum: sheets "Joint Rotations" (mean, rounded to 0.1 degrees) and
@@ -8,7 +8,7 @@ steps times sqrt(L / g), with the length L of the leg.
 
 from __future__ import annotations
 
-__all__ = ["CADENCE", "HIP", "KNEE", "SPEED", "STEP", "TILT"]
+__all__ = ["ANKLE", "CADENCE", "HIP", "KNEE", "SPEED", "STEP", "TILT"]
 
 SPEED = {"very slow": 0.1721, "slow": 0.2902, "free": 0.4294}
 STEP = {"very slow": 0.5099, "slow": 0.6400, "free": 0.7596}
@@ -71,3 +71,22 @@ TILT: dict[str, tuple[float, ...]] = {
     ),
 }  # fmt: skip
 """Forward tilt of the pelvis [degrees]."""
+
+ANKLE: dict[str, tuple[float, ...]] = {
+    "very slow": (
+        -2.6, -4.3, -5.6, -5.7, -5.0, -4.0, -2.9, -1.7, -0.6, 0.6, 1.6, 2.6, 3.5, 4.3, 5.1, 5.9, 6.7, 7.5,
+        8.4, 9.2, 10.0, 10.8, 11.6, 12.2, 12.8, 13.1, 13.1, 12.6, 11.4, 9.5, 7.0, 3.9, 0.6, -2.1, -3.8, -4.3,
+        -3.6, -2.2, -0.5, 1.3, 2.9, 4.2, 4.8, 4.8, 4.0, 2.7, 1.1, -0.3, -1.3, -1.9,
+    ),
+    "slow": (
+        -2.5, -4.4, -6.3, -6.5, -5.5, -4.0, -2.5, -1.1, 0.2, 1.4, 2.5, 3.6, 4.5, 5.5, 6.4, 7.4, 8.3, 9.3,
+        10.1, 11.0, 11.8, 12.5, 13.1, 13.6, 13.8, 13.6, 12.8, 11.0, 8.1, 3.6, -2.3, -8.2, -12.4, -13.6,
+        -12.0, -8.9, -5.6, -2.5, 0.0, 1.9, 3.2, 3.8, 3.8, 3.2, 2.1, 0.9, -0.3, -1.1, -1.6, -1.8,
+    ),
+    "free": (
+        -2.1, -3.9, -5.6, -5.6, -4.1, -2.1, -0.2, 1.5, 2.9, 4.1, 5.2, 6.1, 6.8, 7.4, 8.0, 8.6, 9.1, 9.7,
+        10.2, 10.7, 11.1, 11.5, 11.8, 11.8, 11.5, 10.4, 8.4, 4.9, -0.2, -6.9, -13.8, -18.5, -19.8, -18.0,
+        -14.7, -11.2, -7.9, -4.9, -2.4, -0.3, 1.1, 2.1, 2.5, 2.4, 1.8, 1.0, 0.1, -0.6, -1.1, -1.4,
+    ),
+}  # fmt: skip
+"""Dorsiflexion of the ankle [degrees]."""

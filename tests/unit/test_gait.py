@@ -114,6 +114,14 @@ def test_the_hip_bends_as_published_at_slower_speeds(animator: Animator, group: 
     assert _against(animator, speed_of(group), "hip", np.roll(table, 5)) > 5.0  # a tenth of a cycle late
 
 
+@pytest.mark.parametrize(("group", "most"), [("very slow", 5.5), ("slow", 5.0), ("free", 5.0)])
+def test_the_ankle_bends_as_published_at_slower_speeds(animator: Animator, group: str, most: float) -> None:
+    """As the hip; at the slowest speed an ankle nearer to its table takes the knee away from its own."""
+    table = np.array(published_gait.ANKLE[group])
+    assert _against(animator, speed_of(group), "ankle", table) <= most
+    assert _against(animator, speed_of(group), "ankle", np.roll(table, 5)) > most + 0.5  # a tenth of a cycle late
+
+
 def _joints(walk: Walk, rig: Rig, pace: Pace) -> np.ndarray:
     """Places of all bones over a cycle of 120 steps, [120, bones, 3]."""
     chain, found, bones = Chain(rig), [], [rig.slot(bone) for bone in PLACES]
