@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+import mimetypes
 import os
+import re
 import socket
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Annotated, Any
 
 import msgspec
@@ -24,14 +27,46 @@ from mimics_app.console.access import COOKIE, Access
 from mimics_app.console.clients import VIEWS, Client, Clients
 from mimics_app.console.guard import Guard, read_body
 from mimics_app.console.handover import Lines, attach, send_line
-from mimics_app.console.page_files import catalogue, page_files
 from mimics_app.console.readiness import Choice, find_choices, find_lights, start_words
 from mimics_app.console.session_view import SessionView, compressed
 from mimics_app.console.telemetry import MIRROR, TELEMETRY, VALUES, message
 from mimics_app.console.web_server import Certificate, WebServer
+from mimics_app.contracts.system import language
 from mimics_app.contracts.system.child_signals import ignore_signals
 
 __all__ = ["IGNORED", "PageServer", "PageSettings", "serve_page"]
+
+_PAGE = Path(__file__).parent / "page"
+_SUFFIXES = (".html", ".js", ".css", ".svg", ".LICENSE")
+_TYPES = {".js": "text/javascript", ".LICENSE": "text/plain"}
+
+_LONGEST = 200
+"""Length of a header that is read [characters]."""
+_TAG = re.compile(r"([A-Za-z]{2,3})(?:-[A-Za-z0-9]+)*")
+
+
+def page_files() -> dict[str, tuple[bytes, str]]:
+    """Return the files of the page: path -> content and media type; nothing else can be requested."""
+    files = {}
+    for path in sorted(_PAGE.rglob("*")):
+        if path.suffix in _SUFFIXES:
+            kind = _TYPES.get(path.suffix) or mimetypes.guess_type(path.name)[0] or "text/plain"
+            files["/" + path.relative_to(_PAGE).as_posix()] = path.read_bytes(), kind
+    return files
+
+
+def catalogue(accepted: str) -> dict[str, object]:
+    """Return the language that the reader prefers of those there are, its texts and plural forms by the English ones.
+
+    Args:
+        accepted: Value of the Accept-Language header.
+    """
+    wanted = [match.group(1).lower() for part in accepted[:_LONGEST].split(",") if (match := _TAG.match(part.strip()))]
+    code = next((each for each in wanted if each in language.LANGUAGES), language.SOURCE)
+    if code == language.SOURCE:
+        return {"language": code, "texts": {}, "plurals": {}}
+    return {"language": code, "texts": dict(language.catalogue(code)), "plurals": dict(language.plural_forms(code))}
+
 
 IGNORED = ("SIGINT", "SIGTERM", "SIGHUP")
 """Signals of the terminal, which the process that serves STOP answers for both."""

@@ -11,10 +11,14 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from mimics_app.contracts.messages.report_section import ReportSection
 from mimics_app.contracts.messages.trial_counts import COUNTED_TRIALS, count_trials
 from mimics_app.contracts.system.language import LANGUAGES, SOURCE, speaking, spoken, translated
 from mimics_app.contracts.system.phrases import phrase
+from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.page_templates import load_templates
 from mimics_app.plotting.plot import Plot
 from mimics_app.recording.attempts import Attempt, find_attempts
@@ -40,15 +44,68 @@ from mimics_app.recording.report_tables import (
     trials_of,
     trip_table,
 )
-from mimics_app.recording.report_trips import MOST_DRAWN, Trip, trips_of
-from mimics_app.recording.report_values import NONE, mapping, number, one, scaled, shown
+from mimics_app.recording.report_values import NONE, Seconds, mapping, number, one, scaled, shown
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import FILES, write_atomically
 from mimics_app.recording.session_totals import session_totals
+from mimics_app.recording.trip_log import FOLDER, complete_trips, read_trip
 from mimics_app.recording.trips import TripReader
 from mimics_app.recording.verdict import evaluate
 
 __all__ = ["Page", "page_of", "write_report"]
+
+MOST_DRAWN = 8
+"""Largest number of trips plotted; the others are in their files."""
+
+
+@dataclass(frozen=True, slots=True)
+class Trip:
+    """The second before a trip: time of the trip [s], name of its file, plots ([] without rows)."""
+
+    at_s: Seconds
+    file: str
+    plots: list[Plot]
+
+
+def trips_of(run: Run) -> list[Trip]:
+    """Return the first trips of a run with their plots."""
+    return [_trip(run, tick, path) for tick, path in complete_trips(run)[:MOST_DRAWN]]
+
+
+def _trip(run: Run, tick: int, path: Path) -> Trip:
+    samples = read_trip(path)
+    plots = [_forces(samples), _speeds(samples)] if len(samples) > 1 else []
+    return Trip(Seconds(run.seconds(tick)), f"{FOLDER}/{path.name}", plots)
+
+
+def _before(samples: NDArray[Any]) -> NDArray[np.float64]:
+    """Return the time relative to the last row [ms], <= 0."""
+    return np.asarray(1e3 * (samples["t"] - samples["t"][-1]), np.float64)
+
+
+def _forces(samples: NDArray[Any]) -> Plot:
+    when, rendered = _before(samples), row_norms(samples["f_user_world"])
+    wanted, measured = row_norms(samples["f_virt_world"]), row_norms(samples["f_meas"])
+    x, y = (
+        Axis.of("before the trip [ms]", when, margin=0.0),
+        Axis.of("force [N]", rendered, wanted, measured, zero=True),
+    )
+    plot = Plot(x, y, "Forces before the trip", height=170.0)
+    plot.line(when, measured, "measured", "of the person on the handle")
+    plot.line(when, wanted, "wall", "virtual")
+    plot.line(when, rendered, "rendered", "virtual, as rendered")
+    return plot
+
+
+def _speeds(samples: NDArray[Any]) -> Plot:
+    when, speed = _before(samples), row_norms(samples["v_world"])
+    step = np.append(0.0, row_norms(np.diff(samples["hip_world"], axis=0)) / np.diff(samples["t"]))
+    x, y = Axis.of("before the trip [ms]", when, margin=0.0), Axis.of("speed [m/s]", speed, step, zero=True)
+    plot = Plot(x, y, "Speed before the trip", height=150.0)
+    plot.line(when, step, "measured", "by the reported positions")
+    plot.line(when, speed, "robot", "as reported")
+    return plot
+
 
 _OWN_KEYS = ("format", "version", "versions", "machine", "clock", "plan")
 _TEMPLATES = Path(__file__).parent / "templates"

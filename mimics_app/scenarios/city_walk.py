@@ -12,9 +12,8 @@ from mimics_app.contracts.messages.orders import Feature, Shown
 from mimics_app.contracts.messages.stage_messages import Aim, HapticSnapshot, TaskOrders
 from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.maths import quat
-from mimics_app.scenarios.figures.ground_path import GroundPath
 from mimics_app.scenarios.figures.kicking_leg import add_kick
-from mimics_app.scenarios.figures.path_figure import PathFigure
+from mimics_app.scenarios.figures.path_figure import GroundPath, PathFigure
 from mimics_app.scenarios.figures.street_object import StreetObject
 from mimics_app.scenarios.figures.walking_figure import below, see_past_head
 from mimics_app.scenarios.parts.touch_scene import TouchScene

@@ -26,7 +26,7 @@ OWN_DATA = {
     "assets/builders/texts/msgids.py": "package sources",
     "compiled/kernel_sources.py": "package sources",
     "console/own_certificate.py": "written by itself",
-    "console/page_files.py": "package data",
+    "console/page_server.py": "package data",
     "console/page_texts.py": "package sources",
     "contracts/ports/method_table.py": "package data",
     "contracts/system/language.py": "package data",

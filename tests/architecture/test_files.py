@@ -111,7 +111,6 @@ ON_THEIR_OWN = {
     "rendering/haptic/devices/inverse_by_steps": "compiles on import, and is imported on demand",
     "inputs/trackers/headset_tracker": "one kind of tracker a file",
     "rendering/visual/drawing/draw_tally": "counts, beside what is counted",
-    "rendering/visual/software/kept_memory": "the one call of the C library",
     "tasks/trial_times": "times of a trial, beside the machine of its states",
     "world/components/": "the reader of scenes finds component types by their modules",
 }

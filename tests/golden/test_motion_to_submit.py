@@ -19,8 +19,7 @@ from mimics_app.lab.groups.stereo import WORKLOADS
 from mimics_app.rendering.visual.displays.headset import RawHeadset
 from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec, PoseSpec
 from mimics_app.rendering.visual.displays.headset_session import HeadsetDisplay
-from mimics_app.rendering.visual.presenting.compose import ComposePass
-from mimics_app.rendering.visual.presenting.presenter import Presenter
+from mimics_app.rendering.visual.presenting.presenter import ComposePass, Presenter
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.view import Latch, View
 from mimics_app.world.content.world import World

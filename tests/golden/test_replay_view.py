@@ -21,7 +21,7 @@ from mimics_app.app.replay_view.event_marks import Mark, marks_of
 from mimics_app.app.replay_view.pane import Panes
 from mimics_app.app.replay_view.playhead import SPEEDS, Playhead
 from mimics_app.app.replay_view.replay_film import quality_of
-from mimics_app.app.replay_view.replay_sound import ReplaySound
+from mimics_app.app.replay_view.replay_window import ReplaySound
 from mimics_app.app.replay_view.replayed_scene import ReplayedScene, open_replay
 from mimics_app.app.replay_view.time_bar import HEIGHT, TimeBar, clock_text
 from mimics_app.app.session.replay import TaskFrame

@@ -8,8 +8,7 @@ import pytest
 from mimics_app.rendering.visual.lighting import fit_shadow_frustum
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.software.steady_box import SteadyBox
-from mimics_app.rendering.visual.software.still_layers import QUIET_FRAMES
+from mimics_app.rendering.visual.software.still_layers import QUIET_FRAMES, SteadyBox
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View

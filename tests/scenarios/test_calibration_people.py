@@ -15,9 +15,9 @@ from mimics_app.rendering.haptic.kernels import arm
 from mimics_app.rendering.haptic.kernels.arm import step_arm
 from mimics_app.rendering.haptic.kernels.noise import seed_noise
 from mimics_app.tasks.kinds.calibration.grip_step import OPEN, GripStep
+from mimics_app.tasks.kinds.calibration.kind import Wish, wish_of
 from mimics_app.tasks.kinds.calibration.question_step import HearingStep, ReadingStep
 from mimics_app.tasks.kinds.calibration.range_step import RangeStep
-from mimics_app.tasks.kinds.calibration.simulated import Wish, wish_of
 from mimics_app.tasks.kinds.calibration.spec import CalibrationSpec
 from mimics_app.tasks.kinds.calibration.step import Seen, Step
 from mimics_app.world.components.robot import Patient

@@ -22,7 +22,7 @@ from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.messages.stage_messages import TaskOrders
 from mimics_app.contracts.system.resources import root
 from mimics_app.maths import mat, quat
-from mimics_app.scenarios.figures.ground_path import GroundPath
+from mimics_app.scenarios.figures.path_figure import GroundPath
 from mimics_app.world.components.walking import WalkingPath
 from mimics_app.world.content.world import World
 from tests.verification.test_sound_onset import read_file

@@ -10,7 +10,7 @@ import pytest
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.system.resources import root
-from mimics_app.scenarios.figures.ground_path import GroundPath
+from mimics_app.scenarios.figures.path_figure import GroundPath
 from mimics_app.world.components.follow import Follow
 from mimics_app.world.components.walking import WalkingPath
 from mimics_app.world.content.following import Follower

@@ -13,7 +13,7 @@ import pytest
 
 from mimics_app.contracts.loop.haptic_objects import STATIC, ShapeKind
 from mimics_app.rendering.haptic.mesh_table import build_mesh_table
-from mimics_app.world.content.meshes.convex_hull import convex_hull
+from mimics_app.world.files.scene.solids import convex_hull
 from tests.support.body_play import box_inertia, new_play
 
 T = 1e-3

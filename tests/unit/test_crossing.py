@@ -7,9 +7,8 @@ import pytest
 from msgspec import structs
 
 from mimics_app.contracts.messages.orders import HapticField
-from mimics_app.tasks.kinds.canyon_walk.crossing import Beam, Crossing
+from mimics_app.tasks.kinds.canyon_walk.crossing import Beam, Crossing, Wind, exposure
 from mimics_app.tasks.kinds.canyon_walk.kind import CanyonWalkPlay, CanyonWalkSpec
-from mimics_app.tasks.kinds.canyon_walk.wind import Wind, exposure
 from mimics_app.tasks.observation import observe
 from mimics_app.tasks.walking.legs import GAITS
 from tests.support.task_play import make_events, make_snapshot

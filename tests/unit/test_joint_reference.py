@@ -18,8 +18,7 @@ from mimics_app.recording.columns import column_names, column_units
 from mimics_app.rendering.haptic.descriptors.leg import LEG
 from mimics_app.rendering.haptic.kernels.state import STATE
 from mimics_app.rendering.haptic.reference.cycle_curves import SLOPES, curve_at
-from mimics_app.rendering.haptic.reference.generator import step_reference
-from mimics_app.rendering.haptic.reference.ramp import RAMP, SMOOTHING, follow_target
+from mimics_app.rendering.haptic.reference.generator import RAMP, SMOOTHING, follow_target, step_reference
 from mimics_app.rendering.haptic.scene_reference import spline_bends, walk_rows
 
 DT = 1e-3

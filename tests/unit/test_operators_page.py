@@ -17,7 +17,7 @@ import pytest
 
 from mimics_app.app.cli import parse
 from mimics_app.app.picture.around_hand import AROUND
-from mimics_app.console import page_files
+from mimics_app.console import page_server
 from mimics_app.console.access import COOKIE, Access, new_tokens
 from mimics_app.console.clients import Clients
 from mimics_app.console.handover import AttachedSession
@@ -290,7 +290,7 @@ def test_the_texts_of_the_page_are_found_in_its_files() -> None:
 
 
 def test_a_reader_gets_the_catalogue_of_the_first_language_that_there_is() -> None:
-    german = page_files.catalogue("xx, de-CH;q=0.9, en;q=0.8")
+    german = page_server.catalogue("xx, de-CH;q=0.9, en;q=0.8")
     assert german["language"] == "de" and set(page_texts()) <= set(german["texts"])  # type: ignore[call-overload]
     english = {"language": "en", "texts": {}, "plurals": {}}
-    assert page_files.catalogue("en, de") == page_files.catalogue("../..") == english
+    assert page_server.catalogue("en, de") == page_server.catalogue("../..") == english

@@ -9,11 +9,11 @@ from pathlib import Path
 import playwright
 import pytest
 
-from mimics_app.console import page_files
+from mimics_app.console import page_server
 from mimics_app.contracts.system.language import speaking, translated
 
 NODE = Path(playwright.__file__).parent / "driver" / "node"
-SCRIPT = Path(page_files.__file__).parent / "page" / "texts.js"
+SCRIPT = Path(page_server.__file__).parent / "page" / "texts.js"
 SAID = [
     "Goal reached in 8.3 s",
     "Time is over: the apple was not set down at its mark",
@@ -50,7 +50,7 @@ console.log(JSON.stringify(said.map(page.told)));
 def test_the_page_says_it_as_the_program_does(code: str, tmp_path: Path) -> None:
     (tmp_path / "run.mjs").write_text(RUN)
     (tmp_path / "texts.mjs").write_bytes(SCRIPT.read_bytes())
-    texts = json.dumps(page_files.catalogue(code))
+    texts = json.dumps(page_server.catalogue(code))
     words = [str(NODE), str(tmp_path / "run.mjs"), (tmp_path / "texts.mjs").as_uri(), texts, json.dumps(SAID)]
     done = subprocess.run(words, capture_output=True, text=True, check=True, timeout=60)
     with speaking(code):

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mimics_app.console import page_files
+from mimics_app.console import page_server
 from mimics_app.contracts.messages.board import Tone
 from mimics_app.rendering.visual.figures.palette import BOARD, TONES
 
@@ -72,7 +72,7 @@ def test_the_tones_of_the_board_stand_out() -> None:
 
 def page_colours(scheme: int) -> list[Rgb]:
     """Calm, warning and alarm of the operator's page, in its light or dark scheme."""
-    style = next(content for path, (content, _) in page_files.page_files().items() if path.endswith(".css")).decode()
+    style = next(content for path, (content, _) in page_server.page_files().items() if path.endswith(".css")).decode()
     found = [re.findall(rf"--{name}: #(\w{{6}});", style)[scheme] for name in ("calm", "warn", "alarm")]
     return [tuple(int(code[i : i + 2], 16) / 255 for i in (0, 2, 4)) for code in found]
 

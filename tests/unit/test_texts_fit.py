@@ -17,6 +17,7 @@ from assets.builders.texts.msgids import Msgid, find_msgids
 from mimics_app.app.picture import board as board_module
 from mimics_app.app.picture.board import BoardLayout
 from mimics_app.app.picture.loop_cards import gait_card
+from mimics_app.app.play import journey_window
 from mimics_app.app.play.launching import launcher_cards, launcher_settings
 from mimics_app.app.play.outcome import result_content
 from mimics_app.app.play.session_keys import OPERATORS_PAGE, task_page
@@ -28,7 +29,7 @@ from mimics_app.contracts.system.language import LANGUAGES, speaking
 from mimics_app.recording.history import EarlierRun
 from mimics_app.rendering.visual.figures.hud import canvas_height
 from mimics_app.rendering.visual.figures.key_page import KeyPage, draw_keys, draw_page
-from mimics_app.rendering.visual.launcher import result_page, waiting_page
+from mimics_app.rendering.visual.launcher import result_page
 from mimics_app.rendering.visual.launcher.launcher import KEYS
 from mimics_app.rendering.visual.launcher.launcher_page import LauncherPage, PageState, ScenarioCard
 from mimics_app.rendering.visual.launcher.setting import Setting
@@ -237,11 +238,11 @@ class Drawn:
 @in_every_language_and_window
 def test_the_waiting_page_fits(code: str, size: tuple[int, int], monkeypatch: pytest.MonkeyPatch) -> None:
     canvas = page_canvas(size)
-    monkeypatch.setattr(waiting_page, "PageSurface", lambda surface: Drawn(canvas))
+    monkeypatch.setattr(journey_window, "PageSurface", lambda surface: Drawn(canvas))
     doing = ["Reading the scene", "Starting touch, sound and recording", "Making the picture", "Closing the recording"]
     with speaking(code):
         for scene, what in zip(shipped_scenes(), itertools.cycle([*doing, "Writing the report", "Starting"])):
-            waiting_page.WaitingPage(None, scene.title).draw(what)  # type: ignore[arg-type]
+            journey_window.WaitingPage(None, scene.title).draw(what)  # type: ignore[arg-type]
     assert not summary(canvas.faults)
 
 

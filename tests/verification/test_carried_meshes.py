@@ -11,7 +11,7 @@ from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.lab.haptic.body_worlds import GRAVITY
 from mimics_app.rendering.haptic.body_checks import check_bodies, contact_modes
 from mimics_app.rendering.haptic.mesh_table import build_mesh_table
-from mimics_app.world.content.meshes.convex_hull import convex_hull
+from mimics_app.world.files.scene.solids import convex_hull
 from tests.support.body_play import FREE, box_inertia, new_play
 from tests.support.meshes import GROOVE, ball
 

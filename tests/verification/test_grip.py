@@ -15,7 +15,7 @@ from mimics_app.rendering.haptic.kernels.objects.grip import grip_bodies
 from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
 from mimics_app.rendering.haptic.mesh_table import build_mesh_table
 from mimics_app.rendering.haptic.objects import new_object_work
-from mimics_app.world.content.meshes.convex_hull import convex_hull
+from mimics_app.world.files.scene.solids import convex_hull
 
 DT = 1e-3
 MASS, RADIUS, MU, GRAVITY = 0.3, 0.03, 0.5, 9.81

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.world.content.meshes.convex_hull import convex_hull
 from mimics_app.world.content.meshes.mass_properties import (
     box_integrals,
     capsule_integrals,
@@ -14,7 +13,7 @@ from mimics_app.world.content.meshes.mass_properties import (
     sphere_integrals,
 )
 from mimics_app.world.content.meshes.primitives import box, capsule, cylinder, sphere
-from mimics_app.world.files.scene.solids import SolidMesh, enclosing_sphere, mesh_integrals
+from mimics_app.world.files.scene.solids import SolidMesh, convex_hull, enclosing_sphere, mesh_integrals
 
 FINE = 256
 

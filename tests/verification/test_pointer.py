@@ -8,8 +8,7 @@ import pytest
 from mimics_app.contracts.clock import ticks_until_frame
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.loop.haptic import SafetyState
-from mimics_app.rendering.haptic.devices.registry import build_device
-from mimics_app.rendering.haptic.kernels.virtual_coupling import (
+from mimics_app.rendering.haptic.devices.pointer import (
     COUPLING_FORCE,
     COUPLING_LENGTH,
     COUPLING_LIMIT,
@@ -17,6 +16,7 @@ from mimics_app.rendering.haptic.kernels.virtual_coupling import (
     FOLLOW_RATE,
     step_coupling,
 )
+from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.world.components.robot import Robot
 from tests.support.haptic_bench import Bench, pointer_bench
 

@@ -11,7 +11,7 @@ from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.lab.haptic.body_worlds import GRAVITY, box_inertia
 from mimics_app.rendering.haptic.mesh_table import build_mesh_table
 from mimics_app.rendering.haptic.ridge_table import build_ridge_table
-from mimics_app.world.content.meshes.convex_hull import convex_hull
+from mimics_app.world.files.scene.solids import convex_hull
 from tests.support.body_play import new_play
 from tests.support.meshes import ball, extruded
 

@@ -13,8 +13,7 @@ from mimics_app.contracts.loop.haptic import EventKind
 from mimics_app.contracts.loop.loop_fields import PointSnapshot
 from mimics_app.tasks.observation import observe
 from mimics_app.tasks.score import part_marks, session_result, trial_points
-from mimics_app.tasks.smoothness import RESAMPLE_HZ, resample_speed, sparc
-from mimics_app.tasks.tally import Measures, Tally
+from mimics_app.tasks.tally import RESAMPLE_HZ, Measures, Tally, resample_speed, sparc
 from mimics_app.tasks.task import ScorePartSpec, ScoreSpec
 from tests.support.task_play import make_events, make_snapshot
 

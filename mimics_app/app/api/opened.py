@@ -9,6 +9,7 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self, get_args, get_origin, get_type_hints
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,13 +28,61 @@ from mimics_app.app.terminal.output import say
 from mimics_app.contracts.clock import FRAMES_PER_SECOND, SECOND_NS, MonotonicClock
 from mimics_app.contracts.commands.command_records import CommandSource
 from mimics_app.contracts.commands.vocabulary import Command, Reset, SetParameter
-from mimics_app.contracts.errors import UsageError, nearest
+from mimics_app.contracts.errors import Issue, SceneError, UsageError, nearest
 from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.loop.loop_fields import FURTHER, LOOP_FIELDS, Extent, HapticSnapshot, PointSnapshot
 from mimics_app.contracts.shared_memory.command_ring import Answer, CommandSender
 from mimics_app.recording.run_folder import private_files
-from mimics_app.world.files.scene.edits import SceneEdits
-from mimics_app.world.files.scene.scene import Scene
+from mimics_app.world.files.scene.file import scene_hash
+from mimics_app.world.files.scene.scene import Scene, SceneEntity
+
+
+class SceneEdits:
+    """Finds what was changed in the components of a scene.
+
+    Args:
+        scene: The scene as it was read.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        self._before = {entity.id: dict(entity.components) for entity in scene.entities}
+
+    def apply(self) -> None:
+        """Make the edits part of the document and the hash.
+
+        Raises:
+            SceneError: A component has a value that its type does not take; every fault with its pointer.
+        """
+        changed = [(entity, name) for entity in self._scene.entities for name in self._changed(entity)]
+        issues = [issue for entity, name in changed for issue in self._fault(entity, name)]
+        if issues:
+            raise SceneError(issues)
+        if changed:
+            self._scene.discard_derived()
+            self._scene.hash = scene_hash(self._scene)
+
+    def _changed(self, entity: SceneEntity) -> list[str]:
+        before = self._before.get(entity.id, {})
+        names = dict.fromkeys([*before, *entity.components])
+        return [name for name in names if entity.components.get(name) is not before.get(name)]
+
+    def _fault(self, entity: SceneEntity, name: str) -> list[Issue]:
+        """Write a component into the document; return its fault, if it has one."""
+        number = int(entity.pointer.split("/", 3)[2])
+        written = self._scene.document["entities"][number].setdefault("components", {})
+        component = entity.components.get(name)
+        if component is None:
+            written.pop(name, None)
+            return []
+        plain = msgspec.to_builtins(component)
+        try:
+            msgspec.convert(plain, type(component))
+        except msgspec.ValidationError as error:
+            return [Issue(self._scene.file, f"{entity.pointer}/components/{name}", str(error).replace("`", '"'))]
+        written[name] = plain
+        return []
+
 
 if TYPE_CHECKING:
     from mimics_app.app.picture.picture import Picture

@@ -524,17 +524,8 @@ class CurveRecord:
     guidance: float
     values: Floats
 
-class RampRecord:
-    """`mimics_app.rendering.haptic.reference.ramp.RAMP`."""
-
-    led: float
-    half: float
-    value: float
-    rate: float
-    acceleration: float
-
 class SlopesRecord:
-    """`mimics_app.rendering.haptic.reference.cycle_curves.SLOPES`."""
+    """`mimics_app.rendering.haptic.reference.generator.SLOPES`."""
 
     value: float
     by_phase: float
@@ -542,6 +533,15 @@ class SlopesRecord:
     by_u: float
     by_u_twice: float
     by_both: float
+
+class RampRecord:
+    """`mimics_app.rendering.haptic.reference.generator.RAMP`."""
+
+    led: float
+    half: float
+    value: float
+    rate: float
+    acceleration: float
 
 class ReferenceRecord:
     """`mimics_app.rendering.haptic.reference.generator.REFERENCE`."""
@@ -1342,7 +1342,7 @@ class GuidanceSettingsRecord:
     width: float
 
 class LoadSettingsRecord:
-    """`mimics_app.rendering.haptic.control.lokomat.load_compensation.LOAD_SETTINGS`."""
+    """`mimics_app.rendering.haptic.control.lokomat.leg_control.LOAD_SETTINGS`."""
 
     links: Floats
     weight: float

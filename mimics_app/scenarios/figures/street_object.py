@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from mimics_app.maths import quat
-from mimics_app.scenarios.figures.ground_path import GroundPath
+from mimics_app.scenarios.figures.path_figure import GroundPath
 from mimics_app.tasks.kinds.city_walk.street_obstacles import StreetObstacle
 from mimics_app.world.graph.scene_node import SceneNode
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import SceneError
+from mimics_app.contracts.loop.gait_state import GaitState
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.ports.scenario_port import Scenario, TaskContext
 from mimics_app.rendering.haptic.devices.robot_reach import Reach
@@ -17,12 +18,12 @@ from mimics_app.rendering.haptic.scene_effects import curve_of_path
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.scenarios.parts.body_nodes import BodyNodes
 from mimics_app.scenarios.parts.next_station import NextStation
-from mimics_app.scenarios.parts.orthosis_nodes import OrthosisNodes
 from mimics_app.scenarios.parts.robot_scene import SPACING, Places, even_points, robot_block, robot_facts, start_at
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task import PointGoal
 from mimics_app.world.components.animation import Avatar
 from mimics_app.world.components.objects import HapticObject, HapticPath, InteractionPoints
+from mimics_app.world.components.orthosis_view import OrthosisView
 from mimics_app.world.components.robot import Ball, Patient, Robot
 from mimics_app.world.content.meshes.primitives import tube
 from mimics_app.world.content.world import World
@@ -30,6 +31,44 @@ from mimics_app.world.files.scene.placing import pose_of
 from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["TouchScene"]
+
+_FREE = (GaitState.LEG_RELEASED, GaitState.EXPLORING)
+"""States in which the lamps of the free leg shine."""
+
+
+class OrthosisNodes:
+    """Marks and lamps of the scene's `orthosis_view`; without one nothing.
+
+    Args:
+        scene: The checked scene.
+        world: The world built from it.
+    """
+
+    def __init__(self, scene: Scene, world: World) -> None:
+        self._view = scene.first(OrthosisView)
+        view = self._view or OrthosisView()
+        self._marks = [(node, np.array(node.position)) for node in map(world.find, view.marks)]
+        self._lamps = [[world.find(name) for name in names] for names in (view.left_lamps, view.right_lamps)]
+        self._lit = -1
+
+    def follow(self, snapshot: HapticSnapshot) -> None:
+        """Place the marks where the belt has brought them, and light the lamps of the leg that is free."""
+        view = self._view
+        if view is None:
+            return
+        behind, ahead = view.belt
+        for node, place in self._marks:
+            z = behind + (place[2] - behind - snapshot.belt_travel) % (ahead - behind)
+            node.set_position((place[0], place[1], z))
+        lit = snapshot.free_leg if snapshot.gait_state in _FREE else -1
+        if lit != self._lit:
+            self._lit = lit
+            for leg, nodes in enumerate(self._lamps):
+                material = view.lit if leg == lit else view.dark
+                for node in nodes:
+                    if node.entity is not None and material is not None:
+                        node.entity.set_material(material)
+
 
 _PATH_SIDES = 8
 _RINGS_PER_PIECE = 16

@@ -23,7 +23,6 @@ from mimics_app.rendering.haptic.kernels.contacts import (
 )
 from mimics_app.rendering.haptic.kernels.controller_slot import person_leads
 from mimics_app.rendering.haptic.kernels.drive import control, note_arrival
-from mimics_app.rendering.haptic.kernels.extremes import follow_extremes, forget_extremes
 from mimics_app.rendering.haptic.kernels.jumps import note_jump, note_lag
 from mimics_app.rendering.haptic.kernels.objects.object_inputs import write_object_inputs
 from mimics_app.rendering.haptic.kernels.objects.published import sum_motions
@@ -33,6 +32,7 @@ from mimics_app.rendering.haptic.kernels.rows import write_command, write_inputs
 from mimics_app.rendering.haptic.kernels.safety import is_rendered, step_safety
 from mimics_app.rendering.haptic.kernels.sensing import find_motion, read_sample, size_ball
 from mimics_app.rendering.haptic.kernels.tunnels import follow_tunnels, reset_tunnel_tracking
+from mimics_app.rendering.haptic.kernels.vectors import norm
 from mimics_app.rendering.haptic.kernels.watch import watch_contact, watch_margin
 from mimics_app.rendering.haptic.reference.generator import step_reference
 
@@ -49,6 +49,47 @@ if TYPE_CHECKING:
     )
 
 __all__ = ["tick"]
+
+
+@kernel
+def forget_extremes(states: Table[StateRecord]) -> None:
+    """Begin a trial without extremes and without work at any point of contact."""
+    for c in range(len(states)):
+        state = states[c]
+        state.force_peak = 0.0
+        state.distance_peak = 0.0
+        state.progress_peak = 0.0
+        state.own_work = 0.0
+
+
+@kernel
+def _power(scene: SceneRecord, state: StateRecord) -> float:
+    """Power of the person at a point of contact [W]: that of the measured force.
+
+    A force driven device measures none: there it is what the device's own damping takes less what its force gives,
+    which leaves out the kinetic energy of the device. The work of both is at most zero for a hand that is passive and
+    was at rest.
+    """
+    power = 0.0
+    for i in range(3):
+        force = state.f_meas_world[i]
+        if scene.force_driven == 1:
+            force = scene.device_damping * state.v_world[i] - state.f_user_world[i]
+        power += force * state.v_world[i]
+    return power
+
+
+@kernel
+def follow_extremes(scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
+    """Take a tick of every point of contact; one in which the robot is driven or held counts in nothing."""
+    if not person_leads(scene):
+        return
+    for c in range(max(1, scene.contacts)):
+        state = states[c]
+        state.force_peak = max(state.force_peak, norm(state.f_user_world))
+        state.distance_peak = max(state.distance_peak, state.own_tunnel.distance)
+        state.progress_peak = max(state.progress_peak, state.own_tunnel.progress)
+        state.own_work += _power(scene, state) * dt
 
 
 @kernel

@@ -11,7 +11,6 @@ import numpy as np
 from mimics_app.contracts.arrays import B1, F8, I4, U1
 from mimics_app.rendering.visual.drawing.culling import make_culler
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems, list_items
-from mimics_app.rendering.visual.drawing.draw_order import DrawOrder
 from mimics_app.rendering.visual.drawing.draw_tally import Tally
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.drawing.levels import Levels
@@ -32,11 +31,57 @@ from mimics_app.rendering.visual.kernels.bounds import gather_casters, update_bo
 from mimics_app.rendering.visual.kernels.commands import Drawn
 from mimics_app.rendering.visual.kernels.frustum import cull_flat
 from mimics_app.rendering.visual.kernels.levels import pick_levels
+from mimics_app.rendering.visual.kernels.order import Sorted, make_keys, sort_by_key
 from mimics_app.rendering.visual.materials.materials import MaterialStore
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.rasteriser import Rasteriser
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.content.world import World
+
+
+class DrawOrder:
+    """Sorts by layer of distance, state, distance from near to far, and mesh.
+
+    Args:
+        items: The draw items.
+    """
+
+    def __init__(self, items: DrawItems) -> None:
+        count = len(items.rows)
+        self._items = items
+        self._keys, self._spare_keys = np.zeros(count, np.uint64), np.zeros(count, np.uint64)
+        self._spare_items = np.zeros(count, np.int32)
+        self._away = np.zeros(count, np.float32)
+        self._digits = np.zeros((8, 256), np.int32)
+
+    def sort(
+        self,
+        picked: I4,
+        count: int,
+        eye: F8,
+        centres: F8,
+        radii: F8,
+        states: I4,
+        mirrored: U1,
+        *,
+        layered: bool,
+    ) -> None:
+        """Sort the first `count` of `picked` in place.
+
+        Args:
+            picked: Numbers of items, [>= count].
+            count: Number of items.
+            eye: Origin of the distances, world [m], [3].
+            centres: Centres of all items' spheres, world [m], [n, 3].
+            radii: Their radii [m], [n].
+            states: State of each item before mirroring, [n].
+            mirrored: 1 where the winding of an item's faces is reversed, [n].
+            layered: False sorts by states first.
+        """
+        by = Sorted(centres, radii, states, mirrored, self._items.meshes)
+        make_keys(picked, count, eye, by, layered, self._away, self._keys)
+        sort_by_key(self._keys, picked, count, self._spare_keys, self._spare_items, self._digits)
+
 
 if TYPE_CHECKING:
     from mimics_app.world.content.motion.skinned_body import SkinnedBody

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ctypes
+import sys
 from typing import TypeVar, cast
 
 from mimics_app.rendering.visual.backdrop import Backdrop
@@ -15,15 +17,12 @@ from mimics_app.rendering.visual.software.batched_feed import BatchedFeed
 from mimics_app.rendering.visual.software.carried_uniforms import CarriedUniforms
 from mimics_app.rendering.visual.software.kept_backdrop import KeptBackdrop
 from mimics_app.rendering.visual.software.kept_board import KeptBoard
-from mimics_app.rendering.visual.software.kept_memory import keep_freed_memory
 from mimics_app.rendering.visual.software.partial_redraw import PartialRedraw
 from mimics_app.rendering.visual.software.raster_threads import RasterThreads
 from mimics_app.rendering.visual.software.resting_sprites import RestingSprites
 from mimics_app.rendering.visual.software.reversed_copy import ReversedCopy
-from mimics_app.rendering.visual.software.seen_triangles import SeenTriangles
-from mimics_app.rendering.visual.software.small_triangles import SmallTriangles
-from mimics_app.rendering.visual.software.steady_box import SteadyBox
-from mimics_app.rendering.visual.software.still_layers import StillLayers
+from mimics_app.rendering.visual.software.seen_triangles import SeenTriangles, SmallTriangles
+from mimics_app.rendering.visual.software.still_layers import SteadyBox, StillLayers
 from mimics_app.rendering.visual.stages.board_copy import BoardCopy
 from mimics_app.rendering.visual.stages.redraw import Redraw
 from mimics_app.rendering.visual.surfaces.driver_threads import DriverThreads
@@ -31,6 +30,23 @@ from mimics_app.rendering.visual.surfaces.rasteriser import Rasteriser
 from mimics_app.rendering.visual.surfaces.window_copy import WindowCopy
 
 __all__ = ["SoftwareRasteriser"]
+
+_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
+"""Parameters of glibc's mallopt."""
+_KEPT, _MMAP_FROM = 256 << 20, 32 << 20
+"""Freed memory that is kept, and size from which memory is mapped instead, glibc's maximum [bytes]."""
+
+
+def keep_freed_memory() -> None:
+    """Let glibc keep freed memory: a software renderer allocates and frees megabytes with every draw.
+
+    Memory that the system maps again each time costs a page fault every 4 KiB. Other C libraries have no such call.
+    """
+    mallopt = getattr(ctypes.CDLL(None), "mallopt", None) if sys.platform == "linux" else None
+    if mallopt is not None:
+        mallopt(_TRIM_THRESHOLD, _KEPT)
+        mallopt(_MMAP_THRESHOLD, _MMAP_FROM)
+
 
 _MEMBERS: dict[type, type] = {
     Backdrop: KeptBackdrop,

@@ -12,14 +12,14 @@ import numpy as np
 from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.displays.desktop import desktop_views
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
-from mimics_app.rendering.visual.passes.hud import plane_of_views
-from mimics_app.rendering.visual.passes.inset import InsetPass, inset_pixels
+from mimics_app.rendering.visual.materials.vertex_arrays import bare_arrays
+from mimics_app.rendering.visual.passes.hud import HudPlane, clip_from_hud, plane_of_views
 from mimics_app.rendering.visual.pictures.live_picture import LivePicture, MirrorPicture
 from mimics_app.rendering.visual.pictures.mirror_views import Reflection, plane_of_sheet, reflect_view
 from mimics_app.rendering.visual.stages.world_stage import FrameScene, ViewDraws, WorldStage
 from mimics_app.rendering.visual.surfaces.surface import Size
-from mimics_app.rendering.visual.view import View
-from mimics_app.world.components.pictures import Mirror
+from mimics_app.rendering.visual.view import Rect, View
+from mimics_app.world.components.pictures import Inset, Mirror
 from mimics_app.world.content.live_pictures import body_of, live_key
 from mimics_app.world.content.world import World
 
@@ -27,6 +27,54 @@ if TYPE_CHECKING:
     import moderngl
 
 __all__ = ["Batch", "PictureJob", "PictureStage"]
+
+
+_BINDING = 22
+
+
+def inset_pixels(inset: Inset, view: View) -> Rect:
+    """Return the rectangle of an inset relative to its view's corner [px]."""
+    left, bottom, width, height = inset.rectangle
+    wide, high = view.rectangle[2:]
+    return round(left * wide), round(bottom * high), max(1, round(width * wide)), max(1, round(height * high))
+
+
+class InsetPass:
+    """Draws insets; the shader is compiled on first use."""
+
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
+        self._ctx = ctx
+        self._shaders = shaders
+        self._arrays = bare_arrays(ctx)
+
+    def draw(self, inset: Inset, picture: LivePicture, pixels: Rect, view: View, plane: HudPlane) -> int:
+        """Draw an inset over a view; return the draw calls.
+
+        Args:
+            inset: The inset.
+            picture: Its picture.
+            pixels: Its rectangle in the first view of the screen, see `inset_pixels`.
+            view: A view of that screen.
+            plane: Plane of the screen's heads-up display.
+        """
+        import moderngl
+
+        shader = self._shaders.program("inset/inset.vert", "inset/inset.frag")
+        line = plane.canvas_height / view.rectangle[3]
+        shader.set_numbers("box", [side * line for side in pixels])
+        shader.set_number("border", inset.border)
+        shader.set_number("mirrored", float(inset.mirrored))
+        shader.set_matrix("clip_from_hud", clip_from_hud(view, plane))
+        self._ctx.viewport = view.rectangle
+        self._ctx.enable_only(moderngl.NOTHING)
+        picture.use(_BINDING)
+        self._arrays.of(shader).render(moderngl.TRIANGLE_STRIP, vertices=4)
+        return 1
+
+    def release(self) -> None:
+        """Free the vertex array."""
+        self._arrays.release()
+
 
 Batch = Callable[[View, Hashable], ViewDraws]
 """Queues what is visible in a view whose rectangle starts at 0, 0."""

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
 from msgspec import structs
 
 from mimics_app.contracts.errors import Issue
+from mimics_app.contracts.messages.abilities import Abilities
 from mimics_app.contracts.messages.board import Card
 from mimics_app.contracts.messages.calibration_record import CALIBRATED, DIRECTIONS, NOT_MEASURED, CalibratedMeasure
 from mimics_app.contracts.messages.orders import Feature
@@ -19,7 +20,6 @@ from mimics_app.contracts.system.phrases import phrase
 from mimics_app.tasks.kinds.calibration.grip_step import GripStep
 from mimics_app.tasks.kinds.calibration.question_step import HearingStep, ReadingStep
 from mimics_app.tasks.kinds.calibration.range_step import RangeStep
-from mimics_app.tasks.kinds.calibration.simulated import Wish, wish_of
 from mimics_app.tasks.kinds.calibration.spec import STEPS, CalibrationSpec, MeasuredGoal, StepName
 from mimics_app.tasks.kinds.calibration.step import Cue, Seen, Step, Tone
 from mimics_app.tasks.kinds.calibration.walking_step import WalkingStep
@@ -27,6 +27,50 @@ from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, TaskBlock, Tas
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.worn_orthosis import legs_in
 from mimics_app.world.components.registry import Component
+
+_ANSWERS = 2.0
+"""How far the hand goes for an answer, as a multiple of what counts as one."""
+
+
+class Wish(NamedTuple):
+    """What a simulated person wants in a frame.
+
+    Attributes:
+        x, y, z: From where the hand rests to where it is to go [m].
+        squeezes: Whether the hand closes with all strength.
+    """
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+    squeezes: bool = False
+
+
+def wish_of(cue: Cue, able: Abilities, answer: float) -> Wish:
+    """Return what a person wants for a cue.
+
+    Args:
+        cue: What they are shown and told.
+        able: What they are able to do; the range of motion itself is the arm's.
+        answer: Movement that counts as an answer [m].
+    """
+    if cue.tone is not None:
+        softest = able.hearing_left if cue.tone.side == "left" else able.hearing_right
+        return _towards(cue.tone.side, _ANSWERS * answer) if cue.tone.level >= softest else Wish()
+    if cue.letter is not None:
+        return _towards(cue.letter.direction, _ANSWERS * answer) if cue.letter.height >= able.letter else Wish()
+    x, y, z = cue.light or (0.0, 0.0, 0.0)
+    if cue.comfortable and cue.direction and able.range_of_motion:
+        limits = dict(zip(DIRECTIONS, able.range_of_motion, strict=True))
+        far = max(abs(x), abs(y), abs(z))
+        return _towards(cue.direction, min(far, able.ease * limits[cue.direction]))
+    return Wish(x, y, z, cue.squeeze)
+
+
+def _towards(direction: str, way: float) -> Wish:
+    x, y, z = (way * part for part in DIRECTIONS[direction])
+    return Wish(x, y, z)
+
 
 if TYPE_CHECKING:
     from mimics_app.world.files.scene.scene import Scene

@@ -11,8 +11,7 @@ from mimics_app.maths.poses import turn_vector, turned_back
 from mimics_app.maths.quat import about_axis, product
 from mimics_app.world.content.motion.facing import facing
 from mimics_app.world.content.motion.humanoid import BONES, HumanoidMap
-from mimics_app.world.content.motion.kernels.carry_over import carry_over
-from mimics_app.world.content.motion.kernels.chain import arc
+from mimics_app.world.content.motion.kernels.chain import arc, carry_over
 from mimics_app.world.content.motion.pose import Pose
 from mimics_app.world.content.motion.reach import Chain
 from mimics_app.world.content.motion.rig import Rig

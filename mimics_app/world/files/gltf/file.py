@@ -25,6 +25,43 @@ from mimics_app.world.files.gltf.nodes import GltfCamera, GltfLight, GltfNode, G
 from mimics_app.world.files.gltf.references import check_references
 from mimics_app.world.files.gltf.sounds import GltfSounds, read_sounds
 
+
+def read_bones(source: GltfSource) -> dict[str, int]:
+    """Return the node of each bone in the file's own table, by VRM 1.0 name; empty for a file that has none.
+
+    Faults are collected.
+    """
+    newer = source.extension(source.json, "VRMC_vrm", "")
+    older = source.extension(source.json, "VRM", "")
+    with source.collecting():
+        if newer:
+            return _newer(source, newer, "/extensions/VRMC_vrm")
+        if older:
+            return _older(source, older, "/extensions/VRM")
+    return {}
+
+
+def _newer(source: GltfSource, extension: dict[str, Any], place: str) -> dict[str, int]:
+    humanoid, place = source.object(extension, "humanoid", place), f"{place}/humanoid"
+    bones, place = source.object(humanoid, "humanBones", place), f"{place}/humanBones"
+    return {name: _node(source, source.object(bones, name, place), f"{place}/{name}") for name in bones}
+
+
+def _older(source: GltfSource, extension: dict[str, Any], place: str) -> dict[str, int]:
+    humanoid, place = source.object(extension, "humanoid", place), f"{place}/humanoid"
+    found = dict[str, int]()
+    for i, item in enumerate(source.list(humanoid, "humanBones", place)):
+        here = f"{place}/humanBones/{i}"
+        if not isinstance(item, dict):
+            source.fail(here, "must be an object")
+        found[source.text(item, "bone", here)] = _node(source, item, here)
+    return found
+
+
+def _node(source: GltfSource, item: dict[str, Any], place: str) -> int:
+    return source.index(item.get("node"), len(source.table("nodes")), "nodes", f"{place}/node")
+
+
 if TYPE_CHECKING:
     from mimics_app.world.content.motion.clip import Clip
     from mimics_app.world.files.gltf.skins import GltfSkin
@@ -230,7 +267,6 @@ def _expand_instances(source: GltfSource, accessors: GltfAccessors, nodes: list[
 def _read_bones(source: GltfSource) -> dict[str, int]:
     if not source.json.get("extensions"):
         return {}
-    from mimics_app.world.files.gltf.vrm import read_bones
 
     return read_bones(source)
 
