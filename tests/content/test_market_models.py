@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from assets.builders.catalogue import find_builder
+from assets.builders.market import build, garden
 from assets.builders.market.fruit import APPLE_RADIUS
+from assets.builders.market.sculpt import pack_forms, pack_model
 from mimics_app.contracts.system.resources import root
 from mimics_app.world.files.gltf.file import GltfDocument, GltfMesh, load_gltf
 
@@ -25,17 +27,28 @@ def positions(document: GltfDocument) -> np.ndarray:
 
 
 def test_shipped_files_are_those_of_the_builder(built):
-    """To a micrometre: sines may differ in their last digit from machine to machine."""
-    assert sorted(built) == sorted(file.name for file in FOLDER.glob("*.glb"))
+    """To a micrometre: sines may differ in their last digit from machine to machine; and as long, to the byte."""
+    assert sorted(built) == sorted(file.name for file in FOLDER.iterdir() if file.suffix in (".glb", ".png"))
     for name, file in built.items():
+        assert file.stat().st_size == (FOLDER / name).stat().st_size, name
         shipped, made = load_gltf(FOLDER / name), load_gltf(file)
         np.testing.assert_allclose(positions(shipped), positions(made), atol=1e-6, err_msg=name)
 
 
-def test_another_seed_grows_another_garden(built, tmp_path):
-    other = {file.name: file for file in find_builder("market").write(tmp_path, 2)}
-    assert other["meadow.glb"].read_bytes() != built["meadow.glb"].read_bytes()
-    assert other["apple.glb"].read_bytes() == built["apple.glb"].read_bytes()
+def test_another_seed_grows_another_garden(built, monkeypatch):
+    """Of what does not grow the apple is made alone, of the trees only the coarsest form."""
+    monkeypatch.setattr(build, "pack_model", lambda name, *more: pack_model(name, *more) if name == "apple" else b"")
+    monkeypatch.setattr(build, "pack_forms", lambda name, *more: pack_forms(name, *more) if name == "meadow" else more)
+    monkeypatch.setattr(garden, "_FORMS", garden._FORMS[-1:])
+    other = build.compose(2)
+    assert other["meadow.glb"] != built["meadow.glb"].read_bytes()
+    assert other["apple.glb"] == built["apple.glb"].read_bytes()
+    trees = [other[f"{name}.glb"][1]["tree"][0].part().positions for name in ("tree", "tree_round")]
+    same = [garden.build_tree(number)[0].part().positions for number in range(4)]
+    assert [[np.array_equal(tree, one) for one in same] for tree in trees] == [
+        [False, False, True, False],
+        [False, False, False, True],
+    ]
 
 
 def finest(document: GltfDocument) -> list[GltfMesh]:
