@@ -29,7 +29,7 @@ COMMANDS: dict[str, str] = {
     "render": "draw frames of a scene to PNG files",
     "scenes": "list the shipped scenes: name, group, limbs that play, trials and duration",
     "view": "look at a model or a scene from all sides; draw contact sheets",
-    "avatar": "print which joint of a person's model is which bone",
+    "avatar": "make a person of given measures, or print which joint of a model is which bone",
     "check": "validate scenes and models and report every error",
     "schema": "print the JSON Schema of scene files",
     "explain": "print the parts of a scene: their methods, costs and errors",

@@ -86,6 +86,7 @@ class RunSettings:
         language: Language of the texts that the person sees, one of `contracts.system.language.LANGUAGES`; "": English.
         fit: Run folder of a calibration, or file of a fit, to which the task is fitted; None: as the scene has it.
         side: Side of the person that plays; "left" mirrors the scene.
+        avatar: Model that is the person's own body, where the scene shows one; None: as the scene has it.
         larger_text: Whether all that is over the picture is enlarged.
         opt: One of PICTURE_OPTIONS, or "".
         steer: Program of an installed package that gives commands; "": none.
@@ -127,6 +128,7 @@ class RunSettings:
     language: str = ""
     fit: Path | None = None
     side: Side = "right"
+    avatar: Path | None = None
     larger_text: bool = False
     opt: str = ""
     steer: str = ""

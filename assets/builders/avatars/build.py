@@ -13,12 +13,14 @@ from assets.builders.avatars.piece import Piece
 from assets.builders.avatars.sheet import I8
 from assets.builders.avatars.skeleton import FINGERS, arm_axes
 from assets.builders.avatars.whole_person import Figure, make_figure
+from assets.builders.avatars.worn_bodies import write_bodies
 from assets.builders.kit.palette_texture import Rgb
 from mimics_app.maths.colour import linear_light
 
 __all__ = ["compose", "write_figure"]
 
 _GENERATOR = "mimics_app assets build avatars"
+_BODIES = "bodies.json"
 _CLOTH, _HANDS, _HANDS_SLOPES = "cloth_normal.jpg", "hands_base.jpg", "hands_normal.jpg"
 _HAIR, _CURLS = ("hair_base.jpg", "hair_normal.jpg"), ("curls_base.jpg", "curls_normal.jpg")
 _CURLY = ("curls", "crop")
@@ -30,12 +32,12 @@ _HAND_TINT = 238.0
 
 
 def compose(seed: int) -> dict[str, bytes]:
-    """Return the files of all people by name: a GLB each, and the textures they share.
+    """Return the files of all people by name: a GLB each, the textures they share, the table of their bodies.
 
     Args:
         seed: Of the random numbers of the hair.
     """
-    files: dict[str, bytes] = {_CLOTH: paint_cloth()}
+    files: dict[str, bytes] = {_BODIES: write_bodies(), _CLOTH: paint_cloth()}
     files |= dict(zip(_HAIR, paint_hair(), strict=True)) | dict(zip(_CURLS, paint_curls(), strict=True))
     for person in EVERYBODY:
         figure = make_figure(person, seed)

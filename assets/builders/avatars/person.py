@@ -112,6 +112,7 @@ class Person:
         name: Name of the file.
         body, face, looks: Measures, features and colours.
         clothes: Names of garments, from `wardrobe`, each with its colour (sRGB).
+        years: Age that the person looks.
     """
 
     name: str
@@ -119,6 +120,7 @@ class Person:
     face: Face
     looks: Looks
     clothes: tuple[tuple[str, Rgb], ...]
+    years: int
 
 
 @dataclass(frozen=True)

@@ -91,6 +91,12 @@ def _add_person(group: Container) -> None:
         default="right",
         help="side of the person that plays; left: the mirror image of the scene, where it has one",
     )
+    group.add_argument(
+        "--avatar",
+        type=Path,
+        metavar="FILE",
+        help="model that is the person's own body, where the scene shows one; mimics avatar make writes such models",
+    )
     group.add_argument("--larger-text", action="store_true", help="enlarge all that is shown over the picture")
     group.add_argument(
         "--patient",

@@ -11,13 +11,16 @@ import msgspec
 from mimics_app.app.scenes.fitted_scene import fitted
 from mimics_app.app.scenes.mirrored_scene import mirrored
 from mimics_app.app.settings import Side
-from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.errors import Issue, SceneError, UsageError
 from mimics_app.contracts.messages.calibration_record import Calibration
 from mimics_app.contracts.messages.fit import Fit, FitLimits, fit_of
 from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["FitFile", "PersonEdit", "edit_of_plain", "plain_edit", "read_fit"]
+__all__ = ["OWN_BODY", "FitFile", "PersonEdit", "edit_of_plain", "plain_edit", "read_fit"]
+
+OWN_BODY = "own_body"
+"""Asset of a scene that is the body of the person who plays."""
 
 _LARGEST = 1 << 20
 """Largest file of a fit [bytes]."""
@@ -41,18 +44,26 @@ class PersonEdit(msgspec.Struct, frozen=True):
     Attributes:
         fit: What fits the person.
         side: Side that plays, "left" or "right"; scenes are made for the right one.
+        avatar: File of a model that is the person's own body in scenes that show one; "": as the scene has it.
     """
 
     fit: Fit = Fit()
     side: Side = "right"
+    avatar: str = ""
 
     def __call__(self, document: dict[str, Any]) -> dict[str, Any]:
         """Return a changed copy of a document; it is fitted on the side that plays.
 
         Raises:
-            UsageError: The scene cannot be mirrored.
+            UsageError: The scene cannot be mirrored, or shows no own body.
         """
+        if self.avatar and OWN_BODY not in document["assets"]:
+            raise UsageError("this scene shows no own body", "leave --avatar out")
         return fitted(mirrored(document) if self.side == "left" else document, self.fit)
+
+    def files(self) -> Mapping[str, Path]:
+        """Return the model of the person's own body, by the asset that it replaces."""
+        return {OWN_BODY: Path(self.avatar)} if self.avatar else {}
 
 
 def plain_edit(scene: Scene) -> dict[str, object]:

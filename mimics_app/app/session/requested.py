@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from msgspec import structs
 
 from mimics_app.app.scenes.loading import read_scene
 from mimics_app.app.scenes.person_edit import PersonEdit, read_fit
 from mimics_app.app.settings import RunSettings
+from mimics_app.app.terminal.named import check_file
+from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.messages.fit import Fit
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.tailoring import with_trials
@@ -14,6 +18,7 @@ from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.trial_file import resolve_trials
 from mimics_app.tasks.trials import check_first_trial, repeated, trial_blocks
 from mimics_app.world.components.systems import DisplaySettings
+from mimics_app.world.files.gltf.gltf_document import GLTF_SUFFIXES
 from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["read_requested", "with_requested_trials"]
@@ -47,7 +52,21 @@ def _edit(settings: RunSettings) -> PersonEdit | None:
     fit = Fit() if settings.fit is None else read_fit(settings.fit)
     if settings.larger_text:
         fit = structs.replace(fit, text=max(fit.text, _LARGER_TEXT))
-    return None if fit == Fit() and settings.side == "right" else PersonEdit(fit, settings.side)
+    avatar = "" if settings.avatar is None else str(_model(settings.avatar))
+    edit = PersonEdit(fit, settings.side, avatar)
+    return None if edit == PersonEdit() else edit
+
+
+def _model(file: Path) -> Path:
+    """Return the model of the person's own body, which every process of the session finds.
+
+    Raises:
+        SceneError: There is no such file, or it is no glTF model.
+    """
+    if file.suffix.lower() not in GLTF_SUFFIXES:
+        raise SceneError(Issue(str(file), "", "is no model of a person", "mimics avatar make writes one"))
+    check_file(file)
+    return file.resolve()
 
 
 def with_requested_trials(task: TaskSpec, settings: RunSettings) -> TaskSpec:

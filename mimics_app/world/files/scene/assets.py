@@ -96,13 +96,14 @@ class ModelPart:
         return [index for top in tops for index in self.model.subtree(top)]
 
 
-def read_asset(name: str, layer: Layer, root: Path) -> SceneAsset | None:
+def read_asset(name: str, layer: Layer, root: Path, own: Path | None = None) -> SceneAsset | None:
     """Find and decode one asset.
 
     Args:
         name: Id of the asset.
         layer: Its item under `assets`, whose shape was checked and reported already.
         root: Folder that the file must be inside.
+        own: Model in its place, of the person who plays, wherever it is; None: the scene's own.
 
     Returns:
         The asset, or None when its shape is wrong.
@@ -113,6 +114,8 @@ def read_asset(name: str, layer: Layer, root: Path) -> SceneAsset | None:
     spec = read_struct(AssetSpec, layer.value, lambda *fault: None)
     if spec is FAILED:
         return None
+    if own is not None:
+        return _decode(name, "model", own, spec, own.parent)
     place = f"{layer.pointer}/uri"
     try:
         path = find_file(spec.uri, layer.folder, root)

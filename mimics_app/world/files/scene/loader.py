@@ -72,9 +72,10 @@ class SceneLoader:
         return scene
 
     def _load_assets(self) -> None:
+        own = {} if self._scene.edit is None else self._scene.edit.files()
         for name, layer in self._document.tables["assets"].items():
             try:
-                asset = read_asset(name, layer, self._scene.root)
+                asset = read_asset(name, layer, self._scene.root, own.get(name))
             except SceneError as error:
                 self._issues += error.issues
                 continue

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Collection, Hashable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeVar, cast, overload
+from typing import Any, Protocol, TypeVar, cast, overload
 
 import msgspec
 
@@ -25,12 +25,22 @@ from mimics_app.world.files.scene.spec import TransformSpec
 
 __all__ = ["Scene", "SceneEdit", "SceneEntity"]
 
-SceneEdit = Callable[[dict[str, Any]], dict[str, Any]]
-"""Returns a changed copy of a resolved scene, as plain JSON; new entities come last.
 
-Raises:
-    UsageError: It cannot be changed in this way.
-"""
+class SceneEdit(Protocol):
+    """Change of a resolved scene for the person who plays."""
+
+    def __call__(self, document: dict[str, Any]) -> dict[str, Any]:
+        """Return a changed copy of a resolved scene, as plain JSON; new entities come last.
+
+        Raises:
+            UsageError: It cannot be changed in this way.
+        """
+        ...
+
+    def files(self) -> Mapping[str, Path]:
+        """Return files of the person's own in place of assets of the scene, by id."""
+        ...
+
 
 _QUATERNION_TOLERANCE = 1e-3
 """Largest deviation of a quaternion's length from 1: four decimals pass, a mistyped number does not."""
