@@ -130,6 +130,8 @@ def current_block(record: Records, rows: Rows | None) -> Records | None:
     """
     if record.dtype == SCENE:
         return record
+    if (widened := _with_all_parameters(record)) is not None:
+        return widened
     block = _of_a_device(record)
     old = set(record.dtype.names or ())
     kept = [name for name in SCENE.names or () if name not in _NEW | _WIDER | _SLOTS | {*_OF_DEVICES}]
@@ -148,6 +150,20 @@ def current_block(record: Records, rows: Rows | None) -> Records | None:
             block["objects"][name] = counts[name]
     block["objects"]["tunnels"] = len(rows.tunnels)
     return block if count_rows(block[0]["objects"]) == {name: len(t) for name, t in rows._asdict().items()} else None
+
+
+def _with_all_parameters(record: Records) -> Records | None:
+    """Return a block whose controllers had fewer parameters as this version's, shape [1]; None for any other."""
+    names, last = SCENE.names or (), "controller_parameters"
+    if record.dtype.names != names or any(record.dtype[name] != SCENE[name] for name in names if name != last):
+        return None
+    slots, width = record.dtype[last].shape
+    if not (slots == SCENE[last].shape[0] and width <= SCENE[last].shape[1]):
+        return None
+    block = np.zeros(1, SCENE)
+    for name in names:
+        (block[name][:, :, :width] if name == last else block[name])[:] = record[name]
+    return block
 
 
 def _of_a_device(record: Records) -> Records | None:

@@ -28,6 +28,7 @@ KERNELS_MAY_IMPORT = (
     "mimics_app.contracts.loop.controller_slots",
     "mimics_app.contracts.loop.device_descriptor",
     "mimics_app.contracts.loop.gait_state",
+    "mimics_app.contracts.loop.hard_object_kind",
     "mimics_app.contracts.loop.haptic",
     "mimics_app.contracts.loop.haptic_objects",
     "mimics_app.compiled.kernel",

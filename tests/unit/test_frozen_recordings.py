@@ -100,6 +100,16 @@ def test_a_recording_that_lacks_an_input_is_refused_with_the_reason(name: str, w
         gather(Run.open(FROZEN[0].parent / name))
 
 
+def test_a_block_with_fewer_parameters_of_controllers_is_one_of_this_version() -> None:
+    names = SCENE.names or ()
+    fewer = [(name, ("f8", (6, 64)) if name == "controller_parameters" else SCENE[name]) for name in names]
+    old = np.zeros(1, np.dtype(fewer, align=True))
+    old["controller_parameters"][0, 2, 63], old["virtual_mass"] = 7.0, 3.0
+    block = current_block(old, None)
+    assert block is not None and block.dtype == SCENE and block["virtual_mass"][0] == 3.0
+    assert block["controller_parameters"][0, 2].tolist() == [*[0.0] * 63, 7.0, *[0.0] * 32]
+
+
 def test_a_block_that_says_something_else_is_no_block_of_this_version() -> None:
     run = Run.open(FROZEN[0].parent / "run_0_1_0_block")
     number, block = next(iter(run.parameters.items()))

@@ -23,12 +23,14 @@ from mimics_app.rendering.haptic.control.lokomat.foot_constraint import (
     find_surface,
     follow_surface,
 )
+from mimics_app.rendering.haptic.control.lokomat.mesh_cut import cut_mesh
 from mimics_app.rendering.haptic.control.lokomat.sagittal_outline import (
+    EDGES,
     OUTLINE,
-    box_outline,
     circle_outline,
-    kerb_outline,
-    mesh_outline,
+    put_box,
+    put_kerb,
+    put_polygon,
     wall_outline,
 )
 from mimics_app.rendering.haptic.control.lokomat.shaft_admittance import SHAFT_SETTINGS
@@ -93,14 +95,26 @@ def _box_mesh() -> tuple[Array, Array]:
     return corners, np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
 
 
+def _put(put: Any, *numbers: Any) -> Array:
+    outline = np.zeros(1, OUTLINE)
+    put(outline[0], *numbers)
+    return outline
+
+
+def _cut(y: float) -> Array:
+    polygon = cut_mesh(*_box_mesh(), y)
+    filled = np.vstack([polygon, np.repeat(polygon[-1:], EDGES - len(polygon), axis=0)])
+    return _put(put_polygon, filled[:, 0].copy(), filled[:, 1].copy(), 0.0)
+
+
 OUTLINES: dict[str, Array] = {
     "wall": wall_outline((0.2, 0.0), (-1.0, 0.0)),
     "ramp": wall_outline((0.3, -0.8), (-0.5, 0.8)),
-    "sphere": circle_outline((0.5, -0.8), 0.15, off_plane=0.05),
+    "sphere": circle_outline((0.5, -0.8), math.sqrt(0.15**2 - 0.05**2)),
     "cylinder": circle_outline((0.45, -0.75), 0.1),
-    "box": box_outline((0.45, -0.8), (0.2, 0.3), 0.02),
-    "kerb": kerb_outline((0.3, -0.72), 0.02),
-    "mesh": mesh_outline(*_box_mesh(), y=0.03),
+    "box": _put(put_box, 0.45, -0.8, 0.2, 0.3, 0.02),
+    "kerb": _put(put_kerb, 0.3, -0.72, 0.02),
+    "mesh": _cut(0.03),
 }
 
 

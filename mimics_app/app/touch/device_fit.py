@@ -13,6 +13,7 @@ from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic.controllers.registry import find_controller
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.described import descriptor_of
+from mimics_app.rendering.haptic.devices.hard_object import hard_object_values
 from mimics_app.rendering.haptic.scene_block import (
     controller_values,
     dynamics_of,
@@ -35,6 +36,7 @@ def device_values(plugin: DevicePlugin, scene: Scene, block: Records) -> Mapping
 
     Raises:
         DeviceError: The scene's controller is not for this device.
+        UsageError: The scene's hard object is none.
     """
     values: dict[str, object] = {"late_latches": int(not plugin.simulated), **dynamics_of(plugin)}
     values |= _joint_values(plugin, scene)
@@ -44,7 +46,9 @@ def device_values(plugin: DevicePlugin, scene: Scene, block: Records) -> Mapping
         values["passivity"] = 0
     if chosen := scene.first(Controller):
         _check_takes(plugin, chosen.name)
-        values |= controller_values(block, Slot.PERSON, chosen.name, _planned(scene) | dict(chosen.parameters))
+        solid = hard_object_values(chosen, scene, plugin.descriptor or HAPTICMASTER)
+        parameters = {**_planned(scene), **chosen.parameters, **solid}
+        values |= controller_values(block, Slot.PERSON, chosen.name, parameters)
     return values
 
 

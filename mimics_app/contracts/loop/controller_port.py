@@ -46,6 +46,7 @@ from mimics_app.contracts.loop.haptic import MAX_GEOMETRY
 from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, MAX_NUMBERS
 
 if TYPE_CHECKING:
+    from mimics_app.contracts.arrays import Vec
     from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
 
 __all__ = [
@@ -218,6 +219,10 @@ def _no_obstacles(_: Sequence[float]) -> tuple[str, ...]:
     return ()
 
 
+def _fits(_: Vec) -> str:
+    return ""
+
+
 @dataclass(frozen=True, slots=True)
 class ControllerPlugin:
     """A controller of the loop.
@@ -235,6 +240,7 @@ class ControllerPlugin:
         columns: Its columns of the recording, in the order of CONTROL_OUTPUT.numbers.
         gait: Whether it has gait states.
         obstacles: Names of the obstacles that a person may call, by its parameters; CONTROL_INPUT.obstacle counts them.
+        misfit: Why its parameters do not fit together, in a sentence without a subject; "" where they do.
 
     Raises:
         ValueError: Name, parameters or columns do not fit the records of the loop, or a name of a column is taken.
@@ -251,6 +257,7 @@ class ControllerPlugin:
     columns: tuple[ControllerColumn, ...] = ()
     gait: bool = False
     obstacles: Callable[[Sequence[float]], tuple[str, ...]] = _no_obstacles
+    misfit: Callable[[Vec], str] = _fits
 
     def __post_init__(self) -> None:
         if not (self.name.isascii() and 0 < len(self.name) <= CONTROLLER_NAME):

@@ -28,7 +28,7 @@ __all__ = [
 MAX_CONTROLLERS = 6
 """Number of slots of a session."""
 
-CONTROLLER_PARAMETERS = 64
+CONTROLLER_PARAMETERS = 96
 """Number of parameters of a controller; those it does not use are 0."""
 
 MAX_OBSTACLES = 16

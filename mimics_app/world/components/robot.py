@@ -260,6 +260,13 @@ class Controller(Component, frozen=True):
     parameters: Annotated[
         dict[str, _Parameter | _Parameters], Meta(description="Its parameters by name; as its docstring lists")
     ] = msgspec.field(default_factory=dict)
+    hard_object: Annotated[
+        str | None,
+        Meta(
+            description="Of a gait orthosis: entity whose mesh, cut by the plane of the leg that explores, is the hard "
+            "object; absent: as its parameters say"
+        ),
+    ] = None
 
 
 @component("joint_pd", limit=100, once=True)

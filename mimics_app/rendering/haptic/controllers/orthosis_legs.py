@@ -2,8 +2,9 @@
 
 Each leg is controlled on its own, by pure impedance or by admittance and impedance combined. The numbers of the machine
 are parameters with the defaults of the simulated one; a laboratory enters those of its own. One hard object at a time
-stands in the plane of the legs: a wall, a box, a kerb or a round one, placed in the robot's frame (x forward, z up,
-origin between the hips), or on a street the one that is called: kerb, box, low wall or door. All other objects of a
+stands in the plane of the legs: a wall, a box, a kerb, a round one or a polygon, as a mesh is cut, placed in the
+robot's frame (x forward, z up, origin between the hips), or on a street the one that is called: kerb, box, low wall or
+door. All other objects of a
 scene are soft, and reach the leg as the virtual force at its foot.
 
 The gait state comes from the obstacle sequence, which this tick steps: the belt's share scales the reference towards
@@ -31,6 +32,7 @@ from mimics_app.contracts.loop.controller_slots import CommandKind, Lead
 from mimics_app.contracts.loop.device_descriptor import DeviceDescriptor
 from mimics_app.contracts.loop.gait_state import GaitState
 from mimics_app.contracts.loop.haptic import TripCause
+from mimics_app.contracts.loop.hard_object_kind import HardObject
 from mimics_app.rendering.haptic.control.lokomat.constrained_shafts import SurfaceFriction
 from mimics_app.rendering.haptic.control.lokomat.encoder_watch import ENCODER_WATCH, encoder_is_frozen
 from mimics_app.rendering.haptic.control.lokomat.heel_strike import HEEL_STRIKE, watch_heel
@@ -41,7 +43,16 @@ from mimics_app.rendering.haptic.control.lokomat.leg_control import (
     control_combined,
     control_impedance,
 )
-from mimics_app.rendering.haptic.control.lokomat.sagittal_outline import put_box, put_circle, put_kerb, put_wall
+from mimics_app.rendering.haptic.control.lokomat.mesh_cut import polygon_fault
+from mimics_app.rendering.haptic.control.lokomat.sagittal_outline import (
+    EDGES,
+    corner_count,
+    put_box,
+    put_circle,
+    put_kerb,
+    put_polygon,
+    put_wall,
+)
 from mimics_app.rendering.haptic.controllers.orthosis_walk import (
     WALK,
     begin_walk,
@@ -79,22 +90,10 @@ __all__ = [
     "PARAMETERS",
     "STREET_SIZES",
     "WALK_PLACES",
-    "HardObject",
     "StreetObject",
     "control_legs",
     "orthosis_plugin",
 ]
-
-
-class HardObject(IntEnum):
-    """Kind of the hard object."""
-
-    NONE = 0
-    WALL = 1  # vertical, at object[0], facing back
-    BOX = 2
-    KERB = 3  # upper edge at object[0], object[1]
-    ROUND = 4  # of the diameter size[0]
-    STREET = 5  # the StreetObject that is called, from object[0] on, on the ground at object[1]
 
 
 class StreetObject(IntEnum):
@@ -109,7 +108,7 @@ class StreetObject(IntEnum):
 PARAMETERS = (
     ControllerParameter("as_printed", 0.0, 0.0, 1.0),
     ControllerParameter("combined", 1.0, 0.0, 1.0, size=2),  # 1: combined control of the left and right leg
-    ControllerParameter("object_kind", 0.0, 0.0, 5.0),
+    ControllerParameter("object_kind", 0.0, 0.0, 6.0),
     ControllerParameter("object", 0.0, -3.0, 3.0, "m", size=2),
     ControllerParameter("object_size", 0.2, 0.01, 3.0, "m", size=2),
     ControllerParameter("rounding", 0.01, 0.001, 0.5, "m"),
@@ -150,6 +149,8 @@ PARAMETERS = (
     ControllerParameter("guidance_window", 0.0, 0.0, 0.3, "s"),  # 0: impedance around the reference
     ControllerParameter("guidance_width", 0.05, 0.0, 0.3, "rad"),  # from the path, without torque; in a window
     ControllerParameter("frozen_torque", 10.0, 1.0, 1000.0, "N m"),  # change of load without a step of the encoder
+    ControllerParameter("outline_x", 0.0, -3.0, 3.0, "m", size=EDGES),  # corners of a mesh's cut, forward
+    ControllerParameter("outline_z", 0.0, -3.0, 3.0, "m", size=EDGES),  # likewise, up
 )
 """Parameters of both controllers."""
 
@@ -159,7 +160,7 @@ PARAMETERS = (
     _PD_STIFFNESS, _COMPUTED, _GUIDANCE_STIFFNESS, _GUIDANCE_DAMPING, _COMPENSATION, _COULOMB, _VISCOUS, _MOTOR_MASS,
     _ORTHOSIS_MASS, _SHANK_ORTHOSIS, _LEG_MASS, _SHANK_WITH_FOOT, _HIP_LINK, _HIP_MOVED, _HIP_OFFSET, _KNEE_LINK,
     _KNEE_MOVED, _KNEE_OFFSET, _SEQUENCE, _OBSTACLE_AFTER, _EXPLORING_LEG, _EXPLORATION, _RATE, _WINDOW, _WIDTH,
-    _FROZEN,
+    _FROZEN, _OUTLINE_X, _OUTLINE_Z,
 ) = places_of(PARAMETERS)  # fmt: skip
 
 _OF_A_LEG = (("x_real", "m"), ("x_des", "m"), ("f_x", "N"), ("eta_1", "m"), ("eta_2", "m"), ("guidance", "1"))
@@ -256,6 +257,12 @@ def _write_street_object(settings: LegSettingsRecord, called: int, numbers: Vec)
 
 
 @kernel
+def _corners(numbers: Vec) -> tuple[Vec, Vec]:
+    """Forward and up of the corners of a mesh's cut [m], the last one repeated."""
+    return numbers[_OUTLINE_X : _OUTLINE_X + EDGES], numbers[_OUTLINE_Z : _OUTLINE_Z + EDGES]
+
+
+@kernel
 def _write_object(settings: LegSettingsRecord, called: int, numbers: Vec) -> None:
     """Write the outline of the hard object; of a street's that which is called."""
     x, z, outline = numbers[_OBJECT], numbers[_OBJECT + 1], settings.outline
@@ -273,6 +280,8 @@ def _write_object(settings: LegSettingsRecord, called: int, numbers: Vec) -> Non
         put_kerb(outline, x, z, rounding)
     elif kind == HardObject.ROUND:
         put_circle(outline, x, z, 0.5 * numbers[_OBJECT_SIZE])
+    elif kind == HardObject.MESH:
+        put_polygon(outline, *_corners(numbers), rounding)
 
 
 @kernel
@@ -360,6 +369,8 @@ def _far_side(called: int, parameters: Vec) -> float:
     if kind == HardObject.STREET:
         deep = STREET_SIZES[called, 0]
         return parameters[_OBJECT] + (0.0 if math.isinf(deep) else deep)
+    if kind == HardObject.MESH:
+        return float(_corners(parameters)[0].max())
     depth = 0.5 * parameters[_OBJECT_SIZE] if kind == HardObject.BOX or kind == HardObject.ROUND else 0.0
     return parameters[_OBJECT] + depth
 
@@ -468,6 +479,16 @@ def _obstacles_of(parameters: Sequence[float]) -> tuple[str, ...]:
     return tuple(each.name.lower() + leg for each in objects for leg in _CALLED_LEGS)
 
 
+def _misfit(parameters: Vec) -> str:
+    """Return why a polygon is no hard object; "" where it is one, and for all other kinds."""
+    if HardObject(int(parameters[_OBJECT_KIND])) is not HardObject.MESH:
+        return ""
+    x, z = _corners(parameters)
+    polygon = np.stack([x, z], axis=1)[: corner_count(x, z)]
+    fault = polygon_fault(polygon, float(parameters[_ROUNDING]))
+    return fault and f"has a hard object whose outline {fault}"
+
+
 def _refuse_unless_two_legs(descriptor: DeviceDescriptor) -> str:
     """Return why a device cannot have a controller of the orthosis; "" where it can."""
     fits = descriptor.torques and descriptor.contacts == ("left foot", "right foot") and len(descriptor.joints) == 4
@@ -486,4 +507,5 @@ def orthosis_plugin(name: str, compute: Callable[..., Any]) -> ControllerPlugin:
         columns=COLUMNS,
         gait=True,
         obstacles=_obstacles_of,
+        misfit=_misfit,
     )

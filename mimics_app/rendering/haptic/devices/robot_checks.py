@@ -12,6 +12,7 @@ from mimics_app.rendering.haptic.controllers.registry import find_controller
 from mimics_app.rendering.haptic.descriptors.joint_limits import joint_limits
 from mimics_app.rendering.haptic.devices.button_commands import button_commands
 from mimics_app.rendering.haptic.devices.described import descriptor_of
+from mimics_app.rendering.haptic.devices.hard_object import hard_object_values
 from mimics_app.world.components.objects import Connections, ForceField, HapticEffect, InteractionPoints
 from mimics_app.world.components.robot import Controller, Robot, Tunnel
 
@@ -63,9 +64,15 @@ def check_controller(chosen: Controller, pointer: str, scene: Scene) -> list[Iss
     if why := plugin.refusal(descriptor):
         return [scene.issue(f"{pointer}/name", f'the controller "{chosen.name}" {why}', "choose another one")]
     try:
-        parameter_vector(plugin, chosen.parameters)
+        solid = hard_object_values(chosen, scene, descriptor)
     except UsageError as error:
-        return [scene.issue(f"{pointer}/parameters", error.what, error.fix)]
+        return [scene.issue(f"{pointer}/hard_object", error.what, error.fix)]
+    try:
+        misfit = plugin.misfit(parameter_vector(plugin, {**chosen.parameters, **solid}))
+    except UsageError as error:
+        return [scene.issue(f"{pointer}/{'hard_object' if solid else 'parameters'}", error.what, error.fix)]
+    if misfit:
+        return [scene.issue(f"{pointer}/parameters", f'the controller "{chosen.name}" {misfit}', "change its corners")]
     return []
 
 

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.arrays import Vec
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import OutlineEdgeRecord, OutlineRecord, Table
@@ -26,14 +27,13 @@ __all__ = [
     "EDGES",
     "OUTLINE",
     "OUTLINE_EDGE",
-    "box_outline",
     "circle_outline",
-    "kerb_outline",
-    "mesh_outline",
+    "corner_count",
     "outline_distance",
     "put_box",
     "put_circle",
     "put_kerb",
+    "put_polygon",
     "put_wall",
     "wall_outline",
 ]
@@ -57,6 +57,9 @@ _SMALLEST = 1e-9
 
 _TIE = 1e-12
 """Relative difference of the squares of two distances that are equal: edges meet in an end."""
+
+_SHARPEST = 0.01
+"""Smallest 1 + cosine between the normals of two edges: a corner of 11 degrees [-]."""
 
 _Point = Sequence[float] | NDArray[np.float64]
 """Two numbers, x forward and z up."""
@@ -165,6 +168,55 @@ def put_kerb(outline: OutlineRecord, x: float, z: float, rounding: float) -> Non
     _put_edge(outline, inner_x, inner_z, inner_x + _ENDLESS, inner_z)
 
 
+@kernel
+def corner_count(x: Vec, z: Vec) -> int:
+    """Number of corners of a polygon whose last corner is repeated to the end of its arrays."""
+    count = 1
+    while count < x.shape[0] and (x[count] != x[count - 1] or z[count] != z[count - 1]):
+        count += 1
+    return count
+
+
+@kernel
+def put_polygon(outline: OutlineRecord, x: Vec, z: Vec, rounding: float) -> None:
+    """Set the outline of a polygon by its corners [m], and the radius of its edges [m]; of two corners none is set.
+
+    Args:
+        outline: OUTLINE record.
+        x: Corners in either order, forward; the last one is repeated to the end. At most EDGES.
+        z: Likewise, up.
+        rounding: Radius of the edges [m].
+    """
+    count, area = corner_count(x, z), 0.0
+    outline.count, outline.radius = 0, rounding
+    for i in range(count):
+        k = (i + 1) % count
+        area += x[i] * z[k] - x[k] * z[i]
+    step = 1 if area < 0.0 else -1  # the object lies on the right
+    if count < 3 or area == 0.0:
+        return
+    last_x, last_z = _rounded_corner(x, z, count, 0, step, rounding)
+    first_x, first_z = last_x, last_z
+    for i in range(1, count):
+        corner_x, corner_z = _rounded_corner(x, z, count, step * i, step, rounding)
+        _put_edge(outline, last_x, last_z, corner_x, corner_z)
+        last_x, last_z = corner_x, corner_z
+    _put_edge(outline, last_x, last_z, first_x, first_z)
+
+
+@kernel
+def _rounded_corner(x: Vec, z: Vec, count: int, i: int, step: int, rounding: float) -> tuple[float, float]:
+    """Corner of a polygon moved inwards until both edges are a rounding [m] farther in."""
+    at, before, after = i % count, (i - step) % count, (i + step) % count
+    in_x, in_z = x[at] - x[before], z[at] - z[before]
+    out_x, out_z = x[after] - x[at], z[after] - z[at]
+    length_in, length_out = math.sqrt(in_x * in_x + in_z * in_z), math.sqrt(out_x * out_x + out_z * out_z)
+    normal_x, normal_z = -in_z / length_in - out_z / length_out, in_x / length_in + out_x / length_out
+    half = 0.5 * (normal_x * normal_x + normal_z * normal_z)  # 1 + cosine of the angle between the normals
+    share = rounding / max(half, _SHARPEST)
+    return x[at] - share * normal_x, z[at] - share * normal_z
+
+
 def wall_outline(point: _Point, normal: _Point) -> NDArray[Any]:
     """Return the OUTLINE, shape [1], of a wall through a point [m] with an outward normal, shape [2] each."""
     outline, length = np.zeros(1, OUTLINE), math.hypot(normal[0], normal[1])
@@ -172,71 +224,8 @@ def wall_outline(point: _Point, normal: _Point) -> NDArray[Any]:
     return outline
 
 
-def circle_outline(centre: _Point, radius: float, off_plane: float = 0.0) -> NDArray[Any]:
-    """Return the OUTLINE of a sphere, or of a cylinder across the plane.
-
-    Args:
-        centre: Centre in the plane [m], shape [2].
-        radius: Its radius [m].
-        off_plane: Distance of a sphere's centre from the plane [m]; 0 for a cylinder.
-
-    Raises:
-        ValueError: The plane misses the sphere.
-    """
-    if not abs(off_plane) < radius:
-        raise ValueError(
-            f"the plane of the leg passes the sphere at {off_plane:g} m, beyond its radius of {radius:g} m"
-        )
+def circle_outline(centre: _Point, radius: float) -> NDArray[Any]:
+    """Return the OUTLINE, shape [1], of a sphere or cylinder across the plane by its circle in the plane [m]."""
     outline = np.zeros(1, OUTLINE)
-    put_circle(outline[0], float(centre[0]), float(centre[1]), math.sqrt(radius * radius - off_plane * off_plane))
-    return outline
-
-
-def box_outline(centre: _Point, size: _Point, rounding: float) -> NDArray[Any]:
-    """Return the OUTLINE of a box, or of an upright cylinder by its cut: size along x and z [m], with rounded edges."""
-    if not min(size[0], size[1]) > 2.0 * rounding:
-        raise ValueError(f"a rounding of {rounding:g} m leaves nothing of a box of {size[0]:g} by {size[1]:g} m")
-    outline = np.zeros(1, OUTLINE)
-    put_box(outline[0], float(centre[0]), float(centre[1]), float(size[0]), float(size[1]), rounding)
-    return outline
-
-
-def kerb_outline(edge: _Point, rounding: float) -> NDArray[Any]:
-    """Return the OUTLINE of a kerb, see `put_kerb`."""
-    outline = np.zeros(1, OUTLINE)
-    put_kerb(outline[0], float(edge[0]), float(edge[1]), rounding)
-    return outline
-
-
-def mesh_outline(vertices: NDArray[np.float64], faces: NDArray[np.integer[Any]], y: float) -> NDArray[Any]:
-    """Return the OUTLINE of a closed triangle mesh cut by the plane of a leg, without rounding.
-
-    Args:
-        vertices: Shape [n, 3], x forward, y to the left, z up [m].
-        faces: Shape [m, 3], counter-clockwise from outside.
-        y: Plane of the leg [m].
-
-    Raises:
-        ValueError: The plane misses the mesh, or the cut has more than EDGES edges.
-    """
-    triangles = np.asarray(vertices, np.float64)[faces]
-    height = triangles[:, :, 1] - y
-    outline, count = np.zeros(1, OUTLINE), 0
-    for corners, above in zip(triangles, height, strict=True):
-        ends = [
-            a + ha / (ha - hb) * (b - a)
-            for a, b, ha, hb in zip(corners, np.roll(corners, -1, 0), above, np.roll(above, -1), strict=True)
-            if (ha < 0.0) != (hb < 0.0)
-        ]
-        if len(ends) != 2 or np.allclose(ends[0], ends[1]):
-            continue
-        if count == EDGES:
-            raise ValueError(f"the cut through the mesh has more than {EDGES} edges: simplify the mesh")
-        normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])[[0, 2]]
-        edge = outline["edges"][0, count]
-        edge["start"], edge["end"], edge["normal"] = ends[0][[0, 2]], ends[1][[0, 2]], normal / math.hypot(*normal)
-        count += 1
-    if count == 0:
-        raise ValueError(f"the plane of the leg, at y = {y:g} m, misses the mesh")
-    outline["count"] = count
+    put_circle(outline[0], float(centre[0]), float(centre[1]), radius)
     return outline
