@@ -88,6 +88,7 @@ class RunSettings:
         side: Side of the person that plays; "left" mirrors the scene.
         avatar: Model that is the person's own body, where the scene shows one; None: as the scene has it.
         larger_text: Whether all that is over the picture is enlarged.
+        high_contrast: Whether texts, panels, targets, paths and the hand's marker have colours of high contrast.
         opt: One of PICTURE_OPTIONS, or "".
         steer: Program of an installed package that gives commands; "": none.
         markers: Stream of markers of the lab streaming layer that may give notes, marks and stops; "": none.
@@ -130,6 +131,7 @@ class RunSettings:
     side: Side = "right"
     avatar: Path | None = None
     larger_text: bool = False
+    high_contrast: bool = False
     opt: str = ""
     steer: str = ""
     markers: str = ""

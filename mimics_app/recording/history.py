@@ -133,7 +133,7 @@ def cut_off_runs(parent: Path) -> list[Path]:
 def local_time(utc: str) -> str:
     """Return an ISO 8601 time in the local time zone, for people; "" where it cannot be read."""
     try:
-        return datetime.fromisoformat(utc).astimezone().strftime("%d %b %Y, %H:%M")
+        return datetime.fromisoformat(utc).astimezone().strftime("%Y-%m-%d %H:%M")  # the same in all languages
     except (ValueError, OverflowError):
         return ""
 

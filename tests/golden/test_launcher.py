@@ -395,7 +395,7 @@ def test_a_real_window_obeys_mouse_and_keyboard():
         try:
             send("search", "--sync", "--name", "^mimics$")
             time.sleep(1.0)
-            send("mousemove", "1218", "205")  # the right arrow of the device, second of the settings
+            send("mousemove", "1218", "171")  # the right arrow of the device, second of the settings
             send("click", "1")
             send("mousemove", "100", "250")  # the first card
             send("click", "1")

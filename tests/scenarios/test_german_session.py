@@ -54,7 +54,7 @@ def test_page_one_of_the_report_is_german(runs: dict[str, Path]) -> None:
 
 def test_the_page_of_results_is_german(runs: dict[str, Path]) -> None:
     with speaking("de"):
-        content = played_run(runs["en"], from_launcher=False)
+        content = played_run(runs["en"], origin="terminal")
         shown = [
             translated(content.title),
             content.sentence,

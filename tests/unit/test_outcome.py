@@ -121,7 +121,7 @@ def test_rows_are_in_words() -> None:
 
 def test_a_page_from_the_launcher_leads_back_to_it() -> None:
     """Escape and "another scene" do the same there, so there is no second button for it."""
-    names = [button.name for button in result_content("T", answer(), [], [], from_launcher=True).buttons]
+    names = [button.name for button in result_content("T", answer(), [], [], origin="launcher").buttons]
     assert names == ["again", "other", "report", "keys"]
     assert [button.name for button in result_content("T", answer(), [], []).buttons] == [*names, "leave"]
 
@@ -345,11 +345,11 @@ def test_the_page_of_an_earlier_session_says_who_and_when(tmp_path: Path) -> Non
     task = {"completed": 1, "trials": 2, "score": 50.0, "time_s": 3.0, "counted": "trials"}
     clock = {"utc": "2026-01-02T08:00:00+00:00"}
     folder = write_run(tmp_path, "20260102T080000Z_a", "wavy_tunnel", "P7", task, clock=clock)
-    content = played_run(folder, from_launcher=True)
+    content = played_run(folder, origin="launcher")
     assert content.who == f"Participant P7 · {local_time(clock['utc'])}" and "2026" in content.who
     assert content.sentence.startswith("1 of 2 trials finished") and dict(content.tiles)["Score of 100"] == "50"
     (folder / "manifest.json").unlink()
-    assert "cut off" in played_run(folder, from_launcher=True).footnote
+    assert "cut off" in played_run(folder, origin="launcher").footnote
 
 
 def test_every_session_is_a_card_that_opens_its_page(tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ from mimics_app.app.study.counterbalance import balanced_square, latin_square, o
 from mimics_app.app.study.forms import SHIPPED_FORMS, Form, Item, check_answers
 from mimics_app.app.study.study_folder import StudyFolder, folder_name
 from mimics_app.app.study.study_results import changes_of, effects_of, trials_of
-from mimics_app.app.study.study_runs import Next, find_next, play_next
+from mimics_app.app.study.study_runs import find_next, play_next
 from mimics_app.contracts.errors import OutputError, SceneError, UsageError
 from mimics_app.recording.trial_table import table_text
 from tests.support.command import mimics
@@ -56,15 +56,17 @@ class Played:
         self.from_trials: list[int] = []
         monkeypatch.setattr(study_runs, "_play", self.play)
 
-    def play(self, study: StudyFolder, found: Next, attempt: int, from_trial: int, extra: Sequence[str]) -> int:
-        assert found.run is not None
-        self.from_trials.append(from_trial)
-        parent = study.attempt_folder(found.participant, found.session, found.run.number, attempt)
+    def play(self, words: Sequence[str]) -> int:
+        parent = Path(words[words.index("--runs") + 1])
+        begun = json.loads((parent.parent / "journal.jsonl").read_text().splitlines()[-1])
+        code = next(word for word in words if word.startswith("--participant=")).partition("=")[2]
+        self.from_trials.append(begun["from_trial"])
         run = parent / "20260101T000000Z_00000000"
         run.mkdir(parents=True)
-        row = {"outcome": "finished", "practice": False, "score": self.score[found.run.condition]}
-        (run / "trials.csv").write_bytes(table_text([{"trial": n, **row} for n in range(from_trial - 1, self.trials)]))
-        (run / "session.json").write_text(json.dumps({"settings": {"participant": found.participant.code}}))
+        row = {"outcome": "finished", "practice": False, "score": self.score.get(begun["condition"])}
+        lines = [{"trial": n, **row} for n in range(begun["from_trial"] - 1, self.trials)]
+        (run / "trials.csv").write_bytes(table_text(lines))
+        (run / "session.json").write_text(json.dumps({"settings": {"participant": code}}))
         state = {"source": "app", "kind": "state", "state": "done" if self.whole else "travel"}
         (run / "events.jsonl").write_text(json.dumps(state) + "\n")
         return self.code
@@ -150,7 +152,7 @@ def test_a_participant_has_a_language(study: StudyFolder, monkeypatch: pytest.Mo
 
     monkeypatch.setattr(study_runs.subprocess, "run", run)
     first, second = study.find_or_add("P01"), study.find_or_add("P02")
-    assert study.with_language(second, "sl").language == "sl"
+    assert study.with_settings(second, language="sl").language == "sl"
     study.erase(first)
     assert [(each.code, each.row, each.language) for each in study.participants] == [("P02", 1, "sl")]
     study_runs.play_next(study, study.find("P02"), "", ())
@@ -380,7 +382,7 @@ def test_a_form_is_asked_in_the_language_of_the_participant(tmp_path: Path, caps
     """What is typed and kept are the names of the items, whatever the language."""
     forms = {"nasa_tlx": msgspec.to_builtins(SHIPPED_FORMS["nasa_tlx"])}
     study = StudyFolder.create(tmp_path / "study", {**protocol(), "forms": forms})
-    study.with_language(study.find_or_add("P01"), "de")
+    study.with_settings(study.find_or_add("P01"), language="de")
     assert cli.main(["study", "form", str(study.path), "P01", "nasa_tlx"]) == 0
     asked = capsys.readouterr().out
     assert "mental: Wie viel Nachdenken verlangte die Aufgabe? (0 sehr niedrig – 100 sehr hoch)" in asked

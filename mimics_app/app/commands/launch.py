@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -36,7 +37,7 @@ def run(args: argparse.Namespace) -> int:
     check_screen()
     from mimics_app.app.play.journey_window import JourneyWindow
 
-    with JourneyWindow(from_launcher=True) as window:
+    with JourneyWindow(origin="launcher") as window:
         return launch_in(window)
 
 
@@ -47,14 +48,20 @@ def launch_in(window: JourneyWindow) -> int:
     """
     from mimics_app.app.play.launching import remember
 
-    window.from_launcher = True
     notice = ""
     while True:
+        window.origin = "launcher"
         choice = _choose(window.surface, notice)
         if choice is None:
             return 0
         if choice.run is None:
             remember(choice)
+        if choice.people:
+            from mimics_app.app.study.people_screen import show_people
+
+            window.origin, notice = "participant", ""
+            show_people(window, choice)
+            continue
         ended = _follow(choice, window)
         if ended.following == "close":
             return ended.code
@@ -74,6 +81,10 @@ def _follow(choice: LauncherChoice, window: JourneyWindow) -> JourneyEnd:
         if following != "again":
             return JourneyEnd(0, following)
     settings = settings_of_choice(choice)
+    if settings.participant:
+        from mimics_app.app.study.fit_of_code import fit_of_code
+
+        settings = replace(settings, fit=fit_of_code(settings.participant, _RUNS))
     if settings.console is not None:
         from mimics_app.app.play.operators_page import open_page
 
@@ -82,9 +93,17 @@ def _follow(choice: LauncherChoice, window: JourneyWindow) -> JourneyEnd:
 
 
 def _choose(surface: Surface, notice: str) -> LauncherChoice | None:
-    from mimics_app.app.play.launching import LANGUAGE, cut_off_notice, last_choice, launcher_cards, launcher_settings
+    from mimics_app.app.play.launching import (
+        LANGUAGE,
+        cut_off_notice,
+        last_choice,
+        launcher_cards,
+        launcher_settings,
+        wants_contrast,
+    )
     from mimics_app.contracts.clock import FRAME_NS, MonotonicClock
     from mimics_app.contracts.system.language import speak
+    from mimics_app.rendering.visual.figures.contrast import use_high_contrast
     from mimics_app.rendering.visual.launcher.launcher import Launcher
 
     clock, cards = MonotonicClock(), launcher_cards(_RUNS)
@@ -94,6 +113,7 @@ def _choose(surface: Surface, notice: str) -> LauncherChoice | None:
         while not surface.should_close and not launcher.left:
             launcher.handle(surface.poll())
             speak(launcher.values[LANGUAGE])
+            use_high_contrast(wants_contrast(launcher.values))
             if launcher.choice is not None:
                 return launcher.choice
             launcher.draw()

@@ -99,6 +99,9 @@ def _add_person(group: Container) -> None:
     )
     group.add_argument("--larger-text", action="store_true", help="enlarge all that is shown over the picture")
     group.add_argument(
+        "--high-contrast", action="store_true", help="texts, targets, paths and the hand's marker in high contrast"
+    )
+    group.add_argument(
         "--patient",
         choices=PATIENTS,
         default="",
@@ -281,6 +284,10 @@ def run(args: argparse.Namespace) -> int:
         start_page(args.console)
     settings = RunSettings(**{field.name: getattr(args, field.name) for field in fields(RunSettings)})
     speak(settings.language)
+    if settings.high_contrast:
+        from mimics_app.rendering.visual.figures.contrast import use_high_contrast
+
+        use_high_contrast(True)
     if _is_for_a_person(settings) and not args.json:
         return _play_with_pages(settings)
     return _play(settings, as_json=args.json)
@@ -292,7 +299,7 @@ def _play_with_pages(settings: RunSettings) -> int:
     from mimics_app.app.play.journey_window import JourneyWindow
     from mimics_app.app.scenes.shipped import find_shipped
 
-    with JourneyWindow(settings.size, from_launcher=False) as window:
+    with JourneyWindow(settings.size, origin="terminal") as window:
         known = find_shipped(settings.scene.stem)
         window.title = settings.scene.stem if known is None else known.title
         ended = play_through(settings, window)

@@ -15,7 +15,7 @@ from mimics_app.contracts.system.language import translated
 from mimics_app.contracts.system.phrases import phrase
 from mimics_app.rendering.visual.figures.hud import KIND, Colour, Hud
 from mimics_app.rendering.visual.figures.key_page import KeyPage, draw_page
-from mimics_app.rendering.visual.figures.palette import BOARD, FAINT, INK, TONES
+from mimics_app.rendering.visual.figures.palette import BOARD, FAINT, INK, TONES, tone_colour
 
 __all__ = ["OPERATORS_CARDS", "BoardLayout", "stability_card"]
 
@@ -127,14 +127,14 @@ def _draw_card(hud: Hud, card: Card, corner: tuple[float, float], force_full: fl
     room, text = 0.62 * width if card.remark else width, translated(card.text)
     if hud.measure(text, _LEAST_CARD, bold=True) > room:
         for number, line in enumerate(hud.wrap(text, _LEAST_CARD, room, 2, bold=True)):
-            hud.text(x, y + 10.0 - 16.0 * number, line, _LEAST_CARD, TONES[card.tone], bold=True)
+            hud.text(x, y + 10.0 - 16.0 * number, line, _LEAST_CARD, tone_colour(card.tone), bold=True)
         return
-    drawn = hud.fitted(x, y, text, (_LEAST_CARD, 25.0), room, TONES[card.tone], bold=True)
+    drawn = hud.fitted(x, y, text, (_LEAST_CARD, 25.0), room, tone_colour(card.tone), bold=True)
     free = width - 8.0 - drawn
     if card.remark:
         remark = translated(card.remark)
         size = min(17.0, 17.0 * free / hud.measure(remark, 17.0))
-        hud.text(x + width, y + 4.0, remark, size, TONES[card.remark_tone], align="right")
+        hud.text(x + width, y + 4.0, remark, size, tone_colour(card.remark_tone), align="right")
 
 
 def _draw_bar(hud: Hud, bar: Bar, corner: tuple[float, float], width: float, force_full: float) -> None:
@@ -149,10 +149,10 @@ def _draw_bar(hud: Hud, bar: Bar, corner: tuple[float, float], width: float, for
 
 def _bar_colour(tone: Tone, share: float) -> Colour:
     if tone is not Tone.LOAD:
-        return TONES[tone]
+        return tone_colour(tone)
     if share < _WARN_LOAD:
-        return TONES[Tone.CALM]
-    return TONES[Tone.WARN if share < _ALARM_LOAD else Tone.ALARM]
+        return tone_colour(Tone.CALM)
+    return tone_colour(Tone.WARN if share < _ALARM_LOAD else Tone.ALARM)
 
 
 def _draw_count(hud: Hud, count: int) -> None:

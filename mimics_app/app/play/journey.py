@@ -21,7 +21,7 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.clock import FRAME_NS, MonotonicClock
 from mimics_app.contracts.system.phrases import phrase
 
-__all__ = ["Following", "JourneyEnd", "Pages", "play_through", "run_words"]
+__all__ = ["Following", "JourneyEnd", "Pages", "play_through", "play_words", "run_words"]
 
 Following = Literal["again", "other", "leave", "close"]
 """What comes after a session: the same again, another scene, back to where it was started, the end of everything."""
@@ -89,12 +89,13 @@ def play_through(settings: RunSettings, pages: Pages | None = None) -> JourneyEn
     """Play a scene in a window, and again as long as the person chooses "again"."""
     shown = pages or Pages()
     while True:
-        end = _play_once(run_words(settings), shown)
+        end = play_words(run_words(settings), shown)
         if end.following != "again":
             return end
 
 
-def _play_once(words: Sequence[str], pages: Pages) -> JourneyEnd:
+def play_words(words: Sequence[str], pages: Pages) -> JourneyEnd:
+    """Play a session once, from the arguments of `mimics run`."""
     with tempfile.TemporaryDirectory(prefix="mimics-journey-") as folder:
         log = Path(folder) / "journey.jsonl"
         log.touch()

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from mimics_app.app.picture.window_opening import open_window, remember_size
 from mimics_app.app.play.journey import Following, Pages
+from mimics_app.app.play.outcome import Origin
 from mimics_app.app.play.result_screen import show_result
 from mimics_app.contracts.clock import FRAMES_PER_SECOND, MonotonicClock
 from mimics_app.contracts.system.language import translated
@@ -69,14 +70,14 @@ class JourneyWindow(Pages):
 
     Args:
         size: Width and height [px]; None: as a person last gave a window, else as suits the monitor.
-        from_launcher: Whether a session that ends leads back to the launcher.
+        origin: Where the page of results leads back to.
 
     Attributes:
         title: Title of the scene that is waited for.
     """
 
-    def __init__(self, size: Size | None = None, *, from_launcher: bool) -> None:
-        self._size, self.from_launcher, self.title = size, from_launcher, ""
+    def __init__(self, size: Size | None = None, *, origin: Origin) -> None:
+        self._size, self.origin, self.title = size, origin, ""
         self._surface: Surface | None = None
         self._page: WaitingPage | None = None
         self._looked = 0
@@ -124,7 +125,7 @@ class JourneyWindow(Pages):
 
     def result(self, folder: Path) -> Following:
         self._end_page()
-        return show_result(self.surface, folder, MonotonicClock(), from_launcher=self.from_launcher)
+        return show_result(self.surface, folder, MonotonicClock(), origin=self.origin)
 
     def close(self) -> None:
         """Close the window, if it was opened."""

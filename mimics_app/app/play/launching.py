@@ -38,13 +38,15 @@ __all__ = [
     "last_choice",
     "launcher_cards",
     "launcher_settings",
+    "player_of",
     "refusals",
     "remember",
     "settings_of_choice",
+    "wants_contrast",
 ]
 
-LANGUAGE = "language"
-"""Name of the setting of the language."""
+LANGUAGE, TEXT = "language", "text"
+"""Names of the settings of the language, and of size and contrast of texts."""
 _MOST_RECENT = 12
 _SIMULATED = tuple(name for name in BUILT_IN if name.startswith("simulated"))
 
@@ -66,6 +68,11 @@ def _players() -> dict[str, str]:
     others = sorted((name for name in device_names() if name not in (POINTER, REPLAY)), key=_ADDRESSED.__contains__)
     captions = {name: load_built_in(name).caption if name in BUILT_IN else name for name in others}
     return {_AT_WINDOW: load_built_in(POINTER).caption, **captions}
+
+
+def player_of(device: str) -> str:
+    """Return the caption of a device, by the value of its setting."""
+    return _players().get(device, device)
 
 
 def refusals(scene: ShippedScene) -> Mapping[tuple[str, str], str]:
@@ -125,7 +132,10 @@ def _person_settings() -> list[Setting]:
         Setting(
             "participant",
             phrase("Participant code"),
-            phrase("A code, never a name. Results are compared with earlier ones of this code."),
+            phrase(
+                "A code, never a name. Results are compared with earlier ones of this code, and the task is fitted "
+                "to its newest calibration."
+            ),
             typed=True,
             empty=phrase("no code"),
             refuse=lambda typed: why_no_code(canonical_code(typed)),
@@ -137,10 +147,26 @@ def _person_settings() -> list[Setting]:
             _choices(_languages()),
         ),
         Setting(
-            "text",
-            phrase("Text over the picture"),
-            phrase("Larger: cards and prompts of the session are larger, where the window is wide enough."),
-            _choices({"": phrase("usual size"), "larger": phrase("larger")}),
+            TEXT,
+            phrase("Text and contrast"),
+            phrase(
+                "Larger cards and prompts in the session. High contrast: white on black; paths, targets and the hand's "
+                "marker in colours that stand out."
+            ),
+            _choices(
+                {
+                    "": phrase("usual size"),
+                    "larger": phrase("larger"),
+                    "contrast": phrase("high contrast"),
+                    "both": phrase("larger, in high contrast"),
+                }
+            ),
+        ),
+        Setting(
+            "side",
+            phrase("Side that plays"),
+            phrase("Left mirrors the scenes that have a side."),
+            _choices({"": phrase("right side"), "left": phrase("left side")}),
         ),
     ]
 
@@ -219,7 +245,9 @@ def settings_of_choice(choice: LauncherChoice) -> RunSettings:
         patient=chosen["patient"] if chosen["device"] in _SIMULATED else "",
         participant=canonical_code(chosen["participant"]),
         language=chosen.get(LANGUAGE, ""),
-        larger_text=chosen.get("text") == "larger",
+        larger_text=chosen.get(TEXT) in ("larger", "both"),
+        high_contrast=wants_contrast(chosen),
+        side="left" if chosen.get("side") == "left" else "right",
         difficulty=chosen["difficulty"],  # type: ignore[arg-type]
         trials=int(chosen["trials"] or 0),
         profile=chosen["profile"],  # type: ignore[arg-type]
@@ -227,6 +255,11 @@ def settings_of_choice(choice: LauncherChoice) -> RunSettings:
         display=chosen["display"],
         console=DEFAULT_PORT if chosen.get("console") else None,
     )
+
+
+def wants_contrast(chosen: Mapping[str, str]) -> bool:
+    """Whether the values of the settings ask for high contrast."""
+    return chosen.get(TEXT) in ("contrast", "both")
 
 
 def launcher_cards(runs: Path) -> list[ScenarioCard]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Literal
 
 from mimics_app.contracts.messages.trial_counts import COUNTED_TRIALS
 from mimics_app.contracts.system.phrases import phrase
@@ -12,7 +12,10 @@ from mimics_app.recording.result_words import finished_time, of_same_settings, r
 from mimics_app.rendering.visual.figures.key_page import Keys
 from mimics_app.rendering.visual.launcher.result_page import Button, ResultContent
 
-__all__ = ["result_content"]
+__all__ = ["Origin", "result_content"]
+
+Origin = Literal["terminal", "launcher", "participant"]
+"""Where the page of results leads back to."""
 
 _BUTTONS = (
     Button("again", phrase("Again"), "n"),
@@ -21,7 +24,12 @@ _BUTTONS = (
     Button("keys", phrase("Keys"), "h"),
 )
 _CLOSE = Button("leave", phrase("Close"), "c")
-"""Ends `mimics run`; a page that leads back to the launcher has "another scene" for it."""
+_BUTTONS_FROM: Mapping[Origin, Sequence[Button]] = {
+    "terminal": (*_BUTTONS, _CLOSE),
+    "launcher": _BUTTONS,  # "another scene" leads back to it
+    "participant": (Button("leave", phrase("Back to the participant"), "c"), *_BUTTONS[2:]),
+}
+"""The buttons by where the page leads back to."""
 
 
 def result_content(
@@ -33,7 +41,7 @@ def result_content(
     *,
     who: str = "",
     footnote: str = "",
-    from_launcher: bool = False,
+    origin: Origin = "terminal",
 ) -> ResultContent:
     """Return the content of the page.
 
@@ -45,7 +53,7 @@ def result_content(
         keys: Keys of the session.
         who: Participant and time, "" for unknown.
         footnote: Line at the bottom.
-        from_launcher: Whether closing the page leads back to the launcher.
+        origin: Where the page leads back to.
     """
     task = answer["task"]
     head, lines = trial_lines(rows)
@@ -55,7 +63,7 @@ def result_content(
         tiles=_tiles(task, rows, earlier),
         head=head,
         rows=lines,
-        buttons=_BUTTONS if from_launcher else (*_BUTTONS, _CLOSE),
+        buttons=_BUTTONS_FROM[origin],
         footnote=footnote,
         keys=keys,
         who=who,

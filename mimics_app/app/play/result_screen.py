@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, cast, get_args
 
 from mimics_app.app.play.journey import Following
-from mimics_app.app.play.outcome import result_content
+from mimics_app.app.play.outcome import Origin, result_content
 from mimics_app.app.play.session_keys import session_keys
 from mimics_app.app.session.mover import Mover
 from mimics_app.contracts.clock import FRAME_NS, Clock
@@ -31,12 +31,12 @@ __all__ = ["played_run", "show_result"]
 _CUT_OFF = phrase("This session was cut off. mimics record recover {folder} repairs its recording")
 
 
-def played_run(folder: Path, *, from_launcher: bool) -> ResultContent:
+def played_run(folder: Path, *, origin: Origin) -> ResultContent:
     """Return the content of the page.
 
     Args:
         folder: Run folder, also of a session that was cut off.
-        from_launcher: Whether closing the page leads back to the launcher.
+        origin: Where the page leads back to.
     """
     header, _ = read_session(folder)
     manifest, _ = read_manifest(folder)
@@ -51,7 +51,7 @@ def played_run(folder: Path, *, from_launcher: bool) -> ResultContent:
         _keys(header),
         who=_who(header),
         footnote=_CUT_OFF.format(folder=folder) if manifest is None else phrase("Recorded in {folder}", folder=folder),
-        from_launcher=from_launcher,
+        origin=origin,
     )
 
 
@@ -75,16 +75,16 @@ def _who(header: dict[str, Any]) -> str:
     return " · ".join(part for part in (who, begun) if part)
 
 
-def show_result(surface: Surface, folder: Path, clock: Clock, *, from_launcher: bool) -> Following:
+def show_result(surface: Surface, folder: Path, clock: Clock, *, origin: Origin) -> Following:
     """Show the page of a run and return the person's choice.
 
     Args:
         surface: The window of the pages.
         folder: Run folder, also of a session that was cut off.
         clock: Clock of real time.
-        from_launcher: Whether closing the page leads back to the launcher.
+        origin: Where the page leads back to.
     """
-    content = played_run(folder, from_launcher=from_launcher)
+    content = played_run(folder, origin=origin)
     while True:
         choice = _choose(surface, content, clock)
         if choice != "report":

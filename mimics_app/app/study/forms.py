@@ -148,8 +148,8 @@ SHIPPED_FORMS: dict[str, Form] = {
         phrase("About the participant"),
         {
             "age": Item(phrase("Age in years"), "number", low=0.0, high=130.0, required=False),
-            "hand": Item(phrase("Preferred hand"), "choice", ["left", "right", "both"]),
-            "side": Item(phrase("Affected side"), "choice", ["none", "left", "right", "both"]),
+            "hand": Item(phrase("Preferred hand"), "choice", [phrase("left"), phrase("right"), phrase("both")]),
+            "side": Item(phrase("Affected side"), "choice", [phrase("none"), "left", "right", "both"]),
         },
     ),
 }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,15 +15,35 @@ from mimics_app.app.study.study_folder import Participant, StudyFolder, folder_n
 from mimics_app.app.study.study_results import Change, Effect, changes_of, effects_of, measures_in, trials_of
 from mimics_app.app.study.tables import write_table
 from mimics_app.contracts.errors import OutputError, counted
+from mimics_app.contracts.messages.calibration_record import MEASURE_TITLES
+from mimics_app.contracts.system.language import spoken, translated
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.contracts.system.whole_file import private_text
 from mimics_app.plotting.page_templates import load_templates
+from mimics_app.recording.history import local_time
 from mimics_app.recording.run_folder import PRIVATE_FOLDER
 
-__all__ = ["export_study"]
+__all__ = ["export_study", "write_participant_page"]
 
 _ANSWER = ["participant", "form", "session", "time", "item", "label", "value", "utc"]
 _CALIBRATED = ["participant", "session", "time", "measure", "value", "unit", "repeats", "spread", "at_least", "utc"]
 _BEGIN = ["participant", "session", "run", "attempt", "condition"]
+
+
+@dataclass(frozen=True, slots=True)
+class _About:
+    """What is known of one participant.
+
+    Attributes:
+        changes: Changes of the measures.
+        answers, calibrations: Rows of the tables, in order.
+        notes: Lines of notes.
+    """
+
+    changes: Sequence[Change] = ()
+    answers: Sequence[Mapping[str, object]] = ()
+    calibrations: Sequence[Mapping[str, object]] = ()
+    notes: Sequence[Mapping[str, object]] = ()
 
 
 def export_study(study: StudyFolder, folder: Path) -> list[Path]:
@@ -57,12 +77,34 @@ def export_study(study: StudyFolder, folder: Path) -> list[Path]:
     for person, name in pages.items():
         own, found = changes[person], trends[person]
         _write_page(
-            folder / name, study, person.code, measures, changes=own, answers=answers[person], calibrations=found
+            folder / name,
+            study,
+            person.code,
+            measures,
+            about=_About(own, answers[person], found, study.notes_of(person)),
         )
     optional = {"answers": bool(study.protocol.forms), "calibrations": calibrated}
     kept = ("trials", "changes", "effects", *(name for name, there in optional.items() if there))
     tables = [folder / f"{name}.csv" for name in kept]
     return [*tables, folder / "study.html", *(folder / name for name in pages.values())]
+
+
+def write_participant_page(study: StudyFolder, person: Participant, file: Path) -> None:
+    """Write the page of one participant, in place of an older one."""
+    trials = trials_of(study, [person])
+    measures = measures_in(trials)
+    _write_page(
+        file,
+        study,
+        person.code,
+        measures,
+        about=_About(
+            changes_of(trials, list(measures)),
+            list(_answer_rows(study, person)),
+            list(_calibration_rows(study, person)),
+            study.notes_of(person),
+        ),
+    )
 
 
 def _answer_rows(study: StudyFolder, person: Participant) -> Iterator[dict[str, Any]]:
@@ -90,9 +132,10 @@ def _by_measure(rows: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, str]]
     """Return measure, unit, and the values over the calibrations, each with its spread."""
     found: dict[tuple[str, str], list[str]] = {}
     for row in rows:
-        more = "at least " if row["at_least"] else ""
-        text = f"{more}{row['value']:.3g} ± {0.5 * row['spread']:.2g}"
-        found.setdefault((str(row["measure"]).replace("_", " "), str(row["unit"])), []).append(text)
+        text = translated(f"{row['value']:.3g} ± {0.5 * row['spread']:.2g}")
+        text = translated(phrase("{measured:s} or more", measured=text)) if row["at_least"] else text
+        title = translated(MEASURE_TITLES.get(row["measure"], row["measure"]))
+        found.setdefault((title, str(row["unit"])), []).append(text)
     return [(measure, unit, " → ".join(values)) for (measure, unit), values in found.items()]
 
 
@@ -121,21 +164,27 @@ def _write_page(
     measures: Mapping[str, str],
     *,
     effects: Sequence[Effect] = (),
-    changes: Sequence[Change] = (),
-    answers: Sequence[Mapping[str, object]] = (),
-    calibrations: Sequence[Mapping[str, object]] = (),
+    about: _About | None = None,
     pages: Mapping[Participant, str] | None = None,
 ) -> None:
+    forms = study.protocol.forms
+    about = about or _About()
     environment = load_templates(Path(__file__).parent / "templates")
     environment.filters["interval"] = _interval_words
     page = environment.get_template("results.html.j2").render(
+        language=spoken(),
+        translated=translated,
         title=study.title,
         participant=participant,
         measures=measures,
         effects=effects,
-        changes=changes,
-        answers=_by_item(answers),
-        trends=_by_measure(calibrations),
+        changes=about.changes,
+        answers=[
+            (forms[form].title if form in forms else form, label, values)
+            for form, label, values in _by_item(about.answers)
+        ],
+        trends=_by_measure(about.calibrations),
+        notes=[(local_time(str(each["utc"])), each["note"]) for each in about.notes],
         pages=[(person.code, name) for person, name in (pages or {}).items()],
         size=counted(len(study.participants), "participants"),
     )
@@ -148,7 +197,7 @@ def _by_item(answers: Sequence[Mapping[str, object]]) -> list[tuple[str, str, st
     found: dict[tuple[str, str], list[str]] = {}
     for row in answers:
         value = row["value"]
-        text = f"{value:g}" if isinstance(value, float) else str(value)
+        text = translated(f"{value:g}" if isinstance(value, float) else str(value))
         found.setdefault((str(row["form"]), str(row["label"] or row["item"])), []).append(text)
     return [(form, label, " → ".join(values)) for (form, label), values in found.items()]
 
@@ -157,5 +206,6 @@ def _interval_words(interval: Interval | None) -> str:
     if interval is None:
         return ""
     if interval.low is None or interval.high is None:
-        return f"{interval.mean:.3g}"
-    return f"{interval.mean:.3g} ({interval.low:.3g} to {interval.high:.3g})"
+        return translated(f"{interval.mean:.3g}")
+    found = {"mean": f"{interval.mean:.3g}", "low": f"{interval.low:.3g}", "high": f"{interval.high:.3g}"}
+    return translated(phrase("{mean:s} ({low:s} to {high:s})", **found))

@@ -1,11 +1,13 @@
 """Folder of a study: its protocol, its participants, their sessions, and where the names of the participants are.
 
     STUDY/study.json                            protocol
-    STUDY/participants.jsonl                    code, row of the squares and language of each participant
+    STUDY/participants.jsonl                    code, row of the squares and settings of each participant
     STUDY/sub-CODE/answers.jsonl                forms and questionnaires as answered, a line each time
     STUDY/sub-CODE/calibrations.jsonl           what calibrations found, a line each time
+    STUDY/sub-CODE/notes.jsonl                  notes, a line each
     STUDY/sub-CODE/ses-001/journal.jsonl        what began and ended
     STUDY/sub-CODE/ses-001/run-003-1/RUN        run folder of the first attempt at the third run
+    STUDY/sub-CODE/ses-001/run-000-1/RUN        run folder of a calibration that is not in the plan
     STUDY.keys.json                             names behind the codes, beside the folder: never in it
 
 A line of a journal is on the disk before a run begins, so that a crash at any moment is seen afterwards. Nothing is
@@ -41,7 +43,8 @@ from mimics_app.recording.run_folder import PRIVATE_FILE, PRIVATE_FOLDER, write_
 __all__ = ["Attempt", "Participant", "StudyFolder", "folder_name"]
 
 _PROTOCOL, _PARTICIPANTS, _JOURNAL = "study.json", "participants.jsonl", "journal.jsonl"
-_ANSWERS, _CALIBRATIONS = "answers.jsonl", "calibrations.jsonl"
+_ANSWERS, _CALIBRATIONS, _NOTES = "answers.jsonl", "calibrations.jsonl", "notes.jsonl"
+_SETTINGS = ("language", "side", "text", "contrast")
 _LONGEST_NAME = 120
 """Longest name of a participant's folder; a file system takes 255 bytes."""
 _NEW_CODE = "P{:03d}"
@@ -55,16 +58,22 @@ class Participant:
         code: Pseudonym.
         row: Row of the squares, 0 first.
         language: Language of the texts that the participant sees, see `contracts.system.language`; "": the usual one.
+        side: Side that plays, "left" or "right"; "": as the forms say.
+        text: "larger": what is over the picture is enlarged; "": as a calibration says.
+        contrast: "high": texts, targets and paths have the colours of high contrast; "": the usual ones.
     """
 
     code: str
     row: int
     language: str = ""
+    side: str = ""
+    text: str = ""
+    contrast: str = ""
 
     @property
     def line(self) -> bytes:
         """The line of the participant in the list of all."""
-        stated = {"language": self.language} if self.language else {}
+        stated = {name: value for name in _SETTINGS if (value := getattr(self, name))}
         return to_json({"participant": self.code, "row": self.row, **stated}) + b"\n"
 
 
@@ -144,7 +153,10 @@ class StudyFolder:
     def participants(self) -> list[Participant]:
         """All participants in the order in which they were added."""
         lines = _lines(self.path / _PARTICIPANTS)
-        return [Participant(line["participant"], line["row"], str(line.get("language", ""))) for line in lines]
+        return [
+            Participant(line["participant"], line["row"], *(str(line.get(name, "")) for name in _SETTINGS))
+            for line in lines
+        ]
 
     def find(self, text: str) -> Participant:
         """Return a participant by code.
@@ -205,9 +217,9 @@ class StudyFolder:
             raise OutputError(self.key_file, f"cannot be read: {error.strerror or error}", "ask its owner") from error
         return {code: str(name) for code, name in parse_object(data).items()} if data else {}
 
-    def with_language(self, participant: Participant, language: str) -> Participant:
-        """Keep the language of a participant for all runs that follow; return the participant with it."""
-        changed = replace(participant, language=language)
+    def with_settings(self, participant: Participant, **settings: str) -> Participant:
+        """Keep language, side, text or contrast of a participant for all runs that follow; return the participant."""
+        changed = replace(participant, **settings)  # type: ignore[arg-type]
         listed = [changed if each.code == participant.code else each for each in self.participants]
         write_atomically(self.path / _PARTICIPANTS, b"".join(each.line for each in listed))
         return changed
@@ -270,6 +282,15 @@ class StudyFolder:
         except (msgspec.ValidationError, KeyError, ValueError) as error:
             what = f"does not hold calibrations: {error}"
             raise SceneError(Issue(str(file), "", what, "restore the file, or remove it")) from error
+
+    def write_note(self, participant: Participant, session: int, note: str) -> None:
+        """Append a note of one line; earlier ones stay. It is on the disk when this returns."""
+        line = {"session": session, "note": note, "utc": wall_time().isoformat()}
+        self._append(self.folder_of(participant) / _NOTES, line)
+
+    def notes_of(self, participant: Participant) -> list[dict[str, Any]]:
+        """Return the notes about a participant in order: session, note and utc."""
+        return _lines(self.folder_of(participant) / _NOTES)
 
     def sessions_of(self, participant: Participant) -> list[int]:
         """Return the numbers of the sessions that began."""

@@ -8,6 +8,7 @@ from typing import Any
 
 from mimics_app.app.study.change import Interval, change_of, mean_of, paired_difference
 from mimics_app.app.study.study_folder import Attempt, Participant, StudyFolder
+from mimics_app.app.study.study_runs import CALIBRATION
 from mimics_app.contracts.messages.trial_counts import FINISHED, SESSION_ENDED
 from mimics_app.recording.report_values import number
 from mimics_app.recording.run import Run
@@ -62,6 +63,7 @@ def trials_of(study: StudyFolder, participants: Sequence[Participant] | None = N
     for participant in study.participants if participants is None else participants:
         for session in study.sessions_of(participant):
             conditions = {planned.number: planned.condition for planned in study.plan(participant, session)}
+            conditions.setdefault(0, CALIBRATION)
             attempts = study.attempts(participant, session)
             for attempt in attempts:
                 whose = {"participant": participant.code, "session": session, "run": attempt.run}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -14,8 +14,9 @@ import msgspec
 from mimics_app.app.scenes.loading import read_scene
 from mimics_app.app.scenes.mirrored_scene import why_not_mirrored
 from mimics_app.app.scenes.person_edit import FitFile
-from mimics_app.app.settings import SIDES
-from mimics_app.app.study.protocol import Condition, PlannedRun, scene_of
+from mimics_app.app.scenes.scene_search import find_scene
+from mimics_app.app.settings import SIDES, Side
+from mimics_app.app.study.protocol import PlannedRun, scene_of, seed_of
 from mimics_app.app.study.study_folder import Attempt, Participant, StudyFolder
 from mimics_app.app.terminal.output import say
 from mimics_app.contracts.errors import UsageError
@@ -26,10 +27,18 @@ from mimics_app.recording.event_log import to_json
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import PRIVATE_FOLDER, write_atomically
 
-__all__ = ["Next", "find_next", "play_next"]
+__all__ = ["CALIBRATION", "Answer", "Next", "calibrate", "find_next", "play_next", "side_of", "words_of_settings"]
 
 Answer = Literal["", "resume", "restart", "abandon"]
 """What the operator chooses for a run that was interrupted; "": nothing yet."""
+
+CALIBRATION = "calibration"
+"""Scene of a calibration, and name of its condition where the plan has none."""
+_UNPLANNED = 0
+"""Number of the run of a calibration that is not in the plan; the planned ones begin at 1."""
+
+_Player = Callable[[Sequence[str]], int]
+"""Plays a session from the arguments of `mimics run`; returns its exit code."""
 
 _FIT = "fit.json"
 """File beside a run folder: calibration and limits to which the run is fitted."""
@@ -76,7 +85,13 @@ def _trial_to_resume(attempt: Attempt) -> int:
     return max(ended) + 2 if ended else attempt.from_trial
 
 
-def play_next(study: StudyFolder, participant: Participant, answer: Answer, extra: Sequence[str]) -> Attempt | None:
+def play_next(
+    study: StudyFolder,
+    participant: Participant,
+    answer: Answer,
+    extra: Sequence[str],
+    play: _Player | None = None,
+) -> Attempt | None:
     """Play the next run of a participant in a process of its own; return the attempt, None where none is left.
 
     Args:
@@ -84,6 +99,7 @@ def play_next(study: StudyFolder, participant: Participant, answer: Answer, extr
         participant: The participant.
         answer: For a run that was interrupted: go on at the trial after the last one, begin it again, or give it up.
         extra: Further options of `mimics run`, such as --headless.
+        play: Plays the session, None: as `mimics run` does.
 
     Raises:
         UsageError: The next run was interrupted and `answer` is "", or the other way round.
@@ -100,15 +116,58 @@ def play_next(study: StudyFolder, participant: Participant, answer: Answer, extr
         return study.attempts(participant, found.session)[-1]
     attempt = 1 if found.interrupted is None else found.interrupted.attempt + 1
     from_trial = found.resume_at if answer == "resume" else 1
+    condition = study.protocol.conditions[found.run.condition]
+    scene = scene_of(study.protocol_file, condition)
+    folder = study.attempt_folder(participant, found.session, number, attempt)
+    options = ["--seed", str(found.run.seed), "--from-trial", str(from_trial), "--difficulty", condition.difficulty]
+    options += ["--trials", str(condition.trials)] if condition.trials else []
+    options += words_of_settings(study, participant, scene)
     begun = {"run": number, "attempt": attempt, "condition": found.run.condition, "from_trial": from_trial}
-    study.write_line(participant, found.session, begun)
-    code = _play(study, found, attempt, from_trial, extra)
-    folder = study.attempts(participant, found.session)[-1].folder
-    outcome = "done" if code == 0 and _ended_whole(folder) else "interrupted"
-    if folder is not None and (calibration := calibration_of(Run(folder))) is not None:
-        study.write_calibration(participant, found.session, calibration)
-    study.write_line(participant, found.session, {"run": number, "attempt": attempt, "outcome": outcome, "code": code})
-    return study.attempts(participant, found.session)[-1]
+    words = [str(scene), *options, *condition.options, *extra]
+    return _journalled(study, participant, found.session, begun, folder, words, play or _play)
+
+
+def calibrate(
+    study: StudyFolder, participant: Participant, extra: Sequence[str], play: _Player | None = None
+) -> Attempt:
+    """Calibrate a participant outside the plan; what was measured is kept, and later runs are fitted to it.
+
+    Args:
+        study: The study.
+        participant: The participant.
+        extra: Further options of `mimics run`, such as --headless.
+        play: Plays the session, None: as `mimics run` does.
+    """
+    session = find_next(study, participant).session
+    attempt = 1 + sum(each.run == _UNPLANNED for each in study.attempts(participant, session))
+    folder = study.attempt_folder(participant, session, _UNPLANNED, attempt)
+    seed = seed_of(study.protocol.seed, participant.code, session, CALIBRATION, attempt)
+    scene = find_scene(Path(CALIBRATION))
+    words = [str(scene), "--seed", str(seed), *words_of_settings(study, participant, scene), *extra]
+    begun = {"run": _UNPLANNED, "attempt": attempt, "condition": CALIBRATION, "from_trial": 1}
+    return _journalled(study, participant, session, begun, folder, words, play or _play)
+
+
+def _journalled(
+    study: StudyFolder,
+    participant: Participant,
+    session: int,
+    begun: Mapping[str, object],
+    folder: Path,
+    words: Sequence[str],
+    play: _Player,
+) -> Attempt:
+    """Play a run between its two lines of the journal, and keep what it calibrated; return the attempt."""
+    study.write_line(participant, session, begun)
+    folder.mkdir(mode=PRIVATE_FOLDER)
+    code = play([*words, *_fitted(study, participant, folder), "--runs", str(folder)])
+    number, attempt = begun["run"], begun["attempt"]
+    played = study.attempts(participant, session)[-1].folder
+    outcome = "done" if code == 0 and _ended_whole(played) else "interrupted"
+    if played is not None and (calibration := calibration_of(Run(played))) is not None:
+        study.write_calibration(participant, session, calibration)
+    study.write_line(participant, session, {"run": number, "attempt": attempt, "outcome": outcome, "code": code})
+    return next(each for each in study.attempts(participant, session) if (each.run, each.attempt) == (number, attempt))
 
 
 def _question(found: Next, answer: Answer) -> tuple[str, str]:
@@ -120,20 +179,19 @@ def _question(found: Next, answer: Answer) -> tuple[str, str]:
     return what, f"--resume (at trial {found.resume_at}), --restart-block or --abandon"
 
 
-def _play(study: StudyFolder, found: Next, attempt: int, from_trial: int, extra: Sequence[str]) -> int:
-    assert found.run is not None
-    condition = study.protocol.conditions[found.run.condition]
-    folder = study.attempt_folder(found.participant, found.session, found.run.number, attempt)
-    folder.mkdir(mode=PRIVATE_FOLDER)
-    options = ["--seed", str(found.run.seed), "--from-trial", str(from_trial), "--difficulty", condition.difficulty]
-    options += _fitted(study, found.participant, folder)
-    options += _sided(study, found.participant, condition)
-    options += ["--trials", str(condition.trials)] if condition.trials else []
-    options += [f"--language={found.participant.language}"] if found.participant.language else []
-    options += [f"--participant={found.participant.code}", "--runs", str(folder), *condition.options, *extra]
-    scene = scene_of(study.protocol_file, condition)
-    command = [sys.executable, "-m", "mimics_app", "run", str(scene), *options]
-    return subprocess.run(command, stdout=sys.stderr, check=False).returncode
+def _play(words: Sequence[str]) -> int:
+    """Play a session as `mimics run` does, with its answer among the messages."""
+    return subprocess.run(
+        [sys.executable, "-m", "mimics_app", "run", *words], stdout=sys.stderr, check=False
+    ).returncode
+
+
+def words_of_settings(study: StudyFolder, participant: Participant, scene: Path) -> list[str]:
+    """Return the options of `mimics run` for a participant's code, language, side, text and contrast."""
+    words = [f"--participant={participant.code}", *_sided(study, participant, scene)]
+    words += [f"--language={participant.language}"] if participant.language else []
+    words += ["--larger-text"] if participant.text == "larger" else []
+    return [*words, *(["--high-contrast"] if participant.contrast == "high" else [])]
 
 
 def _fitted(study: StudyFolder, participant: Participant, folder: Path) -> list[str]:
@@ -147,15 +205,21 @@ def _fitted(study: StudyFolder, participant: Participant, folder: Path) -> list[
     return [f"--fit={file}"]
 
 
-def _sided(study: StudyFolder, participant: Participant, condition: Condition) -> list[str]:
-    """Return the option for the affected or, without one, preferred side of a participant; a scene without one: []."""
+def side_of(study: StudyFolder, participant: Participant) -> Side:
+    """Return the side that plays: that of the participant, else the affected or, without one, preferred one."""
     answers = {item: value for line in study.answers_of(participant) for item, value in line["answers"].items()}
-    side = answers.get("side")  # as answered last, which may be that there is none
-    if (side if side in SIDES else answers.get("hand")) != "left":
+    stated = participant.side, answers.get("side")  # as answered last, which may be that there is none
+    side = next((each for each in stated if each in SIDES), answers.get("hand"))
+    return "left" if side == "left" else "right"
+
+
+def _sided(study: StudyFolder, participant: Participant, scene: Path) -> list[str]:
+    """Return the option for the side of a participant; a scene without a mirror image: []."""
+    if side_of(study, participant) == "right":
         return []
-    why = why_not_mirrored(read_scene(scene_of(study.protocol_file, condition)).document)
+    why = why_not_mirrored(read_scene(scene).document)
     if why:
-        say(f"{condition.scene} is played as it is, not on the left side: {why}")
+        say(f"{scene.stem} is played as it is, not on the left side: {why}")
         return []
     return ["--side=left"]
 

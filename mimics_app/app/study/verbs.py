@@ -117,7 +117,7 @@ def _run(args: argparse.Namespace, folder: Path, words: list[str]) -> int:
     study = StudyFolder(folder)
     participant = _person(args, study, words, add=True)
     if args.language:
-        participant = study.with_language(participant, args.language)
+        participant = study.with_settings(participant, language=args.language)
     chosen = "resume" if args.resume else "restart" if args.restart_block else "abandon" if args.abandon else ""
     attempt = play_next(study, participant, chosen, shlex.split(args.options))  # type: ignore[arg-type]
     if attempt is None:
@@ -161,7 +161,7 @@ def _status(args: argparse.Namespace, folder: Path, words: list[str]) -> int:
     rows = []
     for participant in [study.find(word) for word in words] or study.participants:
         attempts = [each for session in study.sessions_of(participant) for each in study.attempts(participant, session)]
-        outcomes = [attempt.outcome for attempt in attempts]
+        outcomes = [attempt.outcome for attempt in attempts if attempt.run]
         planned = sum(len(study.plan(participant, n)) for n in range(1, study.protocol.sessions + 1))
         counts = {name: outcomes.count(name) for name in ("done", "interrupted", "abandoned")}
         rows.append({**_described(find_next(study, participant)), "planned": planned, **counts})

@@ -7,8 +7,17 @@ from collections.abc import Mapping, Sequence
 import msgspec
 
 from mimics_app.contracts.arrays import Vec3
+from mimics_app.contracts.system.phrases import phrase
 
-__all__ = ["CALIBRATED", "DIRECTIONS", "NOT_MEASURED", "CalibratedMeasure", "Calibration", "newest_of"]
+__all__ = [
+    "CALIBRATED",
+    "DIRECTIONS",
+    "MEASURE_TITLES",
+    "NOT_MEASURED",
+    "CalibratedMeasure",
+    "Calibration",
+    "newest_of",
+]
 
 DIRECTIONS: dict[str, Vec3] = {
     "right": (1.0, 0.0, 0.0),
@@ -19,6 +28,18 @@ DIRECTIONS: dict[str, Vec3] = {
     "back": (0.0, 0.0, 1.0),
 }
 """Directions of a range of motion, in the world, where the person looks along -z."""
+
+MEASURE_TITLES = {
+    **{f"ease_{name}": phrase("comfortable reach {name:s}", name=name) for name in DIRECTIONS},
+    **{f"reach_{name}": phrase("reach {name:s}", name=name) for name in DIRECTIONS},
+    "grip": phrase("grip strength"),
+    "release": phrase("time to let go"),
+    "walking": phrase("walking speed"),
+    "hearing_left": phrase("hears from the left"),
+    "hearing_right": phrase("hears from the right"),
+    "letter": phrase("reads letters of"),
+}
+"""Title of each measure by its name."""
 
 CALIBRATED, NOT_MEASURED = "calibrated", "not_measured"
 """Kinds of the journal's lines with one measure, and with a step that could not be measured."""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F4, U1
+from mimics_app.rendering.visual.figures.contrast import fill_in_contrast, in_high_contrast, ink_in_contrast
 from mimics_app.rendering.visual.figures.glyphs import GlyphAtlas, load_glyph_atlas
 from mimics_app.rendering.visual.kernels.text_rows import write_line
 
@@ -29,6 +30,10 @@ _NARROWEST = 400.0
 
 HUD_ROW = np.dtype([("box", "f4", (4,)), ("picture", "f4", (4,)), ("tint", "f4", (4,)), ("style", "f4", (4,))])
 """One rectangle as shaders/hud/hud.vert reads it."""
+
+_EDGE: Colour = (1.0, 1.0, 1.0, 1.0)
+_EDGE_WIDTH = 1.5
+"""Edge of a ground in high contrast [hud px]."""
 
 _ROUNDING = 1e-6
 """Tolerance of a line that was made to fit [hud px]."""
@@ -124,11 +129,18 @@ class Hud:
         radius: float = 0.0,
         border: float = 0.0,
     ) -> None:
-        """Add a rounded box, filled, or an outline of width `border` [hud px]."""
+        """Add a rounded box, filled, or an outline of width `border` [hud px].
+
+        In high contrast a rounded ground has an edge.
+        """
         if width <= 0.0 or height <= 0.0:
             return
-        limit = min(radius, 0.5 * width, 0.5 * height)
+        limit, edged = min(radius, 0.5 * width, 0.5 * height), False
+        if in_high_contrast():
+            colour, edged = (ink_in_contrast(colour), False) if border else fill_in_contrast(colour)
         self._add((x, y, width, height), (0.0,) * 4, colour, (_BOX, limit, border, 0.0))
+        if edged and radius:
+            self._add((x, y, width, height), (0.0,) * 4, _EDGE, (_BOX, limit, _EDGE_WIDTH, 0.0))
 
     def bar(
         self,
@@ -186,7 +198,7 @@ class Hud:
         rows = np.empty((len(laid.pens), FLOATS), np.float32)
         start = x - _BEFORE[align] * length
         write_line(laid.pens, laid.boxes, laid.pictures, start, float(y), float(size), _GLYPH, rows)
-        rows[:, 8:12] = colour
+        rows[:, 8:12] = ink_in_contrast(colour) if in_high_contrast() else colour
         self._pack()
         self._append(rows)
         return length

@@ -5,9 +5,23 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from mimics_app.contracts.messages.board import Tone
+from mimics_app.rendering.visual.figures.contrast import in_high_contrast
 from mimics_app.rendering.visual.figures.hud import Colour
 
-__all__ = ["ACCENT", "ALARM", "BACK", "BOARD", "FAINT", "INK", "ON_ACCENT", "PANEL", "PANEL_LIT", "QUIET", "TONES"]
+__all__ = [
+    "ACCENT",
+    "ALARM",
+    "BACK",
+    "BOARD",
+    "FAINT",
+    "INK",
+    "ON_ACCENT",
+    "PANEL",
+    "PANEL_LIT",
+    "QUIET",
+    "TONES",
+    "tone_colour",
+]
 
 INK: Colour = (0.96, 0.97, 0.98, 1.0)
 """Text and numbers."""
@@ -48,3 +62,16 @@ TONES: Mapping[Tone, Colour] = {
     Tone.ALARM: (0.90, 0.22, 0.20, 1.0),
 }
 """Colours of the tones; those of a status are also told apart by people without one kind of cones."""
+
+_HIGH: Mapping[Tone, Colour] = {
+    Tone.ACCENT: (0.32, 0.72, 0.92, 1.0),
+    Tone.CALM: (0.80, 1.0, 0.80, 1.0),
+    Tone.WARN: (1.0, 0.83, 0.0, 1.0),
+    Tone.ALARM: (1.0, 0.53, 0.37, 1.0),
+}
+"""The same in high contrast."""
+
+
+def tone_colour(tone: Tone) -> Colour:
+    """Return the colour of a tone in the present contrast."""
+    return _HIGH.get(tone, TONES[tone]) if in_high_contrast() else TONES[tone]

@@ -56,17 +56,19 @@ KEYS = (
     (phrase("Letters"), phrase("search for a scene, or fill the field that is lit")),
     (phrase("Gamepad Start"), phrase("start")),
     ("F1", phrase("this page")),
+    ("F2", phrase("participants: calibration, forms, sessions and report")),
     (phrase("Esc, B"), phrase("end the search; leave")),
 )
 """Keys of the launcher."""
 
 
 class LauncherChoice(NamedTuple):
-    """The choice: a scene file and one value per setting, or the folder of an earlier session."""
+    """The choice: a scene file and one value per setting; or an earlier session's folder, or the participants."""
 
     scene: Path
     settings: dict[str, str]
     run: Path | None = None
+    people: bool = False
 
 
 class Launcher:
@@ -224,6 +226,8 @@ class Launcher:
             return
         elif name == "f1":
             self._keys_shown = not self._keys_shown
+        elif what == ("key", "f2"):
+            self._open_people()
         elif what in _BEGIN:
             self._begin()
         elif what in _LEAVE:
@@ -272,6 +276,8 @@ class Launcher:
             self._change(index, 1)
         elif kind == "tab":
             self._open_tab(index)
+        elif kind == "people":
+            self._open_people()
         elif kind == "card" and index != self._page.state.chosen:
             self._choose_card(index)
         else:
@@ -294,6 +300,9 @@ class Launcher:
             return
         self._notice = refused[1]
         self._focus = ("option", shown_settings(self._settings, self.values).index(refused[0]))
+
+    def _open_people(self) -> None:
+        self.choice = LauncherChoice(self.scene, dict(self.values), people=True)
 
     def _setting_in_focus(self) -> Setting | None:
         kind, index = self._focus
@@ -320,8 +329,8 @@ class Launcher:
         kind, index = self._focus
         if kind == "card":
             self._move_in_cards(index, right, down)
-        elif kind == "tab":
-            self._move_in_tabs(index, right, down)
+        elif kind in ("tab", "people"):
+            self._move_in_tabs(len(self._tabs) if kind == "people" else index, right, down)
         elif kind == "option" and right:
             self._change(index, right)
         elif right < 0:
@@ -342,8 +351,10 @@ class Launcher:
             self._focus_on(("card", target))
 
     def _move_in_tabs(self, index: int, right: int, down: int) -> None:
-        if right:
-            self._open_tab(min(max(index + right, 0), len(self._tabs) - 1))
+        if index + right >= len(self._tabs) and right:
+            self._focus_on(("people", 0))
+        elif right:
+            self._open_tab(max(index + right, 0))
         elif down > 0:
             self._focus_on(("card", max(self._page.state.chosen, 0)))
 
@@ -358,7 +369,7 @@ class Launcher:
 
     def _step_focus(self) -> None:
         card = ("card", max(self._page.state.chosen, 0))
-        places = [card, *self._option_places, ("start", 0), ("tab", self._tab)]
+        places = [card, *self._option_places, ("start", 0), ("tab", self._tab), ("people", 0)]
         at = places.index(self._focus) if self._focus in places else -1
         self._focus_on(places[(at + 1) % len(places)])
 
@@ -391,6 +402,8 @@ class Launcher:
             self._change(spot.index, spot.step)
         elif spot.kind == "tab":
             self._open_tab(spot.index)
+        elif spot.kind == "people":
+            self._open_people()
         else:
             self._choose_card(spot.index)
 

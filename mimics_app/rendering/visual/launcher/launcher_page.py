@@ -23,6 +23,7 @@ from mimics_app.rendering.visual.figures.palette import (
 )
 from mimics_app.rendering.visual.launcher.page_surface import Box
 from mimics_app.rendering.visual.launcher.setting import Setting
+from mimics_app.rendering.visual.launcher.setting_row import draw_setting
 
 __all__ = ["LauncherPage", "PageState", "ScenarioCard", "Spot", "refused_setting"]
 
@@ -32,7 +33,9 @@ _GAP = 20.0
 _HEAD = 132.0
 _SIDE, _SIDE_SHARE = 340.0, 0.5
 _ROW, _LEAST_ROW, _ROW_GAP = 36.0, 28.0, 5.0
-_START = 54.0
+_START = 50.0
+_TABS_BESIDE = 1000.0
+"""Width of the canvas from which the settings begin beside the tabs, and not below them [hud px]."""
 _EXPLAINED, _LINE = 3600.0, 20.0
 """Length of the longest explanation, over all its lines, and distance of the lines [hud px]."""
 _LEAST_LINES = 3
@@ -41,8 +44,7 @@ _MIN_CARD = 250.0
 _PICTURE_SHAPE = 16.0 / 9.0
 _TEXT_HEIGHT = 96.0
 _FACTS, _FACTS_LINE = 12.5, 16.0
-_LABEL_ROOM = 64.0
-"""Width of a setting that its arrows take [hud px]."""
+_PEOPLE = phrase("Participants")
 _HINT = phrase("Arrows, Tab, stick: move    Enter, A: choose    type: search    F1: keys    Esc, B: leave")
 
 
@@ -173,6 +175,7 @@ class LauncherPage:
             spots.append(Spot((x, y, 0.5 * width, height), "option", index, -1))
             spots.append(Spot((x + 0.5 * width, y, 0.5 * width, height), "option", index, 1))
         spots += [Spot(self._tab_box(index), "tab", index) for index in range(len(state.tabs))]
+        spots.append(Spot(self._tab_box(len(state.tabs)), "people"))
         cards = (Spot(self.card_box(index, state.scroll), "card", index) for index in range(len(state.cards)))
         return spots + [spot for spot in cards if spot.box[1] < self._hud.height - _HEAD]
 
@@ -232,16 +235,19 @@ class LauncherPage:
 
     def _option_box(self, index: int) -> Box:
         """Return the box of a setting; rows are lower where there are many."""
-        room = self._hud.height - _HEAD - self._foot - _START - 2.0 * _ROW_GAP
+        head = _HEAD - (_TAB_HEIGHT if self._hud.width >= _TABS_BESIDE else 0.0)
+        room = self._hud.height - head - self._foot - _START - 2.0 * _ROW_GAP
         pitch = min(_ROW + _ROW_GAP, max(_LEAST_ROW + _ROW_GAP, room / max(1, len(self.state.settings))))
-        top = self._hud.height - _HEAD - index * pitch
+        top = self._hud.height - head - index * pitch
         return (self._side_x, top - pitch + _ROW_GAP, self._side_width, pitch - _ROW_GAP)
 
     def _tab_box(self, index: int) -> Box:
-        """Return the box of a tab; tabs that are wider than the page together are narrowed."""
-        widths = [self._hud.measure(translated(name), _TAB_TEXT, bold=True) + 28.0 for name in self.state.tabs]
+        """Return the box of a tab, that of the participants last; wider than the page together, they are narrowed."""
+        names = (*self.state.tabs, _PEOPLE)
+        widths = [self._hud.measure(translated(name), _TAB_TEXT, bold=True) + 28.0 for name in names]
         gap = 8.0
-        fits = min(1.0, self._wide / (sum(widths) + gap * (len(widths) - 1)))
+        room = self._cards_width if self._hud.width >= _TABS_BESIDE else self._wide
+        fits = min(1.0, room / (sum(widths) + gap * (len(widths) - 1)))
         x = _MARGIN + fits * (sum(widths[:index]) + gap * index)
         return (x, self._hud.height - _HEAD + 18.0, fits * widths[index], _TAB_HEIGHT)
 
@@ -251,19 +257,24 @@ class LauncherPage:
         beside = _MARGIN + hud.measure("mimics", 38.0, bold=True) + 16.0
         hud.fitted(beside, y, translated(phrase("Choose a scene")), (12.0, 20.0), self._side_x - beside - 12.0, FAINT)
         for index, name in enumerate(map(translated, state.tabs)):
-            box = self._tab_box(index)
-            here, focused = index == state.tab and not state.search, state.focus == ("tab", index)
-            hud.box(*box, PANEL_LIT if here or focused else PANEL, radius=0.5 * _TAB_HEIGHT)
-            size = min(_TAB_TEXT, _TAB_TEXT * (box[2] - 12.0) / hud.measure(name, _TAB_TEXT, bold=True))
-            ink = INK if here else FAINT
-            hud.text(box[0] + 0.5 * box[2], box[1] + 11.0, name, size, ink, bold=True, align="centre")
-            if focused:
-                hud.box(*box, ACCENT, radius=0.5 * _TAB_HEIGHT, border=2.5)
+            here = index == state.tab and not state.search
+            self._draw_tab(self._tab_box(index), name, here=here, focused=state.focus == ("tab", index))
+        box = self._tab_box(len(state.tabs))
+        self._draw_tab(box, translated(_PEOPLE), here=True, focused=state.focus == ("people", 0))
+        hud.box(*box, QUIET, radius=0.5 * _TAB_HEIGHT, border=1.5)
         x, width = self._side_x, self._side_width
         hud.box(x, hud.height - 80.0, width, 40.0, PANEL_LIT if state.search else PANEL, radius=12.0)
         caret = "" if state.is_filling_field else "|"
         text = f"{state.search}{caret}" if state.search else translated(phrase("Type to search"))
         hud.text(x + 18.0, hud.height - 66.0, text, 17.0, INK if state.search else FAINT, width=width - 36.0)
+
+    def _draw_tab(self, box: Box, name: str, *, here: bool, focused: bool) -> None:
+        hud = self._hud
+        hud.box(*box, PANEL_LIT if here or focused else PANEL, radius=0.5 * _TAB_HEIGHT)
+        size = min(_TAB_TEXT, _TAB_TEXT * (box[2] - 12.0) / hud.measure(name, _TAB_TEXT, bold=True))
+        hud.text(box[0] + 0.5 * box[2], box[1] + 11.0, name, size, INK if here else FAINT, bold=True, align="centre")
+        if focused:
+            hud.box(*box, ACCENT, radius=0.5 * _TAB_HEIGHT, border=2.5)
 
     def _draw_scroll_bar(self) -> None:
         """Draw where the shown cards are among all of them, where not all fit."""
@@ -354,19 +365,12 @@ class LauncherPage:
         return "" if card is None else " ".join(filter(None, map(translated, (card.description, card.limits))))
 
     def _draw_option(self, index: int) -> None:
-        hud, setting = self._hud, self.state.settings[index]
-        x, y, width, height = box = self._option_box(index)
-        focused = self.state.focus == ("option", index)
-        hud.box(*box, PANEL_LIT if focused else PANEL, radius=12.0)
-        hud.text(x + 0.5 * width, y + height - 12.5, translated(setting.label), 11.5, FAINT, align="centre")
-        value = self.state.values.get(setting.name, "")
-        words, room = setting.words(value) + ("|" if setting.typed and focused else ""), width - _LABEL_ROOM
-        size = min(15.0, max(11.0, 15.0 * room / max(hud.measure(words, 15.0, bold=True), 1.0)))
-        refused = self._refused is not None and self._refused[0] is setting
-        colour = INK if (value or not setting.typed) and not refused else FAINT
-        hud.text(x + 0.5 * width, y + 0.19 * height, words, size, colour, bold=True, align="centre", width=room)
-        if setting.choices:
-            hud.text(x + 20.0, y + 0.5 * height - 7.0, "◀", 16.0, ACCENT if focused else FAINT, align="centre")
-            hud.text(x + width - 20.0, y + 0.5 * height - 7.0, "▶", 16.0, ACCENT if focused else FAINT, align="centre")
-        if focused:
-            hud.box(*box, ACCENT, radius=12.0, border=2.5)
+        setting = self.state.settings[index]
+        draw_setting(
+            self._hud,
+            self._option_box(index),
+            setting,
+            self.state.values.get(setting.name, ""),
+            focused=self.state.focus == ("option", index),
+            refused=self._refused is not None and self._refused[0] is setting,
+        )

@@ -11,7 +11,13 @@ from msgspec import structs
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.messages.abilities import Abilities
 from mimics_app.contracts.messages.board import Card
-from mimics_app.contracts.messages.calibration_record import CALIBRATED, DIRECTIONS, NOT_MEASURED, CalibratedMeasure
+from mimics_app.contracts.messages.calibration_record import (
+    CALIBRATED,
+    DIRECTIONS,
+    MEASURE_TITLES,
+    NOT_MEASURED,
+    CalibratedMeasure,
+)
 from mimics_app.contracts.messages.orders import Feature
 from mimics_app.contracts.messages.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.messages.stage_messages import SoundTrigger
@@ -101,6 +107,8 @@ _COLUMNS = {
     "letter": "letter_px",
 }
 """Column of each measure that has one."""
+_UNITS = {"m": "m", "n": "N", "s": "s", "mps": "m/s", "db": "dB", "px": "px"}
+"""Unit by the end of a column's name."""
 
 
 _NAMES = {"release": phrase("letting go"), "letter": phrase("smallest letter")}
@@ -270,13 +278,8 @@ class CalibrationSection(ReportSection):
 
     def tiles(self, task: Mapping[str, Any]) -> Mapping[str, tuple[Any, str]]:
         return {
-            **{phrase("reach {name:s}", name=name): (task.get(f"reach_{name}_m"), "m") for name in DIRECTIONS},
-            phrase("grip strength"): (task.get("grip_n"), "N"),
-            phrase("time to let go"): (task.get("release_s"), "s"),
-            phrase("walking speed"): (task.get("walking_mps"), "m/s"),
-            phrase("hears from the left"): (task.get("hearing_left_db"), "dB"),
-            phrase("hears from the right"): (task.get("hearing_right_db"), "dB"),
-            phrase("reads letters of"): (task.get("letter_px"), "px"),
+            MEASURE_TITLES[name]: (task.get(column), _UNITS[column.rpartition("_")[2]])
+            for name, column in _COLUMNS.items()
         }
 
 

@@ -1,0 +1,64 @@
+"""The newest calibration of a participant code, in a study of this folder or among the runs beside it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import msgspec
+
+from mimics_app.app.scenes.person_edit import FitFile
+from mimics_app.app.study.study_folder import StudyFolder
+from mimics_app.app.study.study_runs import CALIBRATION
+from mimics_app.app.study.usual_study import studies_in
+from mimics_app.contracts.errors import MimicsError
+from mimics_app.contracts.messages.calibration_record import newest_of
+from mimics_app.recording.calibrations import calibration_of
+from mimics_app.recording.event_log import to_json
+from mimics_app.recording.report_values import mapping
+from mimics_app.recording.run import Run
+from mimics_app.recording.run_folder import write_atomically
+from mimics_app.recording.session_header import read_session
+
+__all__ = ["fit_of_code"]
+
+_FIT = "fit.json"
+"""File of the fit in a participant's folder of a study."""
+_MOST_FOLDERS = 400
+"""Newest run folders that are read, by their names."""
+
+
+def fit_of_code(code: str, runs: Path) -> Path | None:
+    """Return what a session of a participant is fitted to: a file of a fit or a run folder; None for nothing.
+
+    Args:
+        code: Code of the participant.
+        runs: Parent of the run folders; studies are beside it.
+    """
+    return _in_studies(code, runs.parent) or _in_runs(code, runs)
+
+
+def _in_studies(code: str, folder: Path) -> Path | None:
+    for place in studies_in(folder):
+        try:
+            study = StudyFolder(place)
+            person = next((each for each in study.participants if each.code == code), None)
+            kept = [] if person is None else study.calibrations_of(person)
+        except MimicsError:
+            continue
+        if person is not None and kept and study.protocol.fitting.on:
+            file = study.folder_of(person) / _FIT
+            newest = newest_of([calibration for _, calibration in kept])
+            write_atomically(file, to_json(msgspec.to_builtins(FitFile(newest, study.protocol.fitting))))
+            return file
+    return None
+
+
+def _in_runs(code: str, runs: Path) -> Path | None:
+    for folder in sorted(runs.glob("*_*"), reverse=True)[:_MOST_FOLDERS]:
+        header, _ = read_session(folder)
+        scene, settings = mapping(header.get("scene")), mapping(header.get("settings"))
+        if scene.get("name") != CALIBRATION or settings.get("participant") != code:
+            continue
+        if calibration_of(Run(folder)) is not None:
+            return folder
+    return None

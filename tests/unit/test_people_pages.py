@@ -1,0 +1,240 @@
+"""The participants' pages of the launcher: what they offer, what is kept, that they fit, and that keys and mouse do."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from mimics_app.app.play.journey import JourneyEnd
+from mimics_app.app.play.launching import launcher_settings
+from mimics_app.app.study import people_screen, study_runs
+from mimics_app.app.study.fit_of_code import fit_of_code
+from mimics_app.app.study.people_pages import (
+    Person,
+    answers_given,
+    earlier_content,
+    form_content,
+    list_content,
+    person_content,
+    settings_content,
+)
+from mimics_app.app.study.people_screen import show_people
+from mimics_app.app.study.study_folder import StudyFolder
+from mimics_app.app.study.usual_study import studies_in, usual_study
+from mimics_app.contracts.messages.calibration_record import MEASURE_TITLES, CalibratedMeasure, Calibration
+from mimics_app.contracts.messages.window_input import InputEvent
+from mimics_app.contracts.system.language import LANGUAGES, speaking
+from mimics_app.recording.trial_table import table_text
+from mimics_app.rendering.visual.launcher import form_page
+from mimics_app.rendering.visual.launcher.form_page import FormContent, FormPage, PageButton
+from mimics_app.rendering.visual.launcher.launcher import LauncherChoice
+from mimics_app.rendering.visual.launcher.setting import Setting
+from tests.support.watched_hud import WatchedHud, page_canvas
+
+CANVASES = [(1280, 720), (1080, 1920)]
+ENTER, LEAVE = InputEvent("key", "enter", True), InputEvent("key", "escape", True)
+DOWN, RIGHT = InputEvent("key", "down", True), InputEvent("key", "right", True)
+
+
+def typed(text: str) -> list[InputEvent]:
+    return [InputEvent("text", letter) for letter in text]
+
+
+def calibration(session: int) -> Calibration:
+    names = [*MEASURE_TITLES]
+    return Calibration({name: CalibratedMeasure(name, 0.1 * session + 8.0, "m", 3, 0.1) for name in names}, {}, "run")
+
+
+@pytest.fixture
+def study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> StudyFolder:
+    monkeypatch.chdir(tmp_path)
+    return usual_study(Path())
+
+
+def calibrated(study: StudyFolder) -> Person:
+    """A participant with three calibrations, answers and a note."""
+    person = study.find_or_add("P07")
+    for session in (1, 2, 3):
+        study.write_calibration(person, session, calibration(session))
+        items = study.protocol.forms["nasa_tlx"].items
+        study.write_answers(person, "nasa_tlx", session, dict.fromkeys(items, 20.0 * session))
+    study.write_note(person, 1, "Tired at the end")
+    return Person(study, person)
+
+
+class Drawn:
+    """Stands in for the surface of a page."""
+
+    def __init__(self, hud: WatchedHud) -> None:
+        self.hud = hud
+
+    def fit(self) -> None:
+        pass
+
+    def draw(self) -> None:
+        pass
+
+    def release(self) -> None:
+        pass
+
+    def place(self, event: InputEvent) -> tuple[float, float]:
+        return event.x, event.y
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+@pytest.mark.parametrize("size", CANVASES)
+def test_every_page_fits_in_every_language_and_window(
+    code: str, size: tuple[int, int], study: StudyFolder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    canvas = page_canvas(size)
+    monkeypatch.setattr(form_page, "PageSurface", lambda surface: Drawn(canvas))
+    person, new = calibrated(study), Person(study, study.find_or_add("P08"))
+    broken = study.find_or_add("P09")
+    study.write_line(broken, 1, {"run": 1, "attempt": 1, "condition": "wavy_tunnel", "from_trial": 1})
+    with speaking(code):
+        contents = [
+            list_content(studies_in(Path()), study),
+            *(person_content(person, group, "HapticMaster") for group in person.curves),
+            person_content(new, "", "HapticMaster"),
+            person_content(Person(study, broken), "", "HapticMaster"),
+            *(form_content(form) for form in study.protocol.forms.values()),
+            settings_content(person.participant),
+            earlier_content(study, person.participant)[0],
+        ]
+        for content in contents:
+            for row in content.rows:
+                choices = (
+                    [each.value for each in row.choices if not each.value.isdigit()] if isinstance(row, Setting) else []
+                )
+                for value in choices or [""]:
+                    FormPage(None, content, {row.name: value}, row.name).draw()  # type: ignore[arg-type]
+    assert not sorted({f"{fault.how}: {fault.text}" for fault in canvas.faults})
+
+
+def test_a_calibration_comes_first_where_there_is_none(study: StudyFolder) -> None:
+    new = person_content(Person(study, study.find_or_add("P08")), "", "")
+    first = new.rows[0]
+    assert isinstance(first, PageButton) and first.name == "calibrate" and first.main
+    later = [row for row in person_content(calibrated(study), "", "").rows if isinstance(row, PageButton)]
+    assert [(row.name, row.main) for row in later[:2]] == [("play", True), ("calibrate", False)]
+
+
+def test_curves_are_what_was_measured_over_the_sessions(study: StudyFolder) -> None:
+    person = calibrated(study)
+    grip = next(curve for curve in person.curves["other"] if curve.title == "grip strength")
+    assert grip.values == pytest.approx([810.0, 820.0, 830.0]) and grip.unit == "cm"
+    mental = person.curves["answers"][0]
+    assert list(mental.values) == [20.0, 40.0, 60.0] and mental.places[-1] == "session 3"
+    assert "Tired at the end" in person.notes[0]
+
+
+def test_answers_are_checked_and_commas_are_decimal_marks(study: StudyFolder) -> None:
+    form = study.protocol.forms["person"]
+    good, fault = answers_given(form, {"age": "61,5", "hand": "right", "side": "left"})
+    assert good == {"age": 61.5, "hand": "right", "side": "left"} and not fault
+    none, fault = answers_given(form, {"age": "old", "hand": "right", "side": "left"})
+    assert not none and "Age in years" in fault
+    assert "Affected side" in answers_given(form, {"hand": "right"})[1]
+
+
+def test_the_keys_reach_every_row_and_change_and_choose(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(form_page, "PageSurface", lambda surface: Drawn(page_canvas((1280, 720))))
+    field = Setting("code", "Code", "A code.", typed=True)
+    rows = [PageButton(f"b{n}", f"Button {n}") for n in range(20)]
+    page = FormPage(None, FormContent("Title", "", [*rows, field]), {})  # type: ignore[arg-type]
+    for number in range(21):
+        page.draw()
+        assert page.row_box(page.focus) is not None and page.focus == ("code" if number == 20 else f"b{number}")
+        page.handle([DOWN])
+    assert page.focus == "b0"
+    page.handle([InputEvent("key", "up", True), *typed("P7x"), InputEvent("key", "backspace", True)])
+    assert page.values["code"] == "P7" and not page.chosen
+    page.handle([ENTER, ENTER])
+    assert page.chosen == "b0", "Enter in a field moves on"
+
+
+def test_the_mouse_does_what_the_keys_do(monkeypatch: pytest.MonkeyPatch, study: StudyFolder) -> None:
+    monkeypatch.setattr(form_page, "PageSurface", lambda surface: Drawn(page_canvas((1280, 720))))
+    person = study.find_or_add("P1")
+    page = FormPage(None, settings_content(person), {})  # type: ignore[arg-type]
+    box = page.row_box("side")
+    assert box is not None
+    page.handle([InputEvent("button", "left", True, x=box[0] + 0.9 * box[2], y=box[1] + 5.0)])
+    assert page.values["side"] == "left"
+    page.handle([InputEvent("button", "left", True, x=box[0] + 5.0, y=box[1] + 5.0)])
+    assert page.values["side"] == ""
+    back = page.row_box("back")
+    assert back is not None
+    page.handle([InputEvent("button", "left", True, x=back[0] + 5.0, y=back[1] + 5.0)])
+    assert page.chosen == "back"
+
+
+class Window:
+    """Stands in for the window of the pages: gives the events of a script, page by page."""
+
+    def __init__(self, script: Sequence[Sequence[InputEvent]]) -> None:
+        self._script = iter(script)
+        self._discards = True
+        self.closed = self.should_close = False
+        self.title = ""
+        self.surface = self
+
+    def poll(self) -> Sequence[InputEvent]:
+        """Return nothing where a page discards what was pressed before, then the events for that page."""
+        self._discards = not self._discards
+        return [] if not self._discards else next(self._script)
+
+    def swap(self) -> None:
+        self._discards = False  # polled again by the same page
+
+    def result(self, folder: Path) -> str:
+        return "leave"
+
+
+def test_a_left_sided_person_is_added_asked_calibrated_and_plays_without_a_terminal(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(form_page, "PageSurface", lambda surface: Drawn(page_canvas((1280, 720))))
+    played: list[list[str]] = []
+
+    def play(words: Sequence[str], pages: object) -> JourneyEnd:
+        played.append([str(word) for word in words])
+        run = Path(words[list(words).index("--runs") + 1]) / "20260101T000000Z_00000000"
+        run.mkdir()
+        (run / "session.json").write_text(json.dumps({"settings": {"participant": "P07"}}))
+        row = {"trial": 0, "outcome": "finished", "practice": False, "score": 63.0, "time_s": 12.0}
+        (run / "trials.csv").write_bytes(table_text([row]))
+        lines = [{"source": "app", "kind": "state", "state": "done"}]
+        if "calibration" in words[0]:
+            grip = {"name": "grip", "value": 30.0, "unit": "N", "repeats": 3, "spread": 1.0, "at_least": False}
+            lines.insert(0, {"source": "app", "kind": "calibrated", **grip})  # type: ignore[dict-item]
+        (run / "events.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
+        return JourneyEnd(0, "leave")
+
+    monkeypatch.setattr(people_screen, "play_words", play)
+    script = [
+        [*typed("P07"), ENTER],
+        [DOWN, DOWN, ENTER],  # about the participant
+        [*typed("61"), DOWN, RIGHT, RIGHT, DOWN, RIGHT, RIGHT, DOWN, ENTER],  # right-handed, left side affected
+        [*[DOWN] * 5, ENTER],  # settings
+        [RIGHT, RIGHT, LEAVE],  # German
+        [*[InputEvent("key", "up", True)] * 7, ENTER],  # calibrate
+        [ENTER],  # the first run
+        [*[DOWN] * 4, *typed("tired"), ENTER],
+        [LEAVE],
+        [LEAVE],
+    ]
+    settings = {setting.name: setting.default for setting in launcher_settings()}
+    show_people(Window(script), LauncherChoice(Path("wavy_tunnel.json"), settings))  # type: ignore[arg-type]
+    study = StudyFolder(tmp_path / "participants")
+    person = study.find("P07")
+    assert person.language == "de" and study.answers_of(person)[0]["answers"]["side"] == "left"
+    assert [Path(words[0]).stem for words in played] == ["calibration", "wavy_tunnel"]
+    assert "--side=left" in played[1] and all("--language=de" in words for words in played)
+    assert any(word.startswith("--fit=") for word in played[1]) and study_runs.find_next(study, person).run is not None
+    assert [note["note"] for note in study.notes_of(person)] == ["tired"]
+    assert fit_of_code("P07", tmp_path / "runs") is not None and fit_of_code("P08", tmp_path / "runs") is None
