@@ -40,10 +40,22 @@ def force_pixels(window: AppWindow) -> int:
     return int((picture.max(axis=2) - picture.min(axis=2) > 60).sum())
 
 
-@pytest.fixture
-def window(tmp_path) -> Iterator[AppWindow]:
-    with open_window(SCENE, tmp_path / "runs", 240.0) as window:
+@pytest.fixture(scope="module")
+def window(tmp_path_factory: pytest.TempPathFactory) -> Iterator[AppWindow]:
+    """One session: the wall is pressed first, and the last test leaves."""
+    with open_window(SCENE, tmp_path_factory.mktemp("window") / "runs", 240.0) as window:
         window.wait("travel", lambda: any(line["state"] == "travel" for line in window.lines("state")))
+        yield window
+
+
+@pytest.fixture(scope="module")
+def edited(tmp_path_factory: pytest.TempPathFactory) -> Iterator[AppWindow]:
+    """One session of a scene file that may be changed."""
+    folder = tmp_path_factory.mktemp("edited")
+    scene = folder / SCENE.name
+    scene.write_text(SCENE.read_text())
+    with open_window(scene, folder / "runs", 240.0) as window:
+        window.wait("frames", lambda: len(window.lines("frame")) > 5)
         yield window
 
 
@@ -130,40 +142,35 @@ def test_space_stops_to_zero_force_and_escape_leaves_with_its_own_exit_code(wind
     assert (manifest["status"], manifest["summary"]["safety"]["state"]) == ("clean", "E_STOP")
 
 
-@pytest.mark.fault("F05")
-def test_a_machine_that_stalls_pauses_a_person_at_a_mouse_and_goes_on(window):
-    """A third of a second is far beyond what latches a stop of a real device."""
-    window.wait("force", lambda: window.rows["state"][-1] == SafetyState.ACTIVE)
-    stalled = len(window.rows)
-    window.process.send_signal(signal.SIGSTOP)
-    time.sleep(0.35)
-    window.process.send_signal(signal.SIGCONT)
-    window.wait("pause", lambda: np.any(window.rows["state"][stalled:] == SafetyState.DEGRADED))
-    paused = stalled + int(np.argmax(window.rows["state"][stalled:] == SafetyState.DEGRADED))
-    window.wait("force again", lambda: np.any(window.rows["state"][paused:] == SafetyState.ACTIVE))
-    assert not np.any(window.rows["state"] >= SafetyState.SAFE_STOP)
-    code, answer = window.leave()
-    assert code == 0 and answer["safety"]["stops"] == 0 and answer["safety"]["holds"] >= 1
-    assert "force paused (1), it comes back: this computer was too busy" in window.terminal
-
-
 @pytest.mark.fault("F20")
-def test_saved_scene_is_taken_while_running_and_a_broken_one_changes_nothing(tmp_path):
-    copy = tmp_path / "wavy_tunnel.json"
-    copy.write_text(SCENE.read_text())
-    with open_window(copy, tmp_path / "runs", 60.0) as window:
-        window.wait("frames", lambda: len(window.lines("frame")) > 5)
-        document = json.loads(SCENE.read_text())
-        parts = {entity["id"]: entity["components"] for entity in document["entities"]}
-        parts["tunnel"]["tunnel"]["damping"] = 33.0
-        copy.write_text(json.dumps(document))
-        window.wait("reload", lambda: any(line["taken"] for line in window.lines("reload")))
-        copy.write_text(json.dumps(document)[:-20])
-        window.wait("refusal", lambda: any(not line["taken"] for line in window.lines("reload")))
-        del parts["ball"]["ball"]
-        copy.write_text(json.dumps(document))
-        window.wait("another", lambda: sum(not line["taken"] for line in window.lines("reload")) == 2)
-        assert window.process.poll() is None
-        rows = window.run.rows
-        assert any(tables.tunnels["damping"][0] == 33.0 for tables in rows.values())
-    assert window.process.returncode == 143
+def test_saved_scene_is_taken_while_running_and_a_broken_one_changes_nothing(edited):
+    document = json.loads(SCENE.read_text())
+    parts = {entity["id"]: entity["components"] for entity in document["entities"]}
+    parts["tunnel"]["tunnel"]["damping"] = 33.0
+    edited.scene.write_text(json.dumps(document))
+    edited.wait("reload", lambda: any(line["taken"] for line in edited.lines("reload")))
+    edited.scene.write_text(json.dumps(document)[:-20])
+    edited.wait("refusal", lambda: any(not line["taken"] for line in edited.lines("reload")))
+    del parts["ball"]["ball"]
+    edited.scene.write_text(json.dumps(document))
+    edited.wait("another", lambda: sum(not line["taken"] for line in edited.lines("reload")) == 2)
+    assert edited.process.poll() is None
+    rows = edited.run.rows
+    assert any(tables.tunnels["damping"][0] == 33.0 for tables in rows.values())
+
+
+@pytest.mark.fault("F05")
+def test_a_machine_that_stalls_pauses_a_person_at_a_mouse_and_goes_on(edited):
+    """A third of a second is far beyond what latches a stop of a real device."""
+    edited.wait("force", lambda: edited.rows["state"][-1] == SafetyState.ACTIVE)
+    stalled = len(edited.rows)
+    edited.process.send_signal(signal.SIGSTOP)
+    time.sleep(0.35)
+    edited.process.send_signal(signal.SIGCONT)
+    edited.wait("pause", lambda: np.any(edited.rows["state"][stalled:] == SafetyState.DEGRADED))
+    paused = stalled + int(np.argmax(edited.rows["state"][stalled:] == SafetyState.DEGRADED))
+    edited.wait("force again", lambda: np.any(edited.rows["state"][paused:] == SafetyState.ACTIVE))
+    assert not np.any(edited.rows["state"] >= SafetyState.SAFE_STOP)
+    code, answer = edited.leave()
+    assert code == 0 and answer["safety"]["stops"] == 0 and answer["safety"]["holds"] >= 1
+    assert "force paused (1), it comes back: this computer was too busy" in edited.terminal

@@ -171,7 +171,7 @@ def open_window(scene: Path, runs: Path, seconds: float) -> Iterator[AppWindow]:
         pytest.skip("xdotool is not installed: apt-get install xdotool")
     width, height = SIZE
     with display(f"{width}x{height}x24") as screen:
-        command = [sys.executable, "-m", "mimics_app.app.cli", "run", str(scene), "--seconds", str(seconds)]
+        command = [sys.executable, "-m", "tests.support.slow_screen", "run", str(scene), "--seconds", str(seconds)]
         process = subprocess.Popen(
             [*command, "--size", f"{width}x{height}", "--sound", "off", "--json", "--runs", str(runs)],
             env={**os.environ, "DISPLAY": screen}, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,

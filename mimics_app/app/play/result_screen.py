@@ -28,6 +28,9 @@ from mimics_app.tasks.kinds.registry import report_sections
 
 __all__ = ["played_run", "show_result"]
 
+_CALM_POLLS_PER_PICTURE = 6
+"""Polls per picture while the person does nothing: ten pictures a second are enough for a page that stands still."""
+
 _CUT_OFF = phrase("This session was cut off. mimics record recover {folder} repairs its recording")
 
 
@@ -110,13 +113,17 @@ def _open_report(folder: Path) -> str:
 def _choose(surface: Surface, content: ResultContent, clock: Clock) -> str:
     page = ResultPage(surface, content)
     surface.poll()  # discard keys that were pressed before the page was visible
+    calm = 0
     try:
         while not surface.should_close:
-            page.handle(surface.poll())
+            events = surface.poll()
+            page.handle(events)
             if page.choice:
                 return page.choice
-            page.draw()
-            surface.swap()
+            if calm % _CALM_POLLS_PER_PICTURE == 0 or events:
+                page.draw()
+                surface.swap()
+            calm = 1 if events else calm + 1
             clock.sleep_until_ns(clock.now_ns() + FRAME_NS)
         return "close"
     finally:
