@@ -94,18 +94,24 @@ def _exchange(seconds: float, planted: bool) -> dict[str, int]:
     return dict(zip(names, result.tolist(), strict=True)) | {"writes": int(arrays["control"][WRITES])}
 
 
-def test_triple_buffer_for_ten_seconds():
-    """>= 10 s and >= 10^7 reads of 64 float64."""
-    result = _exchange(10.5, planted=False)
+@pytest.mark.parametrize(
+    ("seconds", "reads"), [(2.0, 1_000_000), pytest.param(10.5, 10_000_000, marks=pytest.mark.slow)]
+)
+def test_what_is_read_from_a_triple_buffer_is_whole_and_never_older(seconds: float, reads: int):
+    """So many reads of 64 float64, for so long, while the two sides do meet."""
+    result = _exchange(seconds, planted=False)
     more = 0.0
-    while result["reads"] < 10_000_000 and more < 40.0:
-        extra = _exchange(5.0, planted=False)
+    # Where others use both cores, a side waits for whole time slices.
+    while not _has_met(result, reads) and more < 40.0:
+        extra = _exchange(2.0, planted=False)
         result = {name: result[name] + extra[name] for name in result}
-        more += 5.0
-    assert result["reads"] >= 10_000_000
+        more += 2.0
+    assert _has_met(result, reads), result
     assert (result["torn"], result["backwards"]) == (0, 0)
-    # The two sides did meet; where others use both cores, a side waits for whole time slices.
-    assert result["fresh"] > 500 and result["writes"] > 10_000
+
+
+def _has_met(result: dict[str, int], reads: int) -> bool:
+    return result["reads"] >= reads and result["fresh"] > 500 and result["writes"] > 10_000
 
 
 def test_a_planted_plain_copy_is_caught():
@@ -147,21 +153,19 @@ def _empty(words, slots, out, records, deadline_ns, result):
                     result[2] += 1
 
 
-RECORDS = 2_000_000
-
-
-def test_ring_between_threads_loses_nothing_and_keeps_the_order():
+@pytest.mark.parametrize("records", [300_000, pytest.param(2_000_000, marks=pytest.mark.slow)])
+def test_ring_between_threads_loses_nothing_and_keeps_the_order(records: int):
     arrays = Segment.for_arrays(RING + CONTROL).arrays(RING + CONTROL)
     out, result = np.zeros(512, RING[1][2]), np.zeros(3, np.int64)
     _fill(arrays["words"], arrays["slots"], 0, arrays["control"])
     _empty(arrays["words"], arrays["slots"], out, 0, 0, result)
-    args = (arrays["words"], arrays["slots"], RECORDS, arrays["control"])
+    args = (arrays["words"], arrays["slots"], records, arrays["control"])
     producer = threading.Thread(target=_fill, args=args, daemon=True)
     producer.start()
-    _empty(arrays["words"], arrays["slots"], out, RECORDS, 60_000_000_000, result)
+    _empty(arrays["words"], arrays["slots"], out, records, 60_000_000_000, result)
     arrays["control"][STOP] = 1
     producer.join(10.0)
-    assert result.tolist() == [RECORDS, 0, 0]
+    assert result.tolist() == [records, 0, 0]
     assert arrays["words"][ring.DROPPED] == 0
 
 
@@ -258,7 +262,7 @@ def test_a_hundred_bodies_between_live_loop_and_main_are_never_torn():
     bench.publish(rows=free_bodies(velocities, 0.0 * velocities, 0.0 * velocities), objects__bodies=99)
     bench.engine.start()
     seen: list[float] = []
-    while bench.engine.ticks < 1000:
+    while bench.engine.ticks < 1000 or (len(set(seen)) <= 50 and bench.engine.ticks < 20_000):  # on a busy machine
         poses = bench.engine.snapshot().poses
         assert np.all(poses[:, 0] == poses[0, 0])
         seen.append(float(poses[0, 0]))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import lru_cache
 from itertools import product
 
 import numpy as np
@@ -43,6 +44,7 @@ _PLAIN = RenderSettings(msaa=0, shadow_size=0, fog_density=0.0, tone_map="none")
 _FRAMES = 3
 
 
+@lru_cache(maxsize=len(ANGLES) * len(_PLACES))  # of every rival
 def covered(angle: float, place: float = 0.0) -> F8:
     """Return the share of each pixel on the upper side of a line, [height, width], row 0 on top."""
     width, height = _EDGE
