@@ -47,6 +47,24 @@ def hold(figure, world, parts, frames: int = 60) -> None:
     world.update()
 
 
+@pytest.mark.parametrize(("longer", "grown"), [(0.9, 1.0), (1.08, 1.08), (2.0, 1.15)])
+def test_arms_become_as_long_as_the_wrists_are_tracked_apart(figure, longer: float, grown: float) -> None:
+    body, world = figure
+    body.pose(FRONT, NOBODY, FRAME_NS)
+    world.update()
+    shoulder, elbow, wrist, other = (
+        joint(world, name) for name in ("leftUpperArm", "leftLowerArm", "leftHand", "rightUpperArm")
+    )
+    arm = float(np.linalg.norm(elbow - shoulder) + np.linalg.norm(wrist - elbow))
+    height, out = float(shoulder[1]), 0.5 * float(np.linalg.norm(shoulder - other)) + longer * arm
+    hands = {f"hand_{side}": part((sign * out, height, 0.0)) for side, sign in (("left", -1.0), ("right", 1.0))}
+    hold(body, world, {"head": part((0.0, 1.7, 0.0))} | hands, 260)
+    assert body.arms == pytest.approx(grown, abs=0.05)
+    if longer < 1.1:
+        tracked = FRONT @ np.array([-out, height, 0.0, 1.0])
+        assert np.linalg.norm(joint(world, "leftHand") - tracked[:3]) < 0.006
+
+
 @pytest.mark.parametrize("ahead", [0.3, 0.5], ids=["bent", "stretched out"])
 @pytest.mark.parametrize("tall", [1.45, 1.70, 1.85])
 def test_eyes_and_wrists_are_where_they_are_tracked_and_feet_on_the_floor(figure, tall: float, ahead: float) -> None:

@@ -28,6 +28,10 @@ _LEAST_STANDING, _MOST_STANDING = 1.2, 2.1
 """Range of the eye height of standing people [m]; beyond, the tracker is at fault or the person sits."""
 _FADE_S = 0.5
 """Crossfade between idling and tracking [s]."""
+_LONGEST_ARM, _ARM_GROWTH = 1.15, 0.05
+"""Largest factor on the model's arms, and its growth [1/s]: a tracker that errs for a moment lengthens nothing."""
+_SHORT_BY = 0.005
+"""Distance by which a wrist may miss its tracker before the arm counts as too short [m]."""
 _STEP_FREE = 0.15
 """Horizontal displacement of the head that the feet do not follow [m]."""
 _STOMACH, _BACK = ("chest", 1.0), ("upperChest", -1.0)
@@ -87,6 +91,8 @@ class TrackedFigure:
 
     Attributes:
         scale: Height of the person over that of the model [-].
+        arms: Length of the person's arms over that of the model's at that height [-]: 1 until a wrist is tracked
+            farther away than the arm reaches.
     """
 
     def __init__(self, scene: Scene, world: World, entity: str, standing: float) -> None:
@@ -109,6 +115,8 @@ class TrackedFigure:
         self._t_ns: int | None = None
         self._world_from_model = np.eye(4)
         self.scale = standing / self._eye_height
+        self.arms = 1.0
+        self._arm_slots = [bones.slots[f"{side}{part}"] for side in ("left", "right") for part in ("LowerArm", "Hand")]
 
     @property
     def stomach(self) -> F8:
@@ -157,10 +165,21 @@ class TrackedFigure:
         animator, transforms = self._animator, self._world.transforms
         animator.begin(transforms)
         animator.step(seconds)
+        animator.pose.translations[self._arm_slots] *= self.arms
         self._upper(animator.pose, seconds)
         self._feet(animator.pose, seconds)
         self._chain.follow(animator.pose)
         animator.place(transforms)
+        self._lengthen(seconds)
+
+    def _lengthen(self, seconds: float) -> None:
+        """Let the arms grow while a tracked wrist is farther away than they reach."""
+        if self._tracked is None or self._upper.weight < 1.0:
+            return
+        for hand, slot in zip((self._tracked.left, self._tracked.right), self._arm_slots[1::2], strict=True):
+            if hand is not None and float(np.linalg.norm(hand[:3] - self._chain.places[slot])) > _SHORT_BY:
+                self.arms = min(self.arms + _ARM_GROWTH * seconds, _LONGEST_ARM)
+                return
 
     def _measure(self, eyes: F8 | None) -> None:
         """Scale the model to the largest eye height of the standing person."""
