@@ -20,7 +20,7 @@ from mimics_app.recording.event_log import to_json
 from mimics_app.recording.run import Run
 from mimics_app.tasks.kinds.calibration.grip_step import GripStep
 from mimics_app.tasks.kinds.calibration.kind import KIND, LIGHT, CalibrationPlay
-from mimics_app.tasks.kinds.calibration.question_step import Staircase
+from mimics_app.tasks.kinds.calibration.question_step import HearingStep, ReadingStep, Staircase
 from mimics_app.tasks.kinds.calibration.range_step import RangeStep
 from mimics_app.tasks.kinds.calibration.spec import CalibrationSpec
 from mimics_app.tasks.kinds.calibration.step import Seen
@@ -132,6 +132,16 @@ def test_a_grip_that_is_not_felt_is_not_measured() -> None:
     assert step.done and not step.measures and "no grip was felt" in step.skipped
 
 
+def test_a_hand_that_never_moved_is_not_measured() -> None:
+    """As where nobody is there: a reach of nothing would make every task as short as it may be."""
+    for step in (RangeStep(SPEC), HearingStep(SPEC, 1, 0, ""), ReadingStep(SPEC, 1, 0, "")):
+        now = 0.0
+        while not step.done:
+            now += 0.25
+            step.take(Seen(now, now, (0.0, 0.0001, 0.0), 0.0), 0.25)
+        assert step.skipped in ("the hand did not move", "no answer was given") and not step.measures
+
+
 @pytest.mark.parametrize(
     ("label", "context", "why"),
     [
@@ -182,7 +192,7 @@ def test_the_calibrations_of_a_participant_are_kept_in_order_and_their_page_show
     table = (tmp_path / "out" / "calibrations.csv").read_text(encoding="utf-8")
     assert tmp_path / "out" / "calibrations.csv" in files and len(table.splitlines()) == 5
     page = (tmp_path / "out" / "participant_P07.html").read_text(encoding="utf-8")
-    assert "<td>reach up</td><td>m</td><td>0.12 ± 0.005 → at least 0.15 ± 0.005</td>" in page
+    assert "<td>reach up</td><td>m</td><td>0.12 ± 0.005 → 0.15 ± 0.005 or more</td>" in page
     assert not study.erase(person)
 
 

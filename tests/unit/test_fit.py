@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -10,12 +11,14 @@ import msgspec
 import numpy as np
 import pytest
 
+from mimics_app import console
 from mimics_app.app import cli
-from mimics_app.app.scenes.fitted_scene import FITTED
+from mimics_app.app.scenes.fitted_scene import FITTED, fitted
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.scenes.person_edit import FitFile, PersonEdit, read_fit
 from mimics_app.app.study.study_folder import StudyFolder
 from mimics_app.app.study.study_runs import play_next
+from mimics_app.contracts.commands.vocabulary import LOUDEST, Volume, read_command, write_command
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.messages.calibration_record import DIRECTIONS, CalibratedMeasure, Calibration, newest_of
 from mimics_app.contracts.messages.fit import Fit, FitLimits, fit_of
@@ -86,6 +89,32 @@ def test_grip_text_and_volume_follow_the_person_and_their_limits() -> None:
 def test_walks_are_steered_by_what_the_hand_reaches() -> None:
     fit = Fit(reaches=dict.fromkeys(DIRECTIONS, 0.06), least_reach=0.4, source="run_7")
     assert task_of(load_scene(root() / "scenes" / "soccer.json", edit=PersonEdit(fit))).soccer.deflection == 0.06
+
+
+@pytest.mark.parametrize(("speed", "fastest"), [(0.7, 0.7), (1.9, None), (0.05, 0.2)])
+def test_no_walk_is_faster_than_the_person_walks_comfortably(speed: float, fastest: float | None) -> None:
+    """At full deflection of the hand, and of the legs that a gait orthosis leads; no walk becomes faster."""
+    walked = Calibration({"walking": CalibratedMeasure("walking", speed, "m/s", 3, 0.1)})
+    fit = fit_of(walked, FitLimits())
+    legs = {"id": "robot", "components": {"joint_reference": {"speed": 1.5}}}
+    for walk in ("city_walk", "canyon_walk", "soccer"):
+        found = fitted({"entities": [legs], "task": {walk: {}}}, fit)
+        assert found["task"][walk].get("fastest") == fastest
+        assert found["entities"][0]["components"]["joint_reference"]["speed"] == (fastest or 1.5)
+
+
+def test_a_walk_whose_section_says_nothing_is_fitted_too() -> None:
+    fit = Fit(reaches=dict.fromkeys(DIRECTIONS, 0.06), least_reach=0.4, source="run_7")
+    plain = {"entities": [], "task": {"canyon_walk": {}}}
+    assert fitted(plain, fit)["task"]["canyon_walk"]["deflection"] == 0.06
+    assert plain["task"]["canyon_walk"] == {}  # type: ignore[index]
+
+
+def test_the_operator_can_set_the_volume_that_a_calibration_leads_to() -> None:
+    assert read_command(write_command(Volume(FitLimits().volume))) == Volume(LOUDEST)
+    slider = (Path(console.__file__).parent / "page" / "index.html").read_text("utf-8")
+    (most,) = re.findall(r'id="volume" type="range" min="0" max="([^"]*)"', slider)
+    assert float(most) == LOUDEST
 
 
 @pytest.mark.parametrize("person", [calibration(reach=0.4, grip=90.0, letter=3.0, level=-60.0), Calibration({})])

@@ -12,6 +12,7 @@ from mimics_app.contracts.errors import DeviceError
 if TYPE_CHECKING:
     from mimics_app.app.play.journey import JourneyEnd
     from mimics_app.app.play.journey_window import JourneyWindow
+    from mimics_app.app.settings import RunSettings
     from mimics_app.rendering.visual.launcher.launcher import LauncherChoice
     from mimics_app.rendering.visual.surfaces.surface import Surface
 
@@ -81,6 +82,8 @@ def _follow(choice: LauncherChoice, window: JourneyWindow) -> JourneyEnd:
         if following != "again":
             return JourneyEnd(0, following)
     settings = settings_of_choice(choice)
+    if why := _why_not_sided(settings):
+        return JourneyEnd(0, "other", why)
     if settings.participant:
         from mimics_app.app.study.fit_of_code import fit_of_code
 
@@ -90,6 +93,18 @@ def _follow(choice: LauncherChoice, window: JourneyWindow) -> JourneyEnd:
 
         open_page(settings.console)
     return play_through(settings, window)
+
+
+def _why_not_sided(settings: RunSettings) -> str:
+    """Return why a scene cannot be played on the left side, in words; "" where it can, or need not."""
+    if settings.side == "right":
+        return ""
+    from mimics_app.app.scenes.loading import read_scene
+    from mimics_app.app.scenes.mirrored_scene import why_not_mirrored
+    from mimics_app.contracts.system.phrases import phrase
+
+    why = why_not_mirrored(read_scene(settings.scene).document)
+    return why and phrase('This scene is not played on the left side: {why}. Choose "right side"', why=why)
 
 
 def _choose(surface: Surface, notice: str) -> LauncherChoice | None:

@@ -56,7 +56,7 @@ class SoundStage:
         self._memory = memory
         self._settings = settings
         self._surroundings = surroundings
-        self._gain, self._of_task, self._volume, self._muted = gain, 1.0, 1.0, False
+        self._gain, self._of_task, self.volume, self._muted = gain, 1.0, 1.0, False
         self._watch = CueWatch()
         self._notice = ""
         self._begun_ns: int | None = None
@@ -67,7 +67,7 @@ class SoundStage:
 
     def set_volume(self, level: float) -> Reply:
         """Set the volume of all sound, 1 as authored; gains of scene and task multiply it."""
-        self._volume = level
+        self.volume = level
         return self._set_master()
 
     def mute(self, *, on: bool) -> Reply:
@@ -105,7 +105,7 @@ class SoundStage:
         return report
 
     def _set_master(self) -> Reply:
-        self.output.master(0.0 if self._muted else self._gain * self._of_task * self._volume)
+        self.output.master(0.0 if self._muted else self._gain * self._of_task * self.volume)
         return Reply(done=True)
 
     def _place(self, world: World, now_ns: int) -> None:

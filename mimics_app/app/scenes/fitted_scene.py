@@ -12,8 +12,11 @@ import copy
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple, cast
 
+from msgspec.structs import fields
+
 from mimics_app.contracts.messages.calibration_record import DIRECTIONS
 from mimics_app.contracts.messages.fit import Fit
+from mimics_app.tasks.kinds.registry import task_kinds
 
 __all__ = ["FITTED", "Change", "fitted"]
 
@@ -30,6 +33,8 @@ _WIDTHS = {"tunnel": ("radius",), "ball": ("radius_min", "radius_max")}
 _WALKS = ("city_walk", "canyon_walk", "soccer")
 _DEFLECTION, _LEAST_DEFLECTION = 0.1, 0.04
 """Full deflection of the hand of a walk that states none, and the smallest that can be dosed [m]."""
+_LEAST_SPEED = 0.2
+"""Smallest speed to which a walk is fitted [m/s]: slower, no scene comes to its end."""
 _FULL_GRASP = 20.0
 """Grasp force that makes a ball smallest where it states none, as `world.components.robot.Ball` [N]."""
 _ABOVE_LEAST = 1.25
@@ -87,6 +92,8 @@ def _changed(document: _Document, fit: Fit) -> _Changed:
         yield from _grips(document, fit.grip)
     if fit.reaches:
         yield from _deflections(document.get("task") or {}, min(fit.reaches.values()))
+    if fit.walking is not None:
+        yield from _speeds(document, max(fit.walking, _LEAST_SPEED))
     for entity in document["entities"]:
         board = entity["components"].get("hud")
         if board is not None and fit.text > float(board.get("enlarged", 1.0)):
@@ -110,11 +117,28 @@ def _grips(document: _Document, most: float) -> _Changed:
 
 def _deflections(task: _Document, most: float) -> _Changed:
     for walk in _WALKS:
-        section = task.get(walk) or {}
-        full = max(most, _LEAST_DEFLECTION)
-        if walk in task and full < float(section.get("deflection", _DEFLECTION)):
+        section, full = task.get(walk), max(most, _LEAST_DEFLECTION)
+        if section is not None and full < float(section.get("deflection", _DEFLECTION)):
             before, meaning = float(section.get("deflection", _DEFLECTION)), "Full deflection of the hand, by its range"
             yield Change("deflection", full, before, "m", meaning), section, "deflection"
+
+
+def _speeds(document: _Document, most: float) -> _Changed:
+    """Yield the speeds of walks that are faster than a person walks comfortably [m/s]."""
+    task = document.get("task") or {}
+    sections = {kind.name: kind.section for kind in task_kinds() if kind.section is not None}
+    usual = {walk: {field.name: field.default for field in fields(sections[walk])} for walk in _WALKS}
+    for walk in _WALKS:
+        section = task.get(walk)
+        before = 0.0 if section is None else float(section.get("fastest", usual[walk]["fastest"]))
+        if section is not None and most < before:
+            meaning = "Speed at full deflection of the hand, by the walking speed"
+            yield Change("speed", most, before, "m/s", meaning), section, "fastest"
+    for entity in document["entities"]:
+        legs = entity["components"].get("joint_reference") or {}
+        if most < float(legs.get("speed", 0.0)):
+            meaning = "Speed of the legs that are led, by the walking speed"
+            yield Change("pace", most, float(legs["speed"]), "m/s", meaning), legs, "speed"
 
 
 def _factor(document: _Document, fit: Fit) -> float:

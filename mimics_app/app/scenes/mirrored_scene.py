@@ -13,29 +13,30 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.system.phrases import phrase
 
 __all__ = ["mirrored", "why_not_mirrored"]
 
 _Plain = dict[str, Any]
 
-_WALK = "a walk has no side: its hand goes to both"
+_WALK = phrase("a walk has no side: its hand goes to both")
 _TASKS = {
     "city_walk": _WALK,
     "canyon_walk": _WALK,
     "guided_walk": _WALK,
     "soccer": _WALK,
-    "avatar_cord": "head and both hands of the person are tracked",
-    "calibration": "a calibration measures both sides as they are",
+    "avatar_cord": phrase("head and both hands of the person are tracked"),
+    "calibration": phrase("a calibration measures both sides as they are"),
 }
 """Why a task is not mirrored, by its section."""
 _COMPONENTS = {
-    "force_field": "the function of a force field has no mirror image here",
-    "connections": "wires carry numbers of any meaning",
-    "controller": "its controller has no mirror image here",
-    "joint_reference": "legs are led along curves of their own",
-    "cord": "a cord hangs at a body",
-    "follow": "a view follows what moves",
-    "walking_path": "people walk along it",
+    "force_field": phrase("the function of a force field has no mirror image here"),
+    "connections": phrase("wires carry numbers of any meaning"),
+    "controller": phrase("its controller has no mirror image here"),
+    "joint_reference": phrase("legs are led along curves of their own"),
+    "cord": phrase("a cord hangs at a body"),
+    "follow": phrase("a view follows what moves"),
+    "walking_path": phrase("people walk along paths of their own"),
 }
 """Why a scene is not mirrored, by a component that it has."""
 _POLAR = {
@@ -60,9 +61,9 @@ def why_not_mirrored(document: Mapping[str, Any]) -> str:
         components = entity["components"]
         reasons += [why for name, why in _COMPONENTS.items() if name in components]
         if "path_file" in components.get("tunnel", {}) or "path_file" in components.get("haptic_path", {}):
-            reasons.append("its path is recorded")
+            reasons.append(phrase("its path is recorded"))
         if any(shape.get("shape") == "mesh" for shape in components.get("haptic_object", {}).get("shapes", ())):
-            reasons.append("it has objects made of models, which have a side")
+            reasons.append(phrase("it has objects made of models, which have a side"))
         if "robot" in components:
             reasons += _why_not_robot(components["robot"])
     return reasons[0] if reasons else ""
@@ -96,11 +97,11 @@ def mirrored(document: Mapping[str, Any]) -> _Plain:
 def _why_not_robot(robot: _Plain) -> list[str]:
     placed, device = robot.get("robot_to_world", {}), robot.get("device", "simulated_hapticmaster")
     if any(word in device for word in ("leg", "lokomat")):
-        return ["its device is worn on the legs"]
+        return [phrase("its device is worn on the legs")]
     rotation = placed.get("rotation", ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)))
     across = [(i, j) for i in range(3) for j in range(3) if (i == 0) != (j == 1) and rotation[i][j] != 0.0]
     aside = placed.get("translation", (0.0, 0.0, 0.0))[0] != 0.0
-    return ["its robot is not before the middle of the person"] if across or aside else []
+    return [phrase("its robot is not before the middle of the person")] if across or aside else []
 
 
 def _seen_as_a_whole(entities: list[_Plain]) -> set[str]:

@@ -78,6 +78,7 @@ def status_of(session: Session, frames: Frames, newest: Mapping[str, Mapping[str
         "person": newest.get("person"),
         "features": newest.get("features"),
         "view": session.view,
+        "volume": session.sound.volume,
         "signals_lost": [source.lost for source in session.inputs.signals if source.lost],
         "device": plugin.trouble(),
         "recorder": {

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.app.session.core import simulated_person
+from mimics_app.app.session.mover import mover_of
 from mimics_app.app.session.session import Session
 from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.messages.window_input import GamepadState, InputEvent
@@ -36,8 +37,8 @@ def person_inputs(session: Session) -> Inputs:
 
     Where the hand is a lever, the middle of the plane is the start of a trial.
 
-    With a robot that runs in real time the person moves the robot, and the mouse does not; the simulated
-    person of an emulated robot follows the target of the scene.
+    With a robot that runs in real time the person moves the robot, and the mouse does not; a simulated person, also
+    that of an emulated robot, follows the target of the scene.
     """
     picture = session.picture
     if picture is None:
@@ -50,7 +51,9 @@ def person_inputs(session: Session) -> Inputs:
         return ray_to_the_hand(picture.ray(right, up), session.scenario.hand_frame())
 
     at_mouse = Pointer(plane, ray, settings, lever=lever)
-    on_robot = [simulated_person(session.scene, session.scenario)] if session.haptics.plugin.real_time else []
+    plugin = session.haptics.plugin
+    others = plugin.real_time or mover_of(plugin) == "simulated"
+    on_robot = [simulated_person(session.scene, session.scenario)] if others else []
     return Inputs([*on_robot, at_mouse], session.inputs.signals, window=_WindowAndHands(picture))
 
 

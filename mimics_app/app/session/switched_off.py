@@ -69,7 +69,13 @@ class RecorderPort(Protocol):
 
 
 class SoundPort(Protocol):
-    """Sound of a session, as `cues.sound_stage.SoundStage`; by default silence."""
+    """Sound of a session, as `cues.sound_stage.SoundStage`; by default silence.
+
+    Attributes:
+        volume: Volume of all sound, 1 as authored.
+    """
+
+    volume: float = 1.0
 
     def step(self, orders: TaskOrders, world: World, now_ns: int) -> None:
         """Play the sounds of one frame at session time `now_ns`."""

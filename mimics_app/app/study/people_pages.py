@@ -10,7 +10,7 @@ from mimics_app.app.study.forms import Answer, Form, Item, check_answers
 from mimics_app.app.study.protocol import scene_of
 from mimics_app.app.study.study_folder import Attempt, Participant, StudyFolder
 from mimics_app.app.study.study_results import trials_of
-from mimics_app.app.study.study_runs import CALIBRATION, Next, find_next, side_of
+from mimics_app.app.study.study_runs import CALIBRATION, Next, find_next, side_of, why_not_sided
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.messages.calibration_record import DIRECTIONS, MEASURE_TITLES
 from mimics_app.contracts.messages.trial_counts import FINISHED
@@ -176,7 +176,7 @@ def _next_rows(person: Person) -> list[PageButton]:
         "session {session:d}, run {n:d} of {count:d}", session=found.session, n=found.run.number, count=count
     )
     if found.interrupted is None:
-        rows = [PageButton("play", phrase("Start: {title}", title=title), where, main=not first)]
+        rows = [PageButton("play", phrase("Start: {title}", title=title), where, _side_words(person), main=not first)]
     else:
         help_ = phrase("This run was interrupted: what was recorded stays in any case.")
         label = phrase("Continue at trial {n:d}", n=found.resume_at)
@@ -186,6 +186,12 @@ def _next_rows(person: Person) -> list[PageButton]:
             PageButton("abandon", phrase("Leave the run out"), title, help_),
         ]
     return [calibrate, *rows] if first else [*rows, calibrate]
+
+
+def _side_words(person: Person) -> str:
+    """Return why what comes next is not played on the participant's left side; "" where it is."""
+    why = "" if person.scene is None else why_not_sided(person.study, person.participant, person.scene)
+    return why and phrase("Played as it is, not on the left side: {why}", why=why)
 
 
 def _settings_words(person: Person) -> str:

@@ -27,7 +27,17 @@ from mimics_app.recording.event_log import to_json
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import PRIVATE_FOLDER, write_atomically
 
-__all__ = ["CALIBRATION", "Answer", "Next", "calibrate", "find_next", "play_next", "side_of", "words_of_settings"]
+__all__ = [
+    "CALIBRATION",
+    "Answer",
+    "Next",
+    "calibrate",
+    "find_next",
+    "play_next",
+    "side_of",
+    "why_not_sided",
+    "words_of_settings",
+]
 
 Answer = Literal["", "resume", "restart", "abandon"]
 """What the operator chooses for a run that was interrupted; "": nothing yet."""
@@ -215,13 +225,15 @@ def side_of(study: StudyFolder, participant: Participant) -> Side:
 
 def _sided(study: StudyFolder, participant: Participant, scene: Path) -> list[str]:
     """Return the option for the side of a participant; a scene without a mirror image: []."""
-    if side_of(study, participant) == "right":
-        return []
-    why = why_not_mirrored(read_scene(scene).document)
+    why = why_not_sided(study, participant, scene)
     if why:
         say(f"{scene.stem} is played as it is, not on the left side: {why}")
-        return []
-    return ["--side=left"]
+    return [] if why or side_of(study, participant) == "right" else ["--side=left"]
+
+
+def why_not_sided(study: StudyFolder, participant: Participant, scene: Path) -> str:
+    """Return why a scene is not played on the participant's left side; "" where it is, or the side is the right."""
+    return "" if side_of(study, participant) == "right" else why_not_mirrored(read_scene(scene).document)
 
 
 def _ended_whole(folder: Path | None) -> bool:

@@ -105,6 +105,11 @@ export class Steering {
       setText(output, `${t("now")} ${plain(value)} ${unit}`);
     }
     const second = byId("second");
+    const volume = byId("volume");
+    if (document.activeElement !== volume && Number(volume.value) !== status.volume) {
+      volume.value = status.volume;
+      setText(volume.nextElementSibling, `${Math.round(100 * status.volume)} %`);
+    }
     if (document.activeElement !== second) second.value = status.second_view;
     if (!status.second_view) byId("second-image").hidden = true;
     for (const button of byId("views").children) button.setAttribute("aria-pressed", `${button.dataset.view === status.view}`);

@@ -50,6 +50,9 @@ LONGEST_TEXT, LONGEST_NAME = 300, 80
 Text = Annotated[str, Meta(min_length=1, max_length=LONGEST_TEXT)]
 Name = Annotated[str, Meta(min_length=1, max_length=LONGEST_NAME)]
 Share = Annotated[float, Meta(ge=0.0, le=1.0)]
+LOUDEST = 2.0
+"""Largest volume, 1 as authored; also the largest that a calibration leads to."""
+Level = Annotated[float, Meta(ge=0.0, le=LOUDEST)]
 
 
 def _tag(name: str) -> str:
@@ -164,9 +167,9 @@ class View(Command, frozen=True):
 
 
 class Volume(Command, frozen=True):
-    """Set the volume of all sound: 1 as authored, 0 silent."""
+    """Set the volume of all sound: 1 as authored, 0 silent, 2 at most."""
 
-    level: Share
+    level: Level
 
 
 class Mute(Command, frozen=True):

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta
 
+from mimics_app.contracts.commands.vocabulary import LOUDEST
 from mimics_app.contracts.messages.calibration_record import DIRECTIONS, Calibration
 
 __all__ = ["Fit", "FitLimits", "fit_of"]
@@ -40,7 +41,7 @@ class FitLimits(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     least_reach: _Share = 0.4
     grip: _Share = 0.5
     text: _Factor = 1.6
-    volume: _Factor = 2.0
+    volume: Annotated[float, Meta(ge=1.0, le=LOUDEST)] = 2.0
 
 
 class Fit(msgspec.Struct, frozen=True):
@@ -50,6 +51,7 @@ class Fit(msgspec.Struct, frozen=True):
         reaches: How far a task may take the hand from its rest, by direction [m]; {}: anywhere.
         least_reach: Smallest factor on the paths of a task.
         grip: Largest grip that a task asks for [N]; None: any.
+        walking: Largest walking speed [m/s]; None: any.
         text: Factor on the size of text.
         volume: Factor on the volume.
         source: Run folder of the calibration.
@@ -58,6 +60,7 @@ class Fit(msgspec.Struct, frozen=True):
     reaches: Mapping[str, float] = {}
     least_reach: float = 1.0
     grip: float | None = None
+    walking: float | None = None
     text: float = 1.0
     volume: float = 1.0
     source: str = ""
@@ -74,6 +77,7 @@ def fit_of(calibration: Calibration, limits: FitLimits) -> Fit:
         {name: limits.reach * value for name, value in found.items() if value is not None},
         limits.least_reach,
         None if strength is None else limits.grip * strength,
+        calibration.value("walking"),
         _text(calibration.value("letter"), limits.text),
         _volume(calibration, limits.volume),
         calibration.source,

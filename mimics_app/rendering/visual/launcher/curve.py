@@ -73,10 +73,10 @@ def draw_curve(hud: Hud, box: Box, curve: Curve) -> None:
 
 
 def figure(value: float) -> str:
-    """Return a number in three digits and the decimal mark of the present language."""
+    """Return a number in three digits, at most two of them decimals, and the decimal mark of the present language."""
     if abs(value) >= 100.0:
         return f"{value:.0f}"
-    return translated(f"{value:.3g}")
+    return translated(f"{round(value, 2) + 0.0:.3g}")
 
 
 def _ends(values: Sequence[float]) -> tuple[float, float]:

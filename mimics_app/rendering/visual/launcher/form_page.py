@@ -34,7 +34,7 @@ _HEAD = 108.0
 _WIDE, _COLUMN, _ALONE = 960.0, 420.0, 760.0
 """Width of the canvas from which curves and words stand beside the rows, and widths of rows beside them, and alone."""
 _ROW, _ROW_GAP = 46.0, 6.0
-_EXPLAINED, _LINE = 2600.0, 20.0
+_EXPLAINED, _LINE = 2400.0, 20.0
 """Length of the longest explanation, over all its lines, and distance of the lines [hud px]."""
 _CURVE, _CURVE_HEIGHT, _LEAST_CURVE_HEIGHT, _BETWEEN = 250.0, 132.0, 84.0, 12.0
 """Width, height and least height of a curve, and distance of two [hud px]."""

@@ -93,7 +93,7 @@ class _AskingStep(Step):
         super().__init__(skipped)
         self._spec, self._rng = spec, random.Random(seed)
         self._asked = 0
-        self._open = False
+        self._open = self._answered = False
         self._since = self._pause = 0.0
         self._wait()
 
@@ -107,12 +107,16 @@ class _AskingStep(Step):
             return
         given = self._given(seen.hand)
         if given or self._since >= self._spec.answer_s:
+            self._answered = self._answered or bool(given)
             self.evaluate(given)
             self._open = False
             self._wait()
             if self.over or self._asked >= _MOST:
                 self.done = True
-                self.measures = self.results()
+                if self._answered:
+                    self.measures = self.results()
+                else:
+                    self.skipped = phrase("no answer was given")
 
     @property
     def share(self) -> float:

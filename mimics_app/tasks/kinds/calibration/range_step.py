@@ -28,6 +28,8 @@ _AT_EDGE = 0.97
 """Share of the light's way from which the device, not the person, is the limit."""
 _STARTS_S = 4.0
 """Time from which a hand that did not set out is at its limit [s]."""
+_MOVED = 0.01
+"""Reach in some direction from which a hand moved at all [m]."""
 _PREFIXES = {True: "ease", False: "reach"}
 
 
@@ -115,7 +117,11 @@ class RangeStep(Step):
         self._places: deque[tuple[float, float]] = deque()
         if not self._left:
             self.done = True
-            self.measures = [self._measure(*key, values) for key, values in self._found.items()]
+            found = [self._measure(*key, values) for key, values in self._found.items()]
+            if all(measure.value < _MOVED for measure in found):
+                self.skipped = phrase("the hand did not move")
+            else:
+                self.measures = found
 
     def _measure(self, comfortable: bool, direction: str, values: list[float]) -> CalibratedMeasure:
         value, name = median(values), f"{_PREFIXES[comfortable]}_{direction}"
