@@ -169,3 +169,15 @@ def test_a_device_that_fails_at_the_end_keeps_no_other_open_and_costs_no_signal(
     assert log == ["first", "second", "first", "second"], "closed, then sent to the recorder"
     assert core.ended
     parts.plugin.close()
+
+
+def test_a_device_that_does_not_say_its_values_is_closed(monkeypatch: pytest.MonkeyPatch) -> None:
+    def lost(*_: object) -> None:
+        raise DeviceError("the line is gone")
+
+    log: list[str] = []
+    parts = prepare_scene(load_checked_scene(TUNNEL), RunSettings(TUNNEL))
+    monkeypatch.setattr("mimics_app.app.session.core.device_values", lost)
+    with pytest.raises(DeviceError, match="line is gone"):
+        open_core(replace(parts, plugin=replace(parts.plugin, close=lambda: log.append("closed"))))
+    assert log == ["closed"]

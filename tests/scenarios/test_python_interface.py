@@ -10,11 +10,11 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-import msgspec
 import numpy as np
 import pytest
 
 import mimics_app as mimics
+from mimics_app.app.api.opened import Opened, Record
 from mimics_app.app.api.unit_array import Quantity, Table
 from mimics_app.contracts.loop.loop_ports import DevicePlugin
 from mimics_app.contracts.system.resources import root
@@ -84,32 +84,47 @@ def test_an_unrecorded_session_is_the_recorded_one_and_leaves_nothing(
 ) -> None:
     monkeypatch.chdir(tmp_path)
 
-    def played(*, record: bool) -> tuple[dict[str, bytes], dict[str, object], list[dict[str, object]]]:
+    def played(record: Record) -> tuple[dict[str, bytes], Opened, list[dict[str, object]]]:
         rows: list[dict[str, object]] = []
         with mimics.open("wavy_tunnel", seed=3, trials=1, patient="healthy", seconds=20, record=record) as session:
             session.on_trial(rows.append)
-            session.step(18.0)
+            assert session.step_until(lambda s: s.orders.person_may_act) and "trial" in session.board.cards
+            assert not session.step_until(lambda s: bool(s.trials), 1.0) and session.task["counted"] == "under way"
+            session.step(18.0 - session.time_s)
             sent = session.command(mimics.Note("here"))
             session.step(0.5)
             assert sent.done and session.picture(64, 36).std() > 5.0
             state = {name: column.tobytes() for name, column in session.state.items()}
-        return state, session.result, rows
+        return state, session, rows
 
-    state, result, rows = played(record=False)
+    state, kept, rows = played("memory")
     assert rows and not list(tmp_path.iterdir())
-    recorded_state, recorded_result, recorded_rows = played(record=True)
+    recorded_state, recorded, recorded_rows = played(record=True)
     assert state == recorded_state and rows == recorded_rows
-    assert set(recorded_result) - set(result) == {"seed", "run_dir", "audio", "state_hash"}
-    assert result["unread"] == [*recorded_result["unread"], "sound"]
-    assert all(result[name] == recorded_result[name] for name in set(result) - {"wall_s", "unread"})
+    assert set(recorded.result) - set(kept.result) == {"seed", "run_dir", "audio", "state_hash"}
+    assert kept.result["unread"] == [*recorded.result["unread"], "sound"]
+    assert all(kept.result[name] == recorded.result[name] for name in set(kept.result) - {"wall_s", "unread"})
+    recording = mimics.load(recorded.run_dir)
+    assert kept.haptic.units == recording.haptic.units and kept.haptic.rows == 18_500
+    for name, column in recording.haptic.items():
+        np.testing.assert_array_equal(kept.haptic[name], column, name)
+    for source, kind in (("app", "frame"), ("app", "command"), ("app", "state"), ("loop", "state")):
+        ours, theirs = (of.events.where(source=source, kind=kind) for of in (kept, recording))
+        assert ours.rows == theirs.rows > 0, kind
+        np.testing.assert_array_equal(ours["t_s"], theirs["t_s"], kind)
 
 
 def test_what_needs_a_recording_is_refused_without_one() -> None:
     for settings in ({"sound": "auto"}, {"window": True}):
         with pytest.raises(mimics.errors.UsageError, match="need a recorded session"):
             mimics.open("wavy_tunnel", record=False, **settings)
-    with mimics.open("wavy_tunnel", record=False) as session, pytest.raises(mimics.errors.UsageError, match="recorded"):
-        print(session.run_dir)
+    with mimics.open("wavy_tunnel", record=False) as session:
+        with pytest.raises(mimics.errors.UsageError, match="no run folder"):
+            print(session.run_dir)
+        with pytest.raises(mimics.errors.UsageError, match='record="memory"'):
+            print(session.haptic)
+    with pytest.raises(mimics.errors.UsageError, match="there is no 'disk'"):
+        mimics.open("wavy_tunnel", record="disk")  # type: ignore[arg-type]
     with pytest.raises(mimics.errors.UsageError, match="another scene"), mimics.open("wavy_tunnel", record=False):
         mimics.open("wavy_tunnel")
 
@@ -117,8 +132,7 @@ def test_what_needs_a_recording_is_refused_without_one() -> None:
 def test_an_edited_scene_is_another_scene(tmp_path: Path) -> None:
     def played(**changes: float) -> dict[str, object]:
         with mimics.open("wavy_tunnel", seed=3, runs=tmp_path) as session:
-            parts = session.scene.entity("tunnel").components
-            parts["tunnel"] = msgspec.structs.replace(parts["tunnel"], **changes)
+            session.edit("tunnel", **changes)
             session.step(3.0)
         recorded = Run.open(session.run_dir).session["scene"]
         entities = {each["id"]: each["components"] for each in recorded["document"]["entities"]}
@@ -130,13 +144,46 @@ def test_an_edited_scene_is_another_scene(tmp_path: Path) -> None:
     assert plain["state_hash"] != soft["state_hash"] == again["state_hash"]
 
 
-def test_a_wrong_edit_is_told_with_its_place_and_begins_nothing(tmp_path: Path) -> None:
+def test_an_edited_task_is_played_and_recorded(tmp_path: Path) -> None:
+    with mimics.open("wavy_tunnel", seed=3, runs=tmp_path) as session:
+        session.edit(
+            "task", trials=[{"name": "own", "trials": [{"label": "one"}]}], goals=[{"kind": "duration", "seconds": 1.0}]
+        )
+        session.step_until(lambda s: bool(s.trials), 20.0)
+    (row,) = session.trials
+    assert (row["label"], row["outcome"]) == ("one", "finished")
+    assert Run.open(session.run_dir).session["scene"]["document"]["task"]["trials"][0]["name"] == "own"
+    assert command("replay", session.run_dir).returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("part", "values", "place"),
+    [("tunnel", {"stiffness": -1.0}, "components/tunnel"), ("task", {"time_limit_s": -1.0}, "#/task")],
+)
+def test_a_wrong_edit_is_told_with_its_place_and_begins_nothing(
+    part: str, values: dict[str, float], place: str, tmp_path: Path
+) -> None:
     with mimics.open("wavy_tunnel", runs=tmp_path / "runs") as session:
-        parts = session.scene.entity("tunnel").components
-        parts["tunnel"] = msgspec.structs.replace(parts["tunnel"], stiffness=-1.0)
-        with pytest.raises(mimics.errors.SceneError, match="components/tunnel"):
+        session.edit(part, **values)  # type: ignore[arg-type]
+        with pytest.raises(mimics.errors.SceneError, match=place):
             session.step()
     assert not (tmp_path / "runs").exists()
+
+
+def test_what_an_edit_does_not_find_is_refused_by_name() -> None:
+    with mimics.open("pick_and_place", record=False) as session:
+        for wrong, what in (
+            (("tunel", "", {}), 'this scene has no component "tunel"'),
+            (("patient", "robot", {}), 'the entity "robot" has no component "patient"'),
+            (("patient", "", {"tremour": 0.0}), 'no field "tremour"(.|\n)*did you mean "tremor"'),
+            (("mesh", "", {}), r'entities have a component "mesh"(.|\n)*name one of'),
+        ):
+            component, entity, values = wrong
+            with pytest.raises(mimics.errors.UsageError, match=what):
+                session.edit(component, entity, **values)
+        session.step()
+        with pytest.raises(mimics.errors.UsageError, match="has begun"):
+            session.edit("patient", tremor=0.0)
 
 
 def test_a_steered_session_replays(tmp_path: Path) -> None:

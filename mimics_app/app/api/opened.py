@@ -13,6 +13,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.app.api.tables import haptic_table, journal_table
 from mimics_app.app.api.unit_array import Quantity, Table
 from mimics_app.app.play.result import summarise, summarise_play
 from mimics_app.app.scenes.loading import check_scene
@@ -20,75 +21,35 @@ from mimics_app.app.scenes.scene_search import find_scene
 from mimics_app.app.session.assembly import build_session, start_loop
 from mimics_app.app.session.core import SessionCore, open_core
 from mimics_app.app.session.frame import Frames
+from mimics_app.app.session.memory_recorder import MemoryRecorder
 from mimics_app.app.session.preparation import Given, prepare
 from mimics_app.app.session.requested import read_requested
 from mimics_app.app.session.session import Session
+from mimics_app.app.session.switched_off import NullRecorder
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal.output import say
 from mimics_app.contracts.clock import FRAMES_PER_SECOND, SECOND_NS, MonotonicClock
 from mimics_app.contracts.commands.command_records import CommandSource
 from mimics_app.contracts.commands.vocabulary import Command, Reset, SetParameter
-from mimics_app.contracts.errors import Issue, SceneError, UsageError, nearest
+from mimics_app.contracts.errors import UsageError, nearest
 from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.loop.loop_fields import FURTHER, LOOP_FIELDS, Extent, HapticSnapshot, PointSnapshot
+from mimics_app.contracts.messages.board import Board
+from mimics_app.contracts.messages.stage_messages import TaskOrders
 from mimics_app.contracts.shared_memory.command_ring import Answer, CommandSender
 from mimics_app.recording.run_folder import private_files
-from mimics_app.world.files.scene.file import scene_hash
+from mimics_app.world.content.world import World
+from mimics_app.world.files.scene.edits import SceneEdits
 from mimics_app.world.files.scene.scene import Scene, SceneEntity
-
-
-class SceneEdits:
-    """Finds what was changed in the components of a scene.
-
-    Args:
-        scene: The scene as it was read.
-    """
-
-    def __init__(self, scene: Scene) -> None:
-        self._scene = scene
-        self._before = {entity.id: dict(entity.components) for entity in scene.entities}
-
-    def apply(self) -> None:
-        """Make the edits part of the document and the hash.
-
-        Raises:
-            SceneError: A component has a value that its type does not take; every fault with its pointer.
-        """
-        changed = [(entity, name) for entity in self._scene.entities for name in self._changed(entity)]
-        issues = [issue for entity, name in changed for issue in self._fault(entity, name)]
-        if issues:
-            raise SceneError(issues)
-        if changed:
-            self._scene.discard_derived()
-            self._scene.hash = scene_hash(self._scene)
-
-    def _changed(self, entity: SceneEntity) -> list[str]:
-        before = self._before.get(entity.id, {})
-        names = dict.fromkeys([*before, *entity.components])
-        return [name for name in names if entity.components.get(name) is not before.get(name)]
-
-    def _fault(self, entity: SceneEntity, name: str) -> list[Issue]:
-        """Write a component into the document; return its fault, if it has one."""
-        number = int(entity.pointer.split("/", 3)[2])
-        written = self._scene.document["entities"][number].setdefault("components", {})
-        component = entity.components.get(name)
-        if component is None:
-            written.pop(name, None)
-            return []
-        plain = msgspec.to_builtins(component)
-        try:
-            msgspec.convert(plain, type(component))
-        except msgspec.ValidationError as error:
-            return [Issue(self._scene.file, f"{entity.pointer}/components/{name}", str(error).replace("`", '"'))]
-        written[name] = plain
-        return []
-
 
 if TYPE_CHECKING:
     from mimics_app.app.picture.picture import Picture
     from mimics_app.app.play.pace import LiveFrames
 
-__all__ = ["Opened", "Sent", "open"]
+__all__ = ["Opened", "Record", "Sent", "open"]
+
+Record = bool | Literal["memory"]
+"""Where a session is recorded: in a run folder, not at all, or in memory."""
 
 _LATCHED = (SafetyState.SAFE_STOP, SafetyState.E_STOP)
 _NOT_HERE = {"scene", "headless", "journey", "video", "pictures", "recipe"}
@@ -141,10 +102,13 @@ class Opened:
         settings: Settings of the run.
         given: Policy and device given as objects.
         window: Whether a person plays at a window, in real time.
-        record: Whether it is recorded.
+        record: Whether, and where, it is recorded.
+
+    Attributes:
+        scene: Entities and components of the scene file.
     """
 
-    def __init__(self, scene: Scene, settings: RunSettings, given: Given, *, window: bool, record: bool) -> None:
+    def __init__(self, scene: Scene, settings: RunSettings, given: Given, *, window: bool, record: Record) -> None:
         self.scene = scene
         self._edits, self._settings, self._given = SceneEdits(scene), settings, given
         self._window, self._record = window, record
@@ -166,11 +130,11 @@ class Opened:
         """Folder of the recording; `mimics_app.load` reads it.
 
         Raises:
-            UsageError: The scene was opened with `record=False`.
+            UsageError: The scene was opened with `record=False` or `record="memory"`.
         """
         session = self._begun
         if not isinstance(session, Session):
-            raise UsageError("this session is not recorded", "leave out record=False")
+            raise UsageError("this session has no run folder", f"leave out record={self._record!r}")
         return session.folder
 
     @property
@@ -199,6 +163,49 @@ class Opened:
         seen = self._frames.snapshot or session.haptics.snapshot()
         shown = _fields_of(seen, session.memory.capacities.extent)
         return Table({name: Quantity(values[np.newaxis], unit) for name, values, unit in shown})
+
+    @property
+    def haptic(self) -> Table:
+        """Every tick so far, a row each millisecond: the columns of `Recording.haptic`, SI units.
+
+        Raises:
+            UsageError: The scene was opened without `record="memory"`.
+        """
+        rows = self._kept.rows
+        extent = self._begun.memory.capacities.extent
+        return haptic_table(extent, lambda chosen: rows[:, list(chosen)])
+
+    @property
+    def events(self) -> Table:
+        """Lines of the journal so far, those of `Recording.events`: commands, states of trials, contacts, stops ...
+
+        Raises:
+            UsageError: The scene was opened without `record="memory"`.
+        """
+        return journal_table(self._kept.lines, self._start_ns)
+
+    @property
+    def world(self) -> World:
+        """What moves: `world.find(ENTITY).world_matrix()` is the pose [4, 4] of an entity in the newest frame [m].
+
+        `world.motion.happened` are the steps of its walkers in that frame. To be read only.
+        """
+        return self._begun.world
+
+    @property
+    def orders(self) -> TaskOrders:
+        """What the task ordered of touch, picture, sound and vibrators in the newest frame, and its state, `view`."""
+        return self._played.orders
+
+    @property
+    def board(self) -> Board:
+        """Figures and the message over the picture in the newest frame."""
+        return self._played.board
+
+    @property
+    def task(self) -> dict[str, Any]:
+        """Result of the task so far: `task` in the object of `mimics run --json`."""
+        return self._begun.tasks.result()
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -240,6 +247,28 @@ class Opened:
             self._frames.advance_frame()
             self._tell()
 
+    def step_until(self, condition: Callable[[Opened], bool], seconds: float = 60.0) -> bool:
+        """Play on, frame by frame, until `condition(session)` is true; return whether it is.
+
+        Args:
+            condition: Asked before each frame and after the last one.
+            seconds: Longest time to play [s].
+
+        Raises:
+            UsageError: The scene is closed.
+        """
+        session = self._begun
+        session.require_open()
+        until = session.clock.now_ns() + round(seconds * SECOND_NS)
+        if self._live is not None:
+            self._live.run(
+                self._frames, lambda _: self._tell(), lambda: condition(self) or session.clock.now_ns() >= until
+            )
+            return condition(self)
+        while not (found := condition(self)) and session.clock.now_ns() < until and not self._is_over():
+            self.step()
+        return found
+
     def run(self) -> dict[str, Any]:
         """Play until the session is over, or for its `seconds`; close, and return the result of `mimics run --json`."""
         limit_s = self._settings.seconds
@@ -266,6 +295,27 @@ class Opened:
     def set(self, **values: float) -> list[Sent]:
         """Set adaptable parameters of the task by name, within the limits that a policy has."""
         return [self.command(SetParameter(name, float(value))) for name, value in values.items()]
+
+    def edit(self, component: str, entity: str = "", **values: object) -> None:
+        """Give fields of a component, or of the task, other values before the first step, as if the scene file did.
+
+        Args:
+            component: Name of its type, as "tunnel" or "patient"; "task" for the scene's task.
+            entity: Id of its entity; "": the only one that has such a component.
+            **values: Values by field, as the file would have them. They are checked as the session begins.
+
+        Raises:
+            UsageError: The session has begun, or there is no such component, entity or field.
+        """
+        if self._session is not None or self._closed:
+            raise UsageError("the session has begun", "edit the scene before the first step")
+        of_scene = component in self.scene.sections and not entity
+        parts = self.scene.sections if of_scene else self._owner(component, entity).components
+        known = parts[component].__struct_fields__
+        for name in values:
+            if name not in known:
+                raise UsageError(f'{component} has no field "{name}"', nearest(name, known))
+        parts[component] = msgspec.structs.replace(parts[component], **values)
 
     def on_trial(self, listener: Callable[[Trial], None]) -> None:
         """Call a function with the row of each attempt at a trial when it has ended."""
@@ -323,6 +373,35 @@ class Opened:
         return f"<{self.scene.name}, {state}>"
 
     @property
+    def _kept(self) -> MemoryRecorder:
+        recorder = self._begun.recorder
+        if not isinstance(recorder, MemoryRecorder):
+            raise UsageError(
+                "this session is not kept in memory", 'write record="memory", or load its run folder after its end'
+            )
+        return recorder
+
+    @property
+    def _played(self) -> Frames:
+        """Frames of the session, which begins now if it has not."""
+        _ = self._begun
+        return self._frames
+
+    def _owner(self, component: str, entity: str) -> SceneEntity:
+        """Return the entity whose component is edited."""
+        found = [each for each in self.scene.entities if component in each.components and entity in ("", each.id)]
+        if not found:
+            names = sorted({name for each in self.scene.entities for name in each.components})
+            of = f'the entity "{entity}"' if entity else "this scene"
+            raise UsageError(f'{of} has no component "{component}"', nearest(component, names))
+        if len(found) > 1:
+            raise UsageError(
+                f'{len(found)} entities have a component "{component}"',
+                f"name one of {', '.join(each.id for each in found)}",
+            )
+        return found[0]
+
+    @property
     def _begun(self) -> SessionCore:
         """The session, which begins now if it has not."""
         if self._session is None:
@@ -353,9 +432,10 @@ class Opened:
         return session
 
     def _build(self) -> SessionCore:
-        if self._record:
+        if self._record is True:
             return build_session(self._settings, live=self._window, read=self.scene, given=self._given)
-        return open_core(prepare(self._settings, live=False, read=self.scene, given=self._given))
+        parts = prepare(self._settings, live=False, read=self.scene, given=self._given)
+        return open_core(parts, MemoryRecorder if self._record == "memory" else NullRecorder)
 
     def _end(self) -> None:
         session = self._session
@@ -437,13 +517,14 @@ def _open_window(session: Session) -> LiveFrames:
     return LiveFrames(session)
 
 
-def open(scene: Path | str, *, window: bool = False, record: bool = True, **settings: object) -> Opened:
+def open(scene: Path | str, *, window: bool = False, record: Record = True, **settings: object) -> Opened:
     """Open a scene for playing.
 
     Args:
         scene: Scene file, or the name of a shipped scene.
         window: True: a person plays at a window in real time; else the simulated person, as fast as possible.
-        record: False: without a run folder, sound and processes of its own, which is the quickest to begin and end.
+        record: False: without a run folder, sound and processes of its own, which is the quickest to begin and end;
+            "memory": likewise, with `haptic` and `events` kept in memory, 40 MB a minute.
         **settings: Options of `mimics run` by their names: `seed`, `patient`, `physio`, `learn`, `goal`, `profile`,
             `device`, `difficulty`, `trials`, `seconds` [s], `sound` ("auto", "file" or "off"), `commands`, `runs` ...
             `learn` may be a policy itself, an object as `mimics_app.learning.policy.Policy`, and `device` a function
@@ -459,12 +540,14 @@ def open(scene: Path | str, *, window: bool = False, record: bool = True, **sett
     """
     if _open:
         raise UsageError(f"another scene is open in this process ({_open[0]})", "close it first, or use a process each")
+    if not (isinstance(record, bool) or record == "memory"):
+        raise UsageError(f"record: there is no {record!r}", 'known: True, False, "memory"')
     objects = {name for name in _AS_OBJECTS if settings.get(name) is not None and not isinstance(settings[name], str)}
     given = Given(**{_AS_OBJECTS[name]: settings[name] for name in objects})  # type: ignore[arg-type]
     named = {name: value for name, value in settings.items() if name not in objects}
     chosen = _settings(find_scene(Path(scene)), named, window=window)
-    if not record and (window or chosen.sound != "off"):
-        raise UsageError("a window and sound need a recorded session", "leave out record=False")
+    if record is not True and (window or chosen.sound != "off"):
+        raise UsageError("a window and sound need a recorded session", f"leave out record={record!r}")
     if chosen.device:
         from mimics_app.rendering.haptic.devices.device_names import check_device_name
 

@@ -215,12 +215,15 @@ def open_core(parts: SessionParts, recorder: Callable[[SessionMemory], RecorderP
         recorder: Creates the recorder of the session.
 
     Raises:
-        DeviceError: The robot cannot be opened.
+        DeviceError: The robot cannot be opened; it is closed.
     """
-    parts.parameter_store.fit(device_values(parts.plugin, parts.scene, parts.parameter_store.block))
-    memory = parts.side.memory(parts.plugin)
-    core = SessionCore(parts, memory, recorder(memory), NullSound())
-    core.trackers.start()
+    with ExitStack() as stack:
+        stack.callback(parts.plugin.close)
+        parts.parameter_store.fit(device_values(parts.plugin, parts.scene, parts.parameter_store.block))
+        memory = parts.side.memory(parts.plugin)
+        core = SessionCore(parts, memory, recorder(memory), NullSound())
+        core.trackers.start()
+        stack.pop_all()
     core.begin()
     return core
 
