@@ -10,6 +10,7 @@ import numpy as np
 from mimics_app.contracts.clock import SECOND_NS, TICK_NS
 from mimics_app.contracts.messages.stage_messages import SignalBlock
 from mimics_app.contracts.system.run_environment import clock_pair, describe_environment
+from mimics_app.recording.column_file import ColumnFile
 from mimics_app.recording.event_log import encode_line
 from mimics_app.recording.manifest import Manifest, hash_files, write_manifest
 from mimics_app.recording.signal_rows import SignalRow, pack_signals
@@ -32,7 +33,8 @@ _SIGNALS = {"ecg": 1000.0, "emg": 1000.0, "gsr": 1000.0, "resp": 1000.0, "speed"
 def write_long_run(folder: Path, minutes: float) -> Path:
     """Fill an empty folder with a clean run: ticks, 60 frames a second, six body signals, two attempts a stretch."""
     state = StateHash()
-    stream, log, signals = SampleStream(folder, state), EventStream(folder, state), SignalStream(folder)
+    stream, columns = SampleStream(folder, state), ColumnFile(folder)
+    log, signals = EventStream(folder, state), SignalStream(folder)
     trials = TrialTable(folder / "trials.csv")
     samples = samples_of_session(STRETCH_S)
     events = events_of_session(samples)
@@ -45,6 +47,7 @@ def write_long_run(folder: Path, minutes: float) -> Path:
         samples["f_meas"] += noise.normal(0, 0.01, samples["f_meas"].shape)  # no stretch is as the one before
         for first in range(0, len(samples), _BLOCK):
             stream.append(samples[first : first + _BLOCK], base + first)
+            columns.add(samples[first : first + _BLOCK])
         again = events.copy()
         again["tick"] += base
         again["t_ns"] = START_NS + again["tick"] * TICK_NS
@@ -60,7 +63,7 @@ def write_long_run(folder: Path, minutes: float) -> Path:
             begin_ns = START_NS + number * STRETCH_S * SECOND_NS // 2
             row = {"trial": number, "label": "wavy", "outcome": "finished", "score": 81.25}
             trials.append({**row, "begin_ns": begin_ns, "end_ns": begin_ns + 9 * SECOND_NS})
-    for file in (stream, log, signals, trials):
+    for file in (stream, columns, log, signals, trials):
         file.close()
     header = {"scene": {"name": "wavy_tunnel"}, "safety": {"late_stop_s": 0.05}, "settings": {"participant": "P01"}}
     session = {"format": "mimics run", "version": 1, **describe_environment(), "clock": clock_pair(), **header}

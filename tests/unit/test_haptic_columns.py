@@ -136,6 +136,30 @@ def test_without_columns_or_with_damaged_blocks_the_blocks_are_read(run: Path) -
     _assert_equal(run)
 
 
+@pytest.mark.parametrize("block", [7, 170])
+def test_a_row_that_is_damaged_in_both_files_is_nan_where_it_is_lost_and_no_other_row_moves(
+    run: Path, recorded: Path, block: int
+) -> None:
+    """Of two batches, in a column of the first one and in a column of the second."""
+    whole, blocks = mimics.load(recorded).haptic, bytearray((run / "haptic.arrows").read_bytes())
+    _seq, offset, length = np.fromfile(run / "haptic.arrows.idx", np.int64).reshape(-1, 3)[block].tolist()
+    blocks[offset + length // 2] ^= 1
+    (run / "haptic.arrows").write_bytes(blocks)
+    columns = bytearray((run / COLUMNS).read_bytes())
+    columns[len(columns) * (1 if block < 160 else 3) // 5] ^= 1
+    (run / COLUMNS).write_bytes(columns)
+    table, lost = mimics.load(run).haptic, 0
+    assert table.rows == ROWS
+    for name, column in whole.items():
+        found = table[name]
+        same = np.asarray(found == column)
+        assert np.isnan(found[~same]).all(), name
+        changed = np.flatnonzero(~same.reshape(ROWS, -1).all(axis=1))
+        assert changed.tolist() in ([], list(range(50 * block, 50 * block + 50))), name
+        lost += len(changed) > 0
+    assert lost == 1
+
+
 def test_columns_of_another_device_are_not_read(run: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
     other = tmp_path_factory.mktemp("other")
     _record(other, TWO_HANDS, 100)
