@@ -8,6 +8,8 @@ scene, simulated robot and person included.
 Where a peer is measured beside bodies in the same run, `us_from_python` is the same work of this program called tick by
 tick from Python as the peer is: the same motion of the HIP, as many rounds, the shortest of them. Peers that are not
 installed are listed as not measured.
+
+`points` is the processor time of a tick with one, two and four points of contact, each in contact with its own object.
 """
 
 from __future__ import annotations
@@ -30,6 +32,7 @@ from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS
 from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.contracts.shared_memory.session_memory import Capacities, SessionMemory
 from mimics_app.lab.haptic.body_worlds import heap_of_boxes
+from mimics_app.lab.haptic.points_bench import measure_points
 from mimics_app.lab.haptic.touch_probe import DT, RADIUS, STIFFNESS, touch_scene
 from mimics_app.lab.haptic_harness import HarnessRow, run_harnesses
 from mimics_app.lab.haptic_peers import PEERS, ROUNDS, best_us, measure_peer
@@ -359,4 +362,7 @@ def measure_haptic(step: Step = lambda _: None, peers: Path | None = None) -> di
     )
     rows = [row for part in parts for row in part]
     absent = [name for name in PEERS if not any((row.peer or "").startswith(name) for row in rows)]
-    return {"reference_ns": reference * 1e3, "not_measured": absent, "rows": [row.figures() for row in rows]}
+    step("points of contact")
+    points = [asdict(row) for row in measure_points()]
+    figures = [row.figures() for row in rows]
+    return {"reference_ns": reference * 1e3, "not_measured": absent, "rows": figures, "points": points}

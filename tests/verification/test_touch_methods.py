@@ -13,6 +13,7 @@ from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.lab import haptic_bench, haptic_peers
 from mimics_app.lab.groups import bounding_geometry, mesh_finger, shape_cull
 from mimics_app.lab.groups.shape_cull import find_near_plain
+from mimics_app.lab.haptic import points_bench
 from mimics_app.lab.haptic_harness import HarnessRow, run_harnesses
 from mimics_app.lab.stability import s10b_rounded_edge
 from mimics_app.rendering.haptic.kernels.objects.cull import find_near
@@ -63,6 +64,7 @@ def short_bench(monkeypatch):
     for name, values in (("_COUNTS", (1, 10)), ("_TRIANGLES", (100,)), ("_BODIES", (1,))):
         monkeypatch.setattr(haptic_bench, name, values)
     monkeypatch.setattr(haptic_peers, "_MOST_TICKS", 20)
+    monkeypatch.setattr(points_bench, "_TICKS", 500)
     monkeypatch.setattr(haptic_bench, "_tick_p99_us", lambda scene: 1.0 + len(scene.rows.shapes))
 
 
@@ -89,7 +91,9 @@ def test_bench_rows_say_what_was_measured(short_bench):
         assert beside <= set(row) if row["work"] in haptic_bench.BODY_WORKLOADS else not beside & set(row)
     peers = {row["peer"].split()[0] for row in rows if row["work"] == "bodies box"}
     assert "MuJoCo" in peers and peers <= {"MuJoCo", "Bullet"}
-    assert len(reported) == len({(row["work"], row["n"]) for row in rows})
+    assert len(reported) == len({(row["work"], row["n"]) for row in rows}) + 1
+    assert [row["n"] for row in found["points"]] == [1, 2, 4] and found["points"][0]["of_one_point"] == 1.0
+    assert all(row["us"] > 0.0 for row in found["points"])
 
 
 def test_bench_without_peers_has_no_figures_of_theirs(short_bench, monkeypatch):
