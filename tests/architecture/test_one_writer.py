@@ -20,6 +20,7 @@ LOOP_WRITES |= {f"{ring}s" for ring in RINGS} | {f"{ring}_words" for ring in RIN
 
 READERS = {
     "app/bench/fault_bench.py",
+    "app/session/memory_recorder.py",
     "app/session/switched_off.py",
     "console/telemetry.py",
     "lab/groups/haptic_tick.py",
