@@ -9,34 +9,21 @@ from typing import Any, get_args
 
 import pytest
 
+import mimics_app as mimics
+from mimics_app.app.api.opened import Opened
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.app.session.body import Body
-from mimics_app.app.session.core import SessionCore, open_core
-from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.errors import SceneError, UsageError
-from mimics_app.contracts.messages.stage_messages import TaskAction, TrialResult, UserState
+from mimics_app.contracts.messages.stage_messages import TrialResult, UserState
 from mimics_app.contracts.system.resources import root
 from mimics_app.learning.agent import Agent
 from mimics_app.tasks.actions import build_action_space, build_learning_space, fill_defaults
+from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task import ActionKind, TaskSpec
 from mimics_app.tasks.trials import plan_trials, trial_blocks
 
 TUNNEL, MARKET, WALK = (root() / "scenes" / f"{n}.json" for n in ("wavy_tunnel", "pick_and_place", "guided_walk"))
-
-
-class Once:
-    """A learning system with one idea, which it has from the first frame on."""
-
-    def __init__(self, action: TaskAction) -> None:
-        self._action: TaskAction | None = action
-
-    def choose(
-        self, state: UserState, result: TrialResult | None, reward: float | None, now_ns: int
-    ) -> TaskAction | None:
-        action, self._action = self._action, None
-        return action
 
 
 class Played:
@@ -46,22 +33,20 @@ class Played:
         self.haptic: dict[str, object] = {}
         self.visual: dict[str, object] = {}
         self.audio: dict[str, object] = {}
-        parts = prepare_scene(load_checked_scene(scene), RunSettings(scene))
-        self.kinds = {p.name: p.kind for p in build_action_space(parts.task)}
-        with open_core(parts_with(parts, Once(TaskAction(values, at_trial=0)))) as core:
-            play = Frames(core)
+        with mimics.open(scene, record=False) as session:
+            if scene == TUNNEL:  # each of its trials has a radius of its own
+                session.edit("task", trials=[{"name": "any", "trials": [{}]}])
+            session.command(mimics.Policy("off"))
+            session.set(**values)
             for _ in range(frames):
-                orders = play.advance_frame()
+                session.step()
+                orders = session.orders
                 self.haptic |= {str(field): value for field, value in orders.haptic.numbers.items()}
                 self.visual |= orders.visual.values
                 self.audio |= {} if orders.audio.gain is None else {"gain": orders.audio.gain}
-            self.limit = core.tasks._time_limit_s()
-
-
-def parts_with(parts: Any, learning: Any) -> Any:
-    from dataclasses import replace
-
-    return replace(parts, body=Body(learning=learning))
+            self.limit = session._begun.tasks._time_limit_s()
+        task = fill_defaults(task_of(session.scene), lambda target: 1.0)
+        self.kinds = {p.name: p.kind for p in build_action_space(task)}
 
 
 def test_each_kind_is_free_in_a_shipped_scene() -> None:
@@ -177,41 +162,30 @@ def test_the_flow_goes_on_elsewhere(block: int, tmp_path: Path) -> None:
     }  # fmt: skip
     scene = tmp_path / "walk.json"
     scene.write_text(json.dumps(document))
-    parts = prepare_scene(load_checked_scene(scene), RunSettings(scene))
-    with open_core(parts_with(parts, Once(TaskAction({"flow": float(block)}, at_trial=1)))) as core:
-        play = Frames(core)
-        for _ in range(2000):
-            if play.advance_frame().finished:
-                break
-        blocks = [row["block"] for row in core.tasks.rows]
-        numbers = [row["trial"] for row in core.tasks.rows]
-    assert numbers == [0, 1, 2, 3]
+    with mimics.open(scene, record=False) as session:
+        session.step_until(lambda s: s.orders.person_may_act)
+        session.set(flow=block)
+        session.step_until(lambda s: s.orders.finished)
+    blocks = [row["block"] for row in session.trials]
+    assert [row["trial"] for row in session.trials] == [0, 1, 2, 3]
     listed, changed = ["first", "first", "second", "second"], ["first", "second", "second", "first"]
     assert blocks == (changed if block else listed)
 
 
 def test_the_walk_reports_steps_and_the_person_is_moved() -> None:
-    parts = prepare_scene(load_checked_scene(WALK), RunSettings(WALK, seed=2))
     seen: list[TrialResult] = []
-    choose = parts.body.learning.choose
-
-    def watched(state: Any, result: Any, reward: Any, now_ns: int) -> Any:
-        if result is not None:
-            seen.append(result)
-            assert reward == result.reward
-        return choose(state, result, reward, now_ns)
-
-    parts.body.learning.choose = watched  # type: ignore[method-assign]
-    with open_core(parts) as core:
-        play, before = Frames(core), person(core)
+    with mimics.open(WALK, seed=2, record="memory") as session:
+        before = person(session)
         for _ in range(60 * 40):
-            play.advance_frame()
-        after = person(core)
+            session.step()
+            seen += [] if session.orders.result is None else [session.orders.result]
+        after = person(session)
     assert len(seen) > 15
+    assert session.events.where(kind="result")["reward"].tolist() == [result.reward for result in seen]
     assert {result.outcome for result in seen} == {"step"}
     assert {"gap", "left"} <= set(seen[0].observed)
     assert before[2] - after[2] != 0.0
 
 
-def person(core: SessionCore) -> Any:
-    return core.world.find("person").world_matrix()[:3, 3].copy()
+def person(session: Opened) -> Any:
+    return session.world.find("person").world_matrix()[:3, 3].copy()

@@ -7,11 +7,9 @@ from pathlib import Path
 
 import pytest
 
+import mimics_app as mimics
+from mimics_app.app.api.opened import Opened
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.app.session.core import open_core
-from mimics_app.app.session.frame import Frames
-from mimics_app.app.session.preparation import prepare_scene
-from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.system.resources import root
 from mimics_app.world.content.motion.state_machine import StateMachine
@@ -52,17 +50,15 @@ def test_results_are_answered_and_not_always_in_the_same_way() -> None:
 
 @pytest.mark.parametrize("name", SCENES)
 def test_a_session_greets_and_the_encourager_looks_at_the_person(name: str) -> None:
-    file = root() / "scenes" / f"{name}.json"
-    seen = set()
-    with open_core(prepare_scene(load_checked_scene(file), RunSettings(file))) as core:
-        play = Frames(core)
-        for _ in range(60 * 14):
-            play.advance_frame()
-            seen.add(_machine(core.world).state)
-            if "greet" in seen and (name == "pick_and_place" or "praise 0" in seen):
-                break
-    assert {"idle", "greet"} <= seen
-    assert name != "wavy_tunnel" or "praise 0" in seen  # the simulated person is through by then
+    awaited = {"idle", "greet"} | ({"praise 0"} if name == "wavy_tunnel" else set())  # by then the person is through
+    seen: set[str] = set()
+
+    def all_seen(session: Opened) -> bool:
+        seen.add(_machine(session.world).state)
+        return awaited <= seen
+
+    with mimics.open(name, record=False) as session:
+        assert session.step_until(all_seen, 14.0), seen
 
 
 def test_who_is_not_wanted_is_neither_drawn_nor_moved(tmp_path: Path) -> None:

@@ -8,11 +8,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import mimics_app as mimics
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.app.session.core import open_core
-from mimics_app.app.session.frame import Frames
-from mimics_app.app.session.preparation import prepare_scene
-from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS
 from mimics_app.contracts.messages.leg_motion import LegMotion
@@ -168,24 +165,21 @@ def test_a_ball_that_lies_waits_for_who_comes_slowly() -> None:
 
 def test_a_person_in_the_orthosis_feels_the_ball_and_kicks_it_by_the_swing_of_a_leg() -> None:
     """Kicks of some 2.5 m/s, as the foot swings; force where the ball is touched and only there; nothing stops."""
-    settings = RunSettings(SCENE, device="lokomat:sim")
     felt: list[float] = []
-    with open_core(prepare_scene(load_checked_scene(SCENE, device=settings.device), settings)) as core:
-        play = Frames(core)
-        play.play_to_start()
-        ball, speeds, touched = core.world.find("ball"), [], []
+    with mimics.open(SCENE, device="lokomat:sim", record=False) as session:
+        session.step_until(lambda s: s.orders.person_may_act)
+        ball, speeds, touched = session.world.find("ball"), [], []
         before = ball.world_matrix()[:3, 3].copy()
         for _ in range(60 * 8):
-            play.advance_frame()
-            snapshot = play.snapshot
-            assert snapshot is not None and snapshot.state == SafetyState.ACTIVE
-            felt.append(max(float(np.linalg.norm(point.f_user_world)) for point in snapshot.points))
-            touched.append(any(point.partners for point in snapshot.points))
+            session.step()
+            state = session.state
+            assert state["state"] == SafetyState.ACTIVE
+            felt.append(max(float(np.linalg.norm(state[f"{point}f_user_world"])) for point in ("", "point_1_")))
+            touched.append(any(state[f"{point}partners"] for point in ("", "point_1_")))
             now = ball.world_matrix()[:3, 3].copy()
             speeds.append(float(np.linalg.norm(now - before)) / FRAME)
             before = now
-        result = core.tasks.result()
-    assert result["kicks"] >= 1
+    assert session.task["kicks"] >= 1
     assert max(felt) > 5.0 and max(f for f, t in zip(felt, touched, strict=True) if not t) == 0.0
     first = touched.index(True)
     assert 1.0 < max(speeds[first : first + 12]) < 5.0

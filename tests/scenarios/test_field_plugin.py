@@ -22,16 +22,17 @@ import sys
 from pathlib import Path
 sys.path.insert(0, sys.argv[1])
 import plugin_{force} as plugin
+import mimics_app as mimics
 from mimics_app.rendering.haptic.force_fields import add_field
 from mimics_app.rendering.haptic.loop import advance_ticks
 from mimics_app.rendering.haptic.simulate import simulate_objects
 from tests.support.object_scenes import thing, written
-from tests.support.scene_play import ScenePlay
 
 add_field("push", plugin.push)
 file = written(Path(sys.argv[1]), thing("robot", robot={{}}), thing("f", force_field={{"function": "push"}}))
-play = ScenePlay(file).run(0.1)
-print(play.samples["f_effects"][-1, 0])
+with mimics.open(file, record="memory") as session:
+    session.step(0.1)
+print(session.haptic["f_effects"][-1, 0])
 for function in (advance_ticks, simulate_objects):
     print(len(function.signatures), sum(function.stats.cache_misses.values()))
 """

@@ -3,18 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
+import mimics_app as mimics
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.app.session.body import Body
-from mimics_app.app.session.core import open_core
-from mimics_app.app.session.frame import Frames
-from mimics_app.app.session.preparation import prepare_scene
-from mimics_app.app.settings import RunSettings
-from mimics_app.contracts.messages.stage_messages import TaskAction, TrialResult, UserState
 from mimics_app.contracts.system.resources import root
 from mimics_app.scenarios.figures.alley_figure import AlleyFigure
 from mimics_app.world.content.world import World
@@ -24,31 +18,19 @@ WALK = root() / "scenes" / "guided_walk.json"
 FRAME = 1.0 / 60.0
 
 
-class Does:
-    """A learning system that has the avatar do one thing all the time."""
-
-    def __init__(self, deed: int) -> None:
-        self._action: TaskAction | None = TaskAction({"deed": float(deed)}, at_trial=0)
-
-    def choose(
-        self, state: UserState, result: TrialResult | None, reward: float | None, now_ns: int
-    ) -> TaskAction | None:
-        action, self._action = self._action, None
-        return action
-
-
 @pytest.mark.parametrize(
     ("deed", "shown", "step_heard"), [(4, "beckon", False), (5, "point", True), (0, "still", True)]
 )
 def test_the_avatar_does_what_the_task_says(deed: int, shown: str, step_heard: bool) -> None:
     """Who points turns to the place, and steps as they turn."""
-    parts = prepare_scene(load_checked_scene(WALK), RunSettings(WALK))
     seen, steps = set(), []
-    with open_core(replace(parts, body=Body(learning=Does(deed)))) as core:
-        play, world = Frames(core), core.world
+    with mimics.open(WALK, record=False) as session:
+        session.command(mimics.Policy("off"))
+        session.set(deed=deed)
+        world = session.world
         avatar = world.find("avatar").index
         for _ in range(60 * 8):
-            play.advance_frame()
+            session.step()
             seen.add(world.motion.machines[avatar].state)
             for index, event in world.motion.happened:
                 if index == avatar:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import mimics_app as mimics
 from mimics_app.app.mirror.mirror_display import MirroredScene
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.scenes.mirrored_scene import mirrored, why_not_mirrored
@@ -24,7 +25,6 @@ from mimics_app.world.components.visible import MeshComponent
 from mimics_app.world.content.extent import world_extent
 from mimics_app.world.files.scene.file import build_world, load_scene
 from mimics_app.world.files.scene.scene import Scene
-from tests.support.core_play import CorePlay, change_component
 
 EQUAL = 1e-9
 LENGTHS = {"wavy_tunnel": 8.0, "pick_and_place": 10.0, "tower": 3.0, "impedance_control": 5.0}
@@ -38,27 +38,25 @@ class Played:
     """A run without noise of the robot's sensors, which do not belong to the person.
 
     Attributes:
-        samples: SAMPLE of every tick.
+        samples: Columns of every tick.
         poses: Of the haptic bodies in each frame, [n, bodies, 7].
         scores: Of the trials.
     """
 
-    def __init__(self, name: str, edit: PersonEdit | None) -> None:
-        scene = load_checked_scene(name, edit=edit)
-        change_component(scene, "robot", sensor_noise=0.0, sensor_quantum=0.0)
-        play = CorePlay.of(scene, 3, patient="moderate")
+    def __init__(self, name: str, side: str) -> None:
         poses = []
-        for _ in range(round(60 * LENGTHS.get(name, 16.0 if name == "two_fingers" else 7.0))):
-            play.step()
-            poses.append(play.frames.snapshot.poses.copy())
-        self.samples, self.poses = play.samples, np.array(poses)
-        self.scores = [row.get("score") for row in play.core.tasks.rows]
-        play.core.stop()
+        with mimics.open(name, seed=3, patient="moderate", side=side, record="memory") as session:
+            session.edit("robot", sensor_noise=0.0, sensor_quantum=0.0)
+            for _ in range(round(60 * LENGTHS.get(name, 16.0 if name == "two_fingers" else 7.0))):
+                session.step()
+                poses.append(session.state["poses"][0])
+        self.samples, self.poses = session.haptic, np.array(poses)
+        self.scores = [row.get("score") for row in session.trials]
 
 
 @pytest.mark.parametrize("name", PLAYED)
 def test_the_run_on_the_left_is_the_mirror_image_of_the_one_on_the_right(name: str) -> None:
-    right, left = Played(name, None), Played(name, LEFT)
+    right, left = (Played(name, side) for side in ("right", "left"))
     for column in ("hip_world", "v_world", "f_virt_world", "f_user_world"):
         image = right.samples[column] * [-1.0, 1.0, 1.0]
         assert np.abs(image - left.samples[column]).max() <= EQUAL, column

@@ -9,13 +9,12 @@ import msgspec
 import numpy as np
 import pytest
 
-from mimics_app.app.scenes.loading import load_checked_scene
+import mimics_app as mimics
+from mimics_app.app.api.opened import Opened
 from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task import DurationGoal
-from mimics_app.world.files.scene.scene import Scene
-from tests.support.core_play import CorePlay, change_component
 
 TRAVEL_S = 4.0
 """Length of a travel [s]: the assistance of an easier tunnel took three seconds from its start to its goal."""
@@ -51,41 +50,43 @@ class Limp:
     """A session of a passive arm, or of nobody at the handle.
 
     Attributes:
+        session: The session, at its end.
         still: Places of the hand between arrival and go [m].
         went: Places during the travel [m].
     """
 
-    play: CorePlay
+    session: Opened
     still: list[Any] = field(default_factory=list)
     went: list[Any] = field(default_factory=list)
 
 
-def limp_scene(name: str) -> Scene:
-    """A shipped scene whose simulated person has no intent, with a travel of a few seconds."""
-    scene = load_checked_scene(name)
-    change_component(scene, "patient", intent=False)
-    task = task_of(scene)
+def make_limp(session: Opened) -> None:
+    """Give the simulated person no intent, and the travel a few seconds."""
+    session.edit("patient", intent=False)
+    task = task_of(session.scene)
     goals = [msgspec.structs.replace(g, seconds=TRAVEL_S) if isinstance(g, DurationGoal) else g for g in task.goals]
     rest = {
         name: each
         for name, each in task.parameters.items()
         if not any(target.to == "task.time_limit_s" for target in each.maps)
     }
-    scene.sections["task"] = msgspec.structs.replace(task, goals=goals, parameters=rest, time_limit_s=TRAVEL_S)
-    return scene
+    session.edit("task", goals=goals, parameters=rest, time_limit_s=TRAVEL_S)
 
 
 def play_limp(name: str, difficulty: str, **settings: Any) -> Limp:
-    limp = Limp(CorePlay.of(limp_scene(name), 1, difficulty=difficulty, trials=1, **settings))
-    core, frames = limp.play.core, limp.play.frames
-    while not core.tasks.rows and frames.number < 60 * 60:
-        frames.advance_frame()
-        state = frames.orders.view.state
-        if state is TrialState.READY:
-            limp.still.append(frames.snapshot.hip_world.copy())
-        elif state is TrialState.TRAVEL:
-            limp.went.append(frames.snapshot.hip_world.copy())
-    core.stop()
+    with mimics.open(name, difficulty=difficulty, trials=1, record=False, **settings) as session:
+        make_limp(session)
+        limp = Limp(session)
+
+        def ended(session: Opened) -> bool:
+            state = session.orders.view.state
+            if state is TrialState.READY:
+                limp.still.append(session.state["hip_world"][0])
+            elif state is TrialState.TRAVEL:
+                limp.went.append(session.state["hip_world"][0])
+            return bool(session.trials)
+
+        session.step_until(ended)
     return limp
 
 
@@ -97,11 +98,11 @@ def way(places: list[Any]) -> float:
 def check_limp(limp: Limp, name: str) -> None:
     assert len(limp.still) > 40 and way(limp.still) <= STILL_M
     assert limp.went, "the go came"
-    (row,) = limp.play.core.tasks.rows
-    assert task_of(limp.play.core.scene).passive == (name in PASSIVE)
+    (row,) = limp.session.trials
+    assert task_of(limp.session.scene).passive == (name in PASSIVE)
     if name not in PASSIVE:
         assert row["outcome"] == "timeout" and not row["score"]
-        assert row["happened"] == f"Time is over: the {limp.play.core.tasks._limb} did nothing"
+        assert row["happened"] == f"Time is over: the {limp.session._begun.tasks._limb} did nothing"
 
 
 def test_every_kind_of_task_is_played():

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import mimics_app as mimics
 from mimics_app.app.scenes.loading import check_scene, read_scene
 from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
@@ -16,17 +17,9 @@ from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.haptic.devices.simulated_lokomat import PLANT, SETTINGS
 from mimics_app.rendering.haptic.kernels.lokomat import gait_person, linkage, orthosis, treadmill
 from mimics_app.world.components.robot import Robot
-from tests.support.core_play import CorePlay, change_component
+from tests.support.core_play import change_component
 
 SWING = root() / "scenes" / "examples" / "lokomat_free_swing.json"
-FRAMES = 60
-
-
-def _play(file: Path, seconds: float) -> CorePlay:
-    play = CorePlay.of(check_scene(read_scene(file)), 1)
-    for _ in range(round(seconds * FRAMES)):
-        play.step()
-    return play
 
 
 def _changed(folder: Path, robot: dict, patient: dict) -> Path:
@@ -43,41 +36,42 @@ def _changed(folder: Path, robot: dict, patient: dict) -> Path:
 
 
 def test_both_legs_swing_down_and_come_to_hang():
-    play = _play(SWING, 7.0)
-    samples = play.samples
+    with mimics.open(SWING, record="memory") as session:
+        session.step(7.0)
+    samples = session.haptic
     assert samples["state"].max() == SafetyState.ACTIVE
-    active = samples[samples["state"] == SafetyState.ACTIVE]
-    assert np.all(active["torque_command"] == 0.0), "zero force is asked for"
-    assert np.all(np.diff(active["q"][[0, -1], 1:4:2], axis=0) < -0.1), "both knees swing down"
-    assert np.abs(active["dq"][-1, :4]).max() < 0.01
+    active = np.asarray(samples["state"]) == SafetyState.ACTIVE
+    q = samples["q"][active]
+    assert np.all(samples["torque_command"][active] == 0.0), "zero force is asked for"
+    assert np.all(np.diff(q[[0, -1], 1:4:2], axis=0) < -0.1), "both knees swing down"
+    assert np.abs(samples["dq"][-1, :4]).max() < 0.01
     for number, (side, name) in enumerate((side, name) for side in ("left", "right") for name in ("hip", "knee")):
-        pivot, lever = (play.core.world.find(f"{side}_{name}_{end}").world_matrix() for end in ("pivot", "lever"))
+        pivot, lever = (session.world.find(f"{side}_{name}_{end}").world_matrix() for end in ("pivot", "lever"))
         link = np.array([*(SETTINGS[f"{name}_{what}"] for what in ("fixed_arm", "moved_arm", "offset")), -1.0])
-        shaft = linkage.eta_of(link, float(active["q"][-1, number]))
+        shaft = linkage.eta_of(link, float(q[-1, number]))
         assert np.linalg.norm((lever - pivot)[:3, 3]) == pytest.approx(shaft, abs=1e-3), (
             "the drawn drive is the simulated one"
         )
-    play.core.stop()
 
 
 def test_the_belt_runs_with_the_reference_and_stands_before_it(tmp_path: Path):
     walk = {"joint_reference": {"body_height": 1.75, "speed": 0.5, "guidance": 0.0}}
-    play = _play(_changed(tmp_path, walk, {"intent": False}), 2.0)
-    belt = play.core.haptics.plugin.memory[PLANT][orthosis.BELT + treadmill.BELT_SPEED :][:1]
-    assert belt[0] == 0.0 and play.samples["amplitude"][-1] == 0.0
-    for _ in range(round(8.0 * FRAMES)):
-        play.step()
-    assert play.samples["amplitude"][-1] == pytest.approx(1.0, abs=1e-3)
-    assert belt[0] == pytest.approx(0.5, abs=1e-3)
-    play.core.stop()
+    with mimics.open(_changed(tmp_path, walk, {"intent": False}), record="memory") as session:
+        session.step(2.0)
+        belt = session._begun.haptics.plugin.memory[PLANT][orthosis.BELT + treadmill.BELT_SPEED :][:1]
+        assert belt[0] == 0.0 and session.haptic["amplitude"][-1] == 0.0
+        session.step(8.0)
+        assert session.haptic["amplitude"][-1] == pytest.approx(1.0, abs=1e-3)
+        assert belt[0] == pytest.approx(0.5, abs=1e-3)
 
 
 def test_a_person_in_the_orthosis_walks_without_a_target(tmp_path: Path):
-    play = _play(_changed(tmp_path, {"safety": {"velocity_limit": 10.0}}, {"intent": True}), 9.0)
-    samples = play.samples
-    active = samples[samples["state"] == SafetyState.ACTIVE]
-    assert np.ptp(active["q"][-1500:, :4], axis=0).min() > 0.2
-    play.core.stop()
+    file = _changed(tmp_path, {"safety": {"velocity_limit": 10.0}}, {"intent": True})
+    with mimics.open(file, record="memory") as session:
+        session.step(9.0)
+    haptic = session.haptic
+    active = np.asarray(haptic["state"]) == SafetyState.ACTIVE
+    assert np.ptp(haptic["q"][active][-1500:, :4], axis=0).min() > 0.2
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ import pytest
 from mimics_app.app.scenes.loading import check_scene, read_scene
 from mimics_app.contracts.commands.command_records import CommandSource
 from mimics_app.contracts.commands.vocabulary import (
+    Calibrate,
     Command,
     Confirm,
     End,
@@ -189,16 +190,17 @@ def test_what_no_part_of_the_session_can_do_is_refused_with_the_reason() -> None
         play.step()
         answers = {line["command"]: (line["done"], line["why"]) for line in play.give(
             Policy("off"), View("above"), Mute(), Note("a cough"), SetParameter("velocity_limit", 9.0),
-            SetParameter("radios", 1.0), End(),
+            SetParameter("radios", 1.0), Calibrate("force_sensor"), End(),
         )}  # fmt: skip
         assert answers["policy"] == (False, "this session has no policy")
         assert answers["view"] == (False, 'this scene has no view "above"; known: patient_eye')
         assert answers["mute"] == (False, "this session has no sound")
         assert answers["note"] == (True, "")
         assert answers["set_parameter"] == (False, 'there is no adaptable parameter "radios"; did you mean "radius"')
+        assert answers["calibrate"] == (False, "the device simulated_hapticmaster has no steps of calibration")
         assert answers["end"][0] and play.frames.desk.ended
         told = play.senders[CommandSource.OPERATOR].answers()
-        assert len(told) == 7 and "limit of the haptic loop" in told[4].why
+        assert len(told) == 8 and "limit of the haptic loop" in told[4].why
         assert {answer.frame for answer in told} == {play.frames.number - 1}
 
 

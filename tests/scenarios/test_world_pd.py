@@ -8,19 +8,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.support.scene_play import ScenePlay
+import mimics_app as mimics
+from mimics_app.app.api.unit_array import Table
 
 SCENE = Path(__file__).parents[2] / "scenes" / "examples" / "guided_path.json"
 
 
-def _way_to_the_start(folder: Path, form: str) -> np.ndarray:
-    """Where the hand is while it is driven [m], robot frame is turned only; and joints."""
+def _way_to_the_start(folder: Path, form: str) -> Table:
+    """The ticks while the hand is driven; the robot's frame is turned only."""
     document = json.loads(SCENE.read_text(encoding="utf-8"))
     robot = next(entity for entity in document["entities"] if entity["id"] == "robot")
     robot.setdefault("components", {})["world_pd"] = {"kp": [4.0], "kd": [0.1], "form": form}
     file = folder / f"{form}.json"
     file.write_text(json.dumps(document), encoding="utf-8")
-    return ScenePlay(file).run(2.0).samples
+    with mimics.open(file, record="memory") as session:
+        session.step(2.0)
+    return session.haptic
 
 
 def _bow(points: np.ndarray) -> float:
