@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +39,16 @@ def played(site: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Answer
 def test_no_module_has_more_than_80_lines() -> None:
     lengths = {path.name: len(path.read_text(encoding="utf-8").splitlines()) for path in EXAMPLE.rglob("*.py")}
     assert len(lengths) == 13 and max(lengths.values()) <= 80, lengths
+
+
+def test_the_lines_of_its_page_name_settings_and_the_scene() -> None:
+    (lines,) = re.findall(r"```python\n(.*?)```", (EXAMPLE / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+    names: dict[str, Any] = {}
+    exec(lines.partition("with mimics")[0], names)
+    opened = re.search(r"open\(scene, (.*), \*\*signals\)", lines)
+    assert opened is not None and EXAMPLE.parents[1] / names["scene"] == SCENE
+    given = {*names["signals"], *re.findall(r"(\w+)=", opened[1])}
+    assert {f"--{name.replace('_', '-')}" for name in given} == {*SIGNALS[::2], "--goal", "--seconds"}
 
 
 def test_the_tunnel_is_played_with_all_of_them(played: tuple[Answer, Path]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -37,12 +38,18 @@ def test_every_kind_keeps_the_contract(kind: str) -> None:
 
 
 def test_a_kind_of_a_package_keeps_it(tmp_path: Path) -> None:
-    """The example's wheel, in a process whose structs are made with it."""
+    """The example's wheel, in a process whose structs are made with it; the lines of its page are run there, too."""
     example = root() / "examples" / "task_kind_plugin"
     path = os.pathsep.join((str(build_wheel(example, tmp_path)), str(root())))
-    command = [sys.executable, "-m", "tests.support.task_kind_kit", "reach", str(example / "reach.json")]
+    (lines,) = re.findall(r"```python\n(.*?)```", (example / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+    code = (
+        "import sys; from pathlib import Path; from tests.support.task_kind_kit import check_task_kind;"
+        f"check_task_kind('reach', Path(sys.argv[1]))\n{lines}\nassert session.task['reached'] == 3"
+    )
+    command = [sys.executable, "-c", code, str(example / "reach.json")]
+    environment = {**os.environ, "PYTHONPATH": path}
     done = subprocess.run(
-        command, env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True, timeout=300, check=False
+        command, cwd=root(), env=environment, capture_output=True, text=True, timeout=300, check=False
     )
     assert done.returncode == 0, done.stderr
 
