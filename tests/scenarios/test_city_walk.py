@@ -11,20 +11,17 @@ import msgspec
 import numpy as np
 import pytest
 
+import mimics_app as mimics
+from mimics_app.app.api.opened import Opened
 from mimics_app.app.play.scene_sound_file import write_sound
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.app.session.core import open_core
-from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.person_input import ray_to_the_hand
-from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.errors import SceneError
-from mimics_app.contracts.messages.stage_messages import TaskOrders
 from mimics_app.contracts.system.resources import root
 from mimics_app.maths import mat, quat
 from mimics_app.scenarios.figures.path_figure import GroundPath
 from mimics_app.world.components.walking import WalkingPath
-from mimics_app.world.content.world import World
 from tests.verification.test_sound_onset import read_file
 
 SCENE = root() / "scenes" / "city_walk.json"
@@ -48,33 +45,33 @@ def changed(folder: Path, start: float = 0.0, **components: dict[str, Any]) -> P
     return file
 
 
-class Listener:
-    """In the place of the sound: heel strikes from the beginning on: who, when [ns], on what, where [m]."""
-
-    def __init__(self) -> None:
-        self.steps: list[tuple[str, int, str, np.ndarray]] = []
-
-    def step(self, orders: TaskOrders, world: World, now_ns: int) -> None:
-        for index, event in world.motion.happened:
-            name = world.graph.name(index)
-            place = world.find(f"{name}/{event.node}").world_matrix()[:3, 3].copy()
-            self.steps.append((name, now_ns, event.material, place))
-
-    def stop(self) -> None:
-        """Nothing is open."""
+Strike = tuple[str, int, str, np.ndarray]
+"""A heel strike: who, when [ns], on what, where [m]."""
 
 
-def walked(file: Path, seconds: float) -> tuple[list[tuple[str, int, str, np.ndarray]], np.ndarray]:
+def _strikes(session: Opened) -> list[Strike]:
+    """Of the newest frame."""
+    now_ns, world, found = round(session.time_s * 1e9), session.world, []
+    for index, event in world.motion.happened:
+        name = world.graph.name(index)
+        found.append((name, now_ns, event.material, world.find(f"{name}/{event.node}").world_matrix()[:3, 3].copy()))
+    return found
+
+
+def walked(file: Path, seconds: float) -> tuple[list[Strike], np.ndarray]:
     """Heel strikes of a time [s] from the begin of the trial on, and of the others before; where the eyes look."""
-    listener = Listener()
-    with open_core(prepare_scene(load_checked_scene(file), RunSettings(file))) as core:
-        core.sound = listener  # type: ignore[assignment]
-        play = Frames(core)
-        play.play_to_start()
+    steps: list[Strike] = []
+
+    def begun(session: Opened) -> bool:
+        steps.extend(_strikes(session))
+        return session.orders.person_may_act
+
+    with mimics.open(file, record=False) as session:
+        session.step_until(begun)
         for _ in range(round(seconds * 60)):
-            play.advance_frame()
-        gaze = -core.world.cameras[0].world_from_eye[:3, 2]
-    return listener.steps, gaze
+            session.step()
+            steps += _strikes(session)
+        return steps, -session.world.cameras[0].world_from_eye[:3, 2]
 
 
 def test_each_step_sounds_at_its_time_as_its_ground(tmp_path: Path) -> None:
@@ -119,26 +116,21 @@ def test_who_moves_the_hand_aside_stands_looks_about_and_hears_the_others(tmp_pa
     assert math.atan2(gaze[0], -gaze[2]) == pytest.approx(8.0 * 0.08, abs=0.15), "to the right of north"
 
 
-def test_by_hand_an_obstacle_is_touched_with_the_foot_before_the_way_opens(tmp_path: Path) -> None:
+def test_by_hand_an_obstacle_is_touched_with_the_foot_before_the_way_opens() -> None:
     """The simulated hand closes three times; the foot meets the box, which is passed once it sank."""
-    listener, passed, foot = Listener(), None, 0.0
-    file = changed(tmp_path)
-    with open_core(prepare_scene(load_checked_scene(file), RunSettings(file))) as core:
-        core.sound = listener  # type: ignore[assignment]
-        play = Frames(core)
-        play.play_to_start()
-        box = core.world.find("obstacle_box")
+    passed, foot = None, 0.0
+    with mimics.open("city_walk", record=False) as session:
+        session.step_until(lambda s: s.orders.person_may_act)
+        find = session.world.find
         for _ in range(60 * 16):
-            play.advance_frame()
-            along = 46.0 - float(core.world.find("person").world_matrix()[2, 3])
+            session.step()
+            along = 46.0 - float(find("person").world_matrix()[2, 3])
             if along < 4.7:
-                ankle = core.world.find("own_body/rightFoot").world_matrix()[2, 3]
-                foot = max(foot, 46.0 - float(ankle) - along)
+                foot = max(foot, 46.0 - float(find("own_body/rightFoot").world_matrix()[2, 3]) - along)
             if passed is None and along > 4.8:
-                passed = float(box.world_matrix()[1, 3])
-        result = core.tasks.result()
+                passed = float(find("obstacle_box").world_matrix()[1, 3])
     assert passed is not None and passed < -0.4
-    assert result["taps"] == 3.0 and result["walked_m"] > 5.0
+    assert session.task["taps"] == 3.0 and session.task["walked_m"] > 5.0
     assert 0.15 < foot < 0.6
 
 
@@ -147,12 +139,9 @@ def test_the_whole_walk_ends_at_the_church(tmp_path: Path) -> None:
     document = json.loads(file.read_text())
     document["task"]["goals"] = [{"kind": "walked", "metres": 50.0}]
     file.write_text(json.dumps(document))
-    with open_core(prepare_scene(load_checked_scene(file), RunSettings(file))) as core:
-        play = Frames(core)
-        play.play_to_start()
-        while (result := play.advance_frame().result) is None and play.number < 60 * 60:
-            pass
-        eyes = core.world.cameras[0].world_from_eye
+    with mimics.open(file, record=False) as session:
+        session.step_until(lambda s: s.orders.result is not None)
+        result, eyes = session.orders.result, session.world.cameras[0].world_from_eye
     assert result is not None and result.outcome == "finished"
     assert 0.9 < result.performance < 1.0, "the score is the mean speed, which begins at rest"
     np.testing.assert_allclose(eyes[:3, 3], (61.4, 1.74, -100.0), atol=0.2)

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import mimics_app as mimics
+from mimics_app.app.api.unit_array import Table
 from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.world.components.robot import Patient, Robot
-from mimics_app.world.files.scene.file import load_scene
-from tests.support.core_play import CorePlay, change_component
 from tests.support.press_play import QUIET, RATE, shaking
 
 SCENES = Path(__file__).parents[2] / "scenes"
@@ -21,28 +21,24 @@ FELT = [
     "examples/impedance_control.json",
 ]
 ALL = sorted(str(path.relative_to(SCENES)) for path in [*SCENES.glob("*.json"), *SCENES.glob("examples/*.json")])
-FRAMES_PER_SECOND = 60
-
 KNOCK_S = 0.1
 """Time above QUIET of a knock, or of a hand that leaves a pressed surface: an oscillation lasts longer [s]."""
 
 
-def _press(name: str, seconds: int) -> tuple[np.ndarray, np.ndarray]:
-    """Samples of a scene whose person has an arm of 800 N/m, no tremor and no error of aim, and its EFFECT rows."""
-    scene = load_scene(SCENES / name)
-    if not scene.has(Robot):
-        pytest.skip("nothing to touch")
-    if scene.has(Patient):
-        change_component(scene, "patient", arm_stiffness=800.0, tremor=0.0, aim_error=0.0)
-    play = CorePlay.of(scene, 1)
-    for _ in range(seconds * FRAMES_PER_SECOND):
-        play.step()
-    return play.samples, objects_of_scene(scene).rows.effects
+def _press(name: str, seconds: float) -> tuple[Table, np.ndarray]:
+    """Ticks of a scene whose person has an arm of 800 N/m, no tremor and no error of aim, and its EFFECT rows."""
+    with mimics.open(SCENES / name, record="memory") as session:
+        if not session.scene.has(Robot):
+            pytest.skip("nothing to touch")
+        if session.scene.has(Patient):
+            session.edit("patient", arm_stiffness=800.0, tremor=0.0, aim_error=0.0)
+        session.step(seconds)
+        return session.haptic, objects_of_scene(session.scene).rows.effects
 
 
-def _borders(rows: np.ndarray, effects: np.ndarray) -> np.ndarray:
+def _borders(rows: Table, effects: np.ndarray) -> np.ndarray:
     """Whether the hand crossed the border of an effect's zone, where a scene orders a step, in the last 200 ms."""
-    crossed = np.zeros(len(rows), bool)
+    crossed = np.zeros(rows.rows, bool)
     for effect in effects[(effects["radius"] > 0.0) & (effects["body"] < 0)]:
         inside = np.linalg.norm(rows["hip_world"] - effect["position"], axis=1) <= effect["radius"]
         for tick in np.flatnonzero(np.diff(inside)):
@@ -56,7 +52,7 @@ def _longest(loud: np.ndarray) -> int:
     return int(np.diff(edges)[::2].max(initial=0))
 
 
-def _assert_quiet_or_told(rows: np.ndarray, effects: np.ndarray) -> None:
+def _assert_quiet_or_told(rows: Table, effects: np.ndarray) -> None:
     loud = (shaking(rows) > QUIET) & ~_borders(rows, effects)
     told = rows["calm"][1:].min() < 1.0 or rows["stiffness_share"].min() < 1.0
     assert told or _longest(loud) <= KNOCK_S * RATE, f"{shaking(rows)[loud].max():.2f} N, {_longest(loud)} ms"

@@ -12,11 +12,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import mimics_app as mimics
+from mimics_app.app.api.opened import Opened
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.app.session.core import open_core
-from mimics_app.app.session.frame import Frames
-from mimics_app.app.session.preparation import prepare_scene
-from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.messages.orders import VisualOrder
 from mimics_app.contracts.messages.stage_messages import SoundEvent, TaskOrders
 from mimics_app.contracts.system.resources import root
@@ -45,21 +43,20 @@ SECTIONS: Mapping[str, Mapping[str, object]] = {
 
 
 class Ears:
-    """In the place of the sound: sound, place in the frame of the ears [m], and of all who may be its cause."""
+    """What is heard: sound, place in the frame of the ears [m], and of all who may be its cause."""
 
     def __init__(self, world: World, sounds: Mapping[str, str], causes: Mapping[str, tuple[str, ...]]) -> None:
         self._world, self._sounds, self._causes = world, sounds, causes
         self.heard: list[tuple[str, np.ndarray, list[np.ndarray]]] = []
 
-    def step(self, orders: TaskOrders, world: World, now_ns: int) -> None:
+    def listen(self, orders: TaskOrders) -> None:
+        """Take the newest frame."""
+        world = self._world
         for index, event in world.motion.happened:
             place = world.find(f"{world.graph.name(index)}/{event.node}").world_matrix()[:3, 3].copy()
             self._hear(f"{event.kind}/{event.material}", place)
         for cue in orders.audio.cues:
             self._hear(cue.kind, np.array(cue.position_world))
-
-    def stop(self) -> None:
-        """Nothing is open."""
 
     def _hear(self, trigger: str, place: np.ndarray) -> None:
         sound = self._sounds.get(trigger) or self._sounds.get(trigger.partition("/")[0], "")
@@ -99,17 +96,15 @@ def test_each_sound_of_table_1_comes_from_where_its_cause_is(tmp_path: Path, nam
     document["task"][name] |= SECTIONS[name]
     file = tmp_path / f"{name}.json"
     file.write_text(json.dumps(document))
-    scene = load_checked_scene(file)
-    settings = _settings_of(scene)
-    with open_core(prepare_scene(scene, RunSettings(file))) as core:
-        ears = Ears(core.world, settings.triggers, CELLS[name])
-        core.sound = ears  # type: ignore[assignment]
-        play = Frames(core)
-        play.play_to_start()
-        for _ in range(60 * 12):
-            play.advance_frame()
-            if {each for each, _, _ in ears.heard} >= set(CELLS[name]) and len(ears.heard) > 6:
-                break
+    with mimics.open(file, record=False) as session:
+        settings = _settings_of(session.scene)
+        ears = Ears(session.world, settings.triggers, CELLS[name])
+
+        def all_heard(session: Opened) -> bool:
+            ears.listen(session.orders)
+            return {each for each, _, _ in ears.heard} >= set(CELLS[name]) and len(ears.heard) > 6
+
+        session.step_until(all_heard, 20.0)
     for sound in CELLS[name]:
         events = [(place, there) for each, place, there in ears.heard if each == sound]
         assert events, (sound, "is never heard")
@@ -179,21 +174,16 @@ def test_a_gust_comes_from_the_side_from_which_it_pushes() -> None:
 
 def test_the_wind_is_nearer_the_more_exposed_somebody_is() -> None:
     """Its place is that of `wind_place`, to the left of the person; nearer is louder by the law above."""
-    file = SCENES / "canyon_walk.json"
-    scene = load_checked_scene(file)
     distances = {}
-    for strength in (0.0, 0.35, 1.0):
-        with open_core(prepare_scene(scene, RunSettings(file))) as core:
-            play = Frames(core)
-            play.play_to_start()
-            orders = SimpleNamespace(visual=VisualOrder({"wind.strength": strength}), view=play.orders.view)
-            core.scenario.apply(orders, play.snapshot)  # type: ignore[arg-type]
+    with mimics.open("canyon_walk", record=False) as session:
+        session.step_until(lambda s: s.orders.person_may_act)
+        core, find = session._begun, session.world.find
+        for strength in (0.0, 0.35, 1.0):
+            orders = SimpleNamespace(visual=VisualOrder({"wind.strength": strength}), view=session.orders.view)
+            core.scenario.apply(orders, core.haptics.snapshot())  # type: ignore[arg-type]
             core.world.update()
-            place = (
-                np.linalg.inv(core.world.find("ego").world_matrix())
-                @ core.world.find("wind_place").world_matrix()[:, 3]
-            )
-        distances[strength] = float(np.linalg.norm(place[:3]))
-        assert place[0] < -0.9 and abs(place[2]) < 0.6 * distances[strength]
+            place = np.linalg.inv(find("ego").world_matrix()) @ find("wind_place").world_matrix()[:, 3]
+            distances[strength] = float(np.linalg.norm(place[:3]))
+            assert place[0] < -0.9 and abs(place[2]) < 0.6 * distances[strength]
     assert distances[0.0] > distances[0.35] > distances[1.0]
     assert 20.0 * math.log10(distances[0.0] / distances[1.0]) > 12.0

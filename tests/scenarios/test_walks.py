@@ -8,20 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import mimics_app as mimics
+from mimics_app.app.api.opened import Opened
 from mimics_app.app.play.scene_sound_file import write_sound
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.app.session.core import open_core
-from mimics_app.app.session.frame import Frames
-from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.loop.haptic import SafetyState
-from mimics_app.contracts.messages.stage_messages import TaskOrders
 from mimics_app.contracts.system.resources import root
 from mimics_app.maths.gait_series import natural_cadence
 from mimics_app.world.components.follow import Follow
 from mimics_app.world.components.robot import Robot
 from mimics_app.world.components.visible import CameraComponent
-from mimics_app.world.content.world import World
 
 SCENES = root() / "scenes"
 VIEWS = ["ego", "shoulder", "side", "front", "top", "free"]
@@ -36,21 +33,14 @@ def _changed(folder: Path, name: str, **section: object) -> Path:
     return file
 
 
-class Listener:
-    """In the place of the sound: kind, time [ns] and place [m] of what would be heard."""
-
-    def __init__(self) -> None:
-        self.heard: list[tuple[str, int, np.ndarray]] = []
-
-    def step(self, orders: TaskOrders, world: World, now_ns: int) -> None:
-        for index, event in world.motion.happened:
-            place = world.find(f"{world.graph.name(index)}/{event.node}").world_matrix()[:3, 3].copy()
-            self.heard.append((event.kind, now_ns, place))
-        for cue in orders.audio.cues:
-            self.heard.append((cue.kind, cue.t_ns, np.array(cue.position_world)))
-
-    def stop(self) -> None:
-        """Nothing is open."""
+def _heard(session: Opened) -> list[tuple[str, np.ndarray]]:
+    """Kind and place [m] of what would be heard of the newest frame."""
+    world = session.world
+    steps = [
+        (event.kind, world.find(f"{world.graph.name(index)}/{event.node}").world_matrix()[:3, 3].copy())
+        for index, event in world.motion.happened
+    ]
+    return [*steps, *((cue.kind, np.array(cue.position_world)) for cue in session.orders.audio.cues)]
 
 
 @pytest.mark.parametrize("name", ["canyon_walk", "soccer"])
@@ -89,17 +79,16 @@ def test_the_beam_is_walked_and_its_feet_are_measured(tmp_path: Path) -> None:
         document = json.loads(file.read_text())
         document["task"]["parameters"]["beam_width"] |= {"default": width, "min": 0.2}
         file.write_text(json.dumps(document))
-        listener = Listener()
-        with open_core(prepare_scene(load_checked_scene(file), RunSettings(file))) as core:
-            core.sound = listener  # type: ignore[assignment]
-            play = Frames(core)
-            play.play_to_start()
+        heard: list[tuple[str, np.ndarray]] = []
+        with mimics.open(file, record=False) as session:
+            session.step_until(lambda s: s.orders.person_may_act)
             for _ in range(60 * 15):
-                play.advance_frame()
-            results.append((core.tasks.result(), listener.heard))
+                session.step()
+                heard += _heard(session)
+            results.append((session.task, heard))
     (broad, quiet), (narrow, loud) = results
-    assert broad["missteps"] == 0 and not [kind for kind, _, _ in quiet if kind == "misstep"]
-    missed = [place for kind, _, place in loud if kind == "misstep"]
+    assert broad["missteps"] == 0 and not [kind for kind, _ in quiet if kind == "misstep"]
+    missed = [place for kind, place in loud if kind == "misstep"]
     assert narrow["missteps"] == len(missed) > 3 and narrow["on_beam_share"] < 1.0
     assert all(abs(place[0]) + 0.045 > 0.1 for place in missed)
 
@@ -107,13 +96,12 @@ def test_the_beam_is_walked_and_its_feet_are_measured(tmp_path: Path) -> None:
 def test_steps_on_the_beam_sound_of_wood_and_before_it_of_the_street(tmp_path: Path) -> None:
     file = _changed(tmp_path, "canyon_walk", sections={"begin": {"begin": 15.0, "end": 40.0}})
     steps: list[tuple[str, float]] = []
-    with open_core(prepare_scene(load_checked_scene(file), RunSettings(file))) as core:
-        play = Frames(core)
-        play.play_to_start()
+    with mimics.open(file, record=False) as session:
+        session.step_until(lambda s: s.orders.person_may_act)
         for _ in range(60 * 12):
-            play.advance_frame()
-            z = float(core.world.find("person").world_matrix()[2, 3])
-            steps += [(event.material, z) for _, event in core.world.motion.happened if event.kind == "step"]
+            session.step()
+            z = float(session.world.find("person").world_matrix()[2, 3])
+            steps += [(event.material, z) for _, event in session.world.motion.happened if event.kind == "step"]
     assert {material for material, z in steps if z < -20.5} == {"wood"}
     assert {material for material, z in steps if z > -19.5} == {"asphalt"}
     assert len(steps) > 10
@@ -121,19 +109,16 @@ def test_steps_on_the_beam_sound_of_wood_and_before_it_of_the_street(tmp_path: P
 
 def test_the_sounds_of_soccer_are_where_their_cause_is(tmp_path: Path) -> None:
     """Table 1: steps at the feet of who steps, a kick at the ball; the level follows by the inverse law."""
-    file, listener = _changed(tmp_path, "soccer", skill=1.0), Listener()
-    with open_core(prepare_scene(load_checked_scene(file), RunSettings(file))) as core:
-        core.sound = listener  # type: ignore[assignment]
-        play = Frames(core)
-        play.play_to_start()
-        far: dict[str, list[float]] = {"step": [], "opponent_step": [], "kick": []}
-        causes = {"step": "person", "opponent_step": "opponent", "kick": "ball"}
+    file = _changed(tmp_path, "soccer", skill=1.0)
+    far: dict[str, list[float]] = {"step": [], "opponent_step": [], "kick": []}
+    causes = {"step": "person", "opponent_step": "opponent", "kick": "ball"}
+    with mimics.open(file, record=False) as session:
+        session.step_until(lambda s: s.orders.person_may_act)
         for _ in range(60 * 14):
-            before = len(listener.heard)
-            play.advance_frame()
-            for kind, _, place in listener.heard[before:]:
+            session.step()
+            for kind, place in _heard(session):
                 if kind in far:
-                    at = core.world.find(causes[kind]).world_matrix()[:3, 3]
+                    at = session.world.find(causes[kind]).world_matrix()[:3, 3]
                     far[kind].append(float(np.linalg.norm((place - at)[::2])))
     assert min(len(each) for each in far.values()) >= 1 and len(far["step"]) > 8
     assert max(far["step"] + far["opponent_step"]) < 0.6 and max(far["kick"]) < 0.4, far
@@ -143,15 +128,11 @@ def test_the_sounds_of_soccer_are_where_their_cause_is(tmp_path: Path) -> None:
 
 def test_legs_in_the_gait_orthosis_walk_the_shipped_scene() -> None:
     """With `--device lokomat:sim` nobody moves a hand; the healthy person keeps step with the reference, unstopped."""
-    file = SCENES / "canyon_walk.json"
-    settings = RunSettings(file, device="lokomat:sim")
-    with open_core(prepare_scene(load_checked_scene(file, device=settings.device), settings)) as core:
-        play = Frames(core)
-        play.play_to_start()
-        for _ in range(60 * 9):
-            play.advance_frame()
-        result, snapshot = core.tasks.result(), play.snapshot
-    assert snapshot is not None and snapshot.state == SafetyState.ACTIVE
+    with mimics.open("canyon_walk", device="lokomat:sim", record=False) as session:
+        session.step_until(lambda s: s.orders.person_may_act)
+        session.step(9.0)
+        result = session.task
+        assert session.state["state"] == SafetyState.ACTIVE
     assert result["distance_m"] > 2.0
     natural = 9.0 * 2.0 * natural_cadence(0.4, 1.75)
     assert natural - 3.0 <= result["steps"] <= natural + 1.0, "a step of a foot a cycle, not two"

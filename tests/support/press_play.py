@@ -58,7 +58,7 @@ def press(
     return np.concatenate(rows), bench
 
 
-def shaking(rows: np.ndarray) -> np.ndarray:
+def shaking(rows: Any) -> np.ndarray:
     """Root mean square over the last 100 ms of the force on the user in BAND [N], by tick, ordered forces subtracted.
 
     0 within 100 ms, and the length of the window, after a contact begins or ends.
