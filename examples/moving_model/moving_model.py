@@ -1,51 +1,55 @@
-"""Play a clip of a glTF model and draw it: python moving_model.py MODEL CLIP JOINT FOLDER."""
+"""Play a clip of a glTF model with a lamp on one of its joints: python moving_model.py MODEL CLIP JOINT FOLDER."""
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path
 
-import numpy as np
+from PIL import Image
 
-from mimics_app.rendering.visual.renderer import Renderer
-from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.surfaces.headless import open_offscreen, save_png
-from mimics_app.rendering.visual.view import View
-from mimics_app.rendering.visual.view_matrices import compose_look_at
-from mimics_app.world.content.extent import world_extent
+import mimics_app as mimics
 from mimics_app.world.content.meshes.primitives import sphere
-from mimics_app.world.files.scene.model_world import load_model_world
 
 SIZE = (480, 480)
+STEP = 0.1
+"""Time from picture to picture [s]."""
+
+
+def write_scene(model: Path, clip: str) -> Path:
+    """Write a scene beside the model, in which it plays the clip."""
+    scene = {
+        "format": "mimics-scene",
+        "version": 1,
+        "assets": {"person": {"uri": model.name}},
+        "entities": [
+            {"id": "person", "components": {"mesh": {"source": "person"}, "animation": {"layers": [{"clip": clip}]}}},
+            {"id": "robot", "components": {"robot": {}}},  # every session has one; nothing here can be touched
+            {"id": "sky", "components": {"light": {"kind": "ambient", "intensity": 0.5}}},
+            {
+                "id": "eye",
+                "transform": {"translation": [0.5, 1.2, 3.0]},
+                "components": {"camera": {"target": [0.0, 0.9, 0.0]}},
+            },
+        ],
+    }
+    file = model.with_name(f"{model.stem}_{clip}.json")
+    file.write_text(json.dumps(scene, indent=1), encoding="utf-8")
+    return file
 
 
 def draw(model: Path, clip: str, joint: str, folder: Path, frames: int = 12) -> list[Path]:
-    """Frames of one time through the clip, as PNG files."""
-    world = load_model_world(model)
-    animator = next(iter(world.motion.animators.values()))
-    playing = animator.play(clip)
-    held = world.node(int(animator.rig.entities[animator.rig.slot(joint)]))
-    world.set_mesh("lamp", sphere(0.05))
-    lamp = held.create_child("lamp")  # what hangs on a joint moves with it
-    lamp.create_entity("lamp")
-    lamp.create_light("point", colour=(1.0, 0.8, 0.5), intensity=0.3)
-    world.root.create_child().create_light("ambient", intensity=0.5)
-    world.update()
-    extent = world_extent(world)
-    assert extent is not None, "the model shows nothing"
-    middle, reach = 0.5 * (extent[0] + extent[1]), float(np.linalg.norm(extent[1] - extent[0]))
-    view = View(compose_look_at(middle + (0.3, 0.2, reach), middle), (-0.6, 0.6, -0.6, 0.6), (0, 0, *SIZE))
+    """Draw frames of the clip as PNG files."""
     folder.mkdir(parents=True, exist_ok=True)
-    files = []
-    with open_offscreen("auto", SIZE) as surface:
-        renderer = Renderer(surface, world, RenderSettings(fog_density=0.0))
-        for number in range(frames):
-            world.motion.time = playing.clip.duration * number / frames
-            world.update()
-            renderer.draw_finished([view])
-            files.append(folder / f"{clip}_{number:02d}.png")
-            save_png(surface, files[-1])
-        renderer.release()
+    files = [folder / f"{clip}_{number:02d}.png" for number in range(frames)]
+    with mimics.open(write_scene(model, clip), record=False) as session:
+        lamp = session.world.find(f"person/{joint}").create_child("lamp")  # what hangs on a joint moves with it
+        session.world.set_mesh("lamp", sphere(0.05))
+        lamp.create_entity("lamp")
+        lamp.create_light("point", colour=(1.0, 0.8, 0.5), intensity=0.3)
+        for file in files:
+            session.step(STEP)
+            Image.fromarray(session.picture(*SIZE)).save(file)
     return files
 
 

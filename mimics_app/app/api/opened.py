@@ -188,7 +188,8 @@ class Opened:
     def world(self) -> World:
         """What moves: `world.find(ENTITY).world_matrix()` is the pose [4, 4] of an entity in the newest frame [m].
 
-        `world.motion.happened` are the steps of its walkers in that frame. To be read only.
+        `world.motion.happened` are the steps of its walkers in that frame. What a program adds to the world is seen,
+        and neither felt nor recorded.
         """
         return self._begun.world
 
