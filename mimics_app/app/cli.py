@@ -74,7 +74,7 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
     """Read a command line that is not empty; only the module of its command is imported.
 
     Raises:
-        UsageError: It cannot be read, or there is no such command.
+        UsageError: It cannot be read, or the command is unknown.
         SystemExit: After --help or --version.
     """
     command = _command_of(arguments)
@@ -251,7 +251,7 @@ def _terminated_by_exception() -> Iterator[None]:
     """Let SIGTERM, and SIGHUP of a closed terminal, unwind the stack like Ctrl-C, so that recordings are closed.
 
     The exit code is 143 or 129, of Ctrl-C 130. Signals that nohup ignores stay ignored. An exception cannot leave a
-    callback of a compiler or a destructor: the interpreter would print it and go on; there it is dropped and raised
+    callback of a compiler or a destructor: the interpreter would print it and continue; there it is dropped and raised
     again.
     """
     _Terminated.came = 0

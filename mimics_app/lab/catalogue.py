@@ -31,7 +31,7 @@ def load_methods(names: Iterable[str] | None = None) -> Registry:
     """Register the methods of some groups, or of all, and return the registry; other modules are not imported.
 
     Raises:
-        UsageError: There is no such group.
+        UsageError: The group is unknown.
     """
     known = all_groups()
     for group in known if names is None else names:

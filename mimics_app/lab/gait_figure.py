@@ -1,4 +1,4 @@
-"""Figure of the reference gait: hip and knee at three speeds, beside the published tables that judge it."""
+"""Figure of the reference gait: hip and knee at three speeds, beside the published tables it is compared with."""
 
 from __future__ import annotations
 

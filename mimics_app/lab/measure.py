@@ -95,7 +95,7 @@ def measure(group: str, registry: Registry, step: Step = lambda _: None, rounds:
             only adds to it.
 
     Raises:
-        KeyError: There is no such group, or it has no description.
+        KeyError: The group is unknown, or it has no description.
     """
     passes = [_measure_once(group, registry, step, first=not number) for number in range(rounds)]
     by_name = [{row.method.name: row for row in one.rows} for one in passes]

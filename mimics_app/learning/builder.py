@@ -24,8 +24,8 @@ def build_learning(policy: str, goal: str, space: ActionSpace, seed: int) -> Lea
         seed: Seed of the session.
 
     Raises:
-        UsageError: There is no such policy, or it does not choose what this task asks for.
-        ValueError: There is no such goal.
+        UsageError: The policy is unknown, or it does not choose what this task asks for.
+        ValueError: The goal is unknown.
     """
     stepped = _stepped(space)
     if stepped is None:
@@ -43,7 +43,7 @@ def build_with(policy: Policy, goal: str, space: ActionSpace, seed: int) -> Lear
 
     Raises:
         UsageError: It cannot follow the goal, or the task wants a choice at every step.
-        ValueError: There is no such goal.
+        ValueError: The goal is unknown.
     """
     if (stepped := _stepped(space)) is not None:
         raise UsageError(f'"{stepped.name}" is chosen at every step of a trial', "name a policy that does so")
@@ -59,7 +59,7 @@ def check_learning(policy: str, goal: str, space: ActionSpace) -> None:
 
     Raises:
         UsageError: It does not; the message names those that do.
-        ValueError: There is no such goal.
+        ValueError: The goal is unknown.
     """
     if _stepped(space) is None:
         check_goal(policy, goal)

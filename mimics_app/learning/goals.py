@@ -85,7 +85,7 @@ def build_goal(words: str) -> Goal:
     """Build a goal from its text: "task", "success:0.7", "arousal:-0.2:0.3".
 
     Raises:
-        ValueError: There is no such goal, or its numbers are out of range.
+        ValueError: The goal is unknown, or its numbers are out of range.
     """
     name, numbers = _read(words)
     if name == "task":
@@ -109,7 +109,7 @@ def _read(words: str) -> tuple[str, tuple[float, ...]]:
     """Return name and numbers of a goal.
 
     Raises:
-        ValueError: There is no such goal, or its numbers are out of range.
+        ValueError: The goal is unknown, or its numbers are out of range.
     """
     name, *texts = words.split(":")
     try:

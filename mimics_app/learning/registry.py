@@ -38,7 +38,7 @@ def check_goal(name: str, goal: str) -> None:
 
     Raises:
         UsageError: It cannot, or declares no goals; the message names the built-in ones that can.
-        ValueError: There is no such goal.
+        ValueError: The goal is unknown.
     """
     follows = getattr(build_policy(name), "follows", ())
     if is_among(goal, follows):

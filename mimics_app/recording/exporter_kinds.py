@@ -95,7 +95,7 @@ def export_run(run: Run, name: str, folder: Path, progress: Callable[[float], No
         progress: Called with the share of the recording that was read, 0 to 1.
 
     Raises:
-        UsageError: There is no such exporter, it lacks its library, or its plug-in raises an error.
+        UsageError: The exporter is unknown, it lacks its library, or its plug-in raises an error.
         OutputError: The folder has files already, or a file cannot be written.
     """
     exporter = find_exporter(name)

@@ -271,7 +271,7 @@ class _Session:
 
     @contextmanager
     def _noting_trouble(self, lines: int = 0) -> Iterator[None]:
-        """Note an error of the disk, by which so many lines are lost, and go on."""
+        """Note an error of the disk, by which so many lines are lost, and continue."""
         try:
             yield
         except OSError as error:

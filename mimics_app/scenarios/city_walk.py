@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -14,19 +15,52 @@ from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.maths import quat
 from mimics_app.scenarios.figures.kicking_leg import add_kick
 from mimics_app.scenarios.figures.path_figure import GroundPath, PathFigure
-from mimics_app.scenarios.figures.street_object import StreetObject
 from mimics_app.scenarios.figures.walking_figure import below, see_past_head
 from mimics_app.scenarios.parts.touch_scene import TouchScene
 from mimics_app.scenarios.parts.weather import WEATHER, Weather
 from mimics_app.tasks.kinds.city_walk.kind import ALONG, OPENED, SPEED, STOPPED, TAPPING, CityWalkSpec
+from mimics_app.tasks.kinds.city_walk.street_obstacles import StreetObstacle
 from mimics_app.tasks.scene_section import section_of
 from mimics_app.tasks.walking.walker import PERSON
 from mimics_app.world.components.visible import CameraComponent
 from mimics_app.world.components.walking import PathWalker, WalkingPath
 from mimics_app.world.content.world import World
 from mimics_app.world.files.scene.scene import Scene
+from mimics_app.world.graph.scene_node import SceneNode
 
 __all__ = ["SCENARIO", "CityWalk"]
+
+
+_SINKS = {"kerb": 0.0, "box": 0.5, "low_wall": 0.6, "door": 0.0}
+"""How deep each sinks into the ground to let the person pass [m]; a kerb is stepped over, a door swings."""
+_SWINGS = 0.5 * math.pi
+"""Angle of an open door [rad]."""
+
+
+class StreetObject:
+    """A node across a path; the model's front is its plane z = 0, which looks along -z, and a door's hinge x = 0.
+
+    Args:
+        node: Its node.
+        path: The path.
+        obstacle: Its place and kind.
+    """
+
+    def __init__(self, node: SceneNode, path: GroundPath, obstacle: StreetObstacle) -> None:
+        self._node, self._kind = node, obstacle.kind
+        self._place, self._heading = path.at(obstacle.at), path.heading(obstacle.at)
+        self._hinge = np.array(node.position)
+        self.open(0.0)
+
+    def open(self, share: float) -> None:
+        """Show it open by a share, 0 to 1."""
+        c, s = math.cos(self._heading), math.sin(self._heading)
+        x, y, z = self._hinge  # where the entity stands beside the path, in the frame of the walker
+        down = share * _SINKS[self._kind]
+        self._node.set_position(self._place + (c * x + s * z, y - down, c * z - s * x))
+        turn = share * _SWINGS if self._kind == "door" else 0.0
+        self._node.set_orientation(quat.about_axis((0.0, 1.0, 0.0), self._heading + turn))
+
 
 _GAZE_PER_METRE = 8.0
 """Angle of the eyes per displacement of the hand to the side [rad/m]."""

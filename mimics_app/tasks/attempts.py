@@ -23,8 +23,8 @@ Row = dict[str, Any]
 """One attempt: trial, attempt, block, label, repetition, practice, outcome, cause, begin_ns, end_ns, the fields of
 `Measures`, what the task's kinds measure, score, happened and lost (for the person, see `tasks.outcome_words`), and
 `parameter.NAME` for each adaptable parameter as it stood at the end. The same keys in every row; a measure is None
-where it does not apply or cannot be judged, the score where the attempt was aborted or the task has none. A trial that
-did not reach its goal has no points."""
+where it does not apply or cannot be evaluated, the score where the attempt was aborted or the task has none. A trial
+that did not reach its goal has no points."""
 
 TIMEOUT = "timeout"
 

@@ -93,7 +93,7 @@ class Approach:
     """The drive to the start of a trial: announced while the robot holds where it is, then carried out.
 
     Args:
-        announce_s: Time of an announcement; 0 where nobody is to be told [s].
+        announce_s: Time of an announcement; 0 where nothing is announced [s].
         arrival: Arrival at the start.
         control: Controller of the robot.
 

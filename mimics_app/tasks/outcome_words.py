@@ -1,4 +1,4 @@
-"""What a person is told about a trial: what happened, and what cost the most points."""
+"""Words to a person about a trial: what happened, and what cost the most points."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ def sparc(speed: NDArray[np.float64], rate: float) -> float | None:
         rate: Its sampling rate [Hz], >= 20.
 
     Returns:
-        The arc length [-], or None where there is no movement to judge (fewer than 4 samples, or all zero).
+        The arc length [-], or None where there is no movement to evaluate (fewer than 4 samples, or all zero).
     """
     if speed.shape[0] < 4 or not speed.any():
         return None

@@ -45,10 +45,9 @@ from mimics_app.tasks.observation import Observation, observe
 from mimics_app.tasks.outcome_words import what_happened
 from mimics_app.tasks.participation import Participation
 from mimics_app.tasks.prompt import ABORTED_CAUSES, Announcement, built_in_messages, cause_words
-from mimics_app.tasks.state_machine import PAUSED, Conditions, Pause, next_state
+from mimics_app.tasks.state_machine import PAUSED, Conditions, Pause, TrialTimes, next_state
 from mimics_app.tasks.steering import Steering
 from mimics_app.tasks.task import ActionDeed, Deed, MessageDeed, ScoreSpec, SoundDeed, TaskSpec
-from mimics_app.tasks.trial_times import TrialTimes
 from mimics_app.tasks.trials import Trial, check_first_trial, plan_trials, trial_blocks
 from mimics_app.tasks.triggers import Moment, Triggers
 

@@ -47,7 +47,7 @@ def task_of_record(record: Mapping[str, Any]) -> tuple[TaskSpec, TaskContext]:
     """Return the task and the context of a record.
 
     Raises:
-        ValueError: It is no such record, or names a kind of task that is not installed.
+        ValueError: It is not a record of a task, or names a kind of task that is not installed.
     """
     kept = msgspec.convert(record, _TaskRecord)
     return msgspec.convert(kept.spec, TaskSpec), kept.context

@@ -79,7 +79,7 @@ def check_first_trial(number: int, count: int) -> None:
     """Check the number of the first trial, 1 first, in a session of `count` trials.
 
     Raises:
-        UsageError: There is no such trial.
+        UsageError: The trial is unknown.
     """
     if not 1 <= number <= count:
         raise UsageError(f"the session has no trial {number}", f"it has {count}")

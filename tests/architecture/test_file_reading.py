@@ -27,7 +27,6 @@ OWN_DATA = {
     "compiled/kernel_sources.py": "package sources",
     "console/own_certificate.py": "written by itself",
     "console/page_server.py": "package data",
-    "console/page_texts.py": "package sources",
     "contracts/ports/method_table.py": "package data",
     "contracts/system/language.py": "package data",
     "contracts/system/run_environment.py": "/proc",

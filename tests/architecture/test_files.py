@@ -104,14 +104,10 @@ ON_THEIR_OWN = {
     "maths/triples": "arithmetic, which is of no room that needs it",
     "rendering/audio/mixers/": "a mixer is found by its name",
     "rendering/audio/recipes/": "the tables of recipes are found by their modules",
-    "rendering/audio/kernels": "compiled; its user knows more than arrays",
     "rendering/haptic/controllers/built_in/": "a controller is found by its name",
     "rendering/haptic/controllers/no_controller": "compiled; its user knows more than arrays",
     "rendering/haptic/devices/built_in/": "a device is found by its name",
     "rendering/haptic/devices/inverse_by_steps": "compiles on import, and is imported on demand",
-    "inputs/trackers/headset_tracker": "one kind of tracker a file",
-    "rendering/visual/drawing/draw_tally": "counts, beside what is counted",
-    "tasks/trial_times": "times of a trial, beside the machine of its states",
     "world/components/": "the reader of scenes finds component types by their modules",
 }
 """Small modules with one user, or none that imports them, and why they stay: a whole path, or a package's with "/"."""
@@ -163,6 +159,38 @@ def test_a_small_module_with_one_user_is_part_of_it() -> None:
     assert not _foldable(lines, users), "fold each into its user, or say in ON_THEIR_OWN why it stays"
     needed = Counter(own for own in ON_THEIR_OWN for path in lines if path == own or path.startswith(own))
     assert not [own for own in ON_THEIR_OWN if not needed[own]], "gone: remove the line"
+
+
+FOUND_BY_FILE = (
+    "app/commands/",
+    "assets/builders/",
+    "dsp/channels/",
+    "estimation/estimators/",
+    "lab/groups/",
+    "lab/stability/s",
+    "rendering/audio/mixers/",
+    "rendering/audio/recipes/",
+    "rendering/haptic/controllers/built_in/",
+    "rendering/haptic/devices/built_in/",
+    "world/components/",
+)
+"""Members that are found by their files, and the makers of shipped files, which are no part of the product."""
+
+_SHORT = 75
+
+MOST_SHORT = 25
+"""Short modules of the product with one importer; their number may only fall."""
+
+
+def test_few_short_modules_have_one_importer() -> None:
+    users = _importers()
+    found = [
+        path
+        for path, text in ((path.removesuffix(".py"), text) for path, text in texts().items())
+        if text.count("\n") <= _SHORT and len(users.get(path, ())) == 1 and not path.endswith("__init__")
+    ]
+    found = [path for path in found if not path.startswith(FOUND_BY_FILE)]
+    assert len(found) <= MOST_SHORT, f"fold one into its importer: {found}"
 
 
 @pytest.mark.parametrize(("count", "users", "found"), [(40, {"a"}, True), (41, {"a"}, False), (40, {"a", "b"}, False)])

@@ -9,7 +9,7 @@ from functools import cache
 
 import pytest
 
-from tests.architecture.sources import ROOT, modules, nodes
+from tests.architecture.sources import ROOT, modules, nodes, texts
 
 EVERYWHERE = "everywhere"
 EXCEPT = "all but "
@@ -64,6 +64,15 @@ def messages(tree: ast.Module) -> Iterator[str]:
             yield node.value
 
 
+def prose(tree: ast.Module, text: str) -> Iterator[str]:
+    """Docstrings, strings below a value, and comments of a module, each on one line."""
+    for node in nodes(tree):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
+            yield " ".join(node.value.value.split())
+    comments = [line.partition("#")[2].strip() for line in text.splitlines() if "#" in line]
+    yield " ".join(comments)
+
+
 @cache
 def _identifiers() -> dict[str, set[str]]:
     """Path of a module -> its identifiers."""
@@ -76,6 +85,12 @@ def _messages() -> dict[str, list[str]]:
     return {path: list(messages(tree)) for path, tree in modules().items()}
 
 
+@cache
+def _prose() -> dict[str, list[str]]:
+    """Path of a module -> its docstrings and comments."""
+    return {path: list(prose(tree, texts()[path])) for path, tree in modules().items()}
+
+
 def _outside(exempt: tuple[str, ...], texts: Mapping[str, Collection[str]]) -> Iterator[tuple[str, str]]:
     for path, found in texts.items():
         if not any(path.startswith(f"{room}/") for room in exempt):
@@ -84,6 +99,7 @@ def _outside(exempt: tuple[str, ...], texts: Mapping[str, Collection[str]]) -> I
 
 NAMES = _table("Words that are no names")
 PHRASES = _table("Phrases that no message has")
+PROSE = _table("Words that no text of the code has")
 
 
 @pytest.mark.parametrize("words", NAMES)
@@ -99,7 +115,18 @@ def test_a_phrase_of_the_list_is_in_no_message(phrase: str) -> None:
     assert not found, "docs/glossary.md has the words to use"
 
 
-@pytest.mark.parametrize("table", [NAMES, PHRASES], ids=["names", "phrases"])
+@pytest.mark.parametrize("words", PROSE)
+def test_a_word_of_the_list_is_in_no_docstring_and_in_no_comment(words: str) -> None:
+    pattern = re.compile(rf"\b(?:{words.replace(', ', '|')})\b", re.IGNORECASE)
+    found = {
+        f"{path}: {text[max(0, at.start() - 40) : at.end() + 20]}"
+        for path, text in _outside(PROSE[words], _prose())
+        for at in pattern.finditer(text)
+    }
+    assert not found, "docs/glossary.md has the words to use"
+
+
+@pytest.mark.parametrize("table", [NAMES, PHRASES, PROSE], ids=["names", "phrases", "prose"])
 def test_every_exempt_room_of_the_list_is_one(table: dict[str, tuple[str, ...]]) -> None:
     rooms = {"/".join(path.split("/")[:depth]) for path in modules() for depth in (1, 2)}
     assert table and not {room for places in table.values() for room in places} - {*rooms, EVERYWHERE}
@@ -114,3 +141,8 @@ def test_planted_words_are_found() -> None:
     }
     assert not is_in("sight", "insight")
     assert list(messages(tree)) == ["it goes on"]
+
+
+def test_planted_prose_is_found() -> None:
+    text = '"""It goes\\non."""\nx = 1  # as told\n"""Was judged."""\ny = "settled"\n'
+    assert list(prose(ast.parse(text), text)) == ["It goes on.", "Was judged.", "as told"]

@@ -11,7 +11,7 @@ import pytest
 from mimics_app.rendering.visual.kernels.particles import SPRITE
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.software.kept_backdrop import KeptBackdrop
+from mimics_app.rendering.visual.software.software_rasteriser import KeptBackdrop
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.world.components.effects import Billboard, Particles

@@ -14,7 +14,7 @@ from mimics_app.rendering.haptic.descriptors.leg import LEG
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.devices.simulated_impedance import write_force
 from mimics_app.rendering.haptic.kernels import light_robot
-from mimics_app.rendering.haptic.kernels.impedance import draw_along
+from mimics_app.rendering.haptic.kernels.drive import draw_along
 from mimics_app.rendering.haptic.kernels.light_robot import HANDLE, LENGTH, command_force, step_light_robot
 from mimics_app.rendering.haptic.scene_block import impedance_values, kinematic_values
 from mimics_app.world.components.robot import Impedance, Patient, Robot

@@ -10,11 +10,10 @@ import pytest
 
 from mimics_app.contracts.errors import SceneError
 from mimics_app.world.components.animation import AnimationState, AnimationTransition
-from mimics_app.world.content.motion.animator import Animator, mask_of
+from mimics_app.world.content.motion.animator import Animator, RootMotion, mask_of
 from mimics_app.world.content.motion.clip import ClipEvent, Interpolation, MotionTrack, TrackPath, pack_clip
 from mimics_app.world.content.motion.layer import Layer
 from mimics_app.world.content.motion.pose import Pose
-from mimics_app.world.content.motion.root_motion import RootMotion
 from mimics_app.world.content.motion.state_machine import StateMachine
 from mimics_app.world.files.scene.file import build_world, load_scene
 from mimics_app.world.files.scene.model_world import load_model_world

@@ -15,6 +15,7 @@ import msgspec
 import numpy as np
 import pytest
 
+from assets.builders.texts.msgids import page_texts
 from mimics_app.app.cli import parse
 from mimics_app.app.picture.around_hand import AROUND
 from mimics_app.console import page_server
@@ -22,7 +23,6 @@ from mimics_app.console.access import COOKIE, Access, new_tokens
 from mimics_app.console.clients import Clients
 from mimics_app.console.handover import AttachedSession
 from mimics_app.console.meeting_place import MeetingPlace, PageAddress
-from mimics_app.console.page_texts import page_texts
 from mimics_app.console.readiness import (
     Choice,
     device_light,

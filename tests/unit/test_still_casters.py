@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.rendering.visual.software.kernels.still_casters import find_moving
+from mimics_app.rendering.visual.software.kernels.shadow_prisms import find_moving
 
 
 def _by_sets(casters: np.ndarray, kept: np.ndarray, moved_at: np.ndarray, kept_in: int, last: int) -> list[int] | None:

@@ -13,8 +13,8 @@ from mimics_app.contracts.clock import Clock, MonotonicClock, VirtualClock
 from mimics_app.contracts.ports.tracker_port import TRACKER_KINDS, TrackerSample, TrackerSource
 from mimics_app.contracts.system.resources import root
 from mimics_app.inputs.trackers.emulated_line import emulated_fastrak, emulated_flock
-from mimics_app.inputs.trackers.headset_tracker import HeadsetTracker
 from mimics_app.inputs.trackers.osc import OscTracker
+from mimics_app.inputs.trackers.polled_tracker import HeadsetTracker
 from mimics_app.inputs.trackers.pose_senders import OscSender, VrpnServer
 from mimics_app.inputs.trackers.tape import TapeTracker
 from mimics_app.inputs.trackers.tracker_kinds import TrackerRequest, build_tracker

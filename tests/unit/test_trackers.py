@@ -24,16 +24,14 @@ from mimics_app.inputs.trackers import vrpn_wire
 from mimics_app.inputs.trackers.ascension import FlockParser, flock_record
 from mimics_app.inputs.trackers.calibration import axis_map, fit_room
 from mimics_app.inputs.trackers.emulated_line import emulated_fastrak, emulated_flock
-from mimics_app.inputs.trackers.headset_tracker import HeadsetTracker
 from mimics_app.inputs.trackers.hub import MountedTracker, TrackerHub
 from mimics_app.inputs.trackers.lsl import LslTracker
 from mimics_app.inputs.trackers.osc import OscTracker
 from mimics_app.inputs.trackers.plausibility import Plausibility
-from mimics_app.inputs.trackers.pointer_tracker import PointerTracker
 from mimics_app.inputs.trackers.polhemus import RECORD_BYTES, FastrakParser, euler_quaternion, fastrak_record
-from mimics_app.inputs.trackers.polled_tracker import PolledTracker
+from mimics_app.inputs.trackers.polled_tracker import HeadsetTracker, PolledTracker
 from mimics_app.inputs.trackers.pose_senders import OscSender, VrpnServer
-from mimics_app.inputs.trackers.scripted_person import PERSON_SENSORS, ScriptedPerson, person_at
+from mimics_app.inputs.trackers.scripted_person import PERSON_SENSORS, PointerTracker, ScriptedPerson, person_at
 from mimics_app.inputs.trackers.serial_tracker import fastrak, flock_of_birds
 from mimics_app.inputs.trackers.tape import TapeTracker, TapeWriter, read_tape
 from mimics_app.inputs.trackers.track import Track

@@ -20,7 +20,7 @@ __all__ = ["compose"]
 _HALF = 1.55
 """Distance of the walls from the middle of the alley [m]."""
 _END = 12.6
-"""Where both rows begin, in z [m]; they go on towards -z."""
+"""Where both rows begin, in z [m]; they continue towards -z."""
 _SQUARE = 23.0
 """Distance of the fronts that close either square from the middle of the alley, along z [m]."""
 _LAND = 13.0

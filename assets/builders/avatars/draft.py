@@ -69,7 +69,7 @@ class Draft:
             self.face((ring[i], ring[(i + 1) % count], middle), (uv, uv, uv), flip=flip)
 
     def hem(self, ring: I8, inner: F8, middle: F8, *, flip: bool = False) -> None:
-        """Turn a rim inwards to another ring and close that, out of sight.
+        """Turn a rim inwards to another ring and close that, where it is hidden.
 
         Args:
             ring: The rim; its faces lie on its left hand seen from outside (flipped: right).

@@ -26,7 +26,7 @@ class Motion:
         pose: Function of joints and time [s] that gives the pose.
         rate: Key frames per second.
         speed: Speed of travel that it is made for, ahead positive [m/s].
-        contacts: Times at which the left and the right foot come down [s]; None: no step is heard.
+        contacts: Times at which the left and the right foot come down [s]; None: no step sounds.
     """
 
     seconds: float

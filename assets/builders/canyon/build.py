@@ -43,7 +43,7 @@ _STREET = 6.0
 _KEPT, _MEANDER = 10.0, 46.0
 """Distance from the beam within which the rims are straight; beyond it they meander [m], and how far."""
 _LAND = 620.0
-"""Half the width of the land, and how far it goes on behind the rims [m]."""
+"""Half the width of the land, and how far it continues behind the rims [m]."""
 _STREET_BEHIND = 260.0
 """Length of the streets from the rims [m]."""
 _MESAS = ((-330.0, -560.0, 92.0, 58.0), (150.0, -660.0, 150.0, 74.0), (430.0, -520.0, 84.0, 46.0))

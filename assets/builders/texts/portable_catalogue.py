@@ -54,7 +54,7 @@ def _read(block: str) -> Entry:
 
 
 def _members(block: str) -> Iterator[tuple[str, str]]:
-    """Yield the name and the text of each member; a text may go on in lines of its own."""
+    """Yield the name and the text of each member; a text may continue in lines of its own."""
     name, text = "", ""
     for line in block.splitlines():
         if line.startswith("msg"):

@@ -38,7 +38,7 @@ class Fault:
     Attributes:
         number: Its number in docs/faults.md.
         name: What happens, in words.
-        cause: Cause that the loop must latch; NONE: it must go on, with the force within its limits.
+        cause: Cause that the loop must latch; NONE: it must continue, with the force within its limits.
         bound_ms: Time in which the force must be zero [ms].
         begin: Makes it happen at the next tick.
     """

@@ -29,7 +29,7 @@ __all__ = ["RenderBench", "measure_render"]
 _MIN_FRAMES = 5
 _FEW = 3
 _CALM_NS, _SETTLING_NS = 4_000_000_000, 40_000_000_000
-"""Time without a change after which the governor has settled, and time-out for it [ns]."""
+"""Time without a change after which the governor has stabilised, and time-out for it [ns]."""
 
 _OPTIONS: dict[str, dict[str, Any]] = {
     "full": {"shading": "full"},

@@ -25,7 +25,7 @@ def run(args: argparse.Namespace) -> int:
     """Show the launcher and play the scenes chosen until the person leaves.
 
     Raises:
-        DeviceError: there is no display.
+        DeviceError: the window cannot open.
     """
     from mimics_app.app.terminal.display import has_display
 

@@ -22,7 +22,7 @@ _CHECK_S = 60.0
 _PAGE_EVERY = 100
 """Number of polls of a live source between two pages: two seconds."""
 _LEAST_S = 10.0
-"""Shortest signal that is judged [s]."""
+"""Shortest signal that is evaluated [s]."""
 _BAD_SHARE = 0.1
 """Largest acceptable share of bad seconds of a signal."""
 
@@ -126,7 +126,7 @@ def _watch(watch: Watch, source: SignalSource, args: argparse.Namespace, seconds
 
 
 def _write_page(watch: Watch, args: argparse.Namespace, *, live: bool) -> None:
-    from mimics_app.app.physio.page import write_page
+    from mimics_app.app.physio.watch import write_page
 
     write_page(watch, args.page, f"Body signals: {args.source}", live=live)
 

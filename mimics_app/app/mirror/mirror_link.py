@@ -41,7 +41,7 @@ class MirrorLink:
         why: Why there is no session now, for people.
 
     Raises:
-        UsageError: It is no such address.
+        UsageError: It is not such an address.
         DeviceError: The page does not answer, or does not know the token.
     """
 

@@ -77,7 +77,7 @@ class ActiveView:
         self._free = camera
 
     def advance(self, now_ns: int) -> None:
-        """Go on with a flight at session time `now_ns` [ns]."""
+        """Continue a flight at session time `now_ns` [ns]."""
         self._now_ns = now_ns
         if now_ns - self._begun_ns >= self._flight_ns:
             self._from = None

@@ -30,7 +30,7 @@ _WORDS: Mapping[GaitState, tuple[str, Tone]] = {
     GaitState.RESUMING: (phrase("Walk on. The belt starts"), Tone.CALM),
     GaitState.STANDING: (phrase("Stand still. Brakes hold both legs"), Tone.ALARM),
 }
-"""What the person is told, and how urgently, by state; {free} is the leg that an obstacle frees, {other} the other."""
+"""Words to the person, and their urgency, by state; {free} is the leg that an obstacle frees, {other} the other."""
 
 _LEGS = (phrase("left"), phrase("right"))
 

@@ -149,7 +149,7 @@ def _say_where_kept(session: Session) -> Iterator[None]:
 
 @contextmanager
 def _linked(session: Session) -> Iterator[OperatorLink]:
-    """Let the operator's page show a session that runs by the wall clock; it is told how the session ends."""
+    """Let the operator's page show a session that runs by the wall clock; it receives how the session ends."""
     link = OperatorLink(session, session.settings.operator_lost)
     try:
         yield link

@@ -140,7 +140,7 @@ class Panes:
     def _put_beside(self) -> None:
         """Copy the pictures of the runs into the halves of the surface."""
         width, height = self._half
-        self._surface.painter = self
+        self._surface.drawn_by = self
         self._surface.framebuffer.use()
         for number, buffer in enumerate(self._buffers):
             self._copy.draw(buffer.texture, (0, 0, width, height), (number * width, 0, width, height))

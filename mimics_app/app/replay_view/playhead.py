@@ -1,4 +1,4 @@
-"""The time that a replay shows, and how it goes on."""
+"""The time that a replay shows, and how it advances."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Playhead:
 
     Attributes:
         time_ns: The time that is shown, from 0 to `length_ns` [ns].
-        playing: Whether it goes on by itself; it stops at the end.
+        playing: Whether it advances on its own; it stops at the end.
     """
 
     def __init__(self, length_ns: int, speed: float = 1.0) -> None:
@@ -37,7 +37,7 @@ class Playhead:
         return self.time_ns / self.length_ns if self.length_ns else 1.0
 
     def advance(self, elapsed_ns: int) -> None:
-        """Go on while a time has passed for the person who looks on [ns]."""
+        """Advance while a time has passed for the person who looks on [ns]."""
         if self.playing:
             self.seek(self.time_ns + round(self.speed * elapsed_ns))
             self.playing = self.time_ns < self.length_ns
@@ -47,11 +47,11 @@ class Playhead:
         self.time_ns = min(max(0, time_ns), self.length_ns)
 
     def toggle(self) -> None:
-        """Stand still, or go on; at the end begin again."""
+        """Pause or resume; at the end restart."""
         if not self.playing and self.time_ns >= self.length_ns:
             self.time_ns = 0
         self.playing = not self.playing
 
     def change_speed(self, steps: int) -> None:
-        """Go on faster or slower by a number of steps of `SPEEDS`."""
+        """Advance faster or slower by a number of steps of `SPEEDS`."""
         self._speed = min(max(0, self._speed + steps), len(SPEEDS) - 1)

@@ -108,7 +108,7 @@ _LONGEST_NS = 2 * FRAME_NS
 _PATIENCE_NS = SECOND_NS // 4
 """Time between pictures while the way to another time is computed [ns]."""
 _MOST_FRAMES = 6
-"""Frames to the one that is shown, beyond which the way there is not heard."""
+"""Frames to the one that is shown, beyond which the way there is not played."""
 _FASTER, _SLOWER = ("equal", "kp_add", "plus"), ("minus", "kp_subtract")
 
 
@@ -121,7 +121,7 @@ class ReplayWindow:
         camera: See `Panes`.
         forces: See `Panes`.
         speed: The first speed, one of `playhead.SPEEDS`.
-        sound: Whether the sounds of the first run are heard, while it goes on at the speed of the session.
+        sound: Whether the sounds of the first run are played, while it plays at the speed of the session.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""Time bar of a replay: where it is, how it goes on, and the events of the run as marks."""
+"""Time bar of a replay: where it is, how it advances, and the events of the run as marks."""
 
 from __future__ import annotations
 

@@ -111,7 +111,7 @@ def _faults(target: MapSpec, pointer: str, known: dict[str, Feature[Any]], scene
 def check_stages(scene: Scene) -> list[Issue]:
     """Return the faults that only a stage can find; those of the whole scene only where its components have none.
 
-    A check that cannot be carried out because of a fault reports that one, and the others go on.
+    A check that cannot be carried out because of a fault reports that one, and the others continue.
     """
     found = [*check_components(scene), *_check_learning(scene)]
     if found:

@@ -138,7 +138,7 @@ def _check_learning(learn: str, goal: str, space: ActionSpace) -> None:
     """Check that the policy can follow the goal in this task.
 
     Raises:
-        UsageError: It cannot, or there is no such goal or policy.
+        UsageError: It cannot, or the goal or policy is unknown.
     """
     from mimics_app.learning.builder import check_learning
 

@@ -217,7 +217,7 @@ class Frames:
         core.inputs.aim(core.scenario.aim(snapshot))
 
     def _tell(self, refused: Mapping[str, str]) -> None:
-        """Report orders that were refused, each name once: they ended, the session goes on."""
+        """Report orders that were refused, each name once: they ended, the session continues."""
         for name, why in refused.items():
             if name not in self._refused:
                 self._refused.add(name)

@@ -2,7 +2,7 @@
 
 The frame appends what it has to a queue of fixed length and never waits; a thread of its own takes it from there and
 calls the library. Time stamps are those of the session, moved to the clock of the layer by one offset that is measured
-at the beginning: when that clock is set later, they go on in order.
+at the beginning: when that clock is set later, they continue in order.
 """
 
 from __future__ import annotations

@@ -30,7 +30,7 @@ def open_sound(
         memory: Shared memory with the contact events of the loop.
         folder: Run folder; sound.wav is written there where it is requested.
         file: File to write instead of sound.wav.
-        live: Whether it is heard while it happens.
+        live: Whether it is played while it happens.
     """
     sounds = scene.components(Sound)
     system = scene.system(AudioSettings) or AudioSettings()

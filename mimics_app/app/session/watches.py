@@ -43,7 +43,7 @@ class RecorderWatch:
 
 
 class SignalWatch:
-    """Reports a source of body signals that is lost or back, and notes the offsets of its clock; the session goes on.
+    """Reports a source of body signals that is lost or back, and notes the offsets of its clock; the session continues.
 
     Args:
         sources: Sources of the session.
@@ -70,7 +70,7 @@ class SignalWatch:
 
 
 class TactileWatch:
-    """Journals the taps of the vibrators, and reports each of their problems once; the session goes on.
+    """Journals the taps of the vibrators, and reports each of their problems once; the session continues.
 
     Args:
         recorder: Recorder of each tap.

@@ -107,7 +107,7 @@ def play_next(
     Args:
         study: The study.
         participant: The participant.
-        answer: For a run that was interrupted: go on at the trial after the last one, begin it again, or give it up.
+        answer: For a run that was interrupted: continue at the trial after the last one, begin it again, or give it up.
         extra: Further options of `mimics run`, such as --headless.
         play: Plays the session, None: as `mimics run` does.
 

@@ -42,7 +42,7 @@ class SweepJob:
         """Its experiment.
 
         Raises:
-            UsageError: There is no such experiment.
+            UsageError: The experiment is unknown.
             DeviceError: The sweep was planned by another version of the source code.
         """
         if source_digest() != self.sources:

@@ -127,7 +127,7 @@ def set_ceiling(name: str, value: float | None) -> None:
     """Keep a ceiling of this machine; None: the conservative one again.
 
     Raises:
-        UsageError: There is no such limit, or the value is beyond what an operator may set.
+        UsageError: The limit is unknown, or the value is beyond what an operator may set.
     """
     _check(name, CEILINGS[name].conservative if value is None and name in CEILINGS else value)
     kept = {other: each for other, each in read_strictly(FILE).items() if other != name}

@@ -146,7 +146,7 @@ class ParameterStore:
         return changed
 
     def order(self, order: HapticOrder, *, of_task: bool = False) -> dict[str, str]:
-        """Set what may be set of the order of a task or a plug-in; the rest is refused, and the run goes on.
+        """Set what may be set of the order of a task or a plug-in; the rest is refused, and the run continues.
 
         Args:
             order: The numbers.

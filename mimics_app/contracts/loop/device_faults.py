@@ -90,7 +90,7 @@ def fault_order(text: str, device: DeviceDescriptor) -> FaultOrder:
     """Return the fault of "NAME" or "NAME:PLACE" for a device.
 
     Raises:
-        UsageError: There is no such fault, or the device has no such joint or point of contact.
+        UsageError: The fault is unknown, or the device has no such joint or point of contact.
     """
     name, _, place = (part.strip() for part in text.partition(":"))
     require_choice(name, FAULT_NAMES, "fault")

@@ -15,7 +15,7 @@ class Abilities(NamedTuple):
             (): as far as the device.
         ease: Share of that range within which a movement is comfortable.
         strength: Largest grasp force [N].
-        hearing_left, hearing_right: Softest level that is heard from a side [dB, 0 as authored].
+        hearing_left, hearing_right: Softest audible level at a side [dB, 0 as authored].
         letter: Height of the smallest letter that is read [px of a picture 720 px high].
     """
 

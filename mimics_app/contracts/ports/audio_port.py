@@ -157,7 +157,7 @@ class Mixer(Protocol):
     def fill(self, handle: int, begin: int, samples: NDArray[np.float32]) -> None:
         """Set samples of a playing sound from its sample `begin` on, shape [n], or [n, 2] of one with two channels.
 
-        What lies beyond its end is ignored, of a loop it goes on at its beginning; no effect on an ended one.
+        What lies beyond its end is ignored, of a loop it continues at its beginning; no effect on an ended one.
         """
         ...
 

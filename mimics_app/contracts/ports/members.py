@@ -37,7 +37,7 @@ def import_member(package: ModuleType, name: str) -> ModuleType:
     """Import a module of a package; a dot leads into a package of it.
 
     Raises:
-        MemberError: There is no such module.
+        MemberError: The module does not exist.
         ImportError: The module itself cannot be imported.
     """
     full = f"{package.__name__}.{name}"
@@ -60,7 +60,7 @@ def load_member(package: ModuleType, name: str, constant: str, kind: type[_Kind]
         kind: Its type.
 
     Raises:
-        MemberError: There is no such module, or it has no such constant, or one of another type.
+        MemberError: The module does not exist, or it has no such constant, or one of another type.
         ImportError: The module itself cannot be imported.
     """
     module = import_member(package, name)

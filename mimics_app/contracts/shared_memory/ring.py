@@ -5,13 +5,24 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.compiled.atomics import load_acquire, store_release
+from mimics_app.compiled.atomics import load_acquire, now_ns, sleep_until_ns, store_release
 from mimics_app.compiled.kernel import kernel
 from mimics_app.compiled.record_copy import copy_front, prefetch_line
 from mimics_app.contracts.arrays import Words
 from mimics_app.contracts.shared_memory.shared_words import DROPPED, HEAD, TAIL
 
-__all__ = ["drain", "peek", "position", "prefetch_front", "push", "push_front", "release", "room", "waiting"]
+__all__ = [
+    "drain",
+    "peek",
+    "position",
+    "prefetch_front",
+    "push",
+    "push_front",
+    "release",
+    "room",
+    "wait_for_records",
+    "waiting",
+]
 
 Records = NDArray[np.void]
 
@@ -98,3 +109,14 @@ def peek(words: Words, slots: Records, out: Records) -> int:
 def release(words: Words, count: int) -> None:
     """Consumer: remove the `count` oldest records, after they were stored elsewhere."""
     store_release(words, TAIL, words[TAIL] + count)
+
+
+@kernel
+def wait_for_records(words: Words, timespec: Words, deadline_ns: int, step_ns: int) -> bool:
+    """Poll a ring every `step_ns` until it holds a record (True) or the deadline has passed (False)."""
+    while waiting(words) == 0:
+        now = now_ns(timespec)
+        if now >= deadline_ns:
+            return False
+        sleep_until_ns(timespec, min(now + step_ns, deadline_ns))
+    return True

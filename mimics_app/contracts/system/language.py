@@ -133,7 +133,7 @@ def speak(language: str) -> None:
     """Show texts in a language from now on, one of LANGUAGES; English without its table.
 
     Raises:
-        UsageError: There is no such language.
+        UsageError: The language is unknown.
     """
     if language not in LANGUAGES:
         raise UsageError(f'there are no texts in the language "{language}"', nearest(language, LANGUAGES))

@@ -17,7 +17,7 @@ def open_regular(path: str | os.PathLike[str]) -> BufferedReader:
     """Open a regular file (or a link to one) for reading, without blocking.
 
     Raises:
-        FileNotFoundError: There is no such file.
+        FileNotFoundError: The file does not exist.
         IsADirectoryError: It is a folder.
         OSError: It is a pipe, a socket or a device (EINVAL), or not readable.
     """

@@ -127,7 +127,7 @@ def _begins(rms: float, signal: bool, n: int, state: EmgStateRecord, rate: float
 
 @kernel
 def _learn(rms: float, signal: bool, state: EmgStateRecord, rate: float) -> None:
-    """Let the first baseline be the mean of the envelope, once the filter has settled."""
+    """Let the first baseline be the mean of the envelope, once the filter has stabilised."""
     if signal:
         since = state.learnt - _STEADY_S * rate
         state.learnt += 1.0

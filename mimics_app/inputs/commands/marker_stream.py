@@ -56,7 +56,7 @@ class MarkerStream:
 
     Raises:
         UsageError: pylsl is not installed.
-        DeviceError: There is no such stream, or its samples are no text.
+        DeviceError: The stream does not exist, or its samples are no text.
     """
 
     def __init__(self, memory: SessionMemory, name: str, clock: Clock, report: Callable[[str], None]) -> None:

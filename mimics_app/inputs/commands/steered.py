@@ -18,7 +18,7 @@ __all__ = ["SteeredBy"]
 
 
 class SteeredBy:
-    """Passes on what a program gives; one that raises is not asked again, and the session goes on.
+    """Passes on what a program gives; one that raises is not asked again, and the session continues.
 
     Args:
         memory: Memory of the session.

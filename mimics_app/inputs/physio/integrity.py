@@ -45,7 +45,7 @@ class Faults:
     Attributes:
         gaps, lost: Number of gaps, and of samples missing in them.
         repeats, dropped: Number of blocks that overlapped earlier ones, and of samples dropped for it.
-        clock_sets: Times that the source's clock was set; the samples go on without a gap.
+        clock_sets: Times that the source's clock was set; the samples continue without a gap.
         drift_ppm: Drift of the amplifier's clock against the session's, positive where it runs faster.
         wrong_rate: The measured rate differs from the stated one.
     """

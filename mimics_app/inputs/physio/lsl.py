@@ -59,7 +59,7 @@ class LslSource(LiveSignals):
 
     Raises:
         UsageError: pylsl is not installed.
-        DeviceError: There is no such stream, or no channel of it is a body signal.
+        DeviceError: The stream does not exist, or no channel of it is a body signal.
     """
 
     def __init__(self, name: str) -> None:

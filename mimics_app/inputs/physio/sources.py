@@ -183,7 +183,7 @@ def _split(address: str) -> tuple[str, str]:
     """Split an address into kind and rest.
 
     Raises:
-        UsageError: There is no such kind, or the rest is missing.
+        UsageError: The kind is unknown, or the rest is missing.
     """
     kind, _, rest = address.partition(":")
     if kind in KINDS and kind != "sim" and not rest:

@@ -90,7 +90,7 @@ class TrackerHub:
         return ((number, each) for number, each in enumerate(self._trackers) if number not in self._lost)
 
     def _ask(self, number: int, call: Callable[[], None]) -> None:
-        """Call a tracker; what it raises makes it a lost one, whose poses grow stale: the session goes on."""
+        """Call a tracker; what it raises makes it a lost one, whose poses grow stale: the session continues."""
         try:
             call()
         except Exception as error:  # noqa: BLE001  of a library or a third party: it must not end the session

@@ -56,7 +56,7 @@ class Plausibility:
 
 
 class BelievedSensors:
-    """Filters of all sensors of a tracker, at most `MOST_SENSORS`: one that was not heard for long makes room."""
+    """Filters of all sensors of a tracker, at most `MOST_SENSORS`: one that has been silent for long makes room."""
 
     def __init__(self) -> None:
         self._filters: dict[str, Plausibility] = {}

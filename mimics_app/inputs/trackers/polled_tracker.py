@@ -1,12 +1,13 @@
-"""Base class of trackers without a thread: they report when the session polls them, once a frame."""
+"""Trackers without a thread, which report when the session polls them, once a frame: base class, and the headset."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Callable, Sequence
 
-from mimics_app.contracts.ports.tracker_port import TrackerSink, TrackerSource
+from mimics_app.contracts.ports.tracker_port import TrackerSample, TrackerSink, TrackerSource
 
-__all__ = ["PolledTracker"]
+__all__ = ["HeadsetTracker", "PolledTracker"]
 
 
 class PolledTracker(TrackerSource):
@@ -33,3 +34,25 @@ class PolledTracker(TrackerSource):
 
     def stop(self) -> None:
         self._sink = None
+
+
+class HeadsetTracker(PolledTracker):
+    """Tracker that polls the display of the session once a frame; a display without tracking reports nothing.
+
+    Args:
+        name: Name in the scene.
+    """
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self._reports: Callable[[], Sequence[TrackerSample]] = tuple
+        self._newest_ns = -1
+
+    def attach_display(self, reports: Callable[[], Sequence[TrackerSample]]) -> None:
+        self._reports = reports
+
+    def _report(self, now_ns: int, sink: TrackerSink) -> None:
+        samples = [sample for sample in self._reports() if sample.t_ns > self._newest_ns]
+        for sample in samples:
+            sink(sample)
+            self._newest_ns = max(self._newest_ns, sample.t_ns)

@@ -13,9 +13,8 @@ from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.ports.plugins import PluginError
 from mimics_app.contracts.ports.tracker_port import PLUGINS, TrackerSource
-from mimics_app.inputs.trackers.headset_tracker import HeadsetTracker
-from mimics_app.inputs.trackers.pointer_tracker import PointerTracker
-from mimics_app.inputs.trackers.scripted_person import ScriptedPerson
+from mimics_app.inputs.trackers.polled_tracker import HeadsetTracker
+from mimics_app.inputs.trackers.scripted_person import PointerTracker, ScriptedPerson
 from mimics_app.inputs.trackers.tape import TapeTracker
 from mimics_app.world.components.trackers import TrackerSpec
 from mimics_app.world.files.reading.paths import find_file

@@ -45,7 +45,7 @@ _THRESHOLD = 0.02
 _QUIET_FRAMES = 1500
 _SETTLING_NS = 2_500_000_000  # the monitor's stream drops sound at first; the player's does not
 _OPENING_NS = round((SETTLING_S + 0.7) * 1e9)
-"""Time until the stream has settled, and the queue ahead of it is as short as the machine allows [ns]."""
+"""Time until the stream has stabilised, and the queue ahead of it is as short as the machine allows [ns]."""
 
 _PAUSE_NS = (200_000_000, 240_000_000)
 """Shortest and longest time between two contacts [ns]. A contact read later than 100 ms is not played, so the onsets

@@ -61,12 +61,8 @@ def _grip_borrowed(
             motion.centre[i] = motion.position[i]
 
 
-def _run_grip(grasp: float = _GRASP) -> tuple[Callable[[], None], F8]:
-    """Return a function that holds a ball between two fingers, and the forces on the user that it writes [N].
-
-    Args:
-        grasp: Force between the fingers [N]; 0: open, the ball falls.
-    """
+def _held_ball() -> tuple[Rows, ObjectWork, ObjectCountsRecord]:
+    """Return the rows of a ball between two fingers, the work and the counts of a tick."""
     capacities = ObjectCapacities(shapes=1, bodies=1, effects=1, wires=1, paths=1)
     rows, work, counts = new_rows(capacities), new_object_work(capacities), np.zeros(1, OBJECT_COUNTS)
     counts["shapes"] = counts["bodies"] = 1
@@ -82,8 +78,18 @@ def _run_grip(grasp: float = _GRASP) -> tuple[Callable[[], None], F8]:
     rows.points["offset"][0], rows.points["offset"][1] = (-0.04, 0.0, 0.0), (0.04, 0.0, 0.0)
     work.motions[0]["rotation"] = np.eye(3)
     work.shape_rotations[:] = np.eye(3)
+    return rows, work, counts[0]
+
+
+def _run_grip(grasp: float = _GRASP) -> tuple[Callable[[], None], F8]:
+    """Return a function that holds a ball between two fingers, and the forces on the user that it writes [N].
+
+    Args:
+        grasp: Force between the fingers [N]; 0: open, the ball falls.
+    """
+    rows, work, counts = _held_ball()
     forces = np.zeros((_TICKS, 3))
-    return lambda: _grip_often(rows, work, counts[0], grasp, _DT, forces), forces
+    return lambda: _grip_often(rows, work, counts, grasp, _DT, forces), forces
 
 
 def _grip_us(_: str) -> float:
@@ -94,17 +100,59 @@ def _grip_us(_: str) -> float:
 
 def _grip_error(_: str) -> float:
     """Return the difference between the force on the user and the weight, after the ball has come to rest [N]."""
-    run, forces = _run_grip()
+    return _from_weight(*_run_grip())
+
+
+def _from_weight(run: Callable[[], None], forces: F8) -> float:
+    """Run, and return the difference of the last force from the weight [N]."""
     run()
     return float(np.linalg.norm(forces[-1] - (0.0, -_MASS * _GRAVITY, 0.0)))
+
+
+@kernel
+def _attach_often(rows: Rows, work: ObjectWork, forces: F8) -> None:
+    """Hold the ball as if it were a part of the hand, which is at rest: no finger, no friction, no slip."""
+    motion, body = work.motions[0], rows.bodies[0]
+    for tick in range(forces.shape[0]):
+        for i in range(3):
+            motion.velocity[i] = 0.0
+            motion.position[i] = motion.centre[i] = 0.5 * (rows.points[0].offset[i] + rows.points[1].offset[i])
+            forces[tick, i] = body.mass * body.gravity[i]
+
+
+def _run_attached() -> tuple[Callable[[], None], F8]:
+    """Return a function that holds the attached ball, and the forces on the user that it writes [N]."""
+    rows, work, _ = _held_ball()
+    forces = np.zeros((_TICKS, 3))
+    return lambda: _attach_often(rows, work, forces), forces
+
+
+def _attached_us() -> float:
+    """Return the cost of a tick with the ball attached [us]."""
+    return shortest_us(_run_attached()[0], _TICKS, _RUNS)
+
+
+def _attached_error() -> float:
+    """Return the difference between the force on the user and the weight [N]."""
+    return _from_weight(*_run_attached())
 
 
 compare(
     __name__,
     "a ball held between two fingers; error: difference of the force on the user from the weight at rest",
     "N",
-    [Rival("two fingers", "kernels.objects.grip: friction cone of each finger and of its patch", "one body", {})],
+    [
+        Rival("two fingers", "kernels.objects.grip: friction cone of each finger and of its patch", "one body", {}),
+        Rival(
+            "attached",
+            "the body is a part of the hand while it is held, usual in virtual reality",
+            "neither slips nor is crushed",
+            cost=_attached_us,
+            error=_attached_error,
+        ),
+    ],
     Probes(_grip_us, _grip_error, reference_us),
     default="two fingers",
-    few="without another way to hold a body",
+    few="a body is held by its fingers or attached",
+    why_default="an attached body can neither slip nor be crushed, which the tasks measure",
 )

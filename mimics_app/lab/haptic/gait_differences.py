@@ -1,4 +1,4 @@
-"""Differences of the reference gait from published tables: the one it is fitted to, and those that judge it."""
+"""Differences of the reference gait from published tables: the one it is fitted to, and those it is compared with."""
 
 from __future__ import annotations
 

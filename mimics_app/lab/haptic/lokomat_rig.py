@@ -357,7 +357,7 @@ class Play:
         return LegControl(self.rig.settings[0], self.now[0], self.state[0])
 
     def go(self, seconds: float) -> Rows:
-        """Go on for a time [s]; return the columns of that part."""
+        """Run on for a time [s]; return the columns of that part."""
         rig, rows = self.rig, np.zeros((round(seconds * self.rig.rate), len(_NAMES)))
         numbers, links, ports = self.person.numbers, rig.person_links, (*self._ports, self.added)
         _run(self.kind, self.memory, self.control, numbers, links, ports, self.ticks, rows)

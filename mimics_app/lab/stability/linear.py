@@ -1,6 +1,6 @@
 """Exact stability of sampled linear loops by the spectral radius of their matrices.
 
-Nothing here uses the code under test; `growth` judges the simulations.
+Nothing here uses the code under test; `growth` evaluates the simulations.
 """
 
 from __future__ import annotations

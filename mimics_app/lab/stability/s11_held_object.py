@@ -93,7 +93,7 @@ def _excess(number: int, ticks: int, dt: float, path: Vec, states: Table[Frictio
 
 
 def hold(model: str, share: float, seconds: float = _SECONDS) -> tuple[float, float]:
-    """Hold 3 kg against a mean load of `share` mu F_N, once settled for a second.
+    """Hold 3 kg against a mean load of `share` mu F_N, after a second at rest.
 
     Returns:
         (distance crept from the mean of the first second to that of the last [m], how far the friction left its cone at

@@ -1,7 +1,7 @@
 """S11B: explicit LuGre friction diverges in fast slides unless h < 2 g(v) / (sigma0 |v|).
 
 At constant speed the bristle's deflection is multiplied by 1 - h sigma0 |v| / g(v) every tick, with g the friction of
-steady sliding. The implicit form divides instead, and settles at g / sigma0 in any tick.
+steady sliding. The implicit form divides instead, and ends at g / sigma0 in any tick.
 """
 
 from __future__ import annotations

@@ -97,7 +97,7 @@ _SINGLE = Recipe(lambda _, rate: np.zeros(rate, np.float32))
 def fill_memory(memory: F4, begin: int, samples: F4, *, loop: bool) -> None:
     """Write samples into the memory of a sound from `begin` on, both of shape [n] or [n, 2].
 
-    What lies beyond the end is ignored; of a loop it goes on at the beginning, and `begin` may count its rounds.
+    What lies beyond the end is ignored; of a loop it continues at the beginning, and `begin` may count its rounds.
     """
     if loop:
         begin %= len(memory)

@@ -36,7 +36,7 @@ def contact_gain(speed: float, force: float, full_force: float = 10.0) -> float:
     """Return the linear gain of a contact, 0.05 to 1; it rises with approach speed [m/s] and force [N] and saturates.
 
     0.3 m/s alone or `full_force` alone give 0.91, half of either 0.65. The force is that of the first tick, so an
-    impact is judged by its speed and a press by its force. Values that are not finite count as 0.
+    impact is rated by its speed and a press by its force. Values that are not finite count as 0.
     """
     strength = hypot(_finite(speed) / _FULL_SPEED, _finite(force) / full_force)
     return _QUIETEST + (1.0 - _QUIETEST) * tanh(_KNEE * strength)

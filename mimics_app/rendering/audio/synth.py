@@ -108,7 +108,7 @@ def synthesise_grip(rate: int = 48_000) -> F4:
 
 
 def synthesise_slip(rate: int = 48_000) -> F4:
-    """Synthesise an object slipping out of the fingers: a short rub with falling pitch."""
+    """Synthesise an object slipping out of the fingers: a short scrape with falling pitch."""
     length = int(0.22 * rate)
     time = np.arange(length) / rate
     noise = np.random.default_rng(17).standard_normal(length)
@@ -163,7 +163,7 @@ def synthesise_tick(rate: int = 48_000, frequency: float = 1500.0) -> F4:
 def synthesise_scrape(rate: int = 48_000, seconds: float = 4.0, seed: int = 5) -> F4:
     """Synthesise a seamless loop of rubbing along a rough wall: asperities that are met one by one, over a soft rush.
 
-    What rubs is heard as single collisions whose number and size vary, where noise of the same bands is heard as wind
+    What slides sounds as single collisions whose number and size vary, where noise of the same bands sounds like wind
     or water (K. van den Doel et al., FoleyAutomatic, 2001: a needle in a surface of random height). The loop is made in
     the frequency domain, periodic by construction.
     """

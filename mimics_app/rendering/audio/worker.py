@@ -25,6 +25,7 @@ from mimics_app.contracts.loop.haptic import EVENT
 from mimics_app.contracts.messages.stage_messages import SoundEvent
 from mimics_app.contracts.ports.audio_port import AudioOrder, AudioReport, AudioStatus, Mixer, frame_at
 from mimics_app.contracts.shared_memory import ring, triple_buffer
+from mimics_app.contracts.shared_memory.ring import wait_for_records
 from mimics_app.contracts.shared_memory.session_memory import ControlWord, SessionMemory
 from mimics_app.contracts.shared_memory.shared_words import DROPPED
 from mimics_app.contracts.system.child_signals import ignore_signals
@@ -32,7 +33,6 @@ from mimics_app.contracts.system.pipe_watch import PipeWatch
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.director import SoundDirector
 from mimics_app.rendering.audio.engine import fall_back, open_device, open_engine
-from mimics_app.rendering.audio.kernels import wait_for_records
 from mimics_app.rendering.audio.settings import AudioSettings
 from mimics_app.rendering.audio.sound_stream import LIVE_BLOCK
 from mimics_app.rendering.audio.streamed_mixer import StreamedMixer

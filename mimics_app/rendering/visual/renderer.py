@@ -17,7 +17,6 @@ from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.drawing.frame_buffers import FrameBuffers
 from mimics_app.rendering.visual.drawing.levels import fewer_pixels
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
-from mimics_app.rendering.visual.drawing.mesh_skinning import MeshSkinning
 from mimics_app.rendering.visual.figures.hud import Hud, LayOut
 from mimics_app.rendering.visual.frame_stats import FrameStats
 from mimics_app.rendering.visual.lighting import KeptLighting
@@ -25,7 +24,7 @@ from mimics_app.rendering.visual.materials.materials import MaterialStore
 from mimics_app.rendering.visual.materials.shader_library import FEW_PIXELS, ShaderLibrary
 from mimics_app.rendering.visual.passes.eye_passes import AT_ONCE, EyePasses
 from mimics_app.rendering.visual.passes.hud import HudPass
-from mimics_app.rendering.visual.settings import QualityChanges, RenderSettings
+from mimics_app.rendering.visual.settings import QualityChanges, RenderSettings, SkinBy
 from mimics_app.rendering.visual.stages.board_copy import BoardCopy
 from mimics_app.rendering.visual.stages.eye_pairs import eye_passes, group_views, see_from_between
 from mimics_app.rendering.visual.stages.picture_stage import PictureStage
@@ -41,12 +40,48 @@ from mimics_app.rendering.visual.view import Latch, Rect, View
 from mimics_app.world.content.world import World
 
 if TYPE_CHECKING:
+    import moderngl
+
+    from mimics_app.rendering.visual.drawing.draw_list import DrawList
+    from mimics_app.rendering.visual.drawing.feedback import FeedbackSkinning
+    from mimics_app.rendering.visual.drawing.skinning import ProcessorSkinning
     from mimics_app.rendering.visual.overlay.layers import Layer
     from mimics_app.rendering.visual.overlay.overlay import Overlay
     from mimics_app.rendering.visual.overlay.stage_times import StageTimes
     from mimics_app.rendering.visual.stages.effect_stage import EffectStage
 
 __all__ = ["Renderer"]
+
+
+class MeshSkinning:
+    """Skins meshes by the requested method, which is loaded with the first skinned body.
+
+    Attributes:
+        skinning: The method in use; None before the first skinned body.
+    """
+
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, arena: MeshArena, by: SkinBy) -> None:
+        self._ctx, self._shaders, self._arena, self._by = ctx, shaders, arena, by
+        self.skinning: ProcessorSkinning | FeedbackSkinning | None = None
+
+    def skin(self, world: World, listed: DrawList) -> None:
+        """Skin those of a world's meshes that are queued in this frame and not skinned yet; the tally counts them."""
+        if not world.motion.bodies:
+            return
+        if self.skinning is None and self._by == "feedback":
+            from mimics_app.rendering.visual.drawing.feedback import FeedbackSkinning
+
+            self.skinning = FeedbackSkinning(self._ctx, self._shaders, self._arena)
+        elif self.skinning is None:
+            from mimics_app.rendering.visual.drawing.skinning import ProcessorSkinning
+
+            self.skinning = ProcessorSkinning(self._arena, listed.bent)
+        listed.tally.bent += self.skinning.skin(world, listed.drawn_meshes())
+
+    def release(self) -> None:
+        """Free the GPU objects."""
+        if self.skinning is not None:
+            self.skinning.release()
 
 
 class Renderer:

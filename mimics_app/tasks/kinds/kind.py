@@ -48,7 +48,7 @@ Fault = tuple[str, str, str]
 S = TypeVar("S", bound=Component)
 
 Values = Mapping[str, float | None]
-"""Measures of one travel by the name of their column; None where one cannot be judged."""
+"""Measures of one travel by the name of their column; None where one cannot be evaluated."""
 
 
 class TaskBlock(Protocol):

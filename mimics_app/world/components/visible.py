@@ -227,7 +227,7 @@ class SoundBus(Component, frozen=True):
 
 @component("sound_room", limit=1000)
 class SoundRoom(Component, frozen=True):
-    """A box about the entity with reverberation, which a listener outside does not hear."""
+    """A box about the entity with reverberation, which is not audible outside."""
 
     size: Annotated[tuple[Length, Length, Length], Meta(description="Edges of the box [m]")]
     time: Annotated[float, Meta(ge=0.05, le=20, description="Reverberation time, to -60 dB [s]")] = 0.8

@@ -95,7 +95,7 @@ class Content:
 
         Raises:
             ValueError: the node has a light already, or a setting is not a number.
-            KeyError: there is no such kind, or a setting is not a column of the table.
+            KeyError: the kind is unknown, or a setting is not a column of the table.
         """
         require_key(kind, LIGHT_KINDS, "kind of light")
         values: dict[str, object] = {"colour": (1.0, 1.0, 1.0), "intensity": 1.0, "range": np.inf}

@@ -62,7 +62,7 @@ class SceneNode(Node):
 
         Raises:
             ValueError: the node has a light already, or a setting is not a number.
-            KeyError: there is no such kind, or a setting is not a column of the table.
+            KeyError: the kind is unknown, or a setting is not a column of the table.
         """
         self.world.content.add_light(self.index, kind, settings)
         return Light(self.world, self.id)

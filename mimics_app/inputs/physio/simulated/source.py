@@ -56,7 +56,7 @@ class SimulatedBody(SignalSource):
         seed: Seed of the session.
 
     Raises:
-        KeyError: There is no such preset.
+        KeyError: The preset is unknown.
     """
 
     def __init__(self, preset: str, seed: int) -> None:

@@ -17,7 +17,20 @@ from mimics_app.contracts.arrays import F4, F8, Words
 from mimics_app.rendering.audio.spectral.bins import add_moving, add_to_ears, move, set_shaped
 from mimics_app.rendering.audio.spectral.fourier import BINS, SIZE, WORK, real_block, real_spectrum
 
-__all__ = ["BLOCK", "SCRATCH", "Bank", "State", "Tables", "Voices", "add_blocks", "mix_for_ears", "mix_for_speakers"]
+__all__ = [
+    "BLOCK",
+    "SCRATCH",
+    "Bank",
+    "State",
+    "Tables",
+    "Voices",
+    "add_blocks",
+    "begin_voices",
+    "end_voices",
+    "mix_for_ears",
+    "mix_for_speakers",
+]
+
 
 BLOCK = 240
 """Maximum frames per block, 5 ms at 48 kHz; responses have at most SIZE - BLOCK + 1 samples."""
@@ -302,3 +315,45 @@ def add_blocks(sums: F4, turns: F4, rise: F4, out: F4) -> None:
                 elif row == last - 1:
                     share -= rise[i]
                 out[i, channel] += share * block[SIZE - frames + i]
+
+
+_SCHEDULED, _PLAYING, _FADING = int(State.SCHEDULED), int(State.PLAYING), int(State.FADING)
+
+
+@kernel
+def begin_voices(state: Words, begin: Words, wait: Words, position: int, frames: int, order: Words) -> int:
+    """Schedule the voices that start in a block, and list the rows of all that sound in it.
+
+    Args:
+        state: State of each voice, shape [n].
+        begin: Start frame of each voice, shape [n].
+        wait: Set to the frames of the block before the start, shape [n].
+        position: First frame of the block.
+        frames: Number of frames of the block.
+        order: Set to the rows, shape [n].
+
+    Returns:
+        Number of rows in `order`.
+    """
+    count = 0
+    for v in range(state.shape[0]):
+        if state[v] == _SCHEDULED and begin[v] < position + frames:
+            wait[v], state[v] = max(0, begin[v] - position), _PLAYING
+        if state[v] >= _PLAYING:
+            order[count] = v
+            count += 1
+    return count
+
+
+@kernel
+def end_voices(state: Words, order: Words, voices: Voices, bank: Bank, over: Words) -> int:
+    """List in `over` the rows among `order` that have ended or faded out; return their number."""
+    count = 0
+    for n in range(order.shape[0]):
+        v = order[n]
+        sound = voices.sound[v]
+        ended = bank.loops[sound] == 0 and voices.cursor[v] >= bank.length[sound] + SIZE
+        if ended or state[v] == _FADING:
+            over[count] = v
+            count += 1
+    return count

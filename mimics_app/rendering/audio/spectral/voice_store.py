@@ -12,9 +12,8 @@ from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.settings import SoundSpec
 from mimics_app.rendering.audio.spectral.fourier import SIZE
 from mimics_app.rendering.audio.spectral.lanes import aligned_zeros
-from mimics_app.rendering.audio.spectral.mix_kernels import Bank, State, Voices
+from mimics_app.rendering.audio.spectral.mix_kernels import Bank, State, Voices, begin_voices, end_voices
 from mimics_app.rendering.audio.spectral.steer_kernels import CONE, EXPONENTIAL, INVERSE, LINEAR, Places
-from mimics_app.rendering.audio.spectral.voice_kernels import begin_voices, end_voices
 
 __all__ = ["State", "VoiceStore", "pack_bank"]
 

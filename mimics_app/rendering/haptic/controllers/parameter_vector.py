@@ -47,7 +47,7 @@ class Changed(NamedTuple):
     Attributes:
         components: Indices of its components in the vector.
         value: Value of each, within the limits that the parameter declares.
-        remark: What a person is told: that the value is limited; "" otherwise.
+        remark: Words to a person: that the value is limited; "" otherwise.
     """
 
     components: range

@@ -162,7 +162,7 @@ def write_person_in(memory: NDArray[np.float64], name: str, weight: float, rate:
         seed: Seed of the strides.
 
     Raises:
-        UsageError: There is no such preset.
+        UsageError: The preset is unknown.
     """
     require_choice(name, PERSONS, "person in the orthosis")
     person = PERSONS[name]

@@ -50,7 +50,7 @@ class Impairment:
         range_of_motion: How far the hand gets from where it rests: to the right, left, up, down, forwards and back [m];
             (): as far as the device.
         ease: Share of that range within which a movement is comfortable.
-        hearing_left, hearing_right: Softest level that is heard from a side [dB, 0 as authored].
+        hearing_left, hearing_right: Softest audible level at a side [dB, 0 as authored].
         letter: Height of the smallest letter that is read [px of a picture 720 px high].
         mirrored: Whether random movements are those of the mirror image.
     """

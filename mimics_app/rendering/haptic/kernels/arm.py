@@ -137,7 +137,7 @@ _FULL_ERROR_LENGTH = 0.1
 """Smallest length of a movement to a target at which its end has the full aim error [m]."""
 
 _RESTART_RATIO = 2.5
-"""Distance of the target at which a settled hand moves again [tolerances]."""
+"""Distance of the target at which a hand at rest moves again [tolerances]."""
 
 _SHORTEST_REACH, _REACH_SPREAD = 0.8, 0.4
 """Smallest length of a movement, and the range of its random addition [reaches]."""

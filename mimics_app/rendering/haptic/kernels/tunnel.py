@@ -218,7 +218,7 @@ def _add_forces(
     beyond = (state.s <= 0.0 and along < 0.0) or (state.s >= tunnel.pieces and along > 0.0)
     if not beyond:
         along = 0.0
-    # Beyond an end the tunnel goes on as a straight pipe up to the flat cap; e is what lies across it.
+    # Beyond an end the tunnel continues as a straight pipe up to the flat cap; e is what lies across it.
     e = (offset[0] - along * tx, offset[1] - along * ty, offset[2] - along * tz)
     v_t = v[0] * tx + v[1] * ty + v[2] * tz
 

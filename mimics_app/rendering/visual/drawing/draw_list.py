@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +11,6 @@ import numpy as np
 from mimics_app.contracts.arrays import B1, F8, I4, U1
 from mimics_app.rendering.visual.drawing.culling import make_culler
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems, list_items
-from mimics_app.rendering.visual.drawing.draw_tally import Tally
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.drawing.levels import Levels
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
@@ -37,6 +36,34 @@ from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.rasteriser import Rasteriser
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.content.world import World
+
+if TYPE_CHECKING:
+    from mimics_app.world.content.motion.skinned_body import SkinnedBody
+
+__all__ = ["DRAWN", "HIDDEN", "DrawList"]
+
+
+@dataclass(slots=True)
+class Tally:
+    """Counts of a frame, over all views: items, those outside, those occluded, frustum tests, skinned vertices."""
+
+    items: int = 0
+    culled: int = 0
+    hidden: int = 0
+    tests: int = 0
+    bent: int = 0
+
+    @property
+    def figures(self) -> tuple[int, int, int, int, int]:
+        """All counts, in this order: `astuple` would copy each, in thirty calls a frame."""
+        return self.items, self.culled, self.hidden, self.tests, self.bent
+
+    def count(self, items: int, in_frustum: int, drawn: int, tests: int) -> None:
+        """Add the counts of one view."""
+        self.tests += tests
+        self.items += items
+        self.culled += items - in_frustum
+        self.hidden += in_frustum - drawn
 
 
 class DrawOrder:
@@ -82,11 +109,6 @@ class DrawOrder:
         make_keys(picked, count, eye, by, layered, self._away, self._keys)
         sort_by_key(self._keys, picked, count, self._spare_keys, self._spare_items, self._digits)
 
-
-if TYPE_CHECKING:
-    from mimics_app.world.content.motion.skinned_body import SkinnedBody
-
-__all__ = ["DRAWN", "HIDDEN", "DrawList"]
 
 Size = tuple[int, int]
 

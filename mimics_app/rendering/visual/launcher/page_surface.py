@@ -45,7 +45,7 @@ class PageSurface:
     def draw(self, *, over: bool = False) -> None:
         """Draw the canvas into the surface's framebuffer, `over` what is there."""
         surface = self._surface
-        surface.painter = self
+        surface.drawn_by = self
         surface.framebuffer.use()
         if not over:
             surface.framebuffer.clear(0.0, 0.0, 0.0, 1.0)

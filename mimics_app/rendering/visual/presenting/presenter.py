@@ -270,7 +270,7 @@ class Presenter:
         return self.timing
 
     def _ask(self, call: Callable[[Display], _Answer]) -> _Answer:
-        """Return the display's answer; what it raises makes it a lost one: the session goes on, on the desktop."""
+        """Return the display's answer; what it raises makes it a lost one: the session continues, on the desktop."""
         try:
             return call(self.display)
         except Exception as error:  # of a library or a third party: it must not end the session

@@ -87,15 +87,15 @@ class KeptBoard(BoardCopy):
         enlarged: float,
     ) -> int | None:
         if finished is None or parts is None or hud.empty or view.screen < 0:
-            self._surface.painter = self._drawn = None
+            self._surface.drawn_by = self._drawn = None
             return None
         plane = plane_of_views([view], depth, enlarged)
         before, clip, place = self._drawn, clip_from_hud(view, plane), view.rectangle
-        kept = before is not None and self._surface.painter is self and before.has_place_of(hud, clip, place)
+        kept = before is not None and self._surface.drawn_by is self and before.has_place_of(hud, clip, place)
         if before is None or not kept or before.revision != hud.revision:
             rows = hud.rows()
             self._drawn = _Drawn(hud, hud.revision, hud.images, clip, place, rows, places_of(rows, plane))
-            self._surface.painter = self
+            self._surface.drawn_by = self
         if before is None or not kept or self._drawn is None:
             return None
         pieces = [piece for part in parts for piece in part.pieces]

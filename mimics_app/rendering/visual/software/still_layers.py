@@ -14,7 +14,7 @@ from mimics_app.rendering.visual.lighting import SHADOW_STEP, ShadowFrustum, fit
 from mimics_app.rendering.visual.shadows.shadow_layers import ShadowLayers, Split, SunBox, equal_bytes
 from mimics_app.rendering.visual.shadows.shadow_maps import ShadowMap
 from mimics_app.rendering.visual.software.kernels.screen_bounds import bound_in_map
-from mimics_app.rendering.visual.software.kernels.still_casters import find_moving
+from mimics_app.rendering.visual.software.kernels.shadow_prisms import find_moving
 from mimics_app.rendering.visual.software.screen_places import parts_of
 from mimics_app.rendering.visual.view import Rect
 

@@ -83,7 +83,7 @@ class Surface:
         keys: Names of the keys held.
         buttons: Names of the mouse buttons held.
         gamepad: The first gamepad as of the last `poll`.
-        painter: Who drew the picture and updates it in parts, unless another has drawn since; else None.
+        drawn_by: Who drew the picture and updates it in parts, unless another has drawn since; else None.
         both_eyes: Both eyes' pictures side by side, for a quad-buffered window; None elsewhere.
         reset_status: Returns why the context was lost, in words; "" while it works.
     """
@@ -93,7 +93,7 @@ class Surface:
         self.size = size
         self.framebuffer: moderngl.Framebuffer
         self._take(ctx)
-        self.painter: object = None
+        self.drawn_by: object = None
         self.both_eyes: moderngl.Framebuffer | None = None
         self.keys: frozenset[str] = frozenset()
         self.buttons: frozenset[str] = frozenset()
@@ -123,7 +123,7 @@ class Surface:
         """Move the window to the place of another; its size changes only where a person gave the other one a size."""
 
     def hide(self) -> None:
-        """Take the window off the desktop; it goes on existing."""
+        """Take the window off the desktop; it continues to exist."""
 
     def show(self) -> None:
         """Put a hidden window back on the desktop; what happened to it before is forgotten."""
@@ -145,7 +145,7 @@ class Surface:
         return None
 
     def note_changed(self, places: Sequence[tuple[int, int, int, int]] | None) -> None:
-        """Note what `painter` drew since the last swap, if it is called for all of it.
+        """Note what `drawn_by` drew since the last swap, if it is called for all of it.
 
         Args:
             places: Rectangles of the picture [px]; None: it may be all of it.

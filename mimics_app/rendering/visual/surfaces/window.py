@@ -189,7 +189,7 @@ class WindowSurface(Surface):
     def note_changed(self, places: Sequence[tuple[int, int, int, int]] | None) -> None:
         before = self._changed
         self._changed = None if before is None or places is None else [*before, *places]
-        self._noted_by = self.painter
+        self._noted_by = self.drawn_by
 
     def swap(self) -> None:
         self.present()
@@ -200,7 +200,7 @@ class WindowSurface(Surface):
         if self._stereo and self.both_eyes is not None:
             self._present_eyes(self.both_eyes)
             return
-        self._copy.present(self.framebuffer, self._changed if self._noted_by is self.painter else None)
+        self._copy.present(self.framebuffer, self._changed if self._noted_by is self.drawn_by else None)
         self._changed, self._noted_by = [], self
 
     def _present_eyes(self, source: moderngl.Framebuffer) -> None:
@@ -221,7 +221,7 @@ class WindowSurface(Surface):
     def _take(self, ctx: moderngl.Context) -> None:
         super()._take(ctx)
         self._copy = rasteriser_of(ctx).member(WindowCopy)(ctx)
-        self._changed, self._noted_by = [], self  # noted by nobody, which is not the same as no painter
+        self._changed, self._noted_by = [], self  # noted by nobody, which is not the same as nobody
 
     def toggle_fullscreen(self) -> None:
         """Switch between the window and full screen on the primary monitor."""
@@ -279,7 +279,7 @@ class WindowSurface(Surface):
         self._events.append(InputEvent("button", name, pressed, x=x, y=y))
 
     def _on_move(self, _window: object, x: float, y: float) -> None:
-        if self._resting is not None:  # a window that opens under a pointer is told its place, though nobody moved it
+        if self._resting is not None:  # a window that opens under a pointer gets its place, though nobody moved it
             if self._on_screen(x, y) == self._resting:
                 return
             self._resting = None

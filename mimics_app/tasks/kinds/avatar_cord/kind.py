@@ -35,7 +35,6 @@ from mimics_app.tasks.kinds.avatar_cord.features import (
     ShownTap,
 )
 from mimics_app.tasks.kinds.avatar_cord.observations import ANSWERS, TAPS
-from mimics_app.tasks.kinds.avatar_cord.questionnaire_file import check_questionnaire, read_questionnaire
 from mimics_app.tasks.kinds.avatar_cord.questions import Asking
 from mimics_app.tasks.kinds.avatar_cord.spec import AvatarCordSpec, ExperimentGoal, QuestionnaireSpec
 from mimics_app.tasks.kinds.avatar_cord.tap_schedule import Tap, plan_taps, tap_number
@@ -44,11 +43,51 @@ from mimics_app.tasks.observation import Observation
 from mimics_app.world.components.cord import CordComponent
 from mimics_app.world.components.registry import Component
 from mimics_app.world.files.reading.json_text import escape
+from mimics_app.world.files.reading.paths import PathFault, find_file
+from mimics_app.world.files.reading.struct_file import read_struct_file
 
 if TYPE_CHECKING:
     from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["KIND", "AvatarCordKind"]
+
+
+_MAX_BYTES = 1 << 20
+
+
+def read_questionnaire(name: str, folder: Path, root: Path) -> QuestionnaireSpec:
+    """Read a JSON object of what may stand under `task.avatar_cord.questionnaire`.
+
+    Args:
+        name: Path of the file from the scene's folder.
+        folder: Folder of the scene file.
+        root: Folder that it must lie inside.
+
+    Raises:
+        SceneError: no such file, no JSON, or with every fault of it.
+    """
+    try:
+        path = find_file(name, folder, root)
+    except PathFault as fault:
+        raise SceneError(Issue(name, "", fault.what, fault.fix or "check the name")) from fault
+    read = read_struct_file(path, QuestionnaireSpec, _MAX_BYTES)
+    faults = [Issue(str(path), place, what, fix) for place, what, fix in check_questionnaire(read)]
+    if faults:
+        raise SceneError(faults)
+    return read
+
+
+def check_questionnaire(questions: QuestionnaireSpec) -> list[tuple[str, str, str]]:
+    """Return the faults of a questionnaire: pointer within it, what is wrong, what to do."""
+    faults = []
+    if questions.least >= questions.most:
+        faults.append(("/most", "is not above least", "give the scale's upper end"))
+    ids = [item.id for item in questions.items]
+    for number, name in enumerate(ids):
+        if name in ids[:number]:
+            faults.append((f"/items/{number}/id", f'another item is called "{name}"', "give each its own id"))
+    return faults
+
 
 _AHEAD_NS = 2 * FRAME_NS
 """Lead time of a tactile event's order, for the driver of the vibrator [ns]."""

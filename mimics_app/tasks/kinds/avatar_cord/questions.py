@@ -124,7 +124,7 @@ class Asking:
     def _places(self) -> str:
         """Return the way from the subject to the avatar as a row of dots, one of them filled.
 
-        The post itself is out of sight where the subject stands, and inside the avatar.
+        The post itself is not visible where the subject stands, and inside the avatar.
         """
         at = round(self._value / self.distance * (_PLACES - 1))
         return " ".join("●" if place == at else "·" for place in range(_PLACES))

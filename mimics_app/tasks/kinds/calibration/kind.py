@@ -56,7 +56,7 @@ def wish_of(cue: Cue, able: Abilities, answer: float) -> Wish:
     """Return what a person wants for a cue.
 
     Args:
-        cue: What they are shown and told.
+        cue: What they see and are asked to do.
         able: What they are able to do; the range of motion itself is the arm's.
         answer: Movement that counts as an answer [m].
     """

@@ -1,4 +1,4 @@
-"""One step of a calibration: what the person is shown and told in a frame, and what was measured at its end."""
+"""One step of a calibration: what the person sees and is asked to do in a frame, and what was measured at its end."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class Letter:
 
 @dataclass(frozen=True, slots=True)
 class Cue:
-    """What the person is shown and told.
+    """What the person sees and is asked to do.
 
     Attributes:
         prompt: In words.
@@ -99,7 +99,7 @@ class Step(ABC):
     @property
     @abstractmethod
     def cue(self) -> Cue:
-        """What the person is shown and told now."""
+        """What the person sees and is asked to do now."""
 
     @property
     @abstractmethod

@@ -189,7 +189,7 @@ class Match:
         goals, opponent_goals, kicks: Counts.
         act: What the opponent does.
         rng: Source of all that is random.
-        pause_s: Time until play goes on after a goal [s].
+        pause_s: Time until play resumes after a goal [s].
         felt: Whether the person's feet meet the ball elsewhere, in the haptic loop, and not here.
         held: Whether the ball is moved there in this frame.
     """

@@ -87,7 +87,7 @@ class Motion:
         return gone
 
     def hold(self) -> None:
-        """Remove all animators: from now on others move the nodes, which bodies go on following."""
+        """Remove all animators: from now on others move the nodes, which bodies continue to follow."""
         self.animators.clear()
         self.machines.clear()
 

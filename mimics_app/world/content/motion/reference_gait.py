@@ -17,7 +17,7 @@ Sources:
 
 The two differ by 8 degrees (root mean square) in the knee at 1.2 m/s: in the zero of the joint, and by a later
 toe-off in the second. Hip and ankle at other speeds are scaled: the hip with the step, the ankle with its cube, as
-fitted. The walk is judged against the knee, and against a hip and an ankle that it was not made from
+fitted. The walk is compared with the knee, and against a hip and an ankle that it was not made from
 (`lab.published_gait`): 5 degrees root mean square from 0.3 m/s on, 5.5 for the ankle at 0.5 m/s.
 """
 

@@ -71,7 +71,7 @@ class StateMachine:
             share: Share of its clip that is skipped at the start, 0 to 1.
 
         Raises:
-            KeyError: there is no such state; the message names the nearest.
+            KeyError: the state is unknown; the message names the nearest.
         """
         require_key(name, self._states, "state")
         self.state = name

@@ -98,7 +98,7 @@ class GltfSource:
 
     @contextmanager
     def collecting(self) -> Iterator[None]:
-        """Keep a fault raised inside and go on after the block."""
+        """Keep a fault raised inside and continue after the block."""
         try:
             yield
         except SceneError as error:

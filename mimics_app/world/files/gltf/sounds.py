@@ -64,7 +64,7 @@ class GltfSounds:
         audio: Data, in file order.
         emitters: Sources of each emitter, in file order.
         of_nodes: Emitter of a node, by the node's index.
-        of_scene: Emitters of the default scene, heard everywhere.
+        of_scene: Emitters of the default scene, audible everywhere.
     """
 
     audio: list[GltfAudio]

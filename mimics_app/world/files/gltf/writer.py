@@ -104,7 +104,7 @@ class GltfWriter:
             colour: Linear RGBA.
             texture: Index returned by `add_picture`.
             roughness: 0 (mirror) to 1 (matt).
-            metallic: 0 (paint, plastic, cloth) to 1 (metal).
+            metallic: 0 (lacquer, plastic, cloth) to 1 (metal).
             mask: Opacity below which nothing is drawn; None: opaque.
             unlit: True: not affected by light.
         """

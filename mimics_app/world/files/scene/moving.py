@@ -56,8 +56,7 @@ def set_moving(world: World, scene: Scene, entity: SceneEntity) -> None:
 
 
 def _animate(world: World, node: SceneNode, animator: Animator, wanted: Animation) -> None:
-    from mimics_app.world.content.motion.animator import mask_of
-    from mimics_app.world.content.motion.root_motion import RootMotion
+    from mimics_app.world.content.motion.animator import RootMotion, mask_of
     from mimics_app.world.content.motion.state_machine import StateMachine
 
     if wanted.states:

@@ -5,8 +5,8 @@ The ankle's place x ahead of the hip is followed with its velocity v and acceler
 
     e = x - x_predicted,     x += (1 - r^3) e,     v += 1.5 (1 - r)^2 (1 + r) e / dt,     a += (1 - r)^3 e / dt^2
 
-with r = exp(-dt / tau). A strike is told once v - wait a <= 0, that is when v has been backwards for some milliseconds:
-a foot that lingers before it turns is not taken for one that has turned.
+with r = exp(-dt / tau). A strike is reported once v - wait a <= 0, that is when v has been backwards for some
+milliseconds: a foot that lingers before it turns is not taken for one that has turned.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ HEEL_STRIKE = np.dtype(
 """Of one leg; zeros are the initial state, from which it finds the velocity of the foot within a fifth of a second."""
 
 _TAU, _WAIT = 0.020, 0.008
-"""Time constant of each pole, and the time for which a foot moves backwards before it is told [s]. Of five times of
+"""Time constant of each pole, and the time for which a foot moves backwards before it is reported [s]. Of five times of
 either, on walks with noise of 0.5 and 1 mrad, the pair that finds most strikes within 20 ms: 7 ms late in the mean."""
 
 _TRIPLE = 1.5

@@ -206,7 +206,7 @@ def _obey(machine: Vec) -> bool:
     """Set currents and brakes for this tick; return whether the drives are enabled.
 
     Torques are those of the command that leaves the delay line. What disables the drives is a wire of its own: the
-    newest command does, without delay. So does a loop that is not heard for 10 ms.
+    newest command does, without delay. So does a loop that is silent for 10 ms.
     """
     newest = int(machine[_WRITTEN]) - 1
     due = newest - int(machine[DELAY])

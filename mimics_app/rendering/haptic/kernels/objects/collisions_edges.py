@@ -3,8 +3,8 @@
 An edge enters the other shape at t0 through a face n0 and leaves it at t1 through a face n1. The separating direction
 perpendicular to the edge e lies between the two faces, n ~ (n1.e) n0 - (n0.e) n1: along e x (n0 x n1), the axis of two
 crossed edges (Gottschalk, Lin & Manocha 1996), with the depth (n1.e) (-n0.e) L / |n| for the chord of length L, less
-where the shape ends before its two faces would meet. For opposite faces there is no such normal; then, as wherever an
-edge leaves on one side only, the ends of the chord are contact points like corners: crossed planks rest on four.
+where the shape ends before its two faces would meet. For opposite faces such a normal does not exist; then, as wherever
+an edge leaves on one side only, the ends of the chord are contact points like corners: crossed planks rest on four.
 """
 
 from __future__ import annotations

@@ -192,7 +192,7 @@ def _list_seen(
     """List those of `triangles` with numbers in `listed` that the near plane may cut, or whose rectangle is seen.
 
     It is seen where it has a sample and no occluder hides it. Jumps that depend on a single triangle are few, since a
-    processor cannot foresee them: one that is not seen is written and then overwritten, so `out` has room for all.
+    processor cannot predict them: one that is not seen is written and then overwritten, so `out` has room for all.
 
     Returns:
         Indices in `out` that are in use.
