@@ -62,6 +62,7 @@ SHARED = {
     "stage": "a stage of Figure 1",
     "state_machine": "states and transitions",
     "stills": "single frames as files",
+    "tables": "tables for analysis: of a run, of a study",
     "textures": "images of surfaces",
     "trackers": "trackers of head and hands",
     "triples": "three-vectors as tuples",

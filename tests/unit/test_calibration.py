@@ -19,12 +19,11 @@ from mimics_app.recording.calibrations import calibration_of
 from mimics_app.recording.event_log import to_json
 from mimics_app.recording.run import Run
 from mimics_app.tasks.kinds.calibration.grip_step import GripStep
-from mimics_app.tasks.kinds.calibration.kind import KIND, LIGHT, CalibrationPlay
+from mimics_app.tasks.kinds.calibration.kind import KIND, LIGHT, CalibrationPlay, WalkingStep
 from mimics_app.tasks.kinds.calibration.question_step import HearingStep, ReadingStep, Staircase
 from mimics_app.tasks.kinds.calibration.range_step import RangeStep
 from mimics_app.tasks.kinds.calibration.spec import CalibrationSpec
 from mimics_app.tasks.kinds.calibration.step import Seen
-from mimics_app.tasks.kinds.calibration.walking_step import WalkingStep
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.trial_specs import BlockSpec, TrialSpec

@@ -306,7 +306,7 @@ class Opened:
             **values: Values by field, as the file would have them. They are checked as the session begins.
 
         Raises:
-            UsageError: The session has begun, or there is no such component, entity or field.
+            UsageError: The session has begun, or the component is unknown, or the entity or field.
         """
         if self._session is not None or self._closed:
             raise UsageError("the session has begun", "edit the scene before the first step")

@@ -87,7 +87,7 @@ def _make(args: argparse.Namespace) -> int:
     """Write a person, and print each measure as it was asked and reached.
 
     Raises:
-        UsageError: An argument is missing, or there is no such shipped person.
+        UsageError: An argument is missing, or The shipped person is unknown.
         SceneError: The file of measures is faulty.
     """
     missing = [f"--{name}" for name in _NEEDED if getattr(args, name) is None]

@@ -61,7 +61,7 @@ def _model(file: Path) -> Path:
     """Return the model of the person's own body, which every process of the session finds.
 
     Raises:
-        SceneError: There is no such file, or it is no glTF model.
+        SceneError: The file does not exist, or it is no glTF model.
     """
     if file.suffix.lower() not in GLTF_SUFFIXES:
         raise SceneError(Issue(str(file), "", "is no model of a person", "mimics avatar make writes one"))

@@ -13,7 +13,7 @@ __all__ = ["EXPERIMENT"]
 
 
 def _run(values: Columns, folder: Path) -> Columns:
-    from mimics_app.lab.sweep.wall_points import decide
+    from mimics_app.lab.stability.wall_loop import decide
 
     return {"stable": decide(*(values[name] for name in _ORDER))}
 

@@ -47,7 +47,7 @@ def hard_object_values(chosen: Controller, scene: Scene, descriptor: DeviceDescr
         descriptor: Device of two legs.
 
     Raises:
-        UsageError: The controller has no hard object, or has one by its parameters; there is no such entity, or its
+        UsageError: The controller has no hard object, or has one by its parameters; the entity is unknown, or its
             body has no single outline of at most 16 corners in the plane of the leg.
     """
     name = chosen.hard_object

@@ -61,7 +61,7 @@ TONES: Mapping[Tone, Colour] = {
     Tone.WARN: (0.98, 0.80, 0.22, 1.0),
     Tone.ALARM: (0.90, 0.22, 0.20, 1.0),
 }
-"""Colours of the tones; those of a status are also told apart by people without one kind of cones."""
+"""Colours of the tones; those of a status are also distinguished by people without one kind of cones."""
 
 _HIGH: Mapping[Tone, Colour] = {
     Tone.ACCENT: (0.32, 0.72, 0.92, 1.0),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from statistics import median
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
@@ -27,12 +28,55 @@ from mimics_app.tasks.kinds.calibration.grip_step import GripStep
 from mimics_app.tasks.kinds.calibration.question_step import HearingStep, ReadingStep
 from mimics_app.tasks.kinds.calibration.range_step import RangeStep
 from mimics_app.tasks.kinds.calibration.spec import STEPS, CalibrationSpec, MeasuredGoal, StepName
-from mimics_app.tasks.kinds.calibration.step import Cue, Seen, Step, Tone
-from mimics_app.tasks.kinds.calibration.walking_step import WalkingStep
+from mimics_app.tasks.kinds.calibration.step import Cue, Seen, Step, Tone, spread_of
 from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, TaskBlock, TaskKind, Values
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.worn_orthosis import legs_in
 from mimics_app.world.components.registry import Component
+
+if TYPE_CHECKING:
+    from mimics_app.world.files.scene.scene import Scene
+
+__all__ = ["KIND", "LETTER", "LIGHT", "WISH", "CalibrationPlay", "ShownLetter"]
+
+
+_RUN_IN = 1.0 / 3.0
+"""Share of a walk that does not count."""
+
+
+class WalkingStep(Step):
+    """Follows the belt through all walks."""
+
+    def __init__(self, spec: CalibrationSpec, skipped: str) -> None:
+        super().__init__(skipped)
+        self._spec = spec
+        self._since = 0.0
+        self._from: tuple[float, float] | None = None  # time [s] and way of the belt [m] from which it counts
+        self._means: list[float] = []
+
+    @property
+    def cue(self) -> Cue:
+        return Cue(phrase("Walk as fast as is comfortable"))
+
+    @property
+    def share(self) -> float:
+        return len(self._means) / self._spec.repeats
+
+    def take(self, seen: Seen, seconds: float) -> None:
+        self._since += seconds
+        if self._from is None:
+            self._from = (seen.now_s, seen.belt) if self._since >= _RUN_IN * self._spec.walk_s else None
+            return
+        if self._since < self._spec.walk_s:
+            return
+        then, way = self._from
+        self._means.append((seen.belt - way) / (seen.now_s - then))
+        self._since, self._from = 0.0, None
+        if len(self._means) == self._spec.repeats:
+            self.done = True
+            speed = median(self._means)
+            self.measures = [CalibratedMeasure("walking", speed, "m/s", len(self._means), spread_of(self._means))]
+
 
 _ANSWERS = 2.0
 """How far the hand goes for an answer, as a multiple of what counts as one."""
@@ -77,11 +121,6 @@ def _towards(direction: str, way: float) -> Wish:
     x, y, z = (way * part for part in DIRECTIONS[direction])
     return Wish(x, y, z)
 
-
-if TYPE_CHECKING:
-    from mimics_app.world.files.scene.scene import Scene
-
-__all__ = ["KIND", "LETTER", "LIGHT", "WISH", "CalibrationPlay", "ShownLetter"]
 
 LIGHT: Feature[tuple[float, ...]] = Feature("calibration.light", ())
 """Where the light is, from where the hand rests [m]; () for no light."""

@@ -105,7 +105,7 @@ def fit_person(asked: Asked, like: str = "") -> Fitted:
         like: Name of the shipped person whose face and clothes it has; "": the nearest of the same sex.
 
     Raises:
-        KeyError: There is no such shipped person.
+        KeyError: The shipped person is unknown.
     """
     like = like or nearest_body(asked)
     body = read_bodies()[like]
