@@ -61,12 +61,20 @@ def pytest_collection() -> Generator[None, object, object]:
         gc.set_threshold(*COLLECTOR)
 
 
+def keep_models() -> None:
+    """Hundreds of tests load one of some dozen scenes, whose models are decoded once for all of them."""
+    from mimics_app.world.files.scene.model_shelf import MODELS
+
+    MODELS.keep()
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Beside each other the longest files begin first; every test draws from a seed of its own."""
     if hasattr(config, "workerinput"):
         from tests.support.order import longest_first
 
         longest_first(items)
+    keep_models()
     for item in items:
         if is_hypothesis_test(test := getattr(item, "obj", None)):
             same_examples(test)

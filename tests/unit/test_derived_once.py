@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import shutil
+import weakref
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -16,10 +18,12 @@ from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.session.core import SessionCore, open_core
 from mimics_app.app.session.preparation import prepare, prepare_scene
 from mimics_app.app.settings import RunSettings
+from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.haptic import scene_object, scene_objects, scene_tunnel
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_rows
+from mimics_app.world.files.scene.model_shelf import ModelShelf, digest_of
 from tests.support.core_play import change_component
 from tests.support.object_scenes import at, gltf_box, thing, written
 
@@ -50,6 +54,28 @@ def test_a_start_works_out_the_tunnel_the_objects_and_their_meshes_once(made: li
     parts = prepare(RunSettings(SCENES / "wavy_tunnel.json"), live=False)
     parts.plugin.close()
     assert sorted(made) == ["_gather", "build_mesh_table", "tunnel_from_component"]
+
+
+def test_a_model_is_decoded_once_while_somebody_has_it_and_its_file_is_as_it_was(tmp_path: Path) -> None:
+    models, shelf = root() / "assets" / "models", ModelShelf()
+    file = tmp_path / "model.glb"
+    shutil.copy(models / "touch" / "stone.glb", file)
+    stone, digest = shelf.read(file, tmp_path)
+    assert shelf.read(file, tmp_path) == (stone, digest) and digest == digest_of([file])
+    shutil.copy(models / "market" / "jug.glb", file)
+    jug, other = shelf.read(file, tmp_path)
+    assert [mesh.name for mesh in jug.meshes] != [mesh.name for mesh in stone.meshes] and other == digest_of([file])
+    gone = weakref.ref(jug)
+    del jug
+    gc.collect()
+    assert gone() is None and shelf.read(file, tmp_path)[1] == other
+    shelf.keep()
+    kept = id(shelf.read(file, tmp_path)[0])
+    gc.collect()
+    assert id(shelf.read(file, tmp_path)[0]) == kept
+    file.unlink()
+    with pytest.raises(SceneError, match="no such file"):
+        shelf.read(file, tmp_path)
 
 
 def test_a_component_that_a_test_changes_takes_effect_where_it_was_derived_already(made: list[str]) -> None:

@@ -174,7 +174,7 @@ def test_an_asset_that_cannot_be_read_is_reported_where_it_is_named(tmp_path, mo
         raise PermissionError(13, "Permission denied")
 
     (tmp_path / "path.csv").write_text("x,y,z\n")
-    monkeypatch.setattr("mimics_app.world.files.scene.assets.open_regular", refuse)
+    monkeypatch.setattr("mimics_app.world.files.scene.model_shelf.open_regular", refuse)
     found = the_fault(tmp_path, scene(assets={"path": {"uri": "path.csv"}}))
     assert found == 'scene.json#/assets/path/uri: "path.csv" cannot be read: Permission denied'
 

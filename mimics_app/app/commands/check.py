@@ -28,6 +28,10 @@ def run(args: argparse.Namespace) -> int:
     findings: list[dict[str, Any]] = []
     issues: list[Issue] = []
     code = 0
+    if len(args.files) > 1:
+        from mimics_app.world.files.scene.model_shelf import MODELS
+
+        MODELS.keep()
     for file in args.files:
         try:
             findings.append(examine(file))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,12 +9,13 @@ from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.system.regular_file import open_regular
 from mimics_app.world.components.checked_scene import AssetKind
 from mimics_app.world.content.materials.material import TextureData
-from mimics_app.world.files.gltf.file import GltfDocument, load_gltf
+from mimics_app.world.files.gltf.file import GltfDocument
 from mimics_app.world.files.gltf.images import PictureFault, read_picture
 from mimics_app.world.files.reading.json_text import escape
 from mimics_app.world.files.reading.paths import PathFault, find_file
 from mimics_app.world.files.reading.provenance import Layer
 from mimics_app.world.files.reading.struct_reader import FAILED, read_struct
+from mimics_app.world.files.scene.model_shelf import MODELS, digest_of
 from mimics_app.world.files.scene.spec import AssetSpec
 
 __all__ = [
@@ -27,10 +26,6 @@ __all__ = [
     "sound_of_model",
     "sounds_of_model",
 ]
-
-_PART = 1 << 20
-"""Bytes of a file that are hashed at once: a recording need not fit into memory."""
-
 
 _KINDS: dict[str, AssetKind] = {
     ".glb": "model",
@@ -136,15 +131,15 @@ def read_asset(name: str, layer: Layer, root: Path, own: Path | None = None) -> 
 def _decode(name: str, kind: AssetKind, path: Path, spec: AssetSpec, root: Path) -> SceneAsset:
     """Decode a file of known kind; raise SceneError, PictureFault or OSError."""
     if kind == "model":
-        model = load_gltf(path, root if path.is_relative_to(root.resolve()) else path.parent)
-        return SceneAsset(name, kind, path, model=model, files=tuple(model.files), digest=_digest(model.files))
+        model, digest = MODELS.read(path, root if path.is_relative_to(root.resolve()) else path.parent)
+        return SceneAsset(name, kind, path, model=model, files=tuple(model.files), digest=digest)
     picture = None
     if kind == "picture":
         with open_regular(path) as stream:
             picture = TextureData(read_picture(stream), spec.srgb, spec.wrap, spec.filter)
     elif kind == "sound" and not _has_signature(path):
         raise PictureFault(f"is not in {path.suffix[1:].upper()} format")
-    return SceneAsset(name, kind, path, picture=picture, files=(path,), digest=_digest([path]))
+    return SceneAsset(name, kind, path, picture=picture, files=(path,), digest=digest_of([path]))
 
 
 def sounds_of_model(asset: SceneAsset) -> list[SceneAsset]:
@@ -182,15 +177,6 @@ def find_in_model(assets: dict[str, SceneAsset], reference: str) -> ModelPart:
     if table == "meshes":
         return ModelPart(asset, model, mesh=model.find_mesh(item))
     raise KeyError(f'"#{fragment}" refers to nothing; write {escape(name)}#/nodes/Name or {escape(name)}#/meshes/Name')
-
-
-def _digest(files: Sequence[Path]) -> str:
-    digest = hashlib.sha256()
-    for file in files:
-        with open_regular(file) as stream:
-            while part := stream.read(_PART):
-                digest.update(part)
-    return digest.hexdigest()
 
 
 def _has_signature(path: Path) -> bool:
