@@ -19,9 +19,9 @@ from mimics_app.rendering.haptic.scene_objects import SceneObjects, objects_of_s
 from mimics_app.scenarios.parts.body_nodes import BodyNodes
 from mimics_app.scenarios.parts.pick_plan import Percept, Picker
 from mimics_app.scenarios.parts.robot_scene import robot_block, robot_facts, start_at, triple
+from mimics_app.scenarios.parts.shown_hand import ShownHand
 from mimics_app.tasks.kinds.carry.spec import CarrySpec
 from mimics_app.tasks.scene_section import section_of
-from mimics_app.world.components.hand import GraspingHand
 from mimics_app.world.content.extent import world_extent
 from mimics_app.world.content.world import World
 from mimics_app.world.files.scene.scene import Scene
@@ -60,10 +60,8 @@ class PickAndPlace(Scenario):
         self._carry = section_of(scene, CarrySpec)
         self._objects = objects_of_scene(scene)
         self._bodies = BodyNodes(world, self._objects.body_entities)
-        name, self._hand, _ = scene.one(GraspingHand)
-        self._hand_node = world.find(name)
-        self._fingers = tuple(world.find(finger) for finger in self._hand.fingers)
-        self._start = self._hand_node.world_matrix()[:3, 3].copy()
+        self._hand = ShownHand(scene, world)
+        self._start = self._hand.node.world_matrix()[:3, 3].copy()
         self._mark_node = world.find(self._carry.to)
         self._mark = triple(self._mark_node.world_matrix()[:3, 3])
         self._row = self._row_of_body()
@@ -153,15 +151,14 @@ class PickAndPlace(Scenario):
         return self._objects.body_entities.index(self._carry.body)
 
     def _show_hand(self, snapshot: HapticSnapshot) -> None:
-        """Place the hand at the HIP, its fingers at the sides of the held body, else closed by the grasp force."""
-        self._hand_node.set_position(snapshot.hip_world)
-        hand = self._hand
+        """Show the hand at the HIP, closed by the grasp force; around a held body, whose centre it is at."""
+        hand, place = self._hand.spec, snapshot.hip_world
         closing = min(1.0, snapshot.grasp / hand.closing_force)
         gap = hand.open + closing * (hand.closed - hand.open)
         if snapshot.held_body >= 0:
             gap = max(gap, _half_height(self._objects, snapshot.held_body))
-        for finger, side in zip(self._fingers, (-1.0, 1.0), strict=True):
-            finger.set_position((side * gap, 0.0, 0.0))
+            place = snapshot.poses[snapshot.held_body, :3]
+        self._hand.show(place, gap)
 
     def _show_mark(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         """Scale the mark to the radius that counts as placed, and highlight it while the object is above it."""

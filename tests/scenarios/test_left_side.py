@@ -78,7 +78,7 @@ def _shown(scene: Scene) -> dict[str, Any]:
 
 def test_what_is_seen_is_the_mirror_image() -> None:
     right, left = (_shown(load_checked_scene("pick_and_place", edit=edit)) for edit in (None, LEFT))
-    assert right.keys() == left.keys() and {"stall", "bed", "hand", "obstacle_1", "tree_left"} <= right.keys()
+    assert right.keys() == left.keys() and {"stall", "bed", "own_arm", "obstacle_1", "tree_left"} <= right.keys()
     for name in right.keys() - {"encourager"}:  # a person keeps their left and right, at the mirrored place
         (low, high), (other_low, other_high) = right[name], left[name]
         assert [-high[0], *low[1:]] == pytest.approx(other_low.tolist(), abs=1e-6), name

@@ -8,7 +8,7 @@ from assets.builders.avatars.export import FigureWriter, Paint
 from assets.builders.avatars.motions import MOTIONS
 from assets.builders.avatars.paint_face import paint_face
 from assets.builders.avatars.paint_stuff import paint_cloth, paint_curls, paint_eye, paint_hair, paint_hands
-from assets.builders.avatars.person import EVERYBODY
+from assets.builders.avatars.person import EVERYBODY, Person
 from assets.builders.avatars.piece import Piece
 from assets.builders.avatars.sheet import I8
 from assets.builders.avatars.skeleton import FINGERS, arm_axes
@@ -17,7 +17,7 @@ from assets.builders.avatars.worn_bodies import write_bodies
 from assets.builders.kit.palette_texture import Rgb
 from mimics_app.maths.colour import linear_light
 
-__all__ = ["compose", "write_figure"]
+__all__ = ["compose", "linear_colour", "skin_colour", "write_figure"]
 
 _GENERATOR = "mimics_app assets build avatars"
 _BODIES = "bodies.json"
@@ -54,16 +54,18 @@ def write_figure(figure: Figure, seed: int) -> bytes:
     clothes = dict(person.clothes)
     paints = {
         "skin_head": Paint((1.0, 1.0, 1.0), 0.64, base, slopes, soft=_SOFT),
-        "skin_body": Paint(_linear(person.looks.skin, _HAND_TINT), 0.64, _HANDS, _HANDS_SLOPES, soft=_SOFT),
+        "skin_body": Paint(skin_colour(person), 0.64, _HANDS, _HANDS_SLOPES, soft=_SOFT),
         "eye": Paint((1.0, 1.0, 1.0), 0.12, paint_eye(person.looks.iris, seed)),
         "mouth": Paint((1.0, 1.0, 1.0), 0.35),
-        "hair": Paint(_linear(person.looks.hair, 205.0), 0.80, *(_CURLS if person.looks.style in _CURLY else _HAIR)),
-        "shoes": Paint(_linear(clothes["shoes"]), 0.5),
+        "hair": Paint(
+            linear_colour(person.looks.hair, 205.0), 0.80, *(_CURLS if person.looks.style in _CURLY else _HAIR)
+        ),
+        "shoes": Paint(linear_colour(clothes["shoes"]), 0.5),
     }
     for name, colour in person.clothes:
         if name != "shoes":
             rough = 0.92 if name in ("socks", "jersey") else 0.85
-            paints[pieces[name].material] = Paint(_linear(colour), rough, "", _CLOTH)
+            paints[pieces[name].material] = Paint(linear_colour(colour), rough, "", _CLOTH)
     writer = FigureWriter(_GENERATOR, figure.bones, person.name)
     writer.add_skinned("face", [pieces["head"], pieces["mouth"]], paints)
     worn = [pieces[name] for name, _ in person.clothes if name != "shoes"]
@@ -74,7 +76,12 @@ def write_figure(figure: Figure, seed: int) -> bytes:
     return writer.to_bytes()
 
 
-def _linear(colour: Rgb, white: float = 255.0) -> tuple[float, float, float]:
+def skin_colour(person: Person) -> tuple[float, float, float]:
+    """Return the linear factors of a person's skin on the texture of hands."""
+    return linear_colour(person.looks.skin, _HAND_TINT)
+
+
+def linear_colour(colour: Rgb, white: float = 255.0) -> tuple[float, float, float]:
     """Return linear factors of an sRGB colour (IEC 61966-2-1) on a texture whose plain tone is `white`."""
     one, base = (np.asarray(c, float) / 255.0 for c in (colour, (white,) * 3))
     red, green, blue = (float(linear_light(c) / linear_light(w)) for c, w in zip(one, base, strict=True))

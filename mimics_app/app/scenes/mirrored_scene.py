@@ -191,7 +191,8 @@ def _mirror_person(person: _Plain) -> None:
 
 
 def _mirror_hand(hand: _Plain) -> None:
-    hand["fingers"] = hand["fingers"][::-1]
+    if "fingers" in hand:
+        hand["fingers"] = hand["fingers"][::-1]
 
 
 _PARTS: Mapping[str, Callable[[_Plain], None]] = {
