@@ -9,6 +9,7 @@ import numpy as np
 from assets.builders.avatars.fields import F8
 from assets.builders.avatars.piece import Piece
 from assets.builders.avatars.postures import Pose
+from assets.builders.avatars.sheet import I8
 from assets.builders.avatars.skeleton import FINGERS, Skeleton, arm_axes
 from mimics_app.maths.quat import about_axis, product
 
@@ -57,14 +58,14 @@ class Gripper:
         self._angles: dict[str, F8] = {}
         self._pads = [self._pad(finger) for finger in FINGERS]
 
-    def _pad(self, finger: str) -> F8:
+    def _pad(self, finger: str) -> I8:
         """Return the vertices of a pad: those of the last bone that look to the palm."""
         last = self._bones.place(f"right{finger}Distal")
         bone = self._bones.tips[f"right{finger}Tip"] - last
         share = (self._skin.places - last) @ bone / (bone @ bone)
         own = self._skin.weights[:, self._bones.index(f"right{finger}Distal")] > 0.5
         below = self._skin.normals @ self._below(finger)
-        found: F8 = np.flatnonzero(own & (share > 0.1) & (below > 0.3))
+        found: I8 = np.flatnonzero(own & (share > 0.1) & (below > 0.3))
         return found
 
     def _below(self, finger: str) -> F8:
@@ -95,7 +96,7 @@ class Gripper:
         self._close_thumb(pose, centre, radius)
         return Grip(pose, centre, self._gaps(pose, centre, radius))
 
-    def bent(self, pose: Pose, rows: F8) -> tuple[F8, F8]:
+    def bent(self, pose: Pose, rows: I8) -> tuple[F8, F8]:
         """Return positions from the wrist and normals of vertices, along the axes of the hand [m], [n, 3] each."""
         frames, places = pose.places()
         away = self._skin.places[rows][:, None] - self._bones.places
