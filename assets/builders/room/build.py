@@ -1,4 +1,4 @@
-"""The quiet room of the examples with its table, a hall, surfaces to stroke, a spring, a magnet, an arrow."""
+"""The three rooms of the examples with their tables, a hall, surfaces to stroke, a spring, a magnet, an arrow."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from assets.builders.kit.sketch import Point, Sketch
 from assets.builders.market.sculpt import pack_model
-from assets.builders.room import force_models, textures
+from assets.builders.room import force_models, furnished, textures
 from mimics_app.world.files.gltf.writer import GltfWriter
 
 __all__ = ["compose"]
@@ -28,6 +28,8 @@ _COLOURS = {
     "rail": (0.72, 0.70, 0.64, 1.0),
 }
 """Colours of surfaces without a texture: on software renderers a texture of the walls costs a tenth of the frame."""
+_BENCH, _PALE = (0.36, 0.25, 0.17, 1.0), (0.60, 0.56, 0.49, 1.0)
+"""Colours of the workshop's table, on its texture, and of the conservatory's."""
 _BOARD, _GROOVE = 0.14, 0.006
 """Width of a panel's board, and of the groove beside it [m]."""
 
@@ -57,9 +59,9 @@ def compose(seed: int) -> dict[str, bytes]:
 
 
 def _room(seed: int) -> bytes:
-    """Three nodes: `room`, `table`, and `hall`, whose floor is y = 0.
+    """Nodes `room`, `workshop`, `conservatory`, a table for each, and `hall`, whose floor is y = 0.
 
-    Walls and the room's floor receive no shadows: their light is baked into vertex colours, which halves the frame.
+    Walls and the rooms' floors receive no shadows: their light is baked into vertex colours, which halves the frame.
     The table and the hall's floor are lit, and matt.
     """
     writer = GltfWriter("mimics_app assets build room")
@@ -69,9 +71,19 @@ def _room(seed: int) -> bytes:
         "stage": writer.add_material("room_stage", texture=pictures["boards"]),
         "boards": writer.add_material("room_boards", texture=pictures["boards"], unlit=True),
     }
-    for name, colour in _COLOURS.items():
+    materials["bench"] = writer.add_material("room_bench", texture=pictures["oak"], colour=_BENCH, roughness=0.8)
+    materials["pale"] = writer.add_material("room_pale", colour=_PALE, roughness=0.6)
+    for name, colour in (_COLOURS | furnished.COLOURS).items():
         materials[name] = writer.add_material(f"room_{name}", colour=colour, unlit=True)
-    for name, sketch in (("room", _walls(_FLOOR)), ("table", _table()), ("hall", _walls(0.0, 3.6, ground="stage"))):
+    study, workshop, conservatory = _walls(_FLOOR), Sketch(), Sketch()
+    furnished.study(study, seed)
+    furnished.workshop(workshop, seed)
+    furnished.conservatory(conservatory, seed)
+    sketches = {
+        "room": study, "table": _table("oak"), "hall": _walls(0.0, 3.6, ground="stage"), "workshop": workshop,
+        "bench": _table("bench"), "conservatory": conservatory, "pale_table": _table("pale"),
+    }  # fmt: skip
+    for name, sketch in sketches.items():
         parts = [(writer.add_part(part), materials[material]) for material, part in sketch.parts().items()]
         writer.add_node(name, mesh=writer.add_mesh(name, parts))
     return writer.to_bytes()
@@ -81,16 +93,16 @@ def _painted(seed: int) -> dict[str, bytes]:
     return {"oak": textures.paint_oak(seed), "boards": textures.paint_boards(seed)}
 
 
-def _table() -> Sketch:
-    """Top, frame and legs."""
+def _table(wood: str) -> Sketch:
+    """Top, frame and legs of a material."""
     sketch = Sketch()
     (x0, x1), (z0, z1) = _TABLE
     per_metre = 1.0 / 1.2
-    sketch.box("oak", (x0, -_THICK, z0), (x1, 0.0, z1), per_metre=per_metre)
-    sketch.box("oak", (x0 + 0.06, -0.12, z0 + 0.05), (x1 - 0.06, -_THICK, z1 - 0.05), per_metre=per_metre, shade=0.6)
+    sketch.box(wood, (x0, -_THICK, z0), (x1, 0.0, z1), per_metre=per_metre)
+    sketch.box(wood, (x0 + 0.06, -0.12, z0 + 0.05), (x1 - 0.06, -_THICK, z1 - 0.05), per_metre=per_metre, shade=0.6)
     for x in (x0 + 0.05, x1 - 0.12):
         for z in (z0 + 0.04, z1 - 0.11):
-            sketch.box("oak", (x, _FLOOR, z), (x + 0.07, -_THICK, z + 0.07), per_metre=per_metre, shade=0.7)
+            sketch.box(wood, (x, _FLOOR, z), (x + 0.07, -_THICK, z + 0.07), per_metre=per_metre, shade=0.7)
     return sketch
 
 
