@@ -10,16 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import SceneError
-from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.contracts.messages.orders import Feature, HapticField, HapticOrder
 from mimics_app.contracts.messages.stage_messages import Aim, HapticSnapshot, TaskOrders
 from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.contracts.ports.scenario_port import Scenario, TaskContext
-from mimics_app.rendering.haptic.scene_objects import SceneObjects, objects_of_scene
+from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.scenarios.parts.body_nodes import BodyNodes
 from mimics_app.scenarios.parts.pick_plan import Percept, Picker
 from mimics_app.scenarios.parts.robot_scene import robot_block, robot_facts, start_at, triple
-from mimics_app.scenarios.parts.shown_hand import ShownHand
+from mimics_app.scenarios.parts.shown_hand import ShownHand, half_height
 from mimics_app.tasks.kinds.carry.spec import CarrySpec
 from mimics_app.tasks.scene_section import section_of
 from mimics_app.world.content.extent import world_extent
@@ -65,7 +64,7 @@ class PickAndPlace(Scenario):
         self._mark_node = world.find(self._carry.to)
         self._mark = triple(self._mark_node.world_matrix()[:3, 3])
         self._row = self._row_of_body()
-        self._half_height = _half_height(self._objects, self._row)
+        self._half_height = half_height(self._objects, self._row)
         self._picker = Picker(self._mark, self._half_height, self._carry.within)
         self._guided_to: NDArray[np.float64] | None = None
         self._helps = False
@@ -102,7 +101,7 @@ class PickAndPlace(Scenario):
     def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         self._bodies.follow(snapshot.poses)
         self._guide(orders, snapshot)
-        self._show_hand(snapshot)
+        self._hand.follow(snapshot, self._objects)
         self._show_mark(orders, snapshot)
         obstacles = orders.visual.get(_OBSTACLES)
         if obstacles is not None:
@@ -150,16 +149,6 @@ class PickAndPlace(Scenario):
             raise SceneError(self._scene.issue("/task/carry/body", what, 'give it a "haptic_object" with grip'))
         return self._objects.body_entities.index(self._carry.body)
 
-    def _show_hand(self, snapshot: HapticSnapshot) -> None:
-        """Show the hand at the HIP, closed by the grasp force; around a held body, whose centre it is at."""
-        hand, place = self._hand.spec, snapshot.hip_world
-        closing = min(1.0, snapshot.grasp / hand.closing_force)
-        gap = hand.open + closing * (hand.closed - hand.open)
-        if snapshot.held_body >= 0:
-            gap = max(gap, _half_height(self._objects, snapshot.held_body))
-            place = snapshot.poses[snapshot.held_body, :3]
-        self._hand.show(place, gap)
-
     def _show_mark(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         """Scale the mark to the radius that counts as placed, and highlight it while the object is above it."""
         within = orders.visual.get(_MARK)
@@ -189,14 +178,6 @@ class PickAndPlace(Scenario):
         """Show the first obstacles."""
         for number, name in enumerate(self._obstacles()):
             self._world.find(name).visible = number < shown
-
-
-def _half_height(objects: SceneObjects, row: int) -> float:
-    """Return the distance from the centre of a body to its surface, by its first shape [m]."""
-    shapes = objects.rows.shapes
-    shape = next(shapes[i] for i in range(len(shapes)) if shapes[i]["body"] == row)
-    size = shape["size"]
-    return float(0.5 * size.max() if shape["kind"] == ShapeKind.BOX else size[0])
 
 
 def _dress(node: SceneNode, world: World, material: str, prefix: str) -> None:

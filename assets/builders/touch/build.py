@@ -1,4 +1,4 @@
-"""The two models of scenes/examples/models.json: a bowl that is hollow, and a stone that is not quite convex."""
+"""Models to touch: a bowl that is hollow, a stone that is not quite convex, an egg, a can, a kite, a rotor."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from assets.builders.market.sculpt import Sculpt
+from assets.builders.touch import toys
 from mimics_app.contracts.arrays import F8
 from mimics_app.world.content.meshes.mesh import compute_normals
 from mimics_app.world.content.meshes.primitives import icosphere
@@ -79,10 +81,25 @@ def pack(name: str, body: tuple[F8, NDArray[np.int64]], colour: Rgba, roughness:
     return writer.to_bytes()
 
 
+def pack_painted(name: str, sculpt: Sculpt, roughness: float) -> bytes:
+    """One mesh with its colours at the vertices as a GLB file, without levels of detail: it is near, and small."""
+    writer = GltfWriter(_GENERATOR)
+    material = writer.add_material(name, roughness=roughness)
+    writer.add_node(name, mesh=writer.add_mesh(name, [(writer.add_part(sculpt.part()), material)]))
+    return writer.to_bytes()
+
+
 def compose(seed: int) -> dict[str, bytes]:
-    """Return both models; the seed has no effect."""
+    """Return the models; the seed has no effect."""
     del seed
-    return {
+    made = {
+        "egg": (toys.egg(), 0.6),
+        "can": (toys.can(), 0.35),
+        "kite": (toys.kite(), 0.8),
+        "rotor": (toys.rotor(), 0.4),
+    }
+    painted = {f"{name}.glb": pack_painted(name, sculpt, roughness) for name, (sculpt, roughness) in made.items()}
+    return painted | {
         "bowl.glb": pack("bowl", bowl(), (0.35, 0.16, 0.08, 1.0), 0.4),
         "stone.glb": pack("stone", stone(), (0.33, 0.32, 0.31, 1.0), 0.9),
     }

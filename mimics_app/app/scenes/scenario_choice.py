@@ -27,7 +27,7 @@ _Builder = Callable[[Scene, World], Scenario]
 BUILT_IN = member_names(scenarios)
 """Names of the scenarios that come with the product: the modules of `mimics_app.scenarios`, named like their scenes."""
 
-_BY_COMPONENT: dict[type, str] = {Tunnel: "wavy_tunnel", GraspingHand: "pick_and_place"}
+_BY_COMPONENT: dict[type, str] = {Tunnel: "wavy_tunnel"}
 """Built-in scenario of a scene that names none, by the first of these components it has."""
 
 _ROBOT_NEEDED = 'include "mimics:scenes/parts/touch_room.json" and add {"id": "robot", "prefab": "robot"}'
@@ -84,6 +84,8 @@ def _find_builder(scene: Scene) -> _Builder:
     for component, name in _BY_COMPONENT.items():
         if scene.has(component):
             return _load(name)
+    if scene.has(GraspingHand) and "carry" in (scene.document.get("task") or {}):
+        return _load("pick_and_place")
     if scene.has(Robot):
         from mimics_app.scenarios.parts.touch_scene import TouchScene  # compiled code: not needed for other scenes
 

@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from mimics_app.contracts.arrays import F8, Vec3
+from mimics_app.contracts.loop.haptic_objects import ShapeKind
+from mimics_app.contracts.messages.stage_messages import HapticSnapshot
+from mimics_app.rendering.haptic.scene_objects import SceneObjects
 from mimics_app.world.components.hand import GraspingHand
 from mimics_app.world.content.motion.layer import Layer
 from mimics_app.world.content.world import World
 from mimics_app.world.files.scene.scene import Scene
 from mimics_app.world.graph.scene_node import SceneNode
 
-__all__ = ["ShownHand"]
+__all__ = ["ShownHand", "half_height"]
 
 _CLIP = "grip"
 """Clip of the model of an arm, from closed to open."""
@@ -35,6 +38,15 @@ class ShownHand:
         self._fingers = tuple(world.find(finger) for finger in self.spec.fingers)
         self._clips = [_held_clip(world, arm) for arm in (self.spec.arm,) if arm is not None]
 
+    def follow(self, snapshot: HapticSnapshot, objects: SceneObjects) -> None:
+        """Show the hand at the HIP, closed by the grasp force; around a held body, whose centre it is at."""
+        place, gap = snapshot.hip_world, self.spec.open
+        gap += min(1.0, snapshot.grasp / self.spec.closing_force) * (self.spec.closed - self.spec.open)
+        if snapshot.held_body >= 0:
+            gap = max(gap, half_height(objects, snapshot.held_body))
+            place = snapshot.poses[snapshot.held_body, :3]
+        self.show(place, gap)
+
     def show(self, place: Vec3 | F8 | Sequence[float], gap: float) -> None:
         """Place the hand.
 
@@ -48,6 +60,14 @@ class ShownHand:
         share = (gap - self.spec.closed) / (self.spec.open - self.spec.closed)
         for layer in self._clips:
             layer.at = min(max(share, 0.0), 1.0) * layer.clip.duration
+
+
+def half_height(objects: SceneObjects, row: int) -> float:
+    """Return the distance from the centre of a body to its surface, by its first shape [m]."""
+    shapes = objects.rows.shapes
+    shape = next(shapes[i] for i in range(len(shapes)) if shapes[i]["body"] == row)
+    size = shape["size"]
+    return float(0.5 * size.max() if shape["kind"] == ShapeKind.BOX else size[0])
 
 
 def _held_clip(world: World, arm: str) -> Layer:

@@ -19,9 +19,11 @@ from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.scenarios.parts.body_nodes import BodyNodes
 from mimics_app.scenarios.parts.next_station import NextStation
 from mimics_app.scenarios.parts.robot_scene import SPACING, Places, even_points, robot_block, robot_facts, start_at
+from mimics_app.scenarios.parts.shown_hand import ShownHand
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task import PointGoal
 from mimics_app.world.components.animation import Avatar
+from mimics_app.world.components.hand import GraspingHand
 from mimics_app.world.components.objects import HapticObject, HapticPath, InteractionPoints
 from mimics_app.world.components.orthosis_view import OrthosisView
 from mimics_app.world.components.robot import Ball, Patient, Robot
@@ -106,6 +108,7 @@ class TouchScene(Scenario):
             for point in (points.points if points else ())
             if point.entity is not None
         ]
+        self._hand = ShownHand(scene, world) if scene.has(GraspingHand) else None
         self._worn = self._wears_device()
         self._orthosis = OrthosisNodes(scene, world)
         self._show_paths()
@@ -139,6 +142,8 @@ class TouchScene(Scenario):
         if self._ball is not None:
             self._ball.set_position(snapshot.hip_world)
             self._ball.set_scale((snapshot.ball_radius,) * 3)
+        if self._hand is not None:
+            self._hand.follow(snapshot, self._objects)
         if self._worn:
             self._world.motion.joints = snapshot.q
         for node, contact, offset in self._points:
