@@ -34,14 +34,31 @@ float beside_ball(vec3 n) {
     return 1.0 - clamp(dot(n, to_ball) * inversesqrt(d2), 0.0, 1.0) * clamp(ball.w * ball.w / d2, 0.0, 1.0);
 }
 
+// Share of a vessel below the surface: a strand that winds about the cord and wanders as it does.
+float vessel(float first, float pitch, float broad) {
+    float s = at.x / max(form.x, 1e-4);
+    float off = at.y - first - pitch * s - 0.45 * sin(0.31 * s + 2.0 * first);
+    off = abs(mod(off + 3.14159265, 6.2831853) - 3.14159265);
+    return 1.0 - smoothstep(0.35 * broad, broad, off);
+}
+
+// Colour of translucent skin over a vein and two arteries, paler towards its outline; vessels show its motion.
+vec3 flesh(vec3 skin, float facing) {
+    vec3 base = mix(skin, mix(vec3(0.92, 0.78, 0.72), skin, 0.35), pow(1.0 - facing, 1.5));
+    float mottled = 0.5 + 0.5 * sin(at.x / max(form.x, 1e-4) * 1.7 + 2.0 * sin(2.0 * at.y));
+    base *= mix(0.93, 1.0, mottled);
+    float depth = mix(0.30, 0.85, facing);
+    base = mix(base, skin * vec3(0.52, 0.48, 0.86), 0.8 * depth * vessel(0.0, 0.17, 0.75));
+    base = mix(base, skin * vec3(0.92, 0.36, 0.34), 0.7 * depth * vessel(2.2, 0.17, 0.34));
+    return mix(base, skin * vec3(0.92, 0.36, 0.34), 0.7 * depth * vessel(4.1, 0.17, 0.34));
+}
+
 void main() {
     vec3 n = normalize(normal);
     vec3 sight = position_eye - eye_seen.xyz;
     float distance = length(sight);
     vec2 sun = sun_and_tone(position_eye, n);
-    // A twisted weave, which makes the motion of the surface visible.
-    float weave = 0.5 + 0.5 * sin(3.0 * at.y + at.x / max(form.x, 1e-4) * 2.2);
-    vec3 base = colour_roughness.rgb * mix(0.82, 1.0, smoothstep(0.1, 0.6, weave));
+    vec3 base = flesh(colour_roughness.rgb, abs(dot(n, sight)) / distance);
     Surface surface = make_surface(base, 0.0, colour_roughness.w, n, sight / -distance);
     float open = beside_ball(n);
     vec3 light = shine(surface, colour_roughness.w, position_eye, sun.x * past_ball(n), open);

@@ -59,7 +59,7 @@ def compose(seed: int) -> dict[str, bytes]:
 
 
 def _room(seed: int) -> bytes:
-    """Nodes `room`, `workshop`, `conservatory`, a table for each, and `hall`, whose floor is y = 0.
+    """Nodes `room`, `workshop`, `conservatory`, a table for each; `waiting_room` and `hall`, whose floor is y = 0.
 
     Walls and the rooms' floors receive no shadows: their light is baked into vertex colours, which halves the frame.
     The table and the hall's floor are lit, and matt.
@@ -75,13 +75,14 @@ def _room(seed: int) -> bytes:
     materials["pale"] = writer.add_material("room_pale", colour=_PALE, roughness=0.6)
     for name, colour in (_COLOURS | furnished.COLOURS).items():
         materials[name] = writer.add_material(f"room_{name}", colour=colour, unlit=True)
-    study, workshop, conservatory = _walls(_FLOOR), Sketch(), Sketch()
+    study, workshop, conservatory, waiting = _walls(_FLOOR), Sketch(), Sketch(), Sketch()
+    furnished.waiting_room(waiting, seed)
     furnished.study(study, seed)
     furnished.workshop(workshop, seed)
     furnished.conservatory(conservatory, seed)
     sketches = {
         "room": study, "table": _table("oak"), "hall": _walls(0.0, 3.6, ground="stage"), "workshop": workshop,
-        "bench": _table("bench"), "conservatory": conservatory, "pale_table": _table("pale"),
+        "bench": _table("bench"), "conservatory": conservatory, "pale_table": _table("pale"), "waiting_room": waiting,
     }  # fmt: skip
     for name, sketch in sketches.items():
         parts = [(writer.add_part(part), materials[material]) for material, part in sketch.parts().items()]

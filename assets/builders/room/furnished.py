@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from assets.builders.kit.sketch import Point, Sketch
 
-__all__ = ["COLOURS", "FLOOR", "conservatory", "study", "workshop"]
+__all__ = ["COLOURS", "FLOOR", "conservatory", "study", "waiting_room", "workshop"]
 
 FLOOR = -0.74
 """Height of the floor below the table [m]."""
@@ -33,6 +33,9 @@ COLOURS = {
     "leaf": (0.11, 0.25, 0.06, 1.0),
     "lawn": (0.26, 0.40, 0.10, 1.0),
     "clay": (0.50, 0.20, 0.10, 1.0),
+    "teal": (0.10, 0.30, 0.32, 1.0),
+    "sage": (0.34, 0.42, 0.34, 1.0),
+    "oakwood": (0.46, 0.30, 0.16, 1.0),
     "tile": (0.56, 0.53, 0.47, 1.0),
     "slate": (0.30, 0.35, 0.40, 1.0),
     "concrete": (0.33, 0.33, 0.33, 1.0),
@@ -100,6 +103,86 @@ def conservatory(sketch: Sketch, seed: int) -> None:
         _drum(sketch, "clay", (x, FLOOR, z), top - FLOOR, (0.13 * size, 0.18 * size))
         _drum(sketch, "clay", (x, top - 0.04, z), 0.05, (0.195 * size, 0.195 * size))
         _plant(sketch, rng, (x, top, z), 34, 0.48 * size)
+
+
+def waiting_room(sketch: Sketch, seed: int) -> None:
+    """Add walls, a window, a door, chairs, a table with magazines, and a plant; the floor, y = 0, is left out."""
+    rng = np.random.default_rng(seed)
+    half, high, back = 3.2, 2.8, -3.4
+
+    def corner(point: Point) -> float:
+        near = max(min(half - abs(point[0]), point[2] - back), 0.0)
+        edge = 1.0 - 0.26 * math.exp(-near / 0.5) - 0.22 * math.exp(-max(point[1], 0.0) / 0.2)
+        return edge - 0.14 * math.exp(-max(high - point[1], 0.0) / 0.4)
+
+    walls = (
+        ((-half, 0.0, back), (2 * half, 0.0, 0.0)),
+        ((-half, 0.0, 3.4), (0.0, 0.0, back - 3.4)),
+        ((half, 0.0, back), (0.0, 0.0, 3.4 - back)),
+        ((half, 0.0, 3.4), (-2 * half, 0.0, 0.0)),
+    )
+    for start, along in walls:
+        sketch.sheet("plaster", start, along, (0.0, high, 0.0), (14, 10), 1.0, corner)
+    sketch.sheet("white", (-half, high, back), (2 * half, 0, 0), (0, 0, 3.4 - back), (6, 6), 1.0, lambda p: 0.96)
+    for low, top, deep, colour in ((0.0, 0.12, 0.03, "white"), (0.92, 1.0, 0.03, "sage")):
+        sketch.box(colour, (-half, low, back), (half, top, back + deep), hidden="n")
+        sketch.box(colour, (-half, low, back), (-half + deep, top, 3.4), hidden="w", shade=0.9)
+        sketch.box(colour, (half - deep, low, back), (half, top, 3.4), hidden="e", shade=0.9)
+    _place(sketch, lambda part: _window(part, (-0.62, 1.04), (0.62, 2.1), (2, 2), rng), (-1.75, 0.0, back + 1.9))
+    _place(sketch, _door, (2.25, 0.0, back))
+    for number in range(4):
+        _place(sketch, _chair, (-2.62 + 0.68 * number, 0.0, back + 0.42))
+    _place(sketch, _chair, (1.15, 0.0, back + 0.42))
+    _place(sketch, _frame, (0.62, 1.62, back))
+    _drum(sketch, "clay", (0.55, 0.0, back + 0.40), 0.42, (0.15, 0.20))
+    _plant(sketch, rng, (0.55, 0.42, back + 0.40), 34, 0.62)
+    _magazines(sketch, rng, (-1.6, 0.0, back + 1.25))
+
+
+def _place(sketch: Sketch, draw: Callable[[Sketch], None], at: Point) -> None:
+    part = Sketch()
+    draw(part)
+    sketch.add(part, lambda point: (point[0] + at[0], point[1] + at[1], point[2] + at[2]))
+
+
+def _chair(sketch: Sketch) -> None:
+    """An upholstered chair that looks at the room."""
+    sketch.box("teal", (-0.27, 0.38, -0.26), (0.27, 0.47, 0.24), shade=1.0)
+    sketch.box("teal", (-0.27, 0.50, -0.32), (0.27, 0.92, -0.25), shade=0.82)
+    for x in (-0.27, 0.23):
+        for z in (-0.26, 0.20):
+            sketch.box("oakwood", (x, 0.0, z), (x + 0.04, 0.38, z + 0.04), shade=0.8)
+        sketch.box("oakwood", (x, 0.60, -0.26), (x + 0.045, 0.635, 0.22))
+        sketch.box("oakwood", (x, 0.47, 0.18), (x + 0.045, 0.60, 0.22), shade=0.85)
+
+
+def _door(sketch: Sketch) -> None:
+    sketch.box("white", (-0.52, 0.0, 0.0), (0.52, 2.14, 0.05), hidden="n", shade=0.94)
+    sketch.box("oakwood", (-0.44, 0.0, 0.05), (0.44, 2.06, 0.06), hidden="n", shade=0.85)
+    for low, top in ((0.16, 0.92), (1.04, 1.92)):
+        sketch.box("oakwood", (-0.32, low, 0.06), (0.32, top, 0.066), hidden="n", shade=0.72)
+    sketch.box("steel", (-0.41, 0.99, 0.06), (-0.28, 1.015, 0.10), shade=1.5)
+
+
+def _frame(sketch: Sketch) -> None:
+    """A framed landscape."""
+    sketch.box("oakwood", (-0.36, -0.26, 0.0), (0.36, 0.26, 0.03), hidden="n", shade=0.7)
+    sketch.box("white", (-0.33, -0.23, 0.03), (0.33, 0.23, 0.032), hidden="n")
+    part = Sketch()
+    _view(part, np.random.default_rng(5), (-0.27, 0.27), (-0.17, 0.17), 0.034)
+    sketch.add(part, lambda point: point)
+
+
+def _magazines(sketch: Sketch, rng: np.random.Generator, at: Point) -> None:
+    x, y, z = at
+    sketch.box("oakwood", (x - 0.5, y + 0.36, z - 0.28), (x + 0.5, y + 0.40, z + 0.28), shade=1.1)
+    for left in (-0.46, 0.41):
+        for deep in (-0.24, 0.19):
+            sketch.box("oakwood", (x + left, y, z + deep), (x + left + 0.05, y + 0.36, z + deep + 0.05), shade=0.75)
+    for number, colour in enumerate(("red", "cream", "navy", "safety", "white")):
+        low = y + 0.40 + 0.006 * (number % 3)
+        left, deep = x - 0.38 + 0.16 * number + rng.uniform(-0.03, 0.03), z - 0.12 + rng.uniform(-0.06, 0.06)
+        sketch.box(colour, (left, low, deep), (left + 0.17, low + 0.006, deep + 0.23), shade=1.1)
 
 
 def _walls(sketch: Sketch, lower: str, upper: str, floor: str, *, back: bool = True) -> None:
