@@ -28,7 +28,7 @@ def write_scene(model: Path, clip: str) -> Path:
             {"id": "sky", "components": {"light": {"kind": "ambient", "intensity": 0.5}}},
             {
                 "id": "eye",
-                "transform": {"translation": [0.5, 1.2, 3.0]},
+                "transform": {"translation": [0.4, 1.1, 2.4]},
                 "components": {"camera": {"target": [0.0, 0.9, 0.0]}},
             },
         ],
@@ -49,7 +49,7 @@ def draw(model: Path, clip: str, joint: str, folder: Path, frames: int = 12) -> 
         lamp.create_light("point", colour=(1.0, 0.8, 0.5), intensity=0.3)
         for file in files:
             session.step(STEP)
-            Image.fromarray(session.picture(*SIZE)).save(file)
+            Image.fromarray(session.picture(*SIZE, board=False)).save(file)
     return files
 
 

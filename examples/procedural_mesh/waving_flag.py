@@ -5,28 +5,23 @@ Run it from the repository's root: python examples/procedural_mesh/waving_flag.p
 
 from __future__ import annotations
 
-import math
 import sys
 from pathlib import Path
 
 import numpy as np
+from PIL import Image
 
-from mimics_app.rendering.visual.displays.desktop import desktop_views
-from mimics_app.rendering.visual.frame_set import FrameSet, render_frames
-from mimics_app.rendering.visual.renderer import Renderer
-from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.surfaces.headless import open_offscreen
-from mimics_app.rendering.visual.view import View
-from mimics_app.world.content.environment import Sky
-from mimics_app.world.content.materials.material import Material
+import mimics_app as mimics
 from mimics_app.world.content.meshes.mesh import MeshData, compute_normals
 from mimics_app.world.content.meshes.mesh_buffer import MeshBuffer
-from mimics_app.world.content.meshes.primitives import box, cylinder, plane
+from mimics_app.world.content.meshes.primitives import box
 from mimics_app.world.content.world import World
 
+SCENE = Path(__file__).with_name("flag.json")
 WIDTH, HEIGHT, COLUMNS, ROWS = 1.5, 0.9, 48, 24
 POSTS = 24
-FRAMES_PER_SECOND = 30.0
+STEP = 1.0 / 30.0
+"""Time from picture to picture [s]."""
 
 
 def make_flag() -> MeshData:
@@ -70,54 +65,29 @@ def lift(posts: MeshBuffer, number: int) -> None:
     posts.update(first, size)
 
 
-def make_world() -> World:
-    """A pole with the flag, the posts, a floor, a sun and an eye."""
-    world = World()
-    world.environment = Sky((0.20, 0.40, 0.75), (0.70, 0.80, 0.90), (0.25, 0.24, 0.20), 0.7)
-    world.set_material(Material("cloth", base_colour=(1.0, 1.0, 1.0, 1.0), roughness=0.9, double_sided=True))
-    world.set_material(Material("grass", base_colour=(0.22, 0.32, 0.12, 1.0), roughness=1.0))
-    world.set_material(Material("wood", base_colour=(0.45, 0.30, 0.16, 1.0), roughness=0.7))
-    world.meshes |= {
-        "flag": make_flag(),
-        "posts": make_posts(),
-        "pole": cylinder(0.03, 2.4),
-        "floor": plane(40.0, 40.0),
-    }
-    root = world.root
-    root.create_child("floor").create_entity("floor", "grass").subentities[0].casts_shadow = False
-    root.create_child("pole", (-0.8, 1.2, 0.0)).create_entity("pole", "wood")
-    root.create_child("flag", (-0.77, 1.85, 0.0)).create_entity("flag", "cloth")
-    root.create_child("posts").create_entity("posts", "wood")
-    sun = root.create_child("sun", (-2.0, 4.0, 3.0))
-    sun.look_at((0.0, 0.8, 0.0))
-    sun.create_light("directional", colour=(1.0, 0.95, 0.85), intensity=1.3, casts_shadow=1)
-    eye = root.create_child("eye", (0.6, 1.5, 3.6))
-    eye.look_at((0.0, 1.05, 0.0))
-    eye.create_camera(math.radians(45.0))
-    world.update()
-    return world
+def add_meshes(world: World) -> tuple[MeshBuffer, MeshBuffer]:
+    """Put the flag at its pole and the posts before it; their vertices may be written from now on."""
+    for name, mesh, material, place in (
+        ("flag", make_flag(), "cloth", (-0.77, 1.85, 0.0)),
+        ("posts", make_posts(), "wood", (0.0, 0.0, 0.0)),
+    ):
+        world.set_mesh(name, mesh)
+        world.root.create_child(name, place).create_entity(name, material)
+    return world.open_mesh("flag"), world.open_mesh("posts")
 
 
-def draw(folder: Path, frames: int, size: tuple[int, int] = (640, 360)) -> FrameSet:
+def draw(folder: Path, frames: int, size: tuple[int, int] = (640, 360)) -> list[Path]:
     """Draw the scene frame by frame into PNG files."""
-    world = make_world()
-    flag, posts = world.open_mesh("flag"), world.open_mesh("posts")
-    done: set[int] = set()
-
-    def views(number: int) -> list[View]:
-        wave(flag, number / FRAMES_PER_SECOND)
-        if number not in done:
+    folder.mkdir(parents=True, exist_ok=True)
+    files = [folder / f"frame_{number:05d}.png" for number in range(frames)]
+    with mimics.open(SCENE, record=False) as session:
+        flag, posts = add_meshes(session.world)
+        for number, file in enumerate(files):
+            wave(flag, number * STEP)
             lift(posts, number)
-            done.add(number)
-        world.update()
-        return list(desktop_views(world.cameras[0], size))
-
-    with open_offscreen("auto", size) as surface:
-        renderer = Renderer(surface, world, RenderSettings(shadow_size=1024, fog_density=0.02))
-        try:
-            return render_frames(renderer, surface, frames, views, folder)
-        finally:
-            renderer.release()
+            session.step(STEP)
+            Image.fromarray(session.picture(*size, board=False)).save(file)
+    return files
 
 
 def declare(mesh: MeshBuffer) -> list[str]:
@@ -130,6 +100,7 @@ def declare(mesh: MeshBuffer) -> list[str]:
 
 
 if __name__ == "__main__":
-    print("\n".join(declare(make_world().open_mesh("flag"))))
-    for file in draw(Path(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 30).files:
-        print(file)
+    with mimics.open(SCENE, record=False) as opened:
+        print("\n".join(declare(add_meshes(opened.world)[0])))
+    for written in draw(Path(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 30):
+        print(written)

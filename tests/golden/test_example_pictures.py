@@ -14,6 +14,7 @@ from mimics_app.app.play.stills import draw_stills
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.system.resources import root
+from mimics_app.world.content.world import World
 
 SIZE = (320, 180)
 SCENES = root() / "scenes" / "examples"
@@ -58,10 +59,12 @@ def load_script() -> ModuleType:
 def test_the_computed_mesh_moves_as_its_formula_says(tmp_path, assert_golden):
     script = load_script()
     pictures = []
-    for file in script.draw(tmp_path, 3, SIZE).files:
+    for file in script.draw(tmp_path, 3, SIZE):
         with Image.open(file) as picture:
             pictures.append(np.array(picture.convert("RGB")))
     assert (pictures[0] != pictures[2]).any(axis=-1).mean() > 0.005
-    lines = script.declare(script.make_world().open_mesh("flag"))
+    world = World()
+    world.set_mesh("flag", script.make_flag())
+    lines = script.declare(world.open_mesh("flag"))
     assert lines[0] == "in_position: 3 x f4 at byte 0 of 32" and len(lines) == 4
     assert_golden(pictures[-1], "waving_flag", 2, 0.995)

@@ -322,8 +322,8 @@ class Opened:
         """Call a function with the row of each attempt at a trial when it has ended."""
         self._listeners.append(listener)
 
-    def picture(self, width: int = 1280, height: int = 720) -> NDArray[np.uint8]:
-        """Draw the scene as it is now, with its board: RGB display values, shape [height, width, 3].
+    def picture(self, width: int = 1280, height: int = 720, *, board: bool = True) -> NDArray[np.uint8]:
+        """Draw the scene as it is now, with its board unless that is off: RGB values, shape [height, width, 3].
 
         Raises:
             DeviceError: No OpenGL context is available.
@@ -338,7 +338,7 @@ class Opened:
             self._picture, self._size = self._open_picture(width, height), (width, height)
         if session.view:
             self._picture.show_view(session.view)
-        self._picture.draw(self._frames.board, session.clock.now_ns())
+        self._picture.draw(self._frames.board if board else Board(), session.clock.now_ns())
         return np.ascontiguousarray(read_pixels(self._picture.surface)[:, :, :3])
 
     def sound(self) -> NDArray[np.float32]:
