@@ -11,7 +11,7 @@ import pytest
 
 from assets.builders.avatars.detail import LEVELS, coarser, coverages
 from assets.builders.avatars.person import EVERYBODY
-from assets.builders.avatars.whole_person import make_figure
+from assets.builders.avatars.whole_person import Figure, make_figure
 from mimics_app.app.bench.people_workload import People
 from mimics_app.app.bench.render_bench import RenderBench, measure_render
 from mimics_app.contracts.system.resources import root
@@ -22,8 +22,12 @@ from tests.golden.drawing import draw_offscreen
 AVATARS = root() / "assets" / "models" / "avatars"
 
 
-def test_parts_become_coarser_and_stay_near() -> None:
-    figure = make_figure(EVERYBODY[0], 1)
+@pytest.fixture(scope="module")
+def figure() -> Figure:
+    return make_figure(EVERYBODY[3], 1)
+
+
+def test_parts_become_coarser_and_stay_near(figure: Figure) -> None:
     body = figure.pieces["skin"]
     before, errors = len(body.triangles), []
     for level in LEVELS:
@@ -38,9 +42,9 @@ def test_parts_become_coarser_and_stay_near() -> None:
     assert shares == sorted(shares, reverse=True) and shares[-1] == 0.0 and len(shares) == len(LEVELS) + 1
 
 
-def test_levels_do_not_depend_on_the_last_digits_of_places() -> None:
+def test_levels_do_not_depend_on_the_last_digits_of_places(figure: Figure) -> None:
     """These differ between processors: left and right lose equally much, so any digit decided which edge went first."""
-    hair = make_figure(EVERYBODY[3], 1).pieces["hair"]
+    hair = figure.pieces["hair"]
     other = replace(hair, places=hair.places + np.random.default_rng(1).uniform(-1e-15, 1e-15, hair.places.shape))
     for level in LEVELS:
         assert np.array_equal(coarser(hair, level)[0].triangles, coarser(other, level)[0].triangles)
