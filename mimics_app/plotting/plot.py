@@ -1,6 +1,7 @@
 """Plots as inline SVG: axes, lines, bands, bars and legends, coloured by the style sheet of their page.
 
 A plot is markup to a template (`__html__`): every element is made in `marks`, which escapes text and attributes.
+All words are shown in the present language.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import numpy as np
 from markupsafe import Markup
 
 from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.system.language import translated
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.marks import circle, element, joined, path, rect, word
 
@@ -88,7 +90,7 @@ class Plot:
         """Draw a line through points; `kind` is its class in the style sheet, `name` its entry in the legend."""
         d = self._path(np.asarray(x, np.float64), np.asarray(y, np.float64))
         if d:
-            self._parts.append(path(f"line {kind}", d, name))
+            self._parts.append(path(f"line {kind}", d, translated(name)))
         self._name("line", kind, name)
 
     def _path(self, x: F8, y: F8) -> str:
@@ -115,7 +117,7 @@ class Plot:
         height = self._inner[1]
         for a, b in zip(left.tolist(), right.tolist(), strict=True):
             width = max(b - a, 0.7)
-            self._parts.append(rect(f"fill {kind}", (a, _TOP, width, height), name))
+            self._parts.append(rect(f"fill {kind}", (a, _TOP, width, height), translated(name)))
         self._name("fill", kind, name)
 
     def band(self, x: F8, low: F8, high: F8, kind: str, name: str = "") -> None:
@@ -123,7 +125,7 @@ class Plot:
         (forth, lower), (_, upper) = self._pixels(x, low), self._pixels(x, high)
         outline = [*zip(forth, lower, strict=True), *zip(forth[::-1], upper[::-1], strict=True)]
         d = "M" + "L".join(f"{px:.1f} {py:.1f}" for px, py in outline) + "Z"
-        self._parts.append(path(f"fill {kind}", d, name))
+        self._parts.append(path(f"fill {kind}", d, translated(name)))
         self._name("fill", kind, name)
 
     def bars(self, edges: F8, heights: F8, kind: str, name: str = "") -> None:
@@ -132,7 +134,7 @@ class Plot:
         right = self._pixels(edges[1:], heights)[0]
         base = _TOP + self._inner[1]
         for i in np.flatnonzero(np.asarray(heights) > self.y.low):
-            what = f"{edges[i]:.3g} to {edges[i + 1]:.3g}: {heights[i]:.6g}"
+            what = f"{edges[i]:.3g} – {edges[i + 1]:.3g}: {heights[i]:.6g}"
             corner = (left[i], top[i], max(right[i] - left[i] - 0.5, 0.7), max(base - top[i], 0.0))
             self._parts.append(rect(f"fill {kind}", corner, what))
         self._name("fill", kind, name)
@@ -141,20 +143,20 @@ class Plot:
         """Draw small circles, each with its own hover text."""
         px, py = self._pixels(np.asarray(x, np.float64), np.asarray(y, np.float64))
         for i, (a, b) in enumerate(zip(px.tolist(), py.tolist(), strict=True)):
-            self._parts.append(circle(f"point {kind}", a, b, 4.0, hovers[i] if hovers else name))
+            self._parts.append(circle(f"point {kind}", a, b, 4.0, translated(hovers[i] if hovers else name)))
         self._name("point", kind, name)
 
     def word(self, x: float, y: float, text: str, anchor: str = "middle") -> None:
         """Draw text; `anchor` is "start", "middle" or "end"."""
         px, py = (float(p[0]) for p in self._pixels(np.array([x]), np.array([y])))
-        self._parts.append(word(px, py, text, "name", anchor))
+        self._parts.append(word(px, py, translated(text), "name", anchor))
 
     def mark_x(self, value: float, text: str, row: int = 0) -> None:
         """Draw a vertical line with text beside it; rows are one line of text apart."""
         px = float(self._pixels(np.array([value]), np.array([self.y.high]))[0][0])
         bottom = _TOP + self._inner[1]
         self._parts.append(path("line mark", f"M{px:.1f} {_TOP:g}V{bottom:g}"))
-        self._parts.append(word(px + 4, _TOP + 12 + 14 * row, text))
+        self._parts.append(word(px + 4, _TOP + 12 + 14 * row, translated(text)))
 
     def _name(self, shape: str, kind: str, name: str) -> None:
         if name and (shape + " " + kind, name) not in self._legend:
@@ -164,7 +166,7 @@ class Plot:
         """Return the drawing and its legend as one HTML figure, for templates."""
         size = f"0 0 {self.width:g} {self.height:g}"
         inside = joined([*self._grid(), *self._parts, *self._frame()])
-        drawing = element("svg", inside, viewBox=size, role="img", aria_label=self.title)
+        drawing = element("svg", inside, viewBox=size, role="img", aria_label=translated(self.title))
         return element("figure", joined([drawing, self._legend_html()]))
 
     def _grid(self) -> list[Markup]:
@@ -173,12 +175,12 @@ class Plot:
         for value in self.x.ticks():
             px = _LEFT + float(self.x.share(np.array([value]))[0]) * width
             parts.append(path("grid", f"M{px:.1f} {_TOP:g}v{height:g}"))
-            parts.append(word(px, _TOP + height + 16, _number(value), "tick", "middle"))
+            parts.append(word(px, _TOP + height + 16, translated(_number(value)), "tick", "middle"))
         rows = self.y.ticks() if self.y.label else []
         for value, text in zip(rows, self.y.words or map(_number, rows), strict=True):
             py = _TOP + (1.0 - float(self.y.share(np.array([value]))[0])) * height
             parts.append(path("grid", f"M{_LEFT:g} {py:.1f}h{width:g}"))
-            parts.append(word(_LEFT - 6, py + 4, text, "tick", "end"))
+            parts.append(word(_LEFT - 6, py + 4, translated(text), "tick", "end"))
         return parts
 
     def _frame(self) -> list[Markup]:
@@ -187,14 +189,14 @@ class Plot:
         upwards = f"translate(14 {middle:g}) rotate(-90)"
         return [
             rect("frame", (_LEFT, _TOP, width, height)),
-            word(centre, self.height - 6, self.x.label, anchor="middle"),
-            element("text", self.y.label, text_anchor="middle", transform=upwards),
+            word(centre, self.height - 6, translated(self.x.label), anchor="middle"),
+            element("text", translated(self.y.label), text_anchor="middle", transform=upwards),
         ]
 
     def _legend_html(self) -> Markup:
         if not self._legend:
             return Markup()
-        entries = [element("span", joined([_swatch(kind), name])) for kind, name in self._legend]
+        entries = [element("span", joined([_swatch(kind), translated(name)])) for kind, name in self._legend]
         return element("figcaption", joined(entries), class_="legend")
 
 

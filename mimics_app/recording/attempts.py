@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.loop.controller_slots import Lead
 from mimics_app.contracts.loop.object_rows import Rows
 from mimics_app.contracts.messages.report_section import TunnelShape
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.recording.columns import whole
 from mimics_app.recording.older_blocks import OlderController
 from mimics_app.recording.report_values import number
@@ -54,10 +55,12 @@ class Attempt:
     def heading(self) -> str:
         """Its trial, and which attempt it is where it is not the first."""
         if not self.row:
-            return f"Attempt {self.number} (not finished)" if self.number else "Whole run"
+            return phrase("Attempt {n:d} (not finished)", n=self.number) if self.number else phrase("Whole run")
         attempt = number(self.row.get("attempt"))
-        which = self.name if self.row.get("practice") else f"Trial {self.name}"
-        return f"{which} · attempt {attempt:.0f}" if attempt is not None and attempt > 1 else which
+        which = self.name if self.row.get("practice") else phrase("Trial {name:s}", name=self.name)
+        if attempt is None or attempt <= 1:
+            return which
+        return f"{which} · {phrase('attempt {n:d}', n=round(attempt))}"
 
     @property
     def title(self) -> str:
@@ -69,7 +72,7 @@ class Attempt:
             words.append(str(self.row["label"]).replace("_", " "))
         words.append(outcome_word(self.row))
         if score is not None:
-            words.append(f"score {score:.0f} of 100")
+            words.append(phrase("score {score:.0f} of 100", score=score))
         return " · ".join(word for word in words if word)
 
 

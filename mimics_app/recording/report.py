@@ -109,7 +109,6 @@ def _speeds(samples: NDArray[Any]) -> Plot:
 
 _OWN_KEYS = ("format", "version", "versions", "machine", "clock", "plan")
 _TEMPLATES = Path(__file__).parent / "templates"
-_TRIPS = "{}. A stop is latched until a person resets it; a short hold, after a late tick, ends on its own."
 _BADGES = {
     "clean": phrase("recording complete"),
     "open": phrase("recording not closed"),
@@ -241,7 +240,7 @@ def write_report(folder: Path, sections: Sequence[ReportSection]) -> Path:
 
 
 def _language_of(run: Run) -> str:
-    """Return the language of the session, in which page one is written; English where the run states none."""
+    """Return the language of the session, in which the report is written; English where the run states none."""
     language = str(mapping(run.session.get("settings")).get("language", ""))
     return language if language in LANGUAGES else SOURCE
 
@@ -272,7 +271,7 @@ def page_of(run: Run, sections: Sequence[ReportSection]) -> Page:
         front=front_of(run),
         anchors=[attempt.anchor for attempt in attempts if attempt.row],
         trials=trials_of(run),
-        heading=section.heading if attempts else "Movement",
+        heading=section.heading if attempts else phrase("Movement"),
         colours=section.colours if attempts else "",
         movement=[_movement(run, attempt, (section, facts), opened=attempt is first) for attempt in attempts],
         person=_person(run),
@@ -352,9 +351,9 @@ def _points(score: object) -> str:
 def _operators_cards(run: Run) -> dict[str, str]:
     """Return the figures of the machine, apart from those of the person."""
     return {
-        "smallest stability margin": one(scaled(smallest_margin(run.haptic), 100.0), "%"),
+        phrase("smallest stability margin"): one(scaled(smallest_margin(run.haptic), 100.0), "%"),
         **late_card(run),
-        "short holds": shown(_stops_and_holds(run)["short holds"]),
+        phrase("short holds"): shown(_stops_and_holds(run)["short holds"]),
     }
 
 
@@ -431,7 +430,12 @@ def _safety(run: Run) -> Safety:
     counts = _stops_and_holds(run)
     return Safety(
         cards={name: text for name, text in _operators_cards(run).items() if text != NONE},
-        words=_TRIPS.format(", ".join(f"{name}: {number}" for name, number in counts.items())),
+        words=phrase(
+            "Safety stops: {stops:d}; short holds: {holds:d}. A stop is latched until a person resets it; a short "
+            "hold, after a late tick, ends on its own.",
+            stops=counts["safety stops"],
+            holds=counts["short holds"],
+        ),
         limits=[shown(line) for line in beyond] if isinstance(beyond, list) else [],
         softened=[shown(line) for line in softened] if isinstance(softened, list) else [],
         states=draw_states(run.haptic),

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.loop.haptic import EventKind, SafetyState
 from mimics_app.contracts.messages.report_section import Marks, ReportSection, Traces, Word, frontal
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.plot import Plot, envelope
 from mimics_app.recording.attempts import Attempt
@@ -39,10 +40,10 @@ def draw_path(section: ReportSection, attempt: Attempt, facts: Mapping[str, Any]
     free = path[attempt.free] if attempt.free.any() else path
     if not behind and _rests(free):
         return None
-    x = Axis.of("lateral [mm]", *(_MM * points[:, 0] for points in (free, *(curve.points for curve in behind))))
+    x = Axis.of(phrase("lateral [mm]"), *(_MM * points[:, 0] for points in (free, *(curve.points for curve in behind))))
     heights = (_MM * points[:, 1] for points in (free, *(curve.points for curve in behind)))
-    y = Axis.of("vertical [mm]", *heights, zero=section.from_floor)
-    plot = Plot.equal(x, y, f"Path of the hand in the frontal plane, {attempt.title}")
+    y = Axis.of(phrase("vertical [mm]"), *heights, zero=section.from_floor)
+    plot = Plot.equal(x, y, phrase("Path of the hand in the frontal plane, {attempt}", attempt=attempt.title))
     for curve in (*behind, *section.hand(attempt, facts)):
         plot.line(_MM * curve.points[:, 0], _MM * curve.points[:, 1], curve.style, curve.label)
     for word in section.words(attempt, facts):
@@ -69,7 +70,7 @@ def _write_beside(plot: Plot, word: Word) -> None:
 
 def _contact_marks(section: ReportSection, attempt: Attempt, events: NDArray[Any]) -> Marks:
     mine = _contacts_of(attempt, events)
-    hovers = [f"tick {e['tick']}, {e['force']:.1f} N" for e in mine]
+    hovers = [phrase("tick {tick:d}, {force:.1f} N", tick=int(e["tick"]), force=float(e["force"])) for e in mine]
     return Marks(mine["position_world"][:, :2].astype(np.float64), section.contact, hovers)
 
 
@@ -85,15 +86,15 @@ def draw_traces(section: ReportSection, attempt: Attempt, facts: Mapping[str, An
     if len(samples) < 2:
         return []
     force = {
-        "measured": ("force of the person on the handle", row_norms(samples["f_meas"])),
-        "rendered": ("virtual force on the person", row_norms(samples["f_user_world"])),
+        "measured": (phrase("force of the person on the handle"), row_norms(samples["f_meas"])),
+        "rendered": (phrase("virtual force on the person"), row_norms(samples["f_user_world"])),
     }
-    speed = {"robot": ("speed of the robot", row_norms(samples["v_world"]))}
+    speed = {"robot": (phrase("speed of the robot"), row_norms(samples["v_world"]))}
     touching = section.touching
     return [
-        _trace_plot(attempt, "force [N]", force, touching),
+        _trace_plot(attempt, phrase("force [N]"), force, touching),
         *_free_plots(attempt, section.traces(attempt, facts), touching),
-        _trace_plot(attempt, "velocity [m/s]", speed, touching),
+        _trace_plot(attempt, phrase("velocity [m/s]"), speed, touching),
         *_free_plots(attempt, stability_lines(attempt), touching),
     ]
 
@@ -114,10 +115,10 @@ def _trace_plot(
         for kind, (name, values) in lines.items()
         for i, part in enumerate(parts)
     ]
-    x = Axis.of("time [s]", t, margin=0.0)
+    x = Axis.of(phrase("time [s]"), t, margin=0.0)
     y = Axis.of(label, *[values for *_, values in drawn], zero=True)
-    plot = Plot(x, y, f"{label} over time, {attempt.title}", height=170.0)
-    plot.spans(*_stretches(t, ~free), "driven", "driven by the robot")
+    plot = Plot(x, y, phrase("{what} over time, {attempt}", what=label, attempt=attempt.title), height=170.0)
+    plot.spans(*_stretches(t, ~free), "driven", phrase("driven by the robot"))
     touch = free & ((attempt.samples["penetration"][near] > 0.0) | (attempt.samples["touching"][near] > 0.0))
     plot.spans(*_stretches(t, touch), "touch", touching)
     for kind, name, when, values in drawn:
@@ -168,8 +169,8 @@ def draw_lateness(samples: NDArray[Any], marks: dict[str, float]) -> Plot | None
 def draw_states(samples: NDArray[Any]) -> Plot:
     """Plot the states of the safety machine over the whole run."""
     t, state = samples["t"], whole(samples["state"])
-    x = Axis.of("time [s]", t, margin=0.0)
-    plot = Plot(x, Axis("", 0.0, 1.0), "Safety states over time", height=110.0)
+    x = Axis.of(phrase("time [s]"), t, margin=0.0)
+    plot = Plot(x, Axis("", 0.0, 1.0), phrase("Safety states over time"), height=110.0)
     for value in sorted(set(state.tolist())):
         name = _state_name(value)
         plot.spans(*_stretches_joined(t, state == value), f"state-{name.lower()}", name)

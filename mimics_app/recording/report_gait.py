@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.loop.gait_state import GAIT_STATES
 from mimics_app.contracts.loop.loop_fields import Extent, contacts_in, point_rows
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.plot import Plot, envelope
 from mimics_app.recording.columns import whole
@@ -65,8 +66,8 @@ def draw_gait(samples: NDArray[Any], extent: Extent) -> list[Plot]:
     t = samples["t"]
     return [
         _draw_states(t, spans),
-        _draw_feet(t, spans, "height of the foot [mm]", heights),
-        _draw_feet(t, spans, "force of the obstacle [N]", obstacle),
+        _draw_feet(t, spans, phrase("height of the foot [mm]"), heights),
+        _draw_feet(t, spans, phrase("force of the obstacle [N]"), obstacle),
     ]
 
 
@@ -76,7 +77,12 @@ def _height(samples: NDArray[Any], point: int) -> F8:
 
 
 def _draw_states(t: F8, spans: list[tuple[str, float, float]]) -> Plot:
-    plot = Plot(Axis.of("time [s]", t, margin=0.0), Axis("", 0.0, 1.0), "States of the walk over time", height=110.0)
+    plot = Plot(
+        Axis.of(phrase("time [s]"), t, margin=0.0),
+        Axis("", 0.0, 1.0),
+        phrase("States of the walk over time"),
+        height=110.0,
+    )
     for name, begin, end in spans:
         plot.spans(np.array([begin]), np.array([end]), f"gait-{name}", name.replace("_", " "))
     return plot
@@ -86,7 +92,7 @@ def _draw_feet(t: F8, spans: list[tuple[str, float, float]], label: str, values:
     """Plot one line for each foot, with a mark where a state begins."""
     lines = [envelope(t, each) for each in values]
     y = Axis.of(label, *[each for _, each in lines], zero=True)
-    plot = Plot(Axis.of("time [s]", t, margin=0.0), y, f"{label} over time", height=170.0)
+    plot = Plot(Axis.of(phrase("time [s]"), t, margin=0.0), y, phrase("{what} over time", what=label), height=170.0)
     for _, begin, _ in spans:
         plot.mark_x(begin, "")
     for (when, each), kind, foot in zip(lines, _KINDS, _FEET, strict=False):

@@ -12,6 +12,8 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.messages.action_space import ActionSpace, Parameter
 from mimics_app.contracts.messages.feature_names import HEART_RATE, SCL, SCR_RATE
+from mimics_app.contracts.system.language import translated
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.plot import Plot, envelope
 from mimics_app.recording.report_values import mapping, number, shown
@@ -47,11 +49,13 @@ def person_of(run: Run) -> Person | None:
     spans = _spans(run)
     signals = [1e-9 * (row.block.t_ns - run.start_ns) for row in run.signals[-1:]]
     end = max(when.max(), 1.0, *signals, *(end for _, end, _ in spans))
-    frame = _Frame(Axis("time [s]", 0.0, float(end)), spans, _markers(run))
+    frame = _Frame(Axis(phrase("time [s]"), 0.0, float(end)), spans, _markers(run))
     plots = (
-        frame.signal("heart rate [1/min]", when, heart),
+        frame.signal(phrase("heart rate [1/min]"), when, heart),
         _skin(frame, run, when, level),
-        frame.signal("responses [1/min]", when, responses, "skin conductance responses in the last minute"),
+        frame.signal(
+            phrase("responses [1/min]"), when, responses, phrase("skin conductance responses in the last minute")
+        ),
         _load(frame, states),
         _activation(frame, states),
         _difficulty(frame, run, [line for line in results if line.get("outcome") != "step"]),
@@ -69,9 +73,9 @@ class _Frame:
 
     def plot(self, y: Axis) -> Plot:
         """Return a plot with a band for each trial, with its number where there is room, and a line at each marker."""
-        plot = Plot(self.time, y, f"{y.label} over time", height=_HEIGHT)
+        plot = Plot(self.time, y, phrase("{what} over time", what=y.label), height=_HEIGHT)
         for begin, end, name in self.trials:
-            plot.spans(np.array([begin]), np.array([end]), "driven", "trial")
+            plot.spans(np.array([begin]), np.array([end]), "driven", phrase("trial"))
             if end - begin >= _NUMBERED * self.time.high:
                 plot.word(0.5 * (begin + end), y.high - 0.09 * (y.high - y.low), name if name.isdigit() else name[0])
         for row, (when, name) in enumerate(self.markers):
@@ -83,22 +87,26 @@ class _Frame:
         if np.isfinite(values).sum() < 2:
             return None
         plot = self.plot(Axis.of(label, values, margin=0.15))
-        plot.line(when, values, "robot", name or label.partition(" [")[0])
+        plot.line(when, values, "robot", name or label)
         return plot
 
 
-_SOURCES = {"sim": "a simulated person"}
+_SOURCES = {"sim": phrase("a simulated person")}
 
 
 def _words(run: Run) -> str:
     body, settings = mapping(run.session.get("body")), mapping(run.session.get("settings"))
     source, estimator, policy = settings.get("physio"), body.get("estimator"), body.get("learn")
     sentences = [
-        f"Body signals from {_SOURCES.get(str(source), source)}." if source else "",
-        f"The load was estimated by {shown(estimator)}." if estimator else "",
-        f"Difficulty was adapted by {policy} for {_goal_in_words(str(body.get('goal', '')))}." if policy else "",
+        phrase("Body signals from {source}.", source=_SOURCES.get(str(source), source)) if source else "",
+        phrase("The load was estimated by {name}.", name=shown(estimator)) if estimator else "",
+        phrase(
+            "Difficulty was adapted by {name} for {goal}.", name=policy, goal=_goal_in_words(str(body.get("goal", "")))
+        )
+        if policy
+        else "",
     ]
-    return " ".join(sentence for sentence in sentences if sentence)
+    return " ".join(translated(sentence) for sentence in sentences if sentence)
 
 
 def _goal_in_words(goal: str) -> str:
@@ -125,14 +133,14 @@ def _skin(frame: _Frame, run: Run, when: F8, level: F8) -> Plot | None:
     """Plot the recorded skin conductance, in which each response is a peak, and its level."""
     blocks = [row.block for row in run.signals if row.block.name == "gsr" and row.block.rate > 0.0]
     if not blocks:
-        return frame.signal("skin conductance [µS]", when, level, "level")
+        return frame.signal(phrase("skin conductance [µS]"), when, level, phrase("level"))
     times = np.concatenate(
         [1e-9 * (block.t_ns - run.start_ns) + np.arange(len(block.values)) / block.rate for block in blocks]
     )
     recorded = np.concatenate([block.values for block in blocks])
-    plot = frame.plot(Axis.of("skin conductance [µS]", recorded, level, margin=0.15))
-    plot.line(*envelope(times, recorded), "measured", "recorded")
-    plot.line(when, level, "robot", "level")
+    plot = frame.plot(Axis.of(phrase("skin conductance [µS]"), recorded, level, margin=0.15))
+    plot.line(*envelope(times, recorded), "measured", phrase("recorded"))
+    plot.line(when, level, "robot", phrase("level"))
     return plot
 
 
@@ -143,16 +151,20 @@ def _load(frame: _Frame, states: _Lines) -> Plot | None:
         return None
     mean = shares @ np.array(_CLASSES)
     spread = np.sqrt(np.maximum(shares @ np.square(_CLASSES) - mean**2, 0.0))
-    plot = frame.plot(Axis("load", -1.3, 1.6, at=_CLASSES, words=("too easy", "right", "too hard")))
-    _estimate(plot, known, (mean, spread), "robot", "load as estimated")
+    plot = frame.plot(
+        Axis(
+            phrase("load"), -1.3, 1.6, at=_CLASSES, words=(phrase("too easy"), phrase("just right"), phrase("too hard"))
+        )
+    )
+    _estimate(plot, known, (mean, spread), "robot", phrase("load as estimated"))
     return plot
 
 
 def _activation(frame: _Frame, states: _Lines) -> Plot | None:
     """Plot arousal and effort with their standard deviations."""
-    plot = frame.plot(Axis("arousal, effort", -1.3, 1.6, at=(-1.0, 0.0, 1.0)))
+    plot = frame.plot(Axis(phrase("arousal, effort"), -1.3, 1.6, at=(-1.0, 0.0, 1.0)))
     drawn = False
-    for name, kind in (("arousal", "robot"), ("effort", "measured")):
+    for name, kind in ((phrase("arousal"), "robot"), (phrase("effort"), "measured")):
         known, pairs = _arrays(states, name, 2)
         if len(known):
             mean, variance = pairs.T
@@ -165,7 +177,7 @@ def _estimate(plot: Plot, when: F8, estimate: tuple[F8, F8], kind: str, name: st
     """Draw mean and standard deviation, clipped to the range of the quantity."""
     mean, spread = estimate
     low, high = np.clip(mean - spread, -1.0, 1.0), np.clip(mean + spread, -1.0, 1.0)
-    plot.band(when, low, high, f"spread {kind}", f"{name}, ± one standard deviation")
+    plot.band(when, low, high, f"spread {kind}", phrase("{name}, ± one standard deviation", name=name))
     plot.line(when, mean, kind, name)
 
 
@@ -181,11 +193,13 @@ def _difficulty(frame: _Frame, run: Run, results: _Lines) -> Plot | None:
     if not any(demand is not None for demand in demands):
         return None
     when, demand = _times(results), _known(demands)
-    plot = frame.plot(Axis("success, difficulty", -0.05, 1.25, at=(0.0, 0.5, 1.0)))
-    plot.line(when, _known([line.get("performance") for line in results]), "measured", "success in the trial, 0 to 1")
-    plot.line(when, demand, "robot", "difficulty, 0 easiest to 1 hardest")
+    plot = frame.plot(Axis(phrase("success, difficulty"), -0.05, 1.25, at=(0.0, 0.5, 1.0)))
+    plot.line(
+        when, _known([line.get("performance") for line in results]), "measured", phrase("success in the trial, 0 to 1")
+    )
+    plot.line(when, demand, "robot", phrase("difficulty, 0 easiest to 1 hardest"))
     texts = [", ".join(f"{p.name} {each[p.name]:.3g}" for p in space if p.name in each) for each in values]
-    plot.points(when, demand, "contact", "chosen parameters", texts)
+    plot.points(when, demand, "contact", phrase("chosen parameters"), texts)
     return plot
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.loop.haptic import EventKind, point_of_body
 from mimics_app.contracts.loop.loop_fields import contacts_in, point_rows
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.recording.attempts import Attempt
 from mimics_app.recording.columns import row_norms
 from mimics_app.recording.report_tables import Table
@@ -59,11 +60,11 @@ def stability_lines(attempt: Attempt) -> dict[str, dict[str, tuple[str, F8]]]:
     if not _touching(samples).any():
         return {}
     return {
-        "stability margin [%]": {
-            "margin": ("stiffness reserve", 100.0 * np.minimum(samples["margin"], _MOST_SHOWN)),
+        phrase("stability margin [%]"): {
+            "margin": (phrase("stiffness reserve"), 100.0 * np.minimum(samples["margin"], _MOST_SHOWN)),
         },
-        "energy [mJ]": {
-            "energy": ("taken by the wall since the contact began", 1000.0 * samples["energy"]),
+        phrase("energy [mJ]"): {
+            "energy": (phrase("taken by the wall since the contact began"), 1000.0 * samples["energy"]),
         },
     }
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import counted
 from mimics_app.contracts.loop.haptic import EventKind, SafetyState
+from mimics_app.contracts.system.phrases import counted_phrase, phrase
 from mimics_app.recording.columns import row_norms
 from mimics_app.recording.report_values import Seconds, mapping, number, scaled
 from mimics_app.recording.run import Run
@@ -20,6 +21,7 @@ __all__ = [
     "Contacts",
     "Table",
     "Trials",
+    "caption_of",
     "contact_rows",
     "contacts_of",
     "governor_tables",
@@ -41,18 +43,25 @@ _DEEPEST = 12
 _HIDDEN = ("begin_ns", "end_ns")  # session clock, for programs
 _PARAMETER = "parameter."
 _METRES = "_m"
-_TITLES = {"smoothness": "smoothness (spectral arc length) [–]"}
-_TAKEN = (("frame after [ms]", "in the picture"), ("sound after [ms]", "heard"))
-_ENDINGS = (("_m_s", "m/s"), ("_s", "s"), (_METRES, "mm"), ("_n", "N"), ("_j", "J"))
+_TITLES = {"smoothness": phrase("smoothness (spectral arc length) [–]")}
+_TAKEN = ((phrase("frame after [ms]"), phrase("in the picture")), (phrase("sound after [ms]"), phrase("heard")))
+_ENDINGS = (
+    *(("_m_s", "m/s"), ("_mps", "m/s"), ("_db", "dB"), ("_px", "px"), ("_ms", "ms")),
+    *(("_s", "s"), (_METRES, "mm"), ("_n", "N"), ("_j", "J")),
+)
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A table: names of columns, rows of plain values, class in the style sheet ("keys": names and values)."""
+    """A table: names of columns, rows of plain values, class in the style sheet ("keys": names and values).
+
+    With `words` its cells are shown in the language of the report; else only the names of its columns, and numbers.
+    """
 
     names: Sequence[str]
     rows: Sequence[Sequence[Any]]
     kind: str = ""
+    words: bool = False
 
     @property
     def numeric(self) -> list[bool]:
@@ -62,7 +71,7 @@ class Table:
     @property
     def first(self) -> Table:
         """The table limited to the rows that a page lists."""
-        return Table(self.names, self.rows[:_MOST_ROWS], self.kind)
+        return Table(self.names, self.rows[:_MOST_ROWS], self.kind, self.words)
 
 
 def _is_number(cell: object) -> bool:
@@ -122,7 +131,7 @@ def trials_of(run: Run) -> Trials | None:
     rows = [_in_mm(row) for row in trials]
     units = _parameter_units(run)
     points = _points_of(run)
-    titles = {name: _column(name, points) for name in measured} | {
+    titles = {name: caption_of(name, points) for name in measured} | {
         name: _parameter_column(name, units) for name in given
     }
     first = [name for name in measured if name == "trial"]
@@ -135,7 +144,7 @@ def trials_of(run: Run) -> Trials | None:
 
 
 def _columns_of(rows: Sequence[Mapping[str, Any]], names: Sequence[str], titles: Mapping[str, str]) -> Table:
-    return Table([titles.get(name, name) for name in names], _cells(rows, names))
+    return Table([titles.get(name, name) for name in names], _cells(rows, names), words=True)
 
 
 def _in_mm(row: Mapping[str, Any]) -> dict[str, Any]:
@@ -159,11 +168,11 @@ def _points_of(run: Run) -> dict[str, str]:
     return {f"point_{i}_": str(name) for i, name in enumerate(names)} if isinstance(names, list) else {}
 
 
-def _column(name: str, points: Mapping[str, str]) -> str:
+def caption_of(name: str, points: Mapping[str, str]) -> str:
     """Return the caption of a column: time_s becomes time [s]; lengths are in mm."""
     of = next((point for point in points if name.startswith(point)), None)
     if of is not None:
-        return f"{points[of]}, {_column(name.removeprefix(of), {})}"
+        return f"{points[of]}, {caption_of(name.removeprefix(of), {})}"
     if name in _TITLES:
         return _TITLES[name]
     for ending, unit in _ENDINGS:
@@ -199,17 +208,17 @@ def contact_rows(run: Run) -> list[dict[str, Any]]:
         sound = sounds.get(tick, {})
         rows.append(
             {
-                "at [s]": Seconds(run.seconds(tick)),
+                phrase("at [s]"): Seconds(run.seconds(tick)),
                 "tick": tick,
-                "approach [mm/s]": 1000.0 * float(event["speed"]),
-                "peak force [N]": force,
-                "depth [mm]": depth,
-                "lasted [ms]": length,
-                "first frame": frame.get("frame"),
-                "frame after [ms]": int(seen[place]) - tick if frame else None,
-                "sound": sound.get("sound"),
-                "sample": sound.get("sample"),
-                "sound after [ms]": sound.get("latency_ms"),
+                phrase("approach [mm/s]"): 1000.0 * float(event["speed"]),
+                phrase("peak force [N]"): force,
+                phrase("depth [mm]"): depth,
+                phrase("lasted [ms]"): length,
+                phrase("first frame"): frame.get("frame"),
+                phrase("frame after [ms]"): int(seen[place]) - tick if frame else None,
+                phrase("sound"): sound.get("sound"),
+                phrase("sample"): sound.get("sample"),
+                phrase("sound after [ms]"): sound.get("latency_ms"),
             }
         )
     return rows
@@ -254,10 +263,14 @@ def contacts_of(run: Run) -> Contacts | None:
     rows = contact_rows(run)
     if not rows:
         return None
-    taken = [f" {what} after {words}" for name, what in _TAKEN if (words := _median_and_most(rows, name))]
+    taken = [
+        phrase("{what:s} after {words:s}", what=what, words=words)
+        for name, what in _TAKEN
+        if (words := _median_and_most(rows, name))
+    ]
     names = [name for name in rows[0] if name != "tick"]
     return Contacts(
-        words=counted(len(rows), "contacts") + (":" + ";".join(taken) if taken else "") + ".",
+        words=" · ".join([counted_phrase("{n:d} contact", "{n:d} contacts", len(rows)), *taken]),
         table=Table(names, _cells(rows[:_MOST_ROWS], names)),
         folded=len(rows) > _SHORT,
         most=_MOST_ROWS if len(rows) > _MOST_ROWS else 0,
@@ -266,28 +279,39 @@ def contacts_of(run: Run) -> Contacts | None:
 
 def _median_and_most(rows: Sequence[Mapping[str, Any]], name: str) -> str:
     taken = [value for row in rows if (value := number(row[name])) is not None]
-    return f"{np.median(taken):.1f} ms in the median, {max(taken):.1f} ms at most" if taken else ""
+    return (
+        phrase("{median:.1f} ms in the median; {most:.1f} ms at most", median=float(np.median(taken)), most=max(taken))
+        if taken
+        else ""
+    )
 
 
 def trip_table(run: Run) -> Table | None:
     """Return the stops and short holds with cause and advice; None for none."""
     trips = TripReader().take(run.events)
-    rows = [(Seconds(run.seconds(t.tick)), "stop" if t.latched else "short hold", t.what, t.advice) for t in trips]
-    return Table(["at [s]", "what", "cause", "what to do"], rows) if rows else None
+    rows = [
+        (Seconds(run.seconds(t.tick)), phrase("stop") if t.latched else phrase("short hold"), t.what, t.advice)
+        for t in trips
+    ]
+    return (
+        Table([phrase("at [s]"), phrase("what"), phrase("cause"), phrase("what to do")], rows, words=True)
+        if rows
+        else None
+    )
 
 
 def loss_table(run: Run) -> Table | None:
     """Return the parts of the scene that were no longer simulated; None for none."""
     lost = [e for e in run.events if e["kind"] in (EventKind.LEFT_OUT, EventKind.QUARANTINE)]
     rows = [(Seconds(run.seconds(e["tick"])), _loss(e)) for e in lost]
-    return Table(["from [s]", "not simulated"], rows) if rows else None
+    return Table([phrase("from [s]"), phrase("not simulated")], rows) if rows else None
 
 
 def state_table(run: Run) -> Table | None:
     """Return the changes of state; None for none."""
     states = run.events[run.events["kind"] == EventKind.STATE]
     rows = [(Seconds(run.seconds(e["tick"])), _word(e["force"])) for e in states]
-    return Table(["at [s]", "state from then on"], rows) if rows else None
+    return Table([phrase("at [s]"), phrase("state from then on")], rows, words=True) if rows else None
 
 
 def _loss(event: np.void) -> str:

@@ -91,7 +91,7 @@ def test_page_holds_every_part(page: str) -> None:
         "smallest stability margin", "smallest stable stiffness then [N/m]",
         "<h2>Trials</h2>", "path error rms [mm]", "Contacts: touch, picture and sound", "first frame",
         "sound after [ms]",
-        "Safety", "E_STOP", "safety stops: 1, short holds: 0", "the stop key was pressed", "reset it when it is safe",
+        "Safety", "E_STOP", "Safety stops: 1; short holds: 0", "the stop key was pressed", "reset it when it is safe",
         "recording complete", "Real time", "p99.9", "fifo", "late control cycles after the first second",
         "Settings", "settings.safety.force_limit", "scene.hash",
         "200 values",

@@ -13,15 +13,18 @@ from typing import Any
 
 from mimics_app import console
 from mimics_app.contracts.loop.device_faults import FAULT_WORDS
-from mimics_app.contracts.loop.haptic import TripCause
+from mimics_app.contracts.loop.haptic import SafetyState, TripCause
 from mimics_app.contracts.messages.calibration_record import DIRECTIONS
 from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.contracts.system import resources
+from mimics_app.recording.report_tables import caption_of
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.descriptors.leg import LEG, LEGS
 from mimics_app.tasks.kinds.calibration.spec import STEPS
+from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.outcome_words import loss_captions
 from mimics_app.tasks.prompt import cause_words
+from mimics_app.tasks.task import MEASURES
 
 __all__ = ["Msgid", "find_msgids", "page_texts"]
 
@@ -84,6 +87,11 @@ def _in_script(source: str) -> list[str]:
 
 _CODE = Path(__file__).resolve().parents[3] / "mimics_app"
 _IN_TEMPLATE = re.compile(r'translated\("((?:[^"\\]|\\.)*)"\)')
+_COLUMNS = (
+    *("trial", "attempt", "block", "label", "practice", "outcome", "cause", "score", "time_s", "contacts", "progress"),
+    *("path_error_max_m", "force_mean_n", "force_peak_n", "happened", "lost", "yes", "no"),
+)
+"""Columns of trials.csv that every task has, and words in them."""
 _IN_SCENE = ("title", "description", "instructions", "prompt")
 """Members of a scene, and of its task, that a person reads."""
 
@@ -172,6 +180,10 @@ def _in_sets() -> Iterator[tuple[str, str, str]]:
     yield from ((text, "", "parts of a score") for text in loss_captions())
     yield from ((text, "", "steps of a calibration") for step in STEPS for text in (step, step.capitalize()))
     yield from ((text, "", "directions of a calibration") for text in DIRECTIONS)
+    measures = (*MEASURES, *(measure for kind in task_kinds() for measure in kind.measures))
+    columns = [*_COLUMNS, *(measure.column for measure in measures)]
+    yield from ((caption_of(column, {}), "", "columns of trials") for column in columns)
+    yield from ((state.name.replace("_", " ").lower(), "", "states of the loop") for state in SafetyState)
     limbs = [limb for descriptor in (HAPTICMASTER, LEG, LEGS) for limb in descriptor.contacts]
     yield from ((text, "", "points of contact") for text in limbs)
 

@@ -100,10 +100,10 @@ class ReportSection:
         from_floor: Whether the figure starts at height 0.
     """
 
-    heading: ClassVar[str] = "Movement of the hand"
-    colours: ClassVar[str] = "The handle path is blue."
-    touching: ClassVar[str] = "touching"
-    contact: ClassVar[str] = "contact begins"
+    heading: ClassVar[str] = phrase("Movement of the hand")
+    colours: ClassVar[str] = phrase("The handle path is blue.")
+    touching: ClassVar[str] = phrase("touching")
+    contact: ClassVar[str] = phrase("contact begins")
     path_error: ClassVar[str] = phrase("distance from the line")
     contacts: ClassVar[str] = phrase("contacts")
     from_floor: ClassVar[bool] = False
@@ -122,7 +122,7 @@ class ReportSection:
 
     def hand(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[PlottedCurve]:
         """Return the path of the hand where the person led."""
-        return [PlottedCurve(np.where(attempt.free[:, None], frontal(attempt), np.nan), "robot", "handle path")]
+        return [PlottedCurve(np.where(attempt.free[:, None], frontal(attempt), np.nan), "robot", phrase("handle path"))]
 
     def marks(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Marks]:
         """Return marked points of the path."""

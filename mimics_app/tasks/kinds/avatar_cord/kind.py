@@ -290,8 +290,8 @@ def _column(name: str, what: str, *, sums: bool = False) -> Measure:
 class AvatarCordSection(ReportSection):
     """Section of runs with trials of the experiment."""
 
-    heading = "Connection to an avatar"
-    colours = "The handle path, where the subject held the robot, is blue."
+    heading = phrase("Connection to an avatar")
+    colours = phrase("The handle path, where the subject held the robot, is blue.")
 
     def takes(self, facts: Mapping[str, Any], attempts: Sequence[ReportedAttempt]) -> bool:
         return any("tap_error_ms" in attempt.row for attempt in attempts)

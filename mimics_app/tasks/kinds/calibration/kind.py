@@ -310,7 +310,7 @@ def _words(measure: CalibratedMeasure) -> str:
 class CalibrationSection(ReportSection):
     """Section of runs with steps of a calibration."""
 
-    heading = "Calibration"
+    heading = phrase("Calibration")
 
     def takes(self, facts: Mapping[str, Any], attempts: Sequence[ReportedAttempt]) -> bool:
         return any("reach_right_m" in attempt.row for attempt in attempts)

@@ -29,8 +29,8 @@ class CarrySection(ReportSection):
     above what it lies on [m]; obstacles: left, bottom, right, top of each [m]. Older recordings lack the last two.
     """
 
-    heading = "Carrying"
-    colours = (
+    heading = phrase("Carrying")
+    colours = phrase(
         "The path of the empty hand is blue, that of the hand with the object orange. Green is where the middle of the "
         "object lies at its mark, and the outline of the obstacles."
     )
@@ -56,9 +56,9 @@ class CarrySection(ReportSection):
         ends = np.array([[mark[0] - within, height], [mark[0] + within, height]])
         shown = int(attempt.row.get("parameter.obstacles", len(carry.get("obstacles", ()))))
         outlines = [_outline(box) for box in carry.get("obstacles", ())[:shown]]
-        labels = ["obstacle", *[""] * len(outlines)]
+        labels = [phrase("obstacle"), *[""] * len(outlines)]
         return [
-            PlottedCurve(ends, "wall", "mark"),
+            PlottedCurve(ends, "wall", phrase("mark")),
             *(PlottedCurve(o, "wall", label) for o, label in zip(outlines, labels, strict=False)),
         ]
 
@@ -66,30 +66,33 @@ class CarrySection(ReportSection):
         path, held = frontal(attempt), _is_held(attempt, facts)
         empty = np.where((attempt.free & ~held)[:, None], path, np.nan)
         full = np.where((attempt.free & held)[:, None], path, np.nan)
-        name = f"{facts['carry']['body']} in the hand"
-        return [PlottedCurve(empty, "robot", "hand, empty"), PlottedCurve(full, "carried", name)]
+        name = phrase("{body:s} in the hand", body=str(facts["carry"]["body"]).replace("_", " "))
+        return [PlottedCurve(empty, "robot", phrase("hand, empty")), PlottedCurve(full, "carried", name)]
 
     def marks(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Marks]:
         held, path = _is_held(attempt, facts), frontal(attempt)
         changes = np.flatnonzero(np.diff(held.astype(np.int8)) != 0) + 1
-        words = ["taken" if held[i] else "let go" for i in changes]
-        hovers = [f"{word} at {attempt.samples['t'][i]:.1f} s" for word, i in zip(words, changes, strict=True)]
-        return [Marks(path[changes], "taken, let go", hovers)]
+        words = [phrase("taken") if held[i] else phrase("let go") for i in changes]
+        hovers = [
+            phrase("{what:s} at {seconds:.1f} s", what=word, seconds=float(attempt.samples["t"][i]))
+            for word, i in zip(words, changes, strict=True)
+        ]
+        return [Marks(path[changes], phrase("taken, let go"), hovers)]
 
     def traces(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Traces:
         samples = attempt.samples
         least, most = (np.full(len(samples), float(value)) for value in facts["carry"]["grasp_n"])
         grip = samples["f_grip"]
         return {
-            "grip [N]": {
-                "measured": ("grasp force", samples["grasp"]),
-                "bisector": ("right at most", most),
-                "wall": ("right at least", least),
+            phrase("grip [N]"): {
+                "measured": (phrase("grasp force"), samples["grasp"]),
+                "bisector": (phrase("right at most"), most),
+                "wall": (phrase("right at least"), least),
             },
-            "felt of it [N]": {
-                "robot": ("upwards", grip[:, 1]),
-                "normal": ("sideways", grip[:, 0]),
-                "binormal": ("forwards", grip[:, 2]),
+            phrase("felt of it [N]"): {
+                "robot": (phrase("upwards"), grip[:, 1]),
+                "normal": (phrase("sideways"), grip[:, 0]),
+                "binormal": (phrase("forwards"), grip[:, 2]),
             },
         }
 

@@ -24,13 +24,13 @@ __all__ = ["TunnelSection"]
 class TunnelSection(ReportSection):
     """Handle path blue, bisector red, walls green."""
 
-    heading = "Movement through the tunnel"
-    colours = (
+    heading = phrase("Movement through the tunnel")
+    colours = phrase(
         "The handle path is blue, the centre line of the tunnel red, its walls green. "
         "A contact at the near or the far side of the tunnel is drawn between its walls."
     )
-    touching = "ball in the wall"
-    contact = "wall contact begins"
+    touching = phrase("ball in the wall")
+    contact = phrase("wall contact begins")
     contacts = phrase("wall contacts")
 
     def takes(self, facts: Mapping[str, Any], attempts: Sequence[ReportedAttempt]) -> bool:
@@ -41,29 +41,29 @@ class TunnelSection(ReportSection):
             return ()
         first, second = _walls(attempt.tunnel)
         bisector = attempt.tunnel.bisector_world[:, :2]
-        walls = [PlottedCurve(first, "wall", "walls of the tunnel"), PlottedCurve(second, "wall")]
-        return [*walls, PlottedCurve(bisector, "bisector", "centre line of the tunnel")]
+        walls = [PlottedCurve(first, "wall", phrase("walls of the tunnel")), PlottedCurve(second, "wall")]
+        return [*walls, PlottedCurve(bisector, "bisector", phrase("centre line of the tunnel"))]
 
     def words(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Word]:
         """Return the captions of both ends, outside the walls and the path."""
         if attempt.tunnel is None:
             return ()
         bisector = attempt.tunnel.bisector_world[:, :2]
-        ends = (("start", 0, 1), ("goal", -1, -2))
+        ends = ((phrase("tunnel start"), 0, 1), (phrase("goal"), -1, -2))
         return [Word(name, bisector[end], bisector[end] - bisector[inner]) for name, end, inner in ends]
 
     def traces(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Traces:
         samples = attempt.samples
         room = np.maximum(samples["tunnel_radius"] - samples["ball_radius"], 0.0)
         return {
-            "tunnel force [N]": {
-                "tangent": ("along the tunnel (t)", samples["f_tunnel"][:, 0]),
-                "normal": ("normal (n)", samples["f_tunnel"][:, 1]),
-                "binormal": ("binormal (b)", samples["f_tunnel"][:, 2]),
+            phrase("tunnel force [N]"): {
+                "tangent": (phrase("along the tunnel (t)"), samples["f_tunnel"][:, 0]),
+                "normal": (phrase("normal (n)"), samples["f_tunnel"][:, 1]),
+                "binormal": (phrase("binormal (b)"), samples["f_tunnel"][:, 2]),
             },
-            "off the line [mm]": {
-                "robot": ("distance of the ball from the centre line", 1000.0 * samples["distance"]),
-                "wall": ("where the ball meets the wall", 1000.0 * room),
+            phrase("off the line [mm]"): {
+                "robot": (phrase("distance of the ball from the centre line"), 1000.0 * samples["distance"]),
+                "wall": (phrase("where the ball meets the wall"), 1000.0 * room),
             },
         }
 
