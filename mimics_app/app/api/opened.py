@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import fields, replace
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self, get_args, get_origin, get_type_hints
 
@@ -161,8 +162,7 @@ class Opened:
         """
         session = self._begun
         seen = self._frames.snapshot or session.haptics.snapshot()
-        shown = _fields_of(seen, session.memory.capacities.extent)
-        return Table({name: Quantity(values[np.newaxis], unit) for name, values, unit in shown})
+        return Table(_StateFields(seen, session.memory.capacities.extent))
 
     @property
     def haptic(self) -> Table:
@@ -578,12 +578,40 @@ def _settings(scene: Path, given: Mapping[str, object], *, window: bool) -> RunS
     return replace(RunSettings(scene, headless=not window, pictures=0, sound="auto" if window else "off"), **plain)
 
 
-def _fields_of(snapshot: HapticSnapshot, extent: Extent) -> list[tuple[str, NDArray[Any], str]]:
-    """Return name, value and unit of every field of a device's snapshot."""
+@cache
+def _fields_of(extent: Extent) -> list[tuple[str, int | None, str, str]]:
+    """Return name, further point of contact (None: none), field and unit of all that a device's snapshot has."""
     units = {field.name: ", ".join(dict.fromkeys(field.present(extent) or field.units)) for field in LOOP_FIELDS}
-    found: list[tuple[str, object, str]] = [
-        (field.name, snapshot, field.name) for field in fields(HapticSnapshot) if field.name != FURTHER
+    found: list[tuple[str, int | None, str]] = [
+        (field.name, None, field.name) for field in fields(HapticSnapshot) if field.name != FURTHER
     ]
-    for number, point in enumerate(snapshot.further, 1):
-        found += [(f"point_{number}_{field.name}", point, field.name) for field in fields(PointSnapshot)]
-    return [(name, np.array(getattr(of, field)), units.get(field, "1")) for name, of, field in found]
+    for number in range(extent.contacts - 1):
+        found += [(f"point_{number + 1}_{field.name}", number, field.name) for field in fields(PointSnapshot)]
+    return [(name, point, field, units.get(field, "1")) for name, point, field in found]
+
+
+class _StateFields(Mapping[str, Quantity]):
+    """Fields of a snapshot by name, each made an array when it is asked for.
+
+    Args:
+        snapshot: The snapshot.
+        extent: What the device fills.
+    """
+
+    def __init__(self, snapshot: HapticSnapshot, extent: Extent) -> None:
+        self._snapshot = snapshot
+        self._places = {name: (point, field, unit) for name, point, field, unit in _fields_of(extent)}
+
+    def __getitem__(self, name: str) -> Quantity:
+        point, field, unit = self._places[name]
+        owner = self._snapshot if point is None else self._snapshot.further[point]
+        return Quantity(np.array(getattr(owner, field))[np.newaxis], unit)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._places
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._places)
+
+    def __len__(self) -> int:
+        return len(self._places)
