@@ -13,7 +13,7 @@ from mimics_app.maths import quat
 from mimics_app.scenarios.figures.free_figure import FreeFigure
 from mimics_app.scenarios.figures.walking_figure import see_past_head
 from mimics_app.scenarios.parts.touch_scene import TouchScene
-from mimics_app.tasks.kinds.canyon_walk.kind import BEAM_WIDTH, TREMBLES, WIND, CanyonWalkSpec
+from mimics_app.tasks.kinds.canyon_walk.kind import BEAM_WIDTH, GUST, SWAY, TREMBLES, WIND, CanyonWalkSpec
 from mimics_app.tasks.scene_section import section_of
 from mimics_app.tasks.walking.walker import PERSON
 from mimics_app.world.content.world import World
@@ -21,8 +21,10 @@ from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["SCENARIO", "CanyonWalk"]
 
-_WIND, _BIRDS = "wind_place", "bird_"
-"""Entity from which the wind sounds, and begin of the names of the birds' entities."""
+_WIND, _DUST, _BIRDS = "wind_place", "gust_dust", "bird_"
+"""Entities from which the wind sounds and gusts bring dust, if they are there, and begin of the names of the birds'."""
+_UPWIND, _BEFORE = 5.0, 3.0
+"""Where the dust of a gust comes from: upwind of the person, and ahead [m]."""
 _NEAR, _FAR = 1.0, 9.0
 """Distance of the wind from the ears at full strength, and in still air [m]: the sound falls with the distance."""
 _TREMBLE, _TREMBLE_HZ = 0.006, 2.3
@@ -58,8 +60,9 @@ class CanyonWalk(TouchScene):
             world, self._person, PERSON, -1.0, lambda x, z: "wood" if begins < -z < ends else "asphalt"
         )
         see_past_head(world.cameras, self._person)
-        self._now, self._width = Shown((PERSON, BEAM_WIDTH, TREMBLES, WIND)), spec.width
+        self._now, self._width = Shown((PERSON, BEAM_WIDTH, TREMBLES, WIND, SWAY, GUST)), spec.width
         self._wind = world.find(_WIND) if _WIND in world else None
+        self._dust, self._gusts = world.find(_DUST) if _DUST in world else None, 0
         names = [f"{_BIRDS}{number}" for number in range(len(_FLIGHT))]
         self._birds = [(world.find(name), way) for name, way in zip(names, _FLIGHT, strict=True) if name in world]
         self._beam_at = np.array(self._beam.position)
@@ -73,13 +76,16 @@ class CanyonWalk(TouchScene):
         self._now.follow(orders.visual)
         self._figure.follow(orders.visual)
         seconds = snapshot.t_ns * 1e-9
-        sway = _TREMBLE * self._now[TREMBLES] * math.sin(2.0 * math.pi * _TREMBLE_HZ * seconds)
-        self._beam.set_position(self._beam_at + (sway, -abs(sway), 0.0))
+        trembles = _TREMBLE * self._now[TREMBLES] * math.sin(2.0 * math.pi * _TREMBLE_HZ * seconds)
+        sway = self._now[SWAY]
+        self._beam.set_position(self._beam_at + (trembles + sway, -abs(trembles), 0.0))
+        self._person.set_position(np.array(self._person.position) + (sway, 0.0, 0.0))  # the beam carries them
         self._beam.set_scale((self._now[BEAM_WIDTH] or self._width, 1.0, 1.0))
         if self._wind is not None:
             away = _FAR + (_NEAR - _FAR) * self._now[WIND]
             x, y, z = self._person.world_matrix()[:3, 3]
             self._wind.set_position((x - away, y + 1.6, z))
+        self._blow_dust()
         self._fly(seconds)
 
     def aim(self, snapshot: HapticSnapshot) -> Aim:
@@ -87,6 +93,16 @@ class CanyonWalk(TouchScene):
         x, y, z = self._start.tolist()
         aside = min(max(-_STEERS * self._now[PERSON].x, -_MOST_ASIDE), _MOST_ASIDE)
         return Aim((x + aside, y + _RAISED, z), close=False)
+
+    def _blow_dust(self) -> None:
+        """Let a gust that begins be seen: it brings dust across the way, from where it comes."""
+        number, side = self._now[GUST]
+        if number != self._gusts and side and self._dust is not None:
+            x, y, z = self._person.world_matrix()[:3, 3]
+            self._dust.set_position((x - _UPWIND * side, y + 1.2, z - _BEFORE))
+            self._dust.set_orientation(quat.about_axis((0.0, 1.0, 0.0), 0.0 if side > 0.0 else math.pi))
+            self._world.effects.trigger("gust")
+        self._gusts = number
 
     def _fly(self, seconds: float) -> None:
         """Place the birds on their circles over the river."""

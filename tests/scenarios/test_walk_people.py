@@ -61,7 +61,7 @@ def _score(walk: str, row: Mapping[str, float]) -> float:
     shares = [
         (part["weight"], np.clip((row[columns[name]] - part["worst"]) / (part["best"] - part["worst"]), 0.0, 1.0))
         for name, part in parts.items()
-        if part["weight"] and name in columns
+        if part["weight"] and columns.get(name) in row  # no obstacles are in the way here
     ]
     return float(np.average([share for _, share in shares], weights=[weight for weight, _ in shares]))
 

@@ -7,7 +7,7 @@ import pytest
 from msgspec import structs
 
 from mimics_app.contracts.messages.orders import HapticField
-from mimics_app.tasks.kinds.canyon_walk.crossing import Beam, Crossing, Wind, exposure
+from mimics_app.tasks.kinds.canyon_walk.crossing import MOST_SWAY, Beam, BeamSway, Crossing, Wind, exposure
 from mimics_app.tasks.kinds.canyon_walk.kind import CanyonWalkPlay, CanyonWalkSpec
 from mimics_app.tasks.observation import observe
 from mimics_app.tasks.walking.legs import GAITS
@@ -87,6 +87,20 @@ def test_wind_rises_with_the_exposure_and_gusts_push_but_not_in_the_calm_variant
     assert np.ptp(gusty[gusty[:, 0] == 1.0, 1]) > 0.2 and gusty[:, 3].sum() >= 3
     assert np.abs(gusty[:, 2]).max() > 0.4 and not calm_rows[:, 2:].any()
     assert calm_rows[-1, 1] == pytest.approx(0.5 * gusty[:, 1][gusty[:, 0] == 1.0].min(), rel=0.05)
+
+
+def test_the_beam_sways_as_the_wind_is_strong_and_creaks_where_it_turns_in_a_gust() -> None:
+    """Still on land; half as far in half the wind; without a jump; one creak each time it turns back in a gust."""
+    swung = {}
+    for strength in (0.0, 0.35, 0.5, 1.0):
+        sway = BeamSway()
+        rows = np.array([(sway.swing(strength, FRAME), sway.aside) for _ in range(60 * 20)])
+        swung[strength] = rows
+        turns = np.count_nonzero(np.diff(np.sign(np.diff(rows[:, 1]))))
+        assert np.count_nonzero(rows[:, 0]) == (turns if strength > 0.4 else 0), "no creak in the steady wind"
+        assert np.abs(np.diff(rows[:, 1])).max() <= 0.003, "nobody is jolted: 2 mm a frame"
+    assert not swung[0.0].any() and np.abs(swung[1.0][:, 1]).max() == pytest.approx(MOST_SWAY, rel=1e-3)
+    np.testing.assert_allclose(swung[0.5][:, 1], 0.5 * swung[1.0][:, 1])
 
 
 def test_a_misstep_is_felt_at_its_foot_and_has_no_edge() -> None:

@@ -41,6 +41,7 @@ def test_the_person_is_led_to_where_the_felt_face_is_and_touches_are_told_once()
     for x in (0.2, 0.257, 0.262, 0.255, 0.25, 0.2, 0.26):
         taps += obstacles.step(walked + obstacles.led, _seen(GaitState.EXPLORING, left=x), FRAME) is not None
     assert taps == 2, "a foot that stays near the face touches it once"
+    assert obstacles.explored == 1
     assert obstacles.step(5.0, _seen(GaitState.RESUMING), FRAME) is None and obstacles.ahead is None
     for _ in range(60):
         obstacles.step(5.0, _seen(GaitState.WALKING), FRAME)
@@ -70,6 +71,7 @@ def test_by_hand_the_way_opens_after_three_touches_or_the_time_of_an_exploration
             tap = obstacles.meet(4.7, kicks, FRAME)
             taps += tap is not None and tap.obstacle is BOX
             seconds += FRAME
-        assert taps == (3 if kicks else 0) and most - 2.0 < seconds <= most
+        assert (taps, obstacles.explored) == ((3, 1) if kicks else (0, 0))
+        assert most - 2.0 < seconds <= most
         assert obstacles.opened == (1.0, 0.0) and obstacles.ahead is DOOR
         assert not obstacles.stops(8.0) and obstacles.stops(11.65)

@@ -75,6 +75,17 @@ def test_what_an_emitter_keeps_changes_nothing():
         assert rows.rows[: rows.count].tobytes() == fill(always, now).tobytes()
 
 
+def test_what_is_born_upright_is_upright_and_all_else_at_any_angle():
+    """Drops of rain, and the dust of a gust: their streaks do not cross."""
+    angles = {}
+    for upright in (True, False):
+        spec, bursts = one_burst(upright=upright)
+        turn = fill(spec, 0.5, bursts=bursts)["turn"]
+        angles[upright] = np.arctan2(turn[:, 1], turn[:, 0])
+    assert not angles[True].any()
+    assert np.histogram(angles[False], 4, (-math.pi, math.pi))[0].min() > 30
+
+
 def test_seeds_and_bursts_differ_and_repeat():
     spec, bursts = one_burst()
     second = [Burst(0, 1, 0.0, HERE)]

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-import numpy as np
-
 from mimics_app.app.picture.active_view import ActiveView, view_names
 from mimics_app.app.picture.board import OPERATORS_CARDS, BoardLayout
+from mimics_app.app.picture.contact_shadow import ContactShadow
 from mimics_app.app.picture.lost_picture import draw_or_recover
 from mimics_app.app.picture.methods import with_methods
-from mimics_app.app.picture.nudges import hand_of
 from mimics_app.app.picture.operator_picture import OperatorPicture
 from mimics_app.app.picture.second_view import SecondView
 from mimics_app.app.picture.shown_on import open_display
@@ -30,7 +27,6 @@ from mimics_app.contracts.errors import SceneError, nearest
 from mimics_app.contracts.messages.board import Board
 from mimics_app.contracts.ports.display_port import Display, FrameTiming
 from mimics_app.contracts.ports.input_port import Ray
-from mimics_app.maths import quat
 from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.figures.key_page import KeyPage
 from mimics_app.rendering.visual.frame_stats import FrameStats
@@ -44,48 +40,11 @@ from mimics_app.rendering.visual.surfaces.headless import WritePng, write_png
 from mimics_app.rendering.visual.surfaces.rasteriser import rasteriser_of
 from mimics_app.rendering.visual.surfaces.surface import Size, Surface
 from mimics_app.rendering.visual.view import Latch, View
-from mimics_app.world.components.effects import Projector
 from mimics_app.world.components.visible import Hud as HudComponent
 from mimics_app.world.content.world import World
 from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["Picture", "live_quality", "pays_for_pixels", "picture_quality"]
-
-_WIDTH, _DEPTH = 0.10, 0.8
-"""Diameter of the spot, and how far below the hand surfaces are darkened [m]."""
-_BELOW = 0.015
-"""Distance of the uppermost darkened place below the centre of the hand [m]."""
-_SPOT = Projector(
-    shape="dot", size=(_WIDTH, _WIDTH), depth=_DEPTH, blend="stain", colour=(0.0, 0.0, 0.0, 0.75), full_angle=0.9
-)
-
-
-class ContactShadow:
-    """A dark spot on all surfaces below the hand, straight down; nothing where the scene has no shadows or no hand.
-
-    Args:
-        scene: The scene.
-        world: The world built from it.
-    """
-
-    def __init__(self, scene: Scene, world: World) -> None:
-        self.world = world
-        self._hand, self._node = hand_of(scene, world), None
-        if self._hand is None or not any(light.casts_shadow for light in world.lights):
-            return
-        self._node = world.root.create_child("")
-        self._node.set_orientation(quat.about_axis((1.0, 0.0, 0.0), -0.5 * math.pi))
-        world.effects.add(self._node.index, _SPOT)
-        world.effects.contact_shadows.add(self._node.index)
-        self.follow()
-
-    def follow(self) -> None:
-        """Place it below the hand as of the world's last update."""
-        if self._hand is not None and self._node is not None:
-            place = np.array(self._hand.world_matrix()[:3, 3])
-            place[1] -= _BELOW + 0.5 * _DEPTH
-            self._node.set_position(place)
-
 
 _LEAD_SHARE = 0.1
 """Share of a frame's time to its display that goes into the prediction for the next one."""
@@ -289,7 +248,7 @@ class Picture:
             DeviceError: The context was lost and cannot be created again.
         """
         if self._contact is not None:
-            self._contact.follow()
+            self._contact.follow(self.view.camera.world_from_eye[:3, 3])
         self.view.advance(clock.now_ns())
         timing = self.presenter.timing if self.presenter.begun else self.presenter.begin(clock.now_ns())
         if not timing.render:

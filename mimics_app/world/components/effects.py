@@ -29,8 +29,8 @@ __all__ = ["Billboard", "Particles", "Projector", "SpriteShape", "Trigger"]
 SpriteShape = Literal["dot", "puff", "paper", "spark", "ring"]
 """Built-in sprite textures, see `sprite_pictures`."""
 
-Trigger = Literal["always", "start", "goal", "scored", "contact", "contact_end", "impact"]
-"""Events that start a burst of an emitter; "always": it emits continuously; "scored": a scenario's own."""
+Trigger = Literal["always", "start", "goal", "scored", "gust", "contact", "contact_end", "impact"]
+"""Events that start a burst of an emitter; "always": it emits continuously; "scored", "gust": a scenario's own."""
 
 Rgba = tuple[Light, Light, Light, Share]
 Lifetime = Annotated[float, Meta(gt=0, le=86_400)]
@@ -98,6 +98,7 @@ class Particles(Component, frozen=True):
     sway: Annotated[Extent, Meta(description="Amplitude of the sideways sway [m]")] = 0.0
     sway_hz: Annotated[Frequency, Meta(description="Frequency of the sway [Hz]")] = 0.5
     spin: Annotated[Factor, Meta(description="Maximum angular rate [rad/s]")] = 0.0
+    upright: Annotated[bool, Meta(description="Born upright in the picture, as drops are; false: at any angle")] = False
     floor: Annotated[FarCoordinate | None, Meta(description="Height at which they come to rest, world [m]")] = None
     size: Annotated[tuple[Length, Length], Meta(description="Minimum and maximum size at birth [m]")] = (
         0.02,

@@ -110,6 +110,7 @@ def _record(spec: Particles, seed: int, state: int, layer: int) -> NDArray[np.vo
     one["seed"] = seed
     for name in ("lifetime", "speed", "drag", "sway", "spin", "size", "aspect", "growth"):
         one[name] = getattr(spec, name)
+    one["angles"] = 0.0 if spec.upright else 2.0 * math.pi
     one["cosine"] = math.cos(spec.cone)
     one["pull"] = np.asarray(spec.gravity) + spec.drag * np.asarray(spec.wind)
     one["sway_rate"] = 2.0 * math.pi * spec.sway_hz

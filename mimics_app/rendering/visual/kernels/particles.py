@@ -27,6 +27,7 @@ EMITTER = np.dtype(
         ("sway", "f8"),  # horizontal amplitude [m]
         ("sway_rate", "f8"),  # [rad/s]
         ("spin", "f8"),  # maximum [rad/s]
+        ("angles", "f8"),  # range of the angle at birth [rad]
         ("floor", "f8"),  # height at which they come to rest, world [m]; -inf: none
         ("size", "f8", (2,)),  # full height at birth [m]
         ("aspect", "f8"),  # width over height
@@ -142,7 +143,7 @@ def _bear(emitter: Records, number: int, birth: Records) -> None:
     for k in range(3):
         one["place"][k] = hash_unit(seed, number, _BIRTHPLACE + k)
     one["rest"] = _MIN_REST * (1.0 + hash_unit(seed, number, _REST))
-    one["angle"] = 2.0 * math.pi * hash_unit(seed, number, _ANGLE)
+    one["angle"] = emitter[0]["angles"] * hash_unit(seed, number, _ANGLE)
     one["spin"] = emitter[0]["spin"] * (2.0 * hash_unit(seed, number, _SPIN) - 1.0)
     up, around = 2.0 * hash_unit(seed, number, _AXIS_UP) - 1.0, 2.0 * math.pi * hash_unit(seed, number, _AXIS_AROUND)
     flat = math.sqrt(1.0 - up * up)

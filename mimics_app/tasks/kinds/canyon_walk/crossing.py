@@ -14,7 +14,7 @@ from mimics_app.contracts.messages.leg_motion import LegMotion
 from mimics_app.tasks.walking.legs import Impairment
 from mimics_app.tasks.walking.walker import FootPlace, Walker
 
-__all__ = ["Beam", "Crossing", "Wind", "exposure"]
+__all__ = ["MOST_SWAY", "Beam", "BeamSway", "Crossing", "Wind", "exposure"]
 
 _SHELTER = 12.0
 """Distance from a rim over which the wind rises on the beam [m]."""
@@ -22,6 +22,12 @@ _MEAN_PAUSE_S, _GUST_S = 6.0, 2.4
 """Mean time between two gusts, and their duration [s]."""
 _STEADY, _STRONGEST = 0.35, 1.0
 """Strength of the steady wind, and of the strongest gust, as shares."""
+MOST_SWAY = 0.035
+"""Deflection aside in the strongest gust [m]: well seen at the feet, and no reason to fall."""
+_SWAY_HZ = 0.45
+"""Frequency [Hz]: a beam of wood of this length swings slowly."""
+_CREAKS_FROM = 0.4
+"""Share of `MOST_SWAY` from which on a turn is heard: beyond the steady wind, which swings it by 0.35."""
 
 
 def exposure(along: float, begins: float, ends: float) -> float:
@@ -71,6 +77,25 @@ class Wind:
         self.strength = exposed * (steady + (1.0 - _STEADY) * gust)
         self.push = exposed * gust * self.side
         return begins and exposed > 0.0
+
+
+class BeamSway:
+    """Sway of the beam where the person is: as far as the wind is strong; it creaks where it turns back in a gust.
+
+    Attributes:
+        aside: Present deflection, to the right [m].
+    """
+
+    def __init__(self) -> None:
+        self.aside = self._phase = 0.0
+
+    def swing(self, strength: float, seconds: float) -> float:
+        """Advance by a time [s] in a wind, 0 to 1; return how loud the beam creaks, 0 to 1."""
+        before = self._phase
+        self._phase = before + 2.0 * math.pi * _SWAY_HZ * seconds
+        self.aside = MOST_SWAY * strength * math.sin(self._phase)
+        turns = math.floor(self._phase / math.pi + 0.5) > math.floor(before / math.pi + 0.5)
+        return strength if turns and strength > _CREAKS_FROM else 0.0
 
 
 _LEAN = 0.35

@@ -16,7 +16,7 @@ from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.contracts.system.phrases import counted_phrase, phrase
 from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.deflection import DEAD_ZONE
-from mimics_app.tasks.kinds.canyon_walk.crossing import Beam, Crossing
+from mimics_app.tasks.kinds.canyon_walk.crossing import Beam, BeamSway, Crossing
 from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, TaskBlock, TaskKind, Values
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.legs import GAITS
@@ -30,7 +30,7 @@ from mimics_app.world.components.registry import Component
 if TYPE_CHECKING:
     from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["BEAM_WIDTH", "KIND", "TREMBLES", "WIND", "CanyonWalkPlay", "CanyonWalkSpec"]
+__all__ = ["BEAM_WIDTH", "GUST", "KIND", "SWAY", "TREMBLES", "WIND", "CanyonWalkPlay", "CanyonWalkSpec"]
 
 BEAM_WIDTH = Feature("beam.width", 0.0)
 """Width of the beam [m]."""
@@ -38,11 +38,17 @@ TREMBLES = Feature("beam.trembles", 0.0)
 """How much the beam trembles under a step, 0 to 1."""
 WIND = Feature("wind.strength", 0.0)
 """Strength of the wind, 0 to 1."""
+SWAY = Feature("beam.sway", 0.0)
+"""Deflection of the beam by the wind where the person is, to the right [m]."""
+GUST = Feature("wind.gust", (0, 0.0))
+"""Number of the newest gust, 0 before the first, and the side to which it blows, -1 left, 1 right."""
 
 _CUE_S = 0.5
 """Duration of the cue of a misstep, which swells and fades [s]."""
 _CREAK_PER_STEP = 0.35
 """Strength of the creak of the beam under a foot."""
+_GUST_SAID = 0.3
+"""Push of a gust from which on it is said where it comes from."""
 _GUST_FROM = 4.0
 """Distance aside from which a gust is heard [m]."""
 
@@ -117,6 +123,7 @@ class CanyonWalkPlay(KindPlay):
         seed = self._seed * 1000 + self._number
         self._crossing = Crossing(self._beam, GAITS[spec.gait], self._section.begin, seed, calm=spec.calm)
         self._seconds, self._trembles = 0.0, 0.0
+        self._sway, self._gusts = BeamSway(), 0
         self._cue_s = [_CUE_S] * len(spec.cues)
 
     def start_attempt(self, seen: Observation) -> None:
@@ -142,6 +149,9 @@ class CanyonWalkPlay(KindPlay):
             )
         self._seconds += seconds
         self._trembles = max(self._trembles - 2.0 * seconds, 0.0)
+        creaks = self._sway.swing(crossing.wind.strength, seconds)
+        if creaks > 0.0:
+            self._sound("creak", seen, (crossing.walker.x, 0.0, crossing.walker.z), creaks)
         for foot in feet:
             if crossing.beam.carries(-foot.z):
                 self._trembles = 1.0
@@ -153,6 +163,7 @@ class CanyonWalkPlay(KindPlay):
             self._sound("misstep", seen, (foot.x, 0.0, foot.z))
             self._note("misstep", seen, side=foot.side, off_m=round(abs(foot.x), 4))
         if gust:
+            self._gusts += 1
             self._sound("gust", seen, (crossing.walker.x - _GUST_FROM * crossing.wind.side, 1.6, crossing.walker.z))
         if crossing.falls > falls:
             self._sound("fall", seen, (crossing.walker.x, 0.0, crossing.walker.z))
@@ -185,6 +196,8 @@ class CanyonWalkPlay(KindPlay):
             BEAM_WIDTH: crossing.beam.width,
             TREMBLES: round(self._trembles, 3),
             WIND: round(crossing.wind.strength, 3),
+            SWAY: round(self._sway.aside, 5),
+            GUST: (self._gusts, crossing.wind.side),
         }
 
     @property
@@ -198,7 +211,12 @@ class CanyonWalkPlay(KindPlay):
             return phrase("Never mind. You are back on the beam: breathe, then raise the hand")
         if crossing.walker.walked == 0.0:
             return phrase("Raise the hand to walk, lower it to stop; move it aside to lean")
-        return phrase("A gust: lean against it") if abs(crossing.wind.push) > 0.3 else ""
+        push = crossing.wind.push
+        if abs(push) < _GUST_SAID:
+            return ""
+        if push > 0.0:
+            return phrase("A gust from the left: lean to the left")
+        return phrase("A gust from the right: lean to the right")
 
     @property
     def measures(self) -> Values:

@@ -165,7 +165,9 @@ class CityWalkPlay(KindPlay):
 
     @property
     def measures(self) -> Values:
-        return {"walked_m": self._along, "taps": float(self._taps), **walk_values(self._walker, self._seconds)}
+        explored = float(self._obstacles.explored) if self._spec.obstacles else None
+        own = {"walked_m": self._along, "taps": float(self._taps), "obstacles": explored}
+        return {**own, **walk_values(self._walker, self._seconds)}
 
     def outcome_words(self, row: Mapping[str, object], *, finished: bool) -> str:
         if finished:
@@ -193,6 +195,7 @@ class CityWalkKind(TaskKind):
     name, section, goals = "city_walk", CityWalkSpec, (Walked,)
     measures = (
         Measure.totalled("walked_m", "walked", "Distance walked [m].", 60.0, 0.0, sums=True),
+        Measure.totalled("obstacles", "obstacles", "Obstacles that a foot touched.", 4.0, 0.0, sums=True),
         Measure.totalled("taps", "taps", "Touches of obstacles with a foot.", 8.0, 0.0, sums=True),
         *WALK_MEASURES,
     )
@@ -200,7 +203,9 @@ class CityWalkKind(TaskKind):
     cards = ("speed", "walked", "symmetry")
     label = phrase("Path")
     touches = False
-    report = WalkSection("walked_m", {phrase("touches of obstacles"): "taps"})
+    report = WalkSection(
+        "walked_m", {phrase("obstacles explored"): "obstacles", phrase("touches of obstacles"): "taps"}
+    )
 
     def check_scene(self, spec: TaskBlock, scene: Scene) -> list[Issue]:
         walk = spec.find(CityWalkSpec)

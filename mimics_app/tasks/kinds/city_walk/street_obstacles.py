@@ -76,6 +76,7 @@ class StreetObstacles:
     Attributes:
         led: How much farther the person is than the legs have walked [m].
         tap: Share of a touch by hand that is over, 0 to 1; -1: none.
+        explored: Number of obstacles that a foot has touched.
     """
 
     def __init__(self, obstacles: Sequence[StreetObstacle]) -> None:
@@ -86,6 +87,7 @@ class StreetObstacles:
         self._called = self._touches = False
         self._taps, self._stood_s = 0, 0.0
         self.led, self.tap = 0.0, -1.0
+        self.explored, self._newest = 0, -1
 
     @property
     def ahead(self) -> StreetObstacle | None:
@@ -132,7 +134,7 @@ class StreetObstacles:
         self._taps += int(meets)
         if self.tap < 0.0 and (self._taps >= _ENOUGH or self._stood_s > _EXPLORATION_S):
             self._number, self._taps, self._stood_s = self._number + 1, 0, 0.0
-        return Tap(ahead, _BY_HAND) if meets else None
+        return self._tap(ahead, _BY_HAND) if meets else None
 
     def call(self, along: float, seen: Observation) -> str:
         """Return the obstacle to begin at a place [m], "" for none."""
@@ -159,7 +161,13 @@ class StreetObstacles:
         behind = _FACE - foot.hip_world[0]
         begins = not self._touches and behind < _NEAR
         self._touches = behind < (_LEAVES if self._touches else _NEAR)
-        return Tap(ahead, min(0.3 + 2.0 * foot.speed, 1.0)) if begins else None
+        return self._tap(ahead, min(0.3 + 2.0 * foot.speed, 1.0)) if begins else None
+
+    def _tap(self, obstacle: StreetObstacle, strength: float) -> Tap:
+        """Count the obstacle ahead with its first touch."""
+        self.explored += int(self._newest != self._number)
+        self._newest = self._number
+        return Tap(obstacle, strength)
 
     def _open_passed(self, seconds: float) -> None:
         for number in self._order[: self._number]:
