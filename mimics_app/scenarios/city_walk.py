@@ -28,13 +28,13 @@ from mimics_app.world.content.world import World
 from mimics_app.world.files.scene.scene import Scene
 from mimics_app.world.graph.scene_node import SceneNode
 
-__all__ = ["SCENARIO", "CityWalk"]
+__all__ = ["SCENARIO", "CityWalk", "StreetObject"]
 
 
 _SINKS = {"kerb": 0.0, "box": 0.5, "low_wall": 0.6, "door": 0.0}
 """How deep each sinks into the ground to let the person pass [m]; a kerb is stepped over, a door swings."""
-_SWINGS = 0.5 * math.pi
-"""Angle of an open door [rad]."""
+_SWINGS = -0.5 * math.pi
+"""Angle of an open door [rad]: it swings away from who stands before it."""
 
 
 class StreetObject:
@@ -44,12 +44,18 @@ class StreetObject:
         node: Its node.
         path: The path.
         obstacle: Its place and kind.
+        frame: What is placed there and stays; None for nothing.
     """
 
-    def __init__(self, node: SceneNode, path: GroundPath, obstacle: StreetObstacle) -> None:
+    def __init__(
+        self, node: SceneNode, path: GroundPath, obstacle: StreetObstacle, frame: SceneNode | None = None
+    ) -> None:
         self._node, self._kind = node, obstacle.kind
         self._place, self._heading = path.at(obstacle.at), path.heading(obstacle.at)
         self._hinge = np.array(node.position)
+        if frame is not None:
+            frame.set_position(self._place)
+            frame.set_orientation(quat.about_axis((0.0, 1.0, 0.0), self._heading))
         self.open(0.0)
 
     def open(self, share: float) -> None:
@@ -102,7 +108,7 @@ class CityWalk(TouchScene):
         self._weather = Weather(world, self._person)
         path = paths[walkers[spec.person].path]
         self._obstacles = [
-            (number, StreetObject(world.find(each.entity), path, each))
+            (number, StreetObject(world.find(each.entity), path, each, world.find(each.frame) if each.frame else None))
             for number, each in enumerate(spec.obstacles)
             if each.entity in world
         ]

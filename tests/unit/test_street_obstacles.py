@@ -67,11 +67,15 @@ def test_by_hand_the_way_opens_after_three_touches_or_the_time_of_an_exploration
     for kicks, most in ((True, 3.0), (False, 9.5)):
         obstacles, taps, seconds = StreetObstacles((BOX, DOOR)), 0, 0.0
         assert not obstacles.stops(4.5) and obstacles.meet(4.5, True, FRAME) is None, "too far"
+        asked = []
         while obstacles.stops(4.7):
+            asked.append(obstacles.touches_left(4.7))
             tap = obstacles.meet(4.7, kicks, FRAME)
             taps += tap is not None and tap.obstacle is BOX
             seconds += FRAME
         assert (taps, obstacles.explored) == ((3, 1) if kicks else (0, 0))
+        assert asked[0] == 3 and asked[-50:] == [0] * 50, "the next one is not asked for while the way opens"
+        assert sorted(asked, reverse=True) == asked and obstacles.touches_left(4.5) == 0
         assert most - 2.0 < seconds <= most
         assert obstacles.opened == (1.0, 0.0) and obstacles.ahead is DOOR
         assert not obstacles.stops(8.0) and obstacles.stops(11.65)

@@ -153,12 +153,12 @@ class CityWalkPlay(KindPlay):
 
     @property
     def prompt(self) -> str:
-        ahead = self._obstacles.ahead
-        if self._stopped and self._orthosis is None and ahead is not None:
+        ahead, left = self._obstacles.ahead, self._obstacles.touches_left(self._along)
+        if left > 0 and self._orthosis is None and ahead is not None:
             return counted_phrase(
                 "{what} is in the way: touch it {n:d} time (mouse button, G or K)",
                 "{what} is in the way: touch it {n:d} times (mouse button, G or K)",
-                self._obstacles.touches_left,
+                left,
                 what=_NAMES[ahead.kind],
             )
         return "" if self._along > 0.0 else phrase("Raise the hand to walk, lower it to stop; aside to look about")
@@ -213,7 +213,10 @@ class CityWalkKind(TaskKind):
             return []
         issues = scene.check_entity_with(PathWalker, "/task/city_walk/person", walk.person)
         for number, obstacle in enumerate(walk.obstacles):
-            issues += scene.check_entity(f"/task/city_walk/obstacles/{number}/entity", obstacle.entity)
+            pointer = f"/task/city_walk/obstacles/{number}"
+            issues += scene.check_entity(f"{pointer}/entity", obstacle.entity)
+            if obstacle.frame is not None:
+                issues += scene.check_entity(f"{pointer}/frame", obstacle.frame)
         return issues
 
     def open(self, spec: TaskBlock, context: TaskContext, seed: int) -> CityWalkPlay:

@@ -52,6 +52,7 @@ class StreetObstacle(Component, frozen=True):
     kind: Annotated[Literal["kerb", "box", "low_wall", "door"], Meta(description="What it is.")]
     at: Annotated[Extent, Meta(description="Distance of its front along the walk [m].")]
     foot: Annotated[Literal["left", "right"], Meta(description="Foot that explores it.")] = "left"
+    frame: Annotated[str | None, Meta(description="Entity that is placed there, too, and stays: a doorway.")] = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,10 +105,9 @@ class StreetObstacles:
         """Share of a touch by hand that is over, below 0 for none, and how far the ankle is ahead of the hip [m]."""
         return round(self.tap, 4), round(_FORWARD * math.sin(math.pi * max(self.tap, 0.0)), 4)
 
-    @property
-    def touches_left(self) -> int:
-        """How many touches by hand are left until the way opens."""
-        return _ENOUGH - self._taps
+    def touches_left(self, along: float) -> int:
+        """Return how many touches by hand open the way at a place [m]; 0 where nothing is in the way, or it opens."""
+        return _ENOUGH - self._taps if self.room(along) <= _AT_HAND else 0
 
     def stops(self, along: float) -> bool:
         """Whether somebody who walks by hand stands at a place [m]: before an obstacle, or while its way opens."""
