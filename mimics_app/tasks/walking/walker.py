@@ -13,10 +13,12 @@ from mimics_app.contracts.messages.orders import Feature
 from mimics_app.tasks.walking.footfalls import Footfalls
 from mimics_app.tasks.walking.legs import Impairment, Legs
 
-__all__ = ["HALF_STEP_WIDTH", "PERSON", "FigurePose", "FootPlace", "Walker"]
+__all__ = ["HALF_STEP_WIDTH", "PERSON", "STANDS", "FigurePose", "FootPlace", "Walker"]
 
 HALF_STEP_WIDTH = 0.06
 """Distance of a foot from the person's middle line [m]."""
+STANDS = 0.02
+"""Speed below which somebody stands, and the message says how to walk [m/s]."""
 _PUSH = 1.0
 """Largest acceleration of a walker [m/s^2]."""
 

@@ -22,7 +22,7 @@ from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.legs import GAITS
 from mimics_app.tasks.walking.throttle import Throttle
 from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, WalkSection, speed_card, symmetry_card, walk_values
-from mimics_app.tasks.walking.walker import PERSON
+from mimics_app.tasks.walking.walker import PERSON, STANDS
 from mimics_app.tasks.walking.worn_orthosis import OrthosisLegs, legs_in, strikes_in
 from mimics_app.world.components.bounds import Extent
 from mimics_app.world.components.registry import Component
@@ -209,7 +209,7 @@ class CanyonWalkPlay(KindPlay):
         crossing = self._crossing
         if crossing.rests:
             return phrase("Never mind. You are back on the beam: breathe, then raise the hand")
-        if crossing.walker.walked == 0.0:
+        if self._orthosis is None and crossing.walker.speed < STANDS:
             return phrase("Raise the hand to walk, lower it to stop; move it aside to lean")
         push = crossing.wind.push
         if abs(push) < _GUST_SAID:

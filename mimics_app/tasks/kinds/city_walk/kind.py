@@ -22,7 +22,7 @@ from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.legs import GAITS
 from mimics_app.tasks.walking.throttle import Throttle
 from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, WalkSection, speed_card, symmetry_card, walk_values
-from mimics_app.tasks.walking.walker import PERSON, Walker
+from mimics_app.tasks.walking.walker import PERSON, STANDS, Walker
 from mimics_app.tasks.walking.worn_orthosis import OrthosisLegs, legs_in, strikes_in
 from mimics_app.world.components.registry import Component
 from mimics_app.world.components.walking import PathWalker
@@ -161,7 +161,8 @@ class CityWalkPlay(KindPlay):
                 left,
                 what=_NAMES[ahead.kind],
             )
-        return "" if self._along > 0.0 else phrase("Raise the hand to walk, lower it to stop; aside to look about")
+        stands = self._orthosis is None and not self._stopped and self._speed < STANDS
+        return "" if not stands else phrase("Raise the hand to walk, lower it to stop; aside to look about")
 
     @property
     def measures(self) -> Values:

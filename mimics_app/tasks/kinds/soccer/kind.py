@@ -25,7 +25,7 @@ from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.legs import GAITS
 from mimics_app.tasks.walking.throttle import Throttle
 from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, WalkSection, speed_card, symmetry_card, walk_values
-from mimics_app.tasks.walking.walker import PERSON, FigurePose
+from mimics_app.tasks.walking.walker import PERSON, STANDS, FigurePose
 from mimics_app.tasks.walking.worn_orthosis import OrthosisLegs, legs_in, strikes_in
 from mimics_app.world.components.bounds import Figure, Share
 from mimics_app.world.components.objects import HapticObject
@@ -254,10 +254,13 @@ class SoccerPlay(KindPlay):
         if match.pause_s > 0.0:
             score = f"{match.goals} : {match.opponent_goals}"
             return phrase("{score}   seen again", score=score) if match.replay_s > 0.0 else score
-        if match.person.walker.walked == 0.0:
-            return phrase("Raise the hand to walk, aside to turn. Close it (mouse button, G or K) to kick")
+        if self._orthosis is not None:
+            return ""
         view = match.view_of_person()
-        return "" if self._orthosis is not None else _TURNS[_side(view, view.ball)]
+        side = _TURNS[_side(view, view.ball)]
+        if side or match.person.walker.speed > STANDS:
+            return side
+        return phrase("Raise the hand to walk, aside to turn. Close it (mouse button, G or K) to kick")
 
     @property
     def measures(self) -> Values:
