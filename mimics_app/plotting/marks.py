@@ -5,12 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 __all__ = ["circle", "cross", "element", "joined", "path", "pixels", "rect", "word"]
 
 _GREEK = {"us": "µs", "um": "µm", "mu": "μ"}
 """Drawn spelling of words that terminals, tables and JSON keys spell in ASCII."""
+
+_ASCII = re.compile(rf"\b({'|'.join(_GREEK)})\b")
 
 
 def element(tag: str, content: str = "", **attributes: object) -> Markup:
@@ -18,12 +20,12 @@ def element(tag: str, content: str = "", **attributes: object) -> Markup:
 
     `class_` becomes `class`, other underscores hyphens, as in `text_anchor`; attributes of None are left out.
     """
-    named = [
-        Markup(' {}="{}"').format(name.rstrip("_").replace("_", "-"), value)
+    named = "".join(
+        f' {name.rstrip("_").replace("_", "-")}="{escape(value)}"'
         for name, value in attributes.items()
         if value is not None
-    ]
-    return Markup("<{0}{1}>{2}</{0}>").format(tag, joined(named), content)
+    )
+    return Markup(f"<{tag}{named}>{escape(content)}</{tag}>")
 
 
 def joined(parts: Sequence[str]) -> Markup:
@@ -67,4 +69,4 @@ def _title(text: str) -> Markup:
 
 
 def _typeset(text: str) -> str:
-    return re.sub(rf"\b({'|'.join(_GREEK)})\b", lambda found: _GREEK[found[0]], text)
+    return _ASCII.sub(lambda found: _GREEK[found[0]], text)
