@@ -11,7 +11,10 @@ import pytest
 from mimics_app.app.picture.board import BoardLayout
 from mimics_app.app.play.launching import launcher_cards, launcher_settings, settings_of_choice
 from mimics_app.app.play.session_keys import OPERATORS_PAGE
+from mimics_app.app.session.requested import read_requested
+from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.messages.board import Bar, Board, Card, Tone
+from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.figures.contrast import high_contrast, in_high_contrast, ink_in_contrast
 from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.figures.key_page import draw_keys
@@ -101,3 +104,26 @@ def test_it_is_chosen_in_the_launcher(value: str, larger: bool, high: bool) -> N
     chosen = {setting.name: setting.default for setting in launcher_settings()}
     settings = settings_of_choice(LauncherChoice(Path("a"), {**chosen, "text": value}))
     assert (settings.larger_text, settings.high_contrast) == (larger, high)
+
+
+def shown(colour: tuple[float, ...]) -> Rgb:
+    """Display values of a linear colour (IEC 61966-2-1)."""
+    red, green, blue = (
+        12.92 * each if each <= 0.0031308 else 1.055 * each ** (1.0 / 2.4) - 0.055 for each in colour[:3]
+    )
+    return red, green, blue
+
+
+@pytest.mark.parametrize("name", ["wavy_tunnel", "calibration", "pick_and_place"])
+def test_targets_paths_and_the_hand_stand_out_in_the_scene(name: str) -> None:
+    scene = read_requested(RunSettings(root() / "scenes" / f"{name}.json", high_contrast=True))
+    roles = scene.document["systems"]["contrast"]["materials"]
+    found: dict[str, list[Rgb]] = {}
+    for material, role in roles.items():
+        assert scene.materials[material].technique == "unlit", "its colour is what is shown"
+        found.setdefault(role, []).append(shown(scene.materials[material].base_colour))
+    assert found.keys() >= {"target", "ground"}
+    for role in found.keys() - {"ground"}:
+        assert all(contrast(one, ground) >= LEAST for one in found[role] for ground in found["ground"]), role
+    usual = read_requested(RunSettings(root() / "scenes" / f"{name}.json"))
+    assert usual.hash != scene.hash and usual.materials != scene.materials

@@ -8,6 +8,7 @@ from typing import Any
 
 import msgspec
 
+from mimics_app.app.scenes.contrasted_scene import contrasted
 from mimics_app.app.scenes.fitted_scene import fitted
 from mimics_app.app.scenes.mirrored_scene import mirrored
 from mimics_app.app.settings import Side
@@ -45,11 +46,13 @@ class PersonEdit(msgspec.Struct, frozen=True):
         fit: What fits the person.
         side: Side that plays, "left" or "right"; scenes are made for the right one.
         avatar: File of a model that is the person's own body in scenes that show one; "": as the scene has it.
+        contrast: Whether the scene has the colours of high contrast.
     """
 
     fit: Fit = Fit()
     side: Side = "right"
     avatar: str = ""
+    contrast: bool = False
 
     def __call__(self, document: dict[str, Any]) -> dict[str, Any]:
         """Return a changed copy of a document; it is fitted on the side that plays.
@@ -59,7 +62,8 @@ class PersonEdit(msgspec.Struct, frozen=True):
         """
         if self.avatar and OWN_BODY not in document["assets"]:
             raise UsageError("this scene shows no own body", "leave --avatar out")
-        return fitted(mirrored(document) if self.side == "left" else document, self.fit)
+        shown = fitted(mirrored(document) if self.side == "left" else document, self.fit)
+        return contrasted(shown) if self.contrast else shown
 
     def files(self) -> Mapping[str, Path]:
         """Return the model of the person's own body, by the asset that it replaces."""

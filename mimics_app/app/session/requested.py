@@ -53,7 +53,7 @@ def _edit(settings: RunSettings) -> PersonEdit | None:
     if settings.larger_text:
         fit = structs.replace(fit, text=max(fit.text, _LARGER_TEXT))
     avatar = "" if settings.avatar is None else str(_model(settings.avatar))
-    edit = PersonEdit(fit, settings.side, avatar)
+    edit = PersonEdit(fit, settings.side, avatar, settings.high_contrast)
     return None if edit == PersonEdit() else edit
 
 

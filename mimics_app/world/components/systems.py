@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Literal
 
-from msgspec import Meta
+from msgspec import Meta, field
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.ports.display_choice import DISPLAY_KINDS, display_names
@@ -13,7 +14,10 @@ from mimics_app.world.components.checked_scene import CheckedScene
 from mimics_app.world.components.registry import Component, register_system
 from mimics_app.world.components.visible import CameraComponent
 
-__all__ = ["AudioSettings", "DisplaySettings", "HapticSettings", "Tolerances", "VisualSettings"]
+__all__ = ["AudioSettings", "Contrast", "DisplaySettings", "HapticSettings", "Role", "Tolerances", "VisualSettings"]
+
+Role = Literal["target", "path", "hand", "ground"]
+"""What a material is of, in high contrast."""
 
 
 class HapticSettings(Component, frozen=True):
@@ -204,6 +208,19 @@ def _check_audio(settings: AudioSettings, scene: CheckedScene) -> list[Issue]:
     return issues
 
 
+class Contrast(Component, frozen=True):
+    """The scene in high contrast (`mimics run --high-contrast`); without it only texts and panels are."""
+
+    materials: Annotated[
+        Mapping[Name, Role],
+        Meta(max_length=100, description="What materials are of, by name: each role has a colour of its own"),
+    ] = field(default_factory=dict)
+    left_out: Annotated[
+        tuple[Name, ...], Meta(max_length=200, description="Entities whose model is not drawn, as light surroundings")
+    ] = ()
+
+
+register_system("contrast", Contrast)
 register_system("tolerances", Tolerances)
 register_system("haptic", HapticSettings)
 register_system("visual", VisualSettings, _check_visual)

@@ -15,7 +15,7 @@ from mimics_app.world.files.reading.paths import PathFault, find_file
 from mimics_app.world.files.reading.struct_reader import FAILED, is_comment, read_struct
 from mimics_app.world.files.scene.assets import read_asset, sounds_of_model
 from mimics_app.world.files.scene.document import EntityDraft, SceneDocument, resolve
-from mimics_app.world.files.scene.materials import load_materials, load_techniques
+from mimics_app.world.files.scene.materials import edit_materials, load_materials, load_techniques
 from mimics_app.world.files.scene.scene import Scene, SceneEdit, SceneEntity
 from mimics_app.world.files.scene.scene_files import SceneSource
 from mimics_app.world.files.scene.spec import TransformSpec
@@ -59,7 +59,9 @@ class SceneLoader:
             unfold_model(draft, self._document, scene.assets, self._issues)
         scene.document = self._resolved(main)
         if scene.edit is not None and not self._issues:
+            before = scene.document.get("materials", {})
             scene.document = scene.edit(scene.document)
+            edit_materials(scene, before)
             for made in scene.document["entities"][len(self._document.entities) :]:
                 layer = main.layer.child("", made)
                 self._document.add(EntityDraft(made["id"], made["parent"], [layer]))

@@ -20,7 +20,7 @@ from mimics_app.world.files.scene.scene import Scene
 from mimics_app.world.files.scene.spec import MaterialSpec, UvTransform
 from mimics_app.world.files.scene.technique_library import built_in_techniques
 
-__all__ = ["load_materials", "load_techniques"]
+__all__ = ["edit_materials", "load_materials", "load_techniques"]
 
 
 def inherit(
@@ -101,6 +101,13 @@ def load_materials(scene: Scene, document: SceneDocument, issues: list[Issue]) -
                 _check_picture(scene, document.tables["assets"], f"/materials/{escape(name)}/{key}", texture, issues)
         technique = {f"/materials/{escape(name)}/technique": spec.technique}
         scene.notes += map(str, scene.check_names(technique, "no technique", known))
+
+
+def edit_materials(scene: Scene, before: Mapping[str, object]) -> None:
+    """Decode again what an edit of the resolved scene changed among its materials; `before` is what they were."""
+    for name, value in scene.document.get("materials", {}).items():
+        if name in scene.materials and value != before.get(name):
+            scene.materials[name] = _material(name, msgspec.convert(value, MaterialSpec))
 
 
 def _check_picture(scene: Scene, known: dict[str, Layer], pointer: str, texture: str, issues: list[Issue]) -> None:
