@@ -18,12 +18,13 @@ from assets.builders.avatars.cage import make_cage
 from assets.builders.avatars.face_map import LID_LIFT
 from assets.builders.avatars.face_shape import EYE_RADIUS
 from assets.builders.avatars.flesh import make_flesh
+from assets.builders.avatars.holding import HELD
 from assets.builders.avatars.measures import TABLE, measure
 from assets.builders.avatars.motions import MOTIONS
 from assets.builders.avatars.person import EVERYBODY, Person
 from assets.builders.avatars.piece import Piece
 from assets.builders.avatars.postures import Pose, Y
-from assets.builders.avatars.skeleton import make_skeleton
+from assets.builders.avatars.skeleton import FINGERS, make_skeleton
 from assets.builders.avatars.whole_person import Figure, make_figure
 from mimics_app.contracts.system.resources import root
 from tests.support.reference_skinning import frames_of, skin_linear
@@ -167,3 +168,20 @@ def _positions(file: tuple[Any, bytes], primitive: Any) -> F8:
     view = document["bufferViews"][accessor["bufferView"]]
     start, count = view["byteOffset"], accessor["count"]
     return np.frombuffer(binary, "<f4", 3 * count, start).astype(float).reshape(-1, 3)
+
+
+@pytest.mark.parametrize("name", HELD)
+@pytest.mark.parametrize("side", [1, -1])
+def test_fingers_lie_on_what_they_hold(name: str, side: int) -> None:
+    """Ends of the fingers by the chain of frames, half a finger's thickness from the object, to 3 mm."""
+    bones, word = make_skeleton(EVERYBODY[1]), "left" if side > 0 else "right"
+    pose, held = MOTIONS[name].pose(bones, 0.0), HELD[name]
+    turns, places = pose.places()
+    hand = bones.index(f"{word}Hand")
+    for finger in FINGERS:
+        last = bones.index(f"{word}{finger}Distal")
+        end = places[last] + turns[last] @ (bones.tips[f"{word}{finger}Tip"] - bones.places[last])
+        inside = turns[hand].T @ (end - places[hand]) - held.place(pose, side)
+        if held.long:
+            inside[2] = 0.0  # the thumb of a hand at rest points ahead, and so does what is long
+        assert np.linalg.norm(inside) - held.radius == pytest.approx(0.008, abs=0.003), finger

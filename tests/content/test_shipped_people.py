@@ -30,6 +30,8 @@ _OUTWARDS = 1e-4
 """How far over and under a triangle its outside is asked for [m]."""
 _MOST_OUT = 0.001
 """How far skin may stand out of a garment that covered it [m]."""
+_MOST_TURN = 4.0
+"""How many times faster than a circle of its length a hem may turn; torn ones turn twenty times faster."""
 
 
 @pytest.fixture(scope="module", params=NAMES)
@@ -200,3 +202,50 @@ def _hidden(points: F8, places: F8, triangles: I8, degrees: float) -> NDArray[np
 
 def _across(a: F8, b: F8) -> F8:
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+
+
+def test_no_hem_is_torn(shipped: Shipped) -> None:
+    """Sharp edges that run around a limb or the trunk turn nowhere much faster than a circle as long as they are."""
+    hems = 0
+    for name in ("top", "bottom", "socks"):
+        for ring in _sharp_rings(shipped.parts[name]) if name in shipped.parts else ():
+            steps = np.roll(ring, -1, axis=0) - ring
+            size = np.linalg.norm(steps, axis=1)
+            before = np.roll(steps, 1, axis=0)
+            cosines = (steps * before).sum(axis=1) / (size * np.roll(size, 1))
+            faster = np.arccos(np.clip(cosines, -1.0, 1.0)) / (0.5 * (size + np.roll(size, 1)))
+            hems += 1
+            assert faster.max() < _MOST_TURN * 2.0 * math.pi / size.sum(), (name, ring[int(faster.argmax())])
+    assert hems >= 3
+
+
+def _sharp_rings(part: Part) -> list[F8]:
+    """Closed chains of edges between faces that meet at more than 45 degrees, at least 8 edges long, [n, 3] each."""
+    _, same = np.unique(np.round(part.places, 6), axis=0, return_inverse=True)
+    places = np.zeros((int(same.max()) + 1, 3))
+    places[same.reshape(-1)] = part.places
+    t = same.reshape(-1)[part.triangles]
+    normals = _normals(places, t)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-15)[:, None]
+    faces: dict[tuple[int, int], list[int]] = {}
+    for number, triangle in enumerate(t.tolist()):
+        for i in range(3):
+            a, b = sorted((triangle[i], triangle[(i + 1) % 3]))
+            faces.setdefault((a, b), []).append(number)
+    near: dict[int, list[int]] = {}
+    for (a, b), two in faces.items():
+        if a != b and len(two) == 2 and normals[two[0]] @ normals[two[1]] < math.cos(math.radians(45.0)):
+            near.setdefault(a, []).append(b)
+            near.setdefault(b, []).append(a)
+    rings, known = [], set[int]()
+    for start in near:
+        chain = [start]
+        while start not in known and len(near[chain[-1]]) == 2:
+            ahead = [each for each in near[chain[-1]] if len(chain) < 2 or each != chain[-2]]
+            if ahead[0] == start:
+                break
+            chain.append(ahead[0])
+        if start not in known and len(near[chain[-1]]) == 2 and len(chain) >= 8:
+            rings.append(places[chain])
+            known |= set(chain)
+    return rings

@@ -17,7 +17,7 @@ __all__ = ["LID_LIFT", "LID_POINTS", "MOUTH_RISE", "FaceMap", "directions", "lay
 
 LID_POINTS = 9
 """Vertices of a lid from one end to the other."""
-MOUTH_RISE = 1.8
+MOUTH_RISE = 2.6
 """Height of the ends of the line of the lips over its middle [mm]: a mouth at ease."""
 _LIP_POINTS = 6
 """Vertices of half a lip from the middle to the end."""

@@ -79,14 +79,10 @@ def _collar(draft: Draft, bones: Skeleton, word: str, ankle: F8, scale: float, g
     turn = 2.0 * math.pi * np.arange(around) / around
     radius = girth / (2.0 * math.pi)
     rings = []
-    for height, grow in ((0.058, 1.10), (0.084, 1.18), (0.095, 1.14), (0.086, 0.98)):
+    for height, grow in ((0.058, 1.14), (0.084, 1.25), (0.095, 1.22), (0.086, 0.98)):
         x = ankle[0] + radius * grow * np.cos(turn) * 0.92
         z = ankle[2] + 0.004 + radius * grow * np.sin(turn) * 1.18
-        y = (
-            height * scale
-            + 0.006 * np.cos(turn - 0.5 * math.pi) ** 2 * (np.sin(turn) < 0.0)
-            - 0.008 * (np.sin(turn) > 0.5)
-        )
+        y = height * scale - 0.006 * np.sin(turn)  # lower ahead
         weights = np.zeros((around, len(bones.names)))
         weights[:, bones.index(f"{word}Foot")] = 1.0
         rings.append(draft.add(np.stack([x, y, z], axis=1), weights))

@@ -35,6 +35,8 @@ _INSIDE = 0.018
 """Distance of the cap's edge behind the painted hairline [rad]: the edge is seen on painted hair."""
 _RECESS, _PEAK = 0.13, 0.025
 """How far the hairline lies back over the temples and forward in the middle of the forehead at a recess of 1 [rad]."""
+_RIM, _LIGHT_RIM = 0.4, 0.85
+"""Shade of the inside of the edge of dark and of light hair: between light hairs there is no dark seam."""
 _OCCIPUT = 0.05
 """Elevation where the back of the head stands out farthest [rad]."""
 _KNOT = (0.0, 30.0, -94.0)
@@ -108,7 +110,8 @@ def make_hair(head: Head, bones: Skeleton, looks: Looks, seed: int) -> Piece:
     worn = replace(_STYLES[style], recess=looks.recess)
     draft = Draft(len(bones.names))
     shades: list[F8] = []
-    _cap(draft, shades, head, bones, worn, seed)
+    light = float(np.clip((np.mean(looks.hair) - 80.0) / 80.0, 0.0, 1.0))
+    _cap(draft, shades, head, bones, worn, seed, _RIM + light * (_LIGHT_RIM - _RIM))
     rng = Rng(seed, "locks")
     for lock in LAID[style](rng) if style in LAID else ():
         azimuth, share, lift = lock.steps()
@@ -194,7 +197,7 @@ def _lump(azimuth: F8, share: float) -> F8:
     return np.asarray(0.65 * noise(at, 0.34, 61) + 0.35 * noise(at, 0.15, 62) - 0.5)
 
 
-def _cap(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, worn: _Style, seed: int) -> None:
+def _cap(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, worn: _Style, seed: int, rim: float) -> None:
     count = worn.columns
     azimuth = -math.pi + 2.0 * math.pi * np.arange(count) / count
     rings, bump = [], Rng(seed, "cap")
@@ -219,7 +222,7 @@ def _cap(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, worn: _Sty
     else:
         _crown(draft, rings[0], top, laid)
     shades.append(np.full(3, 0.85))
-    _underside(draft, shades, head, bones, worn, rings[-1])
+    _underside(draft, shades, head, bones, worn, rings[-1], rim)
 
 
 Uvs = list[tuple[float, float]]
@@ -260,7 +263,7 @@ def _texture_of(head: Head, worn: _Style) -> _Laying:
     return {"crown": from_crown, "knot": to_knot, "none": from_three_sides}[worn.course]
 
 
-def _underside(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, worn: _Style, rim: I8) -> None:
+def _underside(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, worn: _Style, rim: I8, dark: float) -> None:
     """Close the cap inside the head, by vertices of its own: they would bend the normals of the rim."""
     count = worn.columns
     azimuth = -math.pi + 2.0 * math.pi * np.arange(count) / count
@@ -268,7 +271,7 @@ def _underside(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, worn
     u = [8.0 * i / count for i in range(count + 1)]
     tips = np.array([draft.corners[i] for i in rim])
     ring = draft.add(tips, np.array([draft.weights[i] for i in rim]))
-    shades += [np.full(3, 0.4)] * count
+    shades += [np.full(3, dark)] * count
     if worn.fall:
         inner = tips + (head.middle - [0.0, 0.10, 0.0] - tips) * [0.10, 0.0, 0.10] + [0.0, 0.004, 0.0]
         deep = draft.add(inner, _held(bones, inner, head))
@@ -277,7 +280,7 @@ def _underside(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, worn
         ring = deep
     last = draft.add(under, rigid(bones, "head", count))
     draft.band(ring, last, u, (0.62, 0.7), flip=True)
-    shades += [np.full(3, 0.4)] * count
+    shades += [np.full(3, dark)] * count
     draft.lid(last, head.middle + [0.0, 0.02, -0.01], (4.0, 0.7), flip=True)
     shades.append(np.full(3, 0.4))
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from assets.builders.avatars.holding import HELD, Held, hold
 from assets.builders.avatars.postures import SIDES, Pose, X, Y, Z
 from assets.builders.avatars.skeleton import Skeleton
 
@@ -278,6 +279,18 @@ def _beckon(bones: Skeleton, t: float) -> Pose:
     return pose.ground()
 
 
+def _holding(held: Held) -> Callable[[Skeleton, float], Pose]:
+    """The right forearm before the body with something in the hand; a mask takes the fingers alone, of both hands."""
+
+    def pose(bones: Skeleton, t: float) -> Pose:
+        pose = _standing(bones, t, -0.3)
+        _towards(pose, -1, 1.0, (-0.20, -0.95, 0.10), (0.10, -0.05, 1.0), 20.0)
+        pose.morphs["smile"] = 0.35
+        return hold(pose, held).ground()
+
+    return pose
+
+
 MOTIONS: Mapping[str, Motion] = {
     "idle": Motion(12.0, True, _idle, rate=8.0),
     "walk": Motion(1.08, True, _walk, 1.25, contacts=(0.0, 0.54)),
@@ -289,5 +302,6 @@ MOTIONS: Mapping[str, Motion] = {
     "step_back": Motion(1.2, True, _step_back, -0.6, contacts=(0.456, 1.056)),  # the stride backwards
     "point": Motion(2.6, False, _point, rate=10.0),
     "beckon": Motion(2.8, False, _beckon, rate=12.0),
+    **{name: Motion(0.5, True, _holding(held), rate=2.0) for name, held in HELD.items()},
 }
 """By name."""

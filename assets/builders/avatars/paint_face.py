@@ -19,6 +19,8 @@ __all__ = ["paint_face"]
 _SIZE = 512
 _LEAST_PITCH, _MOST_PITCH = 3e-4, 2e-3
 """Limits of the size of a texel [m], by which heights become slopes."""
+_SPOTS = 0.3
+"""Depth of the spots of age, for each part of an age over 0.6."""
 _HAIRS = 75.0
 """Density of painted hairs at the hairline [1/rad]."""
 _ENCODED = 1.0 / 2.2
@@ -72,10 +74,12 @@ def _skin(person: Person, mm: F8, places: F8) -> F8:
     colour = _mix(colour, warm, 0.5 * _spot(mm, 0.0, 45.0, 45.0, 22.0))
     colour = _mix(colour, dark, (0.05 + 0.22 * person.face.age) * _spot(mm, 27.0, -13.0, 12.0, 4.0))
     colour = _mix(colour, dark, 0.12 * _spot(mm, 30.0, 8.5, 15.0, 5.0))
-    colour = _mix(colour, dark, 0.35 * person.face.age * _spot(mm, 27.5, -50.0, 3.2, 11.0))
+    colour = _mix(colour, dark, 0.45 * person.face.age * _spot(mm, 27.5, -50.0, 3.2, 11.0))
     colour = _mix(
         colour, base * 0.30, 0.55 * _spot(mm, 6.5 * person.face.nose_breadth, -36.0 * person.face.nose - 9.0, 3.0, 2.0)
     )
+    spots = step(0.66, 0.74, noise(places, 0.007, 31)) * step(0.45, 0.60, noise(places, 0.021, 32))
+    colour = _mix(colour, dark, _SPOTS * max(person.face.age - 0.6, 0.0) * spots)
     if person.looks.stubble:
         beard = (
             step(-38.0, -54.0, mm[:, 1] - 0.22 * np.abs(mm[:, 0]))
@@ -130,7 +134,7 @@ def _eyes(person: Person, head: Head, places: F8, colour: F8) -> F8:
 
 def _brows(person: Person, mm: F8, places: F8, colour: F8) -> F8:
     x = np.abs(mm[:, 0])
-    middle = np.interp(x, [9.0, 14.0, 26.0, 38.0, 47.0, 54.0], [19.4, 19.9, 20.9, 21.2, 19.4, 15.8])
+    middle = np.interp(x, [9.0, 14.0, 26.0, 38.0, 47.0, 54.0], [18.0, 18.9, 20.9, 22.2, 21.2, 18.2])
     if person.body.woman:
         middle = middle + 1.0 + 1.4 * np.exp(-(((x - 38.0) / 9.0) ** 2))
     wide = np.interp(x, [9.0, 14.0, 30.0, 46.0, 54.0], [2.0, 3.4, 3.3, 2.3, 0.9]) * (
@@ -155,7 +159,9 @@ def _scalp(person: Person, head: Head, places: F8, colour: F8) -> F8:
     line = hairline(azimuth, person.looks.recess) + 0.05 * (noise(places, 0.014, 12) - 0.5)
     dense = step(-0.085, 0.045, elevation - line)
     hairs = step(0.0, 0.2, dense) * step(-0.45, 0.35, 1.2 * dense - noise(turned, 1.0, 11))
-    dark = np.array(person.looks.hair, float) * (0.62 + 0.3 * noise(turned, 0.9, 13))[:, None]
+    hair = np.array(person.looks.hair, float)
+    deep = 0.62 + 0.28 * min(float(hair.mean()), 80.0) / 160.0  # between light hairs it is less dark
+    dark = hair * (deep + 0.3 * noise(turned, 0.9, 13))[:, None]
     return _mix(_mix(colour, dark, 0.30 * dense), dark, 0.90 * hairs)
 
 
@@ -174,5 +180,5 @@ def _heights(person: Person, head: Head, mm: F8, places: F8) -> F8:
     )
     lips = step(9.0, 7.0, np.abs(mm[:, 1] + 65.0)) * step(26.0, 20.0, np.abs(mm[:, 0])) * step(60.0, 75.0, mm[:, 2])
     creases = lips * 0.00016 * noise(places * [3.0, 0.5, 1.0], 0.0022, 23)
-    result: F8 = pores + creases - 0.0005 * lid - age * (0.00032 * brow_lines + 0.0003 * feet + 0.0004 * fold)
+    result: F8 = pores + creases - 0.0005 * lid - age * (0.0006 * brow_lines + 0.00055 * feet + 0.0007 * fold)
     return result

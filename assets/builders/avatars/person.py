@@ -125,16 +125,30 @@ class Person:
 
 @dataclass(frozen=True)
 class _Dressed:
-    """Another person in other clothes, under a name of its own, with other hair where `style` names one."""
+    """Another person in other clothes, under a name of its own; with other hair and of another age where it has those.
+
+    Attributes:
+        name: Name of the file.
+        like: Name of the person.
+        clothes: As of a `Person`.
+        style, hair: As of `Looks`.
+        lined: `age` of the `Face`.
+        years: As of a `Person`.
+    """
 
     name: str
     like: str
     clothes: tuple[tuple[str, Rgb], ...]
     style: str = ""
+    hair: Rgb | None = None
+    lined: float | None = None
+    years: int = 0
 
     def of(self, person: Person) -> Person:
-        looks = replace(person.looks, style=self.style or person.looks.style)
-        return replace(person, name=self.name, looks=looks, clothes=self.clothes)
+        looks = replace(person.looks, style=self.style or person.looks.style, hair=self.hair or person.looks.hair)
+        face = person.face if self.lined is None else replace(person.face, age=self.lined)
+        years = self.years or person.years
+        return replace(person, name=self.name, face=face, looks=looks, clothes=self.clothes, years=years)
 
 
 @dataclass(frozen=True)
