@@ -50,9 +50,11 @@ def pytest_xdist_setupnodes(config: pytest.Config) -> None:
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_collection() -> Generator[None, object, object]:
+def pytest_collection(session: pytest.Session) -> Generator[None, object, object]:
     """Nothing that is imported and collected is rubbish: the collector looks through none of it, now or later."""
     gc.disable()
+    if hasattr(session.config, "workerinput") or not session.config.getoption("numprocesses", default=None):
+        keep_models()
     try:
         return (yield)
     finally:
@@ -74,7 +76,6 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         from tests.support.order import longest_first
 
         longest_first(items)
-    keep_models()
     for item in items:
         if is_hypothesis_test(test := getattr(item, "obj", None)):
             same_examples(test)
