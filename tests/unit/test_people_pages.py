@@ -11,7 +11,6 @@ import pytest
 from mimics_app.app.play.journey import JourneyEnd
 from mimics_app.app.play.launching import launcher_settings
 from mimics_app.app.study import people_screen, study_runs
-from mimics_app.app.study.fit_of_code import fit_of_code
 from mimics_app.app.study.people_pages import (
     Person,
     answers_given,
@@ -22,8 +21,8 @@ from mimics_app.app.study.people_pages import (
     settings_content,
 )
 from mimics_app.app.study.people_screen import show_people
+from mimics_app.app.study.studies import fit_of_code, studies_in, usual_study
 from mimics_app.app.study.study_folder import StudyFolder
-from mimics_app.app.study.usual_study import studies_in, usual_study
 from mimics_app.contracts.messages.calibration_record import MEASURE_TITLES, CalibratedMeasure, Calibration
 from mimics_app.contracts.messages.window_input import InputEvent
 from mimics_app.contracts.system.language import LANGUAGES, speaking

@@ -85,7 +85,7 @@ def _follow(choice: LauncherChoice, window: JourneyWindow) -> JourneyEnd:
     if why := _why_not_sided(settings):
         return JourneyEnd(0, "other", why)
     if settings.participant:
-        from mimics_app.app.study.fit_of_code import fit_of_code
+        from mimics_app.app.study.studies import fit_of_code
 
         settings = replace(settings, fit=fit_of_code(settings.participant, _RUNS))
     if settings.console is not None:

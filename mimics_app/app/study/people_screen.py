@@ -25,10 +25,10 @@ from mimics_app.app.study.people_pages import (
     person_content,
     settings_content,
 )
+from mimics_app.app.study.studies import studies_in, usual_study
 from mimics_app.app.study.study_export import write_participant_page
 from mimics_app.app.study.study_folder import Participant, StudyFolder
 from mimics_app.app.study.study_runs import CALIBRATION, Answer, calibrate, find_next, play_next
-from mimics_app.app.study.usual_study import studies_in, usual_study
 from mimics_app.app.terminal.participant import canonical_code, why_no_code
 from mimics_app.contracts.clock import FRAME_NS, MonotonicClock
 from mimics_app.contracts.errors import MimicsError

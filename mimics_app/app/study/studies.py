@@ -1,15 +1,16 @@
-"""The newest calibration of a participant code, in a study of this folder or among the runs beside it."""
+"""The studies of a folder: found, made where there is none, and the newest calibration of a code in them."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import msgspec
 
 from mimics_app.app.scenes.person_edit import FitFile
+from mimics_app.app.study.forms import SHIPPED_FORMS
 from mimics_app.app.study.study_folder import StudyFolder
 from mimics_app.app.study.study_runs import CALIBRATION
-from mimics_app.app.study.usual_study import studies_in
 from mimics_app.contracts.errors import MimicsError
 from mimics_app.contracts.messages.calibration_record import newest_of
 from mimics_app.recording.calibrations import calibration_of
@@ -19,12 +20,40 @@ from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import write_atomically
 from mimics_app.recording.session_header import read_session
 
-__all__ = ["fit_of_code"]
+__all__ = ["USUAL_STUDY", "fit_of_code", "studies_in", "usual_study"]
 
+USUAL_STUDY = "participants"
+"""Name of its folder."""
+_SCENES = ("wavy_tunnel", "pick_and_place")
+_FORMS = ("person", "nasa_tlx")
+_SESSIONS = 20
 _FIT = "fit.json"
 """File of the fit in a participant's folder of a study."""
 _MOST_FOLDERS = 400
 """Newest run folders that are read, by their names."""
+
+
+def studies_in(folder: Path) -> list[Path]:
+    """Return the folders of the studies in a folder, by name."""
+    return sorted(each.parent for each in folder.glob("*/study.json"))
+
+
+def usual_study(folder: Path) -> StudyFolder:
+    """Make the study in a folder.
+
+    Raises:
+        OutputError: Its folder exists, or cannot be made.
+    """
+    protocol: dict[str, Any] = {
+        "format": "mimics study",
+        "version": 1,
+        "title": "",
+        "sessions": _SESSIONS,
+        "conditions": {scene: {"scene": scene} for scene in _SCENES},
+        "blocks": [{"conditions": list(_SCENES)}],
+        "forms": {name: msgspec.to_builtins(SHIPPED_FORMS[name]) for name in _FORMS},
+    }
+    return StudyFolder.create(folder / USUAL_STUDY, protocol)
 
 
 def fit_of_code(code: str, runs: Path) -> Path | None:
