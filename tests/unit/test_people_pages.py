@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -31,6 +32,7 @@ from mimics_app.rendering.visual.launcher import form_page
 from mimics_app.rendering.visual.launcher.form_page import FormContent, FormPage, PageButton
 from mimics_app.rendering.visual.launcher.launcher import LauncherChoice
 from mimics_app.rendering.visual.launcher.setting import Setting
+from mimics_app.tasks.walking.throttle import Throttle
 from tests.support.watched_hud import WatchedHud, page_canvas
 
 CANVASES = [(1280, 720), (1080, 1920)]
@@ -153,6 +155,32 @@ def test_the_keys_reach_every_row_and_change_and_choose(monkeypatch: pytest.Monk
     assert page.values["code"] == "P7" and not page.chosen
     page.handle([ENTER, ENTER])
     assert page.chosen == "b0", "Enter in a field moves on"
+
+
+def test_two_keys_are_enough(monkeypatch: pytest.MonkeyPatch, study: StudyFolder) -> None:
+    """Tab goes on, Enter changes or chooses: for a person with two switches."""
+    monkeypatch.setattr(form_page, "PageSurface", lambda surface: Drawn(page_canvas((1280, 720))))
+    tab = InputEvent("key", "tab", True)
+    page = FormPage(None, settings_content(study.find_or_add("P1")), {})  # type: ignore[arg-type]
+    for row in ("language", "side", "text", "contrast"):
+        assert page.focus == row
+        page.handle([ENTER])
+        assert page.values[row] and not page.chosen
+        page.handle([tab])
+    page.handle([ENTER])
+    assert page.chosen == "back"
+
+
+def test_the_speed_of_a_walk_is_one_axis() -> None:
+    """What the hand does sideways changes nothing of it, nor of a kick."""
+    throttle = Throttle(0.1)
+    throttle.start(SimpleNamespace(hip_world=(0.0, 0.3, 0.0), grasp=0.0, pressed=()))  # type: ignore[arg-type]
+    shares = []
+    for aside in (-0.1, 0.0, 0.1):
+        throttle.read(SimpleNamespace(hip_world=(aside, 0.35, 0.0), grasp=0.0, pressed=()))  # type: ignore[arg-type]
+        shares.append(throttle.ahead)
+        assert not throttle.kicks
+    assert len(set(shares)) == 1 and 0.0 < shares[0] < 1.0
 
 
 def test_the_mouse_does_what_the_keys_do(monkeypatch: pytest.MonkeyPatch, study: StudyFolder) -> None:
