@@ -114,8 +114,8 @@ def test_what_was_built_is_drawn_from_six_sides(tmp_path: Path, capsys: pytest.C
     with Image.open(picture) as sheet:
         width, height = sheet.size
         pixels = np.asarray(sheet.convert("RGB"))
-    assert (width, height) == (6 * 406 + 6, 2 * 306 + 6)
-    stone = [pixels[312:612, 6 + 406 * side : 406 + 406 * side] for side in range(6)]
+    assert (width, height) == (6 * 406 + 6, 6 * 306 + 6)
+    stone = [pixels[1536:1836, 6 + 406 * side : 406 + 406 * side] for side in range(6)]
     assert all((one != two).any() for one, two in itertools.pairwise(stone))
     assert cli.main(["assets", "build", "sprites", "--out", str(tmp_path), "--picture", str(picture)]) == 2
     assert "sprites builds neither a model" in capsys.readouterr().err

@@ -116,7 +116,23 @@ def build_car(kind: str) -> Sketch:
     for z in (-wide + 0.3, wide - 0.3):
         _block(sketch, (nose - 0.25, 0.56, z - 0.2), (nose + 0.012, 0.7, z + 0.2), plain("lamp"))
         _block(sketch, (tail - 0.012, 0.66, z - 0.16), (tail + 0.2, 0.82, z + 0.16), plain("red"))
+    _add_bumpers(sketch, (tail, nose), wide)
     return sketch
+
+
+def _add_bumpers(sketch: Sketch, ends: Uv, wide: float) -> None:
+    """Bumpers with number plates; a grille between the lamps."""
+    tail, nose = ends
+    rubber, plate = plain("iron", 1.4), plain("white")
+    for end, out in ((tail, -1.0), (nose, 1.0)):
+        low, high = sorted((end - out * 0.22, end + out * 0.05))
+        _block(sketch, (low, 0.33, -wide + 0.04), (high, 0.50, wide - 0.04), rubber)
+        faces = ((plate, 0.058, 0.26, 0.36, 0.47),) + (((plain("iron"), 0.015, 0.30, 0.57, 0.69),) if out > 0.0 else ())
+        for skin, off, half, bottom, top in faces:
+            x = end + out * off
+            across = [(-half, bottom), (-half, top), (half, top), (half, bottom)][:: round(out)]
+            corners = [(x, y, z) for z, y in across]
+            sketch.fan(skin.material, corners, skin.lay(across), skin.shade)
 
 
 def _add_cabin(sketch: Sketch, outline: list[Uv], wide: float, paint: Skin) -> None:

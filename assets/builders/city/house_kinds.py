@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
@@ -81,11 +83,17 @@ _STYLES = Path(__file__).with_suffix(".json")
 def draw_kinds(rng: Rng) -> list[HouseKind]:
     """The twenty kinds of a city: sixteen for rows, then two corners, each for both hands."""
     styles = read_table_file(_STYLES, dict[str, list[HouseKind]])
-    kinds = [_vary(style, rng) for style in styles["rows"]]
-    for style in styles["corners"]:
-        varied = _vary(style, rng)
+    varied_rows, varied_corners = ([_vary(style, rng) for style in styles[name]] for name in ("rows", "corners"))
+    trades = itertools.cycle(range(SHOPS))  # no two kinds of houses near each other sell the same
+    kinds = [_with_trade(kind, trades) for kind in varied_rows]
+    for style, drawn in zip(styles["corners"], varied_corners, strict=True):
+        varied = _with_trade(drawn, trades)
         kinds += [replace(varied, name=f"{style.name}_{side}", corner=side) for side in ("left", "right")]
     return kinds
+
+
+def _with_trade(kind: HouseKind, trades: Iterator[int]) -> HouseKind:
+    return replace(kind, shop=next(trades)) if kind.use == "shop" else kind
 
 
 def _vary(style: HouseKind, rng: Rng) -> HouseKind:

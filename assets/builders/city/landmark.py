@@ -83,7 +83,7 @@ def build_workshop() -> Sketch:
 
 
 def build_skyline(seed: int) -> Sketch:
-    """Blocks of flats and towers on a ring beyond the border, each in a belt of trees that roots it in the haze."""
+    """Blocks of flats on a ring beyond the border, each in a belt of trees; none so high that haze cuts it off."""
     sketch = Sketch()
     rng = Rng(seed, "skyline")
     bay, lid, trees = Skin("skyline", (3.6, 3.4)), plain("lead"), Skin("hills", (14.0, 14.0), shade=0.6)
@@ -94,19 +94,16 @@ def build_skyline(seed: int) -> Sketch:
         x, z = round(away * math.cos(turn), 2), round(away * math.sin(turn), 2)
         if max(abs(x), abs(z)) < 0.5 * SIDE + 60.0:
             continue
-        tall = rng.between(14.0, 26.0) if rng.happens(0.72) else rng.between(34.0, 86.0)
+        tall = rng.between(9.0, 17.0) if rng.happens(0.72) else rng.between(18.0, 30.0)
         half, deep = (
             (rng.between(9.0, 13.0), rng.between(9.0, 13.0))
-            if tall > 30.0
+            if tall > 17.0
             else (rng.between(14.0, 34.0), rng.between(7.0, 12.0))
         )
         outline = rectangle(z - deep, z + deep, x - half, x + half)
         add_prism(sketch, UPRIGHT, outline, 0.0, tall, (lid, lid), (bay,))
         wood = [(a + _BELT * (1 if a > z else -1), b + _BELT * (1 if b > x else -1)) for a, b in outline]
         add_prism(sketch, UPRIGHT, wood, -1.0, 5.5, (trees, trees), (trees,))
-        if tall > 60.0:
-            top = rectangle(z - 0.5 * deep, z + 0.5 * deep, x - 0.5 * half, x + 0.5 * half)
-            add_prism(sketch, UPRIGHT, top, tall, tall + 8.0, (lid, lid), (bay,))
     return sketch
 
 

@@ -35,7 +35,7 @@ TILE: dict[str, tuple[float, float]] = {
     "asphalt": (6.0, 6.0),
     "paving": (2.4, 2.4),
     "grass": (6.0, 6.0),
-    "gardens": (36.0, 36.0),
+    "gardens": (72.0, 36.0),
     "road": (11.4, 12.0),
     "bark": (0.8, 1.6),
 }
@@ -234,35 +234,53 @@ def paint_grass(seed: int) -> bytes:
 
 
 def paint_gardens(seed: int) -> bytes:
-    """Back gardens from above: three plots of 12 x 36 m with hedges, yards, paths, beds and trees."""
+    """Back gardens from above: six plots of 12 x 36 m, each of a kind of its own, with hedges and paths between."""
     ramps: list[Ramp] = [
         ((44, 62, 28), (128, 150, 78)),
         ((24, 40, 18), (78, 104, 50)),
         ((96, 90, 82), (196, 186, 172)),
         ((70, 50, 34), (140, 108, 78)),
         ((120, 60, 60), (226, 190, 150)),
+        ((40, 96, 118), (150, 206, 214)),
     ]
-    canvas = Canvas(_SIDE, _SIDE, ramps)
-    canvas.tone = 0.4 + 0.3 * smooth_noise(_SIDE, _SIDE, 9, 9, seed)
+    wide = 2 * _SIDE
+    canvas = Canvas(wide, _SIDE, ramps)
+    canvas.tone = 0.4 + 0.3 * smooth_noise(_SIDE, wide, 9, 18, seed)
     rng = Rng(seed, "gardens")
-    for plot in range(3):
-        left = plot * 85 + 2
-        for _ in range(2):
-            x, y = left + 4 + rng.below(40), rng.below(200)
-            canvas.rectangle(x, y, x + 16 + rng.below(20), y + 12 + rng.below(20), 2, 0.5)  # a paved yard
-        at = left + 10 + rng.below(50)
-        canvas.rectangle(at, 40, at + 4, 230, 2, 0.45)
-        for _ in range(4):
-            x, y = left + 4 + rng.below(56), 90 + rng.below(130)
-            canvas.rectangle(x, y, x + 12 + rng.below(12), y + 8 + rng.below(24), 3, 0.45)
-            canvas.rectangle(x + 2, y + 2, x + 10, y + 6, 4 if rng.happens(0.5) else 0, 0.6)
-        for _ in range(5):
-            _paint_bush(canvas, left + 8 + rng.below(66), 60 + rng.below(180), 5 + rng.below(9))
-    for row, wide in ((0, 3), (85, 3), (170, 3)):
-        canvas.rectangle(row, 0, row + wide, _SIDE, 1, 0.4)
-    canvas.rectangle(0, 250, _SIDE, 256, 1, 0.4)
+    for plot in range(6):
+        _paint_garden(canvas, (plot * 85 + 2, 0), ("lawn", "beds", "lawn", "yard", "beds")[plot * 3 % 5], rng)
+    for row in range(0, wide, 85):
+        canvas.rectangle(row, 0, row + 3, _SIDE, 1, 0.4)
+    canvas.rectangle(0, 250, wide, 256, 1, 0.4)
     canvas.grain(0.24, seed + 1)
     return canvas.to_png()
+
+
+def _paint_garden(canvas: Canvas, corner: tuple[int, int], kind: str, rng: Rng) -> None:
+    """One plot: a lawn with a pool or a shed, vegetable beds with a greenhouse, or a paved yard with a few tubs."""
+    left, top = corner
+    ramp, tone = {"lawn": (0, 0.62), "beds": (3, 0.35), "yard": (2, 0.42)}[kind]
+    canvas.rectangle(left + 2, top + 30, left + 82, top + 246, ramp, (tone, tone + 0.14 * rng.share()))
+    canvas.rectangle(left + 2, top + 2, left + 82, top + 26, 2, 0.3 + 0.3 * rng.share())  # terrace
+    if kind == "lawn":
+        x, y = left + 8 + rng.below(30), top + 60 + rng.below(110)
+        if rng.happens(0.3):
+            canvas.rectangle(x - 3, y - 3, x + 37, y + 57, 2, 0.8)
+            canvas.rectangle(x, y, x + 34, y + 54, 5, 0.6)  # pool
+        else:
+            canvas.rectangle(x, y, x + 26, y + 20, 4, 0.45)  # shed
+    if kind == "beds":
+        for row in range(9):
+            y = top + 40 + 22 * row
+            canvas.rectangle(left + 6, y, left + 40, y + 14, rng.below(2), 0.35 + 0.4 * rng.share())
+            canvas.rectangle(left + 48, y, left + 78, y + 14, rng.pick((0, 1, 3, 4)), 0.35 + 0.4 * rng.share())
+        canvas.rectangle(left + 48, top + 180, left + 78, top + 232, 5, 0.85)  # greenhouse
+    if kind == "yard":
+        canvas.rectangle(left + 10, top + 150, left + 74, top + 240, 0, 0.5)
+    at = left + 10 + rng.below(50)
+    canvas.rectangle(at, top + 26, at + 4, top + 240, 2, 0.5)
+    for _ in range(7 if kind != "beds" else 3):
+        _paint_bush(canvas, left + 8 + rng.below(66), top + 50 + rng.below(180), 5 + rng.below(9))
 
 
 def _paint_bush(canvas: Canvas, cx: int, cy: int, radius: int) -> None:

@@ -84,7 +84,8 @@ def _find_builder(scene: Scene) -> _Builder:
     for component, name in _BY_COMPONENT.items():
         if scene.has(component):
             return _load(name)
-    if scene.has(GraspingHand) and "carry" in (scene.document.get("task") or {}):
+    task = scene.document.get("task")
+    if scene.has(GraspingHand) and (not task or "carry" in task):  # a hand in another task is only shown
         return _load("pick_and_place")
     if scene.has(Robot):
         from mimics_app.scenarios.parts.touch_scene import TouchScene  # compiled code: not needed for other scenes
