@@ -13,6 +13,7 @@ import msgspec
 from mimics_app.app.study.change import Interval
 from mimics_app.app.study.study_folder import Participant, StudyFolder, folder_name
 from mimics_app.app.study.study_results import Change, Effect, changes_of, effects_of, measures_in, trials_of
+from mimics_app.app.study.study_runs import CALIBRATION
 from mimics_app.app.study.tables import write_table
 from mimics_app.contracts.errors import OutputError, counted
 from mimics_app.contracts.messages.calibration_record import MEASURE_TITLES
@@ -91,7 +92,7 @@ def export_study(study: StudyFolder, folder: Path) -> list[Path]:
 
 def write_participant_page(study: StudyFolder, person: Participant, file: Path) -> None:
     """Write the page of one participant, in place of an older one."""
-    trials = trials_of(study, [person])
+    trials = [row for row in trials_of(study, [person]) if row["condition"] != CALIBRATION]  # it has a table of its own
     measures = measures_in(trials)
     _write_page(
         file,
