@@ -35,6 +35,10 @@ settings.load_profile(DAILY)
 # Texts are compared in English, whatever the language of who tests.
 os.environ["LANGUAGE"] = "en"
 
+# Threads of a BLAS wait for each other by spinning, and three processes of tests have two processors between them. With
+# one thread its sums are in one order, too, on every machine. Nothing has imported NumPy yet.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 # A job in the background of a shell ignores Ctrl-C, and so would every program that a test starts and interrupts.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)

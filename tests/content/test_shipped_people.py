@@ -82,15 +82,16 @@ def test_every_surface_encloses_what_is_inside_of_it(shipped: Shipped) -> None:
 
 def test_bends_turn_no_triangle_inside_out(shipped: Shipped, bent: Bent) -> None:
     """Against where the flesh under each has its outside."""
-    for name, pose in _poses(shipped).items():
-        for part, piece in shipped.parts.items():
-            if part not in _BENDING:
-                continue
-            t = piece.triangles
-            rest = _normals(piece.places, t)
-            size = np.linalg.norm(rest, axis=1)
-            unit = rest / np.maximum(size, 1e-15)[:, None]
-            middle, mean = piece.places[t].mean(axis=1), piece.weights[t].mean(axis=1)
+    poses = _poses(shipped)
+    for part, piece in shipped.parts.items():
+        if part not in _BENDING:
+            continue
+        t = piece.triangles
+        rest = _normals(piece.places, t)
+        size = np.linalg.norm(rest, axis=1)
+        unit = rest / np.maximum(size, 1e-15)[:, None]
+        middle, mean = piece.places[t].mean(axis=1), piece.weights[t].mean(axis=1)
+        for name, pose in poses.items():
             above, below = (skin_dual(middle + far * unit, mean, pose) for far in (_OUTWARDS, -_OUTWARDS))
             for skin in ("skin_linear", "skin_dual"):
                 facing = (_normals(bent[name, skin, part], t) * (above - below)).sum(axis=1)

@@ -17,10 +17,10 @@ def frames_of(pose: Pose) -> tuple[F8, F8]:
 
 
 def skin_linear(places: F8, weights: F8, pose: Pose) -> F8:
-    """Linear blend: weighted means of the places every joint would carry a corner to."""
+    """Linear blend: weighted means of the places every joint would carry a corner to, by the mean of its frames."""
     turns, moves = frames_of(pose)
-    carried = np.einsum("jab,nb->nja", turns, places) + moves
-    result: F8 = (weights[:, :, None] * carried).sum(axis=1)
+    blended = (weights @ turns.reshape(-1, 9)).reshape(-1, 3, 3)
+    result: F8 = np.einsum("nab,nb->na", blended, places) + weights @ moves
     return result
 
 
