@@ -153,12 +153,14 @@ def test_feet_keep_to_the_ground_in_the_walk(made: Model, before: Model) -> None
 
 
 def test_what_cannot_be_reached_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "measures.json").write_text('{"waist": 1.9, "x-from": "a tape"}')
+    (tmp_path / "measures.json").write_text('{"waist": 1.9, "acromial_height": 1.7, "x-from": "a tape"}')
     words = f"avatar make --height 1.6 --weight 60 --age 30 --sex m --measures {tmp_path}/measures.json --json"
     assert main([*words.split(), "--out", str(tmp_path / "p.glb")]) == 0
     rows = {row["name"]: row for row in json.loads(capsys.readouterr().out)["measures"]}
     assert not rows["waist"]["reached"] and rows["waist"]["asked"] == 1.9 and rows["waist"]["value"] < 1.85
-    assert rows["height"]["reached"]
+    assert rows["height"]["reached"] and not rows["acromial_height"]["reached"]
+    places = _model(tmp_path / "p.glb").mesh.vertices
+    assert np.isfinite(places).all() and places[:, 1].max() < 1.65  # shoulders over the head would fold the neck
 
 
 @pytest.mark.parametrize(

@@ -137,7 +137,7 @@ class _Search:
 
         self._asked, self._body, self.model = asked, body, model
         self._ratio = asked.height / body.stature
-        self._lengths = {"stature": asked.height, **{name: self._length(name) for name in LENGTHS}}
+        self._lengths = _ascending({"stature": asked.height, **{name: self._length(name) for name in LENGTHS}})
         self._places, self._shares = model.surface()
         self._triangles = model.triangles()
         self._volume = _volume(self._places, self._triangles)
@@ -203,6 +203,15 @@ class _Search:
     def _mass(self, body_map: BodyMap) -> float:
         """Return the mass, by the volume with clothes and hair over that of the shipped person."""
         return self._body.mass * _volume(body_map.move(self._places, self._shares), self._triangles) / self._volume
+
+
+def _ascending(lengths: dict[str, float]) -> dict[str, float]:
+    """Return lengths whose heights follow each other as those of a body: the map of heights must not fold."""
+    high = lengths["stature"]
+    hip = min(max(lengths["hip_height"], 0.40 * high), 0.62 * high)
+    knee = min(lengths["knee_height"], 0.75 * hip)
+    acromion = min(max(lengths["acromial_height"], hip + 0.15 * high), 0.86 * high)
+    return lengths | {"hip_height": hip, "knee_height": knee, "acromial_height": acromion}
 
 
 def _reached(name: str, value: float, asked: float | None) -> Reached:
