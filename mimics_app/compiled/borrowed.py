@@ -94,9 +94,8 @@ register_model(_BorrowedTuple)(models.OpaqueModel)
 def _without_counts(context, builder, kind, value):
     """Return the machine value of an array, or of a tuple of arrays and tuples, without reference counts."""
     if isinstance(kind, types.Array):
-        array = cgutils.create_struct_proxy(kind)(context, builder, value=value)
-        array.meminfo = ir.Constant(array.meminfo.type, None)
-        return array._getvalue()
+        place = context.data_model_manager[kind].get_field_position("meminfo")
+        return builder.insert_value(value, ir.Constant(value.type.elements[place], None), place)
     if isinstance(kind, types.BaseTuple):
         members: Any = kind
         for i, inner in enumerate(members):

@@ -17,7 +17,7 @@ __all__ = ["KNOWN_SERIES", "cache_folder", "compile_listeners", "is_known_series
 KNOWN_SERIES = "0.68"
 """Series of numba whose private names keep machine code and link callees (docs/compiled.md)."""
 
-_FORM = 3
+_FORM = 4
 """Version of the file format."""
 
 

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.extending import lower_builtin, type_callable
@@ -73,9 +74,10 @@ def _load(context, builder, kind, words, at):
             member, at = _load(context, builder, inner, words, at)
             members.append(member)
         return context.make_tuple(builder, kind, members), at
-    function = cgutils.create_struct_proxy(kind)(context, builder)
+    model, function = context.data_model_manager[kind], ir.Constant(context.get_value_type(kind), ir.Undefined)
     for name in _MEMBERS:
         word = builder.load(builder.gep(words, [context.get_constant(types.intp, at)]))
-        setattr(function, name, builder.inttoptr(word, cgutils.voidptr_t))
+        address = builder.inttoptr(word, cgutils.voidptr_t)
+        function = builder.insert_value(function, address, model.get_field_position(name))
         at += 1
-    return function._getvalue(), at
+    return function, at

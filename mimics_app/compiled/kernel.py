@@ -38,7 +38,7 @@ def kernel(function: Callable[P, R]) -> Callable[P, R]:
     return checked
 
 
-def typed_kernel(signature: Any) -> Callable[[Callable[P, R]], Callable[P, R]]:
+def typed_kernel(signature: object) -> Callable[[Callable[P, R]], Callable[P, R]]:
     """Compile for one fixed signature, so that it can travel as a first-class function (plug-ins of the loop)."""
 
     def decorate(function: Callable[P, R]) -> Callable[P, R]:

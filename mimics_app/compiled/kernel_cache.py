@@ -8,8 +8,10 @@ edit recompiles the importers alone, and the folder is accessible to this user o
 
 from __future__ import annotations
 
+import hashlib
 import os
 import tempfile
+import warnings
 import zlib
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -18,9 +20,12 @@ from pathlib import Path
 from typing import Any
 
 import llvmlite.binding as ll
-from numba.core.caching import CompileResultCacheImpl, FunctionCache, NullCache, _CacheLocator
+from numba.core.caching import IndexDataCacheFile, NullCache
 from numba.core.compiler import CR_FIELDS, CompileResult
+from numba.core.environment import Environment, lookup_environment
+from numba.core.errors import NumbaWarning
 from numba.core.runtime.nrt import _nrt, rtsys  # type: ignore[attr-defined]
+from numba.core.serialize import dumps
 
 from mimics_app.compiled.cache_folder import cache_folder, compile_listeners
 from mimics_app.compiled.kernel_sources import ROOT, changed_since_start, source_key
@@ -29,41 +34,13 @@ from mimics_app.compiled.kernel_sweep import mark_used, sweep
 __all__ = [
     "KernelCache",
     "KernelFiles",
+    "Payload",
     "enable_cache",
+    "environments_of",
     "rebuilt",
     "seal",
     "unseal",
 ]
-
-
-class _Locator(_CacheLocator):
-    """Locates a function's files in the folder of its module and of the sources that module reaches."""
-
-    def __init__(self, py_func: Callable[..., object], py_file: str) -> None:
-        source = Path(py_file).resolve()
-        self._py_file = py_file
-        self._line = py_func.__code__.co_firstlineno
-        self._key = source_key(source)
-        self._module = py_func.__module__ if source.is_relative_to(ROOT) else source.stem
-
-    def get_cache_path(self) -> str:
-        return str((cache_folder or Path(tempfile.gettempdir())) / f"{self._module}-{self._key}")
-
-    def ensure_cache_path(self) -> None:
-        """Create the folder; a process that creates one also sweeps the cache, once."""
-        if not os.path.exists(self.get_cache_path()):
-            _sweep_once()
-        super().ensure_cache_path()  # type: ignore[no-untyped-call]
-
-    def get_source_stamp(self) -> str:
-        return self._key
-
-    def get_disambiguator(self) -> str:
-        return str(self._line)
-
-    @classmethod
-    def from_function(cls, py_func: Callable[..., object], py_file: str) -> _Locator | None:
-        return cls(py_func, py_file) if os.path.exists(py_file) else None
 
 
 @cache
@@ -79,53 +56,69 @@ def _is_present(name: str) -> bool:
     return source.is_file() and source_key(source) == key
 
 
+Payload = tuple[Any, ...]
+"""Stored parts of a compile result: library, descriptor, environment, signature, functions to call, environments."""
+
 _MACHINE_CODE = "machine code"
-"""Kind of a library stored without its intermediate code; numba's own kinds are "object" and "bitcode"."""
+"""Kind of a library stored without its intermediate code; numba's own kind is "object"."""
 
 _UNRESOLVED = ".numba.unresolved$"
 """Prefix of symbols that numba resolves in intermediate code: calls of recursive functions."""
 
+_ENVIRONMENT = "_ZN08NumbaEnv"
+"""Prefix of the symbols of environments."""
 
-class KernelFiles(CompileResultCacheImpl):
-    """numba's cache files of one function, in our folder and without intermediate code.
+
+class KernelFiles:
+    """Form in which compile results of one function are stored: machine code without intermediate code.
 
     numba stores the intermediate code beside the machine code, for linking with callers, and parses it at every start.
     Here callers of a kernel are linked with its callee (`compiled/kernel_callee.py`).
+
+    Attributes:
+        prefix: Beginning of the files' names.
     """
 
-    _locator_classes = [_Locator]  # noqa: RUF012  numba's own form
+    prefix = ""
 
-    def reduce(self, cres: Any) -> Any:
+    def reduce(self, cres: Any) -> Payload:
         """Serialise like numba, with the names of defined and needed symbols in place of the intermediate code."""
         code, fndesc = cres.library._final_module, cres.fndesc
         fndesc.typemap = fndesc.calltypes = None
-        environments = tuple(cres._find_referenced_environments())
+        environments = environments_of(code)
         asked = {fndesc.llvm_func_name, fndesc.llvm_cpython_wrapper_name, fndesc.llvm_cfunc_wrapper_name}
         asked |= {fndesc.env_name, *(each.env_name for each in environments)}
         named = {each.name: each.is_declaration for each in (*code.functions, *code.global_variables)}
         needed = [name for name, elsewhere in named.items() if elsewhere and not name.startswith("llvm.")]
-        if any(name.startswith(_UNRESOLVED) for name in named):
-            return super().reduce(cres)  # type: ignore[no-untyped-call]
-        defined = [name for name in sorted(asked) if not named.get(name, True)]
-        machine_code = seal(cres.library._get_compiled_object())
-        library = (cres.library.name, _MACHINE_CODE, (machine_code, defined, needed))
+        library = name, _, (machine_code, _) = cres.library.serialize_using_object_code()
+        if not any(name.startswith(_UNRESOLVED) for name in named):
+            defined = [name for name in sorted(asked) if not named.get(name, True)]
+            library = name, _MACHINE_CODE, (seal(machine_code), _definitions(defined), needed)
         return library, fndesc, cres.environment, cres.signature, tuple(cres.reload_init), environments
 
-    def rebuild(self, target_context: Any, payload: Any) -> Any:
+    def rebuild(self, target_context: Any, payload: Payload) -> Any:
         """Rebuild the compile result from the payload of `reduce`."""
         name, kind, content = payload[0]
+        codegen = target_context.codegen()
         if kind != _MACHINE_CODE:
             target_context.refresh()
-            return super().rebuild(target_context, payload)  # type: ignore[no-untyped-call]
+            return rebuilt(target_context, codegen.unserialize_library(payload[0]), payload)
         machine_code, defined, needed = content
         _make_known(needed, target_context)
-        codegen = target_context.codegen()
-        library = codegen.create_library(name)
-        library.enable_object_caching()
-        library._set_compiled_object(unseal(machine_code))
-        library._finalize_final_module()
-        codegen._engine._defined_symbols.update(defined)
+        library = codegen.unserialize_library((name, "object", (unseal(machine_code), defined)))
         return rebuilt(target_context, library, payload)
+
+
+def environments_of(code: ll.ModuleRef) -> tuple[Environment, ...]:
+    """Return the environments, which hold the constants of functions, that intermediate code refers to."""
+    named = (each.name for each in code.global_variables)
+    found = (lookup_environment(name) for name in named if name.startswith(_ENVIRONMENT))  # type: ignore[no-untyped-call]
+    return tuple(each for each in found if each is not None and each.can_cache())
+
+
+def _definitions(symbols: Sequence[str]) -> bytes:
+    """Return intermediate code that defines symbols and nothing else: numba asks it which ones machine code has."""
+    return bytes(ll.parse_assembly("\n".join(f'@"{name}" = global i8 0' for name in symbols)).as_bitcode())
 
 
 def seal(code: bytes) -> tuple[bytes, int]:
@@ -145,7 +138,7 @@ def unseal(sealed: tuple[bytes, int]) -> bytes:
     return code
 
 
-def _register_runtime(_: Any) -> None:
+def _register_runtime(_: object) -> None:
     """Register the functions of numba's runtime that are written in C, without compiling the others.
 
     Those that numba compiles in each process are linked into every stored library already.
@@ -162,7 +155,7 @@ def _make_known(symbols: Sequence[str], target_context: Any) -> None:
         make_known(target_context)
 
 
-def rebuilt(target_context: Any, library: Any, payload: Any, entry_point: Any = None) -> Any:
+def rebuilt(target_context: Any, library: Any, payload: Payload, entry_point: object = None) -> Any:
     """Return the compile result of a stored function.
 
     Args:
@@ -194,35 +187,75 @@ def rebuilt(target_context: Any, library: Any, payload: Any, entry_point: Any = 
     return CompileResult(**known)
 
 
-class KernelCache(FunctionCache):
-    """numba's cache of one function, where damaged or foreign files count as missing."""
+class KernelCache:
+    """Stored machine code of one function, in a folder of its module and of the sources that this reaches.
 
-    _impl_class = KernelFiles
+    Damaged or foreign files count as missing.
 
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
+    Attributes:
+        files: Form in which it is stored.
+        cache_path: The folder.
+    """
+
+    files: KernelFiles = KernelFiles()
+
+    def __init__(self, py_func: Callable[..., object]) -> None:
+        code = py_func.__code__
+        source = Path(code.co_filename).resolve()
+        module = py_func.__module__ if source.is_relative_to(ROOT) else source.stem
+        key = source_key(source)
+        self.cache_path = str((cache_folder or Path(tempfile.gettempdir())) / f"{module}-{key}")
+        name = f"{source.stem}.{py_func.__qualname__}".replace("<", "").replace(">", "")
+        name = f"{self.files.prefix}{name}-{code.co_firstlineno}"
+        self._py_func = py_func
+        self._stored = IndexDataCacheFile(self.cache_path, name, key)  # type: ignore[no-untyped-call]
+
+    def load_overload(self, sig: object, target_context: Any) -> Any:
         """Return stored machine code, or None to compile again.
 
         None also for a damaged file, or one that refers to a module that this process does not have. numba's refresh
         of its registries before each load is left out: compilation does it.
         """
         with suppress(Exception):  # a damaged pickle raises anything
-            return self._load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+            data = self._stored.load(self._entry(sig, target_context.codegen()))  # type: ignore[no-untyped-call]
+            return None if data is None else self.files.rebuild(target_context, data)
         return None
 
-    def save_overload(self, sig: Any, data: Any) -> None:
+    def save_overload(self, sig: object, data: Any) -> None:
         """Store machine code where the disk takes it; an index that cannot be read is replaced."""
+        if data.library.has_dynamic_globals:
+            warnings.warn(NumbaWarning(f"{self._py_func.__qualname__} has an address in it: not stored"), stacklevel=2)
+            return
+        entry = self._entry(sig, data.codegen)
         with suppress(OSError):  # a full disk: each process compiles again
+            self._make_folder()
             try:
-                super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+                self._save(entry, data)
             except FileNotFoundError:  # another process swept the folder while this one opened it
-                super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+                self._make_folder()
+                self._save(entry, data)
             except OSError:
                 raise
             except Exception:  # noqa: BLE001  as in load_overload
-                self.flush()  # type: ignore[no-untyped-call]
-                super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+                self._stored.flush()  # type: ignore[no-untyped-call]
+                self._save(entry, data)
         for listener in compile_listeners:
             listener()
+
+    def _save(self, entry: object, data: Any) -> None:
+        self._stored.save(entry, self.files.reduce(data))  # type: ignore[no-untyped-call]
+
+    def _make_folder(self) -> None:
+        """Create the folder; a process that creates one also sweeps the cache, once."""
+        if not os.path.exists(self.cache_path):
+            _sweep_once()
+            os.makedirs(self.cache_path, exist_ok=True)
+
+    def _entry(self, sig: object, codegen: Any) -> tuple[object, ...]:
+        """Return the key of one signature: with the processor, the function's code, and what it encloses."""
+        enclosed = tuple(cell.cell_contents for cell in self._py_func.__closure__ or ())
+        content = self._py_func.__code__.co_code + dumps(enclosed)  # type: ignore[no-untyped-call]
+        return sig, codegen.magic_tuple(), hashlib.sha256(content).hexdigest()
 
 
 class _Deferred:

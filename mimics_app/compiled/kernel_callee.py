@@ -7,7 +7,7 @@ be unused, and are more than half of the time of a cold start.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -18,7 +18,16 @@ from numba.core.errors import TypingError
 from numba.core.registry import CPUDispatcher
 from numba.core.types import IntEnumMember, unliteral
 
-from mimics_app.compiled.kernel_cache import KernelCache, KernelFiles, enable_cache, rebuilt, seal, unseal
+from mimics_app.compiled.kernel_cache import (
+    KernelCache,
+    KernelFiles,
+    Payload,
+    enable_cache,
+    environments_of,
+    rebuilt,
+    seal,
+    unseal,
+)
 
 __all__ = ["keep_and_link"]
 
@@ -35,9 +44,8 @@ class _LinkedLibrary(JITCodeLibrary):
 
         Otherwise each function would be optimised again at every level of calls above it.
         """
-        generator = self._codegen
-        passes, builder = generator._module_pass_manager(
-            loop_vectorize=False, slp_vectorize=False, opt=generator._opt_level, cost="cheap"
+        passes, builder = self.codegen._module_pass_manager(
+            loop_vectorize=False, slp_vectorize=False, opt=0, cost="cheap"
         )
         passes.run(self._final_module, builder)
 
@@ -55,20 +63,18 @@ def _new_library(target_context: Any, name: str) -> Any:
 
 
 class _LinkedFiles(KernelFiles):
-    def get_filename_base(self, fullname: str, abiflags: str) -> str:
-        """Return a name different from that of the same function's machine code."""
-        return f"linked-{super().get_filename_base(fullname, abiflags)}"
+    prefix = "linked-"
 
-    def reduce(self, cres: Any) -> Any:
+    def reduce(self, cres: Any) -> Payload:
         """Serialise like numba, with intermediate code in place of machine code."""
         fndesc = cres.fndesc
         fndesc.typemap = fndesc.calltypes = None
-        environments = tuple(cres._find_referenced_environments())
+        environments = environments_of(cres.library._final_module)
         name, kind, bitcode = cres.library.serialize_using_bitcode()
         content = name, kind, seal(bitcode)
         return content, fndesc, cres.environment, cres.signature, tuple(cres.reload_init), environments
 
-    def rebuild(self, target_context: Any, payload: Any) -> Any:
+    def rebuild(self, target_context: Any, payload: Payload) -> Any:
         """Rebuild the compile result from the payload of `reduce`."""
         name, _, bitcode = payload[0]
         library = _new_library(target_context, name)
@@ -78,7 +84,7 @@ class _LinkedFiles(KernelFiles):
 
 
 class _LinkedCache(KernelCache):
-    _impl_class = _LinkedFiles
+    files = _LinkedFiles()
 
 
 class _Callee(CPUDispatcher):
@@ -89,7 +95,7 @@ class _Callee(CPUDispatcher):
         self.overloads[tuple(cres.signature.args)] = cres
 
 
-def _compile_linked(dispatcher: Any, args: Any, return_type: Any) -> Any:
+def _compile_linked(dispatcher: Any, args: object, return_type: object) -> Any:
     """Compile like numba's `_FunctionCompiler._compile_core`, without wrappers and machine code."""
     descriptor = dispatcher.targetdescr
     flags: Any = compiler.Flags()
@@ -108,7 +114,9 @@ def _compile_linked(dispatcher: Any, args: Any, return_type: Any) -> Any:
         library=library,
     )
     library._ensure_finalized()
-    known = made._replace(entry_point=_Entry(), reload_init=tuple(library._reload_init))
+    parts = dict(zip(compiler.CR_FIELDS, made, strict=True))
+    parts |= {"entry_point": _Entry(), "reload_init": tuple(library._reload_init)}
+    known: Any = compiler.CompileResult(**parts)
     target.insert_user_function(known.entry_point, known.fndesc, [library])
     return known
 
@@ -147,7 +155,7 @@ def _of_its_callee(
     def callee() -> Any:
         return _callee_of(function, options)
 
-    def get_call_template(args: Any, kws: Any) -> Any:
+    def get_call_template(args: Sequence[object], kws: Mapping[str, object]) -> Any:
         plain = tuple(map(_plain, args)), {name: _plain(kind) for name, kind in kws.items()}
         try:
             return callee().get_call_template(*plain)
@@ -162,12 +170,12 @@ def _of_its_callee(
 def _with_environments(compile_core: Callable[..., Any]) -> Callable[..., Any]:
     """Wrap the compiler so that callees linked into a function get their environments, as loaded functions do."""
 
-    def compile_all(args: Any, return_type: Any) -> Any:
+    def compile_all(args: object, return_type: object) -> Any:
         made = compile_core(args, return_type)
-        codegen = made.library.codegen
-        for environment in made._find_referenced_environments():
-            if codegen._engine.is_symbol_defined(environment.env_name):
-                codegen.set_env(environment.env_name, environment)
+        code = made.library._final_module
+        for environment in environments_of(code):
+            if not code.get_global_variable(environment.env_name).is_declaration:
+                made.library.codegen.set_env(environment.env_name, environment)
         return made
 
     return compile_all

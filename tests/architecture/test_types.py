@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from tests.architecture.sources import modules, nodes
 
-MOST_ANY = 86
+MOST_ANY = 75
 """Parameters and values that say `Any` alone: insides of the compiler, and libraries without types."""
 
 
