@@ -28,7 +28,7 @@ _COLOURS = {
     "rail": (0.72, 0.70, 0.64, 1.0),
 }
 """Colours of surfaces without a texture: on software renderers a texture of the walls costs a tenth of the frame."""
-_BENCH, _PALE = (0.36, 0.25, 0.17, 1.0), (0.60, 0.56, 0.49, 1.0)
+_BENCH, _PALE = (0.50, 0.36, 0.26, 1.0), (0.60, 0.56, 0.49, 1.0)
 """Colours of the workshop's table, on its texture, and of the conservatory's."""
 _BOARD, _GROOVE = 0.14, 0.006
 """Width of a panel's board, and of the groove beside it [m]."""
