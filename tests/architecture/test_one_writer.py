@@ -24,6 +24,7 @@ READERS = {
     "app/session/switched_off.py",
     "console/telemetry.py",
     "lab/groups/haptic_tick.py",
+    "lab/haptic/points_bench.py",
     "lab/stability/s15_late_ticks.py",
     "recording/recorder.py",
     "recording/recorder_process.py",

@@ -8,7 +8,6 @@ time, so that a busy machine changes no ratio.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from statistics import median
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +51,8 @@ _TICKS, _ROUNDS = 2000, 12
 _WARM_UP = 9
 """Rounds before the first that counts: the points come to rest, and all memory of the ring is used once."""
 _DT = 1e-3
+_STATES = 4
+"""Numbers in the memory of the device for each point: places and velocities of its two joints."""
 
 
 @typed_kernel(KINEMATICS)
@@ -75,7 +76,7 @@ def _by_joint(geometry: F8, q: F8, given: F8, out: F8) -> int:
 
 @typed_kernel(READ)
 def _read(memory: F8, inbox: F8, data: F8, tick: int) -> int:
-    n = (memory.shape[0] // 4) * 2
+    n = (memory.shape[0] // _STATES) * 2
     for j in range(n):
         memory[j] += _DT * memory[n + j]
         data[DATA_Q + j], data[DATA_DQ + j] = memory[j], memory[n + j]
@@ -86,7 +87,7 @@ def _read(memory: F8, inbox: F8, data: F8, tick: int) -> int:
 
 @typed_kernel(WRITE)
 def _write(memory: F8, command: F8, tick: int) -> int:
-    n = (memory.shape[0] // 4) * 2
+    n = (memory.shape[0] // _STATES) * 2
     for j in range(n):
         memory[n + j] = command[COMMAND_DQ + j] if command[COMMAND_ENABLED] != 0.0 else 0.0
     return 0
@@ -115,7 +116,7 @@ class _Rails:
         descriptor = DeviceDescriptor(
             (rail,) * (2 * n), _NAMES[:n], Kinematics(_place_points, _by_joint), lambda _: (float(n),)
         )
-        plugin = DevicePlugin("rails", _read, _write, np.zeros(4 * n), simulated=True, descriptor=descriptor)
+        plugin = DevicePlugin("rails", _read, _write, np.zeros(_STATES * n), simulated=True, descriptor=descriptor)
         room = ObjectCapacities(shapes=n)
         self._memory = SessionMemory(Capacities(objects=room, extent=descriptor.extent))
         self._engine = HapticEngine(self._memory, plugin, objects=new_object_work(room))
@@ -170,5 +171,10 @@ def measure_points() -> list[PointsRow]:
         if each.pressed != n:
             raise RuntimeError(f"{each.pressed} of {n} points of contact touch their boxes")
     return [
-        PointsRow(n, median(each[n] for each in rounds), median(each[n] / each[1] for each in rounds)) for n in _COUNTS
+        PointsRow(
+            n,
+            float(np.median([each[n] for each in rounds])),
+            float(np.median([each[n] / each[1] for each in rounds])),
+        )
+        for n in _COUNTS
     ]
