@@ -170,6 +170,7 @@ def test_what_cannot_be_reached_is_said(tmp_path: Path, capsys: pytest.CaptureFi
         ('{"waist": 86}', "/waist: 86 is not a length from 0.05 to 2.5 m; give metres"),
         ('{"waist": "wide"}', "/waist: 'wide' is not a length"),
         ("[0.8]", "is no file of measures"),
+        ('{"waist": ' + 20_000 * "[" + 20_000 * "]" + "}", "is no file of measures"),
     ],
 )
 def test_faulty_measures_are_refused_where_they_are(

@@ -265,3 +265,74 @@ def test_a_left_sided_person_is_added_asked_calibrated_and_plays_without_a_termi
     assert any(word.startswith("--fit=") for word in played[1]) and study_runs.find_next(study, person).run is not None
     assert [note["note"] for note in study.notes_of(person)] == ["tired"]
     assert fit_of_code("P07", tmp_path / "runs") is not None and fit_of_code("P08", tmp_path / "runs") is None
+
+
+def shown(monkeypatch: pytest.MonkeyPatch, script: Sequence[Sequence[InputEvent]]) -> list[FormContent]:
+    """Show the participants' pages to a script; return each page that was shown."""
+    pages: list[FormContent] = []
+
+    class Page(FormPage):
+        def __init__(self, surface: object, content: FormContent, *rest: object) -> None:
+            super().__init__(surface, content, *rest)  # type: ignore[arg-type]
+            pages.append(content)
+
+    monkeypatch.setattr(form_page, "PageSurface", lambda surface: Drawn(page_canvas((1280, 720))))
+    monkeypatch.setattr(people_screen, "FormPage", Page)
+    settings = {setting.name: setting.default for setting in launcher_settings()}
+    show_people(Window(script), LauncherChoice(Path("wavy_tunnel.json"), settings))  # type: ignore[arg-type]
+    return pages
+
+
+@pytest.mark.parametrize("code", ["add", "back", "close", "leave", "study"])
+def test_a_code_may_be_any_word_of_the_pages(monkeypatch: pytest.MonkeyPatch, study: StudyFolder, code: str) -> None:
+    study.find_or_add(code)
+    pages = shown(monkeypatch, [[ENTER], [LEAVE], [LEAVE]])
+    assert [page.title for page in pages][1::2] == [f"Participant {code}"]
+
+
+@pytest.mark.parametrize(
+    ("file", "text"),
+    [
+        ("study.json", "{"),
+        ("participants.jsonl", '{"row": 1}\n'),
+        ("sub-P1/notes.jsonl", '{"note": 5}\n'),
+        ("sub-P1/answers.jsonl", "[]\n"),
+        ("sub-P1/calibrations.jsonl", '{"session": 1}\n'),
+        ("sub-P1/ses-001/journal.jsonl", '{"run": 1}\n'),
+    ],
+)
+def test_a_damaged_study_is_said_and_does_not_end_the_launcher(
+    monkeypatch: pytest.MonkeyPatch, study: StudyFolder, file: str, text: str
+) -> None:
+    study.find_or_add("P1")
+    (study.path / file).parent.mkdir(exist_ok=True)
+    (study.path / file).write_text(text)
+    pages = shown(monkeypatch, [[ENTER], [LEAVE]])
+    damaged = f"participants/{file}"
+    assert {page.title for page in pages} == {"Participants"} and len(pages) == 2
+    assert damaged in pages[0].notice or damaged in pages[1].notice
+    assert fit_of_code("P1", Path("runs")) is None
+
+
+def test_a_participant_who_was_erased_meanwhile_is_said(monkeypatch: pytest.MonkeyPatch, study: StudyFolder) -> None:
+    person = study.find_or_add("P1")
+    asked = people_screen.list_content
+
+    def listed(*given: object) -> FormContent:
+        content = asked(*given)  # type: ignore[arg-type]
+        if study.participants:
+            study.erase(person)
+        return content
+
+    monkeypatch.setattr(people_screen, "list_content", listed)
+    pages = shown(monkeypatch, [[ENTER], [LEAVE]])
+    assert pages[1].notice.startswith('there is no participant "P1"')
+
+
+def test_an_item_of_a_form_may_have_the_name_of_a_row(monkeypatch: pytest.MonkeyPatch, study: StudyFolder) -> None:
+    person = study.find_or_add("P1")
+    form = json.loads((study.path / "study.json").read_text())
+    form["forms"] = {"school": {"title": "School", "items": {"study": {"label": "Field of study", "kind": "text"}}}}
+    (study.path / "study.json").write_text(json.dumps(form))
+    shown(monkeypatch, [[ENTER], [DOWN, DOWN, ENTER], typed("la"), [*typed("w"), DOWN, ENTER], [LEAVE], [LEAVE]])
+    assert [line["answers"] for line in study.answers_of(person)] == [{"study": "law"}]

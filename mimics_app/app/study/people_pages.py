@@ -11,7 +11,7 @@ from mimics_app.app.study.protocol import scene_of
 from mimics_app.app.study.study_folder import Attempt, Participant, StudyFolder
 from mimics_app.app.study.study_results import trials_of
 from mimics_app.app.study.study_runs import CALIBRATION, Next, find_next, side_of, why_not_sided
-from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.errors import MimicsError, UsageError, first_line
 from mimics_app.contracts.messages.calibration_record import DIRECTIONS, MEASURE_TITLES
 from mimics_app.contracts.messages.trial_counts import FINISHED
 from mimics_app.contracts.system.language import LANGUAGES, translated
@@ -26,6 +26,7 @@ __all__ = [
     "ADD",
     "BACK",
     "CURVES",
+    "PERSON",
     "STUDY",
     "Person",
     "answers_given",
@@ -38,6 +39,8 @@ __all__ = [
 
 BACK, ADD, STUDY, CURVES = "back", "add", "study", "curves"
 """Names of rows: the way back, the field for a new code, the choice of a study, the choice of curves."""
+PERSON = "person "
+"""Begin of the name of a participant's row: a code may be that of another row, such as "back"."""
 _BACK = PageButton(BACK, phrase("Back"))
 _MEASURES = {
     "range": [f"ease_{name}" for name in DIRECTIONS],
@@ -116,12 +119,19 @@ def list_content(studies: Sequence[Path], study: StudyFolder | None, notice: str
 
 
 def _person_row(study: StudyFolder, participant: Participant) -> PageButton:
+    try:
+        words = _next_words(study, participant)
+    except MimicsError as error:  # of a damaged file: the others can play
+        words = first_line(error)
+    return PageButton(f"{PERSON}{participant.code}", participant.code, words)
+
+
+def _next_words(study: StudyFolder, participant: Participant) -> str:
     found = find_next(study, participant)
     if found.run is None:
-        return PageButton(participant.code, participant.code, phrase("all sessions are done"))
+        return phrase("all sessions are done")
     title = title_of(study, found.run.condition)
-    words = phrase("session {session:d}, next: {title}", session=found.session, title=title)
-    return PageButton(participant.code, participant.code, words)
+    return phrase("session {session:d}, next: {title}", session=found.session, title=title)
 
 
 def person_content(person: Person, group: str, player: str, notice: str = "") -> FormContent:

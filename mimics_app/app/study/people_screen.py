@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import webbrowser
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -16,6 +17,7 @@ from mimics_app.app.study.people_pages import (
     ADD,
     BACK,
     CURVES,
+    PERSON,
     STUDY,
     Person,
     answers_given,
@@ -31,7 +33,7 @@ from mimics_app.app.study.study_folder import Participant, StudyFolder
 from mimics_app.app.study.study_runs import CALIBRATION, Answer, calibrate, find_next, play_next
 from mimics_app.app.terminal.participant import canonical_code, why_no_code
 from mimics_app.contracts.clock import FRAME_NS, MonotonicClock
-from mimics_app.contracts.errors import MimicsError
+from mimics_app.contracts.errors import MimicsError, first_line
 from mimics_app.contracts.system.language import speaking, spoken
 from mimics_app.contracts.system.phrases import phrase
 from mimics_app.rendering.visual.launcher.form_page import FormContent, FormPage
@@ -69,34 +71,54 @@ class _People:
             return
 
     def _show_list(self) -> None:
-        folder, code = "", ""
+        folder, row = "", ""
         while True:
             studies = studies_in(Path())
             place = next((each for each in studies if str(each) == folder), next(iter(studies), None))
-            study = None if place is None else StudyFolder(place)
-            content = list_content(studies, study, self._take_notice())
-            chosen, values = self._ask(content, {ADD: "", STUDY: str(place or "")}, code)
+            study, content = self._listed(studies, place)
+            chosen, values = self._ask(content, {ADD: "", STUDY: str(place or "")}, row, at_once=STUDY)
             moved, folder = values[STUDY] != str(place or ""), values[STUDY]
             if chosen in _LEAVES:
                 return
             if chosen == STUDY or moved:
                 continue
-            code = self._added(study, values[ADD]) if chosen == ADD else chosen
-            if code:
-                self._show_person(study or StudyFolder(studies_in(Path())[0]), code)
+            with self._noticing():
+                if chosen == ADD:
+                    study, code = self._added(study, place, values[ADD])
+                else:
+                    code = chosen.removeprefix(PERSON)
+                row = f"{PERSON}{code}"
+                if study is not None and code:
+                    self._show_person(study, code)
 
-    def _added(self, study: StudyFolder | None, typed: str) -> str:
-        """Add a participant, and a study where there is none; return the code, "" where the text is none."""
+    def _listed(self, studies: Sequence[Path], place: Path | None) -> tuple[StudyFolder | None, FormContent]:
+        """Return the study of a folder and its list; None, with why as a notice, for one that is damaged."""
+        with self._noticing():
+            study = None if place is None else StudyFolder(place)
+            return study, list_content(studies, study, self._take_notice())
+        return None, list_content(studies, None, self._take_notice())
+
+    def _added(self, study: StudyFolder | None, place: Path | None, typed: str) -> tuple[StudyFolder | None, str]:
+        """Add a participant, and a study where there is none; return both, the code "" where the text is none.
+
+        Raises:
+            MimicsError: The study at the place is damaged, or cannot be made.
+        """
         code = canonical_code(typed)
         self._notice = why_no_code(code) or ("" if code else phrase("a participant has a code, such as P07"))
         if self._notice:
-            return ""
+            return study, ""
+        found = study or (usual_study(Path()) if place is None else StudyFolder(place))
+        found.find_or_add(code)
+        return found, code
+
+    @contextmanager
+    def _noticing(self) -> Iterator[None]:
+        """Say what goes wrong with a file on the next page: nothing of a study ends the launcher."""
         try:
-            (study or usual_study(Path())).find_or_add(code)
-        except MimicsError as error:
-            self._notice = error.issues[0].what
-            return ""
-        return code
+            yield
+        except (MimicsError, OSError) as error:
+            self._notice = first_line(error)
 
     def _show_person(self, study: StudyFolder, code: str) -> None:
         group, focus = "", ""
@@ -109,7 +131,8 @@ class _People:
             group, focus = values[CURVES], chosen
             if chosen in _LEAVES:
                 return
-            self._do(person, chosen, values)
+            with self._noticing():
+                self._do(person, chosen, values)
             if chosen in ("play", "resume", "restart", "abandon", "calibrate"):
                 focus = ""
 
@@ -166,11 +189,8 @@ class _People:
             self._closed = ended.following == "close" or self._window.closed
             return ended.code
 
-        with speaking(participant.language or spoken()):
-            try:
-                deed(extra, play)
-            except MimicsError as error:
-                self._notice = error.issues[0].what
+        with self._noticing(), speaking(participant.language or spoken()):
+            deed(extra, play)
         if self._closed:
             raise _Closed
 
@@ -229,10 +249,11 @@ class _People:
         values: Mapping[str, str],
         focus: str = "",
         shown: Callable[[str], FormContent] | None = None,
+        at_once: str = "",
     ) -> tuple[str, dict[str, str]]:
         """Show a page until something is chosen, and return that and the values.
 
-        A study that is changed is chosen at once; a group of curves is shown, by `shown`.
+        The setting `at_once` is chosen where it is changed; a group of curves is shown, by `shown`.
         """
         surface, clock = self._window.surface, MonotonicClock()
         page = FormPage(surface, content, values, focus)
@@ -243,8 +264,8 @@ class _People:
                 page.handle(surface.poll())
                 if page.chosen:
                     break
-                if page.values.get(STUDY) != before.get(STUDY):
-                    return STUDY, page.values
+                if at_once and page.values[at_once] != before[at_once]:
+                    return at_once, page.values
                 if shown is not None and page.values[CURVES] != before[CURVES]:
                     page.content = shown(page.values[CURVES])
                 page.draw()

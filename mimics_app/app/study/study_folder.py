@@ -33,7 +33,7 @@ from mimics_app.app.study.forms import Answer
 from mimics_app.app.study.protocol import PlannedRun, Protocol, plan_of, read_protocol
 from mimics_app.app.terminal.participant import canonical_code, why_no_code
 from mimics_app.contracts.clock import wall_time
-from mimics_app.contracts.errors import Issue, OutputError, SceneError, UsageError, nearest
+from mimics_app.contracts.errors import Issue, OutputError, SceneError, UsageError, first_line, nearest
 from mimics_app.contracts.messages.calibration_record import Calibration
 from mimics_app.contracts.system.regular_file import read_or_nothing, read_regular
 from mimics_app.recording.event_log import to_json
@@ -152,7 +152,7 @@ class StudyFolder:
     @property
     def participants(self) -> list[Participant]:
         """All participants in the order in which they were added."""
-        lines = _lines(self.path / _PARTICIPANTS)
+        lines = _lines(self.path / _PARTICIPANTS, participant=str, row=int)
         return [
             Participant(line["participant"], line["row"], *(str(line.get(name, "")) for name in _SETTINGS))
             for line in lines
@@ -236,7 +236,7 @@ class StudyFolder:
         """Return the attempts of a session in order; one that began and has no end was interrupted."""
         journal = self._session(participant, session) / _JOURNAL
         found: dict[tuple[int, int], Attempt] = {}
-        for line in _lines(journal):
+        for line in _lines(journal, run=int, attempt=int):
             key = line["run"], line["attempt"]
             folder = self.attempt_folder(participant, session, *key)
             runs = sorted(folder.glob("*_*")) if folder.is_dir() else []
@@ -263,7 +263,7 @@ class StudyFolder:
 
     def answers_of(self, participant: Participant) -> list[dict[str, Any]]:
         """Return the answers of a participant in order: form, session, answers and utc of each time."""
-        return _lines(self.folder_of(participant) / _ANSWERS)
+        return _lines(self.folder_of(participant) / _ANSWERS, form=str, session=int, answers=dict)
 
     def write_calibration(self, participant: Participant, session: int, calibration: Calibration) -> None:
         """Append what a calibration found; earlier ones stay. It is on the disk when this returns."""
@@ -290,7 +290,7 @@ class StudyFolder:
 
     def notes_of(self, participant: Participant) -> list[dict[str, Any]]:
         """Return the notes about a participant in order: session, note and utc."""
-        return _lines(self.folder_of(participant) / _NOTES)
+        return _lines(self.folder_of(participant) / _NOTES, note=str, utc=str)
 
     def sessions_of(self, participant: Participant) -> list[int]:
         """Return the numbers of the sessions that began."""
@@ -353,10 +353,36 @@ def folder_name(code: str) -> str:
     return f"{name[: _LONGEST_NAME - 17]}-{hashlib.sha256(code.encode()).hexdigest()[:16]}"
 
 
-def _lines(file: Path) -> list[dict[str, Any]]:
-    """Return the whole lines of a file; a last one that a crash cut off is left out."""
+def _lines(file: Path, **types: type) -> list[dict[str, Any]]:
+    """Return the whole lines of a file; a last one that a crash cut off is left out.
+
+    Args:
+        file: The file; a missing one has no lines.
+        types: What every line needs, by name.
+
+    Raises:
+        SceneError: A line is damaged.
+    """
     content = read_or_nothing(file)
-    return [parse_object(line) for line in content[: content.rfind(b"\n") + 1].splitlines() if line.strip()]
+    lines = content[: content.rfind(b"\n") + 1].split(b"\n")
+    return [_line(file, number, line, types) for number, line in enumerate(lines, 1) if line.strip()]
+
+
+def _line(file: Path, number: int, text: bytes, types: Mapping[str, type]) -> dict[str, Any]:
+    """Return a line of a file.
+
+    Raises:
+        SceneError: It is no JSON object, or lacks something.
+    """
+    try:
+        line = parse_object(text)
+        wrong = next((name for name, kind in types.items() if not isinstance(line.get(name), kind)), "")
+        why = wrong and f'it has no "{wrong}"'
+    except ValueError as error:
+        why = first_line(error)
+    if why:
+        raise SceneError(Issue(str(file), "", f"line {number} is damaged: {why}", "restore the file, or that line"))
+    return line
 
 
 def _forms(text: str) -> list[bytes]:
