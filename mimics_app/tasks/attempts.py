@@ -124,6 +124,16 @@ class Attempts:
             return False
         return self.rows[-1]["outcome"] != ABORTED or not self.attempts_left
 
+    @property
+    def under_way(self) -> bool:
+        """Whether a trial has begun and is not over; it may wait for its next attempt."""
+        return self.begun > 0 and not self.trial_over
+
+    def own_values(self, name: str) -> tuple[int, int]:
+        """Return how many of the trials to come have their own value of a parameter, and how many are to come."""
+        coming = self.plan[self.number + 1 :]
+        return sum(name in trial.values for trial in coming), len(coming)
+
     def prefer(self, block: int) -> None:
         """Let the first remaining trial of a block, 1 first, be next; 0 or a finished block keeps the order."""
         ahead = self.number + 1

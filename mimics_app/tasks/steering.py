@@ -157,10 +157,25 @@ class Steering:
         return self._override({p.name: p.low + command.share * (p.high - p.low) for p in helps})
 
     def _override(self, values: Mapping[str, float]) -> Reply:
+        if why := "; ".join(filter(None, map(self._never, values))):
+            return _refused(why)
         self._adaptation.override(values)
         self.overruled |= values.keys()
         clipped = [name for name in values if not self._space[name].fits(values[name])]
         later = [name for name in values if self._space[name].rate == 0.0]
         said = [f"{name} is limited to {self._space[name].clip(values[name]):g}" for name in clipped]
         said += [f"{name} changes with the next trial" for name in later]
+        said += filter(None, map(self._own, values))
         return Reply(done=True, why="; ".join(said))
+
+    def _never(self, name: str) -> str:
+        """Return why no trial would have a value that is set now; "" where one would."""
+        own, coming = self._attempts.own_values(name)
+        at_once = self._attempts.under_way and self._space[name].rate > 0.0
+        if at_once or not coming or own < coming:
+            return ""
+        return f'every trial to come has its own value of "{name}" in the list of trials'
+
+    def _own(self, name: str) -> str:
+        own, coming = self._attempts.own_values(name)
+        return f"{own} of {coming} trials to come have their own {name} and keep it" if own else ""

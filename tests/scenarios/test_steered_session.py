@@ -221,11 +221,11 @@ def test_the_journal_holds_the_whole_command() -> None:
     with play.core:
         play.step()
         given_ns = play.core.clock.now_ns()
-        (line,) = play.give(SetParameter("radius", 1.1))
+        (line,) = play.give(SetParameter("assistance", 0.5))
     assert line == {
         "frame": 1, "tick": line["tick"], "t_ns": line["t_ns"], "from": "operator", "who": "OPERATOR", "sequence": 0,
-        "given_ns": given_ns, "command": name_of(SetParameter("radius", 1.1)), "of_task": True, "done": True, "why": "",
-        "values": command_values(SetParameter("radius", 1.1)),
+        "given_ns": given_ns, "command": name_of(SetParameter("assistance", 0.5)), "of_task": True, "done": True,
+        "why": "", "values": command_values(SetParameter("assistance", 0.5)),
     }  # fmt: skip
     assert line["t_ns"] - given_ns <= 17_000_000, "the next frame"
 

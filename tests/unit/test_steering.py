@@ -146,3 +146,30 @@ def test_a_command_overrules_the_action_of_its_frame_also_one_that_waits(at_tria
     player.until("rest")
     player.until("travel")
     assert player.manager.values == {"radius": 1.5, "assistance": pytest.approx(0.3)}
+
+
+@pytest.mark.requirement("R17")
+def test_an_answer_says_where_a_trial_has_a_value_of_its_own() -> None:
+    own = {"label": "own", "values": {"radius": 0.7, "assistance": 0.4}}
+    player = Player(
+        make_manager(msgspec.convert({**TASK, "trials": [{"trials": [own, {"label": "free"}, own]}]}, TaskSpec))
+    )
+    assert give(player, SetParameter("radius", 1.5)) == (
+        Reply(
+            done=True, why="radius changes with the next trial; 2 of 3 trials to come have their own radius and keep it"
+        ),
+    )
+    for radius in (0.7, 1.5, 0.7):
+        player.until("travel")
+        assert player.manager.values["radius"] == radius
+        if player.manager.rows[1:]:
+            break
+        said = give(player, SetAssistance(0.5))[0]
+        assert said.done and "1 of" in said.why
+        player.until("rest")
+        if len(player.manager.rows) == 2:
+            refused = give(player, SetParameter("radius", 1.8), SetAssistance(1.0))
+            assert [(reply.done, reply.why.partition('"')[0]) for reply in refused] == [
+                (False, "every trial to come has its own value of ")
+            ] * 2
+    assert give(player, SetAssistance(0.75)) == (Reply(done=True),), "a trial under way takes what changes inside it"

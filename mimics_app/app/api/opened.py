@@ -294,7 +294,11 @@ class Opened:
         return sent
 
     def set(self, **values: float) -> list[Sent]:
-        """Set adaptable parameters of the task by name, within the limits that a policy has."""
+        """Set adaptable parameters of the task by name, within the limits that a policy has.
+
+        A trial's own value in the list of trials holds for that trial: the answer is a refusal where every trial to
+        come has one, and says how many where some have.
+        """
         return [self.command(SetParameter(name, float(value))) for name, value in values.items()]
 
     def edit(self, component: str, entity: str = "", **values: object) -> None:
