@@ -245,7 +245,9 @@ def _shortened(found: re.Match[str]) -> str:
 
 
 def singular(plural: str) -> str:
-    """Return the singular of a regular plural: mesh of meshes, entity of entities, node of nodes."""
+    """Return the singular of a regular plural: mesh of meshes, entity of entities, node of nodes; or vertex."""
+    if plural == "vertices":
+        return "vertex"
     if plural.endswith("ies"):
         return f"{plural[:-3]}y"
     return plural[:-2] if plural.endswith(("shes", "ches", "xes", "sses")) else plural.removesuffix("s")

@@ -7,7 +7,7 @@ import re
 import time
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, ClassVar
 from unittest.mock import MagicMock
 
 import edfio
@@ -25,7 +25,7 @@ from mimics_app.inputs.physio import sources
 from mimics_app.inputs.physio.amplifier_frames import AmplifierReader
 from mimics_app.inputs.physio.channel_names import unit_factor
 from mimics_app.inputs.physio.guarded_source import GuardedSource
-from mimics_app.inputs.physio.integrity import Grid
+from mimics_app.inputs.physio.integrity import Faults, Grid
 from mimics_app.inputs.physio.recording import FileSource, read_signal_file
 from mimics_app.inputs.physio.serial_amplifier import SerialAmplifier
 from mimics_app.inputs.physio.simulated.source import SimulatedBody
@@ -566,3 +566,20 @@ def test_a_check_says_why_a_source_ended(monkeypatch: pytest.MonkeyPatch) -> Non
     assert done.returncode == 6
     assert json.loads(done.stdout)["advice"][0].startswith(Unplugged.lost)
     assert f"body signals are lost: {Unplugged.lost}" in done.stderr
+
+
+def test_a_check_says_one_gap_of_one_and_nothing_of_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Halting:
+        lost = ""
+        faults: ClassVar[dict[str, Faults]] = {"ecg": Faults(gaps=1, lost=115, clock_sets=1, dropped=1)}
+
+        def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
+            return (SignalBlock("ecg", 250.0, now_ns, np.zeros(5)),)
+
+        def close(self) -> None:
+            """Nothing is open."""
+
+    monkeypatch.setattr("mimics_app.inputs.physio.sources.open_source", lambda *_: Halting())
+    said = mimics("physio", "serial:nowhere", "--seconds", "0.1", "--check").stdout
+    assert "115 samples lost in 1 gap:" in said and "clock was set 1 time:" in said and "1 sample left out" in said
+    assert "found  nothing" in said and "last   nothing" in said

@@ -142,12 +142,13 @@ def _advice(found: dict[str, Any], lost: str) -> list[str]:
         elif signal["bad_share"] > _BAD_SHARE:
             advice.append(f"{name}: {100 * signal['bad_share']:.0f} % of the seconds are bad: check its electrodes")
         faults = signal.get("faults", {})
-        if faults.get("clock_sets"):
-            advice.append(f"{name}: the sender's clock was set {faults['clock_sets']} times: switch that off")
+        if sets := faults.get("clock_sets"):
+            advice.append(f"{name}: the sender's clock was set {counted(sets, 'times')}: switch that off")
         if faults.get("wrong_rate"):
             advice.append(f"{name}: its rate is not the {signal['rate']:g} Hz stated: set the amplifier's rate")
         if faults.get("gaps"):
-            advice.append(f"{name}: {faults['lost']} samples were lost in {faults['gaps']} gaps: check the connection")
+            gaps = f"{counted(faults['lost'], 'samples')} lost in {counted(faults['gaps'], 'gaps')}"
+            advice.append(f"{name}: {gaps}: check the connection")
     return advice
 
 
@@ -164,11 +165,12 @@ def _lines(found: dict[str, Any]) -> Iterator[str]:
     yield from (f"note   {line}" for line in found["notes"])
     for name, signal in found["signals"].items():
         if dropped := signal.get("faults", {}).get("dropped"):
-            yield f"note   {name}: {dropped} samples were left out: they repeat others, or have no time"
+            yield f"note   {name}: {counted(dropped, 'samples')} left out, as repeating others or without a time"
     events = (counted(n, _EVENTS.get(kind, kind)) for kind, n in found["events"].items())
     yield "found  " + (", ".join(events) or "nothing")
     units = {name: f" {unit}" for name, unit in feature_units().items() if unit != "1"}
     features = {name: value for name, value in found["features"].items() if name != "t_s"}
-    yield "last   " + ", ".join(f"{name} {value:.4g}{units.get(name, '')}" for name, value in features.items())
+    last = (f"{name} {value:.4g}{units.get(name, '')}" for name, value in features.items())
+    yield "last   " + (", ".join(last) or "nothing")
     if "advice" in found:
         yield from (f"advice {line}" for line in found["advice"] or ["none: all signals are good"])

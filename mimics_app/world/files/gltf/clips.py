@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from mimics_app.contracts.arrays import F4
+from mimics_app.contracts.errors import counted
 from mimics_app.world.content.motion.clip import Clip, ClipEvent, Interpolation, MotionTrack, TrackPath, pack_clip
 from mimics_app.world.files.gltf.accessors import GltfAccessors
 from mimics_app.world.files.gltf.gltf_document import GltfSource
@@ -122,7 +123,8 @@ class GltfClips:
         same = np.flatnonzero(steps == 0.0)
         if same.size:
             first = int(same[0]) + 1
-            self._source.note(f"{where}/input: {same.size} keys have the time of the one before, the first is {first}")
+            keys = counted(same.size, "keys")
+            self._source.note(f"{where}/input: {keys} with the time of the one before, the first is {first}")
             times = _apart(times, first)
         return times
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.errors import counted
 from mimics_app.world.content.meshes.deform import MorphTarget, VertexWeights
 from mimics_app.world.files.gltf.accessors import GltfAccessors
 from mimics_app.world.files.gltf.gltf_document import GltfSource
@@ -118,14 +119,14 @@ class GltfDeforms:
         if without.size == len(sums):
             self._source.fail(pointer, "no vertex follows a joint: all weights are 0", "bind every vertex to a joint")
         if without.size:
-            note = f"{pointer}: {without.size} vertices have no weight, the first is {int(without[0])}"
+            note = f"{pointer}: {counted(without.size, 'vertices')} without a weight, the first is {int(without[0])}"
             self._source.note(f"{note}; each follows the joint that it names first")
             weights[without, 0] = sums[without] = 1.0
         off = np.abs(sums - 1.0) > _UNNORMALISED
         if off.any():
             worst = float(sums[np.argmax(np.abs(sums - 1.0))])
-            note = f"{pointer}: weights of {int(off.sum())} vertices did not add up to 1 (worst {worst:.3g})"
-            self._source.note(f"{note} and were scaled")
+            note = f"{pointer}: weights of {counted(int(off.sum()), 'vertices')} did not add up to 1"
+            self._source.note(f"{note} (worst {worst:.3g}) and were scaled")
         order = np.argsort(-weights, axis=1, kind="stable")
         needed = max(1, int((weights > 0.0).sum(axis=1).max()))
         order = order[:, :needed]
