@@ -59,6 +59,9 @@ def _is_present(name: str) -> bool:
 Payload = tuple[Any, ...]
 """Stored parts of a compile result: library, descriptor, environment, signature, functions to call, environments."""
 
+_SIGNATURE = 3
+"""Place of the signature in a payload."""
+
 _MACHINE_CODE = "machine code"
 """Kind of a library stored without its intermediate code; numba's own kind is "object"."""
 
@@ -213,12 +216,14 @@ class KernelCache:
     def load_overload(self, sig: object, target_context: Any) -> Any:
         """Return stored machine code, or None to compile again.
 
-        None also for a damaged file, or one that refers to a module that this process does not have. numba's refresh
-        of its registries before each load is left out: compilation does it.
+        None also for a damaged file, one that refers to a module that this process does not have, or one that another
+        process wrote for other types: two that store the first code of a function at once give both the same number.
+        numba's refresh of its registries before each load is left out: compilation does it.
         """
         with suppress(Exception):  # a damaged pickle raises anything
             data = self._stored.load(self._entry(sig, target_context.codegen()))  # type: ignore[no-untyped-call]
-            return None if data is None else self.files.rebuild(target_context, data)
+            if data is not None and data[_SIGNATURE].args == tuple(getattr(sig, "args", sig)):
+                return self.files.rebuild(target_context, data)
         return None
 
     def save_overload(self, sig: object, data: Any) -> None:

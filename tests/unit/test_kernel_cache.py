@@ -284,3 +284,26 @@ def test_an_edit_after_the_start_keeps_the_old_code_out_of_the_cache(tmp_path: P
     edit = "from pathlib import Path; p = Path(chain.__file__); p.write_text(p.read_text().replace('2.0', '5.0'))"
     assert _run(f"import chain; {edit}; print(chain.outer(3.0))", tmp_path, **places) == "7.0"
     assert _run("import chain; print(chain.outer(3.0))", tmp_path, **places) == "16.0"
+
+
+_DOUBLES = """
+from mimics_app.compiled.kernel import kernel
+
+@kernel
+def doubled(x):
+    return x + x
+"""
+
+
+def test_two_processes_that_first_compile_one_function_for_other_types_take_each_their_own(tmp_path: Path) -> None:
+    """numba numbers the files by an index that it read before: the later process writes over the earlier one's code."""
+    (tmp_path / "doubles.py").write_text(_DOUBLES)
+    places = {"PYTHONPATH": f"{tmp_path}:{ROOT}", "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    whole, real = (f"from doubles import doubled; print(doubled({number}))" for number in ("3", "2.25"))
+    assert _run(whole, tmp_path, **places) == "6"
+    (index,) = tmp_path.glob("cache/**/doubles.doubled-*.nbi")
+    of_whole = index.read_bytes()
+    index.unlink()
+    assert _run(real, tmp_path, **places) == "4.5"
+    index.write_bytes(of_whole)
+    assert _run(whole, tmp_path, **places) == "6"
