@@ -139,7 +139,7 @@ def test_an_edited_scene_is_another_scene(tmp_path: Path) -> None:
         assert all(entities["tunnel"]["tunnel"][name] == value for name, value in changes.items())
         return {"hash": recorded["hash"], **session.result}
 
-    plain, soft, again = played(), played(stiffness=500.0), played(stiffness=500.0)
+    plain, soft, again = played(), played(stiffness=500.0), played(stiffness=np.float64(500.0))
     assert plain["hash"] != soft["hash"] == again["hash"]
     assert plain["state_hash"] != soft["state_hash"] == again["state_hash"]
 
@@ -158,7 +158,11 @@ def test_an_edited_task_is_played_and_recorded(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("part", "values", "place"),
-    [("tunnel", {"stiffness": -1.0}, "components/tunnel"), ("task", {"time_limit_s": -1.0}, "#/task")],
+    [
+        ("tunnel", {"stiffness": -1.0}, "components/tunnel"),
+        ("task", {"time_limit_s": -1.0}, "#/task"),
+        ("tunnel", {"stiffness": 1j}, "components/tunnel(.|\n)*complex"),
+    ],
 )
 def test_a_wrong_edit_is_told_with_its_place_and_begins_nothing(
     part: str, values: dict[str, float], place: str, tmp_path: Path

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TypeVar
 
 import msgspec
+import numpy as np
 
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.world.files.scene.file import scene_hash
@@ -76,6 +77,17 @@ class SceneEdits:
     def _checked(self, part: S, pointer: str) -> S | Issue:
         """Return a part with each value as its type has it, or its fault."""
         try:
-            return msgspec.convert(msgspec.to_builtins(part), type(part))
-        except msgspec.ValidationError as error:
+            return msgspec.convert(msgspec.to_builtins(part, enc_hook=_as_file), type(part))
+        except (msgspec.ValidationError, TypeError) as error:
             return Issue(self._scene.file, pointer, str(error).replace("`", '"'))
+
+
+def _as_file(value: object) -> object:
+    """Return a number or an array of NumPy as a scene file has it.
+
+    Raises:
+        TypeError: No file has such a value.
+    """
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    raise TypeError(f"a scene file has no {type(value).__name__}")
