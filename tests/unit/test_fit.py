@@ -107,6 +107,9 @@ def test_a_walk_whose_section_says_nothing_is_fitted_too() -> None:
     fit = Fit(reaches=dict.fromkeys(DIRECTIONS, 0.06), least_reach=0.4, source="run_7")
     plain = {"entities": [], "task": {"canyon_walk": {}}}
     assert fitted(plain, fit)["task"]["canyon_walk"]["deflection"] == 0.06
+    legs = {"id": "robot", "transform": {}, "components": {"joint_reference": {}}}  # its own speed is 0.5 m/s
+    led = fitted({"entities": [legs], "task": {}}, Fit(walking=0.3))["entities"][0]["components"]
+    assert led["joint_reference"] == {"speed": 0.3}
     assert plain["task"]["canyon_walk"] == {}  # type: ignore[index]
 
 
@@ -189,3 +192,24 @@ def test_a_session_of_a_study_is_fitted_to_the_newest_calibration(
     play_next(study, person, "restart", [])
     (option,) = [word for word in asked[1] if word.startswith("--fit=")]
     assert read_fit(Path(option.removeprefix("--fit="))).reaches["up"] == pytest.approx(0.08)
+
+
+@pytest.mark.parametrize(
+    ("part", "pointer"),
+    [
+        ({"task": {"city_walk": 5}}, "/task"),
+        ({"systems": {"contrast": {"materials": {"skin": "nose"}}}}, "/systems/contrast/materials"),
+        ({"systems": {"contrast": {"left_out": 5}}}, "/systems/contrast/left_out"),
+        ({"systems": {"contrast": {"materials": {"skin": "hand"}}}}, "/systems/contrast/materials"),
+        ({"systems": {"contrast": {"left_out": ["wall"]}}}, "/systems/contrast/left_out/0"),
+    ],
+)
+@pytest.mark.parametrize("edit", [None, PersonEdit(Fit(walking=0.3), contrast=True)])
+def test_a_faulty_scene_is_refused_with_its_place_for_every_person(
+    tmp_path: Path, part: dict[str, Any], pointer: str, edit: PersonEdit | None
+) -> None:
+    file = tmp_path / "scene.json"
+    file.write_text(json.dumps({"format": "mimics-scene", "version": 1, "scenario": "none", "entities": [], **part}))
+    with pytest.raises(SceneError) as caught:
+        load_checked_scene(file, edit=edit)
+    assert any(issue.pointer.startswith(pointer) for issue in caught.value.issues)

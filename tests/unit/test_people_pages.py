@@ -316,10 +316,9 @@ def test_a_damaged_study_is_said_and_does_not_end_the_launcher(
 
 def test_a_participant_who_was_erased_meanwhile_is_said(monkeypatch: pytest.MonkeyPatch, study: StudyFolder) -> None:
     person = study.find_or_add("P1")
-    asked = people_screen.list_content
 
     def listed(*given: object) -> FormContent:
-        content = asked(*given)  # type: ignore[arg-type]
+        content = list_content(*given)  # type: ignore[arg-type]
         if study.participants:
             study.erase(person)
         return content

@@ -33,9 +33,10 @@ def contrasted(document: Mapping[str, Any]) -> dict[str, Any]:
     contrast = (result.get("systems") or {}).get("contrast")
     if contrast is None:
         return result
-    materials = result.setdefault("materials", {})
+    materials = result.get("materials", {})
     for name, role in contrast.get("materials", {}).items():
-        materials[name] = {"technique": "unlit", "base_colour": list(_COLOURS[role])}
+        if name in materials:
+            materials[name] = {"technique": "unlit", "base_colour": list(_COLOURS[role])}
     left_out = contrast.get("left_out", ())
     for entity in result["entities"]:
         if entity["id"] in left_out:

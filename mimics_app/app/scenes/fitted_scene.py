@@ -17,6 +17,7 @@ from msgspec.structs import fields
 from mimics_app.contracts.messages.calibration_record import DIRECTIONS
 from mimics_app.contracts.messages.fit import Fit
 from mimics_app.tasks.kinds.registry import task_kinds
+from mimics_app.world.components.joint_reference import JointReference
 
 __all__ = ["FITTED", "Change", "fitted"]
 
@@ -135,10 +136,11 @@ def _speeds(document: _Document, most: float) -> _Changed:
             meaning = "Speed at full deflection of the hand, by the walking speed"
             yield Change("speed", most, before, "m/s", meaning), section, "fastest"
     for entity in document["entities"]:
-        legs = entity["components"].get("joint_reference") or {}
-        if most < float(legs.get("speed", 0.0)):
+        legs = entity["components"].get("joint_reference")
+        pace = 0.0 if legs is None else float(legs.get("speed", JointReference().speed))
+        if legs is not None and most < pace:
             meaning = "Speed of the legs that are led, by the walking speed"
-            yield Change("pace", most, float(legs["speed"]), "m/s", meaning), legs, "speed"
+            yield Change("pace", most, pace, "m/s", meaning), legs, "speed"
 
 
 def _factor(document: _Document, fit: Fit) -> float:

@@ -93,10 +93,11 @@ class _People:
 
     def _listed(self, studies: Sequence[Path], place: Path | None) -> tuple[StudyFolder | None, FormContent]:
         """Return the study of a folder and its list; None, with why as a notice, for one that is damaged."""
-        with self._noticing():
+        try:
             study = None if place is None else StudyFolder(place)
             return study, list_content(studies, study, self._take_notice())
-        return None, list_content(studies, None, self._take_notice())
+        except (MimicsError, OSError) as error:
+            return None, list_content(studies, None, first_line(error))
 
     def _added(self, study: StudyFolder | None, place: Path | None, typed: str) -> tuple[StudyFolder | None, str]:
         """Add a participant, and a study where there is none; return both, the code "" where the text is none.

@@ -220,7 +220,14 @@ class Contrast(Component, frozen=True):
     ] = ()
 
 
-register_system("contrast", Contrast)
+def _check_contrast(contrast: Contrast, scene: CheckedScene) -> list[Issue]:
+    pointer = "/systems/contrast"
+    issues = [each for name in contrast.materials for each in scene.check_material(f"{pointer}/materials", name)]
+    left_out = {f"{pointer}/left_out/{number}": name for number, name in enumerate(contrast.left_out)}
+    return issues + scene.check_names(left_out, "no entity", scene.by_id)
+
+
+register_system("contrast", Contrast, _check_contrast)
 register_system("tolerances", Tolerances)
 register_system("haptic", HapticSettings)
 register_system("visual", VisualSettings, _check_visual)

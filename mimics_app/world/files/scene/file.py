@@ -70,7 +70,8 @@ def load_scene(
     folder = find_root(path) if root is None else root
     sources = read_sources(path, folder, issues)
     _stop_after_many(issues, path)
-    scene = SceneLoader(sources, folder, issues, device, edit).load()
+    loader = SceneLoader(sources, folder, issues, device, edit)
+    scene = loader.load()
     if before is not None:
         scene.take_over(before)
     _stop_after_many(issues, path)
@@ -84,6 +85,8 @@ def load_scene(
         known = set(unusable)
         listed = [issue for issue in issues if issue in known or (issue.file, issue.pointer) not in places]
         raise FaultyScene(dict.fromkeys(listed), scene if readable else None)
+    if loader.unedited is not None:
+        raise loader.unedited  # the scene is right, so the edit is not: nobody plays what was not fitted
     scene.hash = scene_hash(scene)
     return scene
 

@@ -42,6 +42,7 @@ class SceneLoader:
         main = sources[0]
         self._scene = Scene(_text(main, "name") or main.path.stem, main.path, root, {}, self._document.origins)
         self._scene.edit = edit
+        self.unedited: Exception | None = None
 
     def load(self) -> Scene:
         """Decode the scene, or stop after `MOST_SOUGHT` faults."""
@@ -59,12 +60,7 @@ class SceneLoader:
             unfold_model(draft, self._document, scene.assets, self._issues)
         scene.document = self._resolved(main)
         if scene.edit is not None and not self._issues:
-            before = scene.document.get("materials", {})
-            scene.document = scene.edit(scene.document)
-            edit_materials(scene, before)
-            for made in scene.document["entities"][len(self._document.entities) :]:
-                layer = main.layer.child("", made)
-                self._document.add(EntityDraft(made["id"], made["parent"], [layer]))
+            self._edit(scene.edit, main)
         for i, draft in enumerate(self._document.entities):
             if len(self._issues) >= MOST_SOUGHT:
                 return scene
@@ -72,6 +68,20 @@ class SceneLoader:
         self._load_sections()
         self._check_picture(main)
         return scene
+
+    def _edit(self, edit: SceneEdit, main: SceneSource) -> None:
+        """Change the resolved scene for the person who plays; a faulty one stays, and its checks say why."""
+        scene = self._scene
+        before = scene.document.get("materials", {})
+        try:
+            scene.document = edit(scene.document)
+        except (AttributeError, LookupError, TypeError, ValueError) as error:
+            self.unedited = error
+            return
+        edit_materials(scene, before)
+        for made in scene.document["entities"][len(self._document.entities) :]:
+            layer = main.layer.child("", made)
+            self._document.add(EntityDraft(made["id"], made["parent"], [layer]))
 
     def _load_assets(self) -> None:
         own = {} if self._scene.edit is None else self._scene.edit.files()
