@@ -138,3 +138,12 @@ def test_what_is_no_hard_object_is_refused(
     printed = capsys.readouterr()
     text = printed.out + printed.err
     assert f"/components/controller{pointer}" in text and said in text
+
+
+def test_a_command_leaves_no_outline_that_is_turned_inside_out(tmp_path: Path) -> None:
+    """A rounding of half a metre is within its limits, and more than a box of 0.3 m has."""
+    with mimics.open(_scene(tmp_path, {"hard_object": "stone"}, _leaning()), record=False) as session:
+        small, large = (session.set(**{"controller.rounding": radius})[0] for radius in (0.02, 0.5))
+        session.step(0.1)
+    assert small.done and not large.done
+    assert "too sharp for a rounding of 0.5 m" in large.why

@@ -29,6 +29,7 @@ from mimics_app.contracts.commands.vocabulary import (
     refusal,
 )
 from mimics_app.contracts.errors import UsageError, counted
+from mimics_app.contracts.loop.controller_slots import Slot
 from mimics_app.contracts.loop.gait_state import GaitState
 from mimics_app.contracts.loop.haptic import LIMIT_NAMES, SafetyState
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskAction
@@ -227,6 +228,10 @@ class CommandDesk:
             components, value, remark = changed_components(controller, name, command.value)
         except UsageError as error:
             return _refused(str(error))
+        parameters = store.block[0]["controller_parameters"][Slot.PERSON].copy()
+        parameters[list(components)] = value
+        if why := controller.misfit(parameters):
+            return _refused(f'the controller "{controller.name}" {why}')
         store.steer_controller(components, value)
         return Reply(done=True, why=remark)
 
