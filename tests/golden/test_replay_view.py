@@ -261,6 +261,15 @@ def test_a_person_holds_steps_and_seeks_in_the_window(folder):
     assert window.returncode == 0 and json.loads(told)["frames"] == [360]
 
 
+def test_a_body_that_is_not_there_any_more_is_said_and_the_scene_is_shown(folder: Path, tmp_path: Path) -> None:
+    copied = tmp_path / folder.name
+    shutil.copytree(folder, copied)
+    header = json.loads((copied / "session.json").read_text())
+    (copied / "session.json").write_text(json.dumps({**header, "edit": {"avatar": str(tmp_path / "gone.glb")}}))
+    shown = open_replay(Run.open(copied))
+    assert len(shown.notes) == 1 and f"{tmp_path / 'gone.glb'}, is not there any more" in shown.notes[0]
+
+
 @pytest.mark.parametrize(("scene", "more"), [("wavy_tunnel", ["--patient", "severe"]), ("soccer", [])])
 def test_the_sounds_of_a_replay_are_those_of_the_session_but_for_a_leap(tmp_path, scene, more):
     """On the clock of the session every sound has its own time; what is leapt over makes none."""

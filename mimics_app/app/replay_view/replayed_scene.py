@@ -191,9 +191,12 @@ def _edit_of(run: Run) -> PersonEdit | None:
         PartialDataError: It is damaged.
     """
     try:
-        return edit_of_plain(mapping(run.session.get("edit")))
+        edit = edit_of_plain(mapping(run.session.get("edit")))
     except msgspec.ValidationError as error:
         raise PartialDataError(f"{run.folder}: the change of its scene is damaged", str(error)) from error
+    if edit is not None and edit.avatar and not Path(edit.avatar).is_file():
+        return msgspec.structs.replace(edit, avatar="")  # the scene's own body does the same, and a note says so
+    return edit
 
 
 def _file_of(run: Run) -> Path:
@@ -213,6 +216,9 @@ def _notes_on(run: Run, scene: Scene, seed: int) -> list[str]:
     """Return what a replay shows otherwise than the session did."""
     recorded = run.session.get("scene")
     notes = []
+    avatar = mapping(run.session.get("edit")).get("avatar")
+    if avatar and not Path(str(avatar)).is_file():
+        notes.append(f"the participant's own body, {avatar}, is not there any more: the scene's is shown")
     if isinstance(recorded, dict) and recorded.get("hash") != scene.hash:
         notes.append("the files of the scene were changed since: it is shown as it is now")
     reloads = sum(bool(line.get("taken")) for line in run.lines_of("app", "reload"))
