@@ -9,6 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from mimics_app.app.commands import launch
 from mimics_app.app.play.journey import JourneyEnd
 from mimics_app.app.play.launching import launcher_settings
 from mimics_app.app.study import people_screen, study_runs
@@ -24,9 +25,10 @@ from mimics_app.app.study.people_pages import (
 from mimics_app.app.study.people_screen import show_people
 from mimics_app.app.study.studies import fit_of_code, studies_in, usual_study
 from mimics_app.app.study.study_folder import StudyFolder
+from mimics_app.app.terminal.participant import why_no_code
 from mimics_app.contracts.messages.calibration_record import MEASURE_TITLES, CalibratedMeasure, Calibration
 from mimics_app.contracts.messages.window_input import InputEvent
-from mimics_app.contracts.system.language import LANGUAGES, speaking
+from mimics_app.contracts.system.language import LANGUAGES, speaking, translated
 from mimics_app.recording.trial_table import table_text
 from mimics_app.rendering.visual.launcher import form_page
 from mimics_app.rendering.visual.launcher.form_page import FormContent, FormPage, PageButton
@@ -335,3 +337,19 @@ def test_an_item_of_a_form_may_have_the_name_of_a_row(monkeypatch: pytest.Monkey
     (study.path / "study.json").write_text(json.dumps(form))
     shown(monkeypatch, [[ENTER], [DOWN, DOWN, ENTER], typed("la"), [*typed("w"), DOWN, ENTER], [LEAVE], [LEAVE]])
     assert [line["answers"] for line in study.answers_of(person)] == [{"study": "law"}]
+
+
+def test_what_should_be_fitted_and_cannot_is_not_played(study: StudyFolder) -> None:
+    person = calibrated(study)
+    (study.folder_of(person.participant) / "fit.json").mkdir()
+    settings = {setting.name: setting.default for setting in launcher_settings()} | {"participant": "P07"}
+    ended = launch._follow(LauncherChoice(Path("wavy_tunnel.json"), settings), Window([]))  # type: ignore[arg-type]
+    assert ended.following == "other" and "fit.json" in ended.error
+
+
+@pytest.mark.parametrize("typed_code", ["Maria", "P" * 61])
+def test_why_a_text_is_no_code_is_said_in_each_language(typed_code: str) -> None:
+    why = why_no_code(typed_code)
+    for language in set(LANGUAGES) - {"en"}:
+        with speaking(language):
+            assert translated(why) != why

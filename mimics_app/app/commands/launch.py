@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.errors import DeviceError, MimicsError, first_line
 
 if TYPE_CHECKING:
     from mimics_app.app.play.journey import JourneyEnd
@@ -82,12 +82,16 @@ def _follow(choice: LauncherChoice, window: JourneyWindow) -> JourneyEnd:
         if following != "again":
             return JourneyEnd(0, following)
     settings = settings_of_choice(choice)
-    if why := _why_not_sided(settings):
-        return JourneyEnd(0, "other", why)
-    if settings.participant:
-        from mimics_app.app.study.studies import fit_of_code
+    try:
+        why = _why_not_sided(settings)
+        if settings.participant and not why:
+            from mimics_app.app.study.studies import fit_of_code
 
-        settings = replace(settings, fit=fit_of_code(settings.participant, _RUNS))
+            settings = replace(settings, fit=fit_of_code(settings.participant, _RUNS))
+    except (MimicsError, OSError) as error:  # of a file: nobody plays what should have been fitted, and was not
+        why = first_line(error)
+    if why:
+        return JourneyEnd(0, "other", why)
     if settings.console is not None:
         from mimics_app.app.play.operators_page import open_page
 

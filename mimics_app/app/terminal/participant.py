@@ -5,12 +5,14 @@ from __future__ import annotations
 import re
 import unicodedata
 
+from mimics_app.contracts.system.phrases import phrase
+
 __all__ = ["LONGEST_CODE", "canonical_code", "why_no_code"]
 
 LONGEST_CODE = 60
 """Largest length of a participant code [characters]."""
 
-_A_NAME = "this looks like a name; write a code such as P07, with a digit or without capitals"
+_A_NAME = phrase("this looks like a name; write a code such as P07, with a digit or without capitals")
 _LEAST_WORD = 3
 """Letters of a word from which it may be a name."""
 
@@ -26,7 +28,7 @@ def why_no_code(code: str) -> str:
     One capitalised word, or several words of letters, look like a name, which must not be in a recording.
     """
     if not code.isprintable() or len(code) > LONGEST_CODE:
-        return f"a participant code has at most {LONGEST_CODE} letters, on one line"
+        return phrase("a participant code has at most {n:d} letters, on one line", n=LONGEST_CODE)
     words = [word for word in re.split(r"[\W\d_]+", code) if word]
     several = len(words) > 1 and any(len(word) >= _LEAST_WORD for word in words) and re.search(r"[\s,]", code)
     alone = code.isalpha() and code.istitle() and len(code) >= _LEAST_WORD
