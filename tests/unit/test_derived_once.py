@@ -23,6 +23,7 @@ from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.haptic import scene_object, scene_objects, scene_tunnel
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_rows
+from mimics_app.world.files.scene import model_shelf
 from mimics_app.world.files.scene.model_shelf import ModelShelf, digest_of
 from tests.support.core_play import change_component
 from tests.support.object_scenes import at, gltf_box, thing, written
@@ -76,6 +77,26 @@ def test_a_model_is_decoded_once_while_somebody_has_it_and_its_file_is_as_it_was
     file.unlink()
     with pytest.raises(SceneError, match="no such file"):
         shelf.read(file, tmp_path)
+
+
+def test_a_model_that_was_saved_while_it_was_read_is_decoded_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The digest would be that of the new bytes, under which nobody would ever see the new model."""
+    models, shelf = root() / "assets" / "models", ModelShelf()
+    file, real = tmp_path / "model.glb", model_shelf.load_gltf
+    shutil.copy(models / "touch" / "stone.glb", file)
+
+    def saved_meanwhile(*arguments: Any) -> Any:
+        model = real(*arguments)
+        shutil.copy(models / "market" / "jug.glb", file)
+        return model
+
+    monkeypatch.setattr(model_shelf, "load_gltf", saved_meanwhile)
+    stone, _ = shelf.read(file, tmp_path)
+    jug, _ = shelf.read(file, tmp_path)
+    assert [mesh.name for mesh in jug.meshes] != [mesh.name for mesh in stone.meshes]
+    assert shelf.read(file, tmp_path)[0] is jug
 
 
 def test_a_component_that_a_test_changes_takes_effect_where_it_was_derived_already(made: list[str]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections import deque
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from weakref import ref
 
@@ -35,6 +36,14 @@ def digest_of(files: Sequence[Path]) -> str:
     return digest.hexdigest()
 
 
+def _saved(path: Path) -> tuple[int, int, int] | None:
+    """Return what differs after a file was saved again, None where there is none."""
+    with suppress(OSError):
+        found = path.stat()
+        return found.st_ino, found.st_mtime_ns, found.st_size
+    return None
+
+
 class ModelShelf:
     """Models by file, for scenes to share: nothing changes a decoded model, and `MeshBuffer` copies a mesh."""
 
@@ -59,10 +68,12 @@ class ModelShelf:
         """
         known, digest = self._known(path, root)
         if known is None:
+            saved = _saved(path)
             known = load_gltf(path, root)
             digest = digest_of(known.files)
-            self._decoded[path, root] = ref(known), digest
-            self._kept.append(known)
+            if saved == _saved(path):  # else the digest may be that of bytes that nobody has decoded
+                self._decoded[path, root] = ref(known), digest
+                self._kept.append(known)
         return known, digest
 
     def _known(self, path: Path, root: Path) -> tuple[GltfDocument | None, str]:
