@@ -94,6 +94,7 @@ def test_a_model_that_was_saved_while_it_was_read_is_decoded_again(
 
     monkeypatch.setattr(model_shelf, "load_gltf", saved_meanwhile)
     stone, _ = shelf.read(file, tmp_path)
+    monkeypatch.undo()
     jug, _ = shelf.read(file, tmp_path)
     assert [mesh.name for mesh in jug.meshes] != [mesh.name for mesh in stone.meshes]
     assert shelf.read(file, tmp_path)[0] is jug
