@@ -63,6 +63,7 @@ class Loop:
     def __init__(self, felt: FeltBall) -> None:
         self.felt, self.place, self.velocity, self.spawn = felt, np.array([3.0, 0.2, 0.0]), np.zeros(3), 1
         self.foot, self.foot_velocity, self.touching, self.tick = np.zeros(3), np.zeros(3), 0, 0
+        self.age_ns = 0  # of the loop's newest state in a frame
 
     def frame(self, ball: SoccerBall, walker: Walker) -> float:
         orders = {field.field: value for field, value in self.felt.orders.items()}
@@ -76,7 +77,8 @@ class Loop:
         seen = SimpleNamespace(
             bodies={"felt": tuple(self.place.tolist())},
             points=[SimpleNamespace(touching=self.touching, speed=speed)],
-            snapshot=SimpleNamespace(points=(point,), t_ns=round(self.tick * FRAME * 1e9)),
+            now_ns=round(self.tick * FRAME * 1e9),
+            snapshot=SimpleNamespace(points=(point,), t_ns=round(self.tick * FRAME * 1e9) - self.age_ns),
         )
         return self.felt.follow(seen, ball, walker)  # type: ignore[arg-type]
 
@@ -134,6 +136,20 @@ def test_a_ball_that_lies_still_lies_still_for_who_walks_and_turns(turn: float) 
         assert felt.held
         assert np.linalg.norm(ball.velocity) < 0.15, "a body flies straight on in a frame that turns for 60 ms"
     np.testing.assert_allclose(ball.place, (0.3, ball.spec.radius, -0.6), atol=0.006)
+
+
+def test_how_old_the_state_of_the_loop_is_changes_no_velocity_of_who_walks() -> None:
+    felt, ball, walker = FeltBall("felt", 0.2), SoccerBall(), Walker(GAITS["healthy"], 0)
+    loop, legs = Loop(felt), LegMotion(0.0, 0.0, 0.0, 0.0, 0.5)
+    walker.put(0.0, 0.0, math.pi)
+    ball.put(0.3, -1.2)
+    ordered = []
+    for number in range(8):
+        loop.age_ns = (0, 12_000_000)[number % 2]
+        walker.step_by_legs(legs, 0.0, FRAME)
+        loop.frame(ball, walker)
+        ordered += [value[0] for field, value in felt.orders.items() if field.field == "velocity"]
+    np.testing.assert_allclose(ordered[1:], -0.5, atol=1e-6)
 
 
 def test_a_ball_that_something_else_moves_is_the_tasks_again() -> None:

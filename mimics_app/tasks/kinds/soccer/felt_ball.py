@@ -139,8 +139,8 @@ class FeltBall:
             return 0.0
         feet = [point.speed for point in seen.points if point.touching]
         begins, self._touched = bool(feet) and not self._touched, bool(feet)
-        hips = self._hips = _Hips.of(walker, self._hips, seen.snapshot.t_ns)
-        body = _Seen(place, hips.at + hips.ahead * complex(place[0], place[2]), hips.t_ns, bool(feet))
+        hips = self._hips = _Hips.of(walker, self._hips, seen.now_ns)  # the walker goes by frames
+        body = _Seen(place, hips.at + hips.ahead * complex(place[0], place[2]), seen.snapshot.t_ns, bool(feet))
         moves = hips.velocity(ball.velocity, ball.place)
         near = any(_meet_soon(point, body, moves) for point in seen.snapshot.points)
         if self._is_moved_by_others(ball):
