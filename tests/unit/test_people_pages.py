@@ -26,6 +26,7 @@ from mimics_app.app.study.people_screen import show_people
 from mimics_app.app.study.studies import fit_of_code, studies_in, usual_study
 from mimics_app.app.study.study_folder import StudyFolder
 from mimics_app.app.terminal.participant import why_no_code
+from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.messages.calibration_record import MEASURE_TITLES, CalibratedMeasure, Calibration
 from mimics_app.contracts.messages.window_input import InputEvent
 from mimics_app.contracts.system.language import LANGUAGES, speaking, translated
@@ -353,3 +354,27 @@ def test_why_a_text_is_no_code_is_said_in_each_language(typed_code: str) -> None
     for language in set(LANGUAGES) - {"en"}:
         with speaking(language):
             assert translated(why) != why
+
+
+def test_two_sessions_of_a_person_at_once_keep_their_own_outcomes(study: StudyFolder) -> None:
+    person = study.find_or_add("P1")
+
+    def calibrates(words: Sequence[str]) -> int:
+        run = Path(words[list(words).index("--runs") + 1]) / "20260101T000000Z_00000000"
+        run.mkdir()
+        (run / "events.jsonl").write_text('{"source": "app", "kind": "state", "state": "done"}\n')
+        return 0
+
+    def plays(words: Sequence[str]) -> int:  # and leaves no run folder, so that it was interrupted
+        calibrated = study_runs.calibrate(study, person, [], calibrates)
+        assert (calibrated.run, calibrated.outcome) == (0, "done")
+        return 0
+
+    played = study_runs.play_next(study, person, "", [], plays)
+    assert played is not None and (played.run, played.outcome) == (1, "interrupted")
+
+
+def test_who_is_erased_during_a_session_is_said(study: StudyFolder) -> None:
+    person = study.find_or_add("P1")
+    with pytest.raises(UsageError, match="P1 was erased during the session"):
+        study_runs.calibrate(study, person, [], lambda words: len(study.erase(person)))

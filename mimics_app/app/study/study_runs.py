@@ -172,12 +172,24 @@ def _journalled(
     folder.mkdir(mode=PRIVATE_FOLDER)
     code = play([*words, *_fitted(study, participant, folder), "--runs", str(folder)])
     number, attempt = begun["run"], begun["attempt"]
-    played = study.attempts(participant, session)[-1].folder
+    played = _attempt(study, participant, session, begun).folder
     outcome = "done" if code == 0 and _ended_whole(played) else "interrupted"
     if played is not None and (calibration := calibration_of(Run(played))) is not None:
         study.write_calibration(participant, session, calibration)
     study.write_line(participant, session, {"run": number, "attempt": attempt, "outcome": outcome, "code": code})
-    return next(each for each in study.attempts(participant, session) if (each.run, each.attempt) == (number, attempt))
+    return _attempt(study, participant, session, begun)
+
+
+def _attempt(study: StudyFolder, participant: Participant, session: int, begun: Mapping[str, object]) -> Attempt:
+    """Return an attempt by the line of its begin: the same person may have begun another one since.
+
+    Raises:
+        UsageError: It is not there any more.
+    """
+    for each in study.attempts(participant, session):
+        if (each.run, each.attempt) == (begun["run"], begun["attempt"]):
+            return each
+    raise UsageError(f"{participant.code} was erased during the session", "nothing of it is kept")
 
 
 def _question(found: Next, answer: Answer) -> tuple[str, str]:
