@@ -13,6 +13,7 @@ from mimics_app.app.commands import launch
 from mimics_app.app.play.journey import JourneyEnd
 from mimics_app.app.play.launching import launcher_settings
 from mimics_app.app.study import people_screen, study_runs
+from mimics_app.app.study.forms import Form, Item
 from mimics_app.app.study.people_pages import (
     Person,
     answers_given,
@@ -378,3 +379,19 @@ def test_who_is_erased_during_a_session_is_said(study: StudyFolder) -> None:
     person = study.find_or_add("P1")
     with pytest.raises(UsageError, match="P1 was erased during the session"):
         study_runs.calibrate(study, person, [], lambda words: len(study.erase(person)))
+
+
+def test_choices_may_have_commas_and_fine_scales_are_typed() -> None:
+    form = Form(
+        "Home",
+        {
+            "with": Item("Lives with", "choice", choices=("partner, children", "alone")),
+            "coarse": Item("Steps", "scale", low=1_000_000.0, high=1_000_002.0, step=1.0),
+            "fine": Item("Line", "scale", low=0.0, high=1.0, step=1e-12),
+        },
+    )
+    rows = {row.name: row for row in form_content(form).rows}
+    values = {name: [each.value for each in row.choices] for name, row in rows.items() if isinstance(row, Setting)}
+    assert values["coarse"] == ["", "1000000", "1000001", "1000002"] and rows["fine"].typed  # type: ignore[union-attr]
+    given = {"with": "partner, children", "coarse": "1000001", "fine": "0,5"}
+    assert answers_given(form, given) == ({"with": "partner, children", "coarse": 1_000_001.0, "fine": 0.5}, "")

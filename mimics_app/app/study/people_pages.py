@@ -53,6 +53,8 @@ _GROUPS = {
     "other": phrase("grip, walking, hearing, reading"),
     "answers": phrase("answers to the forms"),
 }
+_MOST_STEPS = 200
+"""Largest number of steps of a scale that is chosen; on a finer one the value is typed."""
 _MOST_LINES = 4
 """Number of the newest notes that are shown."""
 
@@ -253,9 +255,10 @@ def _item_row(name: str, item: Item) -> Setting:
     if item.kind == "choice":
         return Setting(name, item.label, help_, [SettingChoice("", "–"), *(SettingChoice(c, c) for c in item.choices)])
     if item.kind == "scale" and item.step and item.low is not None and item.high is not None:
-        count = round((item.high - item.low) / item.step)
-        values = [f"{item.low + n * item.step:g}" for n in range(count + 1)]
-        return Setting(name, item.label, help_, [SettingChoice("", "–"), *(SettingChoice(v, v) for v in values)])
+        count = round(min((item.high - item.low) / item.step, _MOST_STEPS + 1))
+        values = [f"{item.low + n * item.step:.10g}" for n in range(count + 1)]
+        if count <= _MOST_STEPS:
+            return Setting(name, item.label, help_, [SettingChoice("", "–"), *(SettingChoice(v, v) for v in values)])
     return Setting(name, item.label, help_, typed=True, empty=phrase("type it here"))
 
 
@@ -267,15 +270,15 @@ def _ends(item: Item) -> list[str]:
 
 def answers_given(form: Form, values: Mapping[str, str]) -> tuple[dict[str, Answer], str]:
     """Return the answers and "", or {} and the question whose answer is missing or cannot be taken."""
-    for name, item in form.items.items():
-        try:
-            check_answers(Form(form.title, {name: item}), {name: values.get(name, "").replace(",", ".")})
-        except UsageError:
-            return {}, phrase("An answer is missing or cannot be taken: {question}", question=item.label)
     given = {
         name: values.get(name, "").replace(",", ".") if item.kind in ("number", "scale") else values.get(name, "")
         for name, item in form.items.items()
     }
+    for name, item in form.items.items():
+        try:
+            check_answers(Form(form.title, {name: item}), {name: given[name]})
+        except UsageError:
+            return {}, phrase("An answer is missing or cannot be taken: {question}", question=item.label)
     return check_answers(form, given), ""
 
 
