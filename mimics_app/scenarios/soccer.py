@@ -62,8 +62,8 @@ class Soccer(TouchScene):
         super().__init__(scene, world)
         spec = section_of(scene, SoccerSpec)
         self._person, self._ball_node = world.find(spec.person), world.find(spec.ball)
-        self._ordered: dict[str, object] = {}
-        self._played: deque[tuple[float, Mapping[str, object]]] = deque()
+        self._ordered: dict[Feature[Any], Any] = {}
+        self._played: deque[tuple[float, Mapping[Feature[Any], Any]]] = deque()
         self._scored, self._replays = 0, _REPLAY in world
         self._now, self._seen = Shown((GOALS, REPLAY_S)), Shown((BALL, ADVICE, PERSON_SHOWN[1], OPPONENT_SHOWN[1]))
         self._figures = [self._figure(world, self._person, PERSON_SHOWN, -1.0, "step")]

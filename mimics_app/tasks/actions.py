@@ -9,7 +9,7 @@ from typing import Any, Generic, TypeVar
 import msgspec
 
 from mimics_app.contracts.messages.action_space import ActionSpace, Parameter
-from mimics_app.contracts.messages.orders import HapticField, haptic_field
+from mimics_app.contracts.messages.orders import Feature, HapticField, Numbers, haptic_field
 from mimics_app.contracts.messages.shared_fields import shared_fields
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.task import MapSpec, ParameterSpec, TaskSpec
@@ -34,14 +34,15 @@ TARGET_GROUPS = ("haptic", "visual", "audio", "task")
 _NEVER = object()
 
 K = TypeVar("K")
+V = TypeVar("V")
 
 
 @dataclass(frozen=True, slots=True)
 class Settings:
     """New values by target group; names without the first word of `MapSpec.to`."""
 
-    haptic: Mapping[HapticField, object] = field(default_factory=dict)
-    visual: Mapping[str, object] = field(default_factory=dict)
+    haptic: Mapping[HapticField, Numbers] = field(default_factory=dict)
+    visual: Mapping[Feature[Any], Any] = field(default_factory=dict)
     audio: Mapping[str, object] = field(default_factory=dict)
     task: Mapping[str, object] = field(default_factory=dict)
 
@@ -107,26 +108,43 @@ def _map_value(value: float, parameter: ParameterSpec, target: MapSpec) -> float
     return low + (high - low) * (place - i)
 
 
-def settings_for(spec: TaskSpec, values: Mapping[str, float]) -> Settings:
-    """Return the target values of parameter values, by group."""
+def settings_for(
+    spec: TaskSpec, values: Mapping[str, float], features: Mapping[str, Feature[Any]] | None = None
+) -> Settings:
+    """Return the target values of parameter values, by group.
+
+    Args:
+        spec: The task.
+        values: Values of its parameters.
+        features: What its scenario can show, by name; a map to anything else, which a check refuses, shows nothing.
+
+    Raises:
+        UsageError: A feature takes values of another type.
+    """
+    known = features or {}
     groups: dict[str, dict[Any, Any]] = {group: {} for group in TARGET_GROUPS}
     for name, value in values.items():
         parameter = spec.parameters[name]
         for target in parameter.maps:
             group, _, key = target.to.partition(".")
-            place = haptic_field(key) if group == "haptic" else key
-            groups[group][place] = _map_value(value, parameter, target)
+            mapped = _map_value(value, parameter, target)
+            if group == "haptic":
+                groups[group][haptic_field(key)] = mapped
+            elif group != "visual":
+                groups[group][key] = mapped
+            elif key in known:
+                groups[group][known[key]] = known[key].read(mapped)
     return Settings(**groups)
 
 
-class Changes(Generic[K]):
+class Changes(Generic[K, V]):
     """Last value sent under each key."""
 
     def __init__(self) -> None:
-        self._sent: dict[K, object] = {}
-        self._last: Mapping[K, object] = {}
+        self._sent: dict[K, V] = {}
+        self._last: Mapping[K, V] = {}
 
-    def since_last(self, wanted: Mapping[K, object]) -> dict[K, object]:
+    def since_last(self, wanted: Mapping[K, V]) -> dict[K, V]:
         """Return the values that differ from those sent before; they count as sent. `wanted` stays as it is."""
         if wanted == self._last:
             return {}

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from itertools import chain, repeat
 
 from mimics_app.contracts.loop.controller_slots import Slot
-from mimics_app.contracts.messages.orders import CONTROLLER, TARGET, HapticField
+from mimics_app.contracts.messages.orders import CONTROLLER, TARGET, HapticField, Numbers
 from mimics_app.contracts.messages.trial_state import TrialState
 from mimics_app.contracts.ports.scenario_port import Home
 from mimics_app.tasks.observation import Observation
@@ -56,7 +56,7 @@ class RobotControl:
         """Restore controller and target of before the pause."""
         self._slot, self._target = self._before
 
-    def wanted(self) -> Mapping[HapticField, object]:
+    def wanted(self) -> Mapping[HapticField, Numbers]:
         """Return the present numbers of the controller."""
         return {CONTROLLER: int(self._slot), TARGET: self._target}
 

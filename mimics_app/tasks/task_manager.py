@@ -6,7 +6,7 @@ trials.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from msgspec import structs
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.messages.action_space import Parameter
 from mimics_app.contracts.messages.board import Board
-from mimics_app.contracts.messages.orders import TRIAL, HapticField, HapticOrder, VisualOrder, shown
+from mimics_app.contracts.messages.orders import TRIAL, Feature, HapticField, HapticOrder, Numbers, VisualOrder, shown
 from mimics_app.contracts.messages.stage_messages import (
     GAIN,
     AudioOrder,
@@ -94,7 +94,7 @@ class Participation:
         if self.acted:
             self._share = min(1.0, self._share + seconds / _RISE_S)
 
-    def allow(self, haptic: Mapping[HapticField, object]) -> dict[HapticField, object]:
+    def allow(self, haptic: Mapping[HapticField, Numbers]) -> dict[HapticField, Numbers]:
         """Return haptic orders with the present share of those that lead the hand."""
         return {
             field: self._share * value if _leads(field) and isinstance(value, int | float) else value
@@ -116,6 +116,7 @@ class TaskManager:
         on_trial: Called with the row of each attempt at its end (columns: `tasks.attempts.Row`).
         on_event: Called with a kind ("state", "action", "clipped", "session_end") and its data, for the journal.
         first_trial: Trial to begin with, 0 first; those before it are left out.
+        features: What the scenario can show; maps of the scene's parameters name them.
 
     Attributes:
         state: State of the current trial.
@@ -132,8 +133,10 @@ class TaskManager:
         on_trial: Callable[[Row], None] = _ignore,
         on_event: Callable[[str, Mapping[str, object]], None] = _ignore,
         first_trial: int = 0,
+        features: Iterable[Feature[Any]] = (),
     ) -> None:
         self._spec = spec
+        self._features = {feature.name: feature for feature in features}
         self._on_event = on_event
         self._space = build_action_space(spec)
         self._adaptation = Adaptation(self._space)
@@ -159,7 +162,8 @@ class TaskManager:
         self._announcement, self._pause = Announcement(), Pause()
         self._countdown = Countdown(spec.start.countdown_s, introduced=context.introduced, waits=context.waits)
         self._seen: Observation | None = None
-        self._haptic, self._visual, self._audio = Changes[HapticField](), Changes[str](), Changes[str]()
+        self._haptic, self._visual = Changes[HapticField, Numbers](), Changes[Feature[Any], Any]()
+        self._audio = Changes[str, object]()
         self._settings, self._settings_values = Settings(), dict[str, float]()
         messages = {**built_in_messages(by_pointer=context.by_pointer), **spec.messages}
         captions = kinds[-1] if kinds else TaskKind
@@ -365,7 +369,7 @@ class TaskManager:
         """Set the settings to the present values, which are those of the last frame in most."""
         if self._settings_values != self._adaptation.values:
             self._settings_values = dict(self._adaptation.values)
-            self._settings = settings_for(self._spec, self._settings_values)
+            self._settings = settings_for(self._spec, self._settings_values, self._features)
 
     def _take(self, action: TaskAction, now_ns: int) -> None:
         """Carry out an action but for the parameters that a command has set in the same frame."""

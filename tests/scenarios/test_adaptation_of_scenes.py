@@ -42,7 +42,7 @@ class Played:
                 session.step()
                 orders = session.orders
                 self.haptic |= {str(field): value for field, value in orders.haptic.numbers.items()}
-                self.visual |= orders.visual.values
+                self.visual |= {feature.name: value for feature, value in orders.visual.values.items()}
                 self.audio |= {} if orders.audio.gain is None else {"gain": orders.audio.gain}
             self.limit = session._begun.tasks._time_limit_s()
         task = fill_defaults(task_of(session.scene), lambda target: 1.0)

@@ -14,6 +14,7 @@ from mimics_app.contracts.messages.orders import VisualOrder
 from mimics_app.contracts.messages.stage_messages import TaskOrders
 from mimics_app.contracts.system.resources import root
 from mimics_app.scenarios.figures.walking_figure import OWN_HEAD
+from mimics_app.tasks.kinds.avatar_cord.features import DISTANCE, VIEWPOINT
 from mimics_app.world.content.motion.humanoid import find_humanoid
 from mimics_app.world.content.motion.reach import Chain
 from mimics_app.world.content.world import World
@@ -79,9 +80,7 @@ def test_the_third_viewpoint_sees_the_cord_past_both_bodies() -> None:
     world = build_world(scene)
     scenario = open_scenario(scene, world)
     for distance in (0.8, 1.2, 2.0):
-        scenario.apply(
-            TaskOrders(visual=VisualOrder({"viewpoint": "third", "avatar.distance": distance})), make_snapshot()
-        )
+        scenario.apply(TaskOrders(visual=VisualOrder({VIEWPOINT: "third", DISTANCE: distance})), make_snapshot())
         world.update()
         camera = world.cameras[0]
         eye, ahead = camera.world_from_eye[:3, 3], -camera.world_from_eye[:3, 2]
@@ -93,5 +92,5 @@ def test_the_third_viewpoint_sees_the_cord_past_both_bodies() -> None:
             for axis in (np.zeros(2), np.array([0.0, -distance])):
                 along = np.linspace(0.0, 0.85, 50)[:, None] * (place - eye)[[0, 2]] + eye[[0, 2]]
                 assert np.linalg.norm(along - axis, axis=1).min() > 0.2
-    scenario.apply(TaskOrders(visual=VisualOrder({"viewpoint": "first"})), make_snapshot())
+    scenario.apply(TaskOrders(visual=VisualOrder({VIEWPOINT: "first"})), make_snapshot())
     np.testing.assert_allclose(world.cameras[0].node.position, [0.0, 1.7, 0.0])

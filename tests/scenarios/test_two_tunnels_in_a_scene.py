@@ -11,7 +11,7 @@ import pytest
 
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.contracts.errors import SceneError, UsageError
-from mimics_app.contracts.messages.orders import VisualOrder
+from mimics_app.contracts.messages.orders import Feature, VisualOrder
 from mimics_app.contracts.messages.stage_messages import TaskOrders
 from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
@@ -67,7 +67,7 @@ def test_both_walls_are_in_the_picture_and_one_is_widened_alone(play: CorePlay):
     own, other = ("tunnel_wall", "tunnel_wall:tunnel")
     before = {name: world.meshes[name].positions.copy() for name in (own, other)}
     snapshot = play.core.haptics.snapshot()
-    scenario.apply(TaskOrders(visual=VisualOrder({"tunnel.radius_scale": 1.3})), snapshot)
+    scenario.apply(TaskOrders(visual=VisualOrder({Feature("tunnel.radius_scale", 1.0): 1.3})), snapshot)
     assert np.array_equal(world.meshes[own].positions, before[own])
     assert not np.array_equal(world.meshes[other].positions, before[other])
     assert world.find("tunnel").entity is not None and world.find("upper").entity is not None

@@ -21,7 +21,7 @@ from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.audio.offline import render_offline
 from mimics_app.rendering.audio.scene_sounds import settings_from_components
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
-from mimics_app.tasks.kinds.canyon_walk.kind import CanyonWalkPlay, CanyonWalkSpec, SectionSpec
+from mimics_app.tasks.kinds.canyon_walk.kind import WIND, CanyonWalkPlay, CanyonWalkSpec, SectionSpec
 from mimics_app.tasks.kinds.soccer.kind import SoccerPlay, SoccerSpec
 from mimics_app.world.components.visible import Sound, SoundEmitter
 from mimics_app.world.content.world import World
@@ -179,7 +179,7 @@ def test_the_wind_is_nearer_the_more_exposed_somebody_is() -> None:
         session.step_until(lambda s: s.orders.person_may_act)
         core, find = session._begun, session.world.find
         for strength in (0.0, 0.35, 1.0):
-            orders = SimpleNamespace(visual=VisualOrder({"wind.strength": strength}), view=session.orders.view)
+            orders = SimpleNamespace(visual=VisualOrder({WIND: strength}), view=session.orders.view)
             core.scenario.apply(orders, core.haptics.snapshot())  # type: ignore[arg-type]
             core.world.update()
             place = np.linalg.inv(find("ego").world_matrix()) @ find("wind_place").world_matrix()[:, 3]

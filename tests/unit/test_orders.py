@@ -40,10 +40,10 @@ def test_a_value_has_the_type_of_its_feature() -> None:
 def test_what_is_shown_follows_the_orders_and_keeps_the_rest() -> None:
     now = Shown((RADIUS, LOOK))
     assert now[RADIUS] == 1.0
-    now.follow(VisualOrder({"radius": 2, "of_another_scenario": 7}))
-    now.follow(VisualOrder({"look": "glass"}))
+    now.follow(VisualOrder({RADIUS: 2, SEEN: False}))
+    now.follow(VisualOrder({LOOK: "glass"}))
     assert (now[RADIUS], now[LOOK]) == (2.0, "glass")
-    assert VisualOrder({"radius": 2}).get(LOOK) is None
+    assert VisualOrder({RADIUS: 2}).get(LOOK) is None
 
 
 def test_every_scenario_declares_each_feature_once() -> None:

@@ -14,7 +14,7 @@ from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.loop import haptic_objects
 from mimics_app.contracts.loop.haptic import SCENE
 from mimics_app.contracts.messages.action_space import ActionSpace, Parameter
-from mimics_app.contracts.messages.orders import HapticField
+from mimics_app.contracts.messages.orders import Feature, HapticField
 from mimics_app.contracts.messages.stage_messages import TaskAction, UserState
 from mimics_app.learning.action_sequence import ActionSequence, load_action_sequence
 from mimics_app.tasks.actions import build_action_space, settings_for
@@ -23,6 +23,8 @@ from mimics_app.tasks.check import check_task, haptic_targets
 from mimics_app.tasks.task import TaskSpec
 
 SPACE = ActionSpace([Parameter("radius", 1.0, 0.5, 2.0, step=0.25), Parameter("stiffness", 800.0, 100.0, 2000.0)])
+WIDTH, SKY = Feature("tunnel.radius_scale", 1.0), Feature("sky", "day")
+FEATURES = {feature.name: feature for feature in (WIDTH, SKY)}
 TUNNEL = {
     "radius": {
         "default": 1.0,
@@ -88,13 +90,13 @@ def test_clipping_twice_is_clipping_once(low, span, step, value):
 
 
 def test_maps_are_affine_and_go_to_their_groups():
-    settings = settings_for(task(parameters=TUNNEL), {"radius": 1.5, "assistance": 0.5})
+    settings = settings_for(task(parameters=TUNNEL), {"radius": 1.5, "assistance": 0.5}, FEATURES)
     assert settings.haptic == {
         HapticField("radius_scale", "tunnel"): 1.5,
         HapticField("centring", "tunnel"): 100.0,
         HapticField("advance", "tunnel"): 3.0,
     }
-    assert settings.visual == {"tunnel.radius_scale": 1.5}
+    assert settings.visual == {WIDTH: 1.5}
 
 
 @pytest.mark.parametrize(
@@ -102,8 +104,8 @@ def test_maps_are_affine_and_go_to_their_groups():
     [(0.0, "day", 1.0), (0.4, "day", 0.8), (1.0, "dusk", 0.5), (1.6, "night", 0.2), (2.0, "night", 0.0)],
 )
 def test_tables_interpolate_numbers_and_choose_words(value, sky, gain):
-    settings = settings_for(task(parameters=TUNNEL), {"appearance": value})
-    assert settings.visual["sky"] == sky
+    settings = settings_for(task(parameters=TUNNEL), {"appearance": value}, FEATURES)
+    assert settings.visual[SKY] == sky
     assert settings.audio["gain"] == pytest.approx(gain, abs=1e-12)
 
 

@@ -29,7 +29,7 @@ def _let(world: World, weather: Weather, word: str, begin_s: float, seconds: flo
     """Red of the sun in each frame."""
     reds = []
     for k in range(round(60 * seconds)):
-        weather.follow(VisualOrder({WEATHER.name: word} if k == 0 else {}), begin_s + k / 60.0)
+        weather.follow(VisualOrder({WEATHER: word} if k == 0 else {}), begin_s + k / 60.0)
         world.update()
         reds.append(float(world.lights[0].colour[0]))
     return reds

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.app.scenes.scenario_choice import features_of
 from mimics_app.app.session.preparation import SessionParts
 from mimics_app.app.session.signal_recorder import SignalRecorder
 from mimics_app.app.session.switched_off import NullOutlets, NullRecorder, NullSound, Outlets, RecorderPort, SoundPort
@@ -107,6 +108,7 @@ class SessionCore:
             on_trial=recorder.trial,
             on_event=recorder.journal,
             first_trial=parts.settings.from_trial - 1,
+            features=features_of(parts.scene),
         )
         self.trackers = make_hub(parts.scene, self.clock, seed, folder)
         body = parts.body

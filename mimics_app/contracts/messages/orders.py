@@ -10,6 +10,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic, NamedTuple, TypeVar, cast
 
+import numpy as np
+from numpy.typing import NDArray
+
 from mimics_app.contracts.errors import UsageError
 
 __all__ = [
@@ -19,6 +22,7 @@ __all__ = [
     "Feature",
     "HapticField",
     "HapticOrder",
+    "Numbers",
     "Shown",
     "VisualOrder",
     "haptic_field",
@@ -86,7 +90,7 @@ def haptic_field(text: str) -> HapticField:
 CONTROLLER, TARGET, TRIAL = HapticField("controller"), HapticField("target"), HapticField("trial")
 """What the task manager alone orders: the slot of the controller, where it drives to, and the number of the trial."""
 
-Numbers = float | Sequence[float] | Any
+Numbers = float | Sequence[float] | NDArray[np.float64]
 """A number, or those of a vector."""
 
 
@@ -103,13 +107,13 @@ class HapticOrder:
     obstacle: str = ""
 
 
-def shown(values: Mapping[Feature[Any], object]) -> dict[str, object]:
-    """Return values of features by name, as `VisualOrder` takes them.
+def shown(values: Mapping[Feature[Any], object]) -> dict[Feature[Any], Any]:
+    """Return values of features, each of its feature's type.
 
     Raises:
         UsageError: A value has another type than its feature.
     """
-    return {each.name: each.read(value) for each, value in values.items()}
+    return {each: each.read(value) for each, value in values.items()}
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,14 +121,14 @@ class VisualOrder:
     """New values of features of the scenario; features that are not named keep theirs.
 
     Attributes:
-        values: Values by the name of the feature, those of a scene's maps among them.
+        values: Values by feature, each of the type of its feature, see `shown`.
     """
 
-    values: Mapping[str, object] = field(default_factory=dict)
+    values: Mapping[Feature[Any], Any] = field(default_factory=dict)
 
     def has(self, feature: Feature[Any]) -> bool:
         """Whether a value of a feature is ordered."""
-        return feature.name in self.values
+        return feature in self.values
 
     def get(self, feature: Feature[T]) -> T | None:
         """Return the value that is ordered of a feature, None for none.
@@ -132,7 +136,7 @@ class VisualOrder:
         Raises:
             UsageError: It has another type than the feature.
         """
-        return feature.read(self.values[feature.name]) if feature.name in self.values else None
+        return feature.read(self.values[feature]) if feature in self.values else None
 
 
 class Shown:

@@ -17,7 +17,7 @@ from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.messages.board import Card
-from mimics_app.contracts.messages.orders import Feature, HapticField
+from mimics_app.contracts.messages.orders import Feature, HapticField, Numbers
 from mimics_app.contracts.messages.report_section import ReportSection
 from mimics_app.contracts.messages.stage_messages import SoundTrigger, TactileEvent
 from mimics_app.contracts.ports.scenario_port import TaskContext
@@ -148,7 +148,7 @@ class KindPlay:
     """Behaviour of one kind of task during a session."""
 
     @property
-    def orders(self) -> Mapping[HapticField, object]:
+    def orders(self) -> Mapping[HapticField, Numbers]:
         """Present numbers of the haptic scene of this kind; unchanged values cost nothing."""
         return {}
 

@@ -10,7 +10,7 @@ from msgspec import Meta, field, structs
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.messages.board import Card, Tone
-from mimics_app.contracts.messages.orders import Feature, HapticField
+from mimics_app.contracts.messages.orders import Feature, HapticField, Numbers
 from mimics_app.contracts.messages.stage_messages import SoundTrigger
 from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.contracts.system.phrases import counted_phrase, phrase
@@ -180,9 +180,9 @@ class CanyonWalkPlay(KindPlay):
         return events
 
     @property
-    def orders(self) -> Mapping[HapticField, object]:
+    def orders(self) -> Mapping[HapticField, Numbers]:
         """Forces of the cues: each swells and fades, so that it is felt and has no edge."""
-        orders: dict[HapticField, object] = {}
+        orders: dict[HapticField, Numbers] = {}
         for name, since in zip(self._spec.cues, self._cue_s, strict=True):
             share = math.sin(math.pi * since / _CUE_S) ** 2 if since < _CUE_S else 0.0
             orders[HapticField("force", "effects", name)] = round(self._spec.cue_force * share, 3)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.messages.orders import HapticField
+from mimics_app.contracts.messages.orders import HapticField, Numbers
 from mimics_app.tasks.kinds.carry.spec import BoxSpec, CarrySpec
 from mimics_app.tasks.observation import Observation
 
@@ -85,7 +85,7 @@ class Carried:
         self._target = target
         self._source = random.Random(seed * 1_000_003 + 11)
         self._spawn = _FIRST_SPAWN - 1
-        self.orders: dict[HapticField, object] = {}
+        self.orders: dict[HapticField, Numbers] = {}
         self._lost_since_ns: int | None = None
         self._restart()
 

@@ -10,7 +10,7 @@ from msgspec import Meta, structs
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.messages.board import Bar, Card, Tone
-from mimics_app.contracts.messages.orders import HapticField
+from mimics_app.contracts.messages.orders import HapticField, Numbers
 from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.contracts.system.phrases import phrase
 from mimics_app.tasks.cards import count_card
@@ -74,7 +74,7 @@ class _CarryPlay(KindPlay):
         self._held_s = 0.0
 
     @property
-    def orders(self) -> Mapping[HapticField, object]:
+    def orders(self) -> Mapping[HapticField, Numbers]:
         return self._carried.orders
 
     @property

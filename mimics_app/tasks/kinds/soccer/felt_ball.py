@@ -18,7 +18,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8, Vec3
 from mimics_app.contracts.loop.loop_fields import PointSnapshot
-from mimics_app.contracts.messages.orders import HapticField
+from mimics_app.contracts.messages.orders import HapticField, Numbers
 from mimics_app.tasks.kinds.soccer.ball import SoccerBall
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.walking.walker import Walker
@@ -107,7 +107,7 @@ class FeltBall:
     def __init__(self, body: str, height: float) -> None:
         self._body, self._height = body, height
         self._spawn = _OWN_PLACEMENT
-        self._orders: dict[HapticField, object] = {}
+        self._orders: dict[HapticField, Numbers] = {}
         self.restart()
 
     def restart(self) -> None:
@@ -119,7 +119,7 @@ class FeltBall:
         self._given: tuple[F8, F8] | None = None  # place and velocity that the task's ball was given
 
     @property
-    def orders(self) -> Mapping[HapticField, object]:
+    def orders(self) -> Mapping[HapticField, Numbers]:
         """Where the body was placed last."""
         return self._orders
 
@@ -183,7 +183,11 @@ class FeltBall:
             return
         self._moves = moves
         self._spawn += 1
-        placed = {"spawn": self._spawn, "position": (now.real, up, now.imag), "velocity": tuple(moves.tolist())}
+        placed: dict[str, Numbers] = {
+            "spawn": self._spawn,
+            "position": (now.real, up, now.imag),
+            "velocity": tuple(moves.tolist()),
+        }
         self._orders = {HapticField(field, "bodies", self._body): numbers for field, numbers in placed.items()}
 
 

@@ -11,7 +11,7 @@ from msgspec import Meta, structs
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.messages.board import Card
 from mimics_app.contracts.messages.leg_motion import LegMotion
-from mimics_app.contracts.messages.orders import Feature, HapticField
+from mimics_app.contracts.messages.orders import Feature, HapticField, Numbers
 from mimics_app.contracts.messages.stage_messages import SoundTrigger
 from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.contracts.system.phrases import counted_phrase, phrase
@@ -241,7 +241,7 @@ class SoccerPlay(KindPlay):
         return seen
 
     @property
-    def orders(self) -> Mapping[HapticField, object]:
+    def orders(self) -> Mapping[HapticField, Numbers]:
         return {} if self._felt is None else self._felt.orders
 
     @property
