@@ -148,7 +148,6 @@ def test_a_command_overrules_the_action_of_its_frame_also_one_that_waits(at_tria
     assert player.manager.values == {"radius": 1.5, "assistance": pytest.approx(0.3)}
 
 
-@pytest.mark.requirement("R17")
 def test_an_answer_says_where_a_trial_has_a_value_of_its_own() -> None:
     own = {"label": "own", "values": {"radius": 0.7, "assistance": 0.4}}
     player = Player(
