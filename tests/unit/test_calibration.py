@@ -123,6 +123,15 @@ def test_the_speed_of_a_walk_is_that_of_the_belt_after_the_first_third() -> None
     assert measure.value == pytest.approx(0.8, rel=0.005) and measure.spread < 0.01
 
 
+def test_the_speed_of_who_stands_is_not_measured() -> None:
+    """It would slow every walk down to the least speed."""
+    step, now = WalkingStep(SPEC, ""), 0.0
+    while not step.done:
+        step.take(Seen(now, now, (0.0, 0.0, 0.0), 0.0, 0.001 * now), FRAME_S)
+        now += FRAME_S
+    assert not step.measures and step.skipped == "the person did not walk"
+
+
 def test_a_grip_that_is_not_felt_is_not_measured() -> None:
     step = GripStep(SPEC, "")
     for frame in range(2000):

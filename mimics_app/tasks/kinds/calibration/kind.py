@@ -31,6 +31,7 @@ from mimics_app.tasks.kinds.calibration.spec import STEPS, CalibrationSpec, Meas
 from mimics_app.tasks.kinds.calibration.step import Cue, Seen, Step, Tone, spread_of
 from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, TaskBlock, TaskKind, Values
 from mimics_app.tasks.observation import Observation
+from mimics_app.tasks.walking.walker import STANDS
 from mimics_app.tasks.walking.worn_orthosis import legs_in
 from mimics_app.world.components.registry import Component
 
@@ -75,6 +76,9 @@ class WalkingStep(Step):
         if len(self._means) == self._spec.repeats:
             self.done = True
             speed = median(self._means)
+            if speed < STANDS:
+                self.skipped = phrase("the person did not walk")
+                return
             self.measures = [CalibratedMeasure("walking", speed, "m/s", len(self._means), spread_of(self._means))]
 
 
