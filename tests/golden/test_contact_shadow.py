@@ -113,6 +113,11 @@ def test_people_near_the_eye_have_one_below_their_soles_that_turns_with_them() -
         assert place[1] < matrix[1, 3] + 0.5 * depth < place[1] + 0.05 and depth > 0.1, "it begins just over the soles"
         np.testing.assert_allclose(matrix[:3, 2], (0.0, 1.0, 0.0), atol=1e-9, err_msg="it looks down")
         np.testing.assert_allclose(np.abs(matrix[:3, 1] @ person.world_matrix()[:3, 2]), 1.0, atol=1e-9)
+    shadow.follow(np.array((0.4, 2.0, -59.0)))
+    assert spot.visible
+    world.find("person").visible = False
+    shadow.follow(np.array((0.4, 2.0, -59.0)))
+    assert not spot.visible, "nobody is seen there"
 
 
 def test_a_level_is_chosen_by_frames_in_which_the_hand_moves_and_the_room_stays() -> None:

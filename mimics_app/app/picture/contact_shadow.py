@@ -69,10 +69,10 @@ class ContactShadow:
             self._add(person, _PERSON.scaled(float(np.linalg.norm(person.world_matrix()[:3, 1]))))
 
     def follow(self, eye: F8) -> None:
-        """Place them as of the world's last update; of people, only those near an eye [m], [3], have one."""
+        """Place them as of the world's last update; of people, only those shown near an eye [m], [3], have one."""
         for node, under, kind in self._spots:
             matrix = under.world_matrix()
-            node.visible = math.dist(matrix[:3, 3], eye) < kind.seen
+            node.visible = math.dist(matrix[:3, 3], eye) < kind.seen and (kind.seen == math.inf or _is_shown(under))
             node.set_position(matrix[:3, 3] - (0.0, kind.begins + 0.5 * kind.depth, 0.0))
             turned, yaw = np.empty(4), math.atan2(matrix[0, 2], matrix[2, 2])
             quat.multiply(quat.about_axis((0.0, 1.0, 0.0), yaw), _DOWN, turned)
@@ -83,6 +83,13 @@ class ContactShadow:
         self.world.effects.add(node.index, structs.replace(_DOT, size=kind.size, depth=kind.depth))
         self.world.effects.contact_shadows.add(node.index)
         self._spots.append(_Spot(node, under, kind))
+
+
+def _is_shown(node: SceneNode | None) -> bool:
+    """Whether a node and all above it are visible."""
+    while node is not None and node.visible:
+        node = node.parent
+    return node is None
 
 
 def _people(world: World) -> list[SceneNode]:
