@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import mimics_app as mimics
 from mimics_app.app.picture.board import BoardLayout
 from mimics_app.app.play.launching import launcher_cards, launcher_settings, settings_of_choice
 from mimics_app.app.play.session_keys import OPERATORS_PAGE
@@ -127,3 +128,10 @@ def test_targets_paths_and_the_hand_stand_out_in_the_scene(name: str) -> None:
         assert all(contrast(one, ground) >= LEAST for one in found[role] for ground in found["ground"]), role
     usual = read_requested(RunSettings(root() / "scenes" / f"{name}.json"))
     assert usual.hash != scene.hash and usual.materials != scene.materials
+
+
+def test_a_scene_that_a_program_opens_has_it_as_that_scene_says() -> None:
+    for high in (True, False):
+        with mimics.open("wavy_tunnel", record=False, high_contrast=high) as session:
+            session.step()
+            assert in_high_contrast() is high

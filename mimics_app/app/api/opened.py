@@ -39,6 +39,7 @@ from mimics_app.contracts.messages.board import Board
 from mimics_app.contracts.messages.stage_messages import TaskOrders
 from mimics_app.contracts.shared_memory.command_ring import Answer, CommandSender
 from mimics_app.recording.run_folder import private_files
+from mimics_app.rendering.visual.figures.contrast import use_high_contrast
 from mimics_app.world.content.world import World
 from mimics_app.world.files.scene.edits import SceneEdits
 from mimics_app.world.files.scene.scene import Scene, SceneEntity
@@ -422,6 +423,7 @@ class Opened:
             stack.enter_context(private_files())
             if self._settings.steer:
                 raise UsageError("a program gives its commands itself", "leave out steer")
+            use_high_contrast(self._settings.high_contrast)
             session = self._build()
             stack.callback(session.__exit__)
             if session.live and not self._window:
