@@ -213,7 +213,7 @@ class KernelCache:
         self._py_func = py_func
         self._stored = IndexDataCacheFile(self.cache_path, name, key)  # type: ignore[no-untyped-call]
 
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
+    def load_overload(self, sig: object, target_context: Any) -> Any:
         """Return stored machine code, or None to compile again.
 
         None also for a damaged file, one that refers to a module that this process does not have, or one that another
@@ -222,7 +222,7 @@ class KernelCache:
         """
         with suppress(Exception):  # a damaged pickle raises anything
             data = self._stored.load(self._entry(sig, target_context.codegen()))  # type: ignore[no-untyped-call]
-            if data is not None and data[_SIGNATURE].args == tuple(getattr(sig, "args", sig)):
+            if data is not None and data[_SIGNATURE].args == getattr(sig, "args", sig):
                 return self.files.rebuild(target_context, data)
         return None
 
