@@ -20,7 +20,6 @@ SET_FOR_OTHERS = {
     "composed": "the picture of a simulated headset, which stands in for its panels",
     "uploaded": "bytes sent to the driver in the last update, for whoever measures",
     "_finalized": "numba reads it",
-    "_py_file": "numba reads it",
 }
 """Attributes that the product sets on its own objects and does not read, and who does."""
 
