@@ -364,25 +364,19 @@ def _lines(file: Path, **types: type) -> list[dict[str, Any]]:
         SceneError: A line is damaged.
     """
     content = read_or_nothing(file)
-    lines = content[: content.rfind(b"\n") + 1].split(b"\n")
-    return [_line(file, number, line, types) for number, line in enumerate(lines, 1) if line.strip()]
-
-
-def _line(file: Path, number: int, text: bytes, types: Mapping[str, type]) -> dict[str, Any]:
-    """Return a line of a file.
-
-    Raises:
-        SceneError: It is no JSON object, or lacks something.
-    """
-    try:
-        line = parse_object(text)
-        wrong = next((name for name, kind in types.items() if not isinstance(line.get(name), kind)), "")
-        why = wrong and f'it has no "{wrong}"'
-    except ValueError as error:
-        why = first_line(error)
-    if why:
-        raise SceneError(Issue(str(file), "", f"line {number} is damaged: {why}", "restore the file, or that line"))
-    return line
+    found = []
+    for number, text in enumerate(content[: content.rfind(b"\n") + 1].split(b"\n"), 1):
+        if not text.strip():
+            continue
+        try:
+            found.append(parse_object(text))
+            wrong = next((name for name, kind in types.items() if not isinstance(found[-1].get(name), kind)), "")
+            why = wrong and f'it has no "{wrong}"'
+        except ValueError as error:
+            why = first_line(error)
+        if why:
+            raise SceneError(Issue(str(file), "", f"line {number} is damaged: {why}", "restore the file, or that line"))
+    return found
 
 
 def _forms(text: str) -> list[bytes]:
