@@ -151,6 +151,27 @@ def test_every_fault_of_a_reloaded_scene_is_on_the_terminal_and_changes_nothing(
     assert "/upp" in said and "/down" in said and said.count("\n") == 2
 
 
+def test_a_hard_object_that_moved_is_said_to_be_felt_at_its_place_from_the_next_start(tmp_path: Path) -> None:
+    """A running loop keeps its controller with its parameters, and the picture has the object where it is now."""
+    file = copy_tunnel(tmp_path).parent / "examples" / "lokomat_wall.json"
+    document = json.loads(file.read_text())
+    robot = next(each for each in document["entities"] if each["id"] == "robot")
+    robot["components"]["controller"] = {"name": "lokomat_combined", "hard_object": "stone"}
+    stone = thing("stone", mesh={"primitive": {"shape": "box", "size": [0.3, 0.6, 0.5]}})
+    document["entities"].append(at(0.5, 0.3, 0.0, stone))
+    file.write_text(json.dumps(document))
+    scene = load_checked_scene(file)
+    with open_core(prepare_scene(scene, RunSettings(file))) as core:
+        session: Any = core
+        session.settings, session.picture = RunSettings(file), None
+        reload = SceneReload(session)
+        document["entities"][-1]["transform"]["translation"] = [0.6, 0.3, 0.0]
+        file.write_text(json.dumps(document))
+        look_later(reload, core)
+        assert core.scene is not scene
+        assert reload.message == "scene reloaded; controller at the next start"
+
+
 def copy_tunnel(folder: Path) -> Path:
     """A copy of the wavy tunnel, which a test may edit."""
     shutil.copytree(SCENES, folder / "scenes", ignore=shutil.ignore_patterns("*.png"))

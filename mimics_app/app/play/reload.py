@@ -5,16 +5,20 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from mimics_app.app.planner.plan import apply_plan
 from mimics_app.app.play.script_reload import ScriptReload
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.scenes.scenario_choice import open_scenario
 from mimics_app.app.session.session import Session
 from mimics_app.app.terminal.output import issue_lines, say, with_line
+from mimics_app.app.touch.device_fit import device_values
 from mimics_app.app.touch.haptic_scene_data import HapticSceneData
-from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.errors import DeviceError, Issue, SceneError
 from mimics_app.world.files.scene.file import build_world
 from mimics_app.world.files.scene.reload import apply_scene
+from mimics_app.world.files.scene.scene import Scene
 from mimics_app.world.files.scene.watcher import SceneWatcher
 
 if TYPE_CHECKING:
@@ -95,8 +99,20 @@ class SceneReload:
         other_limits = session.parameter_store.replace(*side.parameters(session.scenario.scene_block()))
         self._watcher.watch(scene.files)
         later = changes.sections | changes.systems | ({"limits"} if other_limits else set())
+        later |= {"controller"} if _leads_otherwise(session, before, scene) else set()
         self._say(now_ns, "scene reloaded" + (f"; {', '.join(sorted(later))} at the next start" if later else ""))
         session.recorder.journal("reload", {"taken": True, "hash": scene.hash})
 
     def _say(self, now_ns: int, text: str) -> None:
         self.message, self._shown_until_ns = text, now_ns + _SHOW_NS
+
+
+def _leads_otherwise(session: Session, before: Scene, scene: Scene) -> bool:
+    """Whether a reloaded scene has another controller or other parameters of it: a running loop keeps its own."""
+    plugin, block = session.haptics.plugin, session.parameter_store.block
+    try:
+        one, other = (device_values(plugin, each, block) for each in (before, scene))
+    except DeviceError:  # of a controller that this device does not take
+        return True
+    names = ("controller_names", "controller_parameters")
+    return not all(np.array_equal(one.get(name), other.get(name)) for name in names)  # type: ignore[arg-type]
