@@ -148,7 +148,8 @@ class TaskManager:
         has_score = any(kind.scored for kind in kinds) or spec.score != ScoreSpec()  # own weights
         score = spec.score if has_score else None
         plays = tuple(self._plays.values())
-        self._participation, self._limb = Participation(passive=spec.passive), context.limb
+        led = any(play.led for play in plays)
+        self._participation, self._limb = Participation(passive=spec.passive or led), context.limb
         self._times = TrialTimes(spec)
         played = PlayedKinds(plays, counts, self._tell, all(kind.touches for kind in kinds))
         self._attempts = Attempts(plan, score, spec.start.attempts, on_trial, played, first_trial)

@@ -139,6 +139,19 @@ def test_legs_in_the_gait_orthosis_walk_the_shipped_scene() -> None:
     assert result["symmetry"] > 0.9
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("person", ["moderate", "severe"])
+def test_an_impaired_person_comes_to_the_end_of_the_city_walk_in_the_orthosis(person: str) -> None:
+    """The belt walks at 0.15 to 0.3 m/s and waits at each obstacle: the way by hand would take half an hour."""
+    rows: list[dict[str, object]] = []
+    with mimics.open("city_walk", device="lokomat:sim", patient=person, trials=1, record=False) as session:
+        session.on_trial(rows.append)
+        session.step_until(lambda _: bool(rows), 330.0)
+    assert rows[0]["outcome"] == "finished"
+    assert float(rows[0]["walked_m"]) >= 30.0  # type: ignore[arg-type]
+    assert float(rows[0]["obstacles"]) >= 2.0  # type: ignore[arg-type]
+
+
 def test_every_walk_is_played_in_the_gait_orthosis_and_by_hand() -> None:
     for name in ("city_walk", "canyon_walk", "soccer"):
         hand = load_checked_scene(SCENES / f"{name}.json")

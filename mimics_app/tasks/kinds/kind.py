@@ -194,6 +194,11 @@ class KindPlay:
         return False
 
     @property
+    def led(self) -> bool:
+        """Whether a gait orthosis leads the person, who then need not act: its belt walks with severe patients, too."""
+        return False
+
+    @property
     def asks(self) -> bool:
         """Whether `prompt` is a question that the person answers."""
         return False

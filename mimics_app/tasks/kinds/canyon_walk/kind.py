@@ -201,6 +201,10 @@ class CanyonWalkPlay(KindPlay):
         }
 
     @property
+    def led(self) -> bool:
+        return self._orthosis is not None
+
+    @property
     def lever(self) -> bool:
         return True
 

@@ -74,7 +74,19 @@ class Walked(Component, frozen=True, tag="walked", tag_field="kind"):
     """The person has walked a distance."""
 
     metres: Annotated[float, Meta(gt=0.0, le=1e5, description="Distance [m].")]
+    orthosis_metres: Annotated[
+        Annotated[float, Meta(gt=0.0, le=1e5)] | None,
+        Meta(description="Distance in a gait orthosis, whose belt is slower [m]; null: the same."),
+    ] = None
     hold_s: Annotated[float, Meta(ge=0.0, le=60.0, description="For how long [s].")] = 0.0
+
+    def distance(self, worn: bool) -> float:
+        """Return the distance to walk [m].
+
+        Args:
+            worn: Whether the person walks in a gait orthosis.
+        """
+        return self.orthosis_metres if worn and self.orthosis_metres is not None else self.metres
 
 
 class CityWalkPlay(KindPlay):
@@ -148,6 +160,10 @@ class CityWalkPlay(KindPlay):
         }
 
     @property
+    def led(self) -> bool:
+        return self._orthosis is not None
+
+    @property
     def lever(self) -> bool:
         return True
 
@@ -177,7 +193,7 @@ class CityWalkPlay(KindPlay):
 
     def holds(self, goal: Component, seen: Observation) -> bool:
         assert isinstance(goal, Walked)
-        return self._along >= goal.metres
+        return self._along >= goal.distance(self._orthosis is not None)
 
     def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:
         speed = speed_card(self._speed, self._spec.fastest)
@@ -223,8 +239,9 @@ class CityWalkKind(TaskKind):
     def open(self, spec: TaskBlock, context: TaskContext, seed: int) -> CityWalkPlay:
         section = spec.find(CityWalkSpec)
         assert section is not None
-        metres = [goal.metres for goal in spec.goals if isinstance(goal, Walked)]
-        return CityWalkPlay(section, max(metres, default=100.0), legs_in(context))
+        orthosis = legs_in(context)
+        metres = [goal.distance(orthosis is not None) for goal in spec.goals if isinstance(goal, Walked)]
+        return CityWalkPlay(section, max(metres, default=100.0), orthosis)
 
 
 KIND = CityWalkKind()

@@ -245,6 +245,10 @@ class SoccerPlay(KindPlay):
         return {} if self._felt is None else self._felt.orders
 
     @property
+    def led(self) -> bool:
+        return self._orthosis is not None
+
+    @property
     def lever(self) -> bool:
         return True
 
