@@ -143,7 +143,7 @@ def test_sessions_played_lately_are_cards_with_their_score(tmp_path: Path) -> No
     recent = [card for card in cards if card.group == "Recent"]
     assert [card.badge for card in recent] == ["75 of 100", "60 of 100"]
     assert recent[0].description == "1 of 2 trials finished, mean time 3.2 s."
-    assert "02 Jan 2026" in recent[0].facts and recent[0].facts.endswith("P1")
+    assert "2026-01-02" in recent[0].facts and recent[0].facts.endswith("P1")
 
 
 def test_a_scene_that_is_only_looked_at_needs_a_display_and_says_so(
