@@ -14,7 +14,7 @@ from mimics_app.app.picture.loop_cards import loop_cards
 from mimics_app.app.planner.plan import apply_plan
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.scenes.person_edit import PersonEdit, edit_of_plain
-from mimics_app.app.scenes.scenario_choice import open_scenario
+from mimics_app.app.scenes.scenario_choice import features_of, open_scenario
 from mimics_app.app.session.replay import RecordedTask, TaskFrame, TaskReplay, play_loop, recorded_task, task_frames
 from mimics_app.app.session.trackers import replayed_hub
 from mimics_app.app.session.visible_scene import VisibleScene
@@ -131,7 +131,10 @@ class ReplayedScene:
         self._scenario = open_scenario(self.scene, self.world)
         self._clock = VirtualClock()
         self._hub = _trackers_of(self.run, self.scene, self._clock, self._task.seed)[0]
-        self._visible, self._replay = VisibleScene(self.scene, self.world), TaskReplay(self._task)
+        self._visible, self._replay = (
+            VisibleScene(self.scene, self.world),
+            TaskReplay(self._task, features_of(self.scene)),
+        )
         self.number = 0
         self.board = Board()
         self._step()

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.commands.vocabulary import Command, Reply
 from mimics_app.contracts.errors import PartialDataError
 from mimics_app.contracts.loop.device_descriptor import Kinematics
+from mimics_app.contracts.messages.orders import Feature
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskAction, TaskOrders, VRInput
 from mimics_app.contracts.messages.trial_state import TaskView
 from mimics_app.contracts.ports.display_port import FrameTiming
@@ -182,12 +183,13 @@ class TaskReplay:
 
     Args:
         task: The task.
+        features: What the scenario that is looked at can show; none where nothing is drawn.
 
     Attributes:
         again: What it has given so far.
     """
 
-    def __init__(self, task: RecordedTask) -> None:
+    def __init__(self, task: RecordedTask, features: Iterable[Feature[Any]] = ()) -> None:
         again = self.again = PlayedAgain()
         self._manager = TaskManager(
             task.spec,
@@ -196,6 +198,7 @@ class TaskReplay:
             again.rows.append,
             lambda kind, data: again.lines.append((kind, dict(data))),
             task.first_trial,
+            features,
         )
         self._view = TaskView()
 
