@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import json
-import math
 from pathlib import Path
 
 import numpy as np
@@ -252,7 +251,7 @@ def test_the_shipped_experiment_of_two_subjects_and_four_conditions_at_full_leng
     assert all(row["outcome"] == "finished" and float(row["time_s"]) > 60.0 for row in trials)
     late = [int(tap["seen_display_ns"]) - int(tap["seen_scheduled_ns"]) for tap in taps]
     assert max(map(abs, late)) <= 8_500_000
-    assert abs(sum(late) / len(late)) <= 5_000_000 / math.sqrt(len(late))  # of uniform errors, three times their spread
+    assert abs(sum(late) / len(late)) <= 500_000  # uniform errors of a frame: the mean of 390 taps spreads by 0.24 ms
     assert max(abs(int(tap["felt_ns"]) - int(tap["felt_scheduled_ns"])) for tap in taps) <= 1_000_000
     assert {tap["place"] for tap in taps if tap["condition"] == "no_cord"} == {"back"}
     offsets = {tap["condition"]: float(tap["offset_ms"]) for tap in taps}
