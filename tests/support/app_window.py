@@ -98,7 +98,7 @@ class AppWindow:
         folder.mkdir(exist_ok=True)
         Image.fromarray(self.picture()).save(folder / f"{name}.png")
 
-    def wait(self, what: str, condition: Callable[[], bool], seconds: float = 60.0) -> None:
+    def wait(self, what: str, condition: Callable[[], bool], seconds: float = 180.0) -> None:
         for _ in range(round(seconds / 0.1)):
             assert self.process.poll() is None, f"the application ended while waiting for {what}"
             if condition():

@@ -36,7 +36,7 @@ def test_on_a_robot_of_its_own_time_the_mouse_does_not_lead(real_time: bool):
             surface=Window(),
             presenter=SimpleNamespace(take_pressed=tuple),
         ),
-        haptics=SimpleNamespace(plugin=SimpleNamespace(real_time=real_time)),
+        haptics=SimpleNamespace(plugin=SimpleNamespace(name="emulated", real_time=real_time, simulated=False)),
         inputs=SimpleNamespace(signals=()),
         tasks=SimpleNamespace(lever=False),
     )

@@ -28,7 +28,7 @@ def why_no_code(code: str) -> str:
     One capitalised word, or several words of letters, look like a name, which must not be in a recording.
     """
     if not code.isprintable() or len(code) > LONGEST_CODE:
-        return phrase("a participant code has at most {n:d} letters, on one line", n=LONGEST_CODE)
+        return phrase("a participant code is one line, of length {n:d} at most", n=LONGEST_CODE)
     words = [word for word in re.split(r"[\W\d_]+", code) if word]
     several = len(words) > 1 and any(len(word) >= _LEAST_WORD for word in words) and re.search(r"[\s,]", code)
     alone = code.isalpha() and code.istitle() and len(code) >= _LEAST_WORD
