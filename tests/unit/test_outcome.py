@@ -224,7 +224,7 @@ def test_a_name_is_refused_on_the_command_line_and_in_the_launcher(typed: str) -
 
 @pytest.mark.parametrize("typed", ["a\nb", "a" * 300, "\udcff"])
 def test_what_is_no_code_is_refused(typed: str) -> None:
-    with pytest.raises(UsageError, match="a participant code has at most"):
+    with pytest.raises(UsageError, match="a participant code is one line, of length"):
         cli.parse(["run", f"--participant={typed}"])
 
 
