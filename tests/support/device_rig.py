@@ -135,6 +135,7 @@ def hapticmaster_rig(**options: Any) -> Iterator[Rig]:
     person = Patient(tremor=0.0, aim_error=0.0, grasp_variation=0.0)
     plugin = build_simulated_hapticmaster(DeviceRequest(robot, person, upwards, rate=RATE))
     emulator = HapticMasterEmulator(plugin, **options)
+    emulator.rehearse()  # its first step is compiled, which takes longer than a program waits for an answer
     try:
         yield Rig(emulator, "hapticmaster")
     finally:
