@@ -140,6 +140,13 @@ def _person_settings() -> list[Setting]:
             empty=phrase("no code"),
             refuse=lambda typed: why_no_code(canonical_code(typed)),
         ),
+        *_fitting_settings(),
+    ]
+
+
+def _fitting_settings() -> list[Setting]:
+    """Return the settings that fit a session to its person."""
+    return [
         Setting(
             LANGUAGE,
             phrase("Language"),
