@@ -332,8 +332,14 @@ pins() {
 
 # --- commands ----------------------------------------------------------------------------------------------------
 
+# mypy works on one processor, so it begins before everything else, in the background.
 check() {
     failed=
+    types=$(mktemp)
+    "$venv/bin/mypy" >"$types" 2>&1 &
+    mypy=$!
+    trap 'kill "$mypy" 2>/dev/null || :; rm -f "$types"' EXIT
+    trap 'exit 130' INT
     step() {
         name=$1
         shift
@@ -342,11 +348,18 @@ check() {
     }
     step ruff "$venv/bin/ruff" check .
     step format "$venv/bin/ruff" format --check .
-    step mypy "$venv/bin/mypy"
     step imports "$venv/bin/lint-imports"
-    step tests pytest_beside -q -m "not slow and not hardware and not gpu" tests/unit tests/architecture tests/properties
+    step tests pytest_beside --numprocesses=2 -q -m "not slow and not hardware and not gpu" tests/unit tests/architecture tests/properties
+    step mypy verdict_on_types
     [ -z "$failed" ] || { say "red:$failed"; exit 1; }
     say "all green"
+}
+
+verdict_on_types() {
+    right=0
+    wait "$mypy" || right=$?
+    cat "$types"
+    return $right
 }
 
 word=${1:-}

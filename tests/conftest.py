@@ -46,11 +46,12 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_setupnodes(config: pytest.Config) -> None:
-    """Before the workers of a whole suite start, compile what they would compile beside each other."""
-    if config.args_source is pytest.Config.ArgsSource.TESTPATHS:
+    """Before workers for whole folders of tests start, compile what they would compile beside each other."""
+    folders = [Path(argument).resolve() for argument in config.args]
+    if all(folder.is_dir() for folder in folders):
         from tests.support.compile_first import compile_first
 
-        compile_first()
+        compile_first(folders)
 
 
 @pytest.hookimpl(wrapper=True)

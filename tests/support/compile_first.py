@@ -8,49 +8,84 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
 from importlib import import_module
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 from _pytest.assertion import rewrite
 
 from mimics_app.app.commands.warmup import PARTS, compile_beside
-from mimics_app.compiled.kernel_sources import sources_reached
+from mimics_app.compiled.cache_folder import cache_folder
+from mimics_app.compiled.kernel_sources import source_key, sources_reached
+from tests.support.command import mimics
 
 __all__ = ["compile_first", "modules_to_import", "rewrite_assertions"]
 
 ROOT = Path(__file__).resolve().parents[2]
+SUPPORT = ROOT / "tests" / "support"
 OBJECTS = ROOT / "mimics_app" / "rendering" / "haptic" / "simulate.py"
 _COMPILES = re.compile(r"^(?:@|\w.* = )typed_kernel\(", re.MULTILINE)
+_TEXTS = re.compile(r"""("{3}|'{3}).*?\1""", re.DOTALL)
+"""Modules that a test writes stand in texts."""
 
 
-def modules_to_import() -> list[str]:
-    """Names of the modules with a kernel of a fixed signature.
+def modules_to_import(folders: Sequence[Path]) -> list[str]:
+    """Names of the modules, not compiled yet, with a kernel of a fixed signature that tests in `folders` may import.
 
     What imports the objects' part comes last, when another process has compiled that.
     """
-    files = [file for folder in ("mimics_app", "tests") for file in (ROOT / folder).rglob("*.py")]
-    found = [file for file in files if _COMPILES.search(file.read_text(encoding="utf-8"))]
-    found.sort(key=lambda file: (OBJECTS in sources_reached(file), file))
-    return [".".join(file.relative_to(ROOT).with_suffix("").parts) for file in found]
+    files = {file for folder in (ROOT / "mimics_app", SUPPORT, *folders) for file in folder.rglob("*.py")}
+    found = [file for file in files if _compiles(file) and not _is_compiled(file)]
+    return [_name(file) for file in sorted(found, key=lambda file: (OBJECTS in sources_reached(file), file))]
 
 
-def compile_first() -> None:
-    """Compile the large parts, then import them all, in as many processes as there are processors."""
-    tasks: dict[str, Callable[[], None]] = {name: partial(_import, name) for name in modules_to_import()}
-    for _ in compile_beside({**PARTS, "assertions": rewrite_assertions, **tasks}):
+def _compiles(file: Path) -> bool:
+    text = file.read_text(encoding="utf-8")
+    return "typed_kernel" in text and _COMPILES.search(_TEXTS.sub("", text)) is not None
+
+
+def _is_compiled(file: Path) -> bool:
+    """Whether machine code of the file as it is was stored."""
+    return cache_folder is not None and (cache_folder / f"{_name(file)}-{source_key(file)}").exists()
+
+
+def _name(file: Path) -> str:
+    return ".".join(file.relative_to(ROOT).with_suffix("").parts)
+
+
+def compile_first(folders: Sequence[Path]) -> None:
+    """Compile for the tests in `folders`, in as many processes as there are processors.
+
+    The large parts come first, then commands whose kernels are compiled when they are called.
+    """
+    tasks: dict[str, Callable[[], None]] = {name: partial(_import, name) for name in modules_to_import(folders)}
+    if tasks:
+        tasks = {**PARTS, "signals": _find_signals, **tasks}
+        if ROOT / "tests" in folders:
+            tasks["session"] = _play
+    for _ in compile_beside({"assertions": partial(rewrite_assertions, folders), **tasks}):
         pass
 
 
-def rewrite_assertions(folder: Path = ROOT / "tests") -> None:
-    """Lay pytest's byte code of every test file in `folder`, with its assertions rewritten, where pytest looks for it.
+def _find_signals() -> None:
+    mimics("physio", "sim", "--seconds", 30, "--json")
+
+
+def _play() -> None:
+    with TemporaryDirectory() as folder:
+        mimics("run", "wavy_tunnel", "--headless", "--seconds", 2, "--pictures", 3, "--runs", folder)
+
+
+def rewrite_assertions(folders: Sequence[Path]) -> None:
+    """Lay pytest's byte code of every test file in `folders`, with its assertions rewritten, where pytest looks for it.
 
     pytest has no public word for that; what it finds wrong or does not find it makes itself.
     """
-    for file in folder.rglob("test_*.py"):
+    for file in (file for folder in folders for file in folder.rglob("test_*.py")):
         kept = rewrite.get_cache_dir(file) / f"{file.stem}{rewrite.PYC_TAIL}"
         kept.parent.mkdir(exist_ok=True)
         if rewrite._read_pyc(file, kept) is None:

@@ -15,7 +15,7 @@ def test_pytest_finds_the_assertions_rewritten(
     request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "test_planted.py").write_text("def planted(x):\n    assert abs(x) == 3\n")
-    rewrite_assertions(tmp_path)
+    rewrite_assertions([tmp_path])
     monkeypatch.setattr(rewrite, "_rewrite_test", None)
     hook = request.config.pluginmanager.rewrite_hook
     assert isinstance(hook, rewrite.AssertionRewritingHook)

@@ -138,6 +138,12 @@ def test_running_installs_no_tool_of_the_tests(bench: Bench) -> None:
     assert not bench.installed, "what tests need stays where it is"
 
 
+def test_a_check_ends_with_all_that_is_red(bench: Bench) -> None:
+    """Types are checked in the background; neither they nor the tests can be right here."""
+    done = bench.word("check")
+    assert done.returncode == 1 and done.stderr.endswith("imports tests mypy\n")
+
+
 def test_changed_pins_of_the_tests_leave_running_alone(bench: Bench) -> None:
     bench.word("check")
     with (bench.root / "requirements-test.txt").open("a") as file:
