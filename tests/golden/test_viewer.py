@@ -160,11 +160,19 @@ def test_a_person_chooses_drags_saves_and_edits_while_the_window_is_open(tmp_pat
             scene.write_text(saved.replace("[0.8, 0.02, 0.02, 1.0]", "[0.02, 0.02, 0.8, 1.0]"))
             time.sleep(1.0)
             edited, again = picture(3), picture(4)
-            send("key", "F1", "key", "F2", "key", "F3", "key", "F4", "key", "F6")
-            overlaid = picture(5)
             send("mousemove", "400", "165", "click", "1")
+            send("key", "Tab", "key", "Tab", "key", "Down", "key", "Down", "key", "Down", "key", "Right")
+            send("type", "0.50")
+            send("key", "Return")
+            raised = picture(5)
+            send("key", "ctrl+s", "key", "ctrl+z", "key", "ctrl+s")
+            by_hand = scene.read_text()
+            send("key", "ctrl+y", "key", "ctrl+s", "key", "Escape", "key", "Escape", "key", "Escape")
+            send("key", "F1", "key", "F2", "key", "F3", "key", "F4", "key", "F6")
+            overlaid = picture(6)
+            send("mousemove", "400", "150", "click", "1")
             send("mousedown", "1")
-            send("mousemove", "380", "185", "mouseup", "1")
+            send("mousemove", "380", "170", "mouseup", "1")
             send("key", "Escape")
             send("key", "Escape")
             assert window.poll() is None, "it warns once of what is not saved"
@@ -175,8 +183,8 @@ def test_a_person_chooses_drags_saves_and_edits_while_the_window_is_open(tmp_pat
             window.wait(timeout=10)
     answer = json.loads(out)
     assert answer["saved"] == ["place.json"]
-    assert "mimics: not saved: cube, moved to [" in said, "nothing is lost: its place is reported"
-    assert answer["files"] == [f"place_{number:03d}.png" for number in (1, 2, 3, 4, 5)]
+    assert "mimics: not saved: place.json, cube: moved to [" in said, "nothing is lost: its place is reported"
+    assert answer["files"] == [f"place_{number:03d}.png" for number in (1, 2, 3, 4, 5, 6)]
     columns = [np.argwhere(redness(each) > 60)[:, 1].mean() for each in (before, moved)]
     assert columns[0] == pytest.approx(320.0, abs=8.0)
     assert columns[1] == pytest.approx(400.0, abs=12.0), "what was grabbed stays under the pointer"
@@ -184,4 +192,9 @@ def test_a_person_chooses_drags_saves_and_edits_while_the_window_is_open(tmp_pat
     assert x > 0.1 and saved == _SCENE.replace("[0, 0.25, 0]", f"[{x!r}, 0.25, 0]"), "nothing else was touched"
     assert (redness(edited) > 60).sum() == 0, "an edit of the file is seen at once"
     assert np.array_equal(edited, again), "the news of a picture is not in the next"
+    assert by_hand == saved.replace("[0.8, 0.02, 0.02, 1.0]", "[0.02, 0.02, 0.8, 1.0]"), "undone to the last byte"
+    assert scene.read_text() == by_hand.replace(", 0.25, 0]", ", 0.50, 0]"), "one number, as it was typed"
+    blue = [(each[60:300, 350:430, 2].astype(int) - each[60:300, 350:430, 1]) > 60 for each in (edited, raised)]
+    heights = [np.argwhere(each)[:, 0].mean() for each in blue]
+    assert heights[1] < heights[0] - 15.0, "a number that is typed moves the cube at once"
     assert (overlaid.astype(int) != edited).any(axis=-1).mean() > 0.1

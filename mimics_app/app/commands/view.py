@@ -30,11 +30,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics view`."""
     parser.epilog = (
         "In the window: drag to orbit, wheel to zoom, WASD to fly, click to select an object, drag it to move it, "
-        "Ctrl+S to save the change to the scene file; H lists all keys. Files and shaders reload when they change."
+        "Tab to edit a scene (entities, their values, add, delete, play), Ctrl+Z to undo, Ctrl+S to save; H lists all "
+        "keys. Files and shaders reload when they change."
     )
     parser.add_argument(
         "file", type=Path, nargs="?", help="scene, model (.glb, .gltf, .vrm) or mesh (.stl, .obj, .ply, .off)"
     )
+    parser.add_argument("--edit", action="store_true", help="open the panels of the editor of a scene at once")
     parser.add_argument("--sheet", type=Path, metavar="FOLDER", help="draw every model of a folder onto one PNG")
     parser.add_argument("--headless", action="store_true", help="no window: draw PNG files, to view.png or --output")
     parser.add_argument(
@@ -165,7 +167,7 @@ def _write(args: argparse.Namespace, shown: Shown) -> int:
 def _open_window(args: argparse.Namespace, shown: Shown) -> int:
     from mimics_app.app.viewer.viewer_window import ViewerSession
 
-    with ViewerSession(shown, args.size, args.profile, args.camera, args.up) as session:
+    with ViewerSession(shown, args.size, args.profile, args.camera, args.up, edit=args.edit) as session:
         session.run()
         saved, pictures, backend = session.saved, session.pictures, session.backend
     found = {**_describe(shown), "backend": backend, "files": pictures, "saved": saved}

@@ -6,15 +6,16 @@ compiled. Then the stages check a scene whose files are right.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import mimics_app.tasks.scene_section  # noqa: F401  registers the task block
 from mimics_app.app.scenes.scene_search import find_scene
-from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.errors import Issue, MimicsError, SceneError
 from mimics_app.world.files.scene.file import FaultyScene, load_scene
 from mimics_app.world.files.scene.scene import Scene, SceneEdit
 
-__all__ = ["check_scene", "load_checked_scene", "read_scene"]
+__all__ = ["check_scene", "load_checked_scene", "read_scene", "review_scene"]
 
 
 def load_checked_scene(
@@ -38,6 +39,30 @@ def load_checked_scene(
     except FaultyScene as error:
         raise SceneError(dict.fromkeys([*error.issues, *_also_in(error.scene)])) from error
     return check_scene(scene)
+
+
+def review_scene(path: Path, before: Scene, unsaved: Mapping[Path, bytes]) -> tuple[Scene | None, list[Issue]]:
+    """Read and check a scene with edits that are not saved, as `load_checked_scene` would.
+
+    Args:
+        path: The scene file.
+        before: The scene that it replaces.
+        unsaved: See `load_scene`.
+
+    Returns:
+        (scene, faults): The scene is None where its files have a fault, and complete where only stages found one.
+    """
+    try:
+        scene = load_scene(path, before=before, device=before.device, unsaved=unsaved)
+    except FaultyScene as error:
+        return None, list(dict.fromkeys([*error.issues, *_also_in(error.scene)]))
+    except SceneError as error:
+        return None, error.issues
+    try:
+        check_scene(scene)
+    except MimicsError as error:
+        return scene, error.issues
+    return scene, []
 
 
 def _also_in(scene: Scene | None) -> list[Issue]:

@@ -10,6 +10,7 @@ from mimics_app.app.viewer.selection import Ray, Selection
 from mimics_app.app.viewer.viewport import Viewport
 from mimics_app.contracts.messages.window_input import InputEvent
 from mimics_app.world.content.extent import world_extent
+from mimics_app.world.graph.scene_node import SceneNode
 
 __all__ = ["ViewerControls"]
 
@@ -28,19 +29,26 @@ class ViewerControls:
         viewport: Viewport with the orbit camera.
         selection: The selection.
         commands: Function of each key, by its name ("s" with Control: "ctrl+s").
+        moved: Called with a node that was dragged to another place.
 
     Attributes:
         dirty: True when the picture must be drawn again; the caller that draws it sets it to False.
     """
 
-    def __init__(self, viewport: Viewport, selection: Selection, commands: dict[str, Callable[[], object]]) -> None:
-        self._viewport, self._selection = viewport, selection
+    def __init__(
+        self,
+        viewport: Viewport,
+        selection: Selection,
+        commands: dict[str, Callable[[], object]],
+        moved: Callable[[SceneNode], object],
+    ) -> None:
+        self._viewport, self._selection, self._moved = viewport, selection, moved
         self._commands = {
-            **commands,
             "f": self._frame,
             "home": viewport.reset,
             **{key: self._along(axis) for axis, key in enumerate("xyz")},
             "ctrl+z": selection.undo,
+            **commands,
         }
         self._button = ""
         self._travelled = 0.0
@@ -90,7 +98,9 @@ class ViewerControls:
         elif not event.pressed and event.name == self._button:
             clicked = self._button == "left" and self._travelled < _CLICK_PX
             self._button = ""
-            self._selection.release()
+            node = self._selection.release()
+            if node is not None:
+                self._moved(node)
             if clicked:
                 self._selection.choose(self.ray(event.x, event.y))
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from mimics_app.rendering.visual.figures.hud import Colour
 from mimics_app.rendering.visual.overlay.layers import Arrow
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.content.raycast import cast_ray
-from mimics_app.world.files.scene.edit import is_written_in_file, write_translation
+from mimics_app.world.files.scene.scene_texts import is_written_in_file
 from mimics_app.world.graph.scene_node import SceneNode
 
 __all__ = ["Selection", "axis_under", "drag_offset", "gizmo_arrows"]
@@ -81,7 +80,6 @@ class Selection:
     Attributes:
         chosen: The selected node, or None.
         axis: 0, 1 or 2: the node moves along x, y or z; None: along the floor, or across the view where that is flat.
-        unsaved: Entities that were moved and are not saved, by id.
     """
 
     def __init__(self, shown: Shown) -> None:
@@ -91,7 +89,6 @@ class Selection:
         self._handle: int | None = None
         self._grip: tuple[F8, F8] | None = None
         self._undo: list[tuple[SceneNode, F8]] = []
-        self.unsaved: dict[str, SceneNode] = {}
 
     @property
     def holding(self) -> bool:
@@ -104,7 +101,6 @@ class Selection:
         self._shown, self._grip = shown, None
         self._undo.clear()
         self.chosen = shown.world.find(name) if name and name in shown.world else None
-        self.unsaved = {name: node for name, node in self.unsaved.items() if name in shown.world}
 
     def choose(self, ray: Ray) -> SceneNode | None:
         """Select the first entity of the scene file, or part of the model, on a ray; None where there is none."""
@@ -143,39 +139,23 @@ class Selection:
         axis = self._handle if self.holding and self._handle is not None else self.axis
         return gizmo_arrows(self.chosen.world_matrix()[:3, 3], view, axis)
 
-    def release(self) -> None:
-        """End the drag."""
+    def release(self) -> SceneNode | None:
+        """End the drag; return the node if it was moved."""
         if self._grip is None or self.chosen is None:
-            return
+            return None
         before, self._grip = self._grip[1], None
         if np.array_equal(before, self.chosen.position):
             self._undo.pop()
-        elif self._shown.scene is not None:
-            self.unsaved[self.chosen.name] = self.chosen
+            return None
+        return self.chosen
 
     def undo(self) -> bool:
-        """Undo the last move; return False where there is none."""
+        """Undo the last move of a part of a model; return False where there is none."""
         if not self._undo or self.holding:
             return False
         node, place = self._undo.pop()
         node.set_position(place)
-        if self._shown.scene is not None:
-            self.unsaved[node.name] = node
         return True
-
-    def save(self) -> list[Path]:
-        """Write every moved entity to the file that defines it; return the files.
-
-        Raises:
-            SceneError: A file cannot be written; earlier ones are saved, the others are still unsaved.
-        """
-        scene, files = self._shown.scene, []
-        for name, node in list(self.unsaved.items()):
-            if scene is not None:
-                x, y, z = node.position.tolist()
-                files.append(write_translation(scene, name, (x, y, z)))
-            del self.unsaved[name]
-        return list(dict.fromkeys(files))
 
     def _under(self, ray: Ray) -> SceneNode | None:
         return next((owner for owner, _ in self._hits(ray)), None)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from mimics_app.app.picture.overlay_keys import toggle_overlay
@@ -11,16 +11,19 @@ from mimics_app.app.picture.window_opening import open_window, remember_size
 from mimics_app.app.settings import Profile
 from mimics_app.app.terminal.output import say, with_line
 from mimics_app.app.viewer.controls import ViewerControls
+from mimics_app.app.viewer.editor import Editor
 from mimics_app.app.viewer.page import KEYS, draw_caption, draw_hint, draw_message
 from mimics_app.app.viewer.selection import Selection
 from mimics_app.app.viewer.shown import Shown, Up, open_shown
 from mimics_app.app.viewer.viewport import Viewport
 from mimics_app.contracts.clock import FRAME_NS, SECOND_NS, Clock, MonotonicClock
-from mimics_app.contracts.errors import MimicsError, SceneError
+from mimics_app.contracts.errors import MimicsError
+from mimics_app.contracts.messages.window_input import InputEvent
 from mimics_app.rendering.visual.figures.key_page import draw_keys
 from mimics_app.rendering.visual.surfaces.headless import save_png
 from mimics_app.rendering.visual.surfaces.surface import Size
 from mimics_app.world.files.scene.watcher import SceneWatcher
+from mimics_app.world.graph.scene_node import SceneNode
 
 __all__ = ["ViewerSession"]
 
@@ -43,29 +46,43 @@ class ViewerSession:
         profile: Quality of a scene's picture.
         camera: See `Viewport`.
         up: Upward axis of a mesh file, for its reload.
+        edit: Whether the panels of the editor are open from the start.
 
     Attributes:
         pictures: PNG files that the person saved.
-        saved: Scene files that were written.
         backend: Backend of the surface.
     """
 
     def __init__(
-        self, shown: Shown, size: Size | None, profile: Profile = "training", camera: str = "", up: Up = "y"
+        self,
+        shown: Shown,
+        size: Size | None,
+        profile: Profile = "training",
+        camera: str = "",
+        up: Up = "y",
+        *,
+        edit: bool = False,
     ) -> None:
         self._clock: Clock = MonotonicClock()
         self._up = up
         self._surface = open_window(size, f"{shown.title} - mimics")
         self._viewport = Viewport(self._surface, shown, profile, camera)
         self._selection = Selection(shown)
-        self._controls = ViewerControls(self._viewport, self._selection, self._commands())
+        self._editor = None if shown.scene is None else Editor(self._viewport, self._selection, self._say)
+        self._controls = ViewerControls(self._viewport, self._selection, self._commands(), self._moved)
         self._watcher = SceneWatcher(shown.files)
+        if edit and self._editor is not None:
+            self._editor.open = True
         self._keys_shown = self._left = self._alarm = self._marked = self._warned = False
         self._message, self._message_until_ns = "", 0
         self._clip = ""
         self.pictures: list[Path] = []
-        self.saved: list[Path] = []
         self.backend = self._surface.backend
+
+    @property
+    def saved(self) -> list[Path]:
+        """Scene files that were written."""
+        return [] if self._editor is None else self._editor.saved
 
     def run(self, shown: Callable[[], None] | None = None) -> None:
         """Run until the window closes; `shown` is called after the first picture."""
@@ -78,8 +95,9 @@ class ViewerSession:
             now = self._clock.now_ns()
             events = self._surface.poll()
             toggle_overlay(self._viewport.renderer, events)
-            self._controls.handle(events)
-            self._controls.fly(min((now - before) / SECOND_NS, _LONGEST_STEP_S))
+            self._handle(events)
+            if self._editor is None or self._editor.focus == "picture":
+                self._controls.fly(min((now - before) / SECOND_NS, _LONGEST_STEP_S))
             before = now
             self._pass_time((now - begun) / SECOND_NS)
             if now - looked >= _POLL_NS:
@@ -98,8 +116,10 @@ class ViewerSession:
         return self
 
     def __exit__(self, *exception: object) -> None:
-        for name, node in self._selection.unsaved.items():
-            sys.stderr.write(f"mimics: not saved: {name}, moved to {node.position.tolist()}\n")
+        if self._editor is not None:
+            self._editor.close()
+            for what in self._editor.not_saved:
+                say(f"not saved: {what}")
         self._viewport.release()
         remember_size(self._surface)
         self._surface.close()
@@ -109,12 +129,15 @@ class ViewerSession:
         shown, hud = self._viewport.shown, self._viewport.renderer.hud
         shown.world.update()
         hud.clear()
-        lines = [shown.size]
-        if self._selection.chosen is not None:
-            lines.append(self._describe_chosen())
         self._mark_chosen()
-        draw_caption(hud, shown.title, lines, shown.notes)
-        draw_hint(hud, "H: keys")
+        if self._editor is None or not self._editor.open:
+            lines = [shown.size]
+            if self._selection.chosen is not None:
+                lines.append(self._describe_chosen())
+            draw_caption(hud, shown.title, lines, shown.notes)
+            draw_hint(hud, "H: keys" if self._editor is None else "H: keys   Tab: edit")
+        if self._editor is not None:
+            self._editor.draw()
         draw_message(hud, self._message, alarm=self._alarm)
         if self._keys_shown:
             draw_keys(hud, KEYS)
@@ -142,7 +165,7 @@ class ViewerSession:
         assert node is not None
         x, y, z = node.world_matrix()[:3, 3]
         axis = "" if self._selection.axis is None else f", along {'xyz'[self._selection.axis]}"
-        unsaved = ", not saved (Ctrl + S)" if node.name in self._selection.unsaved else ""
+        unsaved = ", not saved (Ctrl + S)" if self._editor is not None and self._editor.edited.texts.unsaved else ""
         return f"{node.name or 'a part'} at {x:.3f}, {y:.3f}, {z:.3f} m{axis}{unsaved}"
 
     def _commands(self) -> dict[str, Callable[[], object]]:
@@ -152,7 +175,7 @@ class ViewerSession:
             "g": self._toggle_floor,
             "l": self._toggle_lights,
             "f12": self._take_picture,
-            "ctrl+s": self._save,
+            "ctrl+s": lambda: self._say("models cannot be edited here; scene files can", alarm=True),
             "n": lambda: self._next_clip(1),
             "p": lambda: self._next_clip(-1),
             "space": self._hold,
@@ -199,11 +222,11 @@ class ViewerSession:
         """Close the page of keys, else deselect, else close the window, after a warning about unsaved moves."""
         if self._keys_shown:
             self._keys_shown = False
-        elif self._selection.chosen is not None:
+        elif self._editor is None and self._selection.chosen is not None:
             self._selection.chosen = None
-        elif self._selection.unsaved and not self._warned:
+        elif self._editor is not None and self._editor.not_saved and not self._warned:
             self._warned = True
-            self._say(f"not saved: {', '.join(self._selection.unsaved)}; Ctrl + S saves, Esc leaves", alarm=True)
+            self._say(f"not saved: {self._editor.not_saved[-1]}; Ctrl + S saves, Esc leaves", alarm=True)
         else:
             self._left = True
 
@@ -218,20 +241,29 @@ class ViewerSession:
         self.pictures.append(file)
         self._say(f"picture: {file}")
 
-    def _save(self) -> None:
-        if self._viewport.shown.scene is None:
-            self._say("models cannot be edited here; scene files can", alarm=True)
+    def _handle(self, events: Sequence[InputEvent]) -> None:
+        """Give events to the editor first, where there is one, and what is not for it to the picture."""
+        if self._editor is None:
+            self._controls.handle(events)
             return
-        try:
-            files = self._selection.save()
-        except SceneError as error:
-            self._say(with_line(error.issues[0]), alarm=True)
-            return
-        self._warned = False
-        self.saved += [file for file in files if file not in self.saved]
-        if self._watcher.changed():
-            self._take_over()
-        self._say(f"saved {', '.join(str(file) for file in files)}" if files else "nothing was moved")
+        for event in events:
+            if self._keys_shown or not self._editor.handle(event):
+                self._follow_edits()
+                self._controls.handle([event])
+            elif event.kind != "move":
+                self._controls.dirty, self._warned = True, False
+        self._follow_edits()
+
+    def _follow_edits(self) -> None:
+        assert self._editor is not None
+        if self._editor.follow():
+            self._controls.dirty = True
+            self._watcher.watch(self._viewport.shown.files)
+
+    def _moved(self, node: SceneNode) -> None:
+        if self._editor is not None:
+            self._warned = False
+            self._editor.moved(node.name)
 
     def _check_files(self, now_ns: int) -> None:
         """Remove an old message, and reload changed files."""
@@ -247,25 +279,20 @@ class ViewerSession:
             return
         try:
             self._take_over()
-            self._say("loaded again")
         except MimicsError as error:
             self._say(with_line(error.issues[0]), alarm=True)
             self._message_until_ns = sys.maxsize  # until the file is corrected
 
     def _take_over(self) -> None:
-        """Show the present contents of the file; where it is faulty, the old picture stays."""
+        """Show the present contents of the files; where one is faulty, the old picture stays."""
         shown = self._viewport.shown
-        if shown.scene is None:
+        if self._editor is not None:
+            self._editor.take_files()
+        else:
             fresh = open_shown(shown.path, self._up)
             self._viewport.show(fresh)
             self._selection.show(fresh)
-        else:
-            from mimics_app.app.viewer.resting import rest
-            from mimics_app.world.files.scene.reload import reload_scene
-
-            shown.scene, _ = reload_scene(shown.world, shown.scene)
-            rest(shown.scene, shown.world)
-            shown.files, shown.notes = list(shown.scene.files), list(shown.scene.notes)
+            self._say("loaded again")
         self._watcher.watch(self._viewport.shown.files)
 
     def _say(self, text: str, *, alarm: bool = False) -> None:

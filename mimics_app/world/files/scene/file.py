@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -51,6 +51,7 @@ def load_scene(
     *,
     device: str = "",
     edit: SceneEdit | None = None,
+    unsaved: Mapping[Path, bytes] | None = None,
 ) -> Scene:
     """Read a scene file and all files it names.
 
@@ -60,6 +61,7 @@ def load_scene(
         before: Scene it replaces; data derived from equal sources is reused.
         device: Name of the device that plays it, whose entities replace others where the files have such; "": none.
         edit: Change of the resolved scene for the person who plays; None: none.
+        unsaved: Bytes of scene files that count instead of those on the disk, by resolved file.
 
     Raises:
         SceneError: every fault found, each with file, JSON pointer, what is wrong, and the nearest right name.
@@ -68,7 +70,7 @@ def load_scene(
     register_plugins()
     issues: list[Issue] = []
     folder = find_root(path) if root is None else root
-    sources = read_sources(path, folder, issues)
+    sources = read_sources(path, folder, issues, unsaved)
     _stop_after_many(issues, path)
     loader = SceneLoader(sources, folder, issues, device, edit)
     scene = loader.load()

@@ -52,7 +52,8 @@ class SceneLoader:
         scene.scenario = _text(main, "scenario") or scene.name
         scene.device = self._device
         scene.devices = tuple(dict.fromkeys(name for each in self._sources for name in _named_devices(each)))
-        scene.files = [source.path.resolve() for source in self._sources]
+        scene.sources = tuple(source.path.resolve() for source in self._sources)
+        scene.files = list(scene.sources)
         self._load_assets()
         load_techniques(scene, self._document, self._issues)
         load_materials(scene, self._document, self._issues)

@@ -101,6 +101,7 @@ class Scene:
         task: The task as plain JSON, {} where there is none.
         sections: Registered sections, decoded ("task"), by name.
         files: Every file read, the scene file first.
+        sources: The scene file and all it includes, resolved.
         broken: Ids of entities with a component that could not be read; references to them are not checked further.
         named_files: Files that components name, in order of request.
         methods: Settings chosen by the planner where the files leave the choice to it, by group of methods; {} before
@@ -130,6 +131,7 @@ class Scene:
     task: dict[str, Any] = field(default_factory=dict)
     sections: dict[str, msgspec.Struct] = field(default_factory=dict)
     files: list[Path] = field(default_factory=list)
+    sources: tuple[Path, ...] = ()
     notes: list[str] = field(default_factory=list)
     named_files: list[Path] = field(default_factory=list)
     broken: set[str] = field(default_factory=set)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -41,18 +41,21 @@ class SceneSource:
         return document
 
 
-def read_sources(path: Path, root: Path, issues: list[Issue]) -> list[SceneSource]:
+def read_sources(
+    path: Path, root: Path, issues: list[Issue], unsaved: Mapping[Path, bytes] | None = None
+) -> list[SceneSource]:
     """Read the scene file and, after it, all it includes, each file once.
 
     Args:
         path: The scene file.
         root: Folder that all files must be inside.
         issues: Receives faults of shape, and of files that cannot be included.
+        unsaved: Bytes that count instead of those on the disk, by resolved file.
 
     Raises:
         SceneError: the scene file itself cannot be read or is not a scene.
     """
-    reader = _Reader(root, issues)
+    reader = _Reader(root, issues, unsaved or {})
     reader.read(path, str(path))
     reader.follow_includes(reader.sources[0], (path.resolve(),))
     reader.sources[0] = replace(reader.sources[0], whole=not reader.misses)
@@ -60,9 +63,10 @@ def read_sources(path: Path, root: Path, issues: list[Issue]) -> list[SceneSourc
 
 
 class _Reader:
-    def __init__(self, root: Path, issues: list[Issue]) -> None:
+    def __init__(self, root: Path, issues: list[Issue], unsaved: Mapping[Path, bytes]) -> None:
         self._root = root
         self._issues = issues
+        self._unsaved = unsaved
         self._seen: set[Path] = set()
         self.sources: list[SceneSource] = []
         self.misses = False
@@ -70,7 +74,7 @@ class _Reader:
     def read(self, path: Path, file: str) -> SceneSource:
         """Decode one file and check its shape."""
         self._seen.add(path.resolve())
-        text = read_bytes(path, file)
+        text = self._unsaved.get(path.resolve()) or read_bytes(path, file)
         document, issues = parse_json(text, file)
         self._issues += issues + find_controls(document, text, file)
         if not isinstance(document, dict) or document.get("format") != FORMAT:

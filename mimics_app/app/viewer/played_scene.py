@@ -1,0 +1,83 @@
+"""Play from the editor: a session of the scene as it is edited, in a process and a window of its own."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from mimics_app.app.viewer.edited_scene import EditedScene
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.system.regular_file import read_or_nothing
+from mimics_app.world.files.reading.json_edit import set_value, source_of
+
+__all__ = ["PlayedScene"]
+
+
+class PlayedScene:
+    """One session of an edited scene. What is not saved is played from a file beside the scene, which goes at its end.
+
+    Args:
+        edited: The scene.
+
+    Raises:
+        SceneError: Unsaved edits of an included file, which only that file can show; or the folder takes no file.
+    """
+
+    def __init__(self, edited: EditedScene) -> None:
+        texts = edited.texts
+        main, *included = texts.files
+        unsaved = [file for file in included if file in texts.unsaved]
+        if unsaved:
+            raise SceneError(Issue(str(unsaved[0]), "", "has edits that are not saved", "Ctrl + S, then play"))
+        self._file: Path | None = None
+        if main in texts.unsaved:
+            self._file = _written_beside(main, _named(texts.text(main), edited))
+        self._runs = tempfile.TemporaryDirectory(prefix="mimics-")
+        words = ["run", str(self._file or main), "--runs", self._runs.name]
+        self._said = Path(self._runs.name) / "said.txt"
+        with self._said.open("wb") as said:
+            command = [sys.executable, "-m", "mimics_app", *words]
+            self._child = subprocess.Popen(command, stdout=said, stderr=subprocess.STDOUT)
+
+    def outcome(self) -> str | None:
+        """Return why a session has failed, "" for one that ended well; None before its end. Nothing of it stays."""
+        status = self._child.poll()
+        if status is None:
+            return None
+        said = read_or_nothing(self._said).decode(errors="replace").split("\n") if status else []
+        self._clean()
+        return next((line for line in reversed(said) if line), f"the session ended with {status}") if status else ""
+
+    def end(self) -> None:
+        """End the session, as a person who leaves would."""
+        if self._child.poll() is None:
+            self._child.terminate()
+            self._child.wait()
+        self._clean()
+
+    def _clean(self) -> None:
+        if self._file is not None:
+            self._file.unlink(missing_ok=True)
+        self._runs.cleanup()
+
+
+def _named(text: str, edited: EditedScene) -> str:
+    """Give the copy the name and scenario that the file's own name stands for."""
+    scene = edited.scene
+    for key, value in (("name", scene.name), ("scenario", scene.scenario)):
+        text = set_value(text, [key], source_of(value))
+    return text
+
+
+def _written_beside(main: Path, text: str) -> Path:
+    """Write the copy; its name is what the person sees while the session starts."""
+    path = main.with_name(f"{main.stem} as edited.json")
+    try:
+        with path.open("x", encoding="utf-8", newline="") as stream:
+            stream.write(text)
+    except OSError as error:
+        what = f"cannot be written, to play what is not saved: {error.strerror}"
+        raise SceneError(Issue(str(path), "", what, "save, then play")) from None
+    return path
