@@ -33,14 +33,15 @@ _TEXTS = re.compile(r"""("{3}|'{3}).*?\1""", re.DOTALL)
 """Modules that a test writes stand in texts."""
 
 
-def modules_to_import(folders: Sequence[Path]) -> list[str]:
+def modules_to_import(folders: Sequence[Path]) -> tuple[list[str], list[str]]:
     """Names of the modules, not compiled yet, with a kernel of a fixed signature that tests in `folders` may import.
 
-    What imports the objects' part comes last, when another process has compiled that.
+    What imports the objects' part stands apart: it comes when another process has compiled that.
     """
     files = {file for folder in (ROOT / "mimics_app", SUPPORT, *folders) for file in folder.rglob("*.py")}
-    found = [file for file in files if _compiles(file) and not _is_compiled(file)]
-    return [_name(file) for file in sorted(found, key=lambda file: (OBJECTS in sources_reached(file), file))]
+    found = [file for file in sorted(files) if _compiles(file) and not _is_compiled(file)]
+    late = [_name(file) for file in found if OBJECTS in sources_reached(file)]
+    return [name for name in map(_name, found) if name not in late], late
 
 
 def _compiles(file: Path) -> bool:
@@ -60,13 +61,15 @@ def _name(file: Path) -> str:
 def compile_first(folders: Sequence[Path]) -> None:
     """Compile for the tests in `folders`, in as many processes as there are processors.
 
-    The large parts come first, then commands whose kernels are compiled when they are called.
+    The large parts come first. Two are commands, as their kernels are compiled when they are called.
     """
-    tasks: dict[str, Callable[[], None]] = {name: partial(_import, name) for name in modules_to_import(folders)}
-    if tasks:
-        tasks = {**PARTS, "signals": _find_signals, **tasks}
+    early, late = modules_to_import(folders)
+    tasks: dict[str, Callable[[], None]] = {}
+    if early or late:
+        tasks |= {**PARTS, "signals": _find_signals, **{name: partial(_import, name) for name in early}}
         if ROOT / "tests" in folders:
             tasks["session"] = _play
+        tasks |= {name: partial(_import, name) for name in late}
     for _ in compile_beside({"assertions": partial(rewrite_assertions, folders), **tasks}):
         pass
 
