@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from mimics_app.compiled.borrowed import borrowed
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.contracts.loop.object_rows import ObjectCapacities, new_rows
@@ -21,6 +22,7 @@ __all__ = ["FREE", "Play", "box_inertia", "new_play"]
 
 @kernel
 def _fly(rows: Any, work: Any, counts: Any, dt: float, ticks: int) -> None:
+    rows, work = borrowed(rows), borrowed(work)
     for _ in range(ticks):
         clear_totals(work.totals[0])
         place_bodies(rows, work, counts)

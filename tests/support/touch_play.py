@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from mimics_app.compiled.borrowed import borrowed
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.loop.haptic_objects import MAX_POINTS, OBJECT_COUNTS, ShapeKind
 from mimics_app.contracts.loop.object_rows import ObjectCapacities, new_rows
@@ -61,6 +62,7 @@ def surface_of(kind: ShapeKind) -> float:
 
 @kernel
 def _follow(rows: Any, work: Any, counts: Any, path: Any, velocities: Any, dt: float, forces: Any, free: bool) -> None:
+    rows, work = borrowed(rows), borrowed(work)
     for tick in range(path.shape[0]):
         clear_totals(work.totals[0])
         place_bodies(rows, work, counts)
@@ -111,6 +113,7 @@ def _push(
     path: Any,
 ) -> None:
     """A mass under a load that trembles at 5 Hz: moving is [place, velocity], rows of 3."""
+    rows, work = borrowed(rows), borrowed(work)
     for tick in range(path.shape[0]):
         clear_totals(work.totals[0])
         place_bodies(rows, work, counts)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mimics_app.compiled.borrowed import borrowed
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.loop.haptic_objects import OBJECT_COUNTS, BodyFlag, ShapeKind
 from mimics_app.contracts.loop.object_rows import ObjectCapacities, new_rows
@@ -29,6 +30,7 @@ def _carry(
     rows: Any, work: Any, counts: Any, hand: Any, grasp: Any, dt: float, forces: Any, states: Any, held: Any
 ) -> None:
     """Move the hand along `hand`, [n, 6], with `grasp`, [n]; a free sphere under gravity, semi-implicit."""
+    rows, work = borrowed(rows), borrowed(work)
     motion, body = work.motions[0], rows.bodies[0]
     for t in range(hand.shape[0]):
         clear_totals(work.totals[0])
