@@ -6,6 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from mimics_app.compiled.borrowed import borrowed
+from mimics_app.compiled.function_pointers import functions_at, pointers_to
+from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.loop.haptic_objects import (
     BODY,
     EFFECT,
@@ -17,7 +20,7 @@ from mimics_app.contracts.loop.haptic_objects import (
     WIRE,
     BodyFlag,
 )
-from mimics_app.contracts.loop.loop_ports import MAX_FIELDS
+from mimics_app.contracts.loop.loop_ports import FIELDS, MAX_FIELDS
 from mimics_app.contracts.loop.object_rows import ObjectCapacities, Rows
 from mimics_app.contracts.loop.reference_rows import CURVE
 from mimics_app.rendering.haptic.kernels.objects.force_effects import apply_effects
@@ -36,6 +39,16 @@ from mimics_app.rendering.haptic.no_objects import no_field
 from mimics_app.rendering.haptic.objects import new_object_work
 
 ALL = BodyFlag.TRANSLATION | BodyFlag.ROTATION | BodyFlag.FORCE_ON_OBJECT | BodyFlag.TORQUE_ON_OBJECT
+
+
+@kernel
+def _carry(rows: Any, work: Any, counts: Any, hand: Any) -> None:
+    carry_signals(borrowed(rows), borrowed(work), counts, hand)
+
+
+@kernel
+def _act(rows: Any, work: Any, counts: Any, hand: Any, pointers: Any) -> None:
+    apply_effects(borrowed(rows), borrowed(work), counts, hand, functions_at(pointers, FIELDS))
 
 
 def effect(kind: int, **values: Any) -> np.ndarray:
@@ -90,6 +103,7 @@ class Bench:
             self.counts[0][name] = len(rows)
         self.hand = np.zeros(INPUT_LENGTH)
         self.fields = (*fields, *[no_field] * (MAX_FIELDS - len(fields)))
+        self._pointers = pointers_to(self.fields, FIELDS)
 
     @property
     def totals(self) -> Any:
@@ -109,7 +123,7 @@ class Bench:
                 self.hand[INPUT_GRASP if name == "grasp" else INPUT_TIME] = value
 
     def carry(self) -> None:
-        carry_signals(self.rows, self.work, self.counts[0], self.hand)
+        _carry(self.rows, self.work, self.counts[0], self.hand)
 
     def force(self, p: Any = (0.0, 0.0, 0.0), v: Any = (0.0, 0.0, 0.0), t: float = 0.0, **more: Any) -> np.ndarray:
         """Force on the user [N] at one place and velocity, after one tick."""
@@ -118,5 +132,5 @@ class Bench:
         for motion in self.work.motions:
             motion["force"], motion["torque"], motion["force_user"] = 0.0, 0.0, 0.0
         self.carry()
-        apply_effects(self.rows, self.work, self.counts[0], self.hand, self.fields)
+        _act(self.rows, self.work, self.counts[0], self.hand, self._pointers)
         return np.array(self.totals["effect_force"])
