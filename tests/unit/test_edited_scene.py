@@ -160,6 +160,22 @@ def test_faults_are_those_of_check_and_stand_at_their_entity_and_row(edited, tmp
     assert not edited.faults and text_of(edited) == SCENE and not edited.texts.unsaved
 
 
+def test_a_scene_with_a_fault_of_a_stage_can_be_opened_to_correct_it(tmp_path):
+    file = tmp_path / "robot.json"
+    robot = {"robot": {"device": "simulated_hapticmaster"}, "controller": {"name": "nobody"}}
+    entities = [{"id": "arm", "components": robot}]
+    file.write_text(json.dumps({"format": "mimics-scene", "version": 1, "entities": entities}))
+    with pytest.raises(SceneError) as caught:
+        open_shown(file)
+    edited = EditedScene(open_shown(file, faulty=True))
+    edited.apply()
+    assert edited.faults == caught.value.issues and edited.faults_of(edited.find("arm"))
+    edited.remove(edited.find("arm"), ("components", "controller"))
+    edited.apply()
+    assert not edited.faults and edited.texts.save() == [file]
+    assert open_shown(file).scene is not None
+
+
 def test_every_template_can_be_added_and_is_without_a_fault(edited):
     templates = templates_of(edited.scene, ["pin"], 0.2)
     names = [edited.add({"id": each.entity["id"], **each.entity}) for each in templates]

@@ -120,7 +120,7 @@ def run(args: argparse.Namespace) -> int:
         raise DeviceError("the viewer needs a display", "without one: add --output picture.png")
     from mimics_app.app.viewer.shown import open_shown
 
-    shown = open_shown(args.file, args.up)
+    shown = open_shown(args.file, args.up, faulty=args.edit)
     if args.motion is not None:
         from mimics_app.app.viewer.playing import add_motion
 

@@ -12,7 +12,7 @@ from mimics_app.app.viewer.inspected import Cell, Row, inspected_rows
 from mimics_app.app.viewer.resting import rest
 from mimics_app.app.viewer.shown import Shown
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.errors import Issue, MimicsError, SceneError
 from mimics_app.world.files.reading.json_edit import insert_item, remove_value, set_value, source_of
 from mimics_app.world.files.reading.json_spans import find_span
 from mimics_app.world.files.reading.json_text import escape
@@ -60,7 +60,7 @@ class EditedScene:
     Attributes:
         texts: Texts of the scene's files, with the history.
         faults: What `mimics check` would report on the present texts.
-        stale: Whether there are edits that were not applied yet.
+        stale: Whether the texts were not read and checked yet.
     """
 
     def __init__(self, shown: Shown) -> None:
@@ -258,8 +258,11 @@ class EditedScene:
             place_node(shown.world.find(name), scene.entity(name).transform)
         self._dragged.clear()
         shown.scene = scene
-        if not self.faults:
-            rest(scene, shown.world)
+        try:
+            if not self.faults:
+                rest(scene, shown.world)
+        except MimicsError as error:
+            self.faults = error.issues
         shown.world.update()
         shown.files, shown.notes = list(scene.files), list(scene.notes)
 

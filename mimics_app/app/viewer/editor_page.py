@@ -224,16 +224,8 @@ class EditorPage:
             lit = name in state.lit
             hud.box(*place, _GROUND, radius=8.0)
             middle = place[0] + 0.5 * place[2]
-            hud.text(
-                middle,
-                y + 23.0,
-                label,
-                13.0,
-                INK if lit else (*FAINT[:3], 0.45),
-                align="centre",
-                bold=lit,
-                width=place[2],
-            )
+            ink = INK if lit else (*FAINT[:3], 0.45)
+            hud.fitted(middle, y + 23.0, label, (9.0, 14.0), place[2] - 8.0, ink, bold=lit, align="centre")
             hud.text(middle, y + 8.0, key, 11.0, (*FAINT[:3], 1.0 if lit else 0.45), align="centre", width=place[2])
             self._hits.append((place, Hit("button", name)))
 

@@ -89,19 +89,20 @@ class Shown:
         return ", ".join(words)
 
 
-def open_shown(path: Path, up: Up = "y") -> Shown:
+def open_shown(path: Path, up: Up = "y", *, faulty: bool = False) -> Shown:
     """Read a file to show.
 
     Args:
         path: A scene file or the name of a shipped scene, a glTF model, or a mesh file (`MESH_SUFFIXES`).
         up: Upward axis of a mesh file.
+        faulty: Whether a scene may have faults that only the stages find, as an editor shows them.
 
     Raises:
         SceneError: The file is missing, of an unknown kind, or faulty.
     """
     suffix = path.suffix.lower()
     if suffix in (".json", ""):
-        return _open_scene(path)
+        return _open_scene(path, faulty=faulty)
     if suffix not in MODEL_SUFFIXES:
         known = ", ".join((".json", *MODEL_SUFFIXES))
         raise SceneError(Issue(str(path), "", f'unsupported file type "{suffix}"', f"known: {known}"))
@@ -121,14 +122,21 @@ def open_shown(path: Path, up: Up = "y") -> Shown:
     return shown
 
 
-def _open_scene(path: Path) -> Shown:
-    from mimics_app.app.scenes.loading import load_checked_scene
+def _open_scene(path: Path, *, faulty: bool) -> Shown:
+    from mimics_app.app.scenes.loading import load_checked_scene, read_scene
     from mimics_app.app.viewer.resting import rest
     from mimics_app.world.files.scene.file import build_world
 
-    scene = load_checked_scene(path)
+    whole = True
+    try:
+        scene = load_checked_scene(path)
+    except SceneError:
+        if not faulty:
+            raise
+        scene, whole = read_scene(path), False
     world = build_world(scene)
-    rest(scene, world)
+    if whole:
+        rest(scene, world)
     world.effects.trigger("start")
     return Shown(scene.path, world, scene, None, list(scene.notes), list(scene.files))
 

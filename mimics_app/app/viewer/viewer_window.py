@@ -72,7 +72,8 @@ class ViewerSession:
         self._controls = ViewerControls(self._viewport, self._selection, self._commands(), self._moved)
         self._watcher = SceneWatcher(shown.files)
         if edit and self._editor is not None:
-            self._editor.open = True
+            self._editor.open = self._editor.edited.stale = True
+            self._editor.focus = "list"
         self._keys_shown = self._left = self._alarm = self._marked = self._warned = False
         self._message, self._message_until_ns = "", 0
         self._clip = ""
