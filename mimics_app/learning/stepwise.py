@@ -126,7 +126,6 @@ class StepAgent:
             return None
         if result.outcome != "step":
             self._last = None
-            self._rewards.clear()
             self.table.end()
             return None
         here = place_of(result.observed)

@@ -14,7 +14,7 @@ from mimics_app.contracts.loop.haptic_objects import ShapeKind
 from mimics_app.lab.stability.s05b_energy_dissipated import UNLIMITED, given_by_taps
 from mimics_app.rendering.haptic.kernels.acting import payable_share, tank_level
 from mimics_app.rendering.haptic.kernels.closed_region import contact_share
-from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, middle_velocity
+from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, middle_velocity, stored_share
 from mimics_app.rendering.haptic.kernels.stability import spring_share
 from mimics_app.world.components.robot import Robot
 from tests.support.haptic_bench import FORCE, PUSH, Bench, glide, patient_bench, pushed_bench, script, scripted
@@ -316,6 +316,15 @@ def test_no_tick_of_the_virtual_mass_overdraws_its_credit(
     assert 0.0 <= factor <= 1.0
     work = factor * force * (v + 0.5 * dt * (factor * force + push) / mass) * dt
     assert work <= credit + 1e-12
+
+
+@pytest.mark.parametrize("left", [-0.01, 0.0, 0.1, 0.5, 1.0, 3.0])
+def test_a_spring_returns_the_energy_that_is_left_and_no_more(left: float):
+    """A spring of k pressed by d holds k d^2 / 2; the weakened one, of share^2 of that, holds what may be given."""
+    stiffness, depth = 800.0, 0.005
+    stored = 0.5 * stiffness * depth**2
+    share = stored_share(left * stored, stiffness * depth, stiffness * depth, depth, 0.0)
+    assert share**2 * stored == pytest.approx(min(max(left, 0.0), 1.0) * stored, abs=1e-15)
 
 
 def test_the_middle_velocity_is_that_of_the_motion_under_a_held_force():

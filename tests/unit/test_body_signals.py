@@ -205,6 +205,21 @@ def test_early_and_missed_beats_do_not_pass_for_variability(share: float) -> Non
     assert (marred.counts["ectopic"] > 0) == (share > 0.0)
 
 
+def test_a_beat_that_is_late_on_its_own_is_none_of_the_variability() -> None:
+    """No short interval before it tells it, and it is no beat that was missed."""
+    rng = np.random.default_rng(5)
+    intervals = 0.8 + 0.02 * rng.standard_normal(75)
+    clean, marred = Rhythm(), Rhythm()
+    late = intervals.copy()
+    late[40] = 1.15
+    for rhythm, lengths in ((clean, intervals), (marred, late)):
+        for t in np.cumsum(lengths):
+            rhythm.beat(float(t))
+    assert marred.counts["ectopic"] == 1 and clean.counts["ectopic"] == 0
+    now = float(np.sum(late))
+    assert marred.features(now)["rmssd"] == pytest.approx(clean.features(now - 0.35)["rmssd"], rel=0.1)
+
+
 def test_skin_responses() -> None:
     signals, truth = body(300, 4, demand=lambda s: 0.9 if s > 60 else float("nan"))
     events = feed(Gsr(1000.0), signals["gsr"], 20)

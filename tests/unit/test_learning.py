@@ -33,6 +33,16 @@ def test_the_tracker_beats_the_staircase_and_chance() -> None:
     assert regret["kalman"] <= 0.25 * regret["random"]
 
 
+@pytest.mark.parametrize(
+    ("success", "step"), [(1.0, 0.05), (0.8, 0.05), (0.79, 0.0), (0.6, 0.0), (0.59, -0.05), (0.0, -0.05), (np.nan, 0.0)]
+)
+def test_the_staircase_steps_up_after_four_fifths_and_down_below_three(success: float, step: float) -> None:
+    policy, nobody = build_policy("staircase"), np.full(1, np.nan)
+    policy.begin(np.full(1, 0.5), np.random.default_rng(2))
+    policy.learn(Outcome(policy.act().demand, np.full(1, success), nobody, nobody, nobody))
+    assert policy.act().demand == pytest.approx(0.5 + step)
+
+
 def test_who_does_not_respond_loses_nothing_by_being_measured() -> None:
     measured, alone = (play_cohort(POLICIES[name], n=1500) for name in ("kalman", "kalman_performance"))
     silent = ~measured.responds
@@ -107,6 +117,10 @@ def test_a_reward_is_of_the_value_that_held_not_of_one_that_was_chosen_too_early
     assert np.mean(np.array(chosen) == 2.0) > 0.9
 
 
+LEARNT = ("_table", "_sums", "_precision", "_values")
+"""Attributes of the policies that hold what they have learnt."""
+
+
 @pytest.mark.parametrize("name", ["linucb", "thompson", "q", "sarsa", "actor_critic"])
 def test_a_trial_without_a_reward_teaches_nothing(name: str) -> None:
     policies = [build_policy(name) for _ in range(2)]
@@ -114,7 +128,7 @@ def test_a_trial_without_a_reward_teaches_nothing(name: str) -> None:
     for policy in policies:
         policy.begin(np.full(1, 0.5), np.random.default_rng(2))
         policy.learn(Outcome(policy.act().demand, rewarded, unknown, unknown, rewarded))
-    before = {key: np.array(value) for key, value in vars(policies[0]).items() if key in ("_table", "_sums", "_values")}
+    before = {key: np.array(value) for key, value in vars(policies[0]).items() if key in LEARNT}
     policies[0].learn(Outcome(policies[0].act().demand, rewarded, unknown, unknown, unknown))
     for key, value in before.items():
         np.testing.assert_array_equal(vars(policies[0])[key], value)

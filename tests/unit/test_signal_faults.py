@@ -31,6 +31,17 @@ def test_the_levels_are_learnt_from_the_electrode_not_from_the_time_before_it(be
 
 
 @pytest.mark.parametrize("gap", [np.nan, 0.0])
+def test_after_half_a_minute_without_an_electrode_the_levels_are_learnt_anew(gap: float, minute: Any) -> None:
+    """Behind it the heart is a thirtieth as large: with the old levels its beats would be noise."""
+    signals, truth = minute
+    ecg = signals["ecg"]
+    begin = (len(ecg) + 35_000) / 1000.0
+    events = feed(Ecg(1000.0), np.concatenate([ecg, np.full(35_000, gap), 0.03 * ecg]), 20)
+    wanted = [begin + t for t in truth.beats if 4.0 < t < 15.0]
+    assert f1(wanted, [e.t_s for e in events if begin + 4.0 < e.t_s < begin + 15.0], 0.05) > 0.9
+
+
+@pytest.mark.parametrize("gap", [np.nan, 0.0])
 def test_a_muscle_at_rest_is_at_rest_behind_a_missing_electrode(gap: float) -> None:
     rest = 0.004 * np.random.default_rng(1).standard_normal(10_000)
     late, pulled = Emg(1000.0), Emg(1000.0)

@@ -24,11 +24,12 @@ def turned(angle: float, sign: float) -> list[float]:
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_two_joints_that_move_alike_move_a_vertex_as_one_whatever_their_signs(sign: float) -> None:
-    angle = 2.0
-    duals = np.array([turned(angle, 1.0), turned(angle, sign)], np.float32)
+def test_two_joints_move_a_vertex_by_the_motion_between_them_whatever_their_signs(sign: float) -> None:
+    """Rotations that differ by a little blend evenly into the one between them, with their common shift."""
+    angle, apart = 2.0, 0.2
+    duals = np.array([turned(angle - apart, 1.0), turned(angle + apart, sign)], np.float32)
     out = np.zeros((1, 8), np.float32)
-    weights, joints = np.array([[0.6, 0.4]], np.float32), np.array([[0, 1]], np.uint16)
+    weights, joints = np.array([[0.5, 0.5]], np.float32), np.array([[0, 1]], np.uint16)
     skin_dual(np.array([AT], np.float32), np.array([NORMAL], np.float32), joints, weights, duals, out)
     c, s = np.cos(angle), np.sin(angle)
     wanted = (c * AT[0] - s * AT[1] + 1.0, s * AT[0] + c * AT[1] + 2.0, AT[2] + 3.0)

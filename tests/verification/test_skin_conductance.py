@@ -55,6 +55,14 @@ def test_responses_over_a_level_that_drifts(size: float, drift: float, noise: fl
     assert np.array([event.value for event in events if right([event])]) == pytest.approx(size, rel=0.3)
 
 
+@pytest.mark.parametrize(("share", "wanted"), [(0.8, 0), (1.2, len(ONSETS))])
+def test_a_response_smaller_than_the_smallest_is_none(share: float, wanted: int) -> None:
+    """Rises without noise or drift, on either side of the limit."""
+    out, least = np.zeros((16, 4)), 0.02
+    x, state, sos = skin(100, share * least), np.zeros(1, TURN_STATE), low_pass(2, 2.0, 100.0)
+    assert find_responses(x, sos, np.zeros((len(sos), 2)), state[0], 100.0, least, out, np.zeros_like(x)) == wanted
+
+
 def test_the_onset_of_a_response() -> None:
     values, rate = skin(100), 100.0
     out, sos = np.zeros((16, 4)), low_pass(2, 2.0, rate)
