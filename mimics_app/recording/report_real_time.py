@@ -67,8 +67,22 @@ def real_time_of(run: Run) -> RealTime:
         (f"late control cycles{after} (ended more than 1 ms after their release)", result.missed),
         ("share of late control cycles", result.missed / result.ticks),
         (f"control cycles{after}", result.ticks),
+        *_link_rows(run),
     ]
     return RealTime(draw_lateness(run.haptic[_WARM_UP_TICKS:], result.marks), Table(["", "value"], rows))
+
+
+def _link_rows(run: Run) -> list[tuple[str, float]]:
+    """Return the quality of the link to the device; [] without a device, and of a run that was never closed."""
+    link = run.summary.get("link")
+    if not isinstance(link, dict):
+        return []
+    captions = {
+        "fresh_share": "share of control cycles with new data of the device",
+        "worst_gap_ms": "longest gap between data of the device [ms]",
+        "jitter_us": "jitter of the device's data (99th percentile of their age less the median) [µs]",
+    }
+    return [(caption, float(link[name])) for name, caption in captions.items() if name in link]
 
 
 def late_card(run: Run) -> dict[str, str]:

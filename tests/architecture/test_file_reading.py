@@ -13,6 +13,7 @@ READERS |= {"SoundFile", "loadtxt", "genfromtxt", "fromfile", "memmap", "File"}
 OWN_DATA = {
     "app/bench/console_bench.py": "/proc",
     "app/bench/ogre_particles.py": "written by the harness that starts it",
+    "app/bench/process_faults.py": "tests of the checkout",
     "app/bench/record_bench.py": "/proc",
     "app/commands/completion.py": "package data",
     "app/commands/desktop.py": "package data",

@@ -24,8 +24,10 @@ def carried(marker: str) -> Iterator[tuple[str, str]]:
             if isinstance(node, ast.FunctionDef):
                 for mark in node.decorator_list:
                     if ast.unparse(mark).startswith(f"pytest.mark.{marker}("):
-                        assert isinstance(mark, ast.Call) and isinstance(mark.args[0], ast.Constant)
-                        yield str(mark.args[0].value), f"{path.relative_to(TESTS).as_posix()}::{node.name}"
+                        assert isinstance(mark, ast.Call)
+                        (named,) = [*mark.args, *(keyword.value for keyword in mark.keywords)]
+                        assert isinstance(named, ast.Constant)
+                        yield str(named.value), f"{path.relative_to(TESTS).as_posix()}::{node.name}"
 
 
 def stated(marker: str) -> Iterator[tuple[str, str]]:

@@ -349,7 +349,7 @@ def test_ring_overflow_is_counted(tmp_path, started):
 
 
 @pytest.mark.skipif(bool(pulse_missing()), reason=pulse_missing() or "PulseAudio is here")
-@pytest.mark.fault("F08")
+@pytest.mark.fault(id="F08")
 def test_device_that_goes_away_is_replaced_by_the_file(tmp_path, started):
     """The sound server ends in mid-session, as when the last output is unplugged; what was counted is reported."""
     memory = SessionMemory()
@@ -384,7 +384,7 @@ def pactl(environment: dict[str, str], *words: str) -> str:
 
 @pytest.mark.skipif(bool(pulse_missing()), reason=pulse_missing() or "PulseAudio is here")
 @pytest.mark.parametrize("mixer", ["openal", "spectral"])
-@pytest.mark.fault("F08")
+@pytest.mark.fault(id="F08")
 def test_device_that_returns_is_played_on_again(tmp_path, started, mixer):
     """The output is unplugged and plugged in: the rest goes to the file, then to the device, then to a second file."""
     memory = SessionMemory()

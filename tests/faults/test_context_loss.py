@@ -120,7 +120,7 @@ def open_picture(session) -> Picture:
 
 
 @pytest.mark.requirement("R28")
-@pytest.mark.fault("F07")
+@pytest.mark.fault(id="F07")
 def test_touch_runs_on_while_the_picture_is_made_anew(tmp_path, capsys):
     """Ticks go on in the loop's own thread: their number grows while the main thread makes the context anew."""
     with live_session(tmp_path, 60.0) as session:
@@ -152,7 +152,7 @@ def test_touch_runs_on_while_the_picture_is_made_anew(tmp_path, capsys):
     assert capsys.readouterr().err.count("the picture was lost (the driver was reset) and is created again") == 2
 
 
-@pytest.mark.fault("F07")
+@pytest.mark.fault(id="F07")
 def test_a_picture_that_is_lost_for_good_ends_the_run_in_order(tmp_path, capsys, monkeypatch):
     """The recording is sealed, the exit code says so, as if the window had been closed, with the reason in a line."""
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
-from mimics_app.app.bench import fault_bench
+from mimics_app.app.bench import fault_bench, process_faults
 from mimics_app.app.bench.fault_bench import measure_faults
+from mimics_app.app.bench.process_faults import OF_TESTS, PROCESS_FAULTS
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.loop.haptic import TripCause
 from mimics_app.contracts.system.resources import root
@@ -14,7 +17,7 @@ SCENE = root() / "scenes" / "wavy_tunnel.json"
 OF_DEVICES = ("F01", "F02", "F03", "F04", "F17")
 
 
-@pytest.mark.fault("F03")
+@pytest.mark.fault(id="F03")
 def test_every_fault_during_contact_is_handled_as_stated():
     rows = measure_faults(SCENE, 1, lambda _: None, OF_DEVICES)["rows"]
     assert {row["number"] for row in rows} == set(OF_DEVICES)
@@ -22,6 +25,7 @@ def test_every_fault_during_contact_is_handled_as_stated():
     assert not failed
     stops = [row for row in rows if row["cause"] != TripCause.NONE.name]
     assert all(row["t_safe_ms"]["max"] <= row["bound_ms"] and row["told"] for row in stops)
+    assert all((row["back"], row["jumps"]) == (1, 0) for row in stops), "a reset brings the robot back, smoothly"
     spike = next(row for row in rows if row["fault"].startswith("spike"))
     assert spike["force_max_n"] > 0.0 and "t_safe_ms" not in spike
 
@@ -31,6 +35,7 @@ def test_every_fault_during_contact_is_handled_as_stated():
 def test_a_hundred_of_each_fault_of_a_device_are_handled_as_stated(number):
     rows = measure_faults(SCENE, 100, lambda _: None, [number])["rows"]
     assert rows and all(row["passed"] and row["repeat"] == 100 for row in rows), rows
+    assert all((row["back"], row["jumps"]) == (100, 0) for row in rows if "back" in row), rows
 
 
 @pytest.mark.parametrize("number", ["F05", "F10"])
@@ -44,6 +49,18 @@ def test_every_fault_of_a_process_leaves_what_is_promised(number, repeats):
 def test_a_hundred_kills_of_the_application_lose_a_tenth_of_a_second_at_most():
     (row,) = measure_faults(SCENE, 50, lambda _: None, ["F11"])["rows"]  # 50 with and 50 without the recorder
     assert row["repeat"] == 100 and row["passed"], row
+
+
+def test_every_fault_of_the_page_can_be_repeated(monkeypatch, tmp_path):
+    """Those of neither sessions nor processes by their tests: here by a number of them whose test is a moment's."""
+    page = (root() / "docs" / "faults.md").read_text("utf-8")
+    listed = re.findall(r"^\| (F\d\d) \|", page, re.MULTILINE)
+    assert sorted({*OF_DEVICES, *PROCESS_FAULTS, *OF_TESTS}) == listed
+    (row,) = measure_faults(SCENE, 2, lambda _: None, ["F16"])["rows"]
+    assert (row["number"], row["repeat"], row["failed"], row["passed"]) == ("F16", 2, 0, True)
+    monkeypatch.setattr(process_faults, "root", lambda: tmp_path)
+    with pytest.raises(UsageError, match="in a checkout"):
+        measure_faults(SCENE, 1, lambda _: None, ["F16"])
 
 
 def test_a_fault_that_is_not_known_is_said():

@@ -498,7 +498,7 @@ def place(folder: Path, name: str, data: bytes) -> Path:
 
 
 @pytest.mark.parametrize("name", CORPUS)
-@pytest.mark.fault("F13")
+@pytest.mark.fault(id="F13")
 def test_hostile_file_is_refused_with_its_place_and_soon(tmp_path, name):
     data, pointer, reason = CORPUS[name]
     path = place(tmp_path, name, data)

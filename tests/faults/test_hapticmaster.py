@@ -203,7 +203,7 @@ def test_the_end_of_the_program_stops_a_machine_that_would_keep_its_bias_force()
         assert np.all(rig.emulator.model.force_at(np.zeros(3), np.zeros(3)) == 0.0)
 
 
-@pytest.mark.fault("F19")
+@pytest.mark.fault(id="F19")
 def test_a_machine_that_lost_its_calibration_is_not_moved_when_the_line_is_back():
     with hapticmaster_rig() as rig:
         bench = _bench(rig)

@@ -49,7 +49,7 @@ def test_each_is_over_soon_and_in_little_memory(found: dict[str, Any]) -> None:
 
 
 @pytest.mark.requirement("R33")
-@pytest.mark.fault("F13")
+@pytest.mark.fault(id="F13")
 def test_nothing_is_obeyed_opened_elsewhere_or_sent(found: dict[str, Any]) -> None:
     seen = {name: each["seen"] for name, each in found["attacks"].items() if each["seen"]}
     assert seen == {} and found["left"] == []

@@ -123,7 +123,7 @@ def kill_each(
         seen.look(moments.uniform(0.0, 0.3))
 
 
-@pytest.mark.fault("F12")
+@pytest.mark.fault(id="F12")
 def test_one_order_of_kills(page: PageAddress, tmp_path: Path) -> None:
     kill_in_order(page, tmp_path, ("recorder", "page", "application"), 0)
 

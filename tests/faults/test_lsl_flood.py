@@ -57,7 +57,7 @@ def flooded(name: str, beside: int) -> Iterator[None]:
         sender.join()
 
 
-@pytest.mark.fault("F15")
+@pytest.mark.fault(id="F15")
 @pytest.mark.parametrize(
     ("beside", "seconds"),
     [(8, 3.0), pytest.param(64, 60.0, marks=pytest.mark.slow)],
@@ -79,7 +79,7 @@ def test_a_sender_at_twenty_times_its_rate_takes_bounded_memory_and_is_told(besi
     assert faults.wrong_rate or faults.dropped or faults.clock_sets, faults
 
 
-@pytest.mark.fault("F15")
+@pytest.mark.fault(id="F15")
 @pytest.mark.parametrize("count", [20, pytest.param(500, marks=pytest.mark.slow)])
 def test_a_stop_comes_through_markers_of_a_megabyte(count: int) -> None:
     name, memory, said = f"markers {time.monotonic_ns()}", SessionMemory(), list[str]()

@@ -239,7 +239,7 @@ def test_counts_are_those_that_are_promised():
 
 
 @pytest.mark.parametrize("name", OTHERS)
-@pytest.mark.fault("F13")
+@pytest.mark.fault(id="F13")
 def test_spoiled_bytes_are_read_or_refused_by_every_reader_and_wire(tmp_path, name, monkeypatch):
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     found = survey(other(name, tmp_path), range(FEW_OF[name]))
@@ -255,7 +255,7 @@ def test_many_spoiled_bytes_are_read_or_refused_by_every_reader_and_wire(tmp_pat
 
 
 @pytest.mark.parametrize("name", READERS)
-@pytest.mark.fault("F13")
+@pytest.mark.fault(id="F13")
 def test_spoiled_files_are_read_or_refused(tmp_path, name):
     reader, few, _ = READERS[name]
     check(reader(tmp_path), range(few))

@@ -111,7 +111,7 @@ def _start_apps(tmp_path: Path, count: int) -> list[App]:
 
 @pytest.mark.parametrize("moments", [_moments(10)[:5], _moments(10)[5:]], ids=["first five", "last five"])
 @pytest.mark.requirement("R21")
-@pytest.mark.fault("F11")
+@pytest.mark.fault(id="F11")
 def test_app_killed_loses_at_most_100_ms_and_no_finished_trial(tmp_path: Path, moments: list[float]) -> None:
     _kill_apps(tmp_path, moments)
 
@@ -217,7 +217,7 @@ def _check_after_kill_of_all(app: App) -> None:
 
 
 @pytest.mark.parametrize("sign", [signal.SIGKILL, signal.SIGSTOP])
-@pytest.mark.fault("F12")
+@pytest.mark.fault(id="F12")
 def test_recorder_killed_is_replaced_and_says_so(tmp_path: Path, sign: int) -> None:
     """The ring holds what comes in between, so not one row is lost; a stopped one only catches up."""
     app = App(tmp_path, seconds=4.0)

@@ -68,7 +68,7 @@ def test_no_soft_start_while_the_force_would_be_high():
 @pytest.mark.parametrize("column", [0, 4, 8, 9, 10, 11])
 @pytest.mark.parametrize("poison", [np.nan, np.inf, -np.inf, 1e7])
 @pytest.mark.requirement("R05")
-@pytest.mark.fault("F03")
+@pytest.mark.fault(id="F03")
 def test_nan_from_the_device_latches_in_the_same_tick_and_never_leaves(column: int, poison: float):
     rows = _pressing()
     rows[900, column] = poison
@@ -86,7 +86,7 @@ def test_nan_from_the_device_latches_in_the_same_tick_and_never_leaves(column: i
 
 
 @pytest.mark.requirement("R08")
-@pytest.mark.fault("F17")
+@pytest.mark.fault(id="F17")
 def test_stop_key_takes_the_force_away_within_two_ticks_and_latches():
     bench = scripted(_pressing(3000))
     bench.advance(900)
@@ -100,7 +100,7 @@ def test_stop_key_takes_the_force_away_within_two_ticks_and_latches():
 
 
 @pytest.mark.requirement("R08")
-@pytest.mark.fault("F17")
+@pytest.mark.fault(id="F17")
 def test_device_button_stops_like_the_key():
     rows = _pressing()
     rows[900:905, 10] = Button.STOP | Button.PRIMARY
@@ -215,7 +215,7 @@ def test_late_classes_at_their_edges():
     assert classes((50 * ms, 0), (50 * ms + 1, 0), (0, 20), (50 * ms + 1, 20)) == [2, 3, 4, 3]
 
 
-@pytest.mark.fault("F05")
+@pytest.mark.fault(id="F05")
 def test_a_burst_that_catches_up_counts_as_one_miss():
     """The tick that was late by itself is a miss of its own; those that wait behind it are not."""
     missed = 0

@@ -88,7 +88,7 @@ def _in_contact(rig: Rig) -> Bench:
     return bench
 
 
-@pytest.mark.fault("F02")
+@pytest.mark.fault(id="F02")
 def test_silence_warns_latches_after_20_ms_and_data_comes_back_without_force(tmp_path: Path):
     with pushed_serial_rig(tmp_path) as rig:
         bench = _in_contact(rig)
@@ -108,7 +108,7 @@ def test_silence_warns_latches_after_20_ms_and_data_comes_back_without_force(tmp
 
 
 @pytest.mark.requirement("R19")
-@pytest.mark.fault("F01")
+@pytest.mark.fault(id="F01")
 def test_pulling_the_plug_in_contact_is_zero_force_within_5_ticks_and_a_reset_brings_it_back(tmp_path: Path):
     with pushed_serial_rig(tmp_path) as rig:
         bench = _in_contact(rig)
@@ -162,7 +162,7 @@ def test_a_robot_that_is_not_plugged_in_again_is_reported(tmp_path: Path):
         bench.engine.stop()
 
 
-@pytest.mark.fault("F02")
+@pytest.mark.fault(id="F02")
 def test_garbage_is_resynchronised_within_three_frames_and_never_taken_for_data(tmp_path: Path):
     with pushed_serial_rig(tmp_path) as rig:
         bench = _in_contact(rig)

@@ -32,7 +32,7 @@ def shared_mappings(process: int | str = "self") -> int:
     return sum("memfd:" in line for line in Path(f"/proc/{process}/maps").read_text().splitlines())
 
 
-@pytest.mark.fault("F18")
+@pytest.mark.fault(id="F18")
 @pytest.mark.parametrize(
     ("seconds", "most_mb"),
     [(120.0, 2.0), pytest.param(8 * 3600.0, 8 * MB_AN_HOUR, marks=pytest.mark.slow)],
@@ -50,7 +50,7 @@ def test_a_long_session_needs_no_more_than_a_short_one(seconds: float, most_mb: 
 
 
 @pytest.mark.slow
-@pytest.mark.fault("F18")
+@pytest.mark.fault(id="F18")
 def test_half_an_hour_by_the_wall_clock(tmp_path: Path) -> None:
     """The share of missed ticks of the last third is that of the first, but for what another program takes."""
     words = [sys.executable, "-m", "mimics_app", "run", str(SCENE), "--headless", "--console", "0", "--sound", "off"]

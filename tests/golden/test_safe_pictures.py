@@ -121,7 +121,7 @@ def test_whoever_looks_at_a_model_without_its_pictures_sees_a_checker(tmp_path, 
     assert MISSING_PICTURE.pixels.shape == (8, 8, 4)
 
 
-@pytest.mark.fault("F06")
+@pytest.mark.fault(id="F06")
 def test_a_shader_broken_while_it_is_drawn_keeps_the_picture_and_names_the_line(tmp_path):
     """Of a file that others include: the author's line, not that of the text put together."""
     shaders = Path(shutil.copytree(_SHADERS, tmp_path / "shaders"))

@@ -31,7 +31,7 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
 
 
 @pytest.mark.requirement("R21")
-@pytest.mark.fault("F09")
+@pytest.mark.fault(id="F09")
 def test_run_on_a_disk_that_fills_ends_with_6_and_says_what_is_missing(
     small_disk: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -43,7 +43,7 @@ def run(tmp_path_factory) -> dict[str, Any]:
     return {"file": file, "runs": folder}
 
 
-@pytest.mark.fault("F04")
+@pytest.mark.fault(id="F04")
 def test_losses_are_reported_once_counted_and_in_the_report(run, capsys):
     words = ["run", str(run["file"]), "--headless", "--seconds", "0.5", "--pictures", "0", "--sound", "off", "--json"]
     assert main([*words, "--runs", str(run["runs"])]) == 0

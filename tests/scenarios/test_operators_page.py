@@ -82,7 +82,7 @@ def press(page: PageAddress, **changes: str) -> int:
 
 
 @pytest.mark.requirement("R22")
-@pytest.mark.fault("F14")
+@pytest.mark.fault(id="F14")
 def test_no_wrong_or_foreign_client_gets_in(page: PageAddress) -> None:
     origin, cookie = enter(page)
     assert post(f"{origin}/enter", {"token": "x" * 43}, origin=origin)[0] == 403
@@ -145,7 +145,7 @@ def test_long_messages_are_refused(page: PageAddress) -> None:
     assert answers(page)
 
 
-@pytest.mark.fault("F14")
+@pytest.mark.fault(id="F14")
 def test_stop_acts_while_a_thousand_sockets_and_slow_requests_hold_both_servers(
     page: PageAddress, play: LinkedSession
 ) -> None:

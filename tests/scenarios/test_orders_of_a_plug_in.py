@@ -74,7 +74,7 @@ def test_what_a_scene_is_built_of_is_not_rewritten(play: ScenePlay, table: str):
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -1.0, 1e12, "stiff", None, (1.0, 2.0), ()])
 @pytest.mark.requirement("R05")
-@pytest.mark.fault("F04")
+@pytest.mark.fault(id="F04")
 def test_a_bad_number_ends_its_order_and_not_the_run(play: ScenePlay, value: Any):
     kept, mass = float(play.parameter_store.block["virtual_damping"][0]), 4.0
     told = _ordered(play, {"virtual_damping": value, "virtual_mass": mass})

@@ -142,7 +142,7 @@ def test_space_stops_to_zero_force_and_escape_leaves_with_its_own_exit_code(wind
     assert (manifest["status"], manifest["summary"]["safety"]["state"]) == ("clean", "E_STOP")
 
 
-@pytest.mark.fault("F20")
+@pytest.mark.fault(id="F20")
 def test_saved_scene_is_taken_while_running_and_a_broken_one_changes_nothing(edited):
     document = json.loads(SCENE.read_text())
     parts = {entity["id"]: entity["components"] for entity in document["entities"]}
@@ -159,7 +159,7 @@ def test_saved_scene_is_taken_while_running_and_a_broken_one_changes_nothing(edi
     assert any(tables.tunnels["damping"][0] == 33.0 for tables in rows.values())
 
 
-@pytest.mark.fault("F05")
+@pytest.mark.fault(id="F05")
 def test_a_machine_that_stalls_pauses_a_person_at_a_mouse_and_goes_on(edited):
     """A third of a second is far beyond what latches a stop of a real device."""
     edited.wait("force", lambda: edited.rows["state"][-1] == SafetyState.ACTIVE)

@@ -148,7 +148,7 @@ def test_signal_in_a_callback_of_a_compiler_is_one_line(number: int, code: int, 
 @pytest.mark.parametrize(
     ("number", "code", "what"), [(signal.SIGTERM, 143, "ended by SIGTERM"), (signal.SIGINT, 130, "interrupted")]
 )
-@pytest.mark.fault("F10")
+@pytest.mark.fault(id="F10")
 def test_a_command_ended_by_a_signal_leaves_one_object(number: int, code: int, what: str) -> None:
     body = f"def run(args): os.kill(os.getpid(), {int(number)}); time.sleep(30)"
     done = shell("$RUN --json", body)

@@ -64,7 +64,7 @@ def test_stamps_that_vary_are_no_losses() -> None:
 
 
 @pytest.mark.parametrize("jump_s", [-1.5, -20.0, -59.0, -3600.0, 5.0, 40.0, 3600.0])
-@pytest.mark.fault("F16")
+@pytest.mark.fault(id="F16")
 def test_a_clock_that_is_set_loses_nothing(jump_s: float) -> None:
     """Arrival goes on every 100 ms; only the stamps jump, and later back."""
     grid, blocks = Grid("ecg", 250.0), []

@@ -63,3 +63,12 @@ def test_stops_and_holds_are_reported_only_where_there_were_some():
     assert "safety" not in lines(task)
     safety = {"state": "SAFE_STOP", "stops": 1, "holds": 2}
     assert lines(task, safety=safety)["safety"] == "1 stop, 2 short holds"
+
+
+def test_a_run_on_a_device_says_how_well_its_data_came():
+    task = {"completed": 0, "trials": 0}
+    link = {"fresh_share": 0.99876, "worst_gap_ms": 4.04, "jitter_us": 310.2}
+    assert lines(task, link=link)["link"] == (
+        "new data in 99.88 % of the control cycles; longest gap 4.0 ms; jitter 310 µs"
+    )
+    assert "link" not in lines(task)

@@ -1,4 +1,7 @@
-"""Faults of processes for `mimics bench faults`: a stall, an end by a signal, a kill; what the session leaves then."""
+"""Faults of processes for `mimics bench faults`: a stall, an end by a signal, a kill; what the session leaves then.
+
+Faults that only the tests of a checkout make happen (to pictures, sound, disks, lines and pages) are repeated by these.
+"""
 
 from __future__ import annotations
 
@@ -15,10 +18,12 @@ import numpy as np
 
 from mimics_app.app.bench.record_bench import measure_record, played_session
 from mimics_app.contracts.clock import SECOND_NS, MonotonicClock
+from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.contracts.system.resources import root
 from mimics_app.recording.run import Run
 
-__all__ = ["PROCESS_FAULTS"]
+__all__ = ["OF_TESTS", "PROCESS_FAULTS", "measure_by_tests"]
 
 Measure = Callable[[Path, int, Callable[[str], None]], dict[str, Any]]
 
@@ -105,3 +110,31 @@ def _killed(scene: Path, repeats: int, report: Callable[[str], None]) -> dict[st
 
 PROCESS_FAULTS: Mapping[str, Measure] = {"F05": _stalled, "F10": _ended_by_signals, "F11": _killed}
 """What measures a fault, by its number in docs/faults.md: from scene, number of repeats and what shows progress."""
+
+OF_TESTS = tuple(f"F{number:02d}" for number in (6, 7, 8, 9, 12, 13, 14, 15, 16, 18, 19, 20))
+"""Numbers in docs/faults.md of the faults that are repeated by their tests, each in a process of its own."""
+
+
+def measure_by_tests(number: str, repeats: int, report: Callable[[str], None]) -> dict[str, Any]:
+    """Run the tests of a fault so many times.
+
+    Args:
+        number: Number of the fault, one of `OF_TESTS`.
+        repeats: Number of processes, one after the other.
+        report: Called with what is done next.
+
+    Raises:
+        UsageError: This is no checkout.
+    """
+    mark = f'fault(id="{number}")'
+    files = [str(path) for path in sorted((root() / "tests").rglob("test_*.py")) if mark in path.read_text("utf-8")]
+    if not files:
+        raise UsageError(f"{number} is repeated by its tests, which are not installed", "run it in a checkout")
+    command = [sys.executable, "-m", "pytest", "-q", "-n0", "-p", "no:cacheprovider", "-m", f"{mark} and not slow"]
+    failed = 0
+    for repeat in range(repeats):
+        report(f"faults: {number}, by its tests, {repeat + 1} of {repeats}")
+        done = subprocess.run([*command, *files], cwd=root(), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        failed += done.returncode != 0
+    tests = [str(Path(file).relative_to(root())) for file in files]
+    return {"number": number, "repeat": repeats, "tests": tests, "failed": failed, "passed": not failed}

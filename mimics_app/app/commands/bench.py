@@ -102,7 +102,8 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
         help="with render: city, nodes, crowd, walk, people, people_full or particles; with frame: scenes, walk or "
         "people (default: all); with software: scenes (default: wavy_tunnel, pick_and_place, avatar_cord); with "
         "physio: figures, or noise for a table of R peaks by kind of noise; with faults: numbers of docs/faults.md, "
-        "F01 .. (default: all)",
+        "F01 .. F20 (default: those that sessions and processes make; the others are repeated by their tests, in a "
+        "checkout)",
     )
     parser.add_argument(
         "--data",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Any
 
 from mimics_app.app.session.core import SessionCore
@@ -39,6 +40,7 @@ def summarise_play(session: SessionCore, frames: Frames, wall_s: float) -> dict[
         "device_life": str(session.haptics.life),
         "safety": frames.safety.summary(session.haptics.snapshot().state, late),
         **(_punctuality(late) if session.live else {}),  # on a virtual clock no tick can be late
+        **({} if (link := session.haptics.link()) is None else {"link": asdict(link)}),
         "stability": stability.as_dict() | {"contacts": stability.contacts(session.side.shape_entities)},
         "losses": frames.losses.summary(),
         "recipe": late.recipe,

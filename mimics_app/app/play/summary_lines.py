@@ -29,7 +29,7 @@ def summary_lines(answer: Mapping[str, Any]) -> list[str]:
     """
     task = answer["task"]
     lines = [("task", _trials(task)), *_practice(task), *_path(task), ("carried", _of_practice(task, _carried(task)))]
-    lines += [("touch", _touch(answer)), ("safety", _safety(answer["safety"]))]
+    lines += [("touch", _touch(answer)), ("link", _link(answer.get("link", {}))), ("safety", _safety(answer["safety"]))]
     lines += [("run", answer["run_dir"])]
     lines += [("picture", str(picture)) for picture in answer["pictures"]]
     lines += [("film", str(answer.get("video", ""))), ("report", answer["report"])]
@@ -99,6 +99,14 @@ def _touch(answer: Mapping[str, Any]) -> str:
         return f"simulated {answer['simulated_s']:.1f} s; {state}"
     late = f"{answer['missed'] or 'none'} of {answer['ticks']:,} control cycles late"
     return f"{answer['simulated_s']:.1f} s; {late}; {state}"
+
+
+def _link(link: Mapping[str, Any]) -> str:
+    """Return how well the device's data came; "" without a device."""
+    if not link:
+        return ""
+    share = f"new data in {100.0 * link['fresh_share']:.2f} % of the control cycles"
+    return f"{share}; longest gap {link['worst_gap_ms']:.1f} ms; jitter {link['jitter_us']:.0f} µs"
 
 
 def _safety(safety: Mapping[str, Any]) -> str:

@@ -51,6 +51,7 @@ class ControlWord(IntEnum):
     HOLDS = 72  # loop: times the force was ramped down for late ticks (DEGRADED) since the start
     CLOSED = 56  # main: 1: no further data
     START_NS = 64  # loop: monotonic time of tick 0's release [ns]
+    UNREAD = 80  # loop: ticks without new data of the device, after the first second
 
 
 class AttendanceWord(IntEnum):
@@ -116,7 +117,7 @@ _Events = Annotated[Records, Shared(EVENT, ("events",))]
 class SessionMemory:
     """Arrays of a session by name; their layout is derived from these annotations."""
 
-    control: Annotated[Words, Shared(np.int64, (80,))]  # see `ControlWord`
+    control: Annotated[Words, Shared(np.int64, (88,))]  # see `ControlWord`
 
     stop_words: Annotated[Words, Shared(np.int64, (STOP_STRIDE * len(CommandSource),))]  # requests of each source
 
@@ -184,6 +185,7 @@ class SessionMemory:
     # histograms of the loop, see rendering.haptic.histogram
     lateness: Annotated[Words, Shared(np.int64, ("lateness_bins",))]
     duration: Annotated[Words, Shared(np.int64, ("lateness_bins",))]
+    data_age: Annotated[Words, Shared(np.int64, ("lateness_bins",))]
 
     def __init__(self, capacities: Capacities | None = None, segment: Segment | None = None) -> None:
         self.capacities = capacities or Capacities()

@@ -31,7 +31,7 @@ from mimics_app.rendering.haptic.block_check import check_block
 from mimics_app.rendering.haptic.channels import channels_of, new_work, newest_snapshot
 from mimics_app.rendering.haptic.controllers.registry import NO_CONTROLLERS, controllers_of, set_controllers
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
-from mimics_app.rendering.haptic.histogram import LatenessReport, percentile_us
+from mimics_app.rendering.haptic.histogram import LatenessReport, LinkReport, percentile_us
 from mimics_app.rendering.haptic.kernels.spoiled_data import KIND, ORDERS, OTHER, PLACE, VALUE
 from mimics_app.rendering.haptic.loop import advance_ticks
 from mimics_app.rendering.haptic.loop_tick import LOOP_FUNCTIONS, loop_tick, tick
@@ -332,6 +332,12 @@ class HapticEngine:
             ticks=self.ticks,
             recipe=self.granted.recipe,
         )
+
+    def link(self) -> LinkReport | None:
+        """Return the quality of the link to the device so far; None of a simulated device, and on a virtual clock."""
+        if self._plugin.simulated:
+            return None
+        return LinkReport.of(self._memory.data_age, int(self._memory.control[ControlWord.UNREAD]))
 
     def stability(self) -> StabilityReport:
         """Return the results of the stability monitor so far."""

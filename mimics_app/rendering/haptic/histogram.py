@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import I8
 
-__all__ = ["LatenessReport", "count", "edges_ns", "percentile_us"]
+__all__ = ["LatenessReport", "LinkReport", "count", "edges_ns", "percentile_us"]
 
 
 _BINS_PER_OCTAVE = 64
@@ -87,3 +87,27 @@ class LatenessReport:
     def as_dict(self) -> dict[str, Any]:
         """Return plain values for the header of a report."""
         return {name: getattr(self, name) for name in self.__slots__} | {"missed_share": self.missed_share}
+
+
+@dataclass(frozen=True, slots=True)
+class LinkReport:
+    """Quality of the link to a device, after the first second.
+
+    Attributes:
+        fresh_share: Share of the ticks that got new, intact data.
+        worst_gap_ms: Largest age of the data that a tick used [ms].
+        jitter_us: 99th percentile of that age less its median [us].
+    """
+
+    fresh_share: float
+    worst_gap_ms: float
+    jitter_us: float
+
+    @classmethod
+    def of(cls, ages: I8, unread: int) -> LinkReport | None:
+        """Return the report of a histogram of ages [ns] and the number of ticks without new data; None of no tick."""
+        ticks = int(ages.sum())
+        if ticks == 0:
+            return None
+        p50, p99, most = (percentile_us(ages, share) for share in (0.5, 0.99, 1.0))
+        return cls(1.0 - unread / ticks, most / 1e3, p99 - p50)

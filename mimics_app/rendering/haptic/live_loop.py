@@ -18,7 +18,7 @@ from mimics_app.compiled.borrowed import borrowed
 from mimics_app.compiled.function_pointers import functions_at
 from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.contracts.loop.haptic import NANOSECOND
+from mimics_app.contracts.loop.haptic import NANOSECOND, SECOND_NS, DeviceStatus
 from mimics_app.contracts.shared_memory.session_memory import ControlWord
 from mimics_app.rendering.haptic.channels import CHANNELS, WORK, Channels, Work
 from mimics_app.rendering.haptic.histogram import count
@@ -33,6 +33,8 @@ _QUIT = int(ControlWord.QUIT)
 _TICKS = int(ControlWord.TICKS)
 _MISSED = int(ControlWord.MISSED)
 _START_NS = int(ControlWord.START_NS)
+_UNREAD = int(ControlWord.UNREAD)
+_FRESH = float(DeviceStatus.FRESH)
 
 _UNCOUNTED_NS = 1_000_000_000
 """Start of the run in which lateness is not counted [ns]: caches are cold."""
@@ -141,6 +143,8 @@ def run_live(
         if state.tick > first_counted:
             count(channels.lateness, late)
             count(channels.duration, ended - woke)
+            count(channels.data_age, int(state.age * SECOND_NS))
+            control[_UNREAD] += 1 if sample.status != _FRESH else 0
             control[_MISSED] += skipped + (1 if missed else 0)
         due += (1 + skipped) * period_ns
         store_release(control, _TICKS, state.tick)
