@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import soundfile
 from PIL import Image, ImageGrab
 
 from mimics_app.app.cli import main
@@ -21,7 +22,7 @@ from mimics_app.app.replay_view.event_marks import Mark, marks_of
 from mimics_app.app.replay_view.pane import Panes
 from mimics_app.app.replay_view.playhead import SPEEDS, Playhead
 from mimics_app.app.replay_view.replay_film import quality_of
-from mimics_app.app.replay_view.replay_window import ReplaySound
+from mimics_app.app.replay_view.replay_sound import ReplaySound
 from mimics_app.app.replay_view.replayed_scene import ReplayedScene, open_replay
 from mimics_app.app.replay_view.time_bar import HEIGHT, TimeBar, clock_text
 from mimics_app.app.session.replay import TaskFrame
@@ -270,24 +271,43 @@ def test_a_body_that_is_not_there_any_more_is_said_and_the_scene_is_shown(folder
     assert len(shown.notes) == 1 and f"{tmp_path / 'gone.glb'}, is not there any more" in shown.notes[0]
 
 
-@pytest.mark.parametrize(("scene", "more"), [("wavy_tunnel", ["--patient", "severe"]), ("soccer", [])])
-def test_the_sounds_of_a_replay_are_those_of_the_session_but_for_a_leap(tmp_path, scene, more):
-    """On the clock of the session every sound has its own time; what is leapt over makes none."""
-    words = ["run", scene, *more, "--headless", "--seconds", "7", "--pictures", "0", "--runs", str(tmp_path)]
+_TOUCHED = ["--seconds", "8.2", "--seed", "7"]
+"""Long enough for the simulated person to strike glass and steel, whose sounds follow the force."""
+
+
+@pytest.mark.parametrize(
+    ("scene", "more", "leap"),
+    [
+        ("wavy_tunnel", ["--patient", "severe", "--seconds", "7"], (300, 345)),
+        ("soccer", ["--seconds", "7"], (300, 345)),
+        (str(_ROOT / "scenes/examples/surfaces.json"), _TOUCHED, None),
+    ],
+)
+def test_the_sounds_of_a_replay_are_those_of_the_session_but_for_a_leap(tmp_path, scene, more, leap):
+    """On the clock of the session every sample is that of its file: also where forces drive the sound, or sliding."""
+    words = ["run", scene, *more, "--headless", "--pictures", "0", "--sound", "file", "--runs", str(tmp_path)]
     assert main(words) == 0
     replayed = open_replay(Run.open(next(tmp_path.iterdir())))
     wanted = [(line["sound"], line["t_ns"]) for line in replayed.run.lines_of("app", "sound")]
-    assert played(replayed, leap=None) == wanted and len(wanted) > 4
-    leap = (300, 345)
+    sounds, mixed = played(replayed, leap=None)
+    assert sounds == wanted and len(wanted) >= 2
+    file, _ = soundfile.read(replayed.run.folder / "sound.wav", dtype="float32")
+    assert len(mixed) == len(file) and np.abs(file).max() > 0.01
+    assert np.abs(mixed.clip(-1.0, 1.0) - file).max() <= 2.0 / 32768.0
+    if leap is None:
+        assert any(":live:" in name for name, _ in wanted)
+        return
     begin_ns, end_ns = (int(replayed.begun_ns + replayed.times_ns[number - 1]) for number in leap)
     heard = [t_ns for _, t_ns in wanted if not begin_ns < t_ns <= end_ns]
-    assert [t_ns for _, t_ns in played(replayed, leap)] == heard and 0 < len(heard) < len(wanted)
+    assert [t_ns for _, t_ns in played(replayed, leap)[0]] == heard and 0 < len(heard) < len(wanted)
 
 
-def played(replayed: ReplayedScene, leap: tuple[int, int] | None) -> list[tuple[str, int]]:
-    """Replay a run from its first frame on; return name and time of each sound."""
+def played(replayed: ReplayedScene, leap: tuple[int, int] | None) -> tuple[list[tuple[str, int]], np.ndarray]:
+    """Replay a run from its first frame on; return name and time of each sound, and the mix [n, channels]."""
     clock = VirtualClock()
-    sound = ReplaySound(replayed.run, replayed.scene, clock, live=False)
+    sound = ReplaySound(replayed, clock, live=False)
+    blocks: list[np.ndarray] = []
+    sound._sound.output.listener = lambda block: blocks.append(block.copy())
 
     def listen(frame: TaskFrame, orders: TaskOrders, world: World) -> None:
         clock.sleep_until_ns(frame.now_ns)
@@ -301,4 +321,4 @@ def played(replayed: ReplayedScene, leap: tuple[int, int] | None) -> list[tuple[
     replayed.listener = None
     report = sound.close()
     assert report is not None
-    return [(row.sound, row.t_ns) for row in report.rows]
+    return [(row.sound, row.t_ns) for row in report.rows], np.concatenate(blocks)

@@ -19,7 +19,7 @@ from mimics_app.app.session.replay import RecordedTask, TaskFrame, TaskReplay, p
 from mimics_app.app.session.trackers import replayed_hub
 from mimics_app.app.session.visible_scene import VisibleScene
 from mimics_app.app.settings import PROFILES, Profile
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import F8, Records
 from mimics_app.contracts.clock import MonotonicClock, VirtualClock
 from mimics_app.contracts.errors import PartialDataError, counted
 from mimics_app.contracts.messages.board import Board
@@ -44,6 +44,7 @@ class _Recorded:
     run: Run
     task: RecordedTask
     frames: Sequence[TaskFrame]
+    forces: Records
     scene: Scene
     notes: tuple[str, ...]
 
@@ -58,6 +59,7 @@ class ReplayedScene:
     Attributes:
         run: The recording.
         scene: Its scene.
+        forces: CONTACT_FORCE records of the contacts that the sound follows, shape [n], in order; tick 0 is at time 0.
         times_ns: Session time of each frame, from that of the first on [ns], int64 [n].
         notes: What differs from the session, one sentence each.
         world: The world, as after the newest frame.
@@ -72,7 +74,7 @@ class ReplayedScene:
 
     def __init__(self, recorded: _Recorded) -> None:
         self.run, self.scene, self.notes = recorded.run, recorded.scene, recorded.notes
-        self._task, self._frames = recorded.task, recorded.frames
+        self._task, self._frames, self.forces = recorded.task, recorded.frames, recorded.forces
         times = np.array([frame.now_ns for frame in self._frames], np.int64)
         self.begun_ns = int(times[0])
         self.times_ns: NDArray[np.int64] = times - times[0]
@@ -184,7 +186,8 @@ def open_replay(run: Run, scene: Path | None = None) -> ReplayedScene:
     frames = list(task_frames(run, lines, replayed.snapshots))
     difference = compare(data.samples, replayed.samples, run.layout.uncompared)
     notes = [] if difference is None else [f"the touch differs from the recording: {difference}"]
-    return ReplayedScene(_Recorded(run, task, frames, checked, (*notes, *_notes_on(run, checked, task.seed))))
+    notes += _notes_on(run, checked, task.seed)
+    return ReplayedScene(_Recorded(run, task, frames, replayed.forces, checked, tuple(notes)))
 
 
 def _edit_of(run: Run) -> PersonEdit | None:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import Records
+from mimics_app.contracts.arrays import Records, Words
+from mimics_app.contracts.loop.contact_force import CONTACT_FORCE
 from mimics_app.contracts.loop.controller_slots import names_in
 from mimics_app.contracts.loop.device_descriptor import Kinematics
 from mimics_app.contracts.loop.haptic import EVENT, SAMPLE, SCENE
@@ -33,7 +34,8 @@ __all__ = ["Replayed", "replay_run"]
 
 _TICKS_AT_ONCE = 500
 _EVENTS = 1 << 16
-"""Capacity of the event ring: a power of two, and more than any scene makes in _TICKS_AT_ONCE ticks."""
+"""Capacity of the event ring: a power of two, and more than any scene makes in _TICKS_AT_ONCE ticks; that of the
+forces holds `FOLLOWED_AT_ONCE` a tick."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,11 +46,13 @@ class Replayed:
         samples: Samples of the dtype of the inputs, shape [n], with timing fields 0.
         events: EVENT records, shape [m], in order.
         snapshots: Newest snapshot after each requested tick, by tick.
+        forces: CONTACT_FORCE records of the followed contacts, shape [k], in order; tick 0 is at time 0.
     """
 
     samples: Records
     events: Records
     snapshots: dict[int, HapticSnapshot] = field(default_factory=dict)
+    forces: Records = field(default_factory=lambda: np.zeros(0, CONTACT_FORCE))
 
 
 def replay_run(
@@ -93,7 +97,8 @@ def replay_run(
     kin = tuple(kinematics)
     outputs = np.zeros(inputs.shape[0], inputs.dtype)
     events: list[Records] = []
-    taken = np.zeros(_EVENTS, EVENT)
+    forces: list[Records] = []
+    taken, taken_forces = np.zeros(_EVENTS, EVENT), np.zeros(len(memory.audio_forces), CONTACT_FORCE)
     snapshots: dict[int, HapticSnapshot] = {}
     looked = {tick for tick in seen if 0 <= tick < len(inputs)}
     for part in _parts(len(inputs), looked):
@@ -114,11 +119,17 @@ def replay_run(
             replayed,
         )
         outputs[part] = _like(replayed, inputs.dtype)
-        events.append(_take_events(memory, taken))
+        events.append(_drained(memory.recorder_event_words, memory.recorder_events, taken))
+        forces.append(_drained(memory.audio_force_words, memory.audio_forces, taken_forces))
         if part.stop - 1 in looked:
             device = blocks[-1]
             snapshots[part.stop - 1] = newest_snapshot(memory, int(device["joints"]), int(device["contacts"]))
-    return Replayed(outputs, np.concatenate([np.zeros(0, EVENT), *events]), snapshots)
+    return Replayed(
+        outputs,
+        np.concatenate([taken[:0], *events]),
+        snapshots,
+        np.concatenate([taken_forces[:0], *forces]),
+    )
 
 
 def _whole(samples: Records) -> Records:
@@ -175,10 +186,9 @@ def _parts(ticks: int, looked: set[int]) -> list[slice]:
     return [slice(start, end) for start, end in zip([0, *ends], ends, strict=False)]
 
 
-def _take_events(memory: SessionMemory, block: Records) -> Records:
-    """Drain the recorder's events through the scratch array `block`, which holds a full ring."""
-    count = ring.drain(memory.recorder_event_words, memory.recorder_events, block)
-    return block[:count].copy()
+def _drained(words: Words, records: Records, block: Records) -> Records:
+    """Return what a ring holds, taken through the scratch array `block`, which holds a full ring."""
+    return block[: ring.drain(words, records, block)].copy()
 
 
 def _room_for(blocks: Records, paths: int) -> ObjectCapacities:

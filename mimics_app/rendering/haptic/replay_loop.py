@@ -23,6 +23,7 @@ from mimics_app.rendering.haptic.kernels.rows import read_inputs
 from mimics_app.rendering.haptic.loop_tick import SIMULATION, TICK, rows_of
 from mimics_app.rendering.haptic.objects import ROW_STACK
 from mimics_app.rendering.haptic.publish import publish_events, publish_state
+from mimics_app.rendering.haptic.struck import publish_forces
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import (
@@ -67,7 +68,7 @@ def replay_recorded(
     period_ns: int,
     outputs: Table[SampleRecord],
 ) -> int:
-    """Run the tick over recorded inputs and publish its events and its newest state.
+    """Run the tick over recorded inputs and publish its events, forces of contacts and its newest state.
 
     Args:
         channels: Arrays of the replay's own session memory, the target of what is published.
@@ -115,6 +116,7 @@ def replay_recorded(
         t_ns = (state.tick - 1) * period_ns
         publish_state(channels, work, scene, t_ns)
         publish_events(channels, work, rows, scene, t_ns)
+        publish_forces(channels, work, scene, t_ns)
         out.lateness_ns = 0.0
         out.duration_ns = 0.0
     return inputs.shape[0]
