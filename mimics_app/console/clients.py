@@ -130,11 +130,11 @@ class Clients:
         """Number of clients that are second displays."""
         return sum(client.wants_mirror for client in self.open)
 
-    def join(self, socket: WebSocket, role: Role) -> Client:
-        """Add a page; the first that may operate does."""
+    def join(self, socket: WebSocket, role: Role, *, is_display: bool = False) -> Client:
+        """Add a page; the first that may operate does, but for a second display."""
         self._count += 1
         client = Client(socket, self._count, may_operate=role == "operate")
-        client.operates = client.may_operate and not self.operators
+        client.operates = client.may_operate and not is_display and not self.operators
         self.open.append(client)
         return client
 

@@ -91,11 +91,11 @@ class SessionCard:
     signals: list[str] = field(default_factory=list)
     edit: dict[str, object] = field(default_factory=dict)
 
-    @property
-    def shown(self) -> dict[str, object]:
-        """What of it the page shows."""
+    def shown(self, *, may_operate: bool) -> dict[str, object]:
+        """Return what of it a page is told; `edit`, which is of the person, is None for an address for viewing."""
         card: dict[str, object] = msgspec.to_builtins(self)
-        return {name: value for name, value in card.items() if name not in ("capacities", "size", "version")}
+        kept = {name: value for name, value in card.items() if name not in ("capacities", "size", "version")}
+        return kept if may_operate or not self.edit else {**kept, "edit": None}
 
 
 class AttachedSession:

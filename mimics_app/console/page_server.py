@@ -194,7 +194,7 @@ class PageServer:
             await socket.close(1008, "no cookie of this page" if role is None else "too many pages are open")
             return
         await socket.accept()
-        client = self._clients.join(socket, role)
+        client = self._clients.join(socket, role, is_display="display" in socket.query_params)
         stop = f"{self._access.stop_origin(socket.url.hostname or '')}/stop"
         client.tell({"kind": "hello", "values": VALUES, "stop": stop})
         self._tell_session(client)
@@ -308,7 +308,8 @@ class PageServer:
         """Tell a page which session is attached, with what has happened in it so far."""
         session = self._session
         left = {"why": self._gone.get("why", ""), "orderly": self._gone.get("orderly", False)}
-        client.tell({"kind": "session", "card": None if session is None else session.card.shown, **left})
+        card = None if session is None else session.card.shown(may_operate=client.may_operate)
+        client.tell({"kind": "session", "card": card, **left})
         if session is not None:
             client.tell({"kind": "status", "status": session.status})
             for name, entries in session.kept.items():

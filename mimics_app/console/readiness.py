@@ -26,6 +26,11 @@ _LEAST_HOURS = 1.0
 
 Word = Annotated[str, Meta(max_length=120, pattern=r"^[^\x00-\x1f]*$")]
 
+_Study = Annotated[
+    str, Meta(max_length=120, pattern=r"^([^/\\\x00-\x1f\ud800-\udfff.][^/\\\x00-\x1f\ud800-\udfff]*)?$")
+]
+"""Name of a folder that is shown, or ""."""
+
 
 class Choice(msgspec.Struct, forbid_unknown_fields=True):
     """What the operator chose; "" and 0: as in the scene.
@@ -49,7 +54,7 @@ class Choice(msgspec.Struct, forbid_unknown_fields=True):
     difficulty: Literal["easier", "usual", "harder"] = "usual"
     trials: Annotated[int, Meta(ge=0, le=10_000)] = 0
     physio: Word = ""
-    study: Annotated[str, Meta(max_length=120, pattern=r"^([^/\\\x00-\x1f.][^/\\\x00-\x1f]*)?$")] = ""
+    study: _Study = ""
     interrupted: Literal["", "resume", "restart-block"] = ""
     despite: Annotated[str, Meta(max_length=300)] = ""
 
@@ -95,8 +100,17 @@ async def find_choices() -> dict[str, Any]:
             if each.get("group") != "places"
         ],
         "devices": [{"name": each["name"], "title": each.get("about", "")} for each in devices.get("devices", [])],
-        "studies": sorted(each.parent.name for each in Path().glob("*/study.json")),
+        "studies": sorted(filter(_can_be_chosen, (each.parent.name for each in Path().glob("*/study.json")))),
     }
+
+
+def _can_be_chosen(study: str) -> bool:
+    """Return whether a `Choice` takes the name of a study: it is neither hidden nor too long."""
+    try:
+        msgspec.convert(study, _Study)
+    except msgspec.ValidationError:
+        return False
+    return True
 
 
 async def find_lights(choice: Choice) -> list[Light]:

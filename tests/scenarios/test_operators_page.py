@@ -318,7 +318,7 @@ def test_a_second_display_shows_the_world_of_the_session_and_gives_no_command(
     try:
         play.play_until(lambda: buffer.at(time.monotonic_ns()))
         card, theirs = link.card, play.session.world.transforms
-        assert card is not None
+        assert card is not None and card["edit"] == {}
         mirrored = MirroredScene(card["scene"], card["scene_hash"])
         ours = mirrored.world.transforms
         mirrored.show(play.play_until(lambda: whole(buffer.at(time.monotonic_ns()), len(theirs))))

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import hmac
+import os
 import shlex
 import sys
 import threading
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -21,11 +23,12 @@ from mimics_app.app.picture.around_hand import AROUND
 from mimics_app.console import page_server
 from mimics_app.console.access import COOKIE, Access, new_tokens
 from mimics_app.console.clients import Clients
-from mimics_app.console.handover import AttachedSession
+from mimics_app.console.handover import VERSION, AttachedSession, SessionCard
 from mimics_app.console.meeting_place import MeetingPlace, PageAddress
 from mimics_app.console.readiness import (
     Choice,
     device_light,
+    find_choices,
     machine_lights,
     scene_light,
     signal_light,
@@ -42,7 +45,7 @@ from mimics_app.contracts.loop.haptic import SAMPLE
 from mimics_app.contracts.shared_memory import ring
 from mimics_app.contracts.shared_memory.newest_bytes import NEWEST_WORDS, NewestReader, NewestWriter
 from mimics_app.contracts.shared_memory.ring_history import HistoryWriter, RingHistory
-from mimics_app.contracts.shared_memory.session_memory import SessionMemory
+from mimics_app.contracts.shared_memory.session_memory import Capacities, SessionMemory
 from mimics_app.contracts.shared_memory.shared_words import RING_WORDS, STOP_STRIDE
 
 
@@ -154,8 +157,43 @@ def test_one_operator_at_a_time_with_a_hand_over() -> None:
         clients.leave(first)
         assert clients.operators == 0
         assert not clients.ask(second) and second.operates
+        clients.leave(second)
+        display = clients.join(None, "operate", is_display=True)  # type: ignore[arg-type]
+        assert not display.operates and clients.join(None, "operate").operates, "a display takes no place"  # type: ignore[arg-type]
 
     asyncio.run(play())
+
+
+def test_an_address_for_viewing_is_not_told_what_was_changed_for_the_person() -> None:
+    """A card, as it is shown to both roles: measures, files and the side are of the person."""
+    edit: dict[str, object] = {"avatar": "/home/anna/anna.glb", "fit": {"source": "sub-P07/ses-001/run"}}
+    words = {"scene": "s", "title": "S", "folder": "f", "device": "d", "participant": "P07", "scene_hash": "h"}
+    card = SessionCard(
+        version=VERSION, size=1, capacities=Capacities(), pid=1, simulated=True, has_policy=False, lost="pause",
+        edit=edit, **words,
+    )  # fmt: skip
+    assert card.shown(may_operate=True)["edit"] == edit
+    seen = card.shown(may_operate=False)
+    assert seen["edit"] is None and b"anna" not in msgspec.json.encode(seen)
+    assert replace(card, edit={}).shown(may_operate=False)["edit"] == {}
+
+
+def test_the_choices_have_only_studies_that_can_be_chosen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each that is listed is a choice that the server takes, and comes to the page as JSON."""
+
+    async def none(*_: str) -> dict[str, Any]:
+        return {}
+
+    for name in ("gait", ".hidden", "x" * 121, "a\\b", "two\nlines", "caf\u00e9 2", os.fsdecode(b"\xff")):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "study.json").write_text("{}")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("mimics_app.console.readiness._ask", none)
+    studies = asyncio.run(find_choices())["studies"]
+    assert studies == ["caf\u00e9 2", "gait"]
+    for study in studies:
+        written = msgspec.json.encode({"scene": "wavy_tunnel", "study": study, "participant": "P07"})
+        assert msgspec.json.decode(written, type=Choice).study == study
 
 
 def test_a_client_is_held_to_new_numbers_and_to_its_rate() -> None:

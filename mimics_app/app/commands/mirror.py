@@ -16,7 +16,8 @@ _DELAY_S = 0.1
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics mirror`."""
     parser.epilog = (
-        "URL is the address that mimics console or mimics run --console prints; that for viewing is enough. The files "
+        "URL is the address that mimics console or mimics run --console prints; that for viewing is enough, unless "
+        "the scene is changed for its person (fitted, mirrored, with an own body). The files "
         "of the scene must be on this computer. Nothing is sent to the session. V and 1 to 9 show its views; "
         "Esc leaves."
     )

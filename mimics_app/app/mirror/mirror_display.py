@@ -110,7 +110,7 @@ class MirrorDisplay:
         scene: Name of the scene.
 
     Raises:
-        DeviceError: No session begins within a minute, or there is no display.
+        DeviceError: No session begins within a minute, it is not for viewers, or there is no display.
         SceneError: The scene is not here, or another one.
     """
 
@@ -120,7 +120,10 @@ class MirrorDisplay:
         self._clock: Clock = MonotonicClock()
         self._link, self._buffer, self._output = link, buffer, output
         card = self._wait_for_session()
-        self._shown = MirroredScene(scene or str(card["scene"]), str(card["scene_hash"]), mapping(card.get("edit")))
+        if card["edit"] is None:
+            what = "the scene of the session is changed for its person, which an address for viewing is not told"
+            raise DeviceError(what, "give the address of the operator's page: this display takes nobody's place")
+        self._shown = MirroredScene(scene or str(card["scene"]), str(card["scene_hash"]), mapping(card["edit"]))
         self.scene = self._shown.scene.name
         title = f"{self._shown.scene.title or self.scene} - mimics mirror"
         surface = open_window(size, title) if output is None else open_offscreen("auto", size or _OFFSCREEN)

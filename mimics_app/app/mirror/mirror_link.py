@@ -87,7 +87,7 @@ class MirrorLink:
             self._over.wait(_AGAIN_S)
 
     def _listen(self) -> None:
-        address = self._origin.replace("http", "ws", 1) + "/live"
+        address = self._origin.replace("http", "ws", 1) + "/live?display"
         headers, clock = {"Cookie": self._cookie}, self._clock
         with connect(
             address, origin=Origin(self._origin), additional_headers=headers, ssl=self._trust, max_size=_LARGEST
