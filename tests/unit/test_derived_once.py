@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from mimics_app.app.play.reload import SceneReload
 from mimics_app.app.scenes.loading import load_checked_scene
@@ -98,6 +99,40 @@ def test_a_model_that_was_saved_while_it_was_read_is_decoded_again(
     jug, _ = shelf.read(file, tmp_path)
     assert [mesh.name for mesh in jug.meshes] != [mesh.name for mesh in stone.meshes]
     assert shelf.read(file, tmp_path)[0] is jug
+
+
+def in_parts(model: Path, folder: Path) -> Path:
+    """Write a GLB as a .gltf file with its buffer, and a picture of its first material, beside it."""
+    data = model.read_bytes()
+    end = 20 + int.from_bytes(data[12:16], "little")
+    document = json.loads(data[20:end])
+    (folder / "model.bin").write_bytes(data[end + 8 :])
+    Image.new("RGB", (2, 2), (90, 60, 30)).save(folder / "model.png")
+    document["buffers"][0]["uri"] = "model.bin"
+    document |= {"images": [{"uri": "model.png"}], "textures": [{"source": 0}]}
+    document["materials"][0].setdefault("pbrMetallicRoughness", {})["baseColorTexture"] = {"index": 0}
+    (folder / "model.gltf").write_text(json.dumps(document))
+    return folder / "model.gltf"
+
+
+@pytest.mark.parametrize("beside", ["model.bin", "model.png"])
+def test_a_file_beside_a_model_that_was_saved_while_it_was_read_is_read_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, beside: str
+) -> None:
+    """Of a model in several files each is decoded, and each is in the digest."""
+    shelf, real = ModelShelf(), model_shelf.load_gltf
+    file = in_parts(root() / "assets" / "models" / "touch" / "stone.glb", tmp_path)
+
+    def saved_meanwhile(*arguments: Any) -> Any:
+        model = real(*arguments)
+        (tmp_path / beside).write_bytes((tmp_path / beside).read_bytes() + b"more")  # as much as is needed is read
+        return model
+
+    monkeypatch.setattr(model_shelf, "load_gltf", saved_meanwhile)
+    first, _ = shelf.read(file, tmp_path)
+    monkeypatch.undo()
+    second, _ = shelf.read(file, tmp_path)
+    assert second is not first and shelf.read(file, tmp_path)[0] is second
 
 
 def test_a_component_that_a_test_changes_takes_effect_where_it_was_derived_already(made: list[str]) -> None:

@@ -5,10 +5,14 @@ from __future__ import annotations
 import errno
 import os
 import stat
+from contextlib import suppress
 from io import BufferedReader
 from pathlib import Path
 
-__all__ = ["open_regular", "read_or_nothing", "read_regular"]
+__all__ = ["Stamp", "open_regular", "read_or_nothing", "read_regular", "stamp_of"]
+
+Stamp = tuple[int, int, int]
+"""What differs after a file was saved again: its inode, the time of its last change [ns], its size [bytes]."""
 
 _NEVER_WAIT = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
 
@@ -42,6 +46,14 @@ def read_regular(path: str | os.PathLike[str], at_most: int | None = None) -> by
     """
     with open_regular(path) as stream:
         return stream.read() if at_most is None else stream.read(at_most)
+
+
+def stamp_of(path: Path) -> Stamp | None:
+    """Return the stamp of a file, None where there is none."""
+    with suppress(OSError):
+        found = path.stat()
+        return found.st_ino, found.st_mtime_ns, found.st_size
+    return None
 
 
 def read_or_nothing(path: Path) -> bytes:

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.contracts.errors import nearest
+from mimics_app.contracts.system.regular_file import Stamp
 from mimics_app.world.content.materials.material import Material, TextureData
 from mimics_app.world.files.gltf.accessors import GltfAccessors
 from mimics_app.world.files.gltf.buffers import GltfBuffers
@@ -106,6 +107,7 @@ class GltfDocument:
         raw: The whole JSON, extensions included.
         notes: Notes on content that was left out or repaired.
         files: Every file read, its own first.
+        stamps: State of each of the others before it was read, see `stamp_of`.
     """
 
     file: str
@@ -123,6 +125,7 @@ class GltfDocument:
     raw: dict[str, Any]
     notes: list[str]
     files: list[Path]
+    stamps: dict[Path, Stamp | None]
 
     @cached_property
     def _node_names(self) -> dict[str, list[int]]:
@@ -231,6 +234,7 @@ def _read(source: GltfSource) -> GltfDocument:
         source.json,
         source.notes,
         list(dict.fromkeys(source.files)),
+        source.stamps,
     )
 
 

@@ -15,6 +15,7 @@ from typing import Any, NoReturn, TypeVar
 
 from mimics_app.contracts.errors import Issue, SceneError, counted, short_text, singular
 from mimics_app.contracts.system.read_budget import READ_BUDGET
+from mimics_app.contracts.system.regular_file import Stamp, stamp_of
 from mimics_app.world.files.reading.file_bytes import read_bytes
 from mimics_app.world.files.reading.json_text import parse_json
 from mimics_app.world.files.reading.paths import PathFault, find_file
@@ -74,6 +75,7 @@ class GltfSource:
         issues: Faults found so far.
         notes: Notes on content that was left out or repaired, added by `note`.
         files: Every file read.
+        stamps: State of each file beside it before it was read first, see `stamp_of`.
         without_pictures: True notes a missing or broken image instead of refusing the file.
     """
 
@@ -85,6 +87,7 @@ class GltfSource:
     issues: list[Issue] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     files: list[Path] = field(default_factory=list)
+    stamps: dict[Path, Stamp | None] = field(default_factory=dict)
     without_pictures: bool = False
     _taken: int = 0
     _too_much: Issue | None = None
@@ -135,6 +138,8 @@ class GltfSource:
         except PathFault as fault:
             self.fail(pointer, fault.what, fault.fix)
         self.files.append(path)
+        if path not in self.stamps:
+            self.stamps[path] = stamp_of(path)
         return path
 
     def table(self, name: str) -> list[dict[str, Any]]:

@@ -5,11 +5,10 @@ from __future__ import annotations
 import hashlib
 from collections import deque
 from collections.abc import Sequence
-from contextlib import suppress
 from pathlib import Path
 from weakref import ref
 
-from mimics_app.contracts.system.regular_file import open_regular
+from mimics_app.contracts.system.regular_file import open_regular, stamp_of
 from mimics_app.world.files.gltf.file import GltfDocument, load_gltf
 
 __all__ = ["MODELS", "ModelShelf", "digest_of"]
@@ -36,14 +35,6 @@ def digest_of(files: Sequence[Path]) -> str:
     return digest.hexdigest()
 
 
-def _saved(path: Path) -> tuple[int, int, int] | None:
-    """Return what differs after a file was saved again, None where there is none."""
-    with suppress(OSError):
-        found = path.stat()
-        return found.st_ino, found.st_mtime_ns, found.st_size
-    return None
-
-
 class ModelShelf:
     """Models by file, for scenes to share: nothing changes a decoded model, and `MeshBuffer` copies a mesh."""
 
@@ -68,10 +59,11 @@ class ModelShelf:
         """
         known, digest = self._known(path, root)
         if known is None:
-            saved = _saved(path)
+            before = stamp_of(path)
             known = load_gltf(path, root)
             digest = digest_of(known.files)
-            if saved == _saved(path):  # else the digest may be that of bytes that nobody has decoded
+            stamps = {path: before, **known.stamps}
+            if all(stamp_of(file) == stamp for file, stamp in stamps.items()):  # else nobody may have decoded its bytes
                 self._decoded[path, root] = ref(known), digest
                 self._kept.append(known)
         return known, digest
