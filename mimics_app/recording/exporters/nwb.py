@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from datetime import UTC, datetime
 from pathlib import Path
@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any
 from uuid import NAMESPACE_URL, uuid5
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import UsageError
 from mimics_app.recording.event_log import to_json
 from mimics_app.recording.exporter_kinds import Exporter
 from mimics_app.recording.exporters._spool import Spool, spooled
-from mimics_app.recording.line_tables import attempts_table, gaps_table, text_of, timed_events
+from mimics_app.recording.line_tables import Rows, attempts_table, gaps_table, text_of, timed_events
 from mimics_app.recording.report_values import mapping
 from mimics_app.recording.run import Run
 from mimics_app.recording.series import series_of
@@ -107,20 +108,39 @@ def _add_series(pynwb: ModuleType, file: NWBFile, spool: Spool) -> None:
 
 def _lazy(spool: Spool, name: str) -> GenericDataChunkIterator:
     """Return a field as what the library reads chunk by chunk."""
+    return _chunked(
+        spool.shape(name),
+        np.dtype(np.float64),
+        lambda rows, *others: spool.rows_of(name, rows.start, rows.stop)[(slice(None), *others)],
+    )
+
+
+def _written(events: Rows) -> GenericDataChunkIterator:
+    """Return the events as JSON, which are made as they are written."""
+    return _chunked(
+        (len(events),),
+        np.dtype(object),
+        lambda rows: np.array([to_json(event).decode() for event in events[rows]], object),
+    )
+
+
+def _chunked(
+    shape: tuple[int, ...], dtype: np.dtype[Any], read: Callable[..., NDArray[Any]]
+) -> GenericDataChunkIterator:
+    """Return values of a shape that a function reads, by the slices along its axes, while they are written."""
     from hdmf.data_utils import GenericDataChunkIterator
 
     class _Chunks(GenericDataChunkIterator):  # type: ignore[misc]
-        def _get_data(self, selection: tuple[slice, ...]) -> np.ndarray:
-            return spool.rows_of(name, selection[0].start, selection[0].stop)[(slice(None), *selection[1:])]
+        def _get_data(self, selection: tuple[slice, ...]) -> NDArray[Any]:
+            return read(*selection)
 
         def _get_maxshape(self) -> tuple[int, ...]:
-            return spool.shape(name)
+            return shape
 
         def _get_dtype(self) -> np.dtype[Any]:
-            return np.dtype(np.float64)
+            return dtype
 
-    tail = spool.shape(name)[1:]
-    rows = (min(_ROWS, max(1, spool.rows)), *tail)
+    rows = (min(_ROWS, max(1, shape[0])), *shape[1:])
     return _Chunks(buffer_shape=rows, chunk_shape=rows)
 
 
@@ -134,10 +154,14 @@ def _add_tables(pynwb: ModuleType, file: NWBFile, run: Run) -> None:
         file.add_trial(start_time=row["begin_s"], stop_time=row["end_s"], **cells)
     events = timed_events(run)
     if events:
-        table = file.create_events_table(name="events", description="events of the recording as JSON objects")
-        table.add_column(name="annotation", description="all values of the event")
-        for event in events:
-            table.add_row(timestamp=event["t_s"], annotation=to_json(event).decode())
+        told = "events of the recording as JSON objects"
+        columns = [
+            pynwb.event.TimestampVectorData(
+                name="timestamp", description="time since tick 0 [s]", data=[event["t_s"] for event in events]
+            ),
+            pynwb.core.VectorData(name="annotation", description="all values of the event", data=_written(events)),
+        ]
+        file.add_events_table(pynwb.event.EventsTable(name="events", description=told, columns=columns))
 
 
 def _set_identities(file: NWBFile) -> None:
