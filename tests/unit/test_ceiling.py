@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -162,3 +164,15 @@ def test_the_launcher_says_so_on_the_card_of_a_scene():
     assert limits["kicking"] == "beyond the usual limits: force_limit 80 N, velocity_limit 2.5 m/s"
     assert limits["lokomat_wall"] == "beyond the usual limits: force_limit 80 N"
     assert {name for name, text in limits.items() if text} == {"kicking", "lokomat_obstacle", "lokomat_wall"}
+
+
+def test_two_programs_that_set_ceilings_at_once_lose_none() -> None:
+    code = (
+        "import sys; from mimics_app.app.touch.ceilings import set_ceiling\n"
+        "for n in range(40): set_ceiling(sys.argv[1], float(sys.argv[2])); set_ceiling(sys.argv[1], None)\n"
+        "set_ceiling(sys.argv[1], float(sys.argv[2]))"
+    )
+    values = {"force_limit": 11.0, "velocity_limit": 0.25}
+    setting = [subprocess.Popen([sys.executable, "-c", code, name, str(value)]) for name, value in values.items()]
+    assert [each.wait(timeout=120) for each in setting] == [0, 0]
+    assert {name: read_ceiling()[name] for name in values} == values

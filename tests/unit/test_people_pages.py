@@ -22,12 +22,13 @@ from mimics_app.app.study.people_pages import (
     list_content,
     person_content,
     settings_content,
+    told_fault,
 )
 from mimics_app.app.study.people_screen import show_people
 from mimics_app.app.study.studies import fit_of_code, studies_in, usual_study
 from mimics_app.app.study.study_folder import StudyFolder
 from mimics_app.app.terminal.participant import why_no_code
-from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.errors import SceneError, UsageError
 from mimics_app.contracts.messages.calibration_record import MEASURE_TITLES, CalibratedMeasure, Calibration
 from mimics_app.contracts.messages.window_input import InputEvent
 from mimics_app.contracts.system.language import LANGUAGES, speaking, translated
@@ -395,3 +396,17 @@ def test_choices_may_have_commas_and_fine_scales_are_typed() -> None:
     assert values["coarse"] == ["", "1000000", "1000001", "1000002"] and rows["fine"].typed  # type: ignore[union-attr]
     given = {"with": "partner, children", "coarse": "1000001", "fine": "0,5"}
     assert answers_given(form, given) == ({"with": "partner, children", "coarse": 1_000_001.0, "fine": 0.5}, "")
+
+
+def test_a_damaged_study_is_said_in_the_language_of_the_launcher(tmp_path: Path) -> None:
+    """File, line, what is wrong with it and what to do: nothing of it in English."""
+    study = usual_study(tmp_path)
+    study.find_or_add("P1")
+    (study.path / "participants.jsonl").write_bytes(b'{"participant": "P1"}\n')
+    with pytest.raises(SceneError) as damaged:
+        study.find("P1")
+    with speaking("de"):
+        assert told_fault(damaged.value) == (
+            f"{study.path / 'participants.jsonl'}: Zeile 1 ist beschädigt: „row“ fehlt; "
+            "die Datei oder diese Zeile wiederherstellen"
+        )

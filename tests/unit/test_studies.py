@@ -7,6 +7,7 @@ import json
 import re
 import stat
 import subprocess
+import sys
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -269,9 +270,63 @@ def test_names_that_cannot_be_read_are_not_replaced(study: StudyFolder, monkeypa
 
     monkeypatch.setattr("mimics_app.app.study.study_folder.read_regular", refuse)
     monkeypatch.setattr("mimics_app.contracts.system.regular_file.read_regular", refuse)
-    with pytest.raises(OutputError, match="Permission denied") as refused:
+    with pytest.raises(SceneError, match="Permission denied") as refused:
         study.of_name("Berta Beispiel")
-    assert refused.value.path == str(study.key_file) and study.key_file.read_bytes() == kept
+    assert refused.value.issues[0].file == str(study.key_file) and study.key_file.read_bytes() == kept
+
+
+def test_a_list_of_participants_that_cannot_be_read_is_not_replaced(
+    study: StudyFolder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nobody is added, changed or erased: what would be written in its place holds none of those it lists."""
+    person, listed = study.of_name(NAME), study.path / "participants.jsonl"
+    (study.folder_of(person) / "notes.jsonl").write_bytes(b"")
+    kept = {each: each.read_bytes() for each in study.path.parent.rglob("*") if each.is_file()}
+
+    def refuse(path: Path) -> bytes:
+        if path == listed:
+            raise PermissionError(13, "Permission denied", str(path))
+        return path.read_bytes()
+
+    monkeypatch.setattr("mimics_app.app.study.study_folder.read_regular", refuse)
+    for deed in (
+        lambda: study.find_or_add("P77"),
+        lambda: study.of_name("Berta Beispiel"),
+        lambda: study.with_settings(person, side="left"),
+        lambda: study.erase(person),
+    ):
+        with pytest.raises(SceneError, match="Permission denied") as refused:
+            deed()
+        assert refused.value.issues[0].file == str(listed)
+    assert {each: each.read_bytes() for each in study.path.parent.rglob("*") if each.is_file()} == kept
+
+
+def test_what_cannot_be_read_is_named_by_the_scan_of_an_erasure(
+    study: StudyFolder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where nobody may look, nothing is proven."""
+    person, locked = study.find_or_add("P1"), study.path / "locked.txt"
+    locked.write_text("of another user")
+
+    def refuse(path: Path) -> bytes:
+        if path == locked:
+            raise PermissionError(13, "Permission denied", str(path))
+        return path.read_bytes()
+
+    monkeypatch.setattr("mimics_app.app.study.study_folder.read_regular", refuse)
+    assert study.erase(person) == [locked]
+
+
+def test_participants_added_by_two_programs_at_once_are_all_there(study: StudyFolder) -> None:
+    """Each has a row of the squares of its own."""
+    code = (
+        "import sys; from pathlib import Path; from mimics_app.app.study.study_folder import StudyFolder\n"
+        "study = StudyFolder(Path(sys.argv[1]))\n"
+        "for n in range(15): study.find_or_add(f'{sys.argv[2]}{n}')"
+    )
+    adding = [subprocess.Popen([sys.executable, "-c", code, str(study.path), name]) for name in ("A", "B")]
+    assert [each.wait(timeout=120) for each in adding] == [0, 0]
+    assert sorted(each.row for each in study.participants) == list(range(30))
 
 
 def test_erase_says_where_somebody_wrote_the_name(study: StudyFolder, played: Played) -> None:

@@ -100,13 +100,15 @@ def _checked(name: str, item: Item, given: object) -> Answer:
     text = str(given).strip()
     if not text:
         if item.required:
-            raise UsageError(f'"{name}" has no answer', item_words(name, item))
+            raise UsageError(phrase('"{code}" has no answer', code=name), item_words(name, item))
         return ""
     if item.kind == "choice" and text not in item.choices:
-        raise UsageError(f'"{name}": "{text}" is none of the choices', item_words(name, item))
+        what = phrase('"{code}": "{file}" is none of the choices', code=name, file=text)
+        raise UsageError(what, item_words(name, item))
     if item.kind in ("text", "choice"):
         if len(text) > _LONGEST or not text.isprintable():
-            raise UsageError(f'"{name}" is too long or has control characters', f"give one line of {_LONGEST} at most")
+            what = phrase('"{code}" is too long or has control characters', code=name)
+            raise UsageError(what, phrase("give one line of {n:d} at most", n=_LONGEST))
         return text
     return _number(name, item, text)
 
@@ -121,7 +123,8 @@ def _number(name: str, item: Item, text: str) -> float:
     steps = (value - low) / item.step if item.kind == "scale" and item.step else 0.0
     if not (math.isfinite(value) and low <= value <= high and math.isclose(steps, round(steps), abs_tol=1e-9)):
         by = f" in steps of {item.step:g}" if item.step else ""
-        raise UsageError(f'"{name}": "{text}" is not a number that it takes', f"{item_words(name, item)}{by}")
+        what = phrase('"{code}": "{file}" is not a number that it takes', code=name, file=text)
+        raise UsageError(what, f"{item_words(name, item)}{by}")
     return value
 
 

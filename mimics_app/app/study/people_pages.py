@@ -35,6 +35,7 @@ __all__ = [
     "list_content",
     "person_content",
     "settings_content",
+    "told_fault",
 ]
 
 BACK, ADD, STUDY, CURVES = "back", "add", "study", "curves"
@@ -124,7 +125,7 @@ def _person_row(study: StudyFolder, participant: Participant) -> PageButton:
     try:
         words = _next_words(study, participant)
     except MimicsError as error:  # of a damaged file: the others can play
-        words = first_line(error)
+        words = told_fault(error)
     return PageButton(f"{PERSON}{participant.code}", participant.code, words)
 
 
@@ -375,3 +376,12 @@ def _answers(study: StudyFolder, participant: Participant) -> list[Curve]:
             values = [value for _, value in times]
             curves.append(Curve(known.items[item].label, "", values, [_session(session) for session, _ in times]))
     return curves
+
+
+def told_fault(error: MimicsError | OSError) -> str:
+    """Return what is wrong in the present language: the file, what is wrong with it, and what to do."""
+    if not isinstance(error, MimicsError):
+        return first_line(error)
+    issue = error.issues[0]
+    words = "; ".join(translated(each) for each in (issue.what, issue.fix) if each)
+    return f"{issue.file}: {words}" if issue.file else words

@@ -26,6 +26,7 @@ from mimics_app.app.study.people_pages import (
     list_content,
     person_content,
     settings_content,
+    told_fault,
 )
 from mimics_app.app.study.studies import studies_in, usual_study
 from mimics_app.app.study.study_export import write_participant_page
@@ -33,7 +34,7 @@ from mimics_app.app.study.study_folder import Participant, StudyFolder
 from mimics_app.app.study.study_runs import CALIBRATION, Answer, calibrate, find_next, play_next
 from mimics_app.app.terminal.participant import canonical_code, why_no_code
 from mimics_app.contracts.clock import FRAME_NS, MonotonicClock
-from mimics_app.contracts.errors import MimicsError, first_line
+from mimics_app.contracts.errors import MimicsError
 from mimics_app.contracts.system.language import speaking, spoken
 from mimics_app.contracts.system.phrases import phrase
 from mimics_app.rendering.visual.launcher.form_page import FormContent, FormPage
@@ -97,7 +98,7 @@ class _People:
             study = None if place is None else StudyFolder(place)
             return study, list_content(studies, study, self._take_notice())
         except (MimicsError, OSError) as error:
-            return None, list_content(studies, None, first_line(error))
+            return None, list_content(studies, None, told_fault(error))
 
     def _added(self, study: StudyFolder | None, place: Path | None, typed: str) -> tuple[StudyFolder | None, str]:
         """Add a participant, and a study where there is none; return both, the code "" where the text is none.
@@ -119,7 +120,7 @@ class _People:
         try:
             yield
         except (MimicsError, OSError) as error:
-            self._notice = first_line(error)
+            self._notice = told_fault(error)
 
     def _show_person(self, study: StudyFolder, code: str) -> None:
         group, focus = "", ""

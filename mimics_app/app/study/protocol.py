@@ -14,8 +14,9 @@ from mimics_app.app.scenes.scene_search import find_scene
 from mimics_app.app.settings import DIFFICULTIES
 from mimics_app.app.study.counterbalance import Order, order_of
 from mimics_app.app.study.forms import Form
-from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.errors import Issue, SceneError, first_line
 from mimics_app.contracts.messages.fit import FitLimits
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.recording.json_text import parse_object
 
@@ -104,10 +105,10 @@ def read_protocol(path: Path) -> Protocol:
     try:
         protocol = msgspec.convert(parse_object(read_regular(path, _LARGEST)), Protocol)
     except OSError as error:
-        raise SceneError(Issue(str(path), "", f"cannot be read: {error.strerror or error}")) from error
+        raise SceneError(Issue(str(path), "", phrase("cannot be read: {why}", why=error.strerror or error))) from error
     except (msgspec.ValidationError, ValueError) as error:
-        what, fix = f"is not a protocol of a study: {error}", "see docs/guide/studies.md"
-        raise SceneError(Issue(str(path), "", what, fix)) from error
+        what = phrase("is not a protocol of a study: {why}", why=first_line(error))
+        raise SceneError(Issue(str(path), "", what, phrase("see docs/guide/studies.md"))) from error
     if faults := _faults(path, protocol):
         raise SceneError(faults)
     return protocol
@@ -119,7 +120,14 @@ def _faults(path: Path, protocol: Protocol) -> list[Issue]:
         for name in block.conditions:
             if name not in protocol.conditions:
                 known = ", ".join(protocol.conditions) or "none"
-                found.append(Issue(str(path), f"/blocks/{i}", f'there is no condition "{name}"', f"known: {known}"))
+                found.append(
+                    Issue(
+                        str(path),
+                        f"/blocks/{i}",
+                        phrase('there is no condition "{condition}"', condition=name),
+                        f"known: {known}",
+                    )
+                )
     for name, form in protocol.forms.items():
         for item, about in form.items.items():
             if about.fault:

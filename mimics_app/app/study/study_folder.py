@@ -35,7 +35,9 @@ from mimics_app.app.terminal.participant import canonical_code, why_no_code
 from mimics_app.contracts.clock import wall_time
 from mimics_app.contracts.errors import Issue, OutputError, SceneError, UsageError, first_line, nearest
 from mimics_app.contracts.messages.calibration_record import Calibration
-from mimics_app.contracts.system.regular_file import read_or_nothing, read_regular
+from mimics_app.contracts.system.alone import alone_in
+from mimics_app.contracts.system.phrases import phrase
+from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.recording.event_log import to_json
 from mimics_app.recording.json_text import parse_object
 from mimics_app.recording.run_folder import PRIVATE_FILE, PRIVATE_FOLDER, write_atomically
@@ -106,7 +108,11 @@ class StudyFolder:
 
     def __init__(self, path: Path) -> None:
         if not (path / _PROTOCOL).is_file():
-            raise SceneError(Issue(str(path), "", "is not the folder of a study", "mimics study new FOLDER makes one"))
+            raise SceneError(
+                Issue(
+                    str(path), "", phrase("is not the folder of a study"), phrase("mimics study new FOLDER makes one")
+                )
+            )
         self.path = path
         self.protocol: Protocol = read_protocol(path / _PROTOCOL)
 
@@ -122,13 +128,15 @@ class StudyFolder:
         shutil.rmtree(scratch, ignore_errors=True)
         try:
             if os.path.lexists(path) and any(path.iterdir()):
-                raise OutputError(path, "this folder is not empty", "name another one: no study is overwritten")
+                what, fix = phrase("this folder is not empty"), phrase("name another one: no study is overwritten")
+                raise OutputError(path, what, fix)
             scratch.mkdir(mode=PRIVATE_FOLDER, parents=True)
             write_atomically(scratch / _PROTOCOL, json.dumps(protocol, indent=2, ensure_ascii=False).encode() + b"\n")
             read_protocol(scratch / _PROTOCOL)
             scratch.replace(path)
         except OSError as error:
-            raise OutputError(path, f"cannot be made: {error.strerror or error}", "name another folder") from error
+            what = phrase("cannot be made: {why}", why=error.strerror or error)
+            raise OutputError(path, what, phrase("name another folder")) from error
         finally:
             shutil.rmtree(scratch, ignore_errors=True)
         return cls(path)
@@ -167,7 +175,9 @@ class StudyFolder:
         code, known = canonical_code(text), self.participants
         found = next((each for each in known if each.code == code), None)
         if found is None:
-            raise UsageError(f'there is no participant "{code}"', nearest(code, [each.code for each in known]))
+            raise UsageError(
+                phrase('there is no participant "{code}"', code=code), nearest(code, [each.code for each in known])
+            )
         return found
 
     def find_or_add(self, text: str) -> Participant:
@@ -177,9 +187,13 @@ class StudyFolder:
             UsageError: The text is no code.
         """
         code = canonical_code(text)
-        why = why_no_code(code) or ("" if code else "a participant has a code, such as P07")
+        why = why_no_code(code) or ("" if code else phrase("a participant has a code, such as P07"))
         if why:
             raise UsageError(f'"{code}": {why}')
+        with alone_in(self.path):
+            return self._find_or_add(code)
+
+    def _find_or_add(self, code: str) -> Participant:
         known = self.participants
         for each in known:
             if each.code == code:
@@ -193,35 +207,36 @@ class StudyFolder:
         """Return the participant with a name, from the key file, where a new code is entered for a new name.
 
         Raises:
-            OutputError: The key file cannot be read.
+            SceneError: The key file or the list of participants cannot be read.
         """
-        names = self._names()
-        code = next((code for code, each in names.items() if each == canonical_code(name)), None)
-        if code is None:
-            taken = {each.code for each in self.participants} | names.keys()
-            code = next(text for n in range(1, len(taken) + 2) if (text := _NEW_CODE.format(n)) not in taken)
-            write_atomically(self.key_file, to_json({**names, code: canonical_code(name)}))
-        return self.find_or_add(code)
+        with alone_in(self.path):
+            names = self._names()
+            code = next((code for code, each in names.items() if each == canonical_code(name)), None)
+            if code is None:
+                taken = {each.code for each in self.participants} | names.keys()
+                code = next(text for n in range(1, len(taken) + 2) if (text := _NEW_CODE.format(n)) not in taken)
+                write_atomically(self.key_file, to_json({**names, code: canonical_code(name)}))
+            return self._find_or_add(code)
 
     def _names(self) -> dict[str, str]:
         """Return the names by code.
 
         Raises:
-            OutputError: The key file cannot be read, and would lose all names if it were written.
+            SceneError: The key file cannot be read, and would lose all names if it were written.
         """
+        data = _content(self.key_file)
         try:
-            data = read_regular(self.key_file)
-        except FileNotFoundError:
-            return {}
-        except OSError as error:
-            raise OutputError(self.key_file, f"cannot be read: {error.strerror or error}", "ask its owner") from error
-        return {code: str(name) for code, name in parse_object(data).items()} if data else {}
+            return {code: str(name) for code, name in parse_object(data).items()} if data else {}
+        except ValueError as error:
+            what = phrase("does not hold the names of participants: {why}", why=first_line(error))
+            raise SceneError(Issue(str(self.key_file), "", what, phrase("restore the file"))) from error
 
     def with_settings(self, participant: Participant, **settings: str) -> Participant:
         """Keep language, side, text or contrast of a participant for all runs that follow; return the participant."""
         changed = replace(participant, **settings)  # type: ignore[arg-type]
-        listed = [changed if each.code == participant.code else each for each in self.participants]
-        write_atomically(self.path / _PARTICIPANTS, b"".join(each.line for each in listed))
+        with alone_in(self.path):
+            listed = [changed if each.code == participant.code else each for each in self.participants]
+            write_atomically(self.path / _PARTICIPANTS, b"".join(each.line for each in listed))
         return changed
 
     def folder_of(self, participant: Participant) -> Path:
@@ -280,8 +295,8 @@ class StudyFolder:
         try:
             return [(int(line["session"]), msgspec.convert(line["calibration"], Calibration)) for line in _lines(file)]
         except (msgspec.ValidationError, KeyError, ValueError) as error:
-            what = f"does not hold calibrations: {error}"
-            raise SceneError(Issue(str(file), "", what, "restore the file, or remove it")) from error
+            what = phrase("does not hold calibrations: {why}", why=first_line(error))
+            raise SceneError(Issue(str(file), "", what, phrase("restore the file, or remove it"))) from error
 
     def write_note(self, participant: Participant, session: int, note: str) -> None:
         """Append a note of one line; earlier ones stay. It is on the disk when this returns."""
@@ -302,17 +317,22 @@ class StudyFolder:
         """Remove all files of a participant, the code among the participants and the name among the keys.
 
         Returns:
-            The files in which the code or the name is still found: none, unless somebody put them there.
+            The files in which the code or the name is still found: none, unless somebody put them there. One that
+            cannot be read is among them.
+
+        Raises:
+            SceneError: The list of the participants or of the names cannot be read; nothing is removed.
         """
-        names = self._names()
-        folder = self.folder_of(participant)
-        if folder.exists():
-            shutil.rmtree(folder)
-        kept = [each for each in self.participants if each != participant]
-        write_atomically(self.path / _PARTICIPANTS, b"".join(each.line for each in kept))
-        name = names.pop(participant.code, "")
-        if name:
-            write_atomically(self.key_file, to_json(names))
+        with alone_in(self.path):
+            names = self._names()
+            kept = [each for each in self.participants if each != participant]
+            folder = self.folder_of(participant)
+            if folder.exists():
+                shutil.rmtree(folder)
+            write_atomically(self.path / _PARTICIPANTS, b"".join(each.line for each in kept))
+            name = names.pop(participant.code, "")
+            if name:
+                write_atomically(self.key_file, to_json(names))
         return self.files_about(participant.code, name)
 
     def files_about(self, code: str, name: str = "") -> list[Path]:
@@ -328,14 +348,14 @@ class StudyFolder:
         sought = re.compile(b"|".join(texts))
         files = [each for each in self.path.rglob("*") if each.is_file()]
         files += [self.key_file] if self.key_file.is_file() else []
-        return [each for each in files if sought.search(read_or_nothing(each)) or sought.search(os.fsencode(each))]
+        return [each for each in files if sought.search(os.fsencode(each)) or _may_hold(each, sought)]
 
     def _session(self, participant: Participant, session: int) -> Path:
         return self.folder_of(participant) / f"ses-{session:03d}"
 
     def _append(self, file: Path, line: Mapping[str, object]) -> None:
         """Append a line, in place of one that a crash cut off, and flush it to the medium."""
-        content = read_or_nothing(file)
+        content = _content(file)
         if content and not content.endswith(b"\n"):
             os.truncate(file, content.rfind(b"\n") + 1)
         descriptor = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_APPEND, PRIVATE_FILE)
@@ -361,9 +381,9 @@ def _lines(file: Path, **types: type) -> list[dict[str, Any]]:
         types: What every line needs, by name.
 
     Raises:
-        SceneError: A line is damaged.
+        SceneError: The file cannot be read, or a line is damaged.
     """
-    content = read_or_nothing(file)
+    content = _content(file)
     found = []
     for number, text in enumerate(content[: content.rfind(b"\n") + 1].split(b"\n"), 1):
         if not text.strip():
@@ -371,12 +391,36 @@ def _lines(file: Path, **types: type) -> list[dict[str, Any]]:
         try:
             found.append(parse_object(text))
             wrong = next((name for name, kind in types.items() if not isinstance(found[-1].get(name), kind)), "")
-            why = wrong and f'it has no "{wrong}"'
+            why = wrong and phrase('it has no "{code}"', code=wrong)
         except ValueError as error:
             why = first_line(error)
         if why:
-            raise SceneError(Issue(str(file), "", f"line {number} is damaged: {why}", "restore the file, or that line"))
+            what = phrase("line {n:d} is damaged: {why}", n=number, why=why)
+            raise SceneError(Issue(str(file), "", what, phrase("restore the file, or that line")))
     return found
+
+
+def _content(file: Path) -> bytes:
+    """Return the bytes of a file, none of a missing one.
+
+    Raises:
+        SceneError: It cannot be read; what is written in its place would lose what it holds.
+    """
+    try:
+        return read_regular(file)
+    except FileNotFoundError:
+        return b""
+    except OSError as error:
+        what = phrase("cannot be read: {why}", why=error.strerror or error)
+        raise SceneError(Issue(str(file), "", what, phrase("ask its owner, or restore the file"))) from error
+
+
+def _may_hold(file: Path, sought: re.Pattern[bytes]) -> bool:
+    """Return whether a pattern is in a file, or may be: the file cannot be read."""
+    try:
+        return sought.search(read_regular(file)) is not None
+    except OSError:
+        return True
 
 
 def _forms(text: str) -> list[bytes]:

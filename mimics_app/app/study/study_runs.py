@@ -22,6 +22,7 @@ from mimics_app.app.terminal.output import say
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.messages.calibration_record import newest_of
 from mimics_app.contracts.messages.trial_counts import SESSION_ENDED
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.recording.calibrations import calibration_of
 from mimics_app.recording.event_log import to_json
 from mimics_app.recording.run import Run
@@ -189,7 +190,8 @@ def _attempt(study: StudyFolder, participant: Participant, session: int, begun: 
     for each in study.attempts(participant, session):
         if (each.run, each.attempt) == (begun["run"], begun["attempt"]):
             return each
-    raise UsageError(f"{participant.code} was erased during the session", "nothing of it is kept")
+    what = phrase("{code} was erased during the session", code=participant.code)
+    raise UsageError(what, phrase("nothing of it is kept"))
 
 
 def _question(found: Next, answer: Answer) -> tuple[str, str]:

@@ -5,14 +5,15 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.system.alone import alone_in
 from mimics_app.contracts.system.regular_file import read_regular
 from mimics_app.recording.run_folder import write_atomically
 
-__all__ = ["LAUNCHER", "config_file", "config_folder", "read_config", "read_strictly", "write_config"]
+__all__ = ["LAUNCHER", "change_config", "config_file", "config_folder", "read_config", "read_strictly", "write_config"]
 
 LAUNCHER = "launcher"
 """Name of the file with the last choice in the launcher."""
@@ -63,9 +64,23 @@ def read_strictly(name: str) -> dict[str, object]:
 
 def write_config(name: str, content: Mapping[str, object]) -> None:
     """Write the contents of a file; nothing happens where the folder cannot be written."""
+    _write(name, lambda: content)
+
+
+def change_config(name: str, change: Callable[[Mapping[str, object]], Mapping[str, object]]) -> None:
+    """Replace the contents of a file by what a function returns for them, while no other process writes it.
+
+    Raises:
+        UsageError: See `read_strictly`.
+    """
+    _write(name, lambda: change(read_strictly(name)))
+
+
+def _write(name: str, content: Callable[[], Mapping[str, object]]) -> None:
     try:
         folder = config_folder()
         folder.mkdir(parents=True, exist_ok=True)
-        write_atomically(folder / f"{name}.json", json.dumps(content, indent=1).encode())
+        with alone_in(folder):
+            write_atomically(folder / f"{name}.json", json.dumps(content(), indent=1).encode())
     except (OSError, RuntimeError):
         return

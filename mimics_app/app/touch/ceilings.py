@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import msgspec
 
-from mimics_app.app.terminal.user_files import read_strictly, write_config
+from mimics_app.app.terminal.user_files import change_config, read_strictly
 from mimics_app.contracts.errors import UsageError, require_choice
 from mimics_app.world.components.robot import Safety
 
@@ -130,8 +130,12 @@ def set_ceiling(name: str, value: float | None) -> None:
         UsageError: The limit is unknown, or the value is beyond what an operator may set.
     """
     _check(name, CEILINGS[name].conservative if value is None and name in CEILINGS else value)
-    kept = {other: each for other, each in read_strictly(FILE).items() if other != name}
-    write_config(FILE, kept if value is None else {**kept, name: value})
+
+    def change(kept: Mapping[str, object]) -> Mapping[str, object]:
+        others = {other: each for other, each in kept.items() if other != name}
+        return others if value is None else {**others, name: value}
+
+    change_config(FILE, change)
 
 
 def _check(name: str, value: object) -> None:
