@@ -39,6 +39,7 @@ class Choice(msgspec.Struct, forbid_unknown_fields=True):
         scene: Name of a shipped scene.
         participant: Code of the person.
         device: Device.
+        display: Display, as --display takes it.
         difficulty: One of three.
         trials: Number of trials that count.
         physio: Source of body signals.
@@ -51,6 +52,7 @@ class Choice(msgspec.Struct, forbid_unknown_fields=True):
     scene: Annotated[str, Meta(pattern=r"^[A-Za-z0-9_]+$", max_length=80)]
     participant: Word = ""
     device: Word = ""
+    display: Word = ""
     difficulty: Literal["easier", "usual", "harder"] = "usual"
     trials: Annotated[int, Meta(ge=0, le=10_000)] = 0
     physio: Word = ""
@@ -77,7 +79,7 @@ class Light(msgspec.Struct):
 
 def start_words(choice: Choice) -> list[str]:
     """Return the arguments of the program for a choice; "=": a value may begin with a hyphen."""
-    named = {"device": choice.device, "physio": choice.physio, "despite": choice.despite}
+    named = {"device": choice.device, "display": choice.display, "physio": choice.physio, "despite": choice.despite}
     if choice.study:
         answer = [f"--{choice.interrupted}"] if choice.interrupted else []
         options = shlex.join(["--console", *_given(named)])
@@ -91,7 +93,7 @@ def _given(named: Mapping[str, str]) -> list[str]:
 
 
 async def find_choices() -> dict[str, Any]:
-    """Return the scenes and devices of this installation, and the studies in the folder of the page."""
+    """Return the scenes, devices and displays of this installation, and the studies in the folder of the page."""
     scenes, devices = await asyncio.gather(_ask("scenes"), _ask("devices"))
     return {
         "scenes": [
@@ -100,8 +102,23 @@ async def find_choices() -> dict[str, Any]:
             if each.get("group") != "places"
         ],
         "devices": [{"name": each["name"], "title": each.get("about", "")} for each in devices.get("devices", [])],
+        "displays": [
+            *({"name": each["name"], "title": each["about"]} for each in _kinds(devices) if _is_ready(each)),
+            *({"name": each["write"], "title": ""} for each in devices.get("display_files", []) if not each["error"]),
+        ],
         "studies": sorted(filter(_can_be_chosen, (each.parent.name for each in Path().glob("*/study.json")))),
     }
+
+
+def _kinds(devices: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Return the kinds of display in the object of `mimics devices --json`."""
+    kinds: list[Mapping[str, Any]] = devices.get("display_kinds", [])
+    return kinds
+
+
+def _is_ready(kind: Mapping[str, Any]) -> bool:
+    """Return whether a kind of display is there, and needs no file."""
+    return not kind.get("error") and not str(kind["write"]).endswith(":FILE")
 
 
 def _can_be_chosen(study: str) -> bool:
@@ -117,14 +134,20 @@ async def find_lights(choice: Choice) -> list[Light]:
     """Return a light for each thing that a session of this choice needs."""
     first = _ask("study", "status", choice.study) if choice.study else _ask("scenes")
     found, devices, doctor = await asyncio.gather(first, _ask("devices"), _ask("doctor"))
-    what = study_light(choice, found) if choice.study else await _light_of_scene(choice, found)
-    return [what, device_light(choice, devices), signal_light(choice), *machine_lights(doctor)]
+    what = [study_light(choice, found)] if choice.study else await _lights_of_scene(choice, found)
+    return [
+        *what,
+        device_light(choice, devices),
+        signal_light(choice),
+        *machine_lights(doctor),
+        *shown_light(choice, devices),
+    ]
 
 
-async def _light_of_scene(choice: Choice, scenes: Mapping[str, Any]) -> Light:
+async def _lights_of_scene(choice: Choice, scenes: Mapping[str, Any]) -> list[Light]:
     file = next((each["file"] for each in scenes.get("scenes", []) if each["name"] == choice.scene), "")
     checked = await _ask("check", file) if file else {"errors": [{"what": f"there is no scene {choice.scene}"}]}
-    return scene_light(checked)
+    return [scene_light(checked), tracker_light(checked)]
 
 
 def machine_lights(doctor: Mapping[str, Any]) -> list[Light]:
@@ -213,6 +236,25 @@ def device_light(choice: Choice, devices: Mapping[str, Any]) -> Light:
         phrase("{device} is not installed", device=wanted),
         phrase("choose another one; mimics devices lists them"),
     )
+
+
+def shown_light(choice: Choice, devices: Mapping[str, Any]) -> list[Light]:
+    """Return the light of a display that was chosen; none for the usual one."""
+    if not choice.display:
+        return []
+    kind = next((each for each in _kinds(devices) if each["name"] == choice.display.partition(":")[0]), None)
+    why = phrase("{device} is not installed", device=choice.display) if kind is None else str(kind.get("error", ""))
+    remedy = phrase("choose another one; mimics devices lists them") if why else ""
+    return [Light(phrase("chosen display"), "red" if why else "green", why or choice.display, remedy)]
+
+
+def tracker_light(checked: Mapping[str, Any]) -> Light:
+    """Return the light of the trackers of a scene, by the object of `mimics check --json`."""
+    names = ", ".join(str(each) for file in checked.get("files", []) for each in file.get("trackers", []))
+    if not names:
+        return Light(phrase("trackers"), "green", phrase("none"))
+    remedy = phrase("switch them on; the session reports a tracker that it does not find")
+    return Light(phrase("trackers"), "amber", phrase("{file}: sought at the start", file=names), remedy)
 
 
 def signal_light(choice: Choice) -> Light:

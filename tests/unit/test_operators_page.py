@@ -31,9 +31,11 @@ from mimics_app.console.readiness import (
     find_choices,
     machine_lights,
     scene_light,
+    shown_light,
     signal_light,
     start_words,
     study_light,
+    tracker_light,
 )
 from mimics_app.console.stop_server import StopButton
 from mimics_app.console.supervisor import _GONE, _LEFT
@@ -229,10 +231,10 @@ def test_the_meeting_place_is_private_and_its_address_that_of_a_living_process(
 
 
 def test_a_choice_becomes_the_words_of_a_run_that_take_no_other_option() -> None:
-    hostile = Choice("wavy_tunnel", participant="--runs=/tmp", device="simulated_leg", trials=3, despite="disk: full")
+    hostile = Choice("wavy_tunnel", "--runs=/tmp", "simulated_leg", display="sbs", trials=3, despite="disk: full")
     args = parse(start_words(hostile))
     assert (args.participant, args.device, args.trials, args.difficulty) == ("--runs=/tmp", "simulated_leg", 3, "usual")
-    assert args.despite == "disk: full" and args.console == 8765 and str(args.runs) == "runs"
+    assert args.despite == "disk: full" and args.console == 8765 and str(args.runs) == "runs" and args.display == "sbs"
     for refused in (
         {"scene": "../x"},
         {"scene": "a", "trials": -1},
@@ -315,6 +317,12 @@ def test_lights_say_what_is_missing_and_what_to_do() -> None:
     devices = {"devices": [{"name": "serial"}]}
     assert device_light(Choice("a", device="serial:/dev/ttyUSB0"), devices).light == "green"
     assert device_light(Choice("a", device="unknown"), devices).light == "red"
+    kinds = {"display_kinds": [{"name": "sbs", "error": ""}, {"name": "openxr", "error": "no runtime"}]}
+    chosen = {each: shown_light(Choice("a", display=each), kinds) for each in ("", "sbs", "openxr", "hmd:a.json")}
+    assert chosen[""] == [] and [light.light for (light,) in list(chosen.values())[1:]] == ["green", "red", "red"]
+    assert tracker_light({}).light == "green"
+    sought = tracker_light({"files": [{"ok": True, "trackers": ["fastrak", "vrpn"]}]})
+    assert sought.light == "amber" and "fastrak, vrpn" in sought.found and sought.remedy
     assert [signal_light(Choice("a", physio=kind)).light for kind in ("", "sim:calm", "lsl:ECG")] == [
         "green",
         "green",

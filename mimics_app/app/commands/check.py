@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 __all__ = ["add_arguments", "examine", "run"]
 
 _MODELS = (".glb", ".gltf", ".vrm")
+_NO_DEVICES = ("scripted", "pointer", "tape")
+"""Kinds of trackers that nobody switches on."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -73,7 +75,16 @@ def examine(file: Path) -> dict[str, Any]:
 
     notes = [*scene.notes, *_notes_on_play(scene), *_notes_on_limits(scene), *map(with_line, hints(scene))]
     holds = {"entities": len(scene.entities), "materials": len(scene.materials), "assets": len(scene.assets)}
-    return {"file": str(file), "ok": True, "kind": "scene", "hash": scene.hash, "holds": holds, "notes": notes}
+    found = {"file": str(file), "ok": True, "kind": "scene", "hash": scene.hash, "holds": holds, "notes": notes}
+    return found | {"trackers": _trackers(scene)}
+
+
+def _trackers(scene: Scene) -> list[str]:
+    """Return the names of the devices that track the person; a simulated person is not one."""
+    from mimics_app.world.components.trackers import TrackersSettings
+
+    settings = scene.system(TrackersSettings) or TrackersSettings()
+    return [each.name for each in settings.devices if each.kind not in _NO_DEVICES]
 
 
 def _notes_on_play(scene: Scene) -> list[str]:

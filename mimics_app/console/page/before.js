@@ -57,11 +57,14 @@ export class Before {
     byId("choose-study").replaceChildren(new Option(t("none"), ""), ...choices.studies.map((name) => new Option(name, name)));
     const devices = choices.devices.map(({ name, title }) => new Option(t(title || name), name));
     byId("choose-device").replaceChildren(new Option(t("usual for the scene"), ""), ...devices);
+    const displays = choices.displays.map(({ name, title }) => new Option(t(title || name), name));
+    byId("choose-display").replaceChildren(new Option(t("usual for the scene"), ""), ...displays);
   }
 
   choice() {
     return {
       scene: byId("choose-scene").value, participant: byId("choose-participant").value.trim(), device: byId("choose-device").value,
+      display: byId("choose-display").value,
       study: byId("choose-study").value, interrupted: byId("choose-interrupted").value,
       difficulty: byId("choose-difficulty").value, trials: Number(byId("choose-trials").value) || 0, physio: byId("choose-physio").value.trim(),
     };

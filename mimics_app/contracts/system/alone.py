@@ -14,6 +14,8 @@ except ImportError:  # pragma: no cover - Windows: no locks
 
 __all__ = ["alone_in"]
 
+_LOCKS: bool = fcntl is not None
+
 
 @contextmanager
 def alone_in(folder: Path) -> Iterator[None]:
@@ -24,7 +26,7 @@ def alone_in(folder: Path) -> Iterator[None]:
     Raises:
         OSError: The folder is not there.
     """
-    if fcntl is None:
+    if not _LOCKS:
         yield
         return
     descriptor = os.open(folder, os.O_RDONLY)
