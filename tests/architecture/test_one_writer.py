@@ -34,7 +34,7 @@ READERS = {
 }
 """Modules that drain a ring or read a snapshot: they name these arrays and hand them to the reading calls alone."""
 
-PLAYS_THE_LOOP = {"app/replay_view/replay_window.py", "lab/audio/live_latency.py"}
+PLAYS_THE_LOOP = {"app/replay_view/replay_sound.py", "lab/audio/live_latency.py"}
 """A recording's view and a bench have no loop, and push the events themselves, into a memory of their own."""
 
 READING = {"drain", "peek", "room", "waiting", "acquire", "len", "wait_for_records", "RingReader", "RingHistory"}
