@@ -92,7 +92,7 @@ class SessionCard:
     edit: dict[str, object] = field(default_factory=dict)
 
     def shown(self, *, may_operate: bool) -> dict[str, object]:
-        """Return what of it a page is told; `edit`, which is of the person, is None for an address for viewing."""
+        """Return what of it a page gets; `edit`, which is of the person, is None for an address for viewing."""
         card: dict[str, object] = msgspec.to_builtins(self)
         kept = {name: value for name, value in card.items() if name not in ("capacities", "size", "version")}
         return kept if may_operate or not self.edit else {**kept, "edit": None}

@@ -22,7 +22,7 @@ from mimics_app.app.study.people_pages import (
     list_content,
     person_content,
     settings_content,
-    told_fault,
+    fault_words,
 )
 from mimics_app.app.study.people_screen import show_people
 from mimics_app.app.study.studies import fit_of_code, studies_in, usual_study
@@ -406,7 +406,7 @@ def test_a_damaged_study_is_said_in_the_language_of_the_launcher(tmp_path: Path)
     with pytest.raises(SceneError) as damaged:
         study.find("P1")
     with speaking("de"):
-        assert told_fault(damaged.value) == (
+        assert fault_words(damaged.value) == (
             f"{study.path / 'participants.jsonl'}: Zeile 1 ist beschädigt: „row“ fehlt; "
             "die Datei oder diese Zeile wiederherstellen"
         )

@@ -30,7 +30,7 @@ _POINT = [field.name for field in fields(PointSnapshot)]
 class ReplaySound:
     """Plays contacts, their forces, sliding, cues and orders of the frames of a run, as long as somebody listens.
 
-    A frame holds the events and forces since the frame before it. Live, they are heard one frame later than in the
+    A frame holds the events and forces since the frame before it. Live, they are played one frame later than in the
     session, so that the next frame comes before a sound that its forces drive runs out of them.
 
     Args:

@@ -35,7 +35,7 @@ __all__ = [
     "list_content",
     "person_content",
     "settings_content",
-    "told_fault",
+    "fault_words",
 ]
 
 BACK, ADD, STUDY, CURVES = "back", "add", "study", "curves"
@@ -125,7 +125,7 @@ def _person_row(study: StudyFolder, participant: Participant) -> PageButton:
     try:
         words = _next_words(study, participant)
     except MimicsError as error:  # of a damaged file: the others can play
-        words = told_fault(error)
+        words = fault_words(error)
     return PageButton(f"{PERSON}{participant.code}", participant.code, words)
 
 
@@ -378,7 +378,7 @@ def _answers(study: StudyFolder, participant: Participant) -> list[Curve]:
     return curves
 
 
-def told_fault(error: MimicsError | OSError) -> str:
+def fault_words(error: MimicsError | OSError) -> str:
     """Return what is wrong in the present language: the file, what is wrong with it, and what to do."""
     if not isinstance(error, MimicsError):
         return first_line(error)

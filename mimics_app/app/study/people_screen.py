@@ -26,7 +26,7 @@ from mimics_app.app.study.people_pages import (
     list_content,
     person_content,
     settings_content,
-    told_fault,
+    fault_words,
 )
 from mimics_app.app.study.studies import studies_in, usual_study
 from mimics_app.app.study.study_export import write_participant_page
@@ -98,7 +98,7 @@ class _People:
             study = None if place is None else StudyFolder(place)
             return study, list_content(studies, study, self._take_notice())
         except (MimicsError, OSError) as error:
-            return None, list_content(studies, None, told_fault(error))
+            return None, list_content(studies, None, fault_words(error))
 
     def _added(self, study: StudyFolder | None, place: Path | None, typed: str) -> tuple[StudyFolder | None, str]:
         """Add a participant, and a study where there is none; return both, the code "" where the text is none.
@@ -120,7 +120,7 @@ class _People:
         try:
             yield
         except (MimicsError, OSError) as error:
-            self._notice = told_fault(error)
+            self._notice = fault_words(error)
 
     def _show_person(self, study: StudyFolder, code: str) -> None:
         group, focus = "", ""

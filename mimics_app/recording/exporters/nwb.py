@@ -154,14 +154,14 @@ def _add_tables(pynwb: ModuleType, file: NWBFile, run: Run) -> None:
         file.add_trial(start_time=row["begin_s"], stop_time=row["end_s"], **cells)
     events = timed_events(run)
     if events:
-        told = "events of the recording as JSON objects"
+        about = "events of the recording as JSON objects"
         columns = [
             pynwb.event.TimestampVectorData(
                 name="timestamp", description="time since tick 0 [s]", data=[event["t_s"] for event in events]
             ),
             pynwb.core.VectorData(name="annotation", description="all values of the event", data=_written(events)),
         ]
-        file.add_events_table(pynwb.event.EventsTable(name="events", description=told, columns=columns))
+        file.add_events_table(pynwb.event.EventsTable(name="events", description=about, columns=columns))
 
 
 def _set_identities(file: NWBFile) -> None:
