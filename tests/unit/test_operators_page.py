@@ -168,7 +168,7 @@ def test_one_operator_at_a_time_with_a_hand_over() -> None:
 
 def test_an_address_for_viewing_is_not_told_what_was_changed_for_the_person() -> None:
     """A card, as it is shown to both roles: measures, files and the side are of the person."""
-    edit: dict[str, object] = {"avatar": "/home/anna/anna.glb", "fit": {"source": "sub-P07/ses-001/run"}}
+    edit: dict[str, object] = {"avatar": "people/anna/body.glb", "fit": {"source": "sub-P07/ses-001/run"}}
     words = {"scene": "s", "title": "S", "folder": "f", "device": "d", "participant": "P07", "scene_hash": "h"}
     card = SessionCard(
         version=VERSION, size=1, capacities=Capacities(), pid=1, simulated=True, has_policy=False, lost="pause",

@@ -18,11 +18,11 @@ from mimics_app.app.study.people_pages import (
     Person,
     answers_given,
     earlier_content,
+    fault_words,
     form_content,
     list_content,
     person_content,
     settings_content,
-    fault_words,
 )
 from mimics_app.app.study.people_screen import show_people
 from mimics_app.app.study.studies import fit_of_code, studies_in, usual_study

@@ -31,11 +31,11 @@ __all__ = [
     "Person",
     "answers_given",
     "earlier_content",
+    "fault_words",
     "form_content",
     "list_content",
     "person_content",
     "settings_content",
-    "fault_words",
 ]
 
 BACK, ADD, STUDY, CURVES = "back", "add", "study", "curves"

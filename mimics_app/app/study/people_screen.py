@@ -22,11 +22,11 @@ from mimics_app.app.study.people_pages import (
     Person,
     answers_given,
     earlier_content,
+    fault_words,
     form_content,
     list_content,
     person_content,
     settings_content,
-    fault_words,
 )
 from mimics_app.app.study.studies import studies_in, usual_study
 from mimics_app.app.study.study_export import write_participant_page
