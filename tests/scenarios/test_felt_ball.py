@@ -75,7 +75,7 @@ class Loop:
         point = SimpleNamespace(hip_world=self.foot, v_world=self.foot_velocity)
         speed = float(np.linalg.norm(self.foot_velocity))
         seen = SimpleNamespace(
-            bodies={"felt": tuple(self.place.tolist())},
+            bodies={"felt": tuple((self.place - 1e-9 * self.age_ns * self.velocity).tolist())},
             points=[SimpleNamespace(touching=self.touching, speed=speed)],
             now_ns=round(self.tick * FRAME * 1e9),
             snapshot=SimpleNamespace(points=(point,), t_ns=round(self.tick * FRAME * 1e9) - self.age_ns),
@@ -150,6 +150,23 @@ def test_how_old_the_state_of_the_loop_is_changes_no_velocity_of_who_walks() -> 
         loop.frame(ball, walker)
         ordered += [value[0] for field, value in felt.orders.items() if field.field == "velocity"]
     np.testing.assert_allclose(ordered[1:], -0.5, atol=1e-6)
+
+
+def test_how_old_the_state_of_the_loop_is_changes_no_velocity_of_the_ball() -> None:
+    """Who walks at 0.5 m/s and turns kicks it; in a frame whose newest state is old the loop did less, they did not."""
+    felt, ball, walker = FeltBall("felt", 0.2), SoccerBall(), Walker(GAITS["healthy"], 0)
+    loop, legs = Loop(felt), LegMotion(0.0, 0.0, 0.0, 0.0, 0.5)
+    walker.put(0.0, 0.0, math.pi)
+    ball.put(0.3, -0.6)
+    kicked, speeds = np.array([2.0, 0.0, 0.3]), []
+    for number in range(12):
+        walker.step_by_legs(legs, 0.0, FRAME)
+        loop.age_ns = (0, 12_000_000)[number % 2]
+        if number >= 4:
+            loop.touching, loop.velocity = 1, kicked
+        loop.frame(ball, walker)
+        speeds.append(ball.velocity.tolist())
+    np.testing.assert_allclose(speeds[6:], np.tile((0.3, 0.0, -2.5), (6, 1)), atol=1e-6)
 
 
 def test_a_ball_that_something_else_moves_is_the_tasks_again() -> None:

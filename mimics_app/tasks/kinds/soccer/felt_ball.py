@@ -72,6 +72,10 @@ class _Hips:
         own = (complex(moves[0], moves[2]) - self.moves) * self.ahead.conjugate() + 1j * self.turn * self.place(at)
         return np.array([own.real, moves[1], own.imag])
 
+    def over_ground(self, own: complex, place: complex) -> complex:
+        """Return the velocity over the ground [m/s] of what the person sees moving by `own` at a place."""
+        return (own - 1j * self.turn * place) * self.ahead + self.moves
+
     def place(self, at: F8) -> complex:
         """Return a place on the ground as seen by the person [m]."""
         return (complex(at[0], at[2]) - self.at) * self.ahead.conjugate()
@@ -82,13 +86,11 @@ class _Seen(NamedTuple):
 
     Attributes:
         place: As the person sees it [m].
-        at: Over the ground, x + i z [m].
-        t_ns: Time [ns].
+        t_ns: Time of that place, the loop's [ns].
         touched: Whether a foot touched it in the hundredths of a second before.
     """
 
     place: Vec3
-    at: complex
     t_ns: int
     touched: bool
 
@@ -140,13 +142,13 @@ class FeltBall:
         feet = [point.speed for point in seen.points if point.touching]
         begins, self._touched = bool(feet) and not self._touched, bool(feet)
         hips = self._hips = _Hips.of(walker, self._hips, seen.now_ns)  # the walker goes by frames
-        body = _Seen(place, hips.at + hips.ahead * complex(place[0], place[2]), seen.snapshot.t_ns, bool(feet))
+        body = _Seen(place, seen.snapshot.t_ns, bool(feet))
         moves = hips.velocity(ball.velocity, ball.place)
         near = any(_meet_soon(point, body, moves) for point in seen.snapshot.points)
         if self._is_moved_by_others(ball):
             self.held = near = False
         elif self.held or self._touched:
-            self.held = self._take(body, ball) or near
+            self.held = self._take(body, ball, hips) or near
         if not self.held:
             self._place(body, ball, hips)
             self.held, self._before = near, None
@@ -160,16 +162,18 @@ class FeltBall:
         place, velocity = self._given
         return not (np.array_equal(ball.place, place) and np.array_equal(ball.velocity, velocity))
 
-    def _take(self, body: _Seen, ball: SoccerBall) -> bool:
+    def _take(self, body: _Seen, ball: SoccerBall, hips: _Hips) -> bool:
         """Give place and velocity of the body to the ball; return whether a foot may still have pushed it."""
         before, self._before = self._before, body
-        radius = ball.spec.radius
-        ball.place[:] = body.at.real, max(radius + body.place[1] - self._height, radius), body.at.imag
+        radius, (x, y, z) = ball.spec.radius, body.place
+        at = hips.at + hips.ahead * complex(x, z)
+        ball.place[:] = at.real, max(radius + y - self._height, radius), at.imag
         if before is None or body.t_ns <= before.t_ns:
             return True
-        seconds = (body.t_ns - before.t_ns) * 1e-9
-        moves, up = (body.at - before.at) / seconds, (body.place[1] - before.place[1]) / seconds
-        ball.velocity[:] = moves.real, max(up, 0.0), moves.imag
+        seconds = (body.t_ns - before.t_ns) * 1e-9  # of the loop; the hips move by the time of the frames
+        was_x, was_y, was_z = before.place
+        moves = hips.over_ground(complex(x - was_x, z - was_z) / seconds, complex(x, z))
+        ball.velocity[:] = moves.real, max((y - was_y) / seconds, 0.0), moves.imag
         return body.touched or before.touched
 
     def _place(self, body: _Seen, ball: SoccerBall, hips: _Hips) -> None:
