@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass, field
 
@@ -215,6 +216,16 @@ def test_grasp_keys_step_and_g_squeezes_while_held():
     assert grasp.read(frame(), 9.0) == 20.0
     assert grasp.read(frame(key("g", False)), 0.25) == pytest.approx(10.0)
     assert grasp.read(frame(), 9.0) == 1.0
+
+
+@pytest.mark.parametrize("hz", [60, 30, 10])
+def test_a_quick_click_closes_the_hand_like_a_slow_one(hz: int):
+    """A person's click, 0.05 s from press to release, also within one frame: 4 N count as closed hand (`Throttle`)."""
+    grasp, down, up = (GraspControl(20.0), *(InputEvent("button", "left", pressed) for pressed in (True, False)))
+    frames = [frame(down), frame(), frame(), frame(up)] if hz == 60 else [frame(down, up)]
+    forces = [grasp.read(each, 1.0 / hz) for each in [*frames, *[frame()] * hz]]
+    assert max(forces) >= 4.0 and forces[-1] == 0.0
+    assert sum(later > 4.0 >= before for before, later in itertools.pairwise(forces)) <= 1
 
 
 def test_trigger_squeezes_and_rests_at_nothing():

@@ -24,6 +24,8 @@ _HOLD_KEY = "g"
 _HOLD_BUTTON = "left"
 _BUTTON_SHARE = 0.5
 """Grasp force of the mouse button, as a share of the largest: a firm but easy grip."""
+_TAP_S = 0.2
+"""Shortest squeeze by a key or button [s]: in a click of 0.05 to 0.12 s the force would hardly begin to rise."""
 _MORE, _LESS = ("page_up", "equal", "kp_add"), ("page_down", "minus", "kp_subtract")
 
 
@@ -74,6 +76,25 @@ class PointerSettings:
     grasp_full: float = 20.0
 
 
+@dataclass(slots=True)
+class _Press:
+    """A key or button that squeezes while it is down, and for a while after a tap, which one frame may hold whole."""
+
+    down: bool = False
+    rest_s: float = 0.0
+
+    def take(self, *, pressed: bool) -> None:
+        self.down = pressed
+        if pressed:
+            self.rest_s = _TAP_S
+
+    def squeezes(self, seconds: float) -> bool:
+        """Return whether it squeezes in a frame of `seconds` [s]."""
+        squeezes = self.down or self.rest_s > 0.0
+        self.rest_s = max(self.rest_s - seconds, 0.0)
+        return squeezes
+
+
 class GraspControl:
     """Grasp force from 0 to `full` [N].
 
@@ -92,8 +113,7 @@ class GraspControl:
         self._rise = 2.0 * full if rise is None else rise
         self._level = 0.0
         self._squeeze = 0.0
-        self._held = False
-        self._button = False
+        self._key, self._button = _Press(), _Press()
 
     def read(self, window: WindowFrame, seconds: float) -> float:
         """Return the grasp force [N] after one frame of `seconds` [s]."""
@@ -105,11 +125,11 @@ class GraspControl:
             elif event.kind == "key" and event.pressed and event.name in _LESS:
                 self._change(-1.0)
             elif event.kind == "key" and event.name == _HOLD_KEY:
-                self._held = event.pressed
+                self._key.take(pressed=event.pressed)
             elif event.kind == "button" and event.name == _HOLD_BUTTON:
-                self._button = event.pressed
-        wish = self._full if self._held else _BUTTON_SHARE * self._full if self._button else 0.0
-        self._squeeze_towards(wish, seconds)
+                self._button.take(pressed=event.pressed)
+        key, button = self._key.squeezes(seconds), self._button.squeezes(seconds)
+        self._squeeze_towards(self._full if key else _BUTTON_SHARE * self._full if button else 0.0, seconds)
         return max(self._level, self._squeeze, self._trigger(window))
 
     def _squeeze_towards(self, force: float, seconds: float) -> None:
