@@ -13,7 +13,7 @@ from mimics_app.contracts.messages.stage_messages import GAIN
 from mimics_app.tasks.actions import TARGET_GROUPS, haptic_target, task_targets
 from mimics_app.tasks.kinds.kind import Fault
 from mimics_app.tasks.kinds.registry import task_kinds
-from mimics_app.tasks.task import ActionDeed, MapSpec, ParameterSpec, ScorePartSpec, ScoreSpec, TaskSpec
+from mimics_app.tasks.task import ActionDeed, MapSpec, ParameterSpec, ScoreSpec, TaskSpec
 from mimics_app.tasks.trial_specs import BlockSpec
 from mimics_app.world.files.reading.json_text import escape
 
@@ -37,9 +37,10 @@ def check_task(spec: TaskSpec, pointer: str = "/task", file: str = "") -> list[I
         for j, deed in enumerate(trigger.do):
             if isinstance(deed, ActionDeed):
                 faults += _check_values(deed.values, spec.parameters, f"{pointer}/triggers/{i}/do/{j}/values")
-    for name in ScoreSpec.__struct_fields__:
-        faults += _check_score_part(getattr(spec.score, name), f"{pointer}/score/{name}")
-    faults += _check_weights(spec, f"{pointer}/score")
+    faults += _check_score(spec.score, f"{pointer}/score")
+    for name, other in spec.devices.items():
+        if other.score is not None:
+            faults += _check_score(other.score, f"{pointer}/devices/{escape(name)}/score")
     for kind in task_kinds():
         faults += kind.check(spec, pointer)
     issues = [Issue(file, place, what, fix) for place, what, fix in faults]
@@ -154,13 +155,12 @@ def _check_values(values: Mapping[str, float], known: Mapping[str, ParameterSpec
             yield place, _outside(value, known[name]), "choose a value inside the limits"
 
 
-def _check_score_part(part: ScorePartSpec, pointer: str) -> Iterator[Fault]:
-    if part.best == part.worst:
-        yield f"{pointer}/worst", "is the same as best, so nothing lies between", "set them apart"
-
-
-def _check_weights(spec: TaskSpec, pointer: str) -> Iterator[Fault]:
-    if not sum(getattr(spec.score, name).weight for name in ScoreSpec.__struct_fields__) > 0.0:
+def _check_score(score: ScoreSpec, pointer: str) -> Iterator[Fault]:
+    parts = {name: score.part(name) for name in ScoreSpec.__struct_fields__}
+    for name, part in parts.items():
+        if part.best == part.worst:
+            yield f"{pointer}/{name}/worst", "is the same as best, so nothing lies between", "set them apart"
+    if not sum(part.weight for part in parts.values()) > 0.0:
         yield pointer, "all weights are zero", "give at least one measure a weight"
 
 

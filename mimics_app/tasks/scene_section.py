@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, TypeVar
 
+from msgspec.structs import replace
+
 from mimics_app.contracts.errors import Issue, SceneError, nearest
 from mimics_app.tasks.cards import CARDS
 from mimics_app.tasks.check import check_task, object_of_target
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.kinds.tunnel.kind import has_tunnel
-from mimics_app.tasks.task import DurationGoal, SoundDeed, TaskSpec
+from mimics_app.tasks.task import DeviceTask, DurationGoal, SoundDeed, TaskSpec
 from mimics_app.tasks.trial_file import resolve_trials
 from mimics_app.world.components.registry import Component, register_check, register_section
 from mimics_app.world.components.robot import Tunnel
@@ -28,8 +30,11 @@ _WITHOUT_A_TASK = TaskSpec(goals=[DurationGoal(seconds=60.0)], time_limit_s=120.
 
 
 def task_of(scene: Scene) -> TaskSpec:
-    """Return the task of a scene; by default to travel its tunnel, else one minute of free movement."""
-    return scene.section(TaskSpec) or (TaskSpec() if scene.components(Tunnel) else _WITHOUT_A_TASK)
+    """Return the task of a scene with its device; by default to travel its tunnel, else one minute of free movement."""
+    task = scene.section(TaskSpec) or (TaskSpec() if scene.components(Tunnel) else _WITHOUT_A_TASK)
+    other = task.devices.get(scene.device, DeviceTask())
+    instructions, score = other.instructions or task.instructions, other.score or task.score
+    return replace(task, devices={}, instructions=instructions, score=score)
 
 
 def section_of(scene: Scene, section: type[S]) -> S:
@@ -50,7 +55,9 @@ def check_section(spec: TaskSpec, scene: Scene) -> list[Issue]:
     issues = [scene.issue(issue.pointer, issue.what, issue.fix) for issue in check_task(spec)]
     kinds = [issue for kind in task_kinds() for issue in kind.check_scene(spec, scene)]
     named = [*_check_sounds(spec, scene), *_check_names(spec, scene), *_check_fitting(spec, scene)]
-    return [*issues, *kinds, *named, *_check_trial_file(spec, scene)]
+    devices = {f"/task/devices/{escape(name)}": name for name in spec.devices}
+    unknown = scene.check_names(devices, "the section devices has no", scene.devices)
+    return [*issues, *kinds, *named, *unknown, *_check_trial_file(spec, scene)]
 
 
 def _check_sounds(spec: TaskSpec, scene: Scene) -> list[Issue]:

@@ -23,6 +23,7 @@ __all__ = [
     "ActionKind",
     "ContactCondition",
     "Deed",
+    "DeviceTask",
     "DurationGoal",
     "EnterCondition",
     "ExitCondition",
@@ -295,6 +296,13 @@ else:
     ScoreSpec = _with_fields("ScoreSpec", _ScoreBase, _score_fields())
 
 
+class DeviceTask(Component, frozen=True):
+    """What of a task is other with a device."""
+
+    instructions: Annotated[str, Meta(description="As of the task; '': those of the task.")] = ""
+    score: Annotated[ScoreSpec | None, Meta(description="As of the task; null: that of the task.")] = None
+
+
 S = TypeVar("S", bound=Component)
 
 
@@ -331,6 +339,10 @@ class _TaskBase(Component, frozen=True):
             "with H; '': the scene's description."
         ),
     ] = ""
+    devices: Annotated[
+        dict[str, DeviceTask],
+        Meta(description="What is other for who plays with a device of the scene's section devices, by its name."),
+    ] = field(default_factory=dict)
     fitting: Annotated[
         FittingSpec | None,
         Meta(

@@ -13,12 +13,16 @@ from mimics_app.app.api.opened import Opened
 from mimics_app.app.play.scene_sound_file import write_sound
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import RunSettings
+from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.system.resources import root
 from mimics_app.maths.gait_series import natural_cadence
+from mimics_app.tasks.kinds.city_walk.kind import Walked
+from mimics_app.tasks.scene_section import task_of
 from mimics_app.world.components.follow import Follow
 from mimics_app.world.components.robot import Robot
 from mimics_app.world.components.visible import CameraComponent
+from tests.support.scenes import write
 
 SCENES = root() / "scenes"
 VIEWS = ["ego", "shoulder", "side", "front", "top", "free"]
@@ -163,3 +167,13 @@ def test_every_walk_is_played_in_the_gait_orthosis_and_by_hand() -> None:
         assert robot is not None and robot.device == "lokomat:sim"
         assert {each.id for each in hand.entities} - {each.id for each in legs.entities} == set()
         assert hand.hash != legs.hash
+        assert "hand" in task_of(hand).instructions and "hand" not in task_of(legs).instructions
+        ends = [goal.distance(True) for goal in task_of(legs).goals if isinstance(goal, Walked)]
+        assert all(f"{metres:.0f} m" in task_of(legs).instructions for metres in ends)
+
+
+def test_a_task_for_a_device_without_entities_is_refused(tmp_path: Path) -> None:
+    document = json.loads((SCENES / "city_walk.json").read_text())
+    document["task"]["devices"]["glove"] = {"instructions": "Close the hand."}
+    with pytest.raises(SceneError, match='/task/devices/glove: the section devices has no "glove"'):
+        load_checked_scene(write(tmp_path, document))

@@ -163,8 +163,10 @@ def test_the_page_of_every_task_fits(code: str, size: tuple[int, int], watched: 
     hud = board_canvas(size, watched)
     with speaking(code):
         for scene in shipped_scenes():
-            words = json.loads(scene.file.read_text("utf-8")).get("task", {}).get("instructions") or scene.description
-            for picture in (None, thumbnail_of(scene.name)):
+            task = json.loads(scene.file.read_text("utf-8")).get("task", {})
+            others = [each["instructions"] for each in task.get("devices", {}).values()]
+            texts = [task.get("instructions") or scene.description, *others]
+            for words, picture in itertools.product(texts, (None, thumbnail_of(scene.name))):
                 page = task_page(scene.title, words, "at the pointer", "right foot", picture)
                 hud.clear()
                 draw_page(hud, KeyPage(page.keys, page.title, page.words, "Enter, click or gamepad A: begin", picture))

@@ -173,7 +173,7 @@ class PaperScene:
     def __init__(self, folder, sounds=("goal",)):
         self.file, self.root, self._sounds = str(folder / "scene.json"), folder, sounds
         self.path = folder / "scene.json"
-        self.entities = ()
+        self.entities, self.devices = (), ()
         self.by_id = {}
         self.document = {}
 

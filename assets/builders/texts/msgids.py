@@ -161,6 +161,7 @@ def _read_scene(document: Mapping[str, Any]) -> Iterator[str]:
     task = document.get("task") or {}
     yield from (part[name] for part in (document, task) for name in _IN_SCENE if part.get(name))
     yield from (text for text in task.get("messages", {}).values() if text)
+    yield from (each["instructions"] for each in task.get("devices", {}).values() if each.get("instructions"))
     for trigger in task.get("triggers", ()):
         yield from (deed["text"] for deed in trigger.get("do", ()) if "text" in deed)
     for entity in (*document.get("entities", ()), *document.get("prefabs", {}).values()):

@@ -38,9 +38,10 @@ def walk_values(walker: Walker, seconds: float) -> Values:
     }
 
 
-def speed_card(speed: float, fastest: float) -> Card:
-    """Return the card of the speed [m/s], with a bar up to the fastest, which says how to stop."""
-    return Card(phrase("Speed (down: stop)"), f"{speed:.1f} m/s", bar=Bar(speed, fastest), width=260.0)
+def speed_card(speed: float, fastest: float, *, led: bool) -> Card:
+    """Return the card of the speed [m/s], with a bar up to the fastest; it says how to stop, who is led by Space."""
+    caption = phrase("Speed (Space: stop)") if led else phrase("Speed (down: stop)")
+    return Card(caption, f"{speed:.1f} m/s", bar=Bar(speed, fastest), width=260.0)
 
 
 def symmetry_card(falls: Footfalls) -> Card:

@@ -180,13 +180,13 @@ class Crossing:
         return self._rests_s > 0.0
 
     def step(
-        self, speed: float, lean: float, seconds: float, legs: LegMotion | None = None
+        self, speed: float, lean: float | None, seconds: float, legs: LegMotion | None = None
     ) -> tuple[list[FootPlace], list[FootPlace], bool]:
         """Walk for a time.
 
         Args:
             speed: Wanted speed [m/s].
-            lean: Lean to the right, -1 to 1.
+            lean: Lean to the right, -1 to 1; None: the person is kept in their line, whatever blows.
             seconds: Time step [s].
             legs: Legs in an orthosis, which walk instead; None: the person's own.
 
@@ -197,7 +197,7 @@ class Crossing:
         gust = self._wind.blow(exposure(self.along, self.beam.begins, self.beam.ends), seconds)
         self._rests_s = max(self._rests_s - seconds, 0.0)
         moving = 0.0 if self.rests else min(1.0, walker.speed / 0.2)
-        aside = moving * (_LEAN * lean + _PUSH * self._wind.push)
+        aside = 0.0 if lean is None else moving * (_LEAN * lean + _PUSH * self._wind.push)
         self._before = self.along
         if legs is None:
             feet = walker.step(0.0 if self.rests else speed, 0.0, seconds, (aside, 0.0))

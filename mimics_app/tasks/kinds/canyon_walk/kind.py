@@ -19,6 +19,7 @@ from mimics_app.tasks.deflection import DEAD_ZONE
 from mimics_app.tasks.kinds.canyon_walk.crossing import Beam, BeamSway, Crossing
 from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, TaskBlock, TaskKind, Values
 from mimics_app.tasks.observation import Observation
+from mimics_app.tasks.walking.hip_steering import HipSteering
 from mimics_app.tasks.walking.legs import GAITS
 from mimics_app.tasks.walking.throttle import Throttle
 from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, WalkSection, speed_card, symmetry_card, walk_values
@@ -49,6 +50,17 @@ _CREAK_PER_STEP = 0.35
 """Strength of the creak of the beam under a foot."""
 _GUST_SAID = 0.3
 """Push of a gust from which on it is said where it comes from."""
+_AGAINST = {
+    "left": (
+        phrase("A gust from the left: lean to the left"),
+        phrase("A gust from the left: swing the right leg further"),
+    ),
+    "right": (
+        phrase("A gust from the right: lean to the right"),
+        phrase("A gust from the right: swing the left leg further"),
+    ),
+}
+"""What to do against a gust by where it comes from: by hand, and by the hips."""
 _GUST_FROM = 4.0
 """Distance aside from which a gust is heard [m]."""
 
@@ -74,6 +86,13 @@ class CanyonWalkSpec(Component, frozen=True):
     gait: Annotated[
         Literal["healthy", "hemiparetic", "severe"], Meta(description="Legs of who walks without an orthosis.")
     ] = "healthy"
+    heading: Annotated[
+        Literal["path", "hips"],
+        Meta(
+            description="Where who walks in an orthosis goes: straight on, or to the side to which they turn by "
+            "swinging the other leg further."
+        ),
+    ] = "path"
     fastest: Annotated[float, Meta(gt=0.0, le=2.5, description="Speed at full deflection of the hand [m/s].")] = 1.3
     deflection: Annotated[float, Meta(gt=DEAD_ZONE, le=0.5, description="Full deflection of the hand [m].")] = 0.1
     cues: Annotated[
@@ -124,6 +143,7 @@ class CanyonWalkPlay(KindPlay):
         self._crossing = Crossing(self._beam, GAITS[spec.gait], self._section.begin, seed, calm=spec.calm)
         self._seconds, self._trembles = 0.0, 0.0
         self._sway, self._gusts = BeamSway(), 0
+        self._hips = HipSteering() if self.led and spec.heading == "hips" else None
         self._cue_s = [_CUE_S] * len(spec.cues)
 
     def start_attempt(self, seen: Observation) -> None:
@@ -144,9 +164,9 @@ class CanyonWalkPlay(KindPlay):
             throttle = self._throttle
             feet, missed, gust = crossing.step(self._spec.fastest * throttle.ahead, throttle.aside, seconds)
         else:
-            feet, missed, gust = crossing.step(
-                0.0, 0.0, seconds, self._orthosis.read(seen.q, strikes_in(seen), seconds)
-            )
+            legs = self._orthosis.read(seen.q, strikes_in(seen), seconds)
+            lean = None if self._hips is None else self._hips.read(legs, seconds)
+            feet, missed, gust = crossing.step(0.0, lean, seconds, legs)
         self._seconds += seconds
         self._trembles = max(self._trembles - 2.0 * seconds, 0.0)
         creaks = self._sway.swing(crossing.wind.strength, seconds)
@@ -211,16 +231,17 @@ class CanyonWalkPlay(KindPlay):
     @property
     def prompt(self) -> str:
         crossing = self._crossing
+        if crossing.rests and self.led:
+            return phrase("Never mind. You are back on the beam: breathe, then walk on")
         if crossing.rests:
             return phrase("Never mind. You are back on the beam: breathe, then raise the hand")
         if self._orthosis is None and crossing.walker.speed < STANDS:
             return phrase("Raise the hand to walk, lower it to stop; move it aside to lean")
         push = crossing.wind.push
-        if abs(push) < _GUST_SAID:
+        if abs(push) < _GUST_SAID or (self.led and self._hips is None):
             return ""
-        if push > 0.0:
-            return phrase("A gust from the left: lean to the left")
-        return phrase("A gust from the right: lean to the right")
+        by_hand, by_hips = _AGAINST["left" if push > 0.0 else "right"]
+        return by_hips if self.led else by_hand
 
     @property
     def measures(self) -> Values:
@@ -250,7 +271,7 @@ class CanyonWalkPlay(KindPlay):
         crossing, left = self._crossing, max(self._section.end - self._crossing.along, 0.0)
         tone = Tone.WARN if crossing.missteps else Tone.PLAIN
         return {
-            "speed": speed_card(crossing.walker.speed, self._spec.fastest),
+            "speed": speed_card(crossing.walker.speed, self._spec.fastest, led=self.led),
             "left": Card(phrase("To go"), f"{left:.0f} m", width=150.0),
             "steps": count_card(phrase("Steps"), crossing.walker.footfalls.count),
             "missteps": Card(phrase("Missteps"), f"{crossing.missteps}", tone=tone, width=150.0),

@@ -196,7 +196,7 @@ class CityWalkPlay(KindPlay):
         return self._along >= goal.distance(self._orthosis is not None)
 
     def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:
-        speed = speed_card(self._speed, self._spec.fastest)
+        speed = speed_card(self._speed, self._spec.fastest, led=self.led)
         walked = phrase("{metres:.0f} of {all:.0f} m", metres=self._along, all=self._metres)
         even = symmetry_card(self._walker.footfalls)
         return {

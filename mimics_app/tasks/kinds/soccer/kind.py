@@ -22,6 +22,7 @@ from mimics_app.tasks.kinds.soccer.felt_ball import FeltBall
 from mimics_app.tasks.kinds.soccer.match import PACE, Happening, Match, Pitch
 from mimics_app.tasks.kinds.soccer.mind import Mind, PlayerView, turn_to_ball
 from mimics_app.tasks.observation import Observation
+from mimics_app.tasks.walking.hip_steering import HipSteering
 from mimics_app.tasks.walking.legs import GAITS
 from mimics_app.tasks.walking.throttle import Throttle
 from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, WalkSection, speed_card, symmetry_card, walk_values
@@ -77,6 +78,8 @@ OPPONENT_SHOWN: Player = (Feature("opponent", FigurePose()), Feature("opponent.k
 
 _MOST_TURN = 1.8
 """Rate of turn at full deflection of the hand [rad/s]."""
+_MOST_LED_TURN = 0.6
+"""The same of who steers by the hips, whose stride takes two seconds [rad/s]."""
 _SOUNDS = {
     "kick": "kick",
     "goal": "scored",
@@ -97,7 +100,13 @@ _TURNS = (
     phrase("The ball is right: move the hand to the right to turn"),
     phrase("The ball is behind: move the hand aside to turn"),
 )
-"""Where something is, and what to do where the ball is there, by `_side`."""
+_LED_TURNS = (
+    "",
+    phrase("The ball is left: swing the right leg further"),
+    phrase("The ball is right: swing the left leg further"),
+    phrase("The ball is behind: swing one leg further"),
+)
+"""Where something is, and what to do where the ball is there, by `_side`: by hand, and by the hips."""
 _AHEAD = 0.7
 """Angle from the heading within which something is ahead, or behind [rad]."""
 _MODERATE = 0.5
@@ -135,6 +144,13 @@ class SoccerSpec(Component, frozen=True):
     gait: Annotated[
         Literal["healthy", "hemiparetic", "severe"], Meta(description="Legs of who walks without an orthosis.")
     ] = "healthy"
+    heading: Annotated[
+        Literal["path", "hips"],
+        Meta(
+            description="Where who walks in an orthosis goes: towards the ball, or to the side to which they turn by "
+            "swinging the other leg further."
+        ),
+    ] = "path"
     fastest: Annotated[float, Meta(gt=0.0, le=2.5, description="Speed at full deflection of the hand [m/s].")] = 1.4
     kick_speed: Annotated[float, Meta(gt=0.5, le=15.0, description="Speed of the foot in a kick [m/s].")] = 7.0
     deflection: Annotated[float, Meta(gt=DEAD_ZONE, le=0.5, description="Full deflection of the hand [m].")] = 0.1
@@ -187,6 +203,7 @@ class SoccerPlay(KindPlay):
         if self._felt is not None:
             self._felt.restart()
         self._mind = Mind(_MODERATE, self._match.rng)
+        self._hips = HipSteering() if self.led and spec.heading == "hips" else None
         self._seconds, self._hushed_s = 0.0, 0.0
         self._advice = Advice()
 
@@ -208,9 +225,12 @@ class SoccerPlay(KindPlay):
         if self._orthosis is None:
             ahead, turn = self._spec.fastest * throttle.ahead, -_MOST_TURN * throttle.aside
             happened = match.step(ahead, turn, throttle.kicks, seconds)
-        else:  # legs walk and kick; the heading goes to the ball
-            turn = turn_to_ball(match.view_of_person())
+        else:  # legs walk and kick
             legs = self._orthosis.read(seen.q, strikes_in(seen), seconds)
+            if self._hips is None:
+                turn = turn_to_ball(match.view_of_person())
+            else:
+                turn = -_MOST_LED_TURN * self._hips.read(legs, seconds)
             happened = self._step_by_legs(legs, turn, seen, seconds)
         self._seconds += seconds
         for each in happened:
@@ -258,9 +278,9 @@ class SoccerPlay(KindPlay):
         if match.pause_s > 0.0:
             score = f"{match.goals} : {match.opponent_goals}"
             return phrase("{score}   seen again", score=score) if match.replay_s > 0.0 else score
-        if self._orthosis is not None:
-            return ""
         view = match.view_of_person()
+        if self.led:
+            return "" if self._hips is None else _LED_TURNS[_side(view, view.ball)]
         side = _TURNS[_side(view, view.ball)]
         if side or match.person.walker.speed > STANDS:
             return side
@@ -303,7 +323,7 @@ class SoccerPlay(KindPlay):
             "goal": Card(
                 phrase("Goal: {where}", where=_WHERE[_side(view, view.goal)]), _far(view, view.goal), width=130.0
             ),
-            "speed": speed_card(match.person.walker.speed, self._spec.fastest),
+            "speed": speed_card(match.person.walker.speed, self._spec.fastest, led=self.led),
             "steps": count_card(phrase("Steps"), match.person.walker.footfalls.count),
             "kicks": count_card(phrase("Touches"), match.kicks),
             "symmetry": symmetry_card(match.person.walker.footfalls),
