@@ -34,7 +34,8 @@ def task_of(scene: Scene) -> TaskSpec:
     task = scene.section(TaskSpec) or (TaskSpec() if scene.components(Tunnel) else _WITHOUT_A_TASK)
     other = task.devices.get(scene.device, DeviceTask())
     instructions, score = other.instructions or task.instructions, other.score or task.score
-    return replace(task, devices={}, instructions=instructions, score=score)
+    parameters = {**task.parameters, **other.parameters}
+    return replace(task, devices={}, instructions=instructions, score=score, parameters=parameters)
 
 
 def section_of(scene: Scene, section: type[S]) -> S:

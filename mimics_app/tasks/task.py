@@ -301,6 +301,9 @@ class DeviceTask(Component, frozen=True):
 
     instructions: Annotated[str, Meta(description="As of the task; '': those of the task.")] = ""
     score: Annotated[ScoreSpec | None, Meta(description="As of the task; null: that of the task.")] = None
+    parameters: Annotated[
+        dict[str, ParameterSpec], Meta(description="Adaptable parameters beside, or instead of, those of the task.")
+    ] = field(default_factory=dict)
 
 
 S = TypeVar("S", bound=Component)

@@ -9,6 +9,7 @@ from mimics_app.contracts.loop.gait_state import GaitState
 from mimics_app.rendering.haptic.controllers.orthosis_legs import StreetObject
 from mimics_app.rendering.haptic.controllers.parameter_vector import parameter_vector
 from mimics_app.rendering.haptic.controllers.registry import find_controller
+from mimics_app.tasks.kinds.city_walk.kind import OPENED, CityWalkPlay, CityWalkSpec
 from mimics_app.tasks.kinds.city_walk.street_obstacles import MATERIALS, StreetObstacle, StreetObstacles
 from mimics_app.tasks.observation import Observation, observe
 from tests.support.task_play import make_events, make_snapshot
@@ -79,3 +80,31 @@ def test_by_hand_the_way_opens_after_three_touches_or_the_time_of_an_exploration
         assert most - 2.0 < seconds <= most
         assert obstacles.opened == (1.0, 0.0) and obstacles.ahead is DOOR
         assert not obstacles.stops(8.0) and obstacles.stops(11.65)
+
+
+@pytest.mark.parametrize(
+    ("rate", "there"), [(0.0, []), (0.25, [3]), (0.5, [1, 3]), (0.75, [1, 2, 3]), (1.0, [0, 1, 2, 3])]
+)
+def test_a_lower_rate_leaves_some_out_evenly_and_their_way_is_open(rate: float, there: list[int]) -> None:
+    four = [StreetObstacle(str(k), "box", 5.0 + 10.0 * k) for k in range(4)]
+    obstacles = StreetObstacles(four, rate)
+    assert [k for k, share in enumerate(obstacles.opened) if share == 0.0] == there
+    assert (obstacles.ahead is None) == (not there)
+    assert (obstacles.within(30.0), obstacles.within(99.0)) == (sum(k <= 2 for k in there), len(there))
+
+
+def test_the_rate_is_that_of_the_next_walk_and_what_is_left_out_costs_nothing() -> None:
+    spec = CityWalkSpec("person", obstacles=(BOX, DOOR))
+    play = CityWalkPlay(spec, 100.0)
+    play.begin_trial("", 0)
+    seen = _seen(GaitState.WALKING)
+    for rate, left in ((1.0, (0.0, 0.0)), (0.5, (1.0, 0.0)), (0.0, (1.0, 1.0))):
+        play.see(seen, {"obstacle_rate": rate})
+        assert play.visual[OPENED] == left
+    assert play.measures["obstacles_met"] is None, "it counts in no score"
+    play.see(seen, {"obstacle_rate": 1.0})
+    assert play.measures["obstacles_met"] == 0.0
+    play.start_attempt(seen)
+    play.travel(seen, FRAME)
+    play.see(seen, {"obstacle_rate": 0.0})
+    assert play.visual[OPENED] == (0.0, 0.0), "whoever is on the way meets what was there"

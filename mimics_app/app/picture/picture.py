@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -104,6 +104,10 @@ def picture_quality(scene: Scene, profile: Profile, pixels: int = 0, *, limited:
     return with_methods(wanted, plan_scene(scene, profile, pixels=pixels, limited=limited).settings)
 
 
+_WITH_KEYS = 9
+"""Number of cameras that a key shows, 1 to 9."""
+
+
 class Picture:
     """The picture that the person sees.
 
@@ -190,6 +194,11 @@ class Picture:
     def views(self) -> list[View]:
         """The views of the display, one for each eye or wall."""
         return self.presenter.views(self.view.camera)
+
+    def each_view(self) -> Iterator[list[View]]:
+        """Yield the same of each of the world's cameras that a key shows."""
+        for camera in self.renderer.world.cameras[:_WITH_KEYS]:
+            yield self.presenter.views(camera)
 
     @property
     def _latch(self) -> Latch | None:

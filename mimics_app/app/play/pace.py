@@ -61,9 +61,14 @@ def run_live(
 
 
 def _draw_once(session: Session) -> None:
-    """Draw a frame before the task's clock begins: compilation and upload may take seconds."""
-    if session.picture is not None:
-        session.picture.renderer.draw_finished(session.picture.views)
+    """Draw a frame of each view, the present one last, before the task's clock begins.
+
+    Compilation and upload take up to seconds, and the first switch to a view would wait for what only that one shows.
+    """
+    if session.picture is None:
+        return
+    for views in (*session.picture.each_view(), session.picture.views):
+        session.picture.renderer.draw_finished(views)
 
 
 class LiveFrames:

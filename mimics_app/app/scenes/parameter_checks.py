@@ -16,6 +16,7 @@ from mimics_app.rendering.haptic.block_check import check_values
 from mimics_app.scenarios.parts.robot_scene import robot_block
 from mimics_app.tasks.actions import settings_for
 from mimics_app.tasks.kinds.tunnel.kind import own_tunnel
+from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task import ParameterSpec, TaskSpec
 from mimics_app.world.components.robot import Robot
 from mimics_app.world.files.reading.json_text import escape
@@ -41,8 +42,9 @@ def check_parameters(scene: Scene) -> list[Issue]:
         check_values(block, rows)
     except ValueError as error:
         return [scene.issue("", str(error))]
-    task = scene.section(TaskSpec)
-    return [] if task is None else list(_faults_of_parameters(task, ParameterStore(block, rows, names), scene))
+    if scene.section(TaskSpec) is None:
+        return []
+    return list(_faults_of_parameters(task_of(scene), ParameterStore(block, rows, names), scene))
 
 
 def _faults_of_parameters(task: TaskSpec, store: ParameterStore, scene: Scene) -> Iterator[Issue]:

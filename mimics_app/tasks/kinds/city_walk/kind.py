@@ -101,12 +101,13 @@ class CityWalkPlay(KindPlay):
     def __init__(self, spec: CityWalkSpec, metres: float, orthosis: OrthosisLegs | None = None) -> None:
         self._spec, self._metres, self._orthosis = spec, metres, orthosis
         self._throttle = Throttle(spec.deflection)
+        self._rate = 1.0
         self.begin_attempt()
 
     def begin_attempt(self) -> None:
         self._along, self._speed, self._seconds = 0.0, 0.0, 0.0
         self._walker = Walker(GAITS[self._spec.gait], 0)
-        self._obstacles = StreetObstacles(self._spec.obstacles)
+        self._obstacles = StreetObstacles(self._spec.obstacles, self._rate)
         self._call, self._stopped = "", False
         self._sounds: list[SoundTrigger] = []
         self._taps = 0
@@ -115,6 +116,11 @@ class CityWalkPlay(KindPlay):
         self._throttle.start(seen)
 
     def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:
+        rate = settings.get("obstacle_rate")
+        if isinstance(rate, int | float) and rate != self._rate:
+            self._rate = float(rate)
+            if not self._seconds:  # whoever is on the way meets what was there
+                self._obstacles = StreetObstacles(self._spec.obstacles, self._rate)
         return structs.replace(seen, progress=min(self._along / self._metres, 1.0))
 
     def travel(self, seen: Observation, seconds: float) -> None:
@@ -183,7 +189,9 @@ class CityWalkPlay(KindPlay):
     @property
     def measures(self) -> Values:
         explored = float(self._obstacles.explored) if self._spec.obstacles else None
-        own = {"walked_m": self._along, "taps": float(self._taps), "obstacles": explored}
+        there = self._obstacles.within(self._metres)
+        met = self._obstacles.explored / there if there else None
+        own = {"walked_m": self._along, "taps": float(self._taps), "obstacles": explored, "obstacles_met": met}
         return {**own, **walk_values(self._walker, self._seconds)}
 
     def outcome_words(self, row: Mapping[str, object], *, finished: bool) -> str:
@@ -213,9 +221,11 @@ class CityWalkKind(TaskKind):
     measures = (
         Measure.totalled("walked_m", "walked", "Distance walked [m].", 60.0, 0.0, sums=True),
         Measure.totalled("obstacles", "obstacles", "Obstacles that a foot touched.", 4.0, 0.0, sums=True),
+        Measure.totalled("obstacles_met", "obstacles_met", "Share of those in the way that a foot touched.", 1.0, 0.0),
         Measure.totalled("taps", "taps", "Touches of obstacles with a foot.", 8.0, 0.0, sums=True),
         *WALK_MEASURES,
     )
+    targets = ("obstacle_rate",)
     completes = "walks"
     cards = ("speed", "walked", "symmetry")
     label = phrase("Path")

@@ -73,6 +73,7 @@ class StreetObstacles:
 
     Args:
         obstacles: In any order.
+        rate: Share of them that is in the way, 0 to 1, evenly along it; the others are open from the beginning.
 
     Attributes:
         led: How much farther the person is than the legs have walked [m].
@@ -80,11 +81,12 @@ class StreetObstacles:
         explored: Number of obstacles that a foot has touched.
     """
 
-    def __init__(self, obstacles: Sequence[StreetObstacle]) -> None:
+    def __init__(self, obstacles: Sequence[StreetObstacle], rate: float = 1.0) -> None:
         self._obstacles = obstacles
-        self._order = sorted(range(len(obstacles)), key=lambda number: obstacles[number].at)
+        in_order = sorted(range(len(obstacles)), key=lambda number: obstacles[number].at)
+        self._order = [k for i, k in enumerate(in_order, 1) if int(i * rate) > int((i - 1) * rate)]
         self._number = 0
-        self._open = [0.0] * len(obstacles)
+        self._open = [float(k not in self._order) for k in range(len(obstacles))]
         self._called = self._touches = False
         self._taps, self._stood_s = 0, 0.0
         self.led, self.tap = 0.0, -1.0
@@ -94,6 +96,10 @@ class StreetObstacles:
     def ahead(self) -> StreetObstacle | None:
         """The next obstacle whose way is not open; None behind the last."""
         return self._obstacles[self._order[self._number]] if self._number < len(self._order) else None
+
+    def within(self, metres: float) -> int:
+        """Return how many are in the way over a distance from the begin [m]."""
+        return sum(self._obstacles[k].at < metres for k in self._order)
 
     @property
     def opened(self) -> tuple[float, ...]:
