@@ -19,6 +19,7 @@ from mimics_app.contracts.system.resources import root
 from mimics_app.maths.gait_series import natural_cadence
 from mimics_app.tasks.kinds.city_walk.kind import Walked
 from mimics_app.tasks.scene_section import task_of
+from mimics_app.tasks.score import trial_points
 from mimics_app.world.components.follow import Follow
 from mimics_app.world.components.robot import Robot
 from mimics_app.world.components.visible import CameraComponent
@@ -177,3 +178,18 @@ def test_a_task_for_a_device_without_entities_is_refused(tmp_path: Path) -> None
     document["task"]["devices"]["glove"] = {"instructions": "Close the hand."}
     with pytest.raises(SceneError, match='/task/devices/glove: the section devices has no "glove"'):
         load_checked_scene(write(tmp_path, document))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("walk", ["city_walk", "canyon_walk", "soccer"])
+def test_in_the_orthosis_too_who_walks_better_scores_more(walk: str) -> None:
+    """By what a led person does: in the canyon 99, 67 and 55 of 100, by steps of 0.45, 0.29 and 0.15 m."""
+    scores = []
+    for person in ("healthy", "moderate", "severe"):
+        with mimics.open(walk, device="lokomat:sim", patient=person, record=False) as session:
+            session.step_until(lambda s: s.orders.person_may_act)
+            for _ in range(60 * 40):
+                session.step()
+            score = task_of(session.scene).score
+            scores.append(trial_points(score, dict(session.task), finished=True))
+    assert scores[0] > scores[1] + 5.0 > scores[2] + 10.0 > 30.0, scores

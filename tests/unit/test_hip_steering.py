@@ -69,9 +69,9 @@ def test_without_steering_no_gust_moves_who_cannot_lean_and_with_it_the_hips_do(
 
 
 def test_a_player_turns_by_the_hips_where_the_scene_says_so() -> None:
-    yaws = [
-        played(SoccerPlay(SoccerSpec("p", "b", heading="hips"), 1, advises=False, orthosis=Worn(f)), 9.0)  # type: ignore[arg-type]
-        .visual[PERSON].yaw
-        for f in (0.0, 0.1)
-    ]  # fmt: skip
+    yaws = []
+    for further in (0.0, 0.1):
+        worn = Worn(further)
+        play = SoccerPlay(SoccerSpec("p", "b", heading="hips"), 1, advises=False, orthosis=worn)  # type: ignore[arg-type]
+        yaws.append(played(play, 9.0).visual[PERSON].yaw)  # type: ignore[attr-defined]
     assert math.remainder(yaws[1] - yaws[0], 2.0 * math.pi) < -0.3, "to the right"

@@ -15,6 +15,7 @@ from mimics_app.contracts.messages.orders import Feature
 from mimics_app.contracts.messages.stage_messages import SoundTrigger
 from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.contracts.system.phrases import counted_phrase, phrase
+from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.deflection import DEAD_ZONE
 from mimics_app.tasks.kinds.city_walk.street_obstacles import MATERIALS, StreetObstacle, StreetObstacles
 from mimics_app.tasks.kinds.kind import KindPlay, Measure, TaskBlock, TaskKind, Values
@@ -211,6 +212,7 @@ class CityWalkPlay(KindPlay):
             "speed": speed,
             "symmetry": even,
             "walked": Card(phrase("Walked"), walked, width=220.0),
+            "steps": count_card(phrase("Steps"), self._walker.footfalls.count),
         }
 
 
@@ -227,7 +229,7 @@ class CityWalkKind(TaskKind):
     )
     targets = ("obstacle_rate",)
     completes = "walks"
-    cards = ("speed", "walked", "symmetry")
+    cards = ("speed", "walked", "steps", "symmetry")
     label = phrase("Path")
     touches = False
     report = WalkSection(
