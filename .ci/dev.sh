@@ -133,6 +133,7 @@ docs() {
     mkdir -p build/pages/assets
     for page in README.md CONTRIBUTING.md SECURITY.md CHANGELOG.md LICENSE CITATION.cff docs; do ln -s "$root/$page" build/pages/; done
     ln -s "$root/assets/pictures" build/pages/assets/
+    ln -s "$root/.ci/docs.css" build/pages/
     NO_MKDOCS_2_WARNING=1 "$venv/bin/mkdocs" build --quiet --config-file .ci/mkdocs.yml "$@"
     printf '%s\n' "$root/build/site/index.html"
 }
