@@ -135,6 +135,11 @@ def test_everything_by_mouse(hands):
     hands.click("button", name="undo")
     hands.click("button", name="undo")
     assert hands.text == SCENE
+    hands.click("entity", name="cube")
+    hands.editor.edited.delete(hands.editor.edited.find("sun"))
+    hands.look()
+    assert hands.editor._listed()[hands.editor._at].value == "cube", "the list follows what is selected"
+    hands.click("button", name="undo")
     hands.click("button", name="add")
     hands.click("entity", name="lamp")
     assert hands.editor.edited.scene.entity("lamp").components["light"].kind == "point"

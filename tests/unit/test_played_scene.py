@@ -53,6 +53,34 @@ def test_a_saved_scene_is_played_from_its_file(edited, started, tmp_path):
     assert started[0][3:5] == ["run", str(tmp_path / "whole.json")]
 
 
+def test_the_editor_hears_what_the_session_does_and_why_it_ended(edited, monkeypatch):
+    said = (
+        "import sys; from pathlib import Path; from mimics_app.app.play.journey_log import JourneyLog;"
+        "from mimics_app.contracts.errors import DeviceError; log = JourneyLog(Path(sys.argv[1]));"
+        "log.doing('Making the picture'); sys.stdin.read(1); log.shown(); sys.stdin.read(1)\n"
+        "with log.reporting(): raise DeviceError('the robot is away')"
+    )
+    begin, children = subprocess.Popen, []
+
+    def start(command, **streams):
+        log = command[command.index("--journey") + 1]
+        children.append(begin([sys.executable, "-c", said, log], stdin=subprocess.PIPE, **streams))
+        return children[0]
+
+    monkeypatch.setattr(played_scene.subprocess, "Popen", start)
+    played = PlayedScene(edited)
+    for words in ("Making the picture", ""):
+        end = time.monotonic() + 60.0
+        while played.doing != words:
+            assert time.monotonic() < end
+            time.sleep(0.02)
+        if words:
+            assert played.outcome() is None
+        children[0].stdin.write(b" ")
+        children[0].stdin.flush()
+    assert wait_for(played) == "the robot is away"
+
+
 def test_unsaved_edits_are_played_from_a_file_beside_that_goes_at_the_end(edited, started, tmp_path):
     edited.move("own", (1.0, 2.0, 3.0))
     edited.apply()

@@ -65,6 +65,7 @@ class Editor:
         self._pointer = (0.0, 0.0)
         self._pressed = self._written = False
         self._played: PlayedScene | None = None
+        self._doing = ""
         self._commands: dict[str, Callable[[], object]] = {
             "ctrl+s": self.save,
             "ctrl+shift+s": self._ask_name,
@@ -116,6 +117,7 @@ class Editor:
         changed = self.edited.stale
         if changed:
             self.edited.apply()
+            self._find_row()
         chosen = self._selection.chosen
         if chosen is None or chosen.name != self._name:
             if chosen is not None:
@@ -124,11 +126,21 @@ class Editor:
             elif self._name and self._name in self._viewport.shown.world:
                 self._select("")
                 changed = True
-        outcome = None if self._played is None else self._played.outcome()
+        return self._watch_session() or changed
+
+    def _watch_session(self) -> bool:
+        """Say what a session does until it is seen, and why it ended; return whether anything is new."""
+        if self._played is None:
+            return False
+        outcome = self._played.outcome()
         if outcome is not None:
-            self._played, changed = None, True
+            self._played = None
             self._say(outcome or "back from the session", alarm=bool(outcome))
-        return changed
+            return True
+        before, self._doing = self._doing, self._played.doing
+        if self._doing and self._doing != before:
+            self._say(f"{self._doing} ...")
+        return self._doing != before
 
     def leave(self) -> bool:
         """Take one step out of the editor; return whether there was one."""
@@ -411,8 +423,12 @@ class Editor:
             self._name, self._row, self._cell = name, 0, 0
         world = self._viewport.shown.world
         self._selection.chosen = world.find(name) if name and name in world else None
+        self._find_row()
+
+    def _find_row(self) -> None:
+        """Go to the selected entity in the list, whose rows may have changed."""
         if self.focus not in ("add", "component"):
-            self._at = next((n for n, row in enumerate(self._listed()) if row.value == name), self._at)
+            self._at = next((n for n, row in enumerate(self._listed()) if row.value == self._name), self._at)
 
     def _sideways(self, row: Row, step: int) -> None:
         """Go to another cell, or change the only one."""
@@ -542,7 +558,7 @@ class Editor:
             except MimicsError as error:
                 self._say(_short(error.issues[0]), alarm=True)
             else:
-                self._say("playing in a window of its own; Esc there comes back")
+                self._say("starting it in a window of its own")
 
     def _next_fault(self) -> None:
         """Select the entity of the next fault, and its row."""

@@ -7,6 +7,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+from mimics_app.app.play.journey_log import JourneyLog, read_journey
 from mimics_app.app.viewer.edited_scene import EditedScene
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.system.regular_file import read_or_nothing
@@ -35,20 +36,28 @@ class PlayedScene:
         if main in texts.unsaved:
             self._file = _written_beside(main, _named(texts.text(main), edited))
         self._runs = tempfile.TemporaryDirectory(prefix="mimics-")
-        words = ["run", str(self._file or main), "--runs", self._runs.name]
-        self._said = Path(self._runs.name) / "said.txt"
+        self._log, self._said = (Path(self._runs.name) / name for name in ("journey.jsonl", "said.txt"))
+        JourneyLog(self._log).taken()  # the viewer's own window was there all the time
+        words = ["run", str(self._file or main), "--runs", self._runs.name, "--journey", str(self._log)]
         with self._said.open("wb") as said:
             command = [sys.executable, "-m", "mimics_app", *words]
             self._child = subprocess.Popen(command, stdout=said, stderr=subprocess.STDOUT)
+
+    @property
+    def doing(self) -> str:
+        """What a session does until its picture is there; "" from then on."""
+        noted = read_journey(self._log)
+        return "" if noted.get("shown") else str(noted.get("doing", ""))
 
     def outcome(self) -> str | None:
         """Return why a session has failed, "" for one that ended well; None before its end. Nothing of it stays."""
         status = self._child.poll()
         if status is None:
             return None
-        said = read_or_nothing(self._said).decode(errors="replace").split("\n") if status else []
+        said = read_or_nothing(self._said).decode(errors="replace").split("\n")
+        why = read_journey(self._log).get("error") or next(filter(None, reversed(said)), f"it ended with {status}")
         self._clean()
-        return next((line for line in reversed(said) if line), f"the session ended with {status}") if status else ""
+        return str(why) if status else ""
 
     def end(self) -> None:
         """End the session, as a person who leaves would."""
