@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from mimics_app.app.cues.cue_watch import CueWatch
 from mimics_app.app.cues.sound_surroundings import SoundSurroundings
 from mimics_app.app.terminal.output import say
+from mimics_app.contracts.arrays import F4, F8
 from mimics_app.contracts.commands.vocabulary import Reply
 from mimics_app.contracts.messages.stage_messages import SoundEvent, SoundTrigger, TaskOrders
 from mimics_app.contracts.ports.audio_port import AudioOutput, AudioReport
@@ -18,13 +20,22 @@ from mimics_app.contracts.shared_memory.session_memory import SessionMemory
 from mimics_app.contracts.shared_memory.sound_scene import SOUND_SCENE, fill_defaults
 from mimics_app.maths.mat import unscale
 from mimics_app.rendering.audio.queue_need import keep_needed_ms
-from mimics_app.rendering.audio.settings import AudioSettings
+from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
+from mimics_app.rendering.audio.sound_file import is_streamed, read_sound
+from mimics_app.world.content.motion.speaking import LEVELS_PER_S
 from mimics_app.world.content.world import World
 
-__all__ = ["SoundStage"]
+__all__ = ["SoundStage", "read_voices"]
 
 _JUMP = 50.0
 """Largest speed of a movement [m/s]; a faster object was repositioned and has no Doppler shift."""
+
+_VOICE_RATE = 8000
+"""Rate at which a voice is read for its loudness [Hz]."""
+_LOUD = 95.0
+"""Percentile of the effective values that is as loud as the mouth opens: one shout does not close it elsewhere."""
+_NEAR = np.array([0.25, 0.5, 0.25])
+"""Weights of the windows before, now and after: lips do not flutter."""
 
 _WAITED_NS = 5_000_000_000
 """Time after which a sound that is still starting is reported [ns]; usual are one to three seconds."""
@@ -40,6 +51,7 @@ class SoundStage:
         surroundings: Obstacles, rooms and walkers.
         gain: Master gain of the scene; the task's own gain multiplies it.
         listener: Entity at whose place the person hears; "": the person's eyes, whichever view is shown.
+        voices: Levels of the voices of persons by the name of the sound, for their mouths.
     """
 
     def __init__(
@@ -50,9 +62,10 @@ class SoundStage:
         surroundings: SoundSurroundings,
         gain: float,
         listener: str = "",
+        voices: Mapping[str, F8] = MappingProxyType({}),
     ) -> None:
         self.output = output
-        self._listener = listener
+        self._listener, self._voices = listener, voices
         self._memory = memory
         self._settings = settings
         self._surroundings = surroundings
@@ -87,9 +100,9 @@ class SoundStage:
         for trigger in (*triggers, *orders.audio.cues, *own, *moved):
             sound = self._settings.sound_of(trigger.kind, trigger.material)
             if sound:
-                self.output.play(SoundEvent(sound, trigger.t_ns, trigger.position_world, trigger.strength))
+                self._play(SoundEvent(sound, trigger.t_ns, trigger.position_world, trigger.strength), world)
         for order in orders.audio.sounds:
-            self.output.play(order)
+            self._play(order, world)
         self.output.advance(now_ns)
         self._show_notice(now_ns)
 
@@ -103,6 +116,13 @@ class SoundStage:
         self._show(report.status.notice)
         keep_needed_ms(report.queue)
         return report
+
+    def _play(self, event: SoundEvent, world: World) -> None:
+        """Start a sound; the person whose voice it is moves the lips."""
+        self.output.play(event)
+        levels, mouth = self._voices.get(event.sound), world.motion.mouths.get(event.sound)
+        if levels is not None and mouth is not None:
+            mouth.say(levels)
 
     def _set_master(self) -> Reply:
         self.output.master(0.0 if self._muted else self._gain * self._of_task * self.volume)
@@ -150,6 +170,28 @@ class SoundStage:
             self._notice = notice
             if notice:
                 say(notice)
+
+
+def read_voices(specs: Mapping[str, SoundSpec]) -> dict[str, F8]:
+    """Return the levels of recorded voices by name; recipes and what lasts longer than a minute are no speech."""
+    return {
+        name: _levels(read_sound(spec.file, _VOICE_RATE, spec.inside).mean(axis=1))
+        for name, spec in specs.items()
+        if spec.file is not None and not is_streamed(spec.file, spec.inside)
+    }
+
+
+def _levels(samples: F4) -> F8:
+    """Return the effective value of each window of a recording [n], 0 to 1 of a loud one."""
+    wide = _VOICE_RATE // LEVELS_PER_S
+    whole = np.zeros(-(-len(samples) // wide) * wide)
+    whole[: len(samples)] = samples
+    levels = np.sqrt((whole.reshape(-1, wide) ** 2).mean(axis=1))
+    loud = float(np.percentile(levels, _LOUD)) if len(levels) else 0.0
+    if loud == 0.0:
+        return levels
+    result: F8 = np.convolve(np.minimum(levels / loud, 1.0), _NEAR, "same")
+    return result
 
 
 def _velocities(moved: NDArray[np.float64], span: float) -> NDArray[np.float64]:

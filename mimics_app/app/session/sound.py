@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from mimics_app.app.session.switched_off import NullSound, SoundPort
 from mimics_app.app.settings import SoundChoice
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
+from mimics_app.world.components.animation import Avatar
 from mimics_app.world.components.systems import AudioSettings
 from mimics_app.world.components.visible import Sound, SoundBus, SoundEmitter
 from mimics_app.world.files.scene.scene import Scene
@@ -36,7 +37,7 @@ def open_sound(
     system = scene.system(AudioSettings) or AudioSettings()
     if not sounds or not system.enabled or wanted == "off":
         return NullSound()
-    from mimics_app.app.cues.sound_stage import SoundStage
+    from mimics_app.app.cues.sound_stage import SoundStage, read_voices
     from mimics_app.app.cues.sound_surroundings import SoundSurroundings
     from mimics_app.rendering.audio.mixer_kinds import find_mixer
     from mimics_app.rendering.audio.offline import OfflineAudio
@@ -73,7 +74,9 @@ def open_sound(
     output: AudioOutput = AudioProcess(memory, chosen) if live else OfflineAudio(memory, chosen)
     output.start()
     surroundings = SoundSurroundings(scene, len(chosen.emitters))
-    return SoundStage(output, memory, chosen, surroundings, system.gain, system.listener or "")
+    people = {name for name, _, _ in scene.components(Avatar)}
+    voices = read_voices({name: spec for name, spec in chosen.sounds.items() if name in people})
+    return SoundStage(output, memory, chosen, surroundings, system.gain, system.listener or "", voices)
 
 
 def _sink(written: Path | None, *, live: bool) -> Sink:

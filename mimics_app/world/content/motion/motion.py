@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from mimics_app.world.content.motion.animator import Animator
     from mimics_app.world.content.motion.clip import ClipEvent
     from mimics_app.world.content.motion.skinned_body import SkinnedBody
+    from mimics_app.world.content.motion.speaking import Mouth
     from mimics_app.world.content.motion.state_machine import StateMachine
 
 __all__ = ["Motion"]
@@ -33,6 +34,7 @@ class Motion:
         bodies: Skinned and morphed bodies.
         body_of: The body a mesh of the world belongs to.
         machines: State machines by the entity index of their model.
+        mouths: Mouths of persons by the entity of their model, which is also the name of their voice.
         happened: Events of the clips in the last update: (entity index, event).
         joints: Joints of the gait orthosis that models wear [rad], as `WornLegs` reads them; empty: there is none.
         eye_world: Position of the camera [m], [3]: distant models are animated at a lower rate; None: none is.
@@ -44,6 +46,7 @@ class Motion:
         self.bodies: dict[int, SkinnedBody] = {}
         self.body_of: dict[str, SkinnedBody] = {}
         self.machines: dict[int, StateMachine] = {}
+        self.mouths: dict[str, Mouth] = {}
         self.happened: list[tuple[int, ClipEvent]] = []
         self.joints: NDArray[np.float64] = np.zeros(0)
         self.eye_world: NDArray[np.float64] | None = None

@@ -90,6 +90,7 @@ def _encourage(world: World, node: SceneNode, animator: Animator, wanted: Encour
 def _enliven(world: World, scene: Scene, entity: SceneEntity, animator: Animator, wanted: Avatar) -> None:
     from mimics_app.world.content.motion.humanoid import find_humanoid
     from mimics_app.world.content.motion.looking import Blink, Breath, LookAt, find_morphs
+    from mimics_app.world.content.motion.speaking import Mouth
     from mimics_app.world.content.motion.worn_legs import WornLegs
 
     seed = zlib.crc32(entity.id.encode())
@@ -98,6 +99,10 @@ def _enliven(world: World, scene: Scene, entity: SceneEntity, animator: Animator
         slots = find_morphs(rig, *words) if wish else []
         if slots:
             animator.steps.append(kind(slots, seed))
+    jaw = find_morphs(rig, "jaw", "jawOpen", "mouth_open", "aa")
+    if jaw:
+        world.motion.mouths[entity.id] = Mouth(jaw)
+        animator.steps.append(world.motion.mouths[entity.id])
     if wanted.look_at is None and not wanted.reach and not wanted.joints:
         return
     bones = find_humanoid(rig)
