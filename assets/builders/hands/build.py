@@ -20,8 +20,8 @@ from mimics_app.maths.quat import about_axis, product
 __all__ = ["CLOSED", "OPEN", "compose", "make_grips"]
 
 _GENERATOR = "mimics_app assets build hands"
-_PEOPLE = ("man_omar", "woman_anna")
-"""With long sleeves: a dark and a light skin."""
+_PEOPLE = ("woman_mara", "twin_woman")
+"""With bare forearms, which hide least of what is gripped: a dark and a light skin."""
 CLOSED, OPEN = 0.004, 0.044
 """Half openings at the start and at the end of the clip [m]."""
 _KEYS = 11
@@ -38,8 +38,6 @@ _EXTENSION = -0.42
 _ELBOW = (-0.55, -0.38)
 """Of the elbow about the back of the hand and about its thumb's side [rad]: the upper arm comes from the viewer."""
 _JOINTS = ("hand", "forearm", "upperArm")
-_TAUT = ((-0.16, 0.80), (-0.02, 1.0))
-"""Places along the arm from the wrist [m], and girth of the sleeve there as a share of a shirt's that hangs."""
 _LONGER = 1.6
 """Length of the upper arm as a share of the person's: it ends out of the picture."""
 _SLEEVES = ("shirt_long", "shirt", "blouse", "tunic", "jersey")
@@ -78,8 +76,8 @@ def _write(figure: Figure) -> bytes:
     bones = _arm(figure.bones, axes)
     person = figure.person
     cloth = next(name for name, _ in person.clothes if name in _SLEEVES)
-    worn = {"skin": figure.pieces["skin"], cloth: _taut(figure.pieces[cloth], figure.bones)}
-    pieces = [_cut(piece, figure.bones, bones, axes) for piece in worn.values()]
+    worn = [_longer(figure.pieces[name], figure.bones) for name in ("skin", cloth)]
+    pieces = [_cut(piece, figure.bones, bones, axes) for piece in worn]
     writer = _ArmWriter(_GENERATOR, bones, "arm")
     writer.add_arm(pieces, _paints(person, pieces, cloth))
     writer.add_grips(make_grips(figure), figure.bones, axes)
@@ -111,15 +109,12 @@ def _arm(bones: Skeleton, axes: F8) -> Skeleton:
     return Skeleton(tuple(names), tuple(parents), np.array(places), {})
 
 
-def _taut(cloth: Piece, bones: Skeleton) -> Piece:
-    """Return a garment whose right sleeve is closer to the arm, and longer above the elbow."""
+def _longer(piece: Piece, bones: Skeleton) -> Piece:
+    """Return a piece whose right arm is longer above the elbow."""
     along = arm_axes(-1)[0]
-    away = cloth.places - bones.place("rightHand")
-    far = (away @ along)[:, None]
+    far = ((piece.places - bones.place("rightHand")) @ along)[:, None]
     elbow = float((bones.place("rightLowerArm") - bones.place("rightHand")) @ along)
-    longer = np.where(far < elbow, elbow + _LONGER * (far - elbow), far)
-    girth = np.interp(far, *np.transpose(_TAUT))
-    return replace(cloth, places=bones.place("rightHand") + longer * along + girth * (away - far * along))
+    return replace(piece, places=piece.places + np.minimum(far - elbow, 0.0) * (_LONGER - 1.0) * along)
 
 
 def _cut(piece: Piece, bones: Skeleton, arm: Skeleton, axes: F8) -> Piece:

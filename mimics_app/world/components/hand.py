@@ -17,7 +17,7 @@ __all__ = ["GraspingHand"]
 Opening = Annotated[float, Meta(gt=0, le=1)]
 """Half opening of a hand [m]."""
 
-_ARMS = "take mimics:assets/models/hands/man_omar_right.glb"
+_ARMS = "take mimics:assets/models/hands/woman_mara_right.glb"
 
 
 @component("grasping_hand")
