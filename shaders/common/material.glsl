@@ -42,6 +42,16 @@ vec4 material_colour(vec4 tint, vec2 uv) {
     return colour;
 }
 
+#ifdef MASKED
+// Covers the share of the pixel's samples that a masked surface has there: its edge is as smooth as that of a triangle.
+void cover_samples(float alpha) {
+    float share = clamp((alpha - emission.w) / max(fwidth(alpha), 1e-3) + 0.5, 0.0, 1.0);
+    int samples = int(share * float(gl_NumSamples) + 0.5);
+    if (samples == 0) discard;
+    gl_SampleMask[0] = (1 << samples) - 1;
+}
+#endif
+
 // Metallic and roughness.
 vec2 material_finish(vec2 uv) {
     vec2 figures = metallic_roughness.xy;

@@ -16,7 +16,7 @@ void main() {
 #ifdef TEXTURED
     vec4 base = material_colour(vec4(vec3(1.0), scattered.a), uv);
 #ifdef MASKED
-    if (base.a < emission.w) discard;
+    cover_samples(base.a);
 #endif
     colour = vec4(added.w * encode_output(base.rgb * scattered.rgb + added.rgb), base.a);
 #else

@@ -24,7 +24,7 @@ void main() {
 #endif
     vec4 base = material_colour(tint, uv);
 #ifdef MASKED
-    if (base.a < emission.w) discard;
+    cover_samples(base.a);
 #endif
 #ifdef GRID
     vec2 cells = (position_eye + eye_position_world()).xz / metallic_roughness.z;

@@ -9,7 +9,7 @@ out vec4 colour;
 void main() {
     vec4 base = material_colour(tint, uv);
 #ifdef MASKED
-    if (base.a < emission.w) discard;
+    cover_samples(base.a);
 #endif
     colour = vec4(encode_output(apply_fog(base.rgb + emission.rgb, length(line_of_sight()))), base.a);
 }

@@ -70,6 +70,8 @@ def test_normals_are_as_long_as_they_should_be(shipped: Shipped) -> None:
 def test_every_surface_encloses_what_is_inside_of_it(shipped: Shipped) -> None:
     """Ears, locks of hair and a tail were inside out: of them the farther half was drawn."""
     for part, piece in shipped.parts.items():
+        if part == "wisps":  # flat, seen from both sides
+            continue
         _, same = np.unique(np.round(piece.places, 6), axis=0, return_inverse=True)
         corners = same.reshape(-1)[piece.triangles]
         pairs = (np.ones(2 * len(corners)), (corners[:, :2].ravel(), corners[:, 1:].ravel()))

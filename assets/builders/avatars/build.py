@@ -13,6 +13,7 @@ from assets.builders.avatars.piece import Piece
 from assets.builders.avatars.sheet import I8
 from assets.builders.avatars.skeleton import FINGERS, arm_axes
 from assets.builders.avatars.whole_person import Figure, make_figure
+from assets.builders.avatars.wisps import paint_wisps
 from assets.builders.avatars.worn_bodies import write_bodies
 from assets.builders.kit.palette_texture import Rgb
 from mimics_app.maths.colour import linear_light
@@ -22,6 +23,7 @@ __all__ = ["compose", "linear_colour", "skin_colour", "write_figure"]
 _GENERATOR = "mimics_app assets build avatars"
 _BODIES = "bodies.json"
 _CLOTH, _HANDS, _HANDS_SLOPES = "cloth_normal.jpg", "hands_base.jpg", "hands_normal.jpg"
+_WISPS = "wisps.png"
 _HAIR, _CURLS = ("hair_base.jpg", "hair_normal.jpg"), ("curls_base.jpg", "curls_normal.jpg")
 _CURLY = ("curls", "crop")
 """Styles of hair without a course of the strands."""
@@ -38,6 +40,7 @@ def compose(seed: int) -> dict[str, bytes]:
         seed: Of the random numbers of the hair.
     """
     files: dict[str, bytes] = {_BODIES: write_bodies(), _CLOTH: paint_cloth()}
+    files[_WISPS] = paint_wisps()
     files |= dict(zip(_HAIR, paint_hair(), strict=True)) | dict(zip(_CURLS, paint_curls(), strict=True))
     for person in EVERYBODY:
         figure = make_figure(person, seed)
@@ -60,6 +63,7 @@ def write_figure(figure: Figure, seed: int) -> bytes:
         "hair": Paint(
             linear_colour(person.looks.hair, 205.0), 0.80, *(_CURLS if person.looks.style in _CURLY else _HAIR)
         ),
+        "wisps": Paint(linear_colour(person.looks.hair, 205.0), 0.80, _WISPS, masked=True),
         "shoes": Paint(linear_colour(clothes["shoes"]), 0.5),
     }
     for name, colour in person.clothes:
@@ -70,7 +74,7 @@ def write_figure(figure: Figure, seed: int) -> bytes:
     writer.add_skinned("face", [pieces["head"], pieces["mouth"]], paints)
     worn = [pieces[name] for name, _ in person.clothes if name != "shoes"]
     writer.add_skinned("body", [pieces["skin"], *worn], paints)
-    writer.add_skinned("things", [pieces["hair"], pieces["eyes"], pieces["shoes"]], paints)
+    writer.add_skinned("things", [pieces["hair"], pieces["eyes"], pieces["shoes"], pieces["wisps"]], paints)
     for name, motion in MOTIONS.items():
         writer.add_motion(name, motion)
     return writer.to_bytes()

@@ -23,13 +23,15 @@ _STILL = 1e-4
 """Smallest change of a channel that is written [rad, m, weight]."""
 _LEAST_STEP = 2e-5
 """Smallest displacement of a morph that is written [m]."""
+_CUT = 0.4
+"""Opacity of the edge of a masked texture."""
 _RATE = 24.0
 """Key frames of morphs per second: a blink is short."""
 
 
 @dataclass(frozen=True)
 class Paint:
-    """A material: linear colour, roughness, softness, and textures: bytes of a JPEG, or the name of a file."""
+    """A material: linear colour, roughness, softness, textures (bytes of a JPEG, or name of a file), mask."""
 
     colour: Sequence[float] = (1.0, 1.0, 1.0)
     roughness: float = 0.8
@@ -37,6 +39,7 @@ class Paint:
     slopes: bytes | str = ""
     steep: float = 1.0
     soft: float = 0.0
+    masked: bool = False
 
 
 class FigureWriter(GltfWriter):
@@ -77,7 +80,7 @@ class FigureWriter(GltfWriter):
         meshes: list[int] = []
         errors: list[float] = []
         for number, level in enumerate(LEVELS):
-            made = [coarser(piece, level) for piece in pieces]
+            made = [coarser(piece, level) for piece in pieces if not piece.near]
             meshes.append(self._add_mesh(f"{name}_{number + 1}", [piece for piece, _ in made], paints, morphs))
             errors.append(max([*errors, *(error for _, error in made)]))
         self.add_detail_levels(node, meshes, coverages(pieces, errors))
@@ -204,6 +207,7 @@ class FigureWriter(GltfWriter):
         material = self.add_material(
             name, colour=(*(round(float(c), 5) for c in paint.colour), 1.0), roughness=paint.roughness,
             texture=self._picture(paint.base, f"{name}_base") if paint.base else None,
+            mask=_CUT if paint.masked else None,
         )  # fmt: skip
         if paint.slopes:
             texture = {"index": self._picture(paint.slopes, f"{name}_normal"), "scale": paint.steep}

@@ -21,10 +21,11 @@ from assets.builders.avatars.piece import Piece
 from assets.builders.avatars.sheet import I8
 from assets.builders.avatars.skeleton import Skeleton
 from assets.builders.avatars.weights import rigid
+from assets.builders.avatars.wisps import make_wisps
 from assets.builders.kit.rng import Rng
 from assets.builders.market.sculpt import noise
 
-__all__ = ["hairline", "make_hair"]
+__all__ = ["hairline", "make_hair", "make_hair_wisps"]
 
 _CROWN = 1.45
 """Elevation of the whorl, from which the strands part in all directions [rad]."""
@@ -122,12 +123,22 @@ def make_hair(head: Head, bones: Skeleton, looks: Looks, seed: int) -> Piece:
     return _rounded(draft.finish("hair", np.array(shades)), head)
 
 
+def make_hair_wisps(head: Head, bones: Skeleton, looks: Looks, seed: int) -> Piece:
+    """Return the strips that soften the hairline and the outline of a person's hair."""
+    worn = replace(_STYLES[looks.style], recess=looks.recess)
+
+    def path(azimuth: F8, share: F8, lift: F8, up: F8) -> F8:
+        return _path(head, worn, azimuth, share, lift, up)
+
+    return make_wisps(looks.style, path, lambda at: _held(bones, at, head), head.middle, len(bones.names), seed)
+
+
 def _rounded(piece: Piece, head: Head) -> Piece:
     """Return hair with normals mixed with those of a round mass: locks shaded by themselves would look like chips."""
     out = piece.places - head.middle
     out[:, 1] = np.maximum(out[:, 1], -0.02)
     out /= np.linalg.norm(out, axis=1, keepdims=True)
-    facing = (piece.normals * out).sum(axis=1) > -0.3
+    facing = (piece.normals * out).sum(axis=1) > -0.75
     mixed = np.where(facing[:, None], (1.0 - _ROUND) * piece.normals + _ROUND * out, piece.normals)
     return replace(piece, normals=mixed / np.linalg.norm(mixed, axis=1, keepdims=True))
 

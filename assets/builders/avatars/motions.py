@@ -120,7 +120,7 @@ def _idle(bones: Skeleton, t: float) -> Pose:
     for _, word in SIDES:
         pose.turn(f"{word}Eye", (Y, quick), (X, 1.0))
     pose.morphs["blink"] = min(sum(_pulse(t, at, 0.075) for at in (1.1, 2.68, 5.1, 7.95, 10.25)), 1.0)
-    pose.morphs["smile"] = 0.30 + 0.12 * math.sin(_TURN * t / 12.0) ** 2
+    pose.morphs["smile"] = 0.36 + 0.14 * math.sin(_TURN * t / 12.0) ** 2
     return pose.ground()
 
 
@@ -248,7 +248,7 @@ def _cheer(bones: Skeleton, t: float) -> Pose:
         )
         pose.hand(side, 0.20 + 0.70 * share, thumb=0.3 + 0.5 * share)
     pose.turn("upperChest", (X, -5.0 * share)).turn("head", (X, -6.0 * share))
-    pose.morphs |= {"smile": share, "jaw": 0.55 * share, "brows": 0.8 * share}
+    pose.morphs |= {"smile": 0.65 * share, "jaw": 0.45 * share, "brows": 0.8 * share}
     pose.ground()
     pose.hips[1] += 0.07 * share * max(math.sin(_TURN * t / 0.6), 0.0)
     return pose

@@ -21,6 +21,8 @@ _LEAST_PITCH, _MOST_PITCH = 3e-4, 2e-3
 """Limits of the size of a texel [m], by which heights become slopes."""
 _SPOTS = 0.3
 """Depth of the spots of age, for each part of an age over 0.6."""
+_BROW_TINT = np.array([1.0, 0.94, 0.86])
+"""Factor on the colour of hair: skin shows between the hairs of a brow, without which grey ones look blue."""
 _HAIRS = 75.0
 """Density of painted hairs at the hairline [1/rad]."""
 _ENCODED = 1.0 / 2.2
@@ -146,7 +148,7 @@ def _brows(person: Person, mm: F8, places: F8, colour: F8) -> F8:
     across = np.stack([x - lean * off, 0.25 * off, np.where(mm[:, 0] > 0.0, 0.0, 50.0)], axis=1)
     hairs = np.clip(0.42 + 2.1 * (noise(across, 0.75, 9) - 0.42), 0.0, 1.0)
     mask = step(1.25, 0.45, np.abs(off) / wide) * step(7.5, 17.0, x) * step(57.0, 49.0, x) * step(40.0, 55.0, mm[:, 2])
-    dark = 0.75 * np.array(person.looks.hair, float)
+    dark = 0.75 * np.array(person.looks.hair, float) * _BROW_TINT
     return _mix(colour, dark, 0.86 * mask * (0.30 + 0.70 * hairs))
 
 
@@ -160,7 +162,7 @@ def _scalp(person: Person, head: Head, places: F8, colour: F8) -> F8:
     dense = step(-0.085, 0.045, elevation - line)
     hairs = step(0.0, 0.2, dense) * step(-0.45, 0.35, 1.2 * dense - noise(turned, 1.0, 11))
     hair = np.array(person.looks.hair, float)
-    deep = 0.62 + 0.28 * min(float(hair.mean()), 80.0) / 160.0  # between light hairs it is less dark
+    deep = 0.62 + 0.14 * min(float(hair.mean()), 80.0) / 160.0  # between light hairs it is less dark
     dark = hair * (deep + 0.3 * noise(turned, 0.9, 13))[:, None]
     return _mix(_mix(colour, dark, 0.30 * dense), dark, 0.90 * hairs)
 

@@ -26,6 +26,7 @@ class Piece:
         weights: Of every joint, each row adds up to 1, [n, joints].
         shades: Linear factors on the colour, [n, 3].
         moves: Displacement of each vertex by each morph at weight 1 [m], [n, 3].
+        near: Whether only the finest level of detail has it.
     """
 
     material: str
@@ -36,6 +37,7 @@ class Piece:
     weights: F8
     shades: F8
     moves: dict[str, F8] = field(default_factory=dict)
+    near: bool = False
 
     def moved(self, name: str, steps: F8) -> Piece:
         """Return a copy with one more morph."""

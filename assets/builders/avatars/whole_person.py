@@ -18,7 +18,7 @@ from assets.builders.avatars.face_shape import Head, make_head
 from assets.builders.avatars.fields import F8, step
 from assets.builders.avatars.flesh import Flesh, make_flesh, make_neck
 from assets.builders.avatars.folds import smooth_folds
-from assets.builders.avatars.hair import make_hair
+from assets.builders.avatars.hair import make_hair, make_hair_wisps
 from assets.builders.avatars.hand import Hand, make_hand
 from assets.builders.avatars.person import Person
 from assets.builders.avatars.piece import Piece, joined
@@ -48,7 +48,7 @@ class Figure:
         person: Description of the person.
         bones: Joints at rest.
         head: Shape of the head.
-        pieces: By name: "head", "eyes", "mouth", "skin", "hair" and the clothes.
+        pieces: By name: "head", "eyes", "mouth", "skin", "hair", "wisps" and the clothes.
         face_corners: Number of the head's first vertices that are the outside of the face; mouth, lids' edges and ears
             follow.
     """
@@ -78,6 +78,7 @@ def make_figure(person: Person, seed: int) -> Figure:
     pieces = {"skin": smooth_folds(_skin(person, bones, cage, flesh, held, tailor, neck), bones)}
     pieces |= _head_pieces(person, bones, head, face, cage, weights, flesh, neck)
     pieces["hair"] = make_hair(head, bones, person.looks, seed)
+    pieces["wisps"] = make_hair_wisps(head, bones, person.looks, seed)
     pieces |= clothes
     for name in ("skin", *(name for name in clothes if name != "shoes")):
         pieces[name] = _breathing(pieces[name], bones)

@@ -89,7 +89,7 @@ class PersonModel:
             lines: Factor on the relief of the face.
         """
         for material in self.document["materials"]:
-            if material["name"] == "hair":
+            if material["name"] in ("hair", "wisps"):
                 colour = material["pbrMetallicRoughness"]["baseColorFactor"]
                 light = (0.62, 0.61, 0.59)
                 colour[:3] = [round(c + grey * (w - c), 5) for c, w in zip(colour, light, strict=False)]
