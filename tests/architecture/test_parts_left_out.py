@@ -61,11 +61,12 @@ def silent(tmp_path_factory) -> dict[str, Any]:
             entity["components"].pop(name, None)
     document["include"], document["assets"] = [], {}
     document["entities"] = [entity for entity in document["entities"] if "encourager" not in entity["components"]]
-    part = json.loads((ROOT / "scenes" / "parts" / "frontal_workspace.json").read_text())
-    kept = [one for one in part["entities"] if not {"sound", "sound_emitter"} & set(one.get("components", {}))]
-    document["entities"] += kept
-    for section in ("assets", "materials", "prefabs"):
-        document[section] = {**part.get(section, {}), **document.get(section, {})}
+    for name in ("frontal_workspace", "frontal_bench"):
+        part = json.loads((ROOT / "scenes" / "parts" / f"{name}.json").read_text())
+        kept = [one for one in part["entities"] if not {"sound", "sound_emitter"} & set(one.get("components", {}))]
+        document["entities"] += kept
+        for section in ("assets", "materials", "prefabs"):
+            document[section] = {**part.get(section, {}), **document.get(section, {})}
     file = folder / "silent.json"
     file.write_text(json.dumps({key: value for key, value in document.items() if value not in ({}, [])}))
     return play(file, folder)

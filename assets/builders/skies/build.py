@@ -15,7 +15,7 @@ from mimics_app.contracts.arrays import F8
 __all__ = ["compose"]
 
 
-_FACE, _DOME, _PLANE = 256, 640, 256
+_FACE, _DOME, _PLANE = 512, 640, 512
 """Sides of a face of the box, height of the dome, and side of the clouds [px]."""
 _FACES: dict[str, tuple[tuple[int, int, int], tuple[int, int, int], tuple[int, int, int]]] = {
     "box_px": ((1, 0, 0), (0, 0, 1), (0, 1, 0)),
@@ -101,7 +101,7 @@ def _clouds(seed: int) -> bytes:
     """White clouds on nothing, which repeat; opacity is their thickness."""
     y, x = np.mgrid[0:_PLANE, 0:_PLANE] * (2.0 * math.pi / _PLANE)
     directions = np.stack([np.cos(x), np.sin(x), np.cos(y), np.sin(y)], -1)
-    thick = smooth_step(0.46, 0.74, _fibre(1.2 * directions, seed + 9))
+    thick = smooth_step(0.42, 0.86, _fibre(1.2 * directions, seed + 9))
     pixels = np.full((_PLANE, _PLANE, 4), 255, np.uint8)
     pixels[..., :3] = np.round(255.0 * (1.0 - 0.16 * thick))[..., None]
     pixels[..., 3] = np.round(235.0 * thick)
