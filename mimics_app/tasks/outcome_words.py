@@ -25,6 +25,8 @@ _CAPTIONS: Mapping[str, str] = {
     "walk_left": phrase("way left to the place"),
 }
 """Captions of parts of the score whose name says too little."""
+_SHARES = ("on_beam_share", "symmetry", "obstacles_met")
+"""Columns whose values are shares, 0 to 1."""
 
 
 def what_happened(
@@ -109,7 +111,7 @@ def _figure(column: str, value: float) -> str:
         return f"{value:.1f} N"
     if column.endswith("_m"):
         return f"{1e3 * value:.1f} mm" if abs(value) < 0.1 else f"{value:.2f} m"
-    return f"{value:g}"
+    return f"{100.0 * value:.0f} %" if column in _SHARES else f"{value:g}"
 
 
 def _number(row: Mapping[str, object], name: str) -> float:

@@ -42,6 +42,9 @@ def test_the_two_largest_losses_are_told_the_larger_first():
     assert largest_losses(spec_of(time=1.0), {**ROW, "time_s": 8.0}) == "", "nothing is lost"
     assert largest_losses(spec_of(smoothness=1.0), ROW) == "42 by unsteady movement"
     assert largest_losses(spec_of(path_error=1.0), ROW) == "11 by distance from the line (4.0 mm)"
+    row = {**ROW, "on_beam_share": 25.0 / 26.0, "kicks": 9.0}
+    assert largest_losses(spec_of(on_beam=1.0), row) == "8 by on beam (96 %)", "no 0.961538"
+    assert largest_losses(spec_of(kicks=1.0), row) == "55 by kicks (9)"
 
 
 GOALS = {
