@@ -265,3 +265,27 @@ def test_the_shipped_scenes_are_right_and_build():
         found = loading.load_checked_scene(file)
         world = build_world(found)
         assert all(entity.id in world for entity in found.entities)
+
+
+def test_another_model_of_a_person_who_moves_is_taken_while_they_move(tmp_path: Path) -> None:
+    """The pose of the old model has no nodes any more when the world is next updated."""
+    moves = {"start": "still", "states": {"still": {"clip": "idle"}}}
+    document = scene(
+        thing("person", mesh={"source": "body"}, animation=moves),
+        assets={"body": {"uri": "mimics:assets/models/avatars/woman_anna.glb"}},
+    )
+    old = load_scene(write(tmp_path, document))
+    world = build_world(old)
+    world.motion.time = 0.1
+    world.update()
+    document["assets"]["body"]["uri"] = "mimics:assets/models/avatars/man_tom.glb"
+    document["entities"][0]["components"]["mesh"]["source"] = "other"
+    document["assets"]["other"] = document["assets"].pop("body")
+    write(tmp_path, document)
+    world.motion.time = 0.2
+    reload_scene(world, old)
+    world.motion.time = 0.3
+    world.update()
+    person = world.find("person")
+    assert len(world.motion.animators[person.index].rig.entities) > 20
+    assert len(world.motion.machines) == 1, "it moves on"

@@ -80,8 +80,7 @@ def apply_scene(world: World, old: Scene, new: Scene) -> Changes:
     rebuilt = [name for name, types in changes.components.items() if types & _BODY]
     going = [name for name in (*changes.removed, *_model_nodes(world, rebuilt, before)) if name in world]
     _free_survivors(world, going, after)
-    for name in going:
-        world.find(name).remove()
+    _remove_nodes(world, going, rebuilt)
     for views in (world.cords, world.mirrors, world.screens, world.insets, world.followers):
         for name in changes.removed:
             views.pop(name, None)
@@ -160,6 +159,15 @@ def _free_survivors(world: World, going: list[str], after: dict[str, SceneEntity
             world.root.attach(world.find(name))
 
 
+def _remove_nodes(world: World, going: list[str], rebuilt: list[str]) -> None:
+    """Remove nodes, and before them the motion of the models that they are part of: an update would pose them."""
+    for name in rebuilt:
+        if name in world:
+            world.forget_motion(world.find(name).index)
+    for name in going:
+        world.find(name).remove()
+
+
 def _model_nodes(world: World, rebuilt: list[str], before: dict[str, SceneEntity]) -> list[str]:
     """Return the top nodes of the models of these entities, which are not entities of the scene file."""
     names = []
@@ -181,7 +189,6 @@ def _refresh(world: World, scene: Scene, entity: SceneEntity, types: set[str]) -
     stale = set(types)
     if types & _BODY:
         world.content.drop_bodies(index)
-        world.forget_motion(node.index)
         stale.add("mesh")
     if types & _EFFECTS:
         world.effects.remove([node.index])
