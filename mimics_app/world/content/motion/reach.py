@@ -8,10 +8,10 @@ from enum import IntFlag
 
 import numpy as np
 
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import F8, I4
 from mimics_app.maths.poses import turn_vector, turned_back
 from mimics_app.maths.quat import multiply, slerp
-from mimics_app.world.content.motion.kernels.chain import arc, follow_chain, follow_one, localise
+from mimics_app.world.content.motion.kernels.chain import arc, follow_chain, follow_one, follow_slots, localise
 from mimics_app.world.content.motion.kernels.two_bone import reach_two_bones
 from mimics_app.world.content.motion.pose import Pose
 from mimics_app.world.content.motion.rig import Rig
@@ -62,6 +62,11 @@ class Chain:
         """Compute one slot whose parent is up to date."""
         local = (pose.translations, pose.rotations, pose.scales)
         follow_one(slot, self.rig.parents, *local, self.places, self.turns, self.scales)
+
+    def follow_slots(self, pose: Pose, slots: I4) -> None:
+        """Compute some slots, parents before children; the parent of the first is up to date."""
+        local = (pose.translations, pose.rotations, pose.scales)
+        follow_slots(slots, self.rig.parents, *local, self.places, self.turns, self.scales)
 
     def shift(self, pose: Pose, slot: int, way: F8) -> None:
         """Move a slot by a vector of the model's frame [m], whatever rotations and scales are above it; all follow."""

@@ -58,12 +58,13 @@ class Rig:
 
     def rest_places(self) -> F8:
         """Return where the slots are at rest [m], [slots, 3]; no compiled code, which reading a file must not need."""
-        rest, axes = self.rest, np.empty((len(self.names), 3, 3))
-        places = np.empty((len(self.names), 3))
+        rest, count = self.rest, len(self.names)
+        u, w, basis = rest.rotations[:, None, :3], rest.rotations[:, None, 3:], np.tile(np.eye(3), (count, 1, 1))
+        turned = basis + 2.0 * np.cross(u, np.cross(u, basis) + w * basis)
+        axes = np.ascontiguousarray(np.swapaxes(turned, 1, 2)) * rest.scales[:, None, :]
+        places = rest.translations.copy()
         for slot, parent in enumerate(self.parents.tolist()):
-            u, w = rest.rotations[slot, :3], rest.rotations[slot, 3]
-            turned = [v + 2.0 * np.cross(u, np.cross(u, v) + w * v) for v in np.eye(3)]
-            own = np.stack(turned, axis=1) * rest.scales[slot]
-            above, origin = (axes[parent], places[parent]) if parent >= 0 else (np.eye(3), np.zeros(3))
-            axes[slot], places[slot] = above @ own, origin + above @ rest.translations[slot]
+            if parent >= 0:
+                axes[slot] = axes[parent] @ axes[slot]
+                places[slot] = places[parent] + axes[parent] @ rest.translations[slot]
         return places

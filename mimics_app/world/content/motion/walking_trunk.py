@@ -20,6 +20,8 @@ _PELVIS, _TRUNK, _ARMS = math.radians(5.0), math.radians(7.0), math.radians(20.0
 """Amplitudes of pelvis and trunk rotation and of arm swing at the preferred speed [rad]."""
 _ARM_OUT = math.radians(12.0)
 """Maximum angle of a hanging arm from the vertical [rad]."""
+_TURNED = ("hips", "spine", "chest", "leftUpperArm", "rightUpperArm", "leftLowerArm", "rightLowerArm")
+"""Bones that a walk rotates."""
 
 
 class WalkingTrunk:
@@ -34,6 +36,8 @@ class WalkingTrunk:
 
     def __init__(self, rig: Rig, bones: HumanoidMap, rest: Chain, chain: Chain) -> None:
         self._rig, self._bones, self._rest, self._chain = rig, bones, rest, chain
+        found = ((bone, bones.slots[bone]) for bone in _TURNED if bone in bones.slots)
+        self._below = {bone: np.array(rig.below(slot)[1:], np.int32) for bone, slot in found}
 
     def swing(self, pose: Pose, phase: float, vigour: float) -> None:
         """Rotate pelvis, trunk and arms with the leading leg, and sway and list the pelvis.
@@ -79,5 +83,4 @@ class WalkingTrunk:
         if slot < 0 or angle == 0.0:
             return
         self._chain.turn(pose, slot, about(axis, angle), self._chain.turns[slot].copy())
-        for below in self._rig.below(slot)[1:]:
-            self._chain.follow_slot(pose, below)
+        self._chain.follow_slots(pose, self._below[bone])

@@ -16,7 +16,7 @@ from mimics_app.maths.quat import (
     rotate,
 )
 
-__all__ = ["arc", "carry_over", "follow_chain", "follow_one", "localise", "wrap"]
+__all__ = ["arc", "carry_over", "follow_chain", "follow_one", "follow_slots", "localise", "wrap"]
 
 
 @kernel
@@ -97,6 +97,13 @@ def follow_chain(parents: I4, local_t: F8, local_r: F8, local_s: F8, t: F8, r: F
     """
     for slot in range(parents.shape[0]):
         follow_one(slot, parents, local_t, local_r, local_s, t, r, s)
+
+
+@kernel
+def follow_slots(slots: I4, parents: I4, local_t: F8, local_r: F8, local_s: F8, t: F8, r: F8, s: F8) -> None:
+    """Compute the pose of some slots, parents before children; see `follow_chain`."""
+    for k in range(slots.shape[0]):
+        follow_one(int(slots[k]), parents, local_t, local_r, local_s, t, r, s)
 
 
 @kernel
