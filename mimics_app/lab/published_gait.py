@@ -4,11 +4,15 @@ M. H. Schwartz, A. Rozumalski, J. P. Trost, The effect of walking speed on the g
 J. Biomechanics 41 (2008) 1639-1650, electronic addendum: sheets "Joint Rotations" (mean, rounded to 0.1 degrees) and
 "ANOVA" (mean). Row k is at k/50 of the cycle from heel contact. Speeds are over sqrt(g L), steps over L, cadence in
 steps times sqrt(L / g), with the length L of the leg.
+
+B. Koopman, E. H. F. van Asseldonk, H. van der Kooij, Speed-dependent reference joint trajectory generation for robotic
+gait support, J. Biomechanics 47 (2014) 1447-1458, Table 2, hip flexion and extension from 0.5 to 5 km/h, in three
+decimals as public code has transcribed it; its Table 3 is that of the knee in `reference_gait`, to the last of them.
 """
 
 from __future__ import annotations
 
-__all__ = ["ANKLE", "CADENCE", "HIP", "KNEE", "SPEED", "STEP", "TILT"]
+__all__ = ["ANKLE", "CADENCE", "HIP", "HIP_EVENTS", "KNEE", "SPEED", "STEP", "TILT"]
 
 SPEED = {"very slow": 0.1721, "slow": 0.2902, "free": 0.4294}
 STEP = {"very slow": 0.5099, "slow": 0.6400, "free": 0.7596}
@@ -90,3 +94,27 @@ ANKLE: dict[str, tuple[float, ...]] = {
     ),
 }  # fmt: skip
 """Dorsiflexion of the ankle [degrees]."""
+
+HIP_EVENTS = (
+    (
+        (1.0, 0.0, 0.0, 0.0),  # heel contact
+        (-10.809, 0.0, 0.0, 11.762),  # maximum flexion in stance
+        (24.512, -2.021, 0.195, 5.109),  # half of the stance
+        (48.879, -3.854, 0.355, 9.891),  # minimum flexion
+        (80.562, -6.432, 0.885, 0.0),  # maximum flexion velocity
+        (94.280, -0.601, 0.0, 0.0),  # maximum flexion in swing
+    ),
+    (
+        (20.354, 1.934, 0.0, 0.0), (18.917, 2.583, 0.0, 0.0), (4.845, 1.718, 0.0, 0.0),
+        (-2.026, -2.090, 0.0, 0.0), (20.030, 0.0, 0.0, -7.732), (21.447, 2.318, 0.0, 0.0),
+    ),
+    (
+        (-2.062, 0.0, 0.0, 1.112), (0.0, 0.0, 0.0, 0.0), (-0.240, -0.224, 0.0, 0.0),
+        (0.0, 0.0, 0.0, 0.0), (0.472, 0.096, 0.0, 0.633), (0.0, 0.0, 0.0, 0.0),
+    ),
+    (
+        (-0.068, 0.031, 0.0, 0.0), (-0.112, 0.0, 0.0, 0.0), (0.026, -0.010, 0.0, 0.0),
+        (-0.117, 0.059, -0.007, 0.098), (0.0, 0.0, 0.0, 0.0), (-0.083, 0.0, -0.002, 0.0),
+    ),
+)  # fmt: skip
+"""Events of the hip of Koopman 2014, as `reference_gait.curve_by_events` takes them; flexion against the pelvis."""

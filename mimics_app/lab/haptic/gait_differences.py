@@ -8,12 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.lab.published_gait import HIP, KNEE, SPEED, TILT
+from mimics_app.lab.published_gait import HIP, HIP_EVENTS, KNEE, SPEED, TILT
 from mimics_app.maths.gait_series import knee_series, leg_length, series_at, step_of, thigh_series
-from mimics_app.world.content.motion.reference_gait import NATURAL, SAMPLES, knee_by_speed
+from mimics_app.world.content.motion.reference_gait import NATURAL, SAMPLES, curve_by_events, knee_by_speed
 from mimics_app.world.content.motion.reference_gait import TILT as BOVI_TILT
 
-__all__ = ["Difference", "gait_differences", "knee_of", "speed_of", "thigh_of"]
+__all__ = ["Difference", "gait_differences", "hip_difference", "knee_of", "speed_of", "thigh_of"]
 
 _HEIGHT = 1.75
 _GRAVITY = 9.81
@@ -22,6 +22,8 @@ _MOST_SHIFT = 0.045
 """Largest difference of the begins of two authors' cycles that is tried [cycles]."""
 _SLOWEST = 0.5 / 3.6
 _FREE = "free"
+_TILT = float(np.mean([TILT[group] for group in SPEED]))
+"""Forward tilt of the pelvis of the table that the reference is fitted to [degrees]."""
 
 
 class Difference(NamedTuple):
@@ -63,6 +65,11 @@ def _most_aligned(speed: float) -> float:
     return min(_rms(knee_of(speed, _PHASE - shift) - other) for shift in shifts)
 
 
+def hip_difference(speed: float) -> F8:
+    """Return hip less that of Koopman [degrees] over a cycle, both against the pelvis, at a speed [m/s]."""
+    return thigh_of(speed) + _TILT - curve_by_events(HIP_EVENTS, speed)
+
+
 def speed_of(group: str) -> float:
     """Return the speed of a group of the table for an adult of 1.75 m [m/s]."""
     return SPEED[group] * math.sqrt(_GRAVITY * leg_length(_HEIGHT))
@@ -73,12 +80,15 @@ def gait_differences() -> list[Difference]:
     rows: list[Difference] = []
     for group in SPEED:
         speed = speed_of(group)
-        hip = np.array(HIP[group]) - np.array(TILT[group])
+        thigh = np.array(HIP[group]) - np.array(TILT[group])
         rows += [
-            _row("thigh, Schwartz 2008", speed, _rms(thigh_of(speed) - hip)),
+            _row("thigh, Schwartz 2008", speed, _rms(thigh_of(speed) - thigh)),
             _row("knee, Schwartz 2008", speed, _rms(knee_of(speed) - np.array(KNEE[group]))),
         ]
     for speed in (_SLOWEST, *(speed_of(group) for group in SPEED)):
+        hip = hip_difference(speed)
+        rows.append(_row("hip, Koopman 2014", speed, _rms(hip)))
+        rows.append(_row("hip, Koopman 2014, but for its zero", speed, _rms(hip - hip.mean())))
         rows.append(_row("knee, Koopman 2014", speed, _rms(knee_of(speed) - knee_by_speed(speed))))
         rows.append(_row("knee, Koopman 2014, cycles aligned", speed, _most_aligned(speed)))
     natural = speed_of(_FREE)

@@ -29,7 +29,20 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 
-__all__ = ["NATURAL", "NATURAL_STANCE", "SAMPLES", "TILT", "knee_by_speed", "shape_gait", "stance_share"]
+__all__ = [
+    "NATURAL",
+    "NATURAL_STANCE",
+    "SAMPLES",
+    "TILT",
+    "Events",
+    "curve_by_events",
+    "knee_by_speed",
+    "shape_gait",
+    "stance_share",
+]
+
+Events = tuple[tuple[tuple[float, float, float, float], ...], ...]
+"""Regressions of the six events of a joint, see `curve_by_events`."""
 
 
 SAMPLES = 50
@@ -101,19 +114,30 @@ def stance_share(speed: float) -> float:
 
 def knee_by_speed(speed: float) -> F8:
     """Return the knee flexion of the regression at a speed [m/s], [degrees], [50]."""
+    return curve_by_events((_WHEN, _ANGLE, _SLOPE, _BEND), speed)
+
+
+def curve_by_events(events: Events, speed: float) -> F8:
+    """Return a joint of the regression at a speed [m/s] and a body height of 1.75 m, [degrees], [50].
+
+    Args:
+        events: Times of six events [samples of 1 %, from 1], angles there [degrees], their first and second
+            derivatives: factors of 1, speed [km/h], its square and body height [m].
+        speed: [m/s]
+    """
     kmh = 3.6 * min(max(speed, 0.14), 1.39)  # the measured range
     terms = np.array([1.0, kmh, kmh * kmh, _HEIGHT])
-    when, angle, slope, bend = (np.array(rows) @ terms for rows in (_WHEN, _ANGLE, _SLOPE, _BEND))
+    when, angle, slope, bend = (np.array(rows) @ terms for rows in events)
     when = np.append(when, 101.0) - 1.0  # from heel contact
     at = np.arange(SAMPLES) * 100.0 / SAMPLES
-    knee = np.empty(SAMPLES)
+    curve = np.empty(SAMPLES)
     for k in range(6):
         n = (k + 1) % 6
         length = when[k + 1] - when[k]
         ends = (angle[k], slope[k] * length, bend[k] * length**2, angle[n], slope[n] * length, bend[n] * length**2)
         inside = (at >= when[k]) & (at < when[k + 1])
-        knee[inside] = _quintic((at[inside] - when[k]) / length, ends)
-    return knee
+        curve[inside] = _quintic((at[inside] - when[k]) / length, ends)
+    return curve
 
 
 def _quintic(x: F8, ends: tuple[float, ...]) -> F8:
