@@ -50,7 +50,7 @@ _WORDS: Mapping[TripCause, tuple[str, str]] = {
         phrase("look at the device's sensors and its line"),
     ),
     TripCause.SENSOR: (
-        phrase("the measured force stayed beyond measured_force_limit"),
+        phrase("the measured force stayed beyond measured_force_limit, or did not change at all"),
         phrase("look at the device's force sensor"),
     ),
     TripCause.NOT_FOLLOWING: (

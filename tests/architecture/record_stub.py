@@ -49,10 +49,12 @@ MODULES = (
     f"{_LOKOMAT}.constrained_shafts",
     f"{_LOKOMAT}.position_control",
     f"{_LOKOMAT}.guidance_force",
+    f"{_LOKOMAT}.encoder_speed",
     f"{_LOKOMAT}.leg_control",
     f"{_LOKOMAT}.gait_limits",
     f"{_LOKOMAT}.heel_strike",
     f"{_LOKOMAT}.encoder_watch",
+    f"{_LOKOMAT}.sensor_watch",
     "mimics_app.rendering.haptic.controllers.orthosis_walk",
 )
 """Where records of touch are declared: every dtype with fields that a module of these names in capitals."""

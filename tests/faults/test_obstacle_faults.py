@@ -42,7 +42,7 @@ def _until(play: CorePlay, state: GaitState, seconds: float, safety: tuple[Safet
 def _ends_standing(seed: int, step: GaitState, fault: str) -> TripCause:
     """Play a session up to a step, let the device fail there, and look at both legs; why the loop stopped itself.
 
-    A fault that nobody can notice, such as a dead sensor of a leg that is at rest, is followed by the person's STOP.
+    A fault that nobody can notice, such as a stuck encoder of a leg that is at rest, is followed by the person's STOP.
     """
     scene = check_scene(read_scene(SCENE))
     controller = scene.first(Controller)
@@ -97,7 +97,8 @@ def _joints(plant: np.ndarray) -> np.ndarray:
         (GaitState.WALKING, "encoder_stuck:left knee", TripCause.NOT_FOLLOWING),
         (GaitState.EXPLORING, "encoder_stuck:left hip", TripCause.NOT_FOLLOWING),
         (GaitState.COLLISION_ENABLED, "encoder_stuck:right knee", TripCause.NONE),
-        (GaitState.EXPLORING, "sensor_dead:right hip", TripCause.NONE),
+        (GaitState.EXPLORING, "sensor_dead:right hip", TripCause.SENSOR),
+        (GaitState.COLLISION_ENABLED, "sensor_stuck:left knee", TripCause.SENSOR),
     ],
 )
 def test_a_fault_in_the_sequence_ends_in_standing(step: GaitState, fault: str, cause: TripCause) -> None:

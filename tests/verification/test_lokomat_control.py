@@ -109,6 +109,13 @@ def test_the_combined_control_is_the_less_transparent_one(rig: Rig) -> None:
     assert combined > 5.0 * pure
 
 
+def test_a_drive_that_breaks_loose_in_its_play_knocks(rig: Rig) -> None:
+    """Motors that follow in the play, too (the planted fault), rattle through a slow swing."""
+    loose = Rig()
+    loose.settings["play"] = 0.0
+    assert residual_torque(rig, COMBINED, SPEEDS["slow"])[0] < 5.0 < 10.0 < residual_torque(loose, COMBINED, 0.3)[0]
+
+
 def _band(force: Array, rate: int = 1000) -> float:
     """Peak of a force between 20 and 300 Hz [N]."""
     spectrum = np.fft.rfft(force - force.mean())

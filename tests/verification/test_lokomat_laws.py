@@ -127,7 +127,7 @@ def _loop(settings: Array, human: float, seconds: float, leg: float, drive: floa
     rows = []
     for _ in range(round(seconds / dt)):
         force = measured_force(settings[0], 0, rod + bias, motor, 0.0)
-        wish, wish_rate = move_shaft(wish, wish_rate, force, mass, damping, 1e3, dt)
+        wish, wish_rate = move_shaft(wish, wish_rate, force, mass, damping, 0.0, 1e3, dt)
         motor = KP * (wish - eta) + kd * (wish_rate - rate)
         acceleration = (motor + human) / total
         rod = leg * acceleration - human
@@ -156,12 +156,19 @@ def test_the_printed_equations_hold_the_leg_or_throw_it() -> None:
     assert right[-1] == pytest.approx(0.5 * 10.0 / 5.0 * 0.25, rel=0.1), "the right form does not at m_V < M"
 
 
-def test_a_bias_below_the_deadband_moves_nothing_for_60_s() -> None:
-    settings = _shaft(10.0, deadband=1.0)
-    eta = rate = 0.0
-    for _ in range(60_000):
-        eta, rate = move_shaft(eta, rate, measured_force(settings[0], 0, 0.5, 0.0, 0.0), 10.0, 0.0, 1.0, 1e-3)
-    assert eta == rate == 0.0
+def test_dry_friction_stops_a_shaft_and_holds_it() -> None:
+    """A bias below twice 1 N moves nothing in 60 s; 10 kg at 0.2 m/s stop after m v^2 / 2 F = 0.2 m, and stay there."""
+    for rate, way in ((0.0, 0.0), (0.2, 0.5 * 10.0 * 0.2**2 / 1.0), (-0.2, -0.2)):
+        eta = 0.0
+        for _ in range(3000):
+            eta, rate = move_shaft(eta, rate, 0.0, 10.0, 0.0, 1.0, 1.0, 1e-3)
+        assert eta == pytest.approx(way, abs=1e-4) and rate == 0.0
+        for _ in range(60_000):
+            eta, rate = move_shaft(eta, rate, 1.9, 10.0, 0.0, 1.0, 1.0, 1e-3)
+        assert eta == pytest.approx(way, abs=1e-4) and rate == 0.0
+    for _ in range(1000):
+        eta, rate = move_shaft(eta, rate, 2.1, 10.0, 0.0, 1.0, 1.0, 1e-3)
+    assert rate == pytest.approx((2.1 - 1.0) / 10.0, rel=1e-9)
 
 
 def test_a_bias_drifts_without_damping_and_creeps_with_it() -> None:
@@ -169,7 +176,7 @@ def test_a_bias_drifts_without_damping_and_creeps_with_it() -> None:
     for damping, expected in ((0.0, 0.05), (50.0, 1.0 / 50.0 * (1.0 - 0.2 * (1.0 - math.exp(-5.0))))):
         eta = rate = 0.0
         for _ in range(1000):
-            eta, rate = move_shaft(eta, rate, 1.0, 10.0, damping, 1.0, 1e-3)
+            eta, rate = move_shaft(eta, rate, 1.0, 10.0, damping, 0.0, 1.0, 1e-3)
         assert eta == pytest.approx(expected, rel=1e-9)
 
 

@@ -12,7 +12,7 @@ import pytest
 from scipy.signal import butter, sosfilt
 
 from mimics_app.lab.haptic.leg_runs import wall_rig
-from mimics_app.lab.haptic.lokomat_rig import COMBINED, CONTROLS, IMPEDANCE, Person, Play
+from mimics_app.lab.haptic.lokomat_rig import COMBINED, CONTROLS, IMPEDANCE, Person, Play, Rig
 from mimics_app.rendering.haptic.devices.gait_people import PERSONS
 from mimics_app.rendering.haptic.kernels.leg_kinematics import SHANK, THIGH
 from tests.support.muscle_person import ACTIVATIONS, PRESSING, RELAXED, muscle_torques
@@ -49,15 +49,28 @@ def test_no_preset_makes_the_wall_shake(person: str, force: float, kind: int, se
     assert rows["touching"][3000:].all() and _band(rows) <= MOST
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("person", PERSONS)
-def test_a_passive_preset_feels_no_drive_under_impedance_control(person: str) -> None:
-    """Torques of the rods, as forces at the foot; combined control rattles in the backlash of unloaded rods."""
-    rig, _ = wall_rig({"person": person})
-    rows = rig.run(IMPEDANCE, Person(preset=True), 60.0)
+def _felt(rig: Rig, rows: dict[str, np.ndarray], begins: int) -> float:
+    """Greatest force at the foot between 20 and 300 Hz [N] that makes the torques of the rods, from a tick on."""
     thigh, shank = rig.settings["frame"]["geometry"][0, [THIGH, SHANK]]
-    for joint, arm in (("hip", thigh + shank), ("knee", shank)):
-        assert _heard(rows[joint])[3000:].max() / arm <= MOST
+    return max(_heard(rows["hip"])[begins:].max() / (thigh + shank), _heard(rows["knee"])[begins:].max() / shank)
+
+
+@KINDS
+@pytest.mark.parametrize("seconds", [5.0, pytest.param(60.0, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("person", PERSONS)
+def test_a_passive_preset_feels_no_drive(person: str, kind: int, seconds: float) -> None:
+    """A leg that hangs, on whose rods nothing bears: its tissue draws it for 4 s, then it is at rest."""
+    rig, _ = wall_rig({"person": person})
+    rows = rig.run(kind, Person(preset=True), seconds)
+    assert _felt(rig, rows, 4000) <= MOST
+
+
+@pytest.mark.parametrize(("person", "missing"), [("healthy", "friction"), ("spastic", "encoder")])
+def test_without_dry_friction_or_the_steps_of_the_encoder_it_rattles(person: str, missing: str) -> None:
+    """The planted faults: a virtual leg that never comes to rest, and a damping that takes steps for speed."""
+    rig, _ = wall_rig({"person": person})
+    (rig.settings["shafts"] if missing == "friction" else rig.settings)[missing] = 0.0
+    assert _felt(rig, rig.run(COMBINED, Person(preset=True), 6.0), 4000) > 2.0 * MOST
 
 
 @KINDS

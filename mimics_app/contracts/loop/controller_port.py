@@ -63,7 +63,7 @@ __all__ = [
     "places_of",
 ]
 
-CONTROLLER_MEMORY = 512
+CONTROLLER_MEMORY = 640
 """Numbers of a controller's state."""
 
 _POINTS = 3 * MAX_CONTACTS
@@ -116,8 +116,8 @@ CONTROL_OUTPUT = np.dtype(
         ("force", "f8", (_POINTS,)),  # added to the virtual force on the user at each point, robot frame [N]
         ("torque", "f8", (MAX_JOINTS,)),  # added at the joints [N, N m]
         ("braked", "i8"),  # 1: the drives are off, and the device's own brakes hold it
-        # 1: latch a safety stop in this tick, with the same effect until a person resets it; TripCause.NOT_FOLLOWING:
-        # the same where a position sensor shows no motion
+        # 1: latch a safety stop in this tick, with the same effect until a person resets it; TripCause.NOT_FOLLOWING
+        # or SENSOR: the same where a position sensor shows no motion, or a force sensor no noise
         ("stop", "i8"),
         ("belt", "f8"),  # share 0-1 of the reference's speed that a treadmill's belt gets
         ("gait", "i8"),  # 1 + GaitState, 0: none

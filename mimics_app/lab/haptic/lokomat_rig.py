@@ -275,6 +275,8 @@ class Rig:
             settings["position"]["motor"][0, joint] = drive[linear_drive.MASS]
             settings["load"]["coulomb"][0, joint] = drive[linear_drive.COULOMB]
             settings["load"]["viscous"][0, joint] = drive[linear_drive.VISCOUS]
+            settings["play"][0, joint] = drive[linear_drive.BACKLASH]
+        settings["encoder"] = plant[orthosis.ENCODER]
         settings["position"]["links"], settings["load"]["links"] = links, orthosis_links
         settings["position"]["carried"] = orthosis_links
         _write_defaults(settings)
@@ -372,7 +374,7 @@ def _write_defaults(settings: NDArray[Any]) -> None:
     settings["position"]["stiffness"], settings["position"]["computed"] = (4000.0, 2000.0), 1
     settings["load"]["weight"], settings["load"]["friction"], settings["load"]["slow"] = 1.0, 0.95, 0.01
     settings["shafts"]["mass"], settings["shafts"]["damping"] = (500.0, 150.0), 60.0
-    settings["shafts"]["deadband"], settings["shafts"]["sensor_sign"] = 2.0, 1.0
+    settings["shafts"]["friction"], settings["shafts"]["sensor_sign"] = 10.0, 1.0
     settings["shafts"]["speed_limit"], settings["shafts"]["force_limit"] = 0.5, 3000.0
     settings["surface"]["anchor"], settings["surface"]["hold"] = 2e4, 2.0
     settings["foot"]["stiffness"], settings["foot"]["damping"] = 8000.0, 3000.0

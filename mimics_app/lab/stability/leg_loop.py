@@ -77,7 +77,7 @@ class LegBench:
         rig.settings["outline"] = wall_outline((float(leg.foot(np.array(press.pose))[0]), 0.0), (-1.0, 0.0))
         rig.settings["load"]["friction"], rig.settings["foot"]["damping"] = press.compensation, press.damping
         rig.settings["shafts"]["mass"], rig.settings["shafts"]["damping"] = press.virtual_mass, press.virtual_damping
-        rig.settings["shafts"]["deadband"] = 0.0
+        rig.settings["shafts"]["friction"] = 0.0
         rig.settings["surface"]["friction"], rig.settings["surface"]["mu"] = SurfaceFriction.COULOMB, 1.0
         rig.settings["surface"]["anchor"] = press.anchor
         return cls(rig, leg, press)

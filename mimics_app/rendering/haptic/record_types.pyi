@@ -1292,7 +1292,7 @@ class ShaftSettingsRecord:
 
     mass: Floats
     damping: Floats
-    deadband: Floats
+    friction: Floats
     sensor_sign: float
     speed_limit: Floats
     force_limit: Floats
@@ -1341,6 +1341,12 @@ class GuidanceSettingsRecord:
     window: float
     width: float
 
+class EncoderSpeedRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.encoder_speed.ENCODER_SPEED`."""
+
+    count: int
+    past: Floats
+
 class LoadSettingsRecord:
     """`mimics_app.rendering.haptic.control.lokomat.leg_control.LOAD_SETTINGS`."""
 
@@ -1359,6 +1365,8 @@ class LegSettingsRecord:
     foot: FootSettingsRecord
     shafts: ShaftSettingsRecord
     surface: SurfaceSettingsRecord
+    play: Floats
+    encoder: float
     position: PositionSettingsRecord
     load: LoadSettingsRecord
     guidance: GuidanceSettingsRecord
@@ -1383,6 +1391,7 @@ class LegStateRecord:
 
     started: int
     shafts: ShaftsRecord
+    encoders: Table[EncoderSpeedRecord]
     contact: FootContactRecord
     surface: FootSurfaceRecord
     motor: Floats
@@ -1395,6 +1404,7 @@ class LegStateRecord:
     force: Floats
     more: Floats
     wish_rate: Floats
+    rate: Floats
     place: Floats
 
 class LegLimitsRecord:
@@ -1423,6 +1433,13 @@ class EncoderWatchRecord:
     least: Floats
     most: Floats
     waited: Floats
+
+class SensorWatchRecord:
+    """`mimics_app.rendering.haptic.control.lokomat.sensor_watch.SENSOR_WATCH`."""
+
+    torque: Floats
+    force: Floats
+    repeated: Floats
 
 class WalkRecord:
     """`mimics_app.rendering.haptic.controllers.orthosis_walk.WALK`."""

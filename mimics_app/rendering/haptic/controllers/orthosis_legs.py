@@ -53,6 +53,7 @@ from mimics_app.rendering.haptic.control.lokomat.sagittal_outline import (
     put_polygon,
     put_wall,
 )
+from mimics_app.rendering.haptic.control.lokomat.sensor_watch import SENSOR_WATCH, sensor_is_frozen
 from mimics_app.rendering.haptic.controllers.orthosis_walk import (
     WALK,
     begin_walk,
@@ -121,7 +122,7 @@ PARAMETERS = (
     ControllerParameter("hip_virtual_mass", 500.0, 20.0, 5000.0, "kg"),  # of the shaft
     ControllerParameter("knee_virtual_mass", 150.0, 20.0, 5000.0, "kg"),
     ControllerParameter("virtual_damping", 60.0, 0.0, 5000.0, "N s/m", size=2),
-    ControllerParameter("deadband", 2.0, 0.0, 100.0, "N", size=2),
+    ControllerParameter("virtual_friction", 10.0, 0.0, 100.0, "N", size=2),
     ControllerParameter("bandwidth", 40.0, 5.0, 200.0, "rad/s"),
     ControllerParameter("pd_stiffness", 2000.0, 10.0, 20_000.0, "N m/rad", size=2),
     ControllerParameter("computed_torque", 1.0, 0.0, 1.0),
@@ -130,6 +131,8 @@ PARAMETERS = (
     ControllerParameter("compensation", 0.95, 0.0, 1.0),  # share of the drives' friction
     ControllerParameter("coulomb", 45.0, 0.0, 500.0, "N", size=2),
     ControllerParameter("viscous", 150.0, 0.0, 5000.0, "N s/m", size=2),
+    ControllerParameter("backlash", 5e-5, 0.0, 0.01, "m", size=2),
+    ControllerParameter("encoder", 2e-5, 0.0, 0.01, "rad"),  # step of all encoders; 0: speeds of the device are good
     ControllerParameter("motor_mass", 22.1, 0.1, 500.0, "kg", size=2),
     ControllerParameter("thigh_orthosis", 2.0, 0.0, 20.0, "kg"),
     ControllerParameter("shank_orthosis", 1.0, 0.0, 20.0, "kg"),
@@ -149,6 +152,7 @@ PARAMETERS = (
     ControllerParameter("guidance_window", 0.0, 0.0, 0.3, "s"),  # 0: impedance around the reference
     ControllerParameter("guidance_width", 0.05, 0.0, 0.3, "rad"),  # from the path, without torque; in a window
     ControllerParameter("frozen_torque", 10.0, 1.0, 1000.0, "N m"),  # change of load without a step of the encoder
+    ControllerParameter("frozen_sensor", 0.05, 0.0, 10.0, "s"),  # of one reading of a noisy rod sensor; 0: it has none
     ControllerParameter("outline_x", 0.0, -3.0, 3.0, "m", size=EDGES),  # corners of a mesh's cut, forward
     ControllerParameter("outline_z", 0.0, -3.0, 3.0, "m", size=EDGES),  # likewise, up
 )
@@ -156,11 +160,11 @@ PARAMETERS = (
 
 (
     _AS_PRINTED, _COMBINED, _OBJECT_KIND, _OBJECT, _OBJECT_SIZE, _ROUNDING, _STIFFNESS, _DAMPING, _FRICTION,
-    _IMPULSE_TICKS, _RESTITUTION, _WALL_FORCE, _VIRTUAL_MASS, _KNEE_MASS, _VIRTUAL_DAMPING, _DEADBAND, _BANDWIDTH,
-    _PD_STIFFNESS, _COMPUTED, _GUIDANCE_STIFFNESS, _GUIDANCE_DAMPING, _COMPENSATION, _COULOMB, _VISCOUS, _MOTOR_MASS,
-    _ORTHOSIS_MASS, _SHANK_ORTHOSIS, _LEG_MASS, _SHANK_WITH_FOOT, _HIP_LINK, _HIP_MOVED, _HIP_OFFSET, _KNEE_LINK,
-    _KNEE_MOVED, _KNEE_OFFSET, _SEQUENCE, _OBSTACLE_AFTER, _EXPLORING_LEG, _EXPLORATION, _RATE, _WINDOW, _WIDTH,
-    _FROZEN, _OUTLINE_X, _OUTLINE_Z,
+    _IMPULSE_TICKS, _RESTITUTION, _WALL_FORCE, _VIRTUAL_MASS, _KNEE_MASS, _VIRTUAL_DAMPING, _VIRTUAL_FRICTION,
+    _BANDWIDTH, _PD_STIFFNESS, _COMPUTED, _GUIDANCE_STIFFNESS, _GUIDANCE_DAMPING, _COMPENSATION, _COULOMB, _VISCOUS,
+    _BACKLASH, _ENCODER_STEP, _MOTOR_MASS, _ORTHOSIS_MASS, _SHANK_ORTHOSIS, _LEG_MASS, _SHANK_WITH_FOOT, _HIP_LINK,
+    _HIP_MOVED, _HIP_OFFSET, _KNEE_LINK, _KNEE_MOVED, _KNEE_OFFSET, _SEQUENCE, _OBSTACLE_AFTER, _EXPLORING_LEG,
+    _EXPLORATION, _RATE, _WINDOW, _WIDTH, _FROZEN, _FROZEN_SENSOR, _OUTLINE_X, _OUTLINE_Z,
 ) = places_of(PARAMETERS)  # fmt: skip
 
 _OF_A_LEG = (("x_real", "m"), ("x_des", "m"), ("f_x", "N"), ("eta_1", "m"), ("eta_2", "m"), ("guidance", "1"))
@@ -220,8 +224,10 @@ _HEELS = _WALK + WALK.itemsize // 8
 _HEEL = HEEL_STRIKE.itemsize // 8
 _ENCODERS = _HEELS + 2 * _HEEL
 _ENCODER = ENCODER_WATCH.itemsize // 8
+_SENSORS = _ENCODERS + 2 * _ENCODER
+_SENSOR = SENSOR_WATCH.itemsize // 8
 """Places of the records in a controller's memory: numbers of a leg, input of a leg, states of both legs, gait state,
-heel strikes and encoders of both legs."""
+heel strikes, encoders and rod sensors of both legs."""
 
 WALK_PLACES = slice(_WALK, _HEELS)
 """Places of the gait state, a WALK record."""
@@ -304,7 +310,7 @@ def _write_laws(settings: LegSettingsRecord, numbers: Vec) -> None:
     for joint in range(2):
         shafts.mass[joint] = numbers[_VIRTUAL_MASS if joint == 0 else _KNEE_MASS]
         shafts.damping[joint] = numbers[_VIRTUAL_DAMPING + joint]
-        shafts.deadband[joint] = numbers[_DEADBAND + joint]
+        shafts.friction[joint] = numbers[_VIRTUAL_FRICTION + joint]
         shafts.speed_limit[joint], shafts.force_limit[joint] = _SPEED_LIMIT, _FORCE_LIMIT
         position.stiffness[joint] = numbers[_PD_STIFFNESS + joint]
         position.motor[joint] = numbers[_MOTOR_MASS + joint]
@@ -325,6 +331,8 @@ def _write_machine(settings: LegSettingsRecord, numbers: Vec, geometry: Vec) -> 
         link[TURNED] = -1.0
         link[OFFSET] = numbers[_HIP_OFFSET] if joint == 0 else numbers[_KNEE_OFFSET]
         load.coulomb[joint], load.viscous[joint] = numbers[_COULOMB + joint], numbers[_VISCOUS + joint]
+        settings.play[joint] = numbers[_BACKLASH + joint]
+    settings.encoder = numbers[_ENCODER_STEP]
     load.weight, load.friction, load.slow = 1.0, numbers[_COMPENSATION], _SLOW
     thigh, shank = numbers[_ORTHOSIS_MASS], numbers[_SHANK_ORTHOSIS]
     _write_links(load.links, geometry, thigh, shank)
@@ -414,13 +422,18 @@ def _watch_foot(
 
 
 @kernel
-def _stop_without_encoder(now: ControlInputRecord, parameters: Vec, memory: Vec, out: ControlOutputRecord) -> None:
-    """Latch a stop where an encoder of a leg is frozen."""
+def _stop_without_sensors(
+    settings: LegSettingsRecord, now: ControlInputRecord, parameters: Vec, memory: Vec, out: ControlOutputRecord
+) -> None:
+    """Latch a stop where an encoder or a rod sensor of a leg is frozen."""
     for leg in range(2):
-        watch = memory[_ENCODERS + leg * _ENCODER : _ENCODERS + (leg + 1) * _ENCODER].view(ENCODER_WATCH)[0]
+        encoder = memory[_ENCODERS + leg * _ENCODER : _ENCODERS + (leg + 1) * _ENCODER].view(ENCODER_WATCH)[0]
+        sensor = memory[_SENSORS + leg * _SENSOR : _SENSORS + (leg + 1) * _SENSOR].view(SENSOR_WATCH)[0]
         q, torque = now.q[2 * leg : 2 * leg + 2], now.torque_meas[2 * leg : 2 * leg + 2]
-        if encoder_is_frozen(watch, q, torque, parameters[_FROZEN], now.dt):
+        if encoder_is_frozen(encoder, q, torque, parameters[_FROZEN], now.dt):
             out.stop = TripCause.NOT_FOLLOWING
+        if sensor_is_frozen(sensor, settings.frame, q, torque, parameters[_FROZEN_SENSOR], now.dt):
+            out.stop = TripCause.SENSOR
 
 
 @kernel
@@ -447,7 +460,7 @@ def control_legs(
     _write_object(settings, walk.called, parameters)
     if walks:
         _advance_walk(walk, now, parameters, out)
-    _stop_without_encoder(now, parameters, memory, out)
+    _stop_without_sensors(settings, now, parameters, memory, out)
     stands, period = _reference_stands(now), math.ceil(1.0 / (parameters[_RATE] * now.dt) - _ROUNDED)
     for leg in range(2):
         state = memory[_INPUT + leg * _STATE : _INPUT + (leg + 1) * _STATE].view(LEG_STATE)[0]

@@ -632,8 +632,8 @@ def control(kin: Kin, scene: SceneRecord, states: Table[StateRecord], held: int,
             _control_motion(kin, scene, states, dt)
         stop = state.control.out.stop
         if state.control.slot != Slot.OFF and stop != 0:
-            unmoved = stop == TripCause.NOT_FOLLOWING
-            _stop(scene, states, TripCause.NOT_FOLLOWING if unmoved else TripCause.CONTROLLER, dt)
+            sensed = stop == TripCause.NOT_FOLLOWING or stop == TripCause.SENSOR
+            _stop(scene, states, stop if sensed else TripCause.CONTROLLER, dt)
     _note_gait(state)
     if scene.torques == 1:
         _command_torques(kin, scene, states, held, dt)

@@ -208,8 +208,11 @@ def _slide(
 def _move_free(shafts: ShaftsRecord, leg: LegFrameRecord, settings: ShaftSettingsRecord, force: Vec, dt: float) -> None:
     """Move both shafts through free space by a tick."""
     for i in range(2):
-        mass, damping, limit = settings.mass[i], settings.damping[i], settings.speed_limit[i]
-        shafts.eta[i], shafts.rate[i] = move_shaft(shafts.eta[i], shafts.rate[i], force[i], mass, damping, limit, dt)
+        mass, damping, friction = settings.mass[i], settings.damping[i], settings.friction[i]
+        limit = settings.speed_limit[i]
+        shafts.eta[i], shafts.rate[i] = move_shaft(
+            shafts.eta[i], shafts.rate[i], force[i], mass, damping, friction, limit, dt
+        )
         shafts.theta[i] = angle_of(leg.links[i], shafts.eta[i])
 
 

@@ -24,6 +24,8 @@ from mimics_app.rendering.haptic.control.lokomat.constrained_shafts import (
     step_shafts,
 )
 from mimics_app.rendering.haptic.control.lokomat.contact_impulse import effective_mass
+from mimics_app.rendering.haptic.control.lokomat.drive_play import force_in_play
+from mimics_app.rendering.haptic.control.lokomat.encoder_speed import ENCODER_SPEED, encoder_speed
 from mimics_app.rendering.haptic.control.lokomat.foot_constraint import FOOT_SURFACE, LEG_FRAME, find_surface
 from mimics_app.rendering.haptic.control.lokomat.foot_contact import FOOT_CONTACT, FOOT_SETTINGS, push_foot
 from mimics_app.rendering.haptic.control.lokomat.guidance_force import GUIDANCE_SETTINGS, guide_joints
@@ -94,8 +96,10 @@ LEG_SETTINGS = np.dtype(
         ("frame", LEG_FRAME),
         ("outline", OUTLINE),  # of the hard object; without edges there is none
         ("foot", FOOT_SETTINGS),  # of impedance control
-        ("shafts", SHAFT_SETTINGS),  # of combined control, like the two below
+        ("shafts", SHAFT_SETTINGS),  # of combined control, like the four below
         ("surface", SURFACE_SETTINGS),
+        ("play", np.float64, 2),  # backlash of hip and knee drive along the shaft [m]
+        ("encoder", np.float64),  # step of the encoders [rad]; 0: the speed is that of the device
         ("position", POSITION_SETTINGS),
         ("load", LOAD_SETTINGS),
         ("guidance", GUIDANCE_SETTINGS),
@@ -125,6 +129,7 @@ LEG_STATE = np.dtype(
     [
         ("started", np.int64),
         ("shafts", SHAFTS),
+        ("encoders", ENCODER_SPEED, 2),  # of hip and knee, for the position control
         ("contact", FOOT_CONTACT),
         ("surface", FOOT_SURFACE),  # at the measured foot
         ("motor", np.float64, 2),  # force of the motors on the shafts in the last tick [N]
@@ -137,6 +142,7 @@ LEG_STATE = np.dtype(
         ("force", np.float64, 2),
         ("more", np.float64, 2),
         ("wish_rate", np.float64, 2),
+        ("rate", np.float64, 2),
         ("place", np.float64, 3),
     ],
     align=True,
@@ -247,6 +253,35 @@ def _keep_near(settings: LegSettingsRecord, now: LegInputRecord, state: LegState
 
 
 @kernel
+def _follow(settings: LegSettingsRecord, now: LegInputRecord, state: LegStateRecord) -> None:
+    """Set the torques by which the leg follows the virtual one."""
+    for joint in range(2):
+        arm = lever(settings.frame.links[joint], state.shafts.theta[joint])
+        state.wish_rate[joint] = state.shafts.rate[joint] / arm
+        state.rate[joint] = now.dq[joint]
+        if settings.encoder > 0.0:
+            state.rate[joint] = encoder_speed(state.encoders[joint], now.q[joint], settings.encoder, now.dt)
+        state.more[joint] = 0.0  # q_d'' would close a loop over the rod sensor, of the gain M_leg / m_V
+    position_torques(
+        settings.position,
+        settings.frame,
+        now.q,
+        state.rate,
+        state.shafts.theta,
+        state.wish_rate,
+        state.more,
+        state.tau,
+    )
+    for joint in range(2):
+        arm = lever(settings.frame.links[joint], now.q[joint])
+        away = arm * (state.shafts.theta[joint] - now.q[joint])
+        friction = settings.load.friction * settings.load.coulomb[joint]
+        wish, rod = state.tau[joint] / arm, now.torque[joint] / arm
+        state.motor[joint] = force_in_play(wish, rod, away, settings.play[joint], friction)
+        state.tau[joint] = arm * state.motor[joint]
+
+
+@kernel
 def control_combined(settings: LegSettingsRecord, now: LegInputRecord, state: LegStateRecord) -> None:
     """Set state.tau by combined admittance and impedance control; arguments as `control_impedance`."""
     _find_foot(settings, now, state)
@@ -264,23 +299,7 @@ def control_combined(settings: LegSettingsRecord, now: LegInputRecord, state: Le
         now.dt,
     )
     _keep_near(settings, now, state)
-    for joint in range(2):
-        arm = lever(settings.frame.links[joint], state.shafts.theta[joint])
-        state.wish_rate[joint] = state.shafts.rate[joint] / arm
-        state.more[joint] = 0.0  # q_d'' would close a loop over the rod sensor, of the gain M_leg / m_V
-    position_torques(
-        settings.position,
-        settings.frame,
-        now.q,
-        now.dq,
-        state.shafts.theta,
-        state.wish_rate,
-        state.more,
-        state.tau,
-    )
-    for joint in range(2):
-        arm = lever(settings.frame.links[joint], now.q[joint])
-        state.motor[joint] = state.tau[joint] / arm
+    _follow(settings, now, state)
     place_foot(settings.frame.geometry, 0, state.shafts.theta, state.place)
     state.x_des[0], state.x_des[1] = state.place[0], state.place[2]
     if state.shafts.touching == 1:

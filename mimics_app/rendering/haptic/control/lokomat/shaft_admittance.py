@@ -10,7 +10,8 @@ M eta''. Fed to (3) it makes M eta'' + (1 - M/m_V)(Kd eta' + Kp eta) = F_Human u
 is held by a spring, one of M > m_V is thrown out, at M = m_V nothing is controlled. The sensor is in line with the
 motor and reads the rod: F = -S, S the force of the rod on the leg. The leg then feels the mass m_V + M_leg.
 
-(3) has no damping: a bias of the sensor would accelerate the shaft for ever. A deadband and b_V bound it.
+(3) has no damping: a bias of the sensor would accelerate the shaft for ever. b_V bounds it, and F_fr is dry in free
+space: a force on the shaft at rest moves it from twice F_fr on, so that noise and a leg that only hangs leave it there.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ SHAFT_SETTINGS = np.dtype(
     [
         ("mass", np.float64, 2),  # m_V of hip and knee shaft [kg]
         ("damping", np.float64, 2),  # b_V [N s/m]
-        ("deadband", np.float64, 2),  # of the measured force [N]
+        ("friction", np.float64, 2),  # dry F_fr in free space [N]
         ("sensor_sign", np.float64),  # 1: the sensor is positive in tension, -1: in compression
         ("speed_limit", np.float64, 2),  # [m/s]
         ("force_limit", np.float64, 2),  # of the measured force [N]
@@ -55,27 +56,39 @@ def measured_force(settings: ShaftSettingsRecord, shaft: int, sensor: float, mot
     rod = settings.sensor_sign * sensor
     if settings.as_printed == 1:
         return motor - rod
-    force = -rod - known
-    force = math.copysign(max(0.0, abs(force) - settings.deadband[shaft]), force)
     limit = settings.force_limit[shaft]
-    return min(limit, max(-limit, force))
+    return min(limit, max(-limit, -rod - known))
+
+
+_STATIC = 2.0
+"""Force that moves a shaft at rest, in dry frictions."""
+
+
+@kernel
+def _rubbed(force: float, rate: float, friction: float) -> float:
+    """Force [N] less dry friction, at a rate of the shaft [m/s]."""
+    if rate != 0.0:
+        return force - math.copysign(friction, rate)
+    return 0.0 if abs(force) < _STATIC * friction else force - math.copysign(friction, force)
 
 
 @kernel
 def move_shaft(
-    eta: float, rate: float, force: float, mass: float, damping: float, limit: float, dt: float
+    eta: float, rate: float, force: float, mass: float, damping: float, friction: float, limit: float, dt: float
 ) -> tuple[float, float]:
     """Length [m] and rate [m/s] of a shaft after a tick of equation (3): exact for a held force.
 
     Args:
         eta: Length [m].
         rate: Its rate [m/s].
-        force: F + F_add [N].
+        force: F + F_add without dry friction [N].
         mass: m_V [kg].
         damping: b_V [N s/m] >= 0.
+        friction: Dry F_fr [N] >= 0.
         limit: Largest speed [m/s].
         dt: Tick [s].
     """
+    force = _rubbed(force, rate, friction)
     if damping > 0.0:
         final, kept = force / damping, math.exp(-damping * dt / mass)
         after = final + (rate - final) * kept
@@ -83,6 +96,8 @@ def move_shaft(
     else:
         after = rate + dt * force / mass
         way = dt * (rate + 0.5 * dt * force / mass)
+    if friction > 0.0 and after * rate < 0.0:
+        after = 0.0
     if abs(after) > limit:
         after = math.copysign(limit, after)
         way = dt * after
