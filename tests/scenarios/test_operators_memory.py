@@ -46,7 +46,7 @@ class _NoSocket:
 def card(memory: SessionMemory) -> SessionCard:
     about = {"scene": "wavy_tunnel", "title": "Wavy tunnel", "folder": "run", "device": "simulated", "participant": "7"}
     size, capacities = memory.segment.size, memory.capacities
-    rest = {"simulated": True, "has_policy": False, "lost": "pause", "signals": ["ecg"]}
+    rest = {"scene_hash": "0", "simulated": True, "has_policy": False, "lost": "pause", "signals": ["ecg"]}
     return SessionCard(VERSION, size, capacities, 1, **about, **rest)  # type: ignore[arg-type]
 
 
@@ -106,7 +106,7 @@ def test_the_page_grows_by_less_than_50_mb(tmp_path: Path) -> None:
             tools.send("HeapProfiler.collectGarbage")
             return float(tools.send("Runtime.getHeapUsage")["usedSize"]) / 2**20
 
-        shown = {"kind": "session", "card": card(SessionMemory()).shown, "why": "", "orderly": False}
+        shown = {"kind": "session", "card": card(SessionMemory()).shown(may_operate=True), "why": "", "orderly": False}
         tab.evaluate("shown => window.kept.onmessage({ data: JSON.stringify(shown) })", shown)
         base_mb = 0.0
         for part in range(_PARTS):
