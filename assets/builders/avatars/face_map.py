@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assets.builders.avatars.delaunay import triangulate
 from assets.builders.avatars.face_shape import Head, lid_lines, over_eye
 from assets.builders.avatars.fields import F8
 from assets.builders.avatars.person import Face
@@ -32,6 +31,8 @@ _TOP = 1.40
 """Largest elevation of the map; above it is the crown [rad]."""
 _RADIUS = 0.095
 """Typical of the head, for distances on the map [m]."""
+_TIE = 1e-10
+"""Height [rad^2] by which points that lie on one circle are distinguished: far above rounding, far below any bend."""
 
 
 @dataclass(frozen=True)
@@ -104,7 +105,7 @@ def lay_map(head: Head, face: Face, neck_ring: F8) -> FaceMap:
     _fill(points, head, features, rim, lids, lips)
     top = points.add(np.stack([np.linspace(0.0, math.pi, 8), np.full(8, _TOP)], axis=1))
     turns = np.array(points.turns)
-    triangles = triangulate(np.array(points.laid) * [0.85, 1.0])
+    triangles = _triangulate(np.array(points.laid) * [0.85, 1.0])
     for ring in (border, lids[0], lips[0]):
         triangles = triangles[~np.isin(triangles, ring).all(axis=1)]
     return FaceMap(turns, triangles, border, top, lids, lips, eyes)
@@ -210,3 +211,23 @@ def _within(point: F8, ring: F8, middle: F8) -> bool:
     own = math.atan2(offset[1], offset[0])
     size = np.interp(own, turn[order], np.hypot(*around[order].T), period=2.0 * math.pi)
     return float(np.hypot(*offset)) < float(size)
+
+
+def _triangulate(points: F8) -> I8:
+    """Return the Delaunay triangles [m, 3] of points [n, 2], counter-clockwise, in the order of their newest points.
+
+    They are the lower side of the convex hull of the points lifted to a paraboloid. Of points on one circle, of which a
+    face has some, a newer one lies a little higher: its diagonal is then the same on every machine.
+    """
+    from scipy.spatial import ConvexHull
+
+    flat = points - points.mean(axis=0)
+    lifted = (flat**2).sum(axis=1) + _TIE * np.linspace(0.0, 1.0, len(flat))
+    hull = ConvexHull(np.column_stack([flat, lifted]))
+    corners = hull.simplices[hull.equations[:, 2] < 0.0]
+    a, b, c = (flat[corners[:, i]] for i in range(3))
+    (x, y), (u, v) = (b - a).T, (c - a).T
+    corners = np.where((x * v < y * u)[:, None], corners[:, ::-1], corners)
+    corners = np.take_along_axis(corners, (corners.argmax(axis=1)[:, None] + [1, 2, 0]) % 3, axis=1)
+    result: I8 = corners[np.lexsort(corners.T[[1, 0, 2]])].astype(np.int64)
+    return result
