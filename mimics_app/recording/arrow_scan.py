@@ -51,7 +51,7 @@ class Damage:
 
     def sentence(self, name: str) -> str:
         """Return the damage of a file in a sentence."""
-        return f"{name}: {self.length} bytes at {self.offset} are no good block: {self.why}"
+        return f"{name}: {self.length} bytes at {self.offset} are not a valid block: {self.why}"
 
 
 def read_index(path: Path) -> NDArray[Any]:

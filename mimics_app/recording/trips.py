@@ -28,13 +28,13 @@ _WORDS: Mapping[TripCause, tuple[str, str]] = {
     ),
     TripCause.NOT_FINITE: (
         phrase("a number that is not finite reached the loop"),
-        phrase("look at the device's data and its line"),
+        phrase("check the device's data and its cable"),
     ),
     TripCause.LATE_TICK: (phrase("this computer was too busy"), _BUSY),
     TripCause.MISSED_IN_ROW: (phrase("this computer was too busy: many control cycles in a row were missed"), _BUSY),
     TripCause.STALE_DEVICE: (
         phrase("the device sent nothing new for too long"),
-        phrase("look at its line and its power"),
+        phrase("check its cable and its power"),
     ),
     TripCause.WORKSPACE: (phrase("the hand left the workspace"), phrase("lead it back before the reset")),
     TripCause.VELOCITY: (
@@ -43,11 +43,11 @@ _WORDS: Mapping[TripCause, tuple[str, str]] = {
     ),
     TripCause.DEVICE_FAULT: (
         phrase("the device reports a fault, is gone, or takes no command"),
-        phrase("look at device and line"),
+        phrase("check the device and its cable"),
     ),
     TripCause.JUMP: (
         phrase("the position jumped further than a hand can move"),
-        phrase("look at the device's sensors and its line"),
+        phrase("check the device's sensors and its cable"),
     ),
     TripCause.SENSOR: (
         phrase("the measured force stayed beyond measured_force_limit, or did not change at all"),
@@ -66,7 +66,7 @@ _WORDS: Mapping[TripCause, tuple[str, str]] = {
         phrase("see that both legs hang free and the patient stands, then reset"),
     ),
     TripCause.ENERGY: (
-        phrase("a contact gave more energy than energy_limit"),
+        phrase("a contact generated more energy than energy_limit"),
         phrase("make what was touched softer or more damped"),
     ),
 }

@@ -257,7 +257,9 @@ def test_cut_end_of_an_open_run_is_counted_in_ticks_and_seconds(whole: Path, tmp
         file.write('{"source":"app","kind":"frame","frame":30,"tick":1499}\n')
     losses = recover(folder).verdict.problems
     assert "at least 1300 ticks (1.300 s) after tick 199 are missing" in losses
-    assert f"haptic.arrows: {length // 2} bytes at {offset} are no good block: it is cut off or overwritten" in losses
+    assert (
+        f"haptic.arrows: {length // 2} bytes at {offset} are not a valid block: it is cut off or overwritten" in losses
+    )
     assert len(losses) == 3, "the third: the run is recovered"
     assert evaluate(Run.open(folder)).problems == losses
 

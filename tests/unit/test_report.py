@@ -237,7 +237,7 @@ def test_stops_and_short_holds_are_counted_apart(tmp_path: Path) -> None:
     (folder / "events.jsonl").write_text("\n".join(lines) + "\n")
     page = write_report(folder, report_sections()).read_text(encoding="utf-8")
     assert "<b>1</b><span>safety stops</span>" in page and "<b>1</b><span>short holds</span>" in page
-    assert "this computer was too busy" in page and "look at its line and its power" in page
+    assert "this computer was too busy" in page and "check its cable and its power" in page
 
 
 def test_figure_48_colours(page: str) -> None:

@@ -59,7 +59,7 @@ def test_a_stop_is_reported_with_time_cause_and_advice(capsys):
     SafetyWatch().see(reported(STOP))
     line = capsys.readouterr().err
     assert line == (
-        "mimics: 12.345 s: safety stop: the device sent nothing new for too long; look at its line and its power\n"
+        "mimics: 12.345 s: safety stop: the device sent nothing new for too long; check its cable and its power\n"
     )
 
 

@@ -126,5 +126,5 @@ def _line(row: Reached) -> str:
     if row.asked is None:
         return f"{value}  derived"
     if row.reached:
-        return f"{value}  asked: {row.asked:.{digits}f}"
-    return f"{value}  NOT REACHED, asked: {row.asked:.{digits}f} (beyond what a shipped body allows)"
+        return f"{value}  requested: {row.asked:.{digits}f}"
+    return f"{value}  NOT REACHED, requested: {row.asked:.{digits}f} (beyond what a shipped body allows)"

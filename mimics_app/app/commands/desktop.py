@@ -52,7 +52,7 @@ def run(args: argparse.Namespace) -> int:
         folder = args.folder.expanduser().absolute()
         _write(entry, icon, folder)
     except (OSError, RuntimeError) as error:  # RuntimeError: an account without a home folder
-        raise OutputError(f"the desktop entry cannot be changed: {error}", "see the folder's modes") from error
+        raise OutputError(f"the desktop entry cannot be changed: {error}", "check the folder's permissions") from error
     shown = {"entry": str(entry), "icon": str(icon), "folder": str(folder)}
     answer(args, shown, [f"written: {entry}", f"sessions started from the menu are kept in {folder / 'runs'}"])
     return 0

@@ -49,7 +49,9 @@ def _keep(name: str, value: float | None) -> None:
     set_ceiling(name, value)
     wanted = CEILINGS[name].conservative if value is None else value
     if read_ceiling()[name] != wanted:
-        raise OutputError(f"{config_file(FILE)} cannot be written; the ceiling is unchanged", "see the folder's modes")
+        raise OutputError(
+            f"{config_file(FILE)} cannot be written; the ceiling is unchanged", "check the folder's permissions"
+        )
 
 
 def _lines(ceiling: Mapping[str, float]) -> Iterator[str]:

@@ -138,7 +138,7 @@ def _advice(found: dict[str, Any], lost: str) -> list[str]:
     advice = [f"{lost}: check its cable and power"] if lost else []
     for name, signal in found["signals"].items():
         if signal["seconds"] < _LEAST_S:
-            advice.append(f"{name}: {signal['seconds']:.1f} s are too short to judge it: read {_LEAST_S:g} s at least")
+            advice.append(f"{name}: {signal['seconds']:.1f} s are too short: read {_LEAST_S:g} s at least")
         elif signal["bad_share"] > _BAD_SHARE:
             advice.append(f"{name}: {100 * signal['bad_share']:.0f} % of the seconds are bad: check its electrodes")
         faults = signal.get("faults", {})

@@ -19,7 +19,7 @@ SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics replay`."""
     parser.epilog = (
-        "In the window of --view: Space plays or holds, left and right step by a frame, + and - change the speed, a "
+        "In the window of --view: Space plays or pauses, left and right step by a frame, + and - change the speed, a "
         "click on the bar shows that time, 1 to 9 show the views of the scene; H lists all keys. Marks on the bar are "
         "contacts, begins and ends of trials, notes, and stops. An earlier time is computed from the first frame on. "
         "The sounds of the first run are heard at speed 1."
@@ -94,7 +94,7 @@ def _check_without_picture(args: argparse.Namespace) -> None:
     }
     named = [name for name, is_given in given.items() if is_given]
     if named:
-        raise UsageError(f"{named[0]} is of a picture, and without one replay compares", "add --view or --video FILE")
+        raise UsageError(f"{named[0]} needs a picture; without one, replay compares", "add --view or --video FILE")
 
 
 def _show(args: argparse.Namespace) -> int:

@@ -85,7 +85,7 @@ def _add_verbs(group: Container) -> None:
     chosen = group.add_mutually_exclusive_group()
     chosen.add_argument("--resume", action="store_true", help="run: continue an interrupted run at its next trial")
     chosen.add_argument("--restart-block", action="store_true", help="run: begin an interrupted run again")
-    chosen.add_argument("--abandon", action="store_true", help="run: give an interrupted run up")
+    chosen.add_argument("--abandon", action="store_true", help="run: leave an interrupted run out")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -24,7 +24,7 @@ from mimics_app.rendering.visual.surfaces.surface import Size, Surface
 __all__ = ["KEYS", "ReplayWindow"]
 
 KEYS: tuple[tuple[str, str], ...] = (
-    ("Space", "play, or hold"),
+    ("Space", "play or pause"),
     ("Left, right", "one frame back, one frame on"),
     ("Page up, page down", "ten seconds back, ten seconds on"),
     ("Home, end", "first frame, last frame"),

@@ -62,7 +62,7 @@ class TimeBar:
         x = left + width * head.share
         hud.box(x - 0.5 * _HEAD, _MIDDLE - 0.5 * _HEAD, _HEAD, _HEAD, INK, radius=0.5 * _HEAD)
         shown = f"{clock_text(head.time_ns)} / {clock_text(self._length_ns)}"
-        how = f"{head.speed:g}x" if head.playing else f"held, {head.speed:g}x"
+        how = f"{head.speed:g}x" if head.playing else f"paused, {head.speed:g}x"
         y = _MIDDLE - 0.36 * _SIZE
         hud.text(_EDGE, y, shown, _SIZE, INK, bold=True)
         hud.text(left - _EDGE, y, how, _SIZE, FAINT, align="right")

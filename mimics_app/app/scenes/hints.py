@@ -67,7 +67,7 @@ def _triggers(scene: Scene) -> list[Issue]:
         name = sound.trigger or ""
         close = get_close_matches(name, _TRIGGERS, n=1, cutoff=_ALIKE)
         if name and name not in _TRIGGERS and close:
-            what = f'nothing here gives the trigger "{name}"'
+            what = f'no part of this scene sends the trigger "{name}"'
             found.append(scene.issue(f"{pointer}/trigger", what, f'did you mean "{close[0]}"'))
     return found
 

@@ -49,7 +49,7 @@ _UNSHOWN = {"frame", "features", "person", "choice", "result", "sound", "tactile
 _EVENT = 1
 """Kind of a `SIGNAL_SAMPLE` that marks an event, such as an R peak."""
 _BODY_SIGNALS = ("ecg", "gsr", "emg", "resp")
-_LOST_WORDS = {"pause": "the task is paused", "stop": "the force is taken away", "continue": "the session continues"}
+_LOST_WORDS = {"pause": "the task is paused", "stop": "the force is stopped", "continue": "the session continues"}
 
 
 class OperatorLink:

@@ -246,7 +246,7 @@ def task_frames(run: Run, lines: list[FrameLine], snapshots: Mapping[int, Haptic
     first, commanded = 0, "commands" in run.session.get("settings", ())
     for line in lines:
         if line.tick not in snapshots:
-            raise PartialDataError(f"{run.folder}: frame {line.frame} saw tick {line.tick}, which is not there")
+            raise PartialDataError(f"{run.folder}: frame {line.frame} read tick {line.tick}, which is missing")
         events = run.events[first : first + line.events]
         first += line.events
         commands = tuple(each.given for each in line.commands) if commanded else None

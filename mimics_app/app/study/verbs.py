@@ -44,7 +44,7 @@ def do_verb(args: argparse.Namespace) -> int:
 def _new(args: argparse.Namespace, folder: Path, scenes: list[str]) -> int:
     if (args.protocol is None) == (not scenes):
         raise UsageError(
-            "a new study has a protocol or scenes", "mimics study new FOLDER SCENE SCENE, or --protocol FILE"
+            "a new study needs scenes or a protocol", "mimics study new FOLDER SCENE SCENE, or --protocol FILE"
         )
     if args.protocol is not None:
         protocol = parse_object(read_regular(args.protocol))
@@ -75,7 +75,7 @@ def _form(args: argparse.Namespace, folder: Path, words: list[str]) -> int:
     """Take the answers to a form; without any, show it."""
     study = StudyFolder(folder)
     if len(words) < 2:
-        raise UsageError("a participant and a form are named", "mimics study form FOLDER P07 FORM ITEM=VALUE ..")
+        raise UsageError("the participant or the form is missing", "mimics study form FOLDER P07 FORM ITEM=VALUE ..")
     participant, name = study.find_or_add(words[0]), words[1]
     form = study.protocol.forms.get(name)
     if form is None:
@@ -109,7 +109,7 @@ def _person(args: argparse.Namespace, study: StudyFolder, words: list[str], *, a
     if add and args.person:
         return study.of_name(args.person)
     if len(words) != 1:
-        raise UsageError("one participant is named by a code", f"mimics study {args.scene} FOLDER P07")
+        raise UsageError("the code of one participant is missing", f"mimics study {args.scene} FOLDER P07")
     return study.find_or_add(words[0]) if add else study.find(words[0])
 
 
@@ -172,7 +172,7 @@ def _status(args: argparse.Namespace, folder: Path, words: list[str]) -> int:
 
 def _export(args: argparse.Namespace, folder: Path, words: list[str]) -> int:
     if words:
-        raise UsageError("export takes the folder of the study only", "--out DIR names the folder of the tables")
+        raise UsageError("export takes the folder of the study and no more", "--out DIR names the folder of the tables")
     files = export_study(StudyFolder(folder), args.out)
     answer(args, {"verb": "export", "files": files}, map(str, files))
     return 0

@@ -61,7 +61,7 @@ CEILINGS: Mapping[str, Bound] = {
     "max_acceleration": Bound(50.0, 1e4, "m/s^2", "acceleration of the virtual mass"),
     "measured_force_limit": Bound(250.0, 1e4, "N", "measured force before a stop"),
     "position_jump": Bound(0.001, 10.0, "m", "jump of a position before a stop"),
-    "workspace_margin": Bound(0.01, 1.0, "m, rad", "way beyond the joint limits before a stop"),
+    "workspace_margin": Bound(0.01, 1.0, "m, rad", "distance beyond the joint limits before a stop"),
     "ramp_time_s": Bound(0.2, 0.0, "s", "soft start, at least"),
     "ramp_force": Bound(20.0, 1e3, "N", "force at which the soft start may begin"),
     "tank_size": Bound(5.0, 1e3, "J", "energy that assistance and effects can draw on"),
@@ -71,12 +71,12 @@ CEILINGS: Mapping[str, Bound] = {
     "passivity_damping": Bound(300.0, 1e5, "N s/m", "damping that dissipates it"),
     "stiffness_cap": Bound(1.0, 0.0, "", "1: contacts are no stiffer than stable"),
     "cap_margin": Bound(0.2, 0.0, "", "stability margin that they keep, at least"),
-    "arm_damping": Bound(10.0, 1e5, "N s/m", "damping of the arm that is counted on"),
+    "arm_damping": Bound(10.0, 1e5, "N s/m", "damping that the arm is assumed to have"),
     "late_hold_s": Bound(0.002, 1.0, "s", "lateness before the output is held"),
     "late_damp_s": Bound(0.010, 1.0, "s", "lateness before the force ramps down"),
     "late_stop_s": Bound(0.050, 1.0, "s", "lateness before a stop"),
     "missed_stop": Bound(20.0, 1000.0, "", "missed ticks in a row before a stop"),
-    "stale_warn_s": Bound(0.003, 1.0, "s", "age of device data that is counted"),
+    "stale_warn_s": Bound(0.003, 1.0, "s", "age of device data that is counted as stale"),
     "stale_stop_s": Bound(0.020, 1.0, "s", "age of device data before a stop"),
 }
 """All limits of `safety` and the two of `admittance`, by the name that they have in a scene."""

@@ -25,7 +25,7 @@ KEYS: tuple[tuple[str, str], ...] = (
     ("Ctrl + Z   Ctrl + Y", "undo, do again"),
     ("Ctrl + S   Ctrl + Shift + S", "save;  save as"),
     ("F8   F9", "next fault;  play the scene as it is now"),
-    ("N   P   Space", "next clip, previous clip;  hold it"),
+    ("N   P   Space", "next clip, previous clip;  pause it"),
     ("G   L", "floor;  studio light or the model's own"),
     ("F1 - F6", "frame graph, wireframe, bounds, lights, forces, shadow atlas"),
     ("F11   F12", "full screen;  picture to a PNG file"),

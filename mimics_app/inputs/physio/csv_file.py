@@ -161,7 +161,7 @@ class CsvFile:
         if column and "conversion error" in text:
             where = f"row {row[1]} of the column" if row else "the column"
             held = f'"{value[1]}"' if value else "something"
-            what = f"{where} holds {held}: more than numbers"
+            what = f"{where} holds {held}, which is not a number"
             fix = "leave a cell empty where a value is missing"
             return SceneError(Issue(str(self._path), f"/{self.labels[int(column[1])]}", what, fix))
         why = getattr(error, "strerror", "") or counted(first_line(error))

@@ -183,7 +183,7 @@ class SoundBank:
         except Exception as error:  # of a third party
             raise SceneError(Issue("", place, f'the recipe "{spec.recipe}" {raised(error)}')) from error
         if not isinstance(samples, np.ndarray) or samples.ndim != 1 or samples.dtype != np.float32 or not len(samples):
-            raise SceneError(Issue("", place, f'the recipe "{spec.recipe}" makes no float32 samples of shape [n]'))
+            raise SceneError(Issue("", place, f'the recipe "{spec.recipe}" does not make float32 samples of shape [n]'))
         if not np.abs(samples).max() <= 1.0:
             raise SceneError(Issue("", place, f'the recipe "{spec.recipe}" makes samples beyond -1 to 1'))
         return samples

@@ -178,7 +178,7 @@ class GltfMeshes:
         name = f"TEXCOORD_{number}"
         second = self._accessors.of_vertices(attributes, name, place, vertices, "VEC2")
         if second is None:
-            self._source.note(f"{place}: its material has a texture on {name}, which is not there")
+            self._source.note(f"{place}: its material has a texture on {name}, which is missing")
             return np.zeros((vertices, 2), np.float32)
         return second
 
