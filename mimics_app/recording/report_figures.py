@@ -24,9 +24,9 @@ __all__ = ["draw_lateness", "draw_path", "draw_states", "draw_traces"]
 _MM = 1000.0
 _AT_REST = 0.002
 """Extent of the path of a hand at rest [m]: sensor noise enlarged to the width of the page is no movement."""
-_LEAST_LATENESS_US = 0.1
-_MISS_US = 1000.0
-_AROUND_ROWS = 1000
+_LEAST_LATENESS_US = 0.1  # left end of the axis of lateness [us]
+_MISS_US = 1000.0  # lateness from which a tick is missed [us]
+_AROUND_ROWS = 1000  # rows before and after the movement that are drawn, too
 
 
 def draw_path(section: ReportSection, attempt: Attempt, facts: Mapping[str, Any], events: NDArray[Any]) -> Plot | None:

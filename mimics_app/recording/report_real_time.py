@@ -17,6 +17,7 @@ from mimics_app.recording.run import Run
 __all__ = ["Punctuality", "RealTime", "late_card", "punctuality", "real_time_of"]
 
 _WARM_UP_TICKS = 1000
+"""Ticks that are left out: in the first second caches are cold and the other processes start."""
 _MARKS = {"p50": 50.0, "p99": 99.0, "p99.9": 99.9, "max": 100.0}
 
 

@@ -34,12 +34,12 @@ __all__ = [
     "trip_table",
 ]
 
-_MOST_MOVES = 100
-_MOST_ROWS = 300
-_SHORT = 20
+_MOST_MOVES = 100  # changes of quality that are listed
+_MOST_ROWS = 300  # rows of a table that are listed
+_SHORT = 20  # rows; a longer table is folded
 _MOST_COLUMNS = 12  # of trials, about what 1100 px hold
-_LONG_LIST = 12
-_DEEPEST = 12
+_LONG_LIST = 12  # values; a longer list is counted
+_DEEPEST = 12  # levels of nesting that are named
 _HIDDEN = ("begin_ns", "end_ns")  # session clock, for programs
 _PARAMETER = "parameter."
 _METRES = "_m"

@@ -21,9 +21,9 @@ __all__ = ["RESAMPLE_HZ", "Measures", "PointMeasures", "Tally", "resample_speed"
 RESAMPLE_HZ = 60.0
 """Rate [Hz] of the speed profile passed to `sparc`; three times its widest band, and the usual frame rate."""
 
-_CUTOFF_HZ = 10.0
-_AMPLITUDE_THRESHOLD = 0.05
-_PAD_LEVEL = 4
+_CUTOFF_HZ = 10.0  # highest frequency of the spectrum that is used [Hz]
+_AMPLITUDE_THRESHOLD = 0.05  # share of the largest amplitude that ends the arc
+_PAD_LEVEL = 4  # the spectrum is padded to 2^4 times the length
 
 
 def sparc(speed: NDArray[np.float64], rate: float) -> float | None:

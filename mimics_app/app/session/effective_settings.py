@@ -12,6 +12,7 @@ import msgspec
 from mimics_app.app.scenes.fitted_scene import FITTED
 from mimics_app.app.session.preparation import SessionParts
 from mimics_app.app.settings import RunSettings
+from mimics_app.app.touch.ceilings import CEILINGS
 from mimics_app.app.touch.device_fit import device_values
 from mimics_app.rendering.haptic.scene_block import safety_of
 from mimics_app.world.components.robot import Safety
@@ -26,19 +27,6 @@ _CEILING = "ceiling of this machine, see mimics limits"
 
 _OPTION_UNITS = {"seconds": "s", "size": "px", "baseline_s": "s"}
 """Units of the options that have one, by field of `RunSettings`."""
-
-_SAFETY_UNITS = {
-    **dict.fromkeys(("force_limit", "measured_force_limit", "ramp_force"), "N"),
-    "force_rate_limit": "N/s",
-    **dict.fromkeys(("velocity_limit", "drive_speed"), "m/s"),
-    "workspace_margin": "m, rad",
-    "position_jump": "m",
-    **dict.fromkeys(("ramp_time_s", "late_hold_s", "late_damp_s", "late_stop_s", "stale_warn_s", "stale_stop_s"), "s"),
-    **dict.fromkeys(("arm_damping", "passivity_damping"), "N s/m"),
-    **dict.fromkeys(("power_limit", "tank_refill"), "W"),
-    **dict.fromkeys(("energy_limit", "tank_size"), "J"),
-}
-"""Units of the fields of `Safety` that have one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +90,9 @@ def _limits(parts: SessionParts) -> Iterator[EffectiveSetting]:
         origin = scene.place(f"{pointer}/{name}") if name in written else _DEFAULT
         origin = device if value != getattr(stated, name) else origin
         origin = _CEILING if name in parts.held.names else origin
-        yield EffectiveSetting("safety", name, value, _SAFETY_UNITS.get(name, ""), origin, _description(name))
+        yield EffectiveSetting(
+            "safety", name, value, CEILINGS[name].unit if name in CEILINGS else "", origin, _description(name)
+        )
     latches = "Whether late ticks latch SAFE_STOP; of a simulated device they hold it"
     yield EffectiveSetting("safety", "late_latches", bool(block["late_latches"][0]), "", device, latches)
 

@@ -27,7 +27,7 @@ __all__ = ["DEPTH", "RATES", "SPEED", "STIFFNESS", "tap_leak"]
 
 
 RATES = (60, 250, 500, 1000, 2500, 4000)
-"""Ticks per second [Hz]: a picture, half the seed's limit, the seed's limit (4.3.1), ours, the HapticMaster, 4 kHz."""
+"""Ticks per second [Hz]: a picture, half the limit of D2.1, its limit (4.3.1), ours, the HapticMaster, 4 kHz."""
 
 STIFFNESS = 2000.0
 """Of the wall [N/m], as the tunnel's."""

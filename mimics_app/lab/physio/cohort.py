@@ -1,7 +1,7 @@
 """Policies on cohorts of simulated people; regret against the best demand, which the policies do not know.
 
 A policy gets the same data as in a session: success in ten repetitions, and a load from heart rate and skin conductance
-with noise and drift, which in some people do not respond. Simulation is no clinical evidence.
+with noise and drift, which in some people do not respond. Simulation is not clinical evidence.
 """
 
 from __future__ import annotations

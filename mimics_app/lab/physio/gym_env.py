@@ -1,6 +1,6 @@
 """Gymnasium environment: a task with a simulated person; a step is a trial, an episode a session.
 
-Needs the extra `learning`. Simulation is no clinical evidence.
+Needs the extra `learning`. Simulation is not clinical evidence.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The whole loop on simulated people: raw signals, features, the default estimator, and a policy.
 
 A trial takes a minute and a half; a policy gets the load estimated at its end. The regret is relative to the best
-demand, which the policy does not know. Simulation is no clinical evidence.
+demand, which the policy does not know. Simulation is not clinical evidence.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The task of the studies: simulated people under a demand, with their success, their regret and their body signals.
 
 A trial of a study asks the same of every policy: a demand, whose distance from the best one decides the success in ten
-repetitions, the regret, and what the body does. Simulation is no clinical evidence.
+repetitions, the regret, and what the body does. Simulation is not clinical evidence.
 """
 
 from __future__ import annotations

@@ -26,15 +26,15 @@ from mimics_app.rendering.haptic.kernels.robot import command_robot, place_handl
 __all__ = ["Arm", "Hold", "exact_matrix", "is_exactly_stable", "is_stable"]
 
 
-_RATE = 1000.0
-_FREE = 1e12
-_AXIS = 2
-_APART = 1e-3
-_LARGE = 1e3
-_SHORTEST = 8_000
-_LONGEST = 200_000
-_GRIP_STIFFNESS = 4000.0
-_GRIP_DAMPING = 50.0
+_RATE = 1000.0  # ticks per second [Hz]
+_FREE = 1e12  # limit that is never reached
+_AXIS = 2  # joint that moves: the vertical one
+_APART = 1e-3  # first deviation [m]
+_LARGE = 1e3  # deviation at which a run has diverged [m]
+_SHORTEST = 8_000  # ticks of a run, at least
+_LONGEST = 200_000  # and at most
+_GRIP_STIFFNESS = 4000.0  # of the hand that holds the robot [N/m]
+_GRIP_DAMPING = 50.0  # [N s/m]
 
 _SPEED_SHARE = 0.1
 """Weight of the speed in the distance from rest [s]."""

@@ -72,16 +72,16 @@ __all__ = [
 
 _VECTOR = types.float64[::1]
 
-PERIOD = 1e-3
-STIFFNESS = 2000.0
+PERIOD = 1e-3  # tick [s]
+STIFFNESS = 2000.0  # of the wall [N/m]
 
-_TUNNEL = 0.04
-_BALL = 0.01
+_TUNNEL = 0.04  # radius of the tunnel [m]
+_BALL = 0.01  # of the ball in it [m]
 _ROOM = _TUNNEL - _BALL
-_QUIET = 1.0
-_UNLIMITED = 1e9
+_QUIET = 1.0  # time before the first stroke [s]
+_UNLIMITED = 1e9  # limit that is never reached
 _LEAST, _MOST = 0.05, 1000.0
-_FINE = 1e-6
+_FINE = 1e-6  # relative width at which the exact search ends
 
 _PERIOD_NS = 1_000_000
 """`PERIOD` [ns]."""

@@ -39,15 +39,15 @@ __all__ = ["EXPERIMENT", "object_law_printed", "pd_rate", "pressed_rate"]
 
 JointPd = Callable[[Vec, Vec, Vec, Vec, Vec, Vec], None]
 
-_DT = 1e-3
-_TICKS = 400
-_NUDGE = 1e-9
-_PRELOAD = 1e-3
-_KD = 0.3
-_RADIUS = 0.05
-_STIFFNESS = 2000.0
-_ROTATION_SECONDS = 0.05
-_EXACT_TURN = 1e-6
+_DT = 1e-3  # tick [s]
+_TICKS = 400  # ticks of a run
+_NUDGE = 1e-9  # first deviation, which grows or decays [m, rad]
+_PRELOAD = 1e-3  # penetration at rest [m]
+_KD = 0.3  # gain of the joint velocity [-]
+_RADIUS = 0.05  # of the sphere [m]
+_STIFFNESS = 2000.0  # of its surface [N/m]
+_ROTATION_SECONDS = 0.05  # time over which the rotation drifts [s]
+_EXACT_TURN = 1e-6  # growth of a correct equation, at most [1/s]
 
 
 @kernel

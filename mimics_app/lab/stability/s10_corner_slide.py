@@ -33,12 +33,12 @@ __all__ = ["EXPERIMENT", "slide"]
 Shape = Callable[[Vec, Vec, Vec, "ContactRecord"], None]
 """Surface of a shape: function of position, velocity, dimensions, contact."""
 
-_EDGE = 0.1
-_STIFFNESS = 2000.0
-_SPEED = 0.01
-_DT = 1e-3
-_RUN_UP = 0.005
-_UNFELT = 0.1
+_EDGE = 0.1  # edge length of the box [m]
+_STIFFNESS = 2000.0  # of its surface [N/m]
+_SPEED = 0.01  # of the slide [m/s]
+_DT = 1e-3  # tick [s]
+_RUN_UP = 0.005  # slide before the corner [m]
+_UNFELT = 0.1  # change of the force in a tick that nobody feels [N]
 
 _ABOVE = 1e-3
 """Start of the slide above the top [m]."""

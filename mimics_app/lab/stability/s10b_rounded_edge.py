@@ -29,14 +29,14 @@ if TYPE_CHECKING:
 __all__ = ["EXPERIMENT", "leaving_change"]
 
 
-_EDGE = 0.1
-_STIFFNESS = 2000.0
-_SPEED = 0.01
-_DT = 1e-3
-_DEPTH = 3e-3
-_UNFELT = 0.1
-_ROUNDED = 5e-3
-_RUN_UP = 2e-3
+_EDGE = 0.1  # edge length of the box [m]
+_STIFFNESS = 2000.0  # of its surface [N/m]
+_SPEED = 0.01  # of the slide [m/s]
+_DT = 1e-3  # tick [s]
+_DEPTH = 3e-3  # of the point under the top [m]
+_UNFELT = 0.1  # change of the force in a tick that nobody feels [N]
+_ROUNDED = 5e-3  # radius from which the change has to be below that [m]
+_RUN_UP = 2e-3  # slide before the point reaches the edge [m]
 
 
 @kernel

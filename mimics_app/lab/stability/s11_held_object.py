@@ -28,20 +28,20 @@ __all__ = ["EXPERIMENT", "cone_excess", "hold"]
 
 _MODELS = ("regularised", "Karnopp", "Hayward-Armstrong", "LuGre explicit", "LuGre implicit")
 
-_MASS = 3.0
-_MU = 0.4
-_NORMAL = 30.0
+_MASS = 3.0  # of the body [kg]
+_MU = 0.4  # coefficient of friction [-]
+_NORMAL = 30.0  # normal force [N]
 _CONE = _MU * _NORMAL
-_THRESHOLD = 0.01
-_STIFFNESS = 2e4
-_BRISTLE_DAMPING = 100.0
-_DT = 1e-3
-_SETTLING_S = 1.0
-_SECONDS = 61.0
-_TREMOR = 0.1
-_TREMOR_HZ = 2.0
-_HELD_M = 1e-6
-_CONE_ROUNDING = 1e-12
+_THRESHOLD = 0.01  # speed below which the regularised model is a damper [m/s]
+_STIFFNESS = 2e4  # of the bristles [N/m]
+_BRISTLE_DAMPING = 100.0  # [N s/m]
+_DT = 1e-3  # tick [s]
+_SETTLING_S = 1.0  # time in which the load rises [s]
+_SECONDS = 61.0  # length of a run [s]
+_TREMOR = 0.1  # amplitude of the tremor, as a share of the load
+_TREMOR_HZ = 2.0  # its frequency [Hz]
+_HELD_M = 1e-6  # creep of a body that is held, at most [m]
+_CONE_ROUNDING = 1e-12  # excess over the cone that is rounding [-]
 
 _PUSH_BACK = 1e3
 """Load on the held object per speed [N s/m], which determines the direction of friction."""

@@ -23,13 +23,13 @@ if TYPE_CHECKING:
 __all__ = ["EXPERIMENT", "deflection", "exact_limit"]
 
 
-_NORMAL = 2.5
-_MU = 0.4
-_MU_STATIC = 0.6
-_STRIBECK = 0.05
-_STIFFNESS = 1e5
-_TICKS = 20_000
-_LOST = 3.0
+_NORMAL = 2.5  # normal force [N]
+_MU = 0.4  # coefficient of sliding friction [-]
+_MU_STATIC = 0.6  # of static friction [-]
+_STRIBECK = 0.05  # velocity of the Stribeck curve [m/s]
+_STIFFNESS = 1e5  # of the bristles [N/m]
+_TICKS = 20_000  # ticks of a run
+_LOST = 3.0  # deflection at which a run has diverged, in steady ones
 
 _TENTHS = 10
 """Parts of a slide, of which the last one counts."""

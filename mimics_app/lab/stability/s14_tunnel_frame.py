@@ -27,12 +27,12 @@ if TYPE_CHECKING:
 __all__ = ["EXPERIMENT", "inflections", "walk_wall", "wavy_tunnel"]
 
 
-_RADIUS = 0.01
-_DEPTH = 0.002
-_STIFFNESS = 1000.0
-_STEP = 0.2e-3
-_MARGIN = 0.01
-_STEADY = 0.05
+_RADIUS = 0.01  # of the tunnel [m]
+_DEPTH = 0.002  # of the point in its wall [m]
+_STIFFNESS = 1000.0  # of the wall [N/m]
+_STEP = 0.2e-3  # along the curve [m]
+_MARGIN = 0.01  # left out at both ends [m]
+_STEADY = 0.05  # jump of the force of a steady frame, at most, as a share
 
 
 def wavy_tunnel(height: float) -> TunnelCurve:

@@ -38,13 +38,13 @@ __all__ = ["EXPERIMENT", "exact_clearance", "newton_miss", "track_miss"]
 _BEND = 0.05
 """Radius of the bend [m]."""
 
-_DT = 1e-3
-_CONTROL_POINTS = 90
-_ANGLE = 4.5
-_ITERATIONS = 24
-_TICKS = 60
-_LOST = 1e-5
-_KEPT = 1e-7
+_DT = 1e-3  # tick [s]
+_CONTROL_POINTS = 90  # of the curve
+_ANGLE = 4.5  # of the arc that it follows [rad]
+_ITERATIONS = 24  # of the reference search
+_TICKS = 60  # ticks of a pass
+_LOST = 1e-5  # miss at which the search has lost the point [m]
+_KEPT = 1e-7  # and that of one that kept it, at most [m]
 
 
 @cache

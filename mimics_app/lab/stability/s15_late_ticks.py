@@ -38,12 +38,12 @@ __all__ = ["EXPERIMENT", "measure_lateness", "stalls"]
 
 
 _STROKE = Stroke()
-_BETWEEN = 50
-_LONGEST = 9e-3
-_RAMPED_DOWN = 12e-3
-_USUAL_DAMPING = 2.0
-_LIVE_SECONDS = 3.0
-_LIVE_POINTS = 5
+_BETWEEN = 50  # ticks from one late one to the next
+_LONGEST = 9e-3  # largest lateness of the sweep [s]
+_RAMPED_DOWN = 12e-3  # lateness at which the force is ramped down [s]
+_USUAL_DAMPING = 2.0  # of the wall [N s/m]
+_LIVE_SECONDS = 3.0  # of measured lateness [s]
+_LIVE_POINTS = 5  # grid points from which it is measured at all
 
 
 def stalls(length: float) -> Wakes:

@@ -36,9 +36,9 @@ SPARE_SOURCES = 8
 """Sources beside those of the voices, for sounds that fade out."""
 
 
-_FADE_FRAMES = 960
-_SHORTEST_RAMP = 64
-_AUDIBLE_CHANGE = 0.02
+_FADE_FRAMES = 960  # kept after the last sample, for the filters' decay: 20 ms
+_SHORTEST_RAMP = 64  # frames; in a shorter piece no gain changes
+_AUDIBLE_CHANGE = 0.02  # relative change of a gain that is sent
 _AUDIBLE_PITCH = 0.002  # of pure tones at 1 kHz (C. C. Wier et al., J. Acoust. Soc. Am. 61, 1977)
 _AHEAD: Vec3 = (0.0, 0.0, -1.0)
 

@@ -73,7 +73,7 @@ values near which the wall gives way, so that rare collisions do not set the lev
 # speed^-((p - 1) / (p + 1)) (Hertz's sphere is the case p = 3/2, exponent -1/5).
 _PULSE_AT_ONE = 0.00026
 _PULSE_EXPONENT = 0.37
-_LOUDNESS_WINDOW_S = 0.05
+_LOUDNESS_WINDOW_S = 0.05  # begin of a sound, whose root mean square is set [s]
 _HIGHEST = 0.88  # peak, -1.1 dBFS: very short sounds would exceed full scale at CONTACT_RMS
 
 

@@ -17,7 +17,7 @@ __all__ = ["WavWriter", "soften_peaks", "unused_name"]
 _HEADER_SIZE = 44
 _LARGEST_DATA = 0xFFFF_FFFF - _HEADER_SIZE
 _PCM = 1
-_KNEE = 0.85
+_KNEE = 0.85  # level above which loud samples are compressed instead of clipped
 _GIVEN_BACK = 2 << 20
 
 
