@@ -9,13 +9,13 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 
 __all__ = [
+    "conjugate",
     "interpolate_pose",
     "pose_from_parts",
     "quaternion_of",
+    "rotate_vector",
     "rotation_from_vector",
     "rotation_vector",
-    "turn_vector",
-    "turned_back",
 ]
 
 
@@ -90,12 +90,12 @@ def interpolate_pose(first: F8, second: F8, share: float) -> F8:
     return pose
 
 
-def turned_back(rotation: F8) -> F8:
+def conjugate(rotation: F8) -> F8:
     """Inverse rotation of a unit quaternion, xyzw."""
     return rotation * (-1.0, -1.0, -1.0, 1.0)
 
 
-def turn_vector(rotation: F8, vector: F8) -> F8:
+def rotate_vector(rotation: F8, vector: F8) -> F8:
     """Rotate a vector, shape [3], by a unit quaternion, xyzw."""
     turn = 2.0 * np.cross(rotation[:3], vector)
     return np.asarray(vector + rotation[3] * turn + np.cross(rotation[:3], turn))

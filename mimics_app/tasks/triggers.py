@@ -42,7 +42,7 @@ class Moment:
 
 
 class Triggers:
-    """The triggers of a task, with those of a progress that have fired in this trial.
+    """The triggers of a task; those on progress fire once in an attempt.
 
     Args:
         specs: The triggers.
@@ -60,9 +60,9 @@ class Triggers:
 
     def due(self, moment: Moment) -> list[Deed]:
         """Return the actions of this frame in the order of the scene file. Call once per frame."""
-        return [deed for i, spec in enumerate(self._specs) if self._goes_off(i, spec.when, moment) for deed in spec.do]
+        return [deed for i, spec in enumerate(self._specs) if self._fires(i, spec.when, moment) for deed in spec.do]
 
-    def _goes_off(self, i: int, when: Component, moment: Moment) -> bool:
+    def _fires(self, i: int, when: Component, moment: Moment) -> bool:
         if isinstance(when, EnterCondition):
             return moment.entered == when.state
         if isinstance(when, ExitCondition):

@@ -16,7 +16,7 @@ from mimics_app.rendering.visual.displays.headset import RawHeadset
 from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec
 from mimics_app.rendering.visual.displays.headset_session import HeadsetDisplay
 from mimics_app.rendering.visual.displays.simulated_headset import SimulatedRuntime
-from mimics_app.rendering.visual.displays.stereo import DUBOIS_RED_CYAN, StereoDisplay, parallax
+from mimics_app.rendering.visual.displays.stereo import DUBOIS_RED_CYAN, StereoDisplay
 from mimics_app.rendering.visual.displays.wall_file import load_walls
 from mimics_app.rendering.visual.displays.walls import WallDisplay
 from mimics_app.rendering.visual.presenting.presenter import Presenter
@@ -64,11 +64,12 @@ def part(picture: np.ndarray, eye: Eye) -> np.ndarray:
 
 @pytest.mark.parametrize("depth", [1.0, 2.0, 4.0])
 def test_stereo_parallax_as_drawn(depth: float) -> None:
+    """The parallax on the screen, right minus left, is e (Z - Z0) / Z."""
     display = StereoDisplay("anaglyph", 0.063, 2.0)
     _, drawn, (left, right) = show(display, camera_world([np.array([0.0, 0.0, -depth])], 0.09 * depth))
     at = [centroid(part(drawn, eye)) for eye in (left, right)]
     metres_per_px = 2.0 * (left.tangents[1] - left.tangents[0]) / SIZE[0]
-    assert abs((at[1][0] - at[0][0]) - parallax(0.063, 2.0, depth) / metres_per_px) <= 0.1
+    assert abs((at[1][0] - at[0][0]) - 0.063 * (depth - 2.0) / depth / metres_per_px) <= 0.1
     assert abs(at[1][1] - at[0][1]) <= 0.05
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import SceneError
-from mimics_app.maths.poses import quaternion_of, turn_vector, turned_back
+from mimics_app.maths.poses import conjugate, quaternion_of, rotate_vector
 from mimics_app.world.content.motion.animator import Animator
 from mimics_app.world.content.motion.humanoid import HumanoidMap, find_humanoid
 from mimics_app.world.content.motion.kernels.chain import localise
@@ -231,8 +231,8 @@ class TrackedFigure:
 
     def _place(self, slot: int, offset: F8) -> F8:
         """Return the position of a point fixed to a joint, world [m]; the offset is in the model's axes at rest."""
-        inside = self._chain.places[slot] + turn_vector(
-            self._chain.turns[slot], turn_vector(turned_back(self._rest.turns[slot]), offset)
+        inside = self._chain.places[slot] + rotate_vector(
+            self._chain.turns[slot], rotate_vector(conjugate(self._rest.turns[slot]), offset)
         )
         return np.asarray(self._world_from_model[:3, :3] @ inside + self._world_from_model[:3, 3])
 

@@ -2,7 +2,7 @@
 
 The result is a `Drive`, the slow quantities that the body signals follow; `simulated.signals` synthesises the signals
 and shares no constant with this module. A closed loop with such a person shows that a method works under these
-assumptions. It is no clinical evidence.
+assumptions. It is not clinical evidence.
 """
 
 from __future__ import annotations

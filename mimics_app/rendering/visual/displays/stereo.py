@@ -10,7 +10,7 @@ from mimics_app.rendering.visual.displays.desktop import compute_window_tangents
 from mimics_app.rendering.visual.displays.plain_display import PlainDisplay, eye_offset
 from mimics_app.rendering.visual.view_matrices import Tangents
 
-__all__ = ["DUBOIS_RED_CYAN", "STEREO_KINDS", "StereoDisplay", "parallax"]
+__all__ = ["DUBOIS_RED_CYAN", "STEREO_KINDS", "StereoDisplay"]
 
 STEREO_KINDS = ("sbs", "sbs-half", "tb", "interleaved", "anaglyph", "quad")
 
@@ -67,11 +67,6 @@ class StereoDisplay(PlainDisplay):
         if self.kind == "tb":
             return (0, height - height // 2, width, height // 2), (0, 0, width, height - height // 2)
         return (0, 0, width // 2, height), (width // 2, 0, width - width // 2, height)
-
-
-def parallax(ipd: float, screen_distance: float, depth: float) -> float:
-    """Return the screen parallax of a point at a depth [m], right minus left: e (Z - Z0) / Z."""
-    return ipd * (depth - screen_distance) / depth
 
 
 def _composing(kind: str) -> Composing | None:

@@ -81,7 +81,7 @@ class SortScratch(NamedTuple):
 
 
 @kernel
-def _see_sprites(
+def _cull_sprites(
     sprites: Records, count: int, planes: F8, eye: F8, masked: U1, solid: I4, blended: I4, away: F8
 ) -> tuple[int, int]:
     """Cull sprites against a frustum.
@@ -129,7 +129,7 @@ def pick_sprites(
     """Cull sprites and sort them: masked ones by state, then blended ones far to near.
 
     Args:
-        sprites: See `_see_sprites`, as the next four.
+        sprites: SPRITE, as the next four arguments see `_cull_sprites`.
         count: Number of sprites.
         planes: Planes of the frustum.
         eye: Position of the camera.
@@ -142,7 +142,7 @@ def pick_sprites(
     """
     order, blended, away, keys = picked
     spare_keys, spare, digits = scratch
-    solids, others = _see_sprites(sprites, count, planes, eye, masked, order, blended, away)
+    solids, others = _cull_sprites(sprites, count, planes, eye, masked, order, blended, away)
     for i in range(solids):
         keys[i] = sprites[order[i]]["state"]
     sort_by_key(keys, order, solids, spare_keys, spare, digits)

@@ -74,7 +74,7 @@ class _Bent:
         body: The body.
         names: Keys of the meshes.
         span: First and end of the boxes in `PlacedShapes.boxes`.
-        revision: Revision of the body as which the boxes are bent.
+        revision: Revision of the body's pose that the boxes were computed for.
     """
 
     body: SkinnedBody

@@ -9,7 +9,7 @@ from enum import IntFlag
 import numpy as np
 
 from mimics_app.contracts.arrays import F8, I4
-from mimics_app.maths.poses import turn_vector, turned_back
+from mimics_app.maths.poses import conjugate, rotate_vector
 from mimics_app.maths.quat import multiply, slerp
 from mimics_app.world.content.motion.kernels.chain import arc, follow_chain, follow_one, follow_slots, localise
 from mimics_app.world.content.motion.kernels.two_bone import reach_two_bones
@@ -71,7 +71,7 @@ class Chain:
     def shift(self, pose: Pose, slot: int, way: F8) -> None:
         """Move a slot by a vector of the model's frame [m], whatever rotations and scales are above it; all follow."""
         above = int(self.rig.parents[slot])
-        local = way if above < 0 else turn_vector(turned_back(self.turns[above]), way) / self.scales[above]
+        local = way if above < 0 else rotate_vector(conjugate(self.turns[above]), way) / self.scales[above]
         pose.translations[slot] += local
         self.follow(pose)
 

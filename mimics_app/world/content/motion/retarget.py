@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.maths.poses import turn_vector, turned_back
+from mimics_app.maths.poses import conjugate, rotate_vector
 from mimics_app.maths.quat import about_axis, product
 from mimics_app.world.content.motion.facing import facing
 from mimics_app.world.content.motion.humanoid import BONES, HumanoidMap
@@ -73,7 +73,7 @@ class Retarget:
         self.residuals: dict[str, float] = {}
         self._moved: dict[str, float] = {}
         self._align()
-        self._back = np.array([turned_back(turn) for turn in self._rest_from.turns])
+        self._back = np.array([conjugate(turn) for turn in self._rest_from.turns])
         self._turns = np.zeros_like(self._rest.turns)
         self._hips = source_bones.slots["hips"], target_bones.slots["hips"]
         self._scale = self._find_scale()
@@ -83,7 +83,7 @@ class Retarget:
         """Find the rotation of each slot at rest after alignment, in the source's frame."""
         self._pairs = np.full(len(self._target.names), -1, np.int32)
         self._aligned = self._rest.turns.copy()
-        out, found = turned_back(self._into), dict[str, F8]()
+        out, found = conjugate(self._into), dict[str, F8]()
         for bone, slot in self._own.items():
             side = next((side for side in ("left", "right") if bone.startswith(side)), "")
             above = found.get(side + _ABOVE.get(bone.removeprefix(side), ""), out)
@@ -99,14 +99,14 @@ class Retarget:
         own, theirs = ways
         turn, aligned = np.empty(4), out
         if bone.endswith("Foot"):
-            flat = turn_vector(out, own) * (1.0, 0.0, 1.0), theirs * (1.0, 0.0, 1.0)
+            flat = rotate_vector(out, own) * (1.0, 0.0, 1.0), theirs * (1.0, 0.0, 1.0)
             arc(*flat, turn)
             aligned = product(turn, out) if min(map(np.linalg.norm, flat)) > 0.0 else out
         elif bone in _NEXT:
-            arc(turn_vector(above, own), theirs, turn)
+            arc(rotate_vector(above, own), theirs, turn)
             aligned = product(turn, above)
-            self._moved[bone] = _angle(turn_vector(out, own), theirs)
-        self.residuals[bone] = _angle(turn_vector(aligned, own), theirs)
+            self._moved[bone] = _angle(rotate_vector(out, own), theirs)
+        self.residuals[bone] = _angle(rotate_vector(aligned, own), theirs)
         return aligned
 
     def _ways(self, bone: str, after: str) -> tuple[F8, F8] | None:
@@ -154,10 +154,10 @@ class Retarget:
         turned = (self._pairs, self._into, aligned, parents, pose.rotations, self._turns)
         carry_over(chain.turns, self._back, *turned)
         way = chain.places[source] - self._rest_from.places[source]
-        way = self._scale * turn_vector(self._into, way)
+        way = self._scale * rotate_vector(self._into, way)
         above = int(parents[target])
         if above >= 0:
-            way = turn_vector(turned_back(self._turns[above]), way) / self._rest.scales[above]
+            way = rotate_vector(conjugate(self._turns[above]), way) / self._rest.scales[above]
         pose.translations[target] = self._target.rest.translations[target] + way
 
 
