@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.system.regular_file import open_regular, read_regular
 from mimics_app.recording.arrow_format import END_OF_STREAM, INDEX_ROW, Block, schema_bytes
 
-__all__ = ["Damage", "Found", "last_block", "read_index", "read_schema", "scan_stream", "sorted_scan"]
+__all__ = ["Damage", "FoundBlock", "last_block", "read_index", "read_schema", "scan_stream", "sorted_scan"]
 
 _CONTINUATION = END_OF_STREAM[:4]
 _ALIGNMENT = 8
@@ -33,7 +33,7 @@ Span = tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class FoundBlock:
     """A valid block and its bytes [offset, offset + length) in the stream."""
 
     offset: int
@@ -85,7 +85,7 @@ def scan_stream(
     schema: pa.Schema,
     index: NDArray[Any] | None = None,
     begin: int = 0,
-) -> Iterator[Found | Damage]:
+) -> Iterator[FoundBlock | Damage]:
     """Yield the valid blocks and the damaged parts in the order of the file; nothing without the file.
 
     Args:
@@ -113,20 +113,22 @@ def _release_pages(view: memoryview, start: int, end: int) -> int:
 
 def sorted_scan(
     path: Path, decode: Callable[[memoryview], Block], schema: pa.Schema, index: NDArray[Any] | None = None
-) -> tuple[list[Found], list[Damage]]:
+) -> tuple[list[FoundBlock], list[Damage]]:
     """Return the valid blocks and the damaged parts of a stream, see `scan_stream`."""
     pieces = list(scan_stream(path, decode, schema, index))
-    return [each for each in pieces if isinstance(each, Found)], [each for each in pieces if isinstance(each, Damage)]
+    return [each for each in pieces if isinstance(each, FoundBlock)], [
+        each for each in pieces if isinstance(each, Damage)
+    ]
 
 
 def last_block(
     path: Path, decode: Callable[[memoryview], Block], schema: pa.Schema, index: NDArray[Any] | None = None
-) -> Found | None:
+) -> FoundBlock | None:
     """Return the last valid block of a stream, see `scan_stream`; None where it has none. None before it is decoded."""
     with _opened(path, schema, index) as (view, spans):
         for span in reversed(list(spans)):
             for piece in _read_span(view, span, decode):
-                if isinstance(piece, Found):
+                if isinstance(piece, FoundBlock):
                     return piece
     return None
 
@@ -149,13 +151,13 @@ def _opened(
             yield view, _spans(data, begin or _schema_length(data) or len(schema_bytes(schema)), index)
 
 
-def _read_span(view: memoryview, span: Span, decode: Callable[[memoryview], Block]) -> Iterator[Found | Damage]:
+def _read_span(view: memoryview, span: Span, decode: Callable[[memoryview], Block]) -> Iterator[FoundBlock | Damage]:
     start, end = span
     if bytes(view[start:end]) == END_OF_STREAM:
         return
     part = view[start:end]
     try:
-        yield Found(start, end - start, decode(part))
+        yield FoundBlock(start, end - start, decode(part))
     except ValueError as error:
         yield Damage(start, end - start, str(error))
     finally:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.recording.arrow_format import BLOCK_ROWS, decode_samples, schema_bytes
-from mimics_app.recording.arrow_scan import Found, read_index, scan_stream
+from mimics_app.recording.arrow_scan import FoundBlock, read_index, scan_stream
 from mimics_app.recording.column_file import read_columns
 from mimics_app.recording.columns import present_columns, rows_of
 from mimics_app.recording.run import Run
@@ -97,7 +97,7 @@ class HapticColumns:
         for piece in scan_stream(
             path, lambda data: decode_samples(data, layout), layout.schema, index[blocks:], int(begin)
         ):
-            if not isinstance(piece, Found):
+            if not isinstance(piece, FoundBlock):
                 continue
             block = piece.block
             if block.seq > blocks:

@@ -23,7 +23,7 @@ from mimics_app.recording.arrow_format import (
     decode_samples,
     parameters_schema,
 )
-from mimics_app.recording.arrow_scan import Damage, Found, read_index, read_schema, scan_stream, sorted_scan
+from mimics_app.recording.arrow_scan import Damage, FoundBlock, read_index, read_schema, scan_stream, sorted_scan
 from mimics_app.recording.column_layout import layout_of
 from mimics_app.recording.columns import row_length, samples_of
 from mimics_app.recording.event_log import events_of, missing_events, read_lines
@@ -79,7 +79,7 @@ class _Survey:
         self._last_tick = -1.0
         self._next_number = 0
 
-    def add(self, piece: Found | Damage) -> None:
+    def add(self, piece: FoundBlock | Damage) -> None:
         """Add the next part of the file."""
         if isinstance(piece, Damage):
             self.damages.append(piece)
@@ -160,7 +160,7 @@ class Run:
         size = max(1, path.stat().st_size) if path.is_file() else 1
         for each in scan_stream(path, lambda data: decode_samples(data, layout), layout.schema, index):
             survey.add(each)
-            if isinstance(each, Found):
+            if isinstance(each, FoundBlock):
                 yield each.block.records
             self.reading(min(1.0, (each.offset + each.length) / size))
         self.__dict__["_survey"] = survey

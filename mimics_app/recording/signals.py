@@ -29,7 +29,7 @@ from mimics_app.recording.arrow_format import (
     rows_crc,
     schema_bytes,
 )
-from mimics_app.recording.arrow_scan import Found, last_block, read_schema, scan_stream
+from mimics_app.recording.arrow_scan import FoundBlock, last_block, read_schema, scan_stream
 from mimics_app.recording.run_folder import FILES
 from mimics_app.recording.signal_rows import SignalRow, unpack_signals
 
@@ -148,7 +148,7 @@ def read_signals(folder: Path) -> tuple[list[SignalRow], list[str]]:
     rows: list[SignalRow] = []
     faults: list[str] = []
     for piece in scan_stream(path, decode_signals, read_schema(path) or signals_schema()):
-        if isinstance(piece, Found):
+        if isinstance(piece, FoundBlock):
             if piece.block.first != len(rows):
                 faults.append(
                     f"{path.name}: {piece.block.first - len(rows)} rows are missing before {piece.block.first}"
@@ -198,7 +198,7 @@ def sampled_signals(folder: Path) -> dict[str, SampledSignal]:
     if not path.exists():
         return found
     for part in scan_stream(path, decode_signals, read_schema(path) or signals_schema()):
-        for row in part.block.records if isinstance(part, Found) else ():
+        for row in part.block.records if isinstance(part, FoundBlock) else ():
             if row.block.name not in found:
                 found[row.block.name] = SampledSignal()
             found[row.block.name].add(row.block)

@@ -29,7 +29,7 @@ from mimics_app.recording.arrow_format import (
     parameters_schema,
     schema_bytes,
 )
-from mimics_app.recording.arrow_scan import Found, last_block, read_index, scan_stream
+from mimics_app.recording.arrow_scan import FoundBlock, last_block, read_index, scan_stream
 from mimics_app.recording.column_layout import current_layout, samples_schema
 from mimics_app.recording.columns import HAPTICMASTER
 from mimics_app.recording.event_log import encode_event, events_of, find_lines, read_lines
@@ -214,7 +214,7 @@ def hash_of_files(folder: Path, trials: Iterable[Mapping[str, object]], extent: 
     state, layout = StateHash(extent), current_layout(extent)
     path, index = folder / FILES["haptic"], read_index(folder / FILES["index"])
     for piece in scan_stream(path, lambda data: decode_samples(data, layout), layout.schema, index):
-        if isinstance(piece, Found):
+        if isinstance(piece, FoundBlock):
             state.add_samples(piece.block.records)
     state.add_events(events_of(read_lines(folder / FILES["events"])[0]))
     for row in trials:

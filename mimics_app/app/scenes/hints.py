@@ -28,10 +28,10 @@ from mimics_app.world.files.scene.scene import Scene
 
 __all__ = ["hints"]
 
-_WIDEST = 10.0
+_MAX_WIDTH = 10.0
 """Width of an object above which its unit is likely another one [m]; robots reach about 1 m."""
 
-_FARTHEST = 2.0
+_MAX_DISTANCE = 2.0
 """Distance from the centre of the workspace beyond which nothing is felt [m]."""
 
 _TRIGGERS = (
@@ -76,7 +76,7 @@ def _sizes(scene: Scene) -> list[Issue]:
     return [
         scene.issue(pointer, f'"{name}" is {2.0 * radius:g} m wide', "lengths are metres")
         for name, body, pointer in scene.components(HapticObject)
-        if 2.0 * (radius := _radius(scene, name, body)) > _WIDEST
+        if 2.0 * (radius := _radius(scene, name, body)) > _MAX_WIDTH
     ]
 
 
@@ -89,7 +89,7 @@ def _out_of_reach(scene: Scene) -> list[Issue]:
     for name, body, pointer in scene.components(HapticObject):
         place = pose_of(scene, name)[0]
         away = float(np.linalg.norm(reach.from_world(place) - centre)) - _radius(scene, name, body)
-        if away > _FARTHEST:
+        if away > _MAX_DISTANCE:
             what = f'"{name}" is {away:.1f} m from where the robot is, out of its reach'
             found.append(scene.issue(pointer, what, "move it or the robot (robot_to_world)"))
     return found
